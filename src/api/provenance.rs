@@ -1,6 +1,7 @@
 //! The provenance of a picture: the entries of its file's header, and a hash of its scene.
 
-use std::path::Path;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
 use crate::format::JsonSource;
 use crate::format::resolve;
@@ -79,79 +80,104 @@ pub fn finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -
 /// the conversion of the picture for a display, and the folder of the scene.
 fn scene_hash(scene: &Value, folder: &Path) -> String {
     let scene = scene_of_passes(scene);
-    let mut hash = IdentityHash::default();
-    hash.add_part(scene.to_string().as_bytes());
-    add_files(&scene, folder, &mut hash);
-    hash.hex()
+    let mut files = FileHash::default();
+    files.hash.add_part(scene.to_string().as_bytes());
+    files.add_all(&scene, folder);
+    files.hash.hex()
 }
 
-/// Adds all files that the scene names to the hash, in the order in which the scene names them.
-fn add_files(value: &Value, folder: &Path, hash: &mut IdentityHash) {
-    match value {
-        Value::Object(entries) => {
-            for (key, value) in entries {
-                match value {
-                    Value::String(name)
-                        if ["path", "file", "image", "bands", "prescription"].contains(&key.as_str()) =>
-                    {
-                        add_file(&folder.join(name), hash);
-                    }
-                    Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
-                    Value::Array(_) | Value::Object(_) => add_files(value, folder, hash),
+/// A hash of files. It contains each file once.
+#[derive(Default)]
+struct FileHash {
+    hash: IdentityHash,
+    added: HashSet<PathBuf>,
+}
+
+impl FileHash {
+    /// Adds all files that a scene names, in the order in which the scene names them. Each text in
+    /// a scene may name a file.
+    fn add_all(&mut self, value: &Value, folder: &Path) {
+        match value {
+            Value::Object(entries) => entries.values().for_each(|value| self.add_all(value, folder)),
+            Value::Array(values) => values.iter().for_each(|value| self.add_all(value, folder)),
+            Value::String(name) => self.add_with_parts(&folder.join(name)),
+            Value::Null | Value::Bool(_) | Value::Number(_) => {}
+        }
+    }
+
+    /// Adds a file, and then the files that it names: the materials of an OBJ file with their
+    /// pictures, the files of a glTF file, the tilt factors of a luminaire, and the glass
+    /// catalogues of a Zemax lens.
+    fn add_with_parts(&mut self, path: &Path) {
+        let Some(bytes) = self.add(path) else { return };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+        match extension.as_deref() {
+            Some("obj") => {
+                for library in names_after(b"mtllib", &bytes) {
+                    let path = folder.join(library);
+                    let pictures = self.add(&path).map(|bytes| names_after(b"", &bytes)).unwrap_or_default();
+                    self.add_named(&pictures, path.parent().unwrap_or(folder));
                 }
             }
-        }
-        Value::Array(values) => values.iter().for_each(|value| add_files(value, folder, hash)),
-        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
-    }
-}
-
-/// Adds a file to the hash, and then the files that it names: the materials of an OBJ file with
-/// their pictures, the buffers and images of a glTF file, and the glass catalogues of a Zemax lens.
-fn add_file(path: &Path, hash: &mut IdentityHash) {
-    let Ok(bytes) = std::fs::read(path) else {
-        return;
-    };
-    hash.add_part(&bytes);
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-    match extension.as_deref() {
-        Some("obj") => {
-            for library in names_after("mtllib ", &bytes) {
-                let library = folder.join(library);
-                add_bytes(&library, hash);
-                let pictures = std::fs::read(&library).map(|bytes| names_after("map_Kd ", &bytes)).unwrap_or_default();
-                pictures.iter().for_each(|name| add_bytes(&folder.join(name), hash));
+            Some("ies") => self.add_named(&names_after(b"TILT=", &bytes), folder),
+            Some("gltf") => {
+                let gltf: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
+                self.add_all(&gltf, folder);
             }
+            Some("zmx") => resolve::catalogues_beside(path, &bytes).iter().for_each(|path| drop(self.add(path))),
+            Some(_) | None => {}
         }
-        Some("gltf") => {
-            let gltf: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
-            let of = |list: &str| gltf.get(list).and_then(Value::as_array).cloned().unwrap_or_default();
-            let entries = [of("buffers"), of("images")].concat();
-            let named = entries.iter().filter_map(|entry| entry.get("uri")?.as_str());
-            named.filter(|uri| !uri.starts_with("data:")).for_each(|uri| add_bytes(&folder.join(uri), hash));
+    }
+
+    fn add_named(&mut self, names: &[String], folder: &Path) {
+        names.iter().for_each(|name| drop(self.add(&folder.join(name))));
+    }
+
+    /// Adds a file and returns its bytes. Returns `None` if there is no such file, or if the hash
+    /// contains it.
+    fn add(&mut self, path: &Path) -> Option<Vec<u8>> {
+        if self.added.contains(path) || !path.is_file() {
+            return None;
         }
-        Some("zmx") => resolve::catalogues_beside(path, &bytes).iter().for_each(|path| add_bytes(path, hash)),
-        Some(_) | None => {}
+        let bytes = std::fs::read(path).ok()?;
+        self.hash.add_part(&bytes);
+        self.added.insert(path.to_owned());
+        Some(bytes)
     }
 }
 
-/// Returns the rest of each line that starts with `key`.
-fn names_after(key: &str, text: &[u8]) -> Vec<String> {
-    let text = String::from_utf8_lossy(text);
-    text.lines().filter_map(|line| Some(line.trim().strip_prefix(key)?.trim().to_string())).collect()
-}
-
-fn add_bytes(path: &Path, hash: &mut IdentityHash) {
-    if let Ok(bytes) = std::fs::read(path) {
-        hash.add_part(&bytes);
+/// Returns the texts that may be names of files on the lines that start with `key`: the rest of the
+/// line from each of its words on, because options may precede a name, and a name may contain
+/// spaces.
+fn names_after(key: &[u8], text: &[u8]) -> Vec<String> {
+    let mut names = Vec::new();
+    for line in text.split(|&byte| byte == b'\n') {
+        let Some(rest) = line.trim_ascii().strip_prefix(key) else { continue };
+        let rest = String::from_utf8_lossy(rest.trim_ascii());
+        let starts = rest.char_indices().filter(|&(at, letter)| {
+            !letter.is_whitespace() && rest[..at].chars().next_back().is_none_or(char::is_whitespace)
+        });
+        names.extend(starts.map(|(at, _)| rest[at..].to_string()));
     }
+    names
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use serde_json::json;
+
+    /// A scene of many instances of a mesh names one file many times.
+    #[test]
+    fn the_hash_reads_each_file_once() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.ply"), "ply").unwrap();
+        let mut files = FileHash::default();
+        assert!(files.add(&folder.path().join("a.ply")).is_some());
+        assert!(files.add(&folder.path().join("a.ply")).is_none());
+        assert!(files.add(folder.path()).is_none(), "a folder is not a file");
+    }
 
     #[test]
     fn the_hash_covers_scene_and_files_but_not_passes() {
@@ -172,6 +198,14 @@ mod tests {
         let untextured = hash(&scene(8, 0));
         std::fs::write(folder.path().join("a.png"), "a picture").unwrap();
         assert_ne!(untextured, hash(&scene(8, 0)));
+        std::fs::write(folder.path().join("a.mtl"), "newmtl blue\nmap_bump -bm 0.5 my bumps.png\n").unwrap();
+        let flat = hash(&scene(8, 0));
+        std::fs::write(folder.path().join("my bumps.png"), "a picture").unwrap();
+        assert_ne!(flat, hash(&scene(8, 0)));
+        let paper = json!({"bispectral": {"reflectance": 0.85, "matrix": "paper.csv"}});
+        let absent = hash(&paper);
+        std::fs::write(folder.path().join("paper.csv"), "emission_nm,400").unwrap();
+        assert_ne!(absent, hash(&paper));
         let bands = json!({"reflectance": {"bands": "a.exr"}});
         let missing = hash(&bands);
         std::fs::write(folder.path().join("a.exr"), "bands").unwrap();
