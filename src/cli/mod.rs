@@ -97,7 +97,7 @@ enum Command {
     Explain(explain::ExplainArgs),
     /// Check scenes without rendering them
     Check(check::CheckArgs),
-    /// Convert a glTF file or a Mitsuba scene to a scene file
+    /// Convert a glTF file, a Mitsuba scene or a pbrt scene to a scene file
     #[cfg(feature = "meshes")]
     Import(import::ImportArgs),
     /// Print the JSON Schema of the scene file

@@ -42,7 +42,7 @@ const fn row(id: EffectId) -> Effect {
             field: "wavelengths",
             cost: "four camera paths instead of one behind dispersive glass, and a second photon set at the wavelengths \
                    that the pass shares",
-            absent: "there is one photon set, and camera paths keep all their wavelengths",
+            absent: "no camera path is divided into one path for each shared wavelength",
             called_by: "dispersive glass or gratings",
             uncalled: "no glass has an index that depends on the wavelength, and there is no grating",
             calls: |facts| facts.dispersive.clone(),
@@ -257,7 +257,7 @@ const fn row(id: EffectId) -> Effect {
             name: "fluorescence",
             field: "fluorescence",
             cost: "at fluorescent surfaces and in fluorescent media, four wavelengths of the excitation for each light; \
-                   half of the photons of a shared set",
+                   half of the photons of a shared set, beside which there is always a set of free photons",
             absent: "nothing is fluorescent, so light keeps its wavelength",
             called_by: "fluorescent surfaces and media",
             uncalled: "no surface and no medium is fluorescent",
