@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use crate::format::JsonSource;
 use crate::format::resolve;
+use crate::format::{FileAccess, JsonSource};
 use crate::output::exr::read_metadata;
 use crate::output::hash::IdentityHash;
 use crate::output::metadata::{Metadata, names};
@@ -19,8 +19,9 @@ pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) 
     let mut metadata = Metadata::new().with(names::VERSION, env!("CARGO_PKG_VERSION"));
     if let Some(source) = source {
         let scene: Value = serde_json::from_str(&source.text).unwrap_or(Value::Null);
-        metadata =
-            metadata.with(names::SCENE_HASH, &scene_hash(&scene, source.folder())).with_json(names::SCENE, &scene);
+        metadata = metadata
+            .with(names::SCENE_HASH, &scene_hash(&scene, source.folder(), source.file_access()))
+            .with_json(names::SCENE, &scene);
     }
     metadata
         .with_json(names::PLAN, &PlanReport::of(job))
@@ -78,29 +79,36 @@ pub fn finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -
 /// Hashes a scene and the files that it names. If two scenes have the same hash, their passes are
 /// equal. The hash ignores the number of passes, the number of threads, the checkpoint interval,
 /// the conversion of the picture for a display, and the folder of the scene.
-fn scene_hash(scene: &Value, folder: &Path) -> String {
+fn scene_hash(scene: &Value, folder: &Path, file_access: FileAccess) -> String {
     let scene = scene_of_passes(scene);
-    let mut files = FileHash::default();
+    let mut files = FileHash::new(file_access);
     files.hash.add_part(scene.to_string().as_bytes());
     files.add_all(&scene, folder);
     files.hash.hex()
 }
 
-/// A hash of files. It contains each file once.
-#[derive(Default)]
+/// The longest path (bytes) that operating systems accept. A longer text names no file.
+const LONGEST_PATH: usize = 4096;
+
+/// A hash of files. It contains each file once, and only files that the scene may name.
 struct FileHash {
     hash: IdentityHash,
+    file_access: FileAccess,
     added: HashSet<PathBuf>,
 }
 
 impl FileHash {
+    fn new(file_access: FileAccess) -> Self {
+        Self { hash: IdentityHash::default(), file_access, added: HashSet::new() }
+    }
+
     /// Adds all files that a scene names, in the order in which the scene names them. Each text in
     /// a scene may name a file.
     fn add_all(&mut self, value: &Value, folder: &Path) {
         match value {
             Value::Object(entries) => entries.values().for_each(|value| self.add_all(value, folder)),
             Value::Array(values) => values.iter().for_each(|value| self.add_all(value, folder)),
-            Value::String(name) => self.add_with_parts(&folder.join(name)),
+            Value::String(name) => self.add_with_parts(name, folder),
             Value::Null | Value::Bool(_) | Value::Number(_) => {}
         }
     }
@@ -108,30 +116,37 @@ impl FileHash {
     /// Adds a file, and then the files that it names: the materials of an OBJ file with their
     /// pictures, the files of a glTF file, the tilt factors of a luminaire, and the glass
     /// catalogues of a Zemax lens.
-    fn add_with_parts(&mut self, path: &Path) {
-        let Some(bytes) = self.add(path) else { return };
+    fn add_with_parts(&mut self, name: &str, folder: &Path) {
+        let Some((path, bytes)) = self.add_named(name, folder) else { return };
         let folder = path.parent().unwrap_or(Path::new(""));
         let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
         match extension.as_deref() {
             Some("obj") => {
                 for library in names_after(b"mtllib", &bytes) {
-                    let path = folder.join(library);
-                    let pictures = self.add(&path).map(|bytes| names_after(b"", &bytes)).unwrap_or_default();
-                    self.add_named(&pictures, path.parent().unwrap_or(folder));
+                    if let Some((_, bytes)) = self.add_named(&library, folder) {
+                        names_after(b"", &bytes).for_each(|name| drop(self.add_named(&name, folder)));
+                    }
                 }
             }
-            Some("ies") => self.add_named(&names_after(b"TILT=", &bytes), folder),
+            Some("ies") => names_after(b"TILT=", &bytes).for_each(|name| drop(self.add_named(&name, folder))),
             Some("gltf") => {
                 let gltf: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
                 self.add_all(&gltf, folder);
             }
-            Some("zmx") => resolve::catalogues_beside(path, &bytes).iter().for_each(|path| drop(self.add(path))),
+            Some("zmx") => resolve::catalogues_beside(&path, &bytes).iter().for_each(|path| drop(self.add(path))),
             Some(_) | None => {}
         }
     }
 
-    fn add_named(&mut self, names: &[String], folder: &Path) {
-        names.iter().for_each(|name| drop(self.add(&folder.join(name))));
+    /// Adds the file of this name in a folder, and returns its path and its bytes. See
+    /// [`Self::add`].
+    fn add_named(&mut self, name: &str, folder: &Path) -> Option<(PathBuf, Vec<u8>)> {
+        if name.len() > LONGEST_PATH {
+            return None;
+        }
+        let path = self.file_access.file(folder, Path::new(name)).ok()?;
+        let bytes = self.add(&path)?;
+        Some((path, bytes))
     }
 
     /// Adds a file and returns its bytes. Returns `None` if there is no such file, or if the hash
@@ -150,17 +165,14 @@ impl FileHash {
 /// Returns the texts that may be names of files on the lines that start with `key`: the rest of the
 /// line from each of its words on, because options may precede a name, and a name may contain
 /// spaces.
-fn names_after(key: &[u8], text: &[u8]) -> Vec<String> {
-    let mut names = Vec::new();
-    for line in text.split(|&byte| byte == b'\n') {
-        let Some(rest) = line.trim_ascii().strip_prefix(key) else { continue };
-        let rest = String::from_utf8_lossy(rest.trim_ascii());
-        let starts = rest.char_indices().filter(|&(at, letter)| {
-            !letter.is_whitespace() && rest[..at].chars().next_back().is_none_or(char::is_whitespace)
-        });
-        names.extend(starts.map(|(at, _)| rest[at..].to_string()));
-    }
-    names
+fn names_after(key: &[u8], text: &[u8]) -> impl Iterator<Item = String> {
+    let lines = text.split(|&byte| byte == b'\n');
+    let rests = lines.filter_map(move |line| Some(line.trim_ascii().strip_prefix(key)?.trim_ascii()));
+    rests.flat_map(|rest| {
+        let starts = (rest.len().saturating_sub(LONGEST_PATH)..rest.len())
+            .filter(|&at| !rest[at].is_ascii_whitespace() && (at == 0 || rest[at - 1].is_ascii_whitespace()));
+        starts.map(|at| String::from_utf8_lossy(&rest[at..]).into_owned())
+    })
 }
 
 #[cfg(test)]
@@ -173,10 +185,23 @@ mod tests {
     fn the_hash_reads_each_file_once() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a.ply"), "ply").unwrap();
-        let mut files = FileHash::default();
+        let mut files = FileHash::new(FileAccess::default());
         assert!(files.add(&folder.path().join("a.ply")).is_some());
         assert!(files.add(&folder.path().join("a.ply")).is_none());
         assert!(files.add(folder.path()).is_none(), "a folder is not a file");
+    }
+
+    /// A scene of an unknown author cannot make the program read files outside its folder.
+    #[test]
+    fn the_hash_reads_only_files_that_the_scene_may_name() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join("scene");
+        std::fs::create_dir(&folder).unwrap();
+        let hash = |file_access| scene_hash(&json!({"title": "../other.txt"}), &folder, file_access);
+        let without = [FileAccess::WithinFolder, FileAccess::Anywhere].map(hash);
+        std::fs::write(parent.path().join("other.txt"), "text").unwrap();
+        assert_eq!(hash(FileAccess::WithinFolder), without[0]);
+        assert_ne!(hash(FileAccess::Anywhere), without[1]);
     }
 
     #[test]
@@ -185,7 +210,7 @@ mod tests {
         std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\n").unwrap();
         std::fs::write(folder.path().join("a.mtl"), "newmtl red\n").unwrap();
         let scene = |passes: u64, seed: u64| json!({"objects": [{"shape": {"mesh": {"path": "a.obj"}}}], "render": {"passes": passes, "seed": seed}});
-        let hash = |scene: &Value| scene_hash(scene, folder.path());
+        let hash = |scene: &Value| scene_hash(scene, folder.path(), FileAccess::default());
         let first = hash(&scene(8, 0));
         assert_eq!(first, hash(&scene(64, 0)));
         assert_ne!(first, hash(&scene(8, 1)));

@@ -35,7 +35,7 @@ fn a_lens_of_real_glass_sees_golden_colours() {
 }
 
 #[test]
-#[ignore = "slow: a still life through a lens of real glass"]
+#[ignore = "slow: 20 seconds of CPU time"]
 fn photons_and_paths_agree_on_fluorescent_surfaces_through_a_lens() {
     let mut scene = still_life("N-SF11", json!("D65"));
     scene["camera"]["lens"] = double_gauss(5.0, 30.0);
