@@ -2,6 +2,7 @@
 
 mod aim;
 pub mod connect;
+mod destinations;
 mod fluorescence;
 mod light_sampler;
 mod medium;

@@ -10,6 +10,7 @@
 
 use super::aim::Aim;
 use crate::math::distribution::DiscreteDistribution;
+use crate::math::sort::sort_by_number;
 use crate::math::sphere::BoundingSphere;
 use crate::scene::light::{LeRandoms, LeSample, Light, SceneExtent};
 use crate::walk::{RayDensities, StratumDensity};
@@ -21,8 +22,8 @@ const SHARE_RAYS: u32 = 64;
 /// A target is used only if a smaller share of the light's power passes through it.
 const LARGEST_SHARE: f64 = 1.0 / 256.0;
 
-/// A sphere around the view is used only if a smaller share of the light's power passes through it.
-const LARGEST_SHARE_AROUND_VIEW: f64 = 1.0 / 16.0;
+/// A surrounding sphere is used only if a smaller share of the light's power passes through it.
+const LARGEST_SHARE_OF_SURROUNDINGS: f64 = 1.0 / 4.0;
 
 /// The strata of all lights.
 #[derive(Debug, Clone)]
@@ -31,6 +32,9 @@ pub struct EmissionStrata {
     pub list: Vec<Stratum>,
     /// Selects the stratum of each photon.
     pub choice: DiscreteDistribution,
+    /// The spheres of the strata, if the world is much larger than the targets. Surfaces far from a
+    /// sphere scatter some photons towards it on purpose.
+    pub destinations: Vec<BoundingSphere>,
 }
 
 /// A part of the rays that a light emits.
@@ -53,13 +57,13 @@ impl EmissionStrata {
     /// Creates one stratum per light. `lights` selects a light.
     pub fn plain(lights: &DiscreteDistribution) -> Self {
         let list = (0..lights.len()).map(|light| Stratum::whole(light, 0..0)).collect();
-        Self { list, choice: lights.clone() }
+        Self { list, choice: lights.clone(), destinations: Vec::new() }
     }
 
     /// Creates the strata of all lights. A light has a stratum for each target that only a small
-    /// share of its power reaches. The smaller targets come first, and they exclude the larger
-    /// ones. If a light has such a stratum, it has more strata for the spheres `surroundings`,
-    /// which lie between the view and the world. The strata of a light share its probability.
+    /// share of its power reaches. If a light has such a stratum, it has more strata for the
+    /// spheres `surroundings`, which lie between the targets and the world. The smaller spheres
+    /// come first, and they exclude the larger ones. The strata of a light share its probability.
     pub fn new(
         lights: &[Light],
         extent: SceneExtent<'_>,
@@ -67,26 +71,33 @@ impl EmissionStrata {
         probability: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let (mut list, mut weights): (Vec<Stratum>, Vec<f64>) = (Vec::new(), Vec::new());
+        let mut destinations: Vec<BoundingSphere> = Vec::new();
         for (number, light) in lights.iter().enumerate() {
-            let first = list.len();
-            let mut add = |spheres: &[BoundingSphere], largest_share: f64| {
-                for sphere in spheres {
-                    let share = share_through(light, extent, sphere);
-                    if share > 0.0 && share < largest_share {
-                        let (target, excluded) = (Some(*sphere), first..list.len());
-                        list.push(Stratum { light: number, target, excluded, share, aim: Aim::plain() });
-                    }
-                }
-                list.len() > first
+            let shares = |spheres: &[BoundingSphere], largest: f64| -> Vec<(BoundingSphere, f64)> {
+                let shares = spheres.iter().map(|sphere| (*sphere, share_through(light, extent, sphere)));
+                shares.filter(|&(_, share)| share > 0.0 && share < largest).collect()
             };
-            if add(targets, LARGEST_SHARE) {
-                add(surroundings, LARGEST_SHARE_AROUND_VIEW);
+            let mut spheres = shares(targets, LARGEST_SHARE);
+            if !spheres.is_empty() {
+                let around = shares(surroundings, LARGEST_SHARE_OF_SURROUNDINGS);
+                let is_large_world = !around.is_empty();
+                spheres.extend(around);
+                if is_large_world {
+                    let new = spheres.iter().map(|(sphere, _)| *sphere).filter(|sphere| !destinations.contains(sphere));
+                    destinations.extend(new.collect::<Vec<_>>());
+                }
+                sort_by_number(&mut spheres, |(sphere, _)| sphere.radius_m);
+            }
+            let first = list.len();
+            for (sphere, share) in spheres {
+                let (target, excluded) = (Some(sphere), first..list.len());
+                list.push(Stratum { light: number, target, excluded, share, aim: Aim::plain() });
             }
             list.push(Stratum::whole(number, first..list.len()));
             let strata = list.len() - first;
             weights.extend(std::iter::repeat_n(probability(number) / strata as f64, strata));
         }
-        Some(Self { choice: DiscreteDistribution::new(weights)?, list })
+        Some(Self { choice: DiscreteDistribution::new(weights)?, list, destinations })
     }
 
     /// Returns the densities of the rays that the strata emit. The density within a stratum is the

@@ -1,5 +1,6 @@
 //! Tracing of photon paths from emission to absorption.
 
+use super::destinations::scatter_with_destinations;
 use super::fluorescence::scatter_at_fluorescent_surface;
 use super::medium::advance_through_media;
 use super::photon_path::PhotonPath;
@@ -126,7 +127,12 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
             }
             return false;
         }
-        let scattered = M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream);
+        let destinations = &source.strata.destinations[..];
+        let scattered = if destinations.is_empty() {
+            M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream)
+        } else {
+            scatter_with_destinations::<M>(destinations, path, interaction, stream, ledger)
+        };
         let Some(scattered) = scattered else {
             ledger.absorbed[interaction.material] += path.total_w();
             return false;

@@ -21,6 +21,17 @@ impl BoundingSphere {
         Self { centre: 0.5 * (low + high), radius_m: 0.5 * low.distance(high) }
     }
 
+    /// Returns a sphere with the same centre and a multiple of the radius.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        Self { radius_m: factor * self.radius_m, ..*self }
+    }
+
+    /// Returns true if another sphere lies in this sphere.
+    pub fn contains(&self, other: &Self) -> bool {
+        self.centre.distance(other.centre) + other.radius_m <= self.radius_m
+    }
+
     /// Returns true if a ray passes through the sphere, or starts in it. `direction` is a unit
     /// vector. The sphere is wider by a relative 10⁻⁹, so that rounding excludes no ray that
     /// [`Self::sample_direction`] or [`Self::sample_offset`] returns.

@@ -3,7 +3,7 @@
 
 use super::context::{EmissionRequest, PassContext};
 use super::importance::{GridLayout, Importance};
-use super::targets::{aim_targets, surroundings};
+use super::targets::AimSpheres;
 use crate::emit::{EmissionStrata, WavelengthSampling, trace};
 use crate::math::distribution::DiscreteDistribution;
 use crate::math::parallel;
@@ -57,12 +57,12 @@ impl LearnedAims {
 /// Learns the emission distribution of each light from photons traced in the scene at several
 /// times.
 pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
-    let (targets, lights) = (aim_targets(scenes, &context.openings.all()), &context.lights.lights);
-    let around = surroundings(context.scene);
+    let (spheres, lights) = (AimSpheres::new(scenes, &context.openings.all()), &context.lights.lights);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
     // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.
     let probability = |light: usize| 0.5 * (lights.probability(light) + 1.0 / count);
-    let strata = EmissionStrata::new(&context.scene.lights, extent, [&targets, &around], probability);
+    let spheres = [&spheres.targets[..], &spheres.surroundings];
+    let strata = EmissionStrata::new(&context.scene.lights, extent, spheres, probability);
     let Some(mut strata) = strata else { return LearnedAims::plain(context) };
     let counted = (strata.list.len() as u64).min(MAX_STRATA);
     let affordable = (LARGEST_ROUND * context.budget.photons as f64) as u64;

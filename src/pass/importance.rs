@@ -1,7 +1,8 @@
 //! The importance of photons: how much the photons of each part of a light contribute to the
 //! picture.
 
-use crate::emit::{Aim, CELLS, EmissionStrata, MediumCrossing, PhotonVisitor, SurfaceArrival};
+use crate::emit::{Aim, CELLS, EmissionStrata, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival};
+use crate::geometry::Ray;
 use crate::math::random::Stream;
 use crate::plan::partition::{LightPath, PhotonClass};
 use crate::scene::Scene;
@@ -66,6 +67,8 @@ pub(super) struct Importance<'a> {
     pub(super) reached: Vec<bool>,
     /// The index of the current path's cell.
     current: usize,
+    /// The power of the current path's photon at its start.
+    start_power: f64,
     /// The score of the current path's arrivals at surfaces.
     surface_score: f64,
     /// The largest score of the current path's segments in media. Only one segment counts, because
@@ -88,13 +91,28 @@ impl<'a> Importance<'a> {
         let none = CellSums { paths: vec![0.0; layout.cells], squares: vec![0.0; layout.cells] };
         let (halves, reached) = ([none.clone(), none], vec![false; scene.objects.len()]);
         let half = (task % 2) as usize;
-        Self { scene, layout, halves, half, reached, current: 0, surface_score: 0.0, volume_score: 0.0 }
+        Self {
+            scene,
+            layout,
+            halves,
+            half,
+            reached,
+            current: 0,
+            start_power: 0.0,
+            surface_score: 0.0,
+            volume_score: 0.0,
+        }
     }
 
     /// Adds the score of the current path to its cell.
     pub(super) fn end_path(&mut self) {
         self.halves[self.half].squares[self.current] += (self.surface_score + self.volume_score).powi(2);
         (self.surface_score, self.volume_score) = (0.0, 0.0);
+    }
+
+    /// Returns the photon's power, divided by its power at the start of the path.
+    fn relative_power(&self, photon: &PhotonState) -> f64 {
+        photon.power.iter().sum::<f64>() / self.start_power
     }
 
     pub(super) fn add(&mut self, other: &Self) {
@@ -204,13 +222,15 @@ impl PhotonVisitor for Importance<'_> {
             return;
         }
         let in_view = self.scene.camera.connect(arrival.interaction.hit.position, [0.5; 2]).is_some();
-        self.surface_score += match (arrival.photon.light_path, in_view) {
-            (LightPath::Direct, _) => 0.0,
-            (LightPath::Caustic, true) => 1.0,
-            (LightPath::Indirect, true) => 0.3,
-            // The surface may be visible to the camera in a mirror.
-            (LightPath::Caustic | LightPath::Indirect, false) => 0.02,
-        };
+        let power = self.relative_power(arrival.photon);
+        self.surface_score += power
+            * match (arrival.photon.light_path, in_view) {
+                (LightPath::Direct, _) => 0.0,
+                (LightPath::Caustic, true) => 1.0,
+                (LightPath::Indirect, true) => 0.3,
+                // The surface may be visible to the camera in a mirror.
+                (LightPath::Caustic | LightPath::Indirect, false) => 0.02,
+            };
     }
 
     fn on_medium_crossing(&mut self, crossing: &MediumCrossing<'_>, _stream: &mut Stream) {
@@ -226,7 +246,11 @@ impl PhotonVisitor for Importance<'_> {
             PhotonClass::Caustic => 1.0,
             PhotonClass::Indirect => 0.3,
         };
-        self.volume_score = self.volume_score.max(weight * 0.2 * in_view as f64);
+        self.volume_score = self.volume_score.max(weight * 0.2 * in_view as f64 * self.relative_power(photon));
+    }
+
+    fn on_start(&mut self, _ray: &Ray, photon: &PhotonState) {
+        self.start_power = photon.power.iter().sum();
     }
 
     fn on_emission(&mut self, stratum: usize, aim: [f64; 2]) {

@@ -12,49 +12,74 @@ use std::iter;
 /// share a target.
 const MAX_TARGETS: usize = 16;
 
-/// The ratio of the radii of successive spheres around the view.
+/// The largest number of spheres around the targets.
+const MAX_SURROUNDINGS: usize = 24;
+
+/// The ratio of the radii of successive spheres around a target.
 const SURROUNDINGS_RATIO: f64 = 4.0;
 
-/// Returns the targets of a scene, the smallest target first. `scenes` contains the scene at
-/// several shutter times.
-///
-/// One kind of target contains the objects that can focus light or that are filled with a medium.
-/// Another kind contains the openings. The last target contains most of the visible points. Lights
-/// use only the targets that receive a small share of their power.
-pub(super) fn aim_targets(scenes: &[Cow<'_, Scene>], openings: &[BoundingSphere]) -> Vec<BoundingSphere> {
-    let mut boxes: Vec<Option<Bounds>> = Vec::new();
-    for scene in scenes {
-        boxes.resize(scene.objects.len(), None);
-        let all = [&scene.geometry, &scene.boundaries].map(|geometry| geometry.object_bounds());
-        for (object, bounds) in all.into_iter().flatten().filter(|(object, _)| needs_photons(scene, *object)) {
-            let around = &mut boxes[object as usize];
-            *around = Some(around.map_or(bounds, |around| union(around, bounds)));
-        }
-    }
-    let mut boxes: Vec<Bounds> = boxes.into_iter().flatten().collect();
-    let mut targets = Vec::new();
-    cluster(&mut boxes, MAX_TARGETS, &mut targets);
-    targets.extend(openings);
-    targets.extend(scenes.first().and_then(|scene| scene.visible_sphere()));
-    targets.retain(|target| target.radius_m.is_finite() && target.radius_m > 0.0);
-    sort_by_number(&mut targets, |target| target.radius_m);
-    targets
+/// The spheres through which lights aim photons, each list with the smallest sphere first.
+pub(super) struct AimSpheres {
+    /// One kind of target contains the objects that can focus light or that are filled with a
+    /// medium. Another kind contains the openings. The last target contains most of the visible
+    /// points. Lights use only the targets that receive a small share of their power.
+    pub(super) targets: Vec<BoundingSphere>,
+    /// Spheres around the targets that are smaller than the scene. Neighbouring targets share
+    /// spheres.
+    ///
+    /// Surfaces around the view and around a body of fog scatter light into it. In a large world,
+    /// most photons arrive far away, and few of them are scattered into the view or the body. A
+    /// photon of a target is lighter than a photon of the whole world by many orders of magnitude,
+    /// so the few heavy photons would dominate the noise. With the spheres as further strata, the
+    /// power of a photon increases in steps with the distance.
+    pub(super) surroundings: Vec<BoundingSphere>,
 }
 
-/// Returns spheres around the visible points, the smallest first. They are larger than the target
-/// that contains most of the visible points, and smaller than the scene.
-///
-/// Surfaces around the view scatter light into it. In a large world, most photons arrive far from
-/// the view, and few of them are scattered into it. A photon of a target is lighter than a photon
-/// of the whole world by many orders of magnitude, so the few heavy photons would dominate the
-/// noise. With the spheres as further strata, the power of a photon increases in steps with the
-/// distance from the view.
-pub(super) fn surroundings(scene: &Scene) -> Vec<BoundingSphere> {
-    let Some(view) = scene.visible_sphere().filter(|view| view.radius_m > 0.0) else { return Vec::new() };
-    let larger = |sphere: &BoundingSphere| BoundingSphere { radius_m: SURROUNDINGS_RATIO * sphere.radius_m, ..*sphere };
-    iter::successors(Some(larger(&view)), |sphere| Some(larger(sphere)))
-        .take_while(|sphere| sphere.radius_m < scene.radius_m)
-        .collect()
+impl AimSpheres {
+    /// Returns the spheres of a scene. `scenes` contains the scene at several shutter times.
+    pub(super) fn new(scenes: &[Cow<'_, Scene>], openings: &[BoundingSphere]) -> Self {
+        let mut boxes: Vec<Option<Bounds>> = Vec::new();
+        for scene in scenes {
+            boxes.resize(scene.objects.len(), None);
+            let all = [&scene.geometry, &scene.boundaries].map(|geometry| geometry.object_bounds());
+            for (object, bounds) in all.into_iter().flatten().filter(|(object, _)| needs_photons(scene, *object)) {
+                let around = &mut boxes[object as usize];
+                *around = Some(around.map_or(bounds, |around| union(around, bounds)));
+            }
+        }
+        let mut boxes: Vec<Bounds> = boxes.into_iter().flatten().collect();
+        let mut targets = Vec::new();
+        cluster(&mut boxes, MAX_TARGETS, &mut targets);
+        targets.extend(openings);
+        targets.extend(scenes.first().and_then(|scene| scene.visible_sphere()));
+        targets.retain(|target| target.radius_m.is_finite() && target.radius_m > 0.0);
+        sort_by_number(&mut targets, |target| target.radius_m);
+        let world_m = scenes.first().map_or(0.0, |scene| scene.radius_m);
+        let surroundings = surroundings(&targets, world_m);
+        Self { targets, surroundings }
+    }
+}
+
+/// Returns spheres around targets that are smaller than the world.
+fn surroundings(targets: &[BoundingSphere], world_m: f64) -> Vec<BoundingSphere> {
+    let mut spheres = Vec::new();
+    for target in targets {
+        let larger = |sphere: &BoundingSphere| Some(sphere.times(SURROUNDINGS_RATIO));
+        for sphere in iter::successors(larger(target), larger).take_while(|sphere| sphere.radius_m < world_m) {
+            let replaces = |other: &BoundingSphere| {
+                let ratio = other.radius_m / sphere.radius_m;
+                ratio * ratio <= SURROUNDINGS_RATIO
+                    && ratio * ratio * SURROUNDINGS_RATIO >= 1.0
+                    && other.contains(target)
+            };
+            if !targets.iter().chain(&spheres).any(replaces) {
+                spheres.push(sphere);
+            }
+        }
+    }
+    sort_by_number(&mut spheres, |sphere| sphere.radius_m);
+    spheres.truncate(MAX_SURROUNDINGS);
+    spheres
 }
 
 /// Returns true if an object can focus light or is filled with a medium.
@@ -103,5 +128,18 @@ mod tests {
                 |(low, high): &Bounds| targets.iter().any(|target| holds(target, *low) && holds(target, *high));
             assert!(boxes[..count].iter().all(covered));
         }
+    }
+
+    /// A small target in a large world has spheres in steps of the ratio. A second target beside it
+    /// shares them, and a distant target has its own until they contain both.
+    #[test]
+    fn neighbouring_targets_share_their_surroundings() {
+        let sphere = |x: f64| BoundingSphere { centre: DVec3::new(x, 0.0, 0.0), radius_m: 1.0 };
+        let radii = |targets: &[BoundingSphere]| -> Vec<f64> {
+            surroundings(targets, 1000.0).iter().map(|sphere| sphere.radius_m).collect()
+        };
+        assert_eq!(radii(&[sphere(0.0)]), [4.0, 16.0, 64.0, 256.0]);
+        assert_eq!(radii(&[sphere(0.0), sphere(2.5)]), [4.0, 16.0, 64.0, 256.0]);
+        assert_eq!(radii(&[sphere(0.0), sphere(40.0)]), [4.0, 4.0, 16.0, 16.0, 64.0, 256.0]);
     }
 }

@@ -230,7 +230,7 @@ fn photons_in_the_map_bring_the_light_of_a_lamps_mirror_image() {
                          "transform": [ { "translate": [MIDDLE, 0.4, 0] } ] }));
     let mut scene = floor(&objects, &[lamp]);
     scene["render"] = json!({ "photons": 5000, "radius": 0.02 });
-    check("mirror image, from the map", &scene, illuminance, Integrator::Photon, 32);
+    check("mirror image, from the map", &scene, illuminance, Integrator::Photon, 80);
 }
 
 fn fog(absorption: f64) -> Value {

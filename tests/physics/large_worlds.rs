@@ -134,3 +134,32 @@ fn ground_around_the_view_lights_a_sphere() {
     let path = Measured::new(&scene, (Integrator::Path, 256), 20..28, mean_y);
     assert_same("a sphere above a large ground", &photon, &path, 0.08);
 }
+
+/// Fog above a white ground of 100 m, seen by a camera that looks at the horizon. The ground far
+/// from the fog also lights the fog. Few photons that arrive there are scattered to the fog, and
+/// they must not be so heavy that most pixels are too dark. The median of the pixels shows this.
+#[test]
+fn distant_ground_lights_a_body_of_fog() {
+    let scene = json!({
+        "camera": { "from": [0, 1.4, 2.6], "at": [0, 0.45, 0], "lens": { "pinhole": { "fov": 39 } } },
+        "film": { "width": 12, "height": 8 },
+        "media": { "fog": { "homogeneous": { "scattering": 0.1, "absorption": 0, "phase": "isotropic" } } },
+        "materials": { "ground": diffuse(0.5), "fog": { "boundary": { "medium": "fog" } } },
+        "objects": [
+            { "shape": { "disk": { "radius": 100 } }, "material": "ground" },
+            { "shape": { "box": { "size": [2, 2, 2] } }, "material": "fog", "transform": [{ "translate": [0, 1.2, 0] }] }
+        ],
+        "lights": [{ "directional": { "toward": [0.2, -1, -0.3], "spectrum": "D65", "illuminance": 10000,
+                                      "angular_diameter": 30 } }],
+        "render": { "photons": 5000 }
+    });
+    let pixels = |integrator, passes| -> Vec<f64> {
+        render(&scene, integrator, passes).picture.xyz.iter().map(|pixel| pixel[1]).collect()
+    };
+    let truth = pixels(Integrator::Path, 2000);
+    let mut ratios: Vec<f64> = pixels(Integrator::Photon, 60).iter().zip(&truth).map(|(y, truth)| y / truth).collect();
+    ratios.sort_by(f64::total_cmp);
+    let median = ratios[ratios.len() / 2];
+    println!("fog above a large ground: median photon/path {median:.4}");
+    assert!((median - 1.0).abs() < 0.01, "{median}");
+}
