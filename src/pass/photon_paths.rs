@@ -130,7 +130,9 @@ fn selected_by_power(paths: Vec<RecordedPath>, count: usize) -> Vec<RecordedPath
     if paths.len() <= count {
         return paths;
     }
-    let (step, mut sum) = (total / count as f64, 0.0);
+    // Half a step keeps the selection away from the total, which rounding may miss.
+    let step = total / count as f64;
+    let mut sum = 0.5 * step;
     let is_selected = |path: &RecordedPath| {
         let before = (sum / step).floor();
         sum += power(path);
