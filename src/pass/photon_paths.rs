@@ -123,22 +123,39 @@ fn of_light(strata: EmissionStrata, light: Option<usize>) -> Option<EmissionStra
 }
 
 /// Selects paths in proportion to the power with which they arrive. Aimed photons have different
-/// powers, so the selected paths represent the light better than all paths.
+/// powers, so the selected paths represent the light better than all paths. Paths with more than
+/// their share of the power are always selected (systematic sampling with unequal probabilities:
+/// Särndal, Swensson & Wretman 1992, "Model Assisted Survey Sampling", section 3.6).
 fn selected_by_power(paths: Vec<RecordedPath>, count: usize) -> Vec<RecordedPath> {
-    let power = |path: &RecordedPath| path.segments.last().map_or(0.0, |last| last.power_w.iter().sum::<f64>());
-    let total: f64 = paths.iter().map(power).sum();
     if paths.len() <= count {
         return paths;
     }
-    // Half a step keeps the selection away from the total, which rounding may miss.
-    let step = total / count as f64;
-    let mut sum = 0.5 * step;
-    let is_selected = |path: &RecordedPath| {
-        let before = (sum / step).floor();
-        sum += power(path);
-        (sum / step).floor() > before
+    let power = |path: &RecordedPath| path.segments.last().map_or(0.0, |last| last.power_w.iter().sum::<f64>());
+    let powers: Vec<f64> = paths.iter().map(power).collect();
+    let is_selected = selection(&powers, count);
+    paths.into_iter().zip(is_selected).filter(|(_, is_selected)| *is_selected).map(|(path, _)| path).collect()
+}
+
+/// Returns which of the paths with these powers are selected.
+fn selection(powers: &[f64], count: usize) -> Vec<bool> {
+    let mut selected = vec![false; powers.len()];
+    let step = loop {
+        let rest = || powers.iter().zip(&selected).filter(|(_, selected)| !**selected).map(|(power, _)| *power);
+        let left = count - selected.iter().filter(|selected| **selected).count();
+        let step = rest().sum::<f64>() / left as f64;
+        if !rest().any(|power| power > step) {
+            break step;
+        }
+        selected.iter_mut().zip(powers).for_each(|(selected, power)| *selected |= *power > step);
     };
-    paths.into_iter().filter(is_selected).collect()
+    // Half a step keeps the selection away from the total, which rounding may miss.
+    let mut sum = 0.5 * step;
+    for (selected, power) in selected.iter_mut().zip(powers).filter(|(selected, _)| !**selected) {
+        let before = (sum / step).floor();
+        sum += power;
+        *selected = (sum / step).floor() > before;
+    }
+    selected
 }
 
 /// Records the vertices of paths.
@@ -196,4 +213,19 @@ impl PhotonVisitor for PathRecorder<'_> {
     }
 
     fn on_surface(&mut self, _arrival: &SurfaceArrival<'_>, _stream: &mut Stream) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Some paths may have more than their share of the power.
+    #[test]
+    fn as_many_paths_are_selected_as_are_wanted() {
+        let uneven: Vec<f64> = (0..60).map(|i| 1.3_f64.powi(i)).collect();
+        for powers in [vec![1.0; 60], uneven] {
+            let selected = selection(&powers, 50);
+            assert_eq!(selected.iter().filter(|selected| **selected).count(), 50);
+        }
+    }
 }
