@@ -1,11 +1,11 @@
 //! Scattering towards distant destinations.
 //!
 //! In a large world, most photons arrive far from the spheres of [`EmissionStrata`], and a surface
-//! scatters few of them to the spheres. Rare, heavy photons then carry the light that arrives there.
-//! Therefore a small share of the photons is scattered towards a sphere on purpose. The directions
-//! of the BSDF and the directions to the spheres form a mixture, and a photon is weighted by the
-//! density of the mixture (one-sample multiple importance sampling: Veach 1997, "Robust Monte Carlo
-//! Methods for Light Transport Simulation", section 9.2.4).
+//! scatters few of them to the spheres. Rare, heavy photons then carry the light that arrives
+//! there. Therefore a small share of the photons is scattered towards a sphere on purpose. The
+//! directions of the BSDF and the directions to the spheres form a mixture, and a photon is
+//! weighted by the density of the mixture (one-sample multiple importance sampling: Veach 1997,
+//! "Robust Monte Carlo Methods for Light Transport Simulation", section 9.2.4).
 //!
 //! [`EmissionStrata`]: super::EmissionStrata
 
@@ -123,14 +123,14 @@ impl<'a> DistantSpheres<'a> {
         interaction: &SurfaceInteraction<'_>,
         stream: &mut Stream,
     ) -> Option<ScatteredRay> {
-        path.photon.power.iter_mut().for_each(|power| *power /= 1.0 - SHARE);
+        path.divide_power(1.0 - SHARE);
         let scattered = M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream)?;
         if scattered.delta {
             return Some(scattered);
         }
         let pdf = self.mixture_pdf(scattered.pdf, scattered.direction);
         let weight = (1.0 - SHARE) * scattered.pdf / pdf;
-        path.photon.power.iter_mut().for_each(|power| *power *= weight);
+        path.multiply_power(weight);
         // The absorbed power does not depend on the direction.
         Some(ScatteredRay { absorbed: scattered.absorbed.map(|absorbed| absorbed / weight), pdf, ..scattered })
     }

@@ -167,7 +167,7 @@ impl PhotonPath {
             ledger.sampling -= scattered;
             return false;
         }
-        self.photon.power.iter_mut().for_each(|power| *power /= survival);
+        self.divide_power(survival);
         let direction = self.sample_phase_function(medium, incoming, stream);
         ledger.sampling += self.total_w() - scattered;
         let ray = Ray { origin: position, direction };

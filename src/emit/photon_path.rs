@@ -58,7 +58,19 @@ impl PhotonPath {
     /// Continues the path beyond the depth limit, and multiplies its power by `factor`.
     pub(super) fn lose(&mut self, factor: f64) {
         self.photon.lost = true;
+        self.multiply_power(factor);
+    }
+
+    /// Multiplies the power of all wavelengths by a number.
+    #[inline]
+    pub(super) fn multiply_power(&mut self, factor: f64) {
         self.photon.power.iter_mut().for_each(|power| *power *= factor);
+    }
+
+    /// Divides the power of all wavelengths by a number.
+    #[inline]
+    pub(super) fn divide_power(&mut self, divisor: f64) {
+        self.photon.power.iter_mut().for_each(|power| *power /= divisor);
     }
 
     /// Discards all wavelengths except the wavelength of one lane.

@@ -80,11 +80,13 @@ impl EmissionStrata {
             let mut spheres = shares(targets, LARGEST_SHARE);
             if !spheres.is_empty() {
                 let around = shares(surroundings, LARGEST_SHARE_OF_SURROUNDINGS);
-                let is_large_world = !around.is_empty();
-                spheres.extend(around);
-                if is_large_world {
-                    let new = spheres.iter().map(|(sphere, _)| *sphere).filter(|sphere| !destinations.contains(sphere));
-                    destinations.extend(new.collect::<Vec<_>>());
+                if !around.is_empty() {
+                    spheres.extend(around);
+                    for (sphere, _) in &spheres {
+                        if !destinations.contains(sphere) {
+                            destinations.push(*sphere);
+                        }
+                    }
                 }
                 sort_by_number(&mut spheres, |(sphere, _)| sphere.radius_m);
             }

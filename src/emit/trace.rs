@@ -198,7 +198,7 @@ fn apply_scattering<M: BodyMode>(
     let survival = (weights / count as f64).min(1.0) * long_path_survival(depth);
     let survives = survival > 0.0 && stream.uniform() < survival;
     if survives {
-        path.photon.power.iter_mut().for_each(|power| *power /= survival);
+        path.divide_power(survival);
     } else {
         path.photon.power = [0.0; LANES];
     }
