@@ -1,17 +1,22 @@
 //! The balance of a pass: the numbers of photon paths, of stored photons and of camera samples.
 //!
-//! A pass traces N photon paths and S camera samples per pixel, and stores the fraction q of the
-//! indirect photons on surfaces. The variance of a pixel in a pass is
+//! A pass traces N photon paths and S camera samples per pixel. It stores the fraction q of the
+//! indirect photons on surfaces, and m times as many photons of each path in media as the pilot
+//! measured. The variance of a pixel in a pass is
 //!
-//! > V = `traced`/N + `stored`/(q N) + `camera`/S.
+//! > V = `traced`/N + `surfaces`/(q N) + `media`/(m N) + `camera`/S.
 //!
 //! The work of a pass is
 //!
-//! > W = `pass` + (`trace` + q `store`) N + (`sample` + (`medium` + q `surface`) N) S,
+//! > W = `pass` + (`trace` + q `store_on_surfaces` + m `store_in_media`) N
+//! >   + (`sample` + (q `gather_on_surfaces` + m `gather_in_media`) N) S,
 //!
 //! because the kernels of a camera sample contain more photons if a pass stores more of them. After
 //! n passes, the variance is V/n and the work is n W. The error at equal time is therefore least
 //! where V W is least.
+
+use crate::math::elementary::powf;
+use crate::plan::{PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 
 /// The division of the work of a pass between photons and camera samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +25,8 @@ pub(super) struct Balance {
     pub(super) photons: u64,
     /// The fraction of the indirect photons that the pass stores on surfaces.
     pub(super) stored_share: f64,
+    /// The factor on the number of photons that a path stores in media.
+    pub(super) medium_factor: f64,
     /// The number of camera samples per pixel.
     pub(super) camera_samples: u64,
 }
@@ -27,12 +34,14 @@ pub(super) struct Balance {
 /// The numbers from which the pilot chooses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BalanceLimits {
-    /// The number of photon paths, if the scene states it, or the largest number.
+    /// The number of photon paths, if the scene states it, or the number of the plain division.
     pub(super) photons: u64,
     /// True if the scene states the number of photon paths.
     pub(super) photons_stated: bool,
     /// The number of camera samples per pixel, if the scene states it.
     pub(super) camera_samples: Option<u64>,
+    /// The largest factor that has an effect on the number of photons that a path stores in media.
+    pub(super) largest_medium_factor: f64,
 }
 
 /// The relative variance of the picture if a pass has one photon path, stores all photons, and has
@@ -41,8 +50,10 @@ pub(super) struct BalanceLimits {
 pub(super) struct Variances {
     /// The variance of the photons that are connected to the camera.
     pub(super) traced: f64,
-    /// The variance of the photons in the maps.
-    pub(super) stored: f64,
+    /// The variance of the photons that are stored on surfaces.
+    pub(super) surfaces: f64,
+    /// The variance of the photons that are stored in media.
+    pub(super) media: f64,
     /// The variance of the camera samples.
     pub(super) camera: f64,
 }
@@ -54,36 +65,42 @@ pub(super) struct Work {
     pub(super) pass: f64,
     /// The work to trace one photon path.
     pub(super) trace: f64,
-    /// The work to store the indirect photons of one path.
-    pub(super) store: f64,
+    /// The work to store the indirect photons of one path on surfaces.
+    pub(super) store_on_surfaces: f64,
+    /// The work to store the photons of one path in media.
+    pub(super) store_in_media: f64,
     /// The work of one camera sample in every pixel, without the photons in the kernels.
     pub(super) sample: f64,
     /// The work of the photons in the kernels at surfaces during these camera samples, per photon
     /// path.
-    pub(super) surface: f64,
+    pub(super) gather_on_surfaces: f64,
     /// The same in media.
-    pub(super) medium: f64,
+    pub(super) gather_in_media: f64,
 }
 
-/// The number of photon paths may be halved this many times.
-const HALVINGS: i32 = 3;
+/// The number of photon paths may be halved this many times. The number of stored photons may fall
+/// to the same fraction.
+const HALVINGS: i32 = PHOTON_HALVINGS as i32;
 
 /// The most camera samples per pixel are this power of two.
-const DOUBLINGS: i32 = 4;
+const DOUBLINGS_OF_SAMPLES: i32 = 4;
 
-/// The work of a pass is at most this multiple of the work with the largest number of photon paths
-/// and one camera sample.
-const LONGEST_PASS: f64 = 1.25;
+/// The work of a pass is at most this multiple of the work of the plain division.
+const LONGEST_PASS: f64 = 4.0;
+
+/// A longer pass shows its picture later. The error at equal time of a pass with more work than the
+/// plain division must be lower by this power of the ratio of the work.
+const IMPATIENCE: f64 = 0.25;
 
 /// Of the choices whose variance at equal time is at most this multiple of the least, the choice
 /// with the least variance per pass is taken.
 const TOLERANCE: f64 = 1.05;
 
 impl BalanceLimits {
-    /// The division if there is nothing to choose.
+    /// The plain division, which is taken if there is nothing to choose.
     pub(super) fn plain(self) -> Balance {
         let Self { photons, camera_samples, .. } = self;
-        Balance { photons, stored_share: 1.0, camera_samples: camera_samples.unwrap_or(1) }
+        Balance { photons, stored_share: 1.0, medium_factor: 1.0, camera_samples: camera_samples.unwrap_or(1) }
     }
 
     /// Returns true if the limits leave no choice.
@@ -94,10 +111,13 @@ impl BalanceLimits {
     /// Returns the division with the least variance at equal time. Each entry of `variances` is a
     /// measure of the variance of the picture. The choice minimises the product of all measures.
     pub(super) fn choose<const MEASURES: usize>(self, variances: [Variances; MEASURES], work: Work) -> Balance {
-        let longest = LONGEST_PASS * self.plain().work(work);
+        let of_plain = self.plain().work(work);
         let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
-        let cost = |choice: &Balance| variance(choice) * choice.work(work).powi(MEASURES as i32);
-        let choices = || self.choices().filter(|choice| choice.work(work) <= longest);
+        let cost = |choice: &Balance| {
+            let work = choice.work(work) / of_plain;
+            variance(choice) * (work * powf(work.max(1.0), IMPATIENCE)).powi(MEASURES as i32)
+        };
+        let choices = || self.choices().filter(|choice| choice.work(work) <= LONGEST_PASS * of_plain);
         let least = choices().map(|choice| cost(&choice)).fold(f64::INFINITY, f64::min);
         let most = TOLERANCE.powi(MEASURES as i32) * least;
         choices()
@@ -106,19 +126,29 @@ impl BalanceLimits {
             .unwrap_or(self.plain())
     }
 
-    /// Returns all divisions within the limits. A pass stores at least as many photons as if it
-    /// traced the least number of paths and stored all photons.
+    /// Returns all divisions within the limits. A pass stores at most as many photons on surfaces
+    /// as the plain division, and at least as many as if it traced the least number of paths and
+    /// stored all photons.
     fn choices(self) -> impl Iterator<Item = Balance> {
-        let Self { photons, photons_stated, camera_samples } = self;
-        let halvings = if photons_stated { 0 } else { HALVINGS };
-        let doublings = if camera_samples.is_some() { 0 } else { DOUBLINGS };
-        (0..=halvings).flat_map(move |of_photons| {
-            (0..=HALVINGS - of_photons).flat_map(move |of_stored| {
-                (0..=doublings).map(move |of_samples| Balance {
-                    photons: (photons >> of_photons).max(1),
-                    stored_share: 0.5_f64.powi(of_stored),
-                    camera_samples: camera_samples.unwrap_or(1 << of_samples),
+        let Self { photons, photons_stated, camera_samples, largest_medium_factor } = self;
+        let of_photons = if photons_stated { 0..=0 } else { -HALVINGS..=PHOTON_DOUBLINGS as i32 };
+        let most_samples = if camera_samples.is_some() { 0 } else { DOUBLINGS_OF_SAMPLES };
+        let divisions = of_photons.flat_map(move |of_photons| {
+            let of_stored = of_photons.max(0)..=of_photons + HALVINGS;
+            of_stored.flat_map(move |of_stored| {
+                (0..=most_samples).map(move |of_samples| {
+                    (of_photons, 0.5_f64.powi(of_stored), camera_samples.unwrap_or(1 << of_samples))
                 })
+            })
+        });
+        divisions.flat_map(move |(of_photons, stored_share, camera_samples)| {
+            let factors = (-HALVINGS - of_photons..=HALVINGS - of_photons).map(|of_media| 2_f64.powi(of_media));
+            let effective = factors.filter(move |&factor| factor <= largest_medium_factor);
+            effective.map(move |medium_factor| Balance {
+                photons: ((photons as f64 * 2_f64.powi(of_photons)) as u64).max(1),
+                stored_share,
+                medium_factor,
+                camera_samples,
             })
         })
     }
@@ -126,15 +156,17 @@ impl BalanceLimits {
 
 impl Balance {
     fn variance(self, of_one: Variances) -> f64 {
-        let Variances { traced, stored, camera } = of_one;
-        (traced + stored / self.stored_share) / self.photons as f64 + camera / self.camera_samples as f64
+        let Variances { traced, surfaces, media, camera } = of_one;
+        let of_photons = traced + surfaces / self.stored_share + media / self.medium_factor;
+        of_photons / self.photons as f64 + camera / self.camera_samples as f64
     }
 
     fn work(self, work: Work) -> f64 {
-        let Work { pass, trace, store, sample, surface, medium } = work;
-        let photons = self.photons as f64;
-        let gathered = (medium + surface * self.stored_share) * photons;
-        pass + (trace + store * self.stored_share) * photons + (sample + gathered) * self.camera_samples as f64
+        let Work { pass, trace, store_on_surfaces, store_in_media, sample, gather_on_surfaces, gather_in_media } = work;
+        let (photons, samples) = (self.photons as f64, self.camera_samples as f64);
+        let stored = store_on_surfaces * self.stored_share + store_in_media * self.medium_factor;
+        let gathered = gather_on_surfaces * self.stored_share + gather_in_media * self.medium_factor;
+        pass + (trace + stored) * photons + (sample + gathered * photons) * samples
     }
 }
 
@@ -142,14 +174,25 @@ impl Balance {
 mod tests {
     use super::*;
 
-    const FREE: BalanceLimits = BalanceLimits { photons: 200_000, photons_stated: false, camera_samples: None };
+    const FREE: BalanceLimits =
+        BalanceLimits { photons: 200_000, photons_stated: false, camera_samples: None, largest_medium_factor: 8.0 };
 
     /// The work of a small film, on which photons take most of the time.
-    const SMALL_FILM: Work = Work { pass: 1e6, trace: 6_000.0, store: 500.0, sample: 2e7, surface: 10.0, medium: 0.0 };
+    const SMALL_FILM: Work = Work {
+        pass: 1e6,
+        trace: 6_000.0,
+        store_on_surfaces: 500.0,
+        store_in_media: 0.0,
+        sample: 2e7,
+        gather_on_surfaces: 10.0,
+        gather_in_media: 0.0,
+    };
+
+    const NO_NOISE: Variances = Variances { traced: 0.0, surfaces: 0.0, media: 0.0, camera: 0.0 };
 
     #[test]
     fn noisy_camera_samples_get_more_of_a_pass() {
-        let noisy = Variances { traced: 1.0, stored: 100.0, camera: 1.0 };
+        let noisy = Variances { traced: 1.0, surfaces: 100.0, camera: 1.0, ..NO_NOISE };
         let Balance { camera_samples, photons, .. } = FREE.choose([noisy], SMALL_FILM);
         assert_eq!((camera_samples, photons), (16, 25_000));
         let exact = Variances { camera: 0.0, ..noisy };
@@ -159,10 +202,10 @@ mod tests {
     /// If the noise comes from connections, a pass traces many photons but stores few.
     #[test]
     fn photons_that_only_add_work_are_not_stored() {
-        let large_film = Work { sample: 3e9, surface: 30_000.0, ..SMALL_FILM };
-        let connected = Variances { traced: 3_000.0, stored: 100.0, camera: 0.0 };
+        let large_film = Work { sample: 3e9, gather_on_surfaces: 30_000.0, ..SMALL_FILM };
+        let connected = Variances { traced: 3_000.0, surfaces: 100.0, ..NO_NOISE };
         let Balance { photons, stored_share, .. } = FREE.choose([connected], large_film);
-        assert_eq!(photons, 200_000);
+        assert!(photons > 200_000, "{photons}");
         assert!(stored_share <= 0.25, "{stored_share}");
     }
 
@@ -171,9 +214,9 @@ mod tests {
     fn the_choice_has_almost_the_least_variance_at_equal_time() {
         for traced in [0.0, 100.0, 10_000.0] {
             for camera in [1e-6, 1e-2, 1.0] {
-                for surface in [0.0, 3_000.0, 100_000.0] {
-                    let (variances, work) =
-                        (Variances { traced, stored: 500.0, camera }, Work { surface, ..SMALL_FILM });
+                for gather_on_surfaces in [0.0, 3_000.0, 100_000.0] {
+                    let variances = Variances { traced, surfaces: 500.0, camera, ..NO_NOISE };
+                    let work = Work { gather_on_surfaces, ..SMALL_FILM };
                     let cost = |choice: Balance| choice.variance(variances) * choice.work(work);
                     let chosen = FREE.choose([variances], work);
                     assert!(chosen.work(work) <= LONGEST_PASS * FREE.plain().work(work));
@@ -186,13 +229,26 @@ mod tests {
 
     #[test]
     fn stated_numbers_are_kept() {
-        let variances = Variances { traced: 1.0, stored: 100.0, camera: 1.0 };
-        let stated = BalanceLimits { photons: 77, photons_stated: true, camera_samples: None };
+        let variances = Variances { traced: 1.0, surfaces: 100.0, camera: 1.0, ..NO_NOISE };
+        let stated = BalanceLimits { photons: 77, photons_stated: true, ..FREE };
         assert_eq!(stated.choose([variances], SMALL_FILM).photons, 77);
         let samples = BalanceLimits { camera_samples: Some(3), ..FREE };
         assert_eq!(samples.choose([variances], SMALL_FILM).camera_samples, 3);
         assert!(BalanceLimits { camera_samples: Some(3), ..stated }.is_fixed());
         assert!(!stated.is_fixed() && !samples.is_fixed());
+    }
+
+    /// Each path stores more photons in media if they are noisy and cheap to gather, but not if all
+    /// photons are stored already.
+    #[test]
+    fn noisy_media_store_more_photons_of_each_path() {
+        let work = Work { gather_in_media: 100.0, ..SMALL_FILM };
+        let noisy = Variances { media: 1e5, camera: 0.01, ..NO_NOISE };
+        assert_eq!(FREE.choose([noisy], work).medium_factor, 8.0);
+        let all_stored = BalanceLimits { largest_medium_factor: 1.0, ..FREE };
+        assert_eq!(all_stored.choose([noisy], work).medium_factor, 1.0);
+        let exact = Variances { surfaces: 1e5, media: 0.0, ..noisy };
+        assert!(FREE.choose([exact], work).medium_factor < 1.0);
     }
 
     #[test]

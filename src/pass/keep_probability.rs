@@ -56,6 +56,17 @@ impl KeepProbability {
         let at_most = |count: f64, most: f64| most / count.max(most);
         Self { surface: 1.0, points: at_most(stored.points, MAX_POINTS), beams: at_most(stored.beams, MAX_BEAMS) }
     }
+
+    /// Multiplies the probabilities in media by a factor. They do not exceed 1.
+    pub(super) fn with_medium_factor(self, factor: f64) -> Self {
+        let times = |probability: f64| (factor * probability).min(1.0);
+        Self { points: times(self.points), beams: times(self.beams), ..self }
+    }
+
+    /// Returns the largest factor of [`Self::with_medium_factor`] that has an effect.
+    pub(super) fn largest_medium_factor(self) -> f64 {
+        1.0 / self.points.min(self.beams)
+    }
 }
 
 /// All photons of both classes are stored.

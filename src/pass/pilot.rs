@@ -27,7 +27,7 @@ use crate::error::Result;
 use crate::gather::{CameraPass, LightSelector, Outlines};
 use crate::map::{FirstRadii, LightMaps, SetMaps};
 use crate::optics::bsdf::BsdfClass;
-use crate::plan::partition::{PerClass, PerSet, PhotonSet};
+use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet};
 use crate::plan::{AimPlan, Budget, CausticPlan, IndirectPlan, MotionPlan};
 use crate::scene::Scene;
 use crate::sensor::Picture;
@@ -64,7 +64,8 @@ pub struct Pilot {
     pub(super) photons: PerSet<u64>,
     /// The number of camera samples per pixel.
     pub(super) camera_samples: u64,
-    /// The number of photon paths in a pass, divided by the largest number within the budget.
+    /// The number of photon paths in a pass, divided by the number for which the radii are chosen. At
+    /// most 1, because a pass never stores more photons on surfaces than that number of paths.
     pub(super) photon_share: f64,
     /// The probabilities of storing photons.
     pub(super) keep: PerClass<KeepProbability>,
@@ -246,19 +247,23 @@ impl Pilot {
     /// Divides the work of a pass between photons and camera samples.
     fn balance(&mut self, context: &PassContext<'_>, scene: &Scene) {
         let Budget { photons, photons_stated, camera_samples, .. } = *context.budget;
-        let limits = BalanceLimits { photons, photons_stated, camera_samples };
-        let Balance { photons: chosen, stored_share, camera_samples } = if limits.is_fixed() {
+        let largest_medium_factor = PhotonClass::ALL.map(|class| self.keep[class].largest_medium_factor());
+        let largest_medium_factor = largest_medium_factor.into_iter().fold(1.0, f64::max);
+        let limits = BalanceLimits { photons, photons_stated, camera_samples, largest_medium_factor };
+        let Balance { photons: chosen, stored_share, medium_factor, camera_samples } = if limits.is_fixed() {
             limits.plain()
         } else {
             let (variances, work) = run_trial(context, scene, self);
             limits.choose(variances, work)
         };
         self.camera_samples = camera_samples;
+        self.keep = PerClass::from_fn(|class| self.keep[class].with_medium_factor(medium_factor));
         self.keep.indirect.surface = stored_share;
-        self.photon_share = chosen as f64 / photons as f64;
+        let share = chosen as f64 / photons as f64;
+        self.photon_share = share.min(1.0);
         self.photons = PerSet::from_fn(|set| match self.photons[set] {
             0 => 0,
-            count => ((count as f64 * self.photon_share) as u64).max(1),
+            count => ((count as f64 * share) as u64).max(1),
         });
     }
 }

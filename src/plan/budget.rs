@@ -48,13 +48,19 @@ const PATH_BYTES: u64 = 2 * PHOTON_BYTES;
 /// a third of an outline. An outline has 44 bytes and is stored near edges only.
 const PILOT_PIXEL_BYTES: u64 = 8 * 4 + 4 + 44 / 3;
 
+/// The pilot may halve the default number of photon paths this many times.
+pub const PHOTON_HALVINGS: u32 = 3;
+
+/// The pilot may double the default number of photon paths this many times.
+pub const PHOTON_DOUBLINGS: u32 = 2;
+
 /// The numbers that fix a render. Each number comes from the scene's settings or has a default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
     /// The number of passes if the request contains no stop rule.
     pub passes: u64,
-    /// The number of photon paths per pass. If the scene does not state it, the pilot may choose a
-    /// smaller number.
+    /// The number of photon paths per pass. If the scene does not state it, the pilot may halve or
+    /// double it several times ([`PHOTON_HALVINGS`], [`PHOTON_DOUBLINGS`]).
     pub photons: u64,
     /// True if the scene states the number of photon paths.
     pub photons_stated: bool,

@@ -1,6 +1,6 @@
 //! The text of `abbe explain`.
 
-use super::budget::Budget;
+use super::budget::{Budget, PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 use super::decide::EffectRow;
 use super::fields::{Plan, WavelengthPlan};
 use crate::scene::Scene;
@@ -36,13 +36,16 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget) -> 
         scene.lights.len()
     ));
     lines.push(camera_text(&scene.camera));
-    let (at_most, photons) = (if budget.photons_stated { "" } else { "at most " }, budget.photons);
+    let photons = match budget.photons {
+        photons if budget.photons_stated => photons.to_string(),
+        photons => format!("{} to {}", photons >> PHOTON_HALVINGS, photons << PHOTON_DOUBLINGS),
+    };
     let samples = match budget.camera_samples {
         Some(1) => "1 camera sample per pixel".to_owned(),
         Some(count) => format!("{count} camera samples per pixel"),
         None => "a number of camera samples per pixel that a pilot chooses".to_owned(),
     };
-    lines.push(format!("Passes: {}, each with {at_most}{photons} photon paths and {samples}", budget.passes));
+    lines.push(format!("Passes: {}, each with {photons} photon paths and {samples}", budget.passes));
     lines.extend(motion_text(scene, budget));
     lines.push(match budget.radius_m {
         Some(radius) => format!("First kernel radius: {radius} m, set by the scene"),

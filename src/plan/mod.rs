@@ -16,7 +16,7 @@ mod path_class;
 mod prepare;
 mod tally;
 
-pub use budget::Budget;
+pub use budget::{Budget, PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 pub use decide::{EffectRow, EffectState};
 pub use effect_table::EFFECTS;
 pub use effects::{Effect, EffectId};

@@ -9,9 +9,9 @@ use std::sync::Arc;
 /// The number of components of a slice: X, Y and Z.
 const COMPONENTS_OF_SLICE: usize = 3;
 
-/// The additional channels of a pixel: radiance in each spectral band, then the first moment of each
-/// band if the film needs it, then X, Y and Z of each slice, then X, Y and Z of each path class and of each light group, and then the sums over first
-/// surfaces.
+/// The additional channels of a pixel: radiance in each spectral band, then the first moment of
+/// each band if the film needs it, then X, Y and Z of each slice, then X, Y and Z of each path class
+/// and of each light group, and then the sums over first surfaces.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Channels {
     pub(super) bands: usize,
@@ -24,6 +24,12 @@ pub(super) struct Channels {
 }
 
 impl Channels {
+    /// Returns X, Y and Z of each path class.
+    pub(super) fn of_path_classes(count: usize) -> Self {
+        let paths = vec![String::new(); count];
+        Self { layers: Some(Arc::new(LayerSet { paths, ..LayerSet::default() })), ..Self::default() }
+    }
+
     /// Returns the number of channels.
     pub(super) fn count(&self) -> usize {
         self.first_surface_channel() + self.layers.as_ref().map_or(0, |layers| layers.surface_channels().len())

@@ -5,7 +5,7 @@ use super::diffraction::{Convolution, DiffractionPsf, add_product};
 use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
 use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
 use super::readings::{Measurement, ReadingLayout};
-use super::sink::{FilmRow, PixelSink, SplatSink};
+use super::sink::{FilmRow, SplatSink};
 use crate::colour::xyz_to_linear_srgb;
 use crate::math::random::REPLICATES;
 use crate::math::sum::ExactSum;
@@ -167,14 +167,6 @@ impl Film {
         let channels = bands + 3 * slices + layers.planes();
         let names = layers.name_tables().count() * NameLayer::BYTES_PER_PIXEL;
         pixels.saturating_mul(size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names)
-    }
-
-    /// Returns X, Y and Z (W/m²/sr) of the light that `expose` adds to a pixel.
-    pub fn measure(observer: &'static Observer, expose: impl FnOnce(&mut PixelSink<'_>)) -> [f64; 3] {
-        let channels = Channels::default();
-        let mut sink = PixelSink::new(observer, &channels, &mut []);
-        expose(&mut sink);
-        sink.xyz
     }
 
     /// Counts a pass. The light of the pass must already be added.

@@ -119,6 +119,18 @@ impl<'f> PixelSink<'f> {
         Self { observer, xyz: [0.0; 3], bias_y: 0.0, channels, by_channel, hits: Vec::new(), rejected: 0 }
     }
 
+    /// Returns X, Y and Z (W/m²/sr) of the light of each path class that `expose` adds to a pixel.
+    /// The classes have the numbers from 0 to `CLASSES` − 1.
+    pub fn measure_classes<const CLASSES: usize>(
+        observer: &'static Observer,
+        expose: impl FnOnce(&mut PixelSink<'_>),
+    ) -> [[f64; 3]; CLASSES] {
+        let channels = Channels::of_path_classes(CLASSES);
+        let mut xyz = [[0.0; 3]; CLASSES];
+        expose(&mut PixelSink::new(observer, &channels, xyz.as_flattened_mut()));
+        xyz
+    }
+
     #[inline]
     fn add(&mut self, origin: (usize, usize), nm: f64, weight: f64) -> [f64; 3] {
         if !is_valid_radiance(weight) {

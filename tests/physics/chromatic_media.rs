@@ -34,7 +34,7 @@ fn white_ball(scattering: Value) -> Value {
         "media": { "it": { "homogeneous": { "absorption": 0, "scattering": scattering, "phase": "isotropic" } } },
         "materials": { "it": { "boundary": { "medium": "it" } } },
         "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "it" }],
-        "lights": surroundings(), "render": { "photons": 3000, "radius": 0.2 }
+        "lights": surroundings(), "render": { "photons": 3000, "camera_samples": 1, "radius": 0.2 }
     })
 }
 

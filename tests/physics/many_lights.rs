@@ -158,7 +158,7 @@ fn room(surrounded: bool) -> Value {
         "materials": { "grey": diffuse(ALBEDO) },
         "objects": [{ "shape": { "box": { "size": [4, 3, 4] } }, "material": "grey",
                       "transform": [{ "translate": [0, 1.5, 0] }] }],
-        "lights": lights, "render": { "photons": 1000, "forbid": ["indirect"] }
+        "lights": lights, "render": { "photons": 1000, "camera_samples": 4, "forbid": ["indirect"] }
     })
 }
 
