@@ -322,7 +322,7 @@ impl Scanner<'_> {
         Err(self.malformed(start, format!("found the escape `{written}` in a string"), expected))
     }
 
-    /// Returns the UTF-16 code unit of `\uXXXX` at an offset.
+    /// Returns the UTF-16 code unit of the escape `\u` and four hexadecimal digits at an offset.
     fn hex_escape(&self, offset: usize) -> Option<u32> {
         let digits = self.text.get(offset..offset + 6)?.strip_prefix("\\u")?;
         let all_hex = digits.bytes().all(|byte| byte.is_ascii_hexdigit());

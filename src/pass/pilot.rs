@@ -64,8 +64,8 @@ pub struct Pilot {
     pub(super) photons: PerSet<u64>,
     /// The number of camera samples per pixel.
     pub(super) camera_samples: u64,
-    /// The number of photon paths in a pass, divided by the number for which the radii are chosen. At
-    /// most 1, because a pass never stores more photons on surfaces than that number of paths.
+    /// The number of photon paths in a pass, divided by the number for which the radii are chosen.
+    /// At most 1, because a pass never stores more photons on surfaces than that number of paths.
     pub(super) photon_share: f64,
     /// The probabilities of storing photons.
     pub(super) keep: PerClass<KeepProbability>,

@@ -98,8 +98,9 @@ struct TileVariance {
     camera: [f64; 3],
 }
 
-/// The variances of one part of the light of camera samples.
+/// The mean of one part of the light of camera samples, and its variances.
 struct SampleVariance {
+    mean: [f64; 3],
     /// The variance of the light that the maps of a pass give.
     gathered: [f64; 3],
     /// The variance of a camera sample.
@@ -111,12 +112,10 @@ impl TileVariance {
     fn of(first: &[PixelLight], second: &[PixelLight]) -> Self {
         let all = SampleVariance::of(first, second, |pixel| pixel.samples);
         let media = SampleVariance::of(first, second, |pixel| pixel.media).gathered;
-        let sampled = |pixel: &PixelLight, c: usize| 0.5 * (pixel.samples[0][c] + pixel.samples[1][c]);
-        let mean_sampled = mean_of_pixels(first, second, |a, b, c| 0.5 * (sampled(a, c) + sampled(b, c)));
         let mean_splats = mean_of_pixels(first, second, |a, b, c| 0.5 * (a.splats[c] + b.splats[c]));
         Self {
-            mean: std::array::from_fn(|c| mean_sampled[c] + mean_splats[c]),
-            mean_sampled,
+            mean: std::array::from_fn(|c| all.mean[c] + mean_splats[c]),
+            mean_sampled: all.mean,
             surfaces: std::array::from_fn(|c| all.gathered[c] - media[c]),
             media,
             camera: all.camera,
@@ -131,8 +130,12 @@ impl SampleVariance {
         let within = |[one, other]: [[f64; 3]; TRIALS], c: usize| half_square(one[c], other[c]);
         let camera = mean_of_pixels(first, second, |a, b, c| 0.5 * (within(part(a), c) + within(part(b), c)));
         let between = mean_of_pixels(first, second, |a, b, c| half_square(mean(part(a), c), mean(part(b), c)));
-        // The mean of two camera samples has half of the variance of a sample.
-        Self { gathered: std::array::from_fn(|c| between[c] - 0.5 * camera[c]), camera }
+        Self {
+            mean: mean_of_pixels(first, second, |a, b, c| 0.5 * (mean(part(a), c) + mean(part(b), c))),
+            // The mean of two camera samples has half of the variance of a sample.
+            gathered: std::array::from_fn(|c| between[c] - 0.5 * camera[c]),
+            camera,
+        }
     }
 }
 
@@ -323,8 +326,8 @@ fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
 
 /// Returns three measures of the variance of the picture for one photon path and one camera sample:
 /// the mean of the relative variances of the pixels, their variance relative to the mean of the
-/// picture, and the mean of the relative variances of the means of square blocks. Camera samples are
-/// known in some blocks, and splats are known in all of them. `photons` is the number of photon
+/// picture, and the mean of the relative variances of the means of square blocks. Camera samples
+/// are known in some blocks, and splats are known in all of them. `photons` is the number of photon
 /// paths in a pass of the trial.
 fn variances(trials: &[SmallPass; 2], width: usize, photons: f64) -> [Variances; 3] {
     let pairs = || trials[0].tiles.iter().zip(&trials[1].tiles);

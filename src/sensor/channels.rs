@@ -10,8 +10,8 @@ use std::sync::Arc;
 const COMPONENTS_OF_SLICE: usize = 3;
 
 /// The additional channels of a pixel: radiance in each spectral band, then the first moment of
-/// each band if the film needs it, then X, Y and Z of each slice, then X, Y and Z of each path class
-/// and of each light group, and then the sums over first surfaces.
+/// each band if the film needs it, then X, Y and Z of each slice, then X, Y and Z of each path
+/// class and of each light group, and then the sums over first surfaces.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Channels {
     pub(super) bands: usize,
