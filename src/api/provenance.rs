@@ -8,7 +8,7 @@ use crate::format::{FileAccess, JsonSource};
 use crate::output::exr::read_metadata;
 use crate::output::hash::IdentityHash;
 use crate::output::metadata::{Metadata, names};
-use crate::render::{DisplaySettings, Integrator, Job, LedgerStats, Request, Stats, scene_of_passes};
+use crate::render::{DisplaySettings, Integrator, Job, LedgerStats, Request, Stats, affects_passes};
 use serde_json::Value;
 
 use super::plan_report::PlanReport;
@@ -18,10 +18,8 @@ use super::plan_report::PlanReport;
 pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) -> Metadata {
     let mut metadata = Metadata::new().with(names::VERSION, env!("CARGO_PKG_VERSION"));
     if let Some(source) = source {
-        let scene: Value = serde_json::from_str(&source.text).unwrap_or(Value::Null);
-        metadata = metadata
-            .with(names::SCENE_HASH, &scene_hash(&scene, source.folder(), source.file_access()))
-            .with_json(names::SCENE, &scene);
+        metadata =
+            metadata.with(names::SCENE_HASH, &scene_hash(source)).with(names::SCENE, &source.compact(|_, _| true));
     }
     metadata
         .with_json(names::PLAN, &PlanReport::of(job))
@@ -79,11 +77,10 @@ pub fn finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -
 /// Hashes a scene and the files that it names. If two scenes have the same hash, their passes are
 /// equal. The hash ignores the number of passes, the number of threads, the checkpoint interval,
 /// the conversion of the picture for a display, and the folder of the scene.
-fn scene_hash(scene: &Value, folder: &Path, file_access: FileAccess) -> String {
-    let scene = scene_of_passes(scene);
-    let mut files = FileHash::new(file_access);
-    files.hash.add_part(scene.to_string().as_bytes());
-    files.add_all(&scene, folder);
+fn scene_hash(source: &JsonSource) -> String {
+    let mut files = FileHash::new(source.file_access());
+    files.hash.add_part(source.compact(affects_passes).as_bytes());
+    source.strings().for_each(|name| files.add_with_parts(&name, source.folder()));
     files.hash.hex()
 }
 
@@ -102,8 +99,8 @@ impl FileHash {
         Self { hash: IdentityHash::default(), file_access, added: HashSet::new() }
     }
 
-    /// Adds all files that a scene names, in the order in which the scene names them. Each text in
-    /// a scene may name a file.
+    /// Adds all files that a glTF file names, in the order in which it names them. Each text in the
+    /// file may name another file.
     fn add_all(&mut self, value: &Value, folder: &Path) {
         match value {
             Value::Object(entries) => entries.values().for_each(|value| self.add_all(value, folder)),
@@ -180,6 +177,11 @@ mod tests {
     use super::*;
     use serde_json::json;
 
+    fn hash(scene: &Value, folder: &Path, access: FileAccess) -> String {
+        let source = JsonSource::patched(scene.to_string(), &folder.join("scene.json"), &[]).unwrap();
+        scene_hash(&source.with_file_access(access))
+    }
+
     /// A scene of many instances of a mesh names one file many times.
     #[test]
     fn the_hash_reads_each_file_once() {
@@ -197,7 +199,7 @@ mod tests {
         let parent = tempfile::tempdir().unwrap();
         let folder = parent.path().join("scene");
         std::fs::create_dir(&folder).unwrap();
-        let hash = |file_access| scene_hash(&json!({"title": "../other.txt"}), &folder, file_access);
+        let hash = |access| hash(&json!({"title": "../other.txt"}), &folder, access);
         let without = [FileAccess::WithinFolder, FileAccess::Anywhere].map(hash);
         std::fs::write(parent.path().join("other.txt"), "text").unwrap();
         assert_eq!(hash(FileAccess::WithinFolder), without[0]);
@@ -210,7 +212,7 @@ mod tests {
         std::fs::write(folder.path().join("a.obj"), "mtllib a.mtl\n").unwrap();
         std::fs::write(folder.path().join("a.mtl"), "newmtl red\n").unwrap();
         let scene = |passes: u64, seed: u64| json!({"objects": [{"shape": {"mesh": {"path": "a.obj"}}}], "render": {"passes": passes, "seed": seed}});
-        let hash = |scene: &Value| scene_hash(scene, folder.path(), FileAccess::default());
+        let hash = |scene: &Value| hash(scene, folder.path(), FileAccess::default());
         let first = hash(&scene(8, 0));
         assert_eq!(first, hash(&scene(64, 0)));
         assert_ne!(first, hash(&scene(8, 1)));

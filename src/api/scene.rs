@@ -101,7 +101,7 @@ impl Scene {
         match &mut self.origin {
             SceneOrigin::Text { text, path, changes, .. } => {
                 changes.push(change.to_string());
-                format::parse(text, path, changes)?;
+                format::parse(text.as_str(), path, changes)?;
                 Ok(self)
             }
             SceneOrigin::Model(_) => Err(Error::input("the scene has no text that could be changed")),

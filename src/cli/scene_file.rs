@@ -29,6 +29,6 @@ impl SceneFileArgs {
         let access = self.file_access();
         let SceneText { text, notes } = format::read_scene_text(path, access, self.overlay.as_deref())?;
         notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
-        format::parse_with_access(&text, path, sets, access)
+        format::parse_with_access(text, path, sets, access)
     }
 }

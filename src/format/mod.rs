@@ -252,7 +252,7 @@ pub fn read_scene_text(path: &Path, file_access: FileAccess, overlay: Option<&Pa
 ///
 /// # Errors
 /// Returns the same errors as [`read`].
-pub fn parse(text: &str, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
+pub fn parse(text: impl Into<String>, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     let source = JsonSource::patched(text, path, sets)?;
     parse_source(source, |_, _| None)
 }
@@ -264,7 +264,7 @@ pub fn parse(text: &str, path: &Path, sets: &[String]) -> Result<(SceneFile, Jso
 /// # Errors
 /// Returns the errors of [`parse`] and of [`resolve::resolve`].
 pub fn parse_with_access(
-    text: &str,
+    text: impl Into<String>,
     path: &Path,
     sets: &[String],
     access: FileAccess,

@@ -77,6 +77,13 @@ impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
             }
         }
     }
+
+    fn size_hint(&self) -> Option<usize> {
+        Some(match self {
+            Self::Written(elements, _) => elements.left(),
+            Self::StandIns(left) => *left,
+        })
+    }
 }
 
 /// Gives the entries of an object to serde: the entries of the text that are not dropped, and then

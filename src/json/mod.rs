@@ -17,6 +17,7 @@ mod positions;
 mod pretty;
 mod repair;
 mod scan;
+mod serialize;
 mod source;
 mod stand_in;
 #[cfg(test)]

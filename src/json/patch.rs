@@ -30,25 +30,24 @@ pub(super) struct PatchedText {
 
 impl PatchedText {
     /// Applies patches to a text. Errors use `file` as the name of the text.
-    pub(super) fn new(text: &str, file: &Path, sets: &[String]) -> Result<Self> {
+    pub(super) fn new(mut text: String, file: &Path, sets: &[String]) -> Result<Self> {
         if text.len() as u64 > MAX_BYTES {
             return Err(too_large().in_file(file));
         }
         let at_position = |SyntaxError { offset, error }: SyntaxError| {
-            let (line, column) = line_column(text, offset);
+            let (line, column) = line_column(&text, offset);
             error.in_file(file).at(line, column)
         };
-        let mut positions = scan(text).map_err(at_position)?;
-        let mut current = text.to_string();
+        let mut positions = scan(&text).map_err(at_position)?;
         let mut pieces = TextPieces(vec![TextPiece { start: 0, origin: PieceOrigin::File(0) }]);
         for set in sets {
             let patch = read_patch(set)?;
-            let edit = patch.edit(positions.root(&current)).map_err(|error| error.in_file(Path::new(&patch.label)))?;
-            pieces = pieces.after(&edit, &patch.label, current.len());
-            current.replace_range(edit.from..edit.to, &edit.text);
-            positions = rescan(&current, &patch.label)?;
+            let edit = patch.edit(positions.root(&text)).map_err(|error| error.in_file(Path::new(&patch.label)))?;
+            pieces = pieces.after(&edit, &patch.label, text.len());
+            text.replace_range(edit.from..edit.to, &edit.text);
+            positions = rescan(&text, &patch.label)?;
         }
-        Ok(Self { text: current, pieces, positions })
+        Ok(Self { text, pieces, positions })
     }
 }
 
@@ -272,7 +271,7 @@ mod tests {
     /// Applies patches to a text. Returns the patched text, or the error message.
     fn after(text: &str, sets: &[&str]) -> String {
         let sets: Vec<_> = sets.iter().map(|set| set.to_string()).collect();
-        PatchedText::new(text, Path::new("scene.json"), &sets)
+        PatchedText::new(text.to_string(), Path::new("scene.json"), &sets)
             .map_or_else(|error| error.to_string(), |patched| patched.text)
     }
 

@@ -25,14 +25,14 @@ pub(super) struct Positions(Vec<Node>);
 
 impl Positions {
     /// Takes the nodes of a text, which must be in the order of the text.
-    pub(super) fn new(nodes: Vec<Node>) -> Self {
+    pub(super) fn new(mut nodes: Vec<Node>) -> Self {
+        nodes.shrink_to_fit();
         Self(nodes)
     }
 
-    /// Returns the number of values and keys.
-    #[cfg(test)]
-    pub(super) fn len(&self) -> u32 {
-        self.0.len() as u32
+    /// Returns the number of each value and key, in the order of the text.
+    pub(super) fn ids(&self) -> std::ops::Range<u32> {
+        0..self.0.len() as u32
     }
 
     /// Returns the outermost value.
@@ -210,6 +210,13 @@ impl<'t> SpannedValue<'t> {
 pub(super) struct ChildValues<'t> {
     at: SpannedValue<'t>,
     end: u32,
+}
+
+impl ChildValues<'_> {
+    /// Returns the number of values that are left.
+    pub(super) fn left(&self) -> usize {
+        self.clone().count()
+    }
 }
 
 impl<'t> Iterator for ChildValues<'t> {

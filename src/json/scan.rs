@@ -449,9 +449,9 @@ mod tests {
         assert_eq!(root.written(), text.trim());
         let entries: Vec<_> = root.entries().map(|(key, value)| (key.content(), value.written())).collect();
         assert_eq!(entries, [("a".into(), r#"[1, {"b": "x"}]"#), ("c".into(), "null")]);
-        let paths: Vec<_> = (0..positions.len()).map(|id| root.path_to(id)).collect();
+        let paths: Vec<_> = positions.ids().map(|id| root.path_to(id)).collect();
         assert_eq!(paths, ["", "a", "a", "a[0]", "a[1]", "a[1].b", "a[1].b", "c", "c"]);
-        let keys: Vec<_> = (0..positions.len()).filter(|id| root.is_key(*id)).collect();
+        let keys: Vec<_> = positions.ids().filter(|id| root.is_key(*id)).collect();
         assert_eq!(keys, [1, 5, 7]);
     }
 }

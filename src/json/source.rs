@@ -1,5 +1,6 @@
 //! A JSON text with its patches. Deserialises the text, and adds positions to errors.
 
+use std::borrow::Cow;
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
@@ -9,10 +10,14 @@ use super::deserialize::deserialize;
 use super::file_access::FileAccess;
 use super::patch::{PatchedText, PieceOrigin, TextPieces};
 use super::path;
-use super::positions::Positions;
+use super::positions::{Positions, ValueKind};
 use super::repair::Repairs;
+use super::serialize::Sections;
 use super::text::line_column;
 use crate::error::{Error, MAX_FAULTS, Result};
+
+/// The character that some programs write at the start of a text file.
+const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// A value of a text with faults.
 #[derive(Debug)]
@@ -63,9 +68,12 @@ impl JsonSource {
     ///
     /// # Errors
     /// Returns an error if the text is not JSON, or if a patch cannot be applied.
-    pub fn patched(text: &str, file: &Path, sets: &[String]) -> Result<Self> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let unpatched = (!sets.is_empty()).then(|| text.to_string());
+    pub fn patched(text: impl Into<String>, file: &Path, sets: &[String]) -> Result<Self> {
+        let mut text = text.into();
+        if text.starts_with(BYTE_ORDER_MARK) {
+            text.drain(..BYTE_ORDER_MARK.len_utf8());
+        }
+        let unpatched = (!sets.is_empty()).then(|| text.clone());
         let PatchedText { text, pieces, positions } = PatchedText::new(text, file, sets)?;
         let file_access = FileAccess::default();
         Ok(Self { path: file.to_path_buf(), text, unpatched, pieces, positions, file_access })
@@ -104,6 +112,21 @@ impl JsonSource {
                 return RepairedValue { value: None, faults, repairs };
             }
         }
+    }
+
+    /// Returns the values of the text as compact JSON. `keeps` returns whether an entry of a section
+    /// stays; its arguments are the key of the section and the key of the entry. A section is an
+    /// object inside the outermost object.
+    pub fn compact(&self, keeps: impl Fn(&str, &str) -> bool) -> String {
+        let root = self.positions.root(&self.text);
+        serde_json::to_string(&Sections { root, keeps }).expect("the scanner has checked the text")
+    }
+
+    /// Returns all strings of the text except the keys, in the order of the text.
+    pub fn strings(&self) -> impl Iterator<Item = Cow<'_, str>> {
+        let root = self.positions.root(&self.text);
+        let is_string = move |id: &u32| root.with_id(*id).kind() == ValueKind::String && !root.is_key(*id);
+        self.positions.ids().filter(is_string).map(move |id| root.with_id(id).content())
     }
 
     /// Returns the folder to which paths in the text are relative.

@@ -27,7 +27,8 @@ pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
 pub fn read_text(path: &Path) -> Result<String> {
     let unreadable = |error: std::io::Error| Error::input(format!("cannot be read: {error}")).in_file(path);
     let file = std::fs::File::open(path).map_err(unreadable)?;
-    let mut bytes = Vec::new();
+    let expected = file.metadata().map_or(0, |metadata| metadata.len()).min(MAX_BYTES);
+    let mut bytes = Vec::with_capacity(expected as usize + 1);
     // One byte more than allowed is read. A file that is too large is therefore detected even if
     // its size is not known in advance, as for a pipe.
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;

@@ -42,7 +42,8 @@ pub fn relight(picture: &Picture, gains: &[LightGain]) -> Result<Picture> {
         return Err(error.expected("a picture that `abbe render --layers lights` has written"));
     }
     if let Some(gain) = gains.iter().find(|gain| !groups.contains(&gain.group.as_str())) {
-        return Err(Error::unknown_name("light group", &gain.group, groups));
+        let expected = format!("one of {}", groups.join(", "));
+        return Err(Error::unknown_name("light group", &gain.group, groups).expected(expected));
     }
     let factor = |group: &str, c: usize| {
         gains.iter().filter(|gain| gain.group == group).map(|gain| gain.rgb[c]).next_back().unwrap_or(1.0)
@@ -106,7 +107,7 @@ mod tests {
     #[test]
     fn unknown_groups_and_pictures_without_groups_are_refused() {
         let error = relight(&picture(), &[gain("lmap", [1.0; 3])]).unwrap_err().to_string();
-        assert!(error.contains("lmap") && error.contains("lamp"), "{error}");
+        assert!(error.contains("lmap") && error.contains("one of lamp, sun"), "{error}");
         let error = relight(&Picture::black(1, 1), &[]).unwrap_err().to_string();
         assert!(error.contains("--layers lights"), "{error}");
     }

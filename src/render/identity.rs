@@ -24,10 +24,10 @@ pub struct RenderIdentity {
     /// The name and state of each effect.
     effects: Vec<String>,
     scene_hash: String,
-    /// The scene, to name a difference. The header of a saved run contains the scene, so the record
+    /// The text of the scene, to name a difference. The header of a saved run contains the scene, so the record
     /// leaves it out.
     #[serde(skip)]
-    scene: Value,
+    scene: String,
 }
 
 impl RenderIdentity {
@@ -44,15 +44,14 @@ impl RenderIdentity {
             layers: job.layers.clone(),
             effects: job.rows.iter().map(|row| format!("{} {}", row.effect.name, row.state.word())).collect(),
             scene_hash: header.get(names::SCENE_HASH).unwrap_or_default().to_string(),
-            scene: Value::Null,
+            scene: String::new(),
         }
         .with_scene_of(header)
     }
 
     /// Takes the scene from the header of a file.
     pub(super) fn with_scene_of(self, header: &Metadata) -> Self {
-        let scene = header.get(names::SCENE).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
-        Self { scene, ..self }
+        Self { scene: header.get(names::SCENE).unwrap_or_default().to_string(), ..self }
     }
 
     /// Returns the width and height of the film in pixels, and the number of spectral bands.
@@ -72,6 +71,7 @@ impl RenderIdentity {
         let Self { integrator, seed, photons, size, spectral_bands, layers, effects, scene_hash, scene } = self;
         let effects = effects.iter().find(|effect| !expected.effects.contains(effect));
         let other_effect = expected.effects.iter().find(|effect| !self.effects.contains(effect));
+        let parsed = |scene: &str| serde_json::from_str::<Value>(scene).unwrap_or_default();
         let pixels = |(width, height): (u32, u32)| format!("{width} × {height} pixels");
         let effect = |effect: Option<&String>| format!("the effect {}", effect.map_or("none", String::as_str));
         let pairs = [
@@ -86,11 +86,13 @@ impl RenderIdentity {
             }),
             (layers.words() != expected.layers.words()).then(|| (layers.words(), expected.layers.words())),
             (effects.is_some() || other_effect.is_some()).then(|| (effect(effects), effect(other_effect))),
-            (scene_hash != &expected.scene_hash).then(|| match first_difference(scene, &expected.scene) {
-                Some([here, there]) => (format!("another scene: {here}"), format!("a scene in which {there}")),
-                None => {
-                    let what = "another scene: a file that the scene names, or the order of its keys, has changed";
-                    (what.to_string(), "the same scene, with unchanged files".to_string())
+            (scene_hash != &expected.scene_hash).then(|| {
+                match first_difference(&parsed(scene), &parsed(&expected.scene)) {
+                    Some([here, there]) => (format!("another scene: {here}"), format!("a scene in which {there}")),
+                    None => {
+                        let what = "another scene: a file that the scene names, or the order of its keys, has changed";
+                        (what.to_string(), "the same scene, with unchanged files".to_string())
+                    }
                 }
             }),
         ];

@@ -38,7 +38,7 @@ pub use part::PassPart;
 pub use request::{Integrator, Request, StopRules};
 pub use run::Run;
 pub use saved_run::SavedRun;
-pub use scene_difference::scene_of_passes;
+pub use scene_difference::affects_passes;
 pub use session::Rendered;
 pub use stats::{EffectStats, ErrorStats, ForecastStats, LedgerStats, Stats};
 pub use threads::{current_threads, on_threads};

@@ -12,13 +12,18 @@ const KEYS_WITHOUT_EFFECT_ON_A_PASS: [(&str, &[&str]); 2] = [
 /// The longest value that a difference contains, in characters.
 const LONGEST_VALUE: usize = 60;
 
-/// Returns a scene without the keys that do not change the result of a pass.
+/// Returns whether an entry of a section of a scene can change the result of a pass.
 #[must_use]
-pub fn scene_of_passes(scene: &Value) -> Value {
+pub fn affects_passes(section: &str, key: &str) -> bool {
+    !KEYS_WITHOUT_EFFECT_ON_A_PASS.iter().any(|(of, keys)| *of == section && keys.contains(&key))
+}
+
+/// Returns a scene without the keys that do not change the result of a pass.
+fn scene_of_passes(scene: &Value) -> Value {
     let mut scene = scene.clone();
-    for (section, keys) in KEYS_WITHOUT_EFFECT_ON_A_PASS {
-        if let Some(Value::Object(entries)) = scene.get_mut(section) {
-            entries.retain(|key, _| !keys.contains(&key.as_str()));
+    for (section, entries) in scene.as_object_mut().into_iter().flatten() {
+        if let Value::Object(entries) = entries {
+            entries.retain(|key, _| affects_passes(section, key));
         }
     }
     scene

@@ -74,7 +74,7 @@ const LIGHT_KINDS: [&str; 6] = ["point", "spot", "beam", "directional", "environ
 /// # Errors
 /// Returns an error if the overlay cannot be read, or if it contains an unknown key or name.
 pub(super) fn apply(text: &str, names: &ImportedNames, path: &Path) -> Result<OverlaidScene> {
-    let source = JsonSource::patched(&read_text(path)?, path, &[])?;
+    let source = JsonSource::patched(read_text(path)?, path, &[])?;
     let overlay: OverlayFile = source.deserialize()?;
     let parsed = serde_json::from_str(text);
     let mut scene: Value = parsed.map_err(|error| Error::input(format!("the converted scene is not JSON: {error}")))?;
