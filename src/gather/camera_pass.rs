@@ -5,7 +5,7 @@ use super::camera::sampler::PixelSampler;
 use super::density::outline::Outlines;
 use super::density::responses::SensorResponses;
 use super::direct::lighting::DirectLighting;
-use crate::map::radius::RadiusScales;
+use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, PixelRadii, SetMaps};
 use crate::plan::partition::PerSet;
 use crate::plan::{Plan, Tally};
@@ -49,7 +49,7 @@ pub struct CameraPass<'a> {
     /// does.
     pub receptors: &'a [CausticWeights],
     /// The factors by which this pass scales the first kernel radii.
-    pub scales: RadiusScales,
+    pub scales: PerKernel<f64>,
     /// The first kernel radius (m) from the scene file. If the value is `None`, each pixel has its
     /// own first radius.
     pub stated_radius_m: Option<f64>,

@@ -73,15 +73,23 @@ impl FirstRadii {
     }
 }
 
-/// The factors by which a pass scales the first radii.
+/// A value for each kind of kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RadiusScales {
-    /// The factor on surfaces.
-    pub surface: f64,
-    /// The factor for photon points in media.
-    pub points: f64,
-    /// The factor for photon beams in media.
-    pub beams: f64,
+pub struct PerKernel<T> {
+    /// The value on surfaces.
+    pub surface: T,
+    /// The values for photon points in media.
+    pub points: PerClass<T>,
+    /// The values for photon beams in media.
+    pub beams: PerClass<T>,
+}
+
+impl<T: Copy> PerKernel<T> {
+    /// Returns equal values.
+    pub fn splat(value: T) -> Self {
+        let of_all = PerClass::from_fn(|_| value);
+        Self { surface: value, points: of_all, beams: of_all }
+    }
 }
 
 impl<T: Copy> PixelRadii<T> {
@@ -121,11 +129,14 @@ impl<T: Copy> PixelRadii<T> {
     }
 }
 
-impl RadiusScales {
-    /// Returns the factors of a pass. `progress` is the number of photon paths in all earlier
-    /// passes, divided by the number of photon paths for which the first radii are chosen.
-    pub fn after(progress: f64) -> Self {
-        Self { surface: scale(progress, 2), points: scale(progress, 2), beams: scale(progress, 1) }
+/// Returns the factors by which pass number `pass` scales the first radii. `photons` contains the
+/// number of photons that a pass stores, divided by the number for which the first radii are chosen.
+pub fn scales(pass: u64, photons: PerKernel<f64>) -> PerKernel<f64> {
+    let of_kind = |photons: f64, dimensions: u32| scale(pass as f64 * photons, dimensions);
+    PerKernel {
+        surface: of_kind(photons.surface, 2),
+        points: PerClass::from_fn(|class| of_kind(photons.points[class], 2)),
+        beams: PerClass::from_fn(|class| of_kind(photons.beams[class], 1)),
     }
 }
 
@@ -227,11 +238,24 @@ mod tests {
     /// dimension.
     #[test]
     fn each_kind_of_radius_falls_at_its_own_rate() {
-        let (early, late) = (RadiusScales::after((1 << 20) as f64), RadiusScales::after((1 << 26) as f64));
-        let exponent = |of: fn(&RadiusScales) -> f64| (of(&late) / of(&early)).log2() / 6.0;
+        let [early, late] = [1 << 20, 1 << 26].map(|pass| scales(pass, PerKernel::splat(1.0)));
+        let exponent = |of: fn(&PerKernel<f64>) -> f64| (of(&late) / of(&early)).log2() / 6.0;
         assert!((exponent(|scales| scales.surface) + 1.0 / 6.0).abs() < 1e-5);
-        assert!((exponent(|scales| scales.points) + 1.0 / 6.0).abs() < 1e-5);
-        assert!((exponent(|scales| scales.beams) + 1.0 / 5.0).abs() < 1e-5);
+        assert!((exponent(|scales| scales.points.indirect) + 1.0 / 6.0).abs() < 1e-5);
+        assert!((exponent(|scales| scales.beams.indirect) + 1.0 / 5.0).abs() < 1e-5);
+    }
+
+    /// If a pass stores eight times as many beams of caustics, their radii are those after eight
+    /// times as many passes.
+    #[test]
+    fn each_kind_of_radius_follows_the_photons_of_its_kind() {
+        let plain = PerKernel::splat(0.5);
+        let more = PerKernel { beams: PerClass { caustic: 4.0, indirect: 0.5 }, ..plain };
+        let later = scales(24, plain).beams.indirect;
+        let expected = scales(3, plain);
+        let expected = PerKernel { beams: PerClass { caustic: later, ..expected.beams }, ..expected };
+        assert_eq!(scales(3, more), expected);
+        assert_eq!(scales(0, more), PerKernel::splat(1.0));
     }
 
     /// First radii lie between the footprint and the largest radius.

@@ -4,7 +4,7 @@ use super::sums::PassSums;
 use crate::emit::{EmissionStrata, LightSampler, PhotonSource, SpectrumCoverage, WavelengthSampling};
 use crate::error::Result;
 use crate::gather::{CameraPass, DirectLighting, LightSelector, Openings, Outlines, SensorResponses};
-use crate::map::radius::RadiusScales;
+use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, SetMaps};
 use crate::math::kronecker::{golden_ratio, sqrt3};
 use crate::math::random::{Purpose, REPLICATES, hash64};
@@ -122,7 +122,7 @@ impl<'a> PassContext<'a> {
             light_maps,
             shared_nm: nm,
             shared_pdf: pdf,
-            scales: RadiusScales::after(0.0),
+            scales: PerKernel::splat(1.0),
             stated_radius_m: self.budget.radius_m,
             lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
             spectra: self.spectra,

@@ -10,7 +10,7 @@ use super::sums::PassSums;
 use super::trace::trace_photons;
 use crate::error::Result;
 use crate::gather::{CameraPass, MissingLight, PathBuffers, PixelSampler};
-use crate::map::radius::RadiusScales;
+use crate::map::radius::scales;
 use crate::map::{LightMaps, SetMaps};
 use crate::math::random::Purpose;
 use crate::plan::partition::{PerSet, PhotonSet};
@@ -39,8 +39,8 @@ pub fn photon_pass<'a>(
     let start = Instant::now();
     let shared = context.shared_wavelengths(pass);
     let film = &sums.film;
-    let scales = RadiusScales::after(pass as f64 * pilot.photon_share);
-    let first = (pilot.receptor_radii.as_slice(), scales);
+    let scales = scales(pass, pilot.stored_photons);
+    let first = (pilot.receptor_radii.as_slice(), scales.surface);
     let receptors = ReceptorKernels::of_pass(&context, &scene, first, pilot.photons_per_sample().free);
     let traced = PerSet::from_fn(|set| {
         let purpose = match set {

@@ -25,6 +25,7 @@ use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
 use crate::emit::{EmissionStrata, PhotonSource};
 use crate::error::Result;
 use crate::gather::{CameraPass, LightSelector, Outlines};
+use crate::map::radius::PerKernel;
 use crate::map::{FirstRadii, LightMaps, SetMaps};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet};
@@ -64,9 +65,9 @@ pub struct Pilot {
     pub(super) photons: PerSet<u64>,
     /// The number of camera samples per pixel.
     pub(super) camera_samples: u64,
-    /// The number of photon paths in a pass, divided by the number for which the radii are chosen.
-    /// At most 1, because a pass never stores more photons on surfaces than that number of paths.
-    pub(super) photon_share: f64,
+    /// The number of photons that a pass stores, divided by the number for which the first radii are
+    /// chosen. At most 1 on surfaces.
+    pub(super) stored_photons: PerKernel<f64>,
     /// The probabilities of storing photons.
     pub(super) keep: PerClass<KeepProbability>,
 }
@@ -144,7 +145,7 @@ impl Pilot {
             outlines: Outlines::default(),
             photons: PerSet::default(),
             camera_samples: 1,
-            photon_share: 1.0,
+            stored_photons: PerKernel::splat(1.0),
             keep: KEEP_ALL,
         };
         pilot.set_ray_densities(context);
@@ -257,10 +258,16 @@ impl Pilot {
             limits.choose(variances, work)
         };
         self.camera_samples = camera_samples;
-        self.keep = PerClass::from_fn(|class| self.keep[class].with_medium_factor(medium_factor));
-        self.keep.indirect.surface = stored_share;
         let share = chosen as f64 / photons as f64;
-        self.photon_share = share.min(1.0);
+        let plain = self.keep;
+        self.keep = PerClass::from_fn(|class| plain[class].with_medium_factor(medium_factor));
+        self.keep.indirect.surface = stored_share;
+        self.stored_photons = PerKernel {
+            // A pass never stores more indirect photons on surfaces than the plain division.
+            surface: share.min(1.0),
+            points: PerClass::from_fn(|class| share * self.keep[class].points / plain[class].points),
+            beams: PerClass::from_fn(|class| share * self.keep[class].beams / plain[class].beams),
+        };
         self.photons = PerSet::from_fn(|set| match self.photons[set] {
             0 => 0,
             count => ((count as f64 * share) as u64).max(1),

@@ -17,7 +17,6 @@ use crate::gather::{Openings, receptor_pdf};
 use crate::geometry::Ray;
 use crate::map::SphereTree;
 use crate::map::kernel::{DiskKernel, KernelDomain, KernelValues};
-use crate::map::radius::RadiusScales;
 use crate::math::random::{Purpose, Stream};
 use crate::math::sphere::BoundingSphere;
 use crate::optics::bsdf::BsdfClass;
@@ -142,14 +141,14 @@ impl<'a> ReceptorKernels<'a> {
     pub(super) fn of_pass(
         context: &PassContext<'a>,
         scene: &'a Scene,
-        (first_m, scales): (&[f64], RadiusScales),
+        (first_m, scale): (&[f64], f64),
         photons_per_sample: f64,
     ) -> Option<Self> {
         if first_m.is_empty() {
             return None;
         }
         let receptors = scene.camera.receptors();
-        let radii_m: Vec<f64> = first_m.iter().map(|radius| radius * scales.surface).collect();
+        let radii_m: Vec<f64> = first_m.iter().map(|radius| radius * scale).collect();
         let weights = |(receptor, radius_m): (&Receptor, &f64)| {
             let area_m2 = match receptor.shape {
                 ReceptorShape::Point(..) => PI * radius_m.powi(2),

@@ -98,8 +98,8 @@ impl<'a> CameraPass<'a> {
             // A wide kernel of a thin medium would visit many points of a dense medium, and reject
             // all of them. Therefore a segment searches only the photons that its medium stores.
             let (volume, dense) = (self.plan.volume, filling.medium.dense);
-            let of_points = (&maps.points, self.scales.points, volume.keeps_points(dense));
-            let of_beams = (&maps.beams, self.scales.beams, volume.keeps_beams(dense));
+            let of_points = (&maps.points, self.scales.points[class], volume.keeps_points(dense));
+            let of_beams = (&maps.beams, self.scales.beams[class], volume.keeps_beams(dense));
             for (map, scale, stored) in [of_points, of_beams] {
                 if map.is_empty() || !stored {
                     continue;
