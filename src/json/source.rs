@@ -114,9 +114,9 @@ impl JsonSource {
         }
     }
 
-    /// Returns the values of the text as compact JSON. `keeps` returns whether an entry of a section
-    /// stays; its arguments are the key of the section and the key of the entry. A section is an
-    /// object inside the outermost object.
+    /// Returns the values of the text as compact JSON. `keeps` returns whether an entry of a
+    /// section stays; its arguments are the key of the section and the key of the entry. A section
+    /// is an object inside the outermost object.
     pub fn compact(&self, keeps: impl Fn(&str, &str) -> bool) -> String {
         let root = self.positions.root(&self.text);
         serde_json::to_string(&Sections { root, keeps }).expect("the scanner has checked the text")

@@ -130,7 +130,8 @@ impl<T: Copy> PixelRadii<T> {
 }
 
 /// Returns the factors by which pass number `pass` scales the first radii. `photons` contains the
-/// number of photons that a pass stores, divided by the number for which the first radii are chosen.
+/// number of photons that a pass stores, divided by the number for which the first radii are
+/// chosen.
 pub fn scales(pass: u64, photons: PerKernel<f64>) -> PerKernel<f64> {
     let of_kind = |photons: f64, dimensions: u32| scale(pass as f64 * photons, dimensions);
     PerKernel {

@@ -65,8 +65,8 @@ pub struct Pilot {
     pub(super) photons: PerSet<u64>,
     /// The number of camera samples per pixel.
     pub(super) camera_samples: u64,
-    /// The number of photons that a pass stores, divided by the number for which the first radii are
-    /// chosen. At most 1 on surfaces.
+    /// The number of photons that a pass stores, divided by the number for which the first radii
+    /// are chosen. At most 1 on surfaces.
     pub(super) stored_photons: PerKernel<f64>,
     /// The probabilities of storing photons.
     pub(super) keep: PerClass<KeepProbability>,

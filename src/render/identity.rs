@@ -24,8 +24,8 @@ pub struct RenderIdentity {
     /// The name and state of each effect.
     effects: Vec<String>,
     scene_hash: String,
-    /// The text of the scene, to name a difference. The header of a saved run contains the scene, so the record
-    /// leaves it out.
+    /// The text of the scene, to name a difference. The header of a saved run contains the scene,
+    /// so the record leaves it out.
     #[serde(skip)]
     scene: String,
 }
