@@ -4,7 +4,7 @@ use abbe::emit::{
     EmissionStrata, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
 };
 use abbe::gather::{CameraPass, DirectLighting, LightSelector, Outlines};
-use abbe::map::radius::RadiusScales;
+use abbe::map::radius::PerKernel;
 use abbe::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, PhotonSpectra, SetMaps};
 use abbe::math::random::{Purpose, Stream};
 use abbe::plan::partition::PerSet;
@@ -146,7 +146,7 @@ pub(crate) fn camera_pass<'a>(
         receptors: &[],
         spectra: &prepared.spectra,
         responses: None,
-        scales: RadiusScales::after(0.0),
+        scales: PerKernel::splat(1.0),
         stated_radius_m: None,
         depth_limit: DepthLimit::default(),
         photons_per_sample: PerSet { free: 1.0, shared: 1.0 },

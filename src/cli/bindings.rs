@@ -1,6 +1,5 @@
 //! The results of commands for the Python package: the same figures as those of `--json`.
 
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -161,10 +160,10 @@ impl SceneRequest {
     /// Reads the scene, and applies the changes.
     fn read(&self) -> Result<(SceneFile, JsonSource)> {
         let text = match &self.text {
-            Some(text) => Cow::Borrowed(text),
-            None => Cow::Owned(format::read_scene_text(&self.path, self.access, None)?.text),
+            Some(text) => text.clone(),
+            None => format::read_scene_text(&self.path, self.access, None)?.text,
         };
-        format::parse_with_access(&text, &self.path, &self.changes, self.access)
+        format::parse_with_access(text, &self.path, &self.changes, self.access)
     }
 }
 

@@ -46,7 +46,7 @@ fn a_colour_may_stand_wherever_a_spectrum_may() {
         ("#cc3311", "#cc331", "found \"#cc331\"; expected a colour such as #ff8800"),
         ("[0.5, 0.5, 0.5]", "[128, 128, 128]", "found 128; expected a number from 0 to 1 (divide"),
     ] {
-        let error = match parse(&text.replace(from, to), Path::new("s.json"), &[]) {
+        let error = match parse(text.replace(from, to), Path::new("s.json"), &[]) {
             Ok((scene, source)) => resolve(&scene, &source).unwrap_err(),
             Err(error) => error,
         };

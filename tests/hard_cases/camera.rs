@@ -132,7 +132,7 @@ pub(crate) const CASES: &[Case] = &[
             let taken = ways.into_iter().filter(|way| {
                 let mut scene = scene(json!({ "pinhole": { "fov": 40 } }));
                 scene["objects"][0]["motion"] = json!(way);
-                let read = format::parse(&scene.to_string(), "moving.json".as_ref(), &[]);
+                let read = format::parse(scene.to_string(), "moving.json".as_ref(), &[]);
                 let resolved = read.and_then(|(file, source)| resolve(&file, &source));
                 !resolved.is_err_and(|error| error.to_string().contains("objects[0].motion[1]"))
             });

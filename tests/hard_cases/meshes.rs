@@ -74,7 +74,7 @@ pub(crate) fn glass_scene((corners, triangles): &Raw) -> Scene {
         "objects": [{ "name": "stone", "shape": { "mesh": { "path": "mesh.obj" } }, "material": "glass" }],
         "lights": [{ "point": { "at": [5, 5, 5], "spectrum": 1, "power": 1 } }]
     });
-    let (scene, source) = format::parse(&scene.to_string(), &folder.path().join("scene.json"), &[]).unwrap();
+    let (scene, source) = format::parse(scene.to_string(), &folder.path().join("scene.json"), &[]).unwrap();
     resolve(&scene, &source).unwrap()
 }
 

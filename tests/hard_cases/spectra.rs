@@ -182,7 +182,7 @@ fn lit(lamp: Value, reflectance: Value) -> Value {
 }
 
 fn is_refused(scene: &Value) -> bool {
-    let planned = format::parse(&scene.to_string(), "dark.json".as_ref(), &[])
+    let planned = format::parse(scene.to_string(), "dark.json".as_ref(), &[])
         .and_then(|(scene, source)| resolve::resolve(&scene, &source))
         .and_then(Job::new);
     planned.is_err_and(|error| error.exit_status() == 2)

@@ -22,7 +22,7 @@ fn numbers(point: &PointReport) -> [f64; 3] {
 fn job_in(folder: &Path, scene: &Json) -> Job {
     let path = folder.join("scene.json");
     let (file, source) =
-        parse_with_access(&scene.to_string(), &path, &[], FileAccess::default()).expect("the scene is valid");
+        parse_with_access(scene.to_string(), &path, &[], FileAccess::default()).expect("the scene is valid");
     let scene = resolve_meters(&file, &source).expect("the files of the scene are valid");
     Job::new(scene).expect("the scene has light")
 }

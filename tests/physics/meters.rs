@@ -13,7 +13,7 @@ use std::path::Path;
 
 fn job(scene: &Json) -> Job {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene.json");
-    let (file, source) = parse_with_access(&scene.to_string(), &folder, &[], FileAccess::default()).unwrap();
+    let (file, source) = parse_with_access(scene.to_string(), &folder, &[], FileAccess::default()).unwrap();
     Job::new(resolve_meters(&file, &source).unwrap()).unwrap()
 }
 
