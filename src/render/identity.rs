@@ -72,6 +72,13 @@ impl RenderIdentity {
         let effects = effects.iter().find(|effect| !expected.effects.contains(effect));
         let other_effect = expected.effects.iter().find(|effect| !self.effects.contains(effect));
         let parsed = |scene: &str| serde_json::from_str::<Value>(scene).unwrap_or_default();
+        let other_scene = || match first_difference(&parsed(scene), &parsed(&expected.scene)) {
+            Some([here, there]) => (format!("another scene: {here}"), format!("a scene in which {there}")),
+            None => {
+                let what = "another scene: a file that the scene names, or the order of its keys, has changed";
+                (what.to_string(), "the same scene, with unchanged files".to_string())
+            }
+        };
         let pixels = |(width, height): (u32, u32)| format!("{width} × {height} pixels");
         let effect = |effect: Option<&String>| format!("the effect {}", effect.map_or("none", String::as_str));
         let pairs = [
@@ -86,15 +93,7 @@ impl RenderIdentity {
             }),
             (layers.words() != expected.layers.words()).then(|| (layers.words(), expected.layers.words())),
             (effects.is_some() || other_effect.is_some()).then(|| (effect(effects), effect(other_effect))),
-            (scene_hash != &expected.scene_hash).then(|| {
-                match first_difference(&parsed(scene), &parsed(&expected.scene)) {
-                    Some([here, there]) => (format!("another scene: {here}"), format!("a scene in which {there}")),
-                    None => {
-                        let what = "another scene: a file that the scene names, or the order of its keys, has changed";
-                        (what.to_string(), "the same scene, with unchanged files".to_string())
-                    }
-                }
-            }),
+            (scene_hash != &expected.scene_hash).then(other_scene),
         ];
         pairs.into_iter().flatten().next()
     }
