@@ -74,6 +74,11 @@ impl Glossy {
         Self { interreflection: true, ..self }
     }
 
+    /// Returns Ē, the fraction of diffuse light that the coat reflects at the wavelength `nm` in nm.
+    pub fn coat_albedo(&self, nm: f64) -> f64 {
+        self.coat.mean(self.index.n(nm))
+    }
+
     /// Returns ρ, the fraction of the light inside the coat that leaves the coat again.
     fn base(&self, texel: Texel, nm: f64) -> f64 {
         let reflectance = self.reflectance.at(texel, nm);
@@ -81,7 +86,7 @@ impl Glossy {
             return reflectance;
         }
         let index = self.index.n(nm);
-        let escaping = (1.0 - self.coat.mean(index)) / (index * index);
+        let escaping = (1.0 - self.coat_albedo(nm)) / (index * index);
         reflectance * escaping / (1.0 - reflectance * (1.0 - escaping))
     }
 

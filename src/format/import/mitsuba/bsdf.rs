@@ -29,11 +29,11 @@ pub(super) enum MitsubaSurface {
 const MEDIAN_SLOPE: f64 = 0.832_554_611_157_697_8;
 
 /// The surface that is converted.
-struct BsdfContext<'a> {
+pub(super) struct BsdfContext<'a> {
     /// The name that the material gets, if it is free.
-    name: &'a str,
+    pub(super) name: &'a str,
     /// The name of the medium inside the shape.
-    medium: Option<&'a str>,
+    pub(super) medium: Option<&'a str>,
     /// True inside `twosided`.
     twosided: bool,
 }
@@ -89,7 +89,7 @@ impl MitsubaReader<'_> {
     }
 
     /// Adds a material.
-    fn add(&mut self, context: &BsdfContext<'_>, material: Value, one_sided: bool) -> MitsubaSurface {
+    pub(super) fn add(&mut self, context: &BsdfContext<'_>, material: Value, one_sided: bool) -> MitsubaSurface {
         let name = self.add_material(context.name, material);
         MitsubaSurface::Material { name, one_sided: one_sided && !context.twosided }
     }
@@ -294,39 +294,6 @@ impl MitsubaReader<'_> {
             self.reflectance(properties, "diffuse_reflectance", 0.5)?
         };
         Ok(json!({"glossy": {"reflectance": reflectance, "ior": ior, "roughness": roughness}}))
-    }
-
-    /// Converts Disney's BSDF to a mix of a metal and a coated diffuse surface, or to glass.
-    fn principled(&mut self, properties: &Properties<'_>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
-        let bsdf = properties.element;
-        let what =
-            "a BSDF of the type \"principled\" is replaced by a mix of a metal and a glossy surface, or by glass";
-        self.scene.leave_out(bsdf.place(), what);
-        let roughness = self.roughness(properties, "roughness", 0.5, None)?;
-        let base = self.reflectance(properties, "base_color", 0.5)?;
-        let ior = match properties.optional_number("eta")? {
-            Some(eta) => eta.max(1.0),
-            None => 2.0 / (1.0 - (0.08 * properties.number("specular", 0.5)?.clamp(0.0, 1.0)).sqrt()) - 1.0,
-        };
-        let transmission = self.textured(properties, "spec_trans")?.map_or(0.0, |it| it.mean().mean());
-        let metallic = self.weight(properties, "metallic")?;
-        if transmission >= 0.5 {
-            let mut glass = json!({"ior": ior, "roughness": roughness});
-            if let Some(medium) = context.medium {
-                glass["medium"] = json!(medium);
-            }
-            return Ok(self.add(context, json!({"dielectric": glass}), false));
-        }
-        let metal = json!({"conductor": {"reflectance": base, "roughness": roughness}});
-        let glossy = json!({"glossy": {"reflectance": base, "ior": ior, "roughness": roughness}});
-        let Some([weight, rest]) = metallic else { return Ok(self.add(context, glossy, true)) };
-        if weight.as_f64() == Some(0.0) || rest.as_f64() == Some(0.0) {
-            return Ok(self.add(context, if weight.as_f64() == Some(0.0) { glossy } else { metal }, true));
-        }
-        let metal = self.add_material(&format!("{} metal", context.name), metal);
-        let glossy = self.add_material(&format!("{} base", context.name), glossy);
-        let parts = json!([{"material": metal, "weight": weight}, {"material": glossy, "weight": rest}]);
-        Ok(self.add(context, json!({"mix": parts}), true))
     }
 
     /// Reads the roughness of a microfacet surface.

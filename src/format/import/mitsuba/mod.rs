@@ -8,6 +8,7 @@ mod emitter;
 mod index;
 mod medium;
 mod primitives;
+mod principled;
 mod properties;
 mod sensor;
 mod shape;

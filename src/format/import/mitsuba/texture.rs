@@ -69,29 +69,42 @@ impl Textured {
     /// slide is the picture divided by this component.
     pub(super) fn slide(&self) -> Option<(Value, f64)> {
         let Self::Bitmap(bitmap) = self else { return None };
-        let picture = PictureFile::read(&bitmap.file).ok()?;
-        let pixels = picture.linear_rgb(bitmap.raw.then_some(EncodingFile::Linear));
-        let peak = f64::from(pixels.as_flattened().iter().copied().fold(0.0, f32::max));
+        let peak = bitmap.peak()?;
         let mut image = bitmap.value("reflectance", bitmap.raw);
-        let factor = 1.0 / peak;
-        image["factor"] = json!([factor, factor, factor]);
-        (peak > 0.0 && peak.is_finite()).then(|| (json!({"image": image}), peak))
+        image["factor"] = json!(vec![1.0 / peak; 3]);
+        Some((json!({"image": image}), peak))
     }
 
-    /// Returns the spectrum or texture as a reflectance in the form of the scene file.
-    fn reflectance(&self) -> Value {
+    /// Returns the spectrum or texture as a reflectance in the form of the scene file, multiplied by
+    /// `gain`. A picture is multiplied by at most the inverse of its largest component.
+    pub(super) fn reflectance(&self, gain: f64) -> Value {
+        let scaled = |spectrum: &MitsubaSpectrum| fraction(&spectrum.map(|value| gain * value)).coefficient();
         match self {
-            Self::Spectrum(spectrum) => fraction(spectrum).coefficient(),
-            Self::Bitmap(bitmap) => json!({"image": bitmap.value("reflectance", bitmap.raw)}),
-            Self::Checkerboard { colours, uv } => {
-                let [a, b] = [0, 1].map(|i| fraction(&colours[i]).coefficient());
-                checker(&a, &b, uv.as_ref())
+            Self::Spectrum(spectrum) => scaled(spectrum),
+            Self::Bitmap(bitmap) => {
+                let mut image = bitmap.value("reflectance", bitmap.raw);
+                if gain != 1.0
+                    && let Some(peak) = bitmap.peak()
+                {
+                    image["factor"] = json!(vec![gain.min(1.0 / peak); 3]);
+                }
+                json!({"image": image})
             }
+            Self::Checkerboard { colours, uv } => checker(&scaled(&colours[0]), &scaled(&colours[1]), uv.as_ref()),
         }
     }
 }
 
 impl Bitmap {
+    /// Returns the largest linear component. It is `None` for a black picture, and for a picture that
+    /// cannot be read.
+    fn peak(&self) -> Option<f64> {
+        let picture = PictureFile::read(&self.file).ok()?;
+        let pixels = picture.linear_rgb(self.raw.then_some(EncodingFile::Linear));
+        let peak = f64::from(pixels.as_flattened().iter().copied().fold(0.0, f32::max));
+        (peak > 0.0 && peak.is_finite()).then_some(peak)
+    }
+
     /// Returns the mean linear colour. It is 0.5 if the picture cannot be read. The reader of the
     /// scene file then reports the picture.
     fn mean(&self) -> [f64; 3] {
@@ -158,7 +171,7 @@ impl MitsubaReader<'_> {
             let what = format!("the values of \"{name}\" above 1 or below 0 become 1 and 0");
             self.scene.leave_out(properties.element.place(), what);
         }
-        Ok(textured.reflectance())
+        Ok(textured.reflectance(1.0))
     }
 
     /// Reads a property that is a number from 0 to 1 or a texture of such numbers, in the form of
