@@ -154,6 +154,7 @@ fn lamp() -> Value {
 }
 
 #[test]
+#[ignore = "slow: 20 seconds of CPU time"]
 fn photons_and_paths_agree_in_a_dye() {
     assert_integrators_agree("clear dye", &tank(0.0, &lamp()));
 }

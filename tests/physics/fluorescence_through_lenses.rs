@@ -26,8 +26,8 @@ fn a_lens_of_real_glass_sees_golden_colours() {
     scene["camera"]["lens"] = double_gauss(4.0, 1.0);
     // All pixels of a pass have the same wavelengths, so passes count more than pixels.
     scene["film"] = json!({ "width": 4, "height": 4 });
-    let measured = |integrator, seeds| Measured::new(&scene, (integrator, 1024), seeds, colour_blocks(4));
-    let (photon, path) = (measured(Integrator::Photon, 0..6), measured(Integrator::Path, 10..16));
+    let measured = |integrator, passes, seeds| Measured::new(&scene, (integrator, passes), seeds, colour_blocks(4));
+    let (photon, path) = (measured(Integrator::Photon, 256, 0..6), measured(Integrator::Path, 1024, 10..16));
     assert_same("red day-glow through a lens", &photon, &path, 0.01);
     let found: Vec<f64> = (0..3).map(|c| photon.mean(c)).collect();
     println!("{found:?} for {:?}", case["XYZ"]);

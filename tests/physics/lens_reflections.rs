@@ -39,7 +39,7 @@ fn plate(nm: f64, coating: Option<&Value>, keys: &Value) -> Value {
 }
 
 fn mean_y(scene: &Value, integrator: Integrator) -> f64 {
-    let xyz = render(scene, integrator, 256).picture.xyz;
+    let xyz = render(scene, integrator, 64).picture.xyz;
     xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / xyz.len() as f64
 }
 

@@ -76,21 +76,19 @@ fn coat_albedo(roughness: f64, ior: f64) -> Result<f64> {
 /// Returns the albedo of Disney's diffuse reflection with the base colour 1, for diffuse light. The
 /// albedo is 0.953 for the roughness 0, and 1.065 for the roughness 1 (Burley 2015, eq. 4).
 fn diffuse_albedo(roughness: f64) -> f64 {
-    let steps = 24_u32;
-    let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(steps);
+    const STEPS: u32 = 24;
+    let middle = |step: u32| (f64::from(step) + 0.5) / f64::from(STEPS);
     let schlick = |cosine: f64| (1.0 - cosine).powi(5);
-    let reflected = |step: [u32; 3]| {
-        let [out, incoming] = [step[0], step[1]].map(|step| middle(step).sqrt());
+    let mut sum = 0.0;
+    for step in 0..STEPS.pow(3) {
+        let [out, incoming] = [step, step / STEPS].map(|step| middle(step % STEPS).sqrt());
         let sines = ((1.0 - out * out) * (1.0 - incoming * incoming)).sqrt();
-        let squared_half = 0.5 * (1.0 + out * incoming + sines * cos(PI * middle(step[2])));
+        let squared_half = 0.5 * (1.0 + out * incoming + sines * cos(PI * middle(step / STEPS.pow(2))));
         let [out, incoming] = [out, incoming].map(schlick);
         let retro = 2.0 * roughness * squared_half;
-        (1.0 - 0.5 * out) * (1.0 - 0.5 * incoming) + retro * (out + incoming + out * incoming * (retro - 1.0))
-    };
-    let steps = || 0..steps;
-    let sum: f64 =
-        steps().flat_map(|o| steps().flat_map(move |i| steps().map(move |a| [o, i, a]))).map(reflected).sum();
-    sum / f64::from(steps().end).powi(3)
+        sum += (1.0 - 0.5 * out) * (1.0 - 0.5 * incoming) + retro * (out + incoming + out * incoming * (retro - 1.0));
+    }
+    sum / f64::from(STEPS.pow(3))
 }
 
 #[cfg(test)]

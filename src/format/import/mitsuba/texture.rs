@@ -70,9 +70,7 @@ impl Textured {
     pub(super) fn slide(&self) -> Option<(Value, f64)> {
         let Self::Bitmap(bitmap) = self else { return None };
         let peak = bitmap.peak()?;
-        let mut image = bitmap.value("reflectance", bitmap.raw);
-        image["factor"] = json!(vec![1.0 / peak; 3]);
-        Some((json!({"image": image}), peak))
+        Some((bitmap.reflectance(1.0 / peak), peak))
     }
 
     /// Returns the spectrum or texture as a reflectance in the form of the scene file, multiplied by
@@ -82,13 +80,8 @@ impl Textured {
         match self {
             Self::Spectrum(spectrum) => scaled(spectrum),
             Self::Bitmap(bitmap) => {
-                let mut image = bitmap.value("reflectance", bitmap.raw);
-                if gain != 1.0
-                    && let Some(peak) = bitmap.peak()
-                {
-                    image["factor"] = json!(vec![gain.min(1.0 / peak); 3]);
-                }
-                json!({"image": image})
+                let largest = if gain == 1.0 { None } else { bitmap.peak() };
+                bitmap.reflectance(largest.map_or(1.0, |peak| gain.min(1.0 / peak)))
             }
             Self::Checkerboard { colours, uv } => checker(&scaled(&colours[0]), &scaled(&colours[1]), uv.as_ref()),
         }
@@ -115,6 +108,15 @@ impl Bitmap {
             sum.iter_mut().zip(pixel).for_each(|(sum, &value)| *sum += f64::from(value));
         }
         sum.map(|sum| sum / pixels.len().max(1) as f64)
+    }
+
+    /// Returns the picture as a reflectance in the form of the scene file, multiplied by a factor.
+    fn reflectance(&self, factor: f64) -> Value {
+        let mut image = self.value("reflectance", self.raw);
+        if factor != 1.0 {
+            image["factor"] = json!([factor, factor, factor]);
+        }
+        json!({"image": image})
     }
 
     /// Returns the picture in the form of the scene file. `linear` states that the file has linear
