@@ -429,7 +429,6 @@ fn photons_and_paths_agree_on_dyes_behind_dispersive_glass() {
 /// A grey floor in the light of a dye under a blue line, seen through a prism of flint glass. The
 /// shared wavelengths of the emission differ from the wavelength of the lamp.
 #[test]
-#[ignore = "slow: 20 seconds of CPU time"]
 fn a_dye_seen_through_a_prism_keeps_its_energy() {
     let scene = json!({
         "camera": { "from": [-3.2, 1.25, 0], "at": [-2.5, 1.5, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 12 } } },
