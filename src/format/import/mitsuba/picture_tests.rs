@@ -106,3 +106,18 @@ fn every_kind_of_picture_has_mitsubas_coordinates() {
         assert_eq!(disk["uv"][quarter], json!([1.0, 0.25]));
     }
 }
+
+/// The base of a principled surface is brighter than its colour, unless the base would reflect more
+/// light than it receives.
+#[test]
+fn pictures_of_principled_surfaces_are_limited_to_1() {
+    let factor = |colour: u8| {
+        let body = r#"<shape type="rectangle"><bsdf type="principled"><texture name="base_color" type="bitmap">
+            <string name="filename" value="a.png"/><boolean name="raw" value="true"/></texture></bsdf></shape>"#;
+        let imported = Imported::with_files(body, &[("a.png", &picture([colour; 3]))]);
+        let factor = &imported.scene()["materials"]["principled"]["glossy"]["reflectance"]["image"]["factor"][0];
+        factor.as_f64().unwrap()
+    };
+    assert!((1.05..1.1).contains(&factor(102)), "{}", factor(102));
+    assert!((factor(250) - 255.0 / 250.0).abs() < 1e-6, "{}", factor(250));
+}

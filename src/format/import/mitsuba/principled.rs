@@ -12,8 +12,6 @@ use serde_json::json;
 use super::MitsubaReader;
 use super::bsdf::{BsdfContext, MitsubaSurface};
 use super::properties::Properties;
-use super::spectrum::MitsubaSpectrum;
-use super::texture::Textured;
 use crate::error::Result;
 use crate::math::elementary::cos;
 use crate::optics::bsdf::Glossy;
@@ -32,8 +30,7 @@ impl MitsubaReader<'_> {
                     albedo, by a mix of both, or by glass";
         self.scene.leave_out(bsdf.place(), what);
         let roughness = self.roughness(properties, "roughness", 0.5, None)?;
-        let base = self.textured(properties, "base_color")?;
-        let base = base.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(0.5)));
+        let base = self.colour(properties, "base_color", 0.5)?;
         let ior = match properties.optional_number("eta")? {
             Some(eta) => eta.max(1.0),
             None => 2.0 / (1.0 - (0.08 * properties.number("specular", 0.5)?.clamp(0.0, 1.0)).sqrt()) - 1.0,

@@ -74,7 +74,8 @@ impl Textured {
     }
 
     /// Returns the spectrum or texture as a reflectance in the form of the scene file, multiplied by
-    /// `gain`. A picture is multiplied by at most the inverse of its largest component.
+    /// `gain`. Values above 1 become 1. A picture is multiplied by at most the inverse of its largest
+    /// component.
     pub(super) fn reflectance(&self, gain: f64) -> Value {
         let scaled = |spectrum: &MitsubaSpectrum| fraction(&spectrum.map(|value| gain * value)).coefficient();
         match self {
@@ -164,16 +165,22 @@ impl MitsubaReader<'_> {
         self.texture(&element).map(Some)
     }
 
-    /// Reads a property that is a reflectance, in the form of the scene file.
-    pub(super) fn reflectance(&mut self, properties: &Properties<'_>, name: &str, default: f64) -> Result<Value> {
-        let Some(textured) = self.textured(properties, name)? else { return Ok(json!(default)) };
+    /// Reads a property that is a reflectance.
+    pub(super) fn colour(&mut self, properties: &Properties<'_>, name: &str, default: f64) -> Result<Textured> {
+        let textured = self.textured(properties, name)?;
+        let textured = textured.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(default)));
         if let Textured::Spectrum(spectrum) = &textured
             && !spectrum.is_fraction()
         {
             let what = format!("the values of \"{name}\" above 1 or below 0 become 1 and 0");
             self.scene.leave_out(properties.element.place(), what);
         }
-        Ok(textured.reflectance(1.0))
+        Ok(textured)
+    }
+
+    /// Reads a property that is a reflectance, in the form of the scene file.
+    pub(super) fn reflectance(&mut self, properties: &Properties<'_>, name: &str, default: f64) -> Result<Value> {
+        Ok(self.colour(properties, name, default)?.reflectance(1.0))
     }
 
     /// Reads a property that is a number from 0 to 1 or a texture of such numbers, in the form of
