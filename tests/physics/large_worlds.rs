@@ -107,7 +107,7 @@ fn a_camera_in_the_fog_of_a_large_world_sees_a_furnace() {
         "objects": [{ "shape": { "rectangle": { "width": 20, "height": 20 } }, "material": "ground" }],
         "lights": surroundings(), "atmosphere": "fog", "render": { "photons": 5000 }
     });
-    let measured = Measured::new(&scene, (Integrator::Photon, 12), 0..8, mean_y);
+    let measured = Measured::new(&scene, (Integrator::Photon, 32), 0..8, mean_y);
     let (mean, error) = (measured.mean(0), measured.error(0));
     println!("furnace of fog in a large world: {mean:.3} ± {error:.3}");
     assert!(error < 0.1, "too noisy to tell");
