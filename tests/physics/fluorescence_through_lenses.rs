@@ -4,7 +4,7 @@ use crate::common::compare::{Measured, assert_same};
 use crate::common::near::{assert_near, number};
 use crate::common::{colour_blocks, with_setting};
 use crate::fluorescence::{cases, material, still_life, text, under_a_sky, without_ultraviolet};
-use crate::textures::assert_integrators_agree_within;
+use crate::textures::assert_integrators_agree_after;
 use abbe::render::Integrator;
 use serde_json::{Value, json};
 
@@ -40,5 +40,5 @@ fn photons_and_paths_agree_on_fluorescent_surfaces_through_a_lens() {
     let mut scene = still_life("N-SF11", json!("D65"));
     scene["camera"]["lens"] = double_gauss(5.0, 30.0);
     let scene = with_setting(&scene, "photons", 16000);
-    assert_integrators_agree_within("fluorescent surfaces through a lens", &scene, 3e-2);
+    assert_integrators_agree_after(16, "fluorescent surfaces through a lens", &scene, 3e-2);
 }

@@ -113,14 +113,14 @@ fn a_slide_has_the_mean_of_its_picture() {
 /// Checks that photons and camera paths see the same light. The kernels of the photons are
 /// extrapolated to radius 0.
 pub(crate) fn assert_integrators_agree(name: &str, scene: &Value) {
-    assert_integrators_agree_within(name, scene, 1e-2);
+    assert_integrators_agree_after(16, name, scene, 1e-2);
 }
 
-/// Does the same as [`assert_integrators_agree`]. The standard errors relative to the mean must be
-/// below `noise`.
-pub(crate) fn assert_integrators_agree_within(name: &str, scene: &Value, noise: f64) {
-    let photon = Measured::extrapolated_photons(scene, 0.1, 16, colour_blocks(8));
-    let path = Measured::new(scene, (Integrator::Path, 128), 100..108, colour_blocks(8));
+/// Does the same as [`assert_integrators_agree`] with this number of passes with photons, and eight
+/// times as many with camera paths. The standard errors relative to the mean must be below `noise`.
+pub(crate) fn assert_integrators_agree_after(passes: u64, name: &str, scene: &Value, noise: f64) {
+    let photon = Measured::extrapolated_photons(scene, 0.1, passes, colour_blocks(8));
+    let path = Measured::new(scene, (Integrator::Path, 8 * passes), 100..108, colour_blocks(8));
     assert_same(&format!("{name}, photon against path"), &photon, &path, noise);
 }
 

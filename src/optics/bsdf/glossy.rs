@@ -74,7 +74,7 @@ impl Glossy {
         Self { interreflection: true, ..self }
     }
 
-    /// Returns Ē, the fraction of diffuse light that the coat reflects at the wavelength `nm` in nm.
+    /// Returns Ē, the fraction of diffuse light that the coat reflects at a wavelength in nm.
     pub fn coat_albedo(&self, nm: f64) -> f64 {
         self.coat.mean(self.index.n(nm))
     }
@@ -86,7 +86,7 @@ impl Glossy {
             return reflectance;
         }
         let index = self.index.n(nm);
-        let escaping = (1.0 - self.coat_albedo(nm)) / (index * index);
+        let escaping = (1.0 - self.coat.mean(index)) / (index * index);
         reflectance * escaping / (1.0 - reflectance * (1.0 - escaping))
     }
 

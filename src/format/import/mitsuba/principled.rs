@@ -7,7 +7,7 @@
 
 use std::f64::consts::PI;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::MitsubaReader;
 use super::bsdf::{BsdfContext, MitsubaSurface};
@@ -44,12 +44,16 @@ impl MitsubaReader<'_> {
             }
             return Ok(self.add(context, json!({"dielectric": glass}), false));
         }
+        let [weight, rest] = metallic.unwrap_or([json!(0.0), json!(1.0)]);
+        let is_absent = |weight: &Value| weight.as_f64() == Some(0.0);
         let metal = json!({"conductor": {"reflectance": base.reflectance(1.0), "roughness": roughness}});
+        if is_absent(&rest) {
+            return Ok(self.add(context, metal, true));
+        }
         let gain = gain(roughness.as_f64().unwrap_or(0.5), ior)?;
         let glossy = json!({"glossy": {"reflectance": base.reflectance(gain), "ior": ior, "roughness": roughness}});
-        let Some([weight, rest]) = metallic else { return Ok(self.add(context, glossy, true)) };
-        if weight.as_f64() == Some(0.0) || rest.as_f64() == Some(0.0) {
-            return Ok(self.add(context, if weight.as_f64() == Some(0.0) { glossy } else { metal }, true));
+        if is_absent(&weight) {
+            return Ok(self.add(context, glossy, true));
         }
         let metal = self.add_material(&format!("{} metal", context.name), metal);
         let glossy = self.add_material(&format!("{} base", context.name), glossy);
@@ -58,8 +62,8 @@ impl MitsubaReader<'_> {
     }
 }
 
-/// Returns the ratio of the reflectance of the base of a `glossy` surface to the base colour, so that
-/// both surfaces have the same albedo for diffuse light.
+/// Returns the ratio of the reflectance of the base of a `glossy` surface to the base colour, so
+/// that both surfaces have the same albedo for diffuse light.
 fn gain(roughness: f64, ior: f64) -> Result<f64> {
     Ok(diffuse_albedo(roughness) / (1.0 - coat_albedo(roughness, ior)?))
 }

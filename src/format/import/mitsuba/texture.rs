@@ -73,9 +73,9 @@ impl Textured {
         Some((bitmap.reflectance(1.0 / peak), peak))
     }
 
-    /// Returns the spectrum or texture as a reflectance in the form of the scene file, multiplied by
-    /// `gain`. Values above 1 become 1. A picture is multiplied by at most the inverse of its largest
-    /// component.
+    /// Returns the spectrum or texture as a reflectance in the form of the scene file, multiplied
+    /// by `gain`. Values above 1 become 1. A picture is multiplied by at most the inverse of its
+    /// largest component.
     pub(super) fn reflectance(&self, gain: f64) -> Value {
         let scaled = |spectrum: &MitsubaSpectrum| fraction(&spectrum.map(|value| gain * value)).coefficient();
         match self {
@@ -90,20 +90,23 @@ impl Textured {
 }
 
 impl Bitmap {
-    /// Returns the largest linear component. It is `None` for a black picture, and for a picture that
-    /// cannot be read.
-    fn peak(&self) -> Option<f64> {
+    /// Returns the linear colours of the pixels. It is `None` if the picture cannot be read. The
+    /// reader of the scene file then reports the picture.
+    fn pixels(&self) -> Option<Vec<[f32; 3]>> {
         let picture = PictureFile::read(&self.file).ok()?;
-        let pixels = picture.linear_rgb(self.raw.then_some(EncodingFile::Linear));
-        let peak = f64::from(pixels.as_flattened().iter().copied().fold(0.0, f32::max));
+        Some(picture.linear_rgb(self.raw.then_some(EncodingFile::Linear)))
+    }
+
+    /// Returns the largest linear component. It is `None` for a black picture, and for a picture
+    /// that cannot be read.
+    fn peak(&self) -> Option<f64> {
+        let peak = f64::from(self.pixels()?.as_flattened().iter().copied().fold(0.0, f32::max));
         (peak > 0.0 && peak.is_finite()).then_some(peak)
     }
 
-    /// Returns the mean linear colour. It is 0.5 if the picture cannot be read. The reader of the
-    /// scene file then reports the picture.
+    /// Returns the mean linear colour. It is 0.5 if the picture cannot be read.
     fn mean(&self) -> [f64; 3] {
-        let Ok(picture) = PictureFile::read(&self.file) else { return [0.5; 3] };
-        let pixels = picture.linear_rgb(self.raw.then_some(EncodingFile::Linear));
+        let Some(pixels) = self.pixels() else { return [0.5; 3] };
         let mut sum = [0.0; 3];
         for pixel in &pixels {
             sum.iter_mut().zip(pixel).for_each(|(sum, &value)| *sum += f64::from(value));
