@@ -15,6 +15,7 @@
 //! n passes, the variance is V/n and the work is n W. The error at equal time is therefore least
 //! where V W is least.
 
+use super::camera_samples::SampleChoice;
 use crate::math::elementary::powf;
 use crate::plan::{PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 
@@ -92,6 +93,14 @@ const LONGEST_PASS: f64 = 4.0;
 /// plain division must be lower by this power of the ratio of the work.
 const IMPATIENCE: f64 = 0.25;
 
+/// Camera samples whose variance is at most this fraction of the variance of the photons need no
+/// choice: each pixel has one sample.
+const NEGLIGIBLE: f64 = 0.05;
+
+/// Numbers of camera samples that depend on the noise are used only if they reduce the variance at
+/// equal time to this fraction.
+const WORTHWHILE: f64 = 0.9;
+
 /// Of the choices whose variance at equal time is at most this multiple of the least, the choice
 /// with the least variance per pass is taken.
 const TOLERANCE: f64 = 1.05;
@@ -155,23 +164,64 @@ impl BalanceLimits {
 }
 
 impl Balance {
+    /// Returns the choice of camera samples with the least variance at equal time, for these numbers
+    /// of photons. Each entry of `variances` is a measure of the variance of the picture. The choice
+    /// minimises the product of all measures. It is the first choice unless another one gains
+    /// something.
+    pub(super) fn choose_samples(
+        self,
+        variances: [Variances; 3],
+        work: Work,
+        choices: &[SampleChoice],
+    ) -> &SampleChoice {
+        let first = &choices[0];
+        let work_of = |choice: &SampleChoice| self.work_of_photons(work) + choice.work * self.work_of_samples(work);
+        let cost = |choice: &SampleChoice| {
+            let variances = variances.iter().zip(choice.variances);
+            let variance: f64 = variances.map(|(one, of_samples)| self.variance_of_photons(one) + of_samples).product();
+            let work = work_of(choice) / work_of(first);
+            variance * (work * powf(work.max(1.0), IMPATIENCE)).powi(3)
+        };
+        let best = choices.iter().min_by(|one, other| cost(one).total_cmp(&cost(other))).unwrap_or(first);
+        if cost(best) < WORTHWHILE.powi(3) * cost(first) { best } else { first }
+    }
+
+    /// Returns true if camera samples cause more than a negligible part of the variance.
+    pub(super) fn has_noisy_samples(self, variances: [Variances; 3]) -> bool {
+        variances.iter().any(|of_one| of_one.camera > NEGLIGIBLE * self.variance_of_photons(of_one))
+    }
+
     fn variance(self, of_one: Variances) -> f64 {
-        let Variances { traced, surfaces, media, camera } = of_one;
-        let of_photons = traced + surfaces / self.stored_share + media / self.medium_factor;
-        of_photons / self.photons as f64 + camera / self.camera_samples as f64
+        self.variance_of_photons(&of_one) + of_one.camera / self.camera_samples as f64
+    }
+
+    fn variance_of_photons(self, of_one: &Variances) -> f64 {
+        let of_photons = of_one.traced + of_one.surfaces / self.stored_share + of_one.media / self.medium_factor;
+        of_photons / self.photons as f64
     }
 
     fn work(self, work: Work) -> f64 {
-        let Work { pass, trace, store_on_surfaces, store_in_media, sample, gather_on_surfaces, gather_in_media } = work;
-        let (photons, samples) = (self.photons as f64, self.camera_samples as f64);
+        self.work_of_photons(work) + self.work_of_samples(work) * self.camera_samples as f64
+    }
+
+    /// Returns the work of a pass without camera samples.
+    fn work_of_photons(self, work: Work) -> f64 {
+        let Work { pass, trace, store_on_surfaces, store_in_media, .. } = work;
         let stored = store_on_surfaces * self.stored_share + store_in_media * self.medium_factor;
+        pass + (trace + stored) * self.photons as f64
+    }
+
+    /// Returns the work of one camera sample in every pixel.
+    fn work_of_samples(self, work: Work) -> f64 {
+        let Work { sample, gather_on_surfaces, gather_in_media, .. } = work;
         let gathered = gather_on_surfaces * self.stored_share + gather_in_media * self.medium_factor;
-        pass + (trace + stored) * photons + (sample + gathered * photons) * samples
+        sample + gathered * self.photons as f64
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::camera_samples::{CameraSamples, FilmNoise, ProbedPixel};
     use super::*;
 
     const FREE: BalanceLimits =
@@ -255,5 +305,24 @@ mod tests {
     fn a_black_picture_gets_some_division() {
         let Balance { photons, camera_samples, .. } = FREE.choose([Variances::default(); 2], SMALL_FILM);
         assert!(photons >= 25_000 && camera_samples >= 1);
+    }
+    /// More samples where they are noisy are worth more than samples everywhere, but not if photons
+    /// cause the noise.
+    #[test]
+    fn samples_follow_the_noise_only_if_this_gains_something() {
+        let noise = FilmNoise::measure((64, 64), |pixel| {
+            // One pixel in eight is noisy.
+            let bright = if pixel % 64 < 8 { (pixel * 7 % 5) as f64 } else { 0.0 };
+            ProbedPixel { sample: [1.0 + bright; 3], splats: [0.0; 3], work: 1.0 }
+        })
+        .unwrap();
+        let choices = noise.choices(1);
+        let choose = |of_photons: f64| {
+            let variances = Variances { traced: of_photons, ..NO_NOISE };
+            noise.samples(FREE.plain().choose_samples([variances; 3], SMALL_FILM, &choices))
+        };
+        let samples = choose(2e4);
+        assert!(samples.of(4) > 2 * samples.of(40), "{} and {}", samples.of(4), samples.of(40));
+        assert_eq!(choose(1e9), CameraSamples::Same(1));
     }
 }

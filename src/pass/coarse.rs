@@ -3,6 +3,7 @@
 //! The survey of the pilot takes as long as several passes. A coarse picture has few pixels and few
 //! photons, so it is ready much sooner. It is only shown: nothing in the render depends on it.
 
+use super::camera_samples::CameraSamples;
 use super::context::PassContext;
 use super::path_pass::path_pass;
 use super::photon_pass::photon_pass;
@@ -68,7 +69,7 @@ pub(super) fn coarse_photon_picture(
     let Some(coarse) = CoarseScene::of(context, scene) else { return Ok(None) };
     let pass = |context: PassContext<'_>, sums: &mut PassSums| {
         pilot.measure(&context, &[Cow::Borrowed(context.scene)]);
-        pilot.camera_samples = CAMERA_SAMPLES;
+        pilot.camera_samples = CameraSamples::Same(CAMERA_SAMPLES);
         photon_pass(context, pilot, &mut LightMaps::default(), 0, sums)
     };
     coarse.picture(context, pass).map(Some)

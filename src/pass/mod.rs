@@ -7,6 +7,7 @@
 
 mod aims;
 mod balance;
+mod camera_samples;
 mod coarse;
 mod context;
 mod deposits;
@@ -23,6 +24,7 @@ mod photon_paths;
 mod pilot;
 mod receptors;
 mod recorder;
+mod small_pass;
 mod sums;
 mod survey;
 mod targets;

@@ -32,7 +32,7 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
     // A picture has one sample per pixel and pass, so that the first picture appears early.
     let samples = if sums.film.measures() { budget.camera_samples.unwrap_or(1) } else { 1 };
     expose_rows(sums, |row, tally| {
-        row.expose(pass, samples, |pixel, sink| {
+        row.expose(pass, |pixel, sink| {
             for nth in 0..samples {
                 let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
                 tracer.sample(pixel as u64, sampler(), tally, sink);
@@ -40,6 +40,7 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
                     sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
                 }
             }
+            samples
         })
     });
     sums.film.count_pass(pass);

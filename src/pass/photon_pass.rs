@@ -76,11 +76,11 @@ pub fn photon_pass<'a>(
         receptors: receptors.as_ref().map_or(&[], ReceptorKernels::weights),
         ..pilot.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
-    let samples = pilot.camera_samples;
     let records_surfaces = sums.film.records_surfaces();
     expose_rows(sums, |row, tally| {
         let mut buffers = PathBuffers::default();
-        row.expose(pass, samples, |pixel, sink| {
+        row.expose(pass, |pixel, sink| {
+            let samples = pilot.camera_samples.of(pixel);
             for nth in 0..samples {
                 let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
                 camera_pass.sample(pixel as u64, sampler(), &pilot.radii.of(pixel), &mut buffers, tally, sink);
@@ -88,6 +88,7 @@ pub fn photon_pass<'a>(
                     sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
                 }
             }
+            samples
         })
     });
     for (splats, tally) in [(&free.splats, &free.tally), (&on_shared.splats, &on_shared.tally)] {

@@ -1,8 +1,8 @@
 //! The pilot: a small render before pass 0. It has its own random streams.
 //!
 //! The pilot fixes all data that passes must not learn from each other: the emission distributions
-//! of the lights, the first kernel radii of each pixel, and the division of the photons between the
-//! two sets.
+//! of the lights, the first kernel radii and the number of camera samples of each pixel, and the
+//! division of the photons between the two sets.
 //!
 //! If anything in the scene moves, the pilot surveys the scene at several times. The pilot learns
 //! the emission distributions from the photons of all these times. Each pixel gets the smallest of
@@ -12,6 +12,7 @@
 
 use super::aims::{LearnedAims, learn_aims};
 use super::balance::{Balance, BalanceLimits};
+use super::camera_samples::CameraSamples;
 use super::coarse::coarse_photon_picture;
 use super::context::{EmissionRequest, PassContext, SharedWavelengths};
 use super::keep_probability::{KEEP_ALL, KeepProbability};
@@ -20,7 +21,7 @@ use super::receptors::first_radii;
 use super::recorder::RecordingOptions;
 use super::sums::StageSeconds;
 use super::survey::PixelSurvey;
-use super::trial::run_trial;
+use super::trial::balanced;
 use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
 use crate::emit::{EmissionStrata, PhotonSource};
 use crate::error::Result;
@@ -63,8 +64,8 @@ pub struct Pilot {
     pub(super) outlines: Outlines,
     /// The number of photon paths of each set.
     pub(super) photons: PerSet<u64>,
-    /// The number of camera samples per pixel.
-    pub(super) camera_samples: u64,
+    /// The number of camera samples of each pixel.
+    pub(super) camera_samples: CameraSamples,
     /// The number of photons that a pass stores, divided by the number for which the first radii
     /// are chosen. At most 1 on surfaces.
     pub(super) stored_photons: PerKernel<f64>,
@@ -144,7 +145,7 @@ impl Pilot {
             receptor_radii: Vec::new(),
             outlines: Outlines::default(),
             photons: PerSet::default(),
-            camera_samples: 1,
+            camera_samples: CameraSamples::Same(1),
             stored_photons: PerKernel::splat(1.0),
             keep: KEEP_ALL,
         };
@@ -180,7 +181,8 @@ impl Pilot {
     /// Measures the radii, the outlines, the probabilities of storing photons in media, and the
     /// division of the photons between the sets.
     pub(super) fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
-        (self.photons, self.camera_samples) = (even_division(context.plan.photon_sets(), context.budget.photons), 1);
+        self.photons = even_division(context.plan.photon_sets(), context.budget.photons);
+        self.camera_samples = CameraSamples::Same(1);
         let mut survey = PixelSurvey::default();
         for (moment, scene) in (0..).zip(scenes) {
             let moment = (moment, scenes.len());
@@ -207,10 +209,10 @@ impl Pilot {
         }
     }
 
-    /// Returns the number of photon paths of each set, divided by the number of camera samples per
-    /// pixel.
+    /// Returns the number of photon paths of each set, divided by the mean number of camera
+    /// samples per pixel.
     pub(super) fn photons_per_sample(&self) -> PerSet<f64> {
-        PerSet::from_fn(|set| self.photons[set] as f64 / self.camera_samples as f64)
+        PerSet::from_fn(|set| self.photons[set] as f64 / self.camera_samples.mean())
     }
 
     /// Returns how the photons of a set are recorded.
@@ -251,13 +253,13 @@ impl Pilot {
         let largest_medium_factor = PhotonClass::ALL.map(|class| self.keep[class].largest_medium_factor());
         let largest_medium_factor = largest_medium_factor.into_iter().fold(1.0, f64::max);
         let limits = BalanceLimits { photons, photons_stated, camera_samples, largest_medium_factor };
-        let Balance { photons: chosen, stored_share, medium_factor, camera_samples } = if limits.is_fixed() {
-            limits.plain()
+        let (balance, camera_samples) = if limits.is_fixed() {
+            (limits.plain(), CameraSamples::Same(limits.plain().camera_samples))
         } else {
-            let (variances, work) = run_trial(context, scene, self);
-            limits.choose(variances, work)
+            balanced(context, scene, self, limits)
         };
         self.camera_samples = camera_samples;
+        let Balance { photons: chosen, stored_share, medium_factor, .. } = balance;
         let share = chosen as f64 / photons as f64;
         let plain = self.keep;
         self.keep = PerClass::from_fn(|class| plain[class].with_medium_factor(medium_factor));

@@ -6,22 +6,15 @@
 //! differ by the noise of the photons (analysis of variance with nested groups). The means of tiles
 //! tell how much of the noise neighbouring pixels have in common.
 
-use super::balance::{Variances, Work};
-use super::context::{EmissionRequest, PassContext};
+use super::balance::{Balance, BalanceLimits, Variances, Work};
+use super::camera_samples::{CameraSamples, FilmNoise, ProbedPixel};
+use super::context::PassContext;
 use super::pilot::Pilot;
-use super::trace::trace_photons;
-use crate::gather::{PathBuffers, PixelSampler};
+use super::small_pass::{PixelLight, SmallPass, TILE, TRIALS, TracedPhotons, sample_light, tiles};
 use crate::map::LightMaps;
-use crate::math::kronecker::golden_ratio;
-use crate::math::parallel;
-use crate::math::random::Purpose;
+use crate::plan::Tally;
 use crate::plan::partition::PerSet;
-use crate::plan::{PathClass, Tally};
 use crate::scene::Scene;
-use crate::sensor::{Film, PixelSink, SplatSink};
-
-/// The number of passes in the trial, and the number of camera samples per pixel in each pass.
-const TRIALS: usize = 2;
 
 /// The share of a pass's photon paths that one pass of the trial traces.
 const PHOTON_SHARE: f64 = 1.0 / 16.0;
@@ -29,25 +22,18 @@ const PHOTON_SHARE: f64 = 1.0 / 16.0;
 /// The least number of photon paths in one pass of the trial.
 const MIN_PHOTONS: f64 = 4_000.0;
 
-/// The trial samples square tiles of this many pixels in each direction.
-const TILE: usize = 4;
-
-/// The largest number of tiles.
-const MOST_TILES: usize = 128;
-
 /// The largest contribution of one tile to the variance, as a multiple of the mean over the tiles.
 const LARGEST_TILE: f64 = 8.0;
-
-/// The first pass number of the photons of the trial. The survey uses smaller numbers.
-const FIRST_PHOTON_PASS: u64 = 1 << 32;
 
 /// The number of light map cells along the longest side of a medium's box. The cells are coarser
 /// than those of a pass.
 const LIGHT_MAP_CELLS: u32 = 8;
 
-/// Separates the camera samples of the trial from all other camera samples. The bytes of this
-/// number are the word "trial" in ASCII.
-const CAMERA_SEED_MASK: u64 = 0x0074_7269_616c;
+/// The least share of noise in the variance of neighbouring pixels.
+const LEAST_SHARE_OF_NOISE: f64 = 0.1;
+
+/// The pass number of the camera samples that measure the noise of the pixels.
+const PROBE_PASS: u64 = (TRIALS * TRIALS) as u64;
 
 /// The average numbers of instructions of the events of a pass. Callgrind measured them in
 /// benches/scenes. The numbers for emission and for photons in media are times of these scenes and
@@ -62,27 +48,6 @@ mod instructions {
     pub(super) const TABULATED_PHOTON: f64 = 200.0;
     pub(super) const GATHERED_IN_MEDIUM: f64 = 5_000.0;
     pub(super) const PIXEL: f64 = 400.0;
-}
-
-/// X, Y and Z of a pixel in one pass of the trial, in W/m²/sr.
-#[derive(Debug, Clone, Copy, Default)]
-struct PixelLight {
-    /// All light of each camera sample.
-    samples: [[f64; 3]; TRIALS],
-    /// The part of the samples that media scatter.
-    media: [[f64; 3]; TRIALS],
-    splats: [f64; 3],
-}
-
-/// One pass of the trial.
-struct SmallPass {
-    tiles: Vec<Vec<PixelLight>>,
-    /// The splats of all pixels.
-    splats: Vec<[f64; 3]>,
-    /// The events of the photon paths.
-    photon_tally: Tally,
-    /// The events of the camera paths.
-    camera_tally: Tally,
 }
 
 /// The mean of X, Y and Z in a tile, and their variances.
@@ -139,24 +104,6 @@ impl SampleVariance {
     }
 }
 
-impl PixelLight {
-    /// Returns the mean of pixels.
-    fn mean(pixels: &[Self]) -> Self {
-        let share = 1.0 / pixels.len() as f64;
-        let mut mean = Self::default();
-        for pixel in pixels {
-            for c in 0..3 {
-                mean.splats[c] += share * pixel.splats[c];
-                for nth in 0..TRIALS {
-                    mean.samples[nth][c] += share * pixel.samples[nth][c];
-                    mean.media[nth][c] += share * pixel.media[nth][c];
-                }
-            }
-        }
-        mean
-    }
-}
-
 /// Returns the variance of two values, estimated from their difference.
 fn half_square(one: f64, other: f64) -> f64 {
     0.5 * (one - other).powi(2)
@@ -172,8 +119,19 @@ fn mean_of_pixels(
     std::array::from_fn(|c| sum(c) / first.len() as f64)
 }
 
-/// Measures the variance and the work of a pass.
-pub(super) fn run_trial(context: &PassContext<'_>, scene: &Scene, pilot: &Pilot) -> ([Variances; 3], Work) {
+/// Divides the work of a pass between photons and camera samples. Returns the division, and the
+/// number of camera samples of each pixel.
+///
+/// The samples of neighbouring pixels differ by noise and by details of the picture. The tiles have
+/// several samples of the same pixel, so they tell which share of the variance is noise. If this
+/// share is more than 1, rare bright samples cause most of the noise. The few samples around a pixel
+/// do not show them, so all pixels get the same number of samples.
+pub(super) fn balanced(
+    context: &PassContext<'_>,
+    scene: &Scene,
+    pilot: &Pilot,
+    limits: BalanceLimits,
+) -> (Balance, CameraSamples) {
     let (width, pixels) = (scene.camera.width(), scene.camera.pixel_count());
     let tiles = tiles((width, pixels / width));
     let all = pilot.photons.free + pilot.photons.shared;
@@ -183,87 +141,42 @@ pub(super) fn run_trial(context: &PassContext<'_>, scene: &Scene, pilot: &Pilot)
     if context.plan.media_plan.has_light_maps() {
         light_maps.update(scene, LIGHT_MAP_CELLS, context.budget.seed, 0);
     }
-    let trials = [0, 1].map(|number| SmallPass::run(context, scene, pilot, (number, counts), &light_maps, &tiles));
+    let selector = context.light_selector(scene);
+    let traced = [0, 1].map(|number| TracedPhotons::trace(context, scene, pilot, (number, counts)));
+    let [first, second] = traced.each_ref().map(|traced| {
+        let maps = (&traced.maps, &light_maps);
+        pilot.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
+    });
+    let trials = [(&traced[0], &first), (&traced[1], &second)]
+        .map(|(traced, camera_pass)| SmallPass::run(context, pilot, traced, camera_pass, &tiles));
     let paths = (counts.free + counts.shared) as f64;
     let samples = (TRIALS * TRIALS * tiles.iter().map(Vec::len).sum::<usize>()) as f64;
-    (variances(&trials, width, paths), work(&trials, paths, samples, pixels as f64))
-}
-
-impl SmallPass {
-    /// Renders the tiles with few photons. `number` is the number of the pass, and `counts`
-    /// contains the number of photon paths of each set.
-    fn run<'a>(
-        context: &PassContext<'a>,
-        scene: &'a Scene,
-        pilot: &'a Pilot,
-        (number, counts): (u64, PerSet<u64>),
-        light_maps: &'a LightMaps<'a>,
-        tiles: &[Vec<usize>],
-    ) -> Self {
-        let PassContext { plan, budget, .. } = *context;
-        let shared = context.shared_wavelengths(0);
-        let observer = scene.film.observer;
-        let blank = Film::new(1, 1, observer, 0);
-        let traced = PerSet::from_fn(|set| {
-            let pass = FIRST_PHOTON_PASS + 2 * number + set as u64;
-            let (wavelengths, count) = (shared.sampling(set), counts[set]);
-            let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
-            let source = pilot.photon_source(context, scene, request);
-            trace_photons(&source, plan, set, pilot.recording(set), || blank.splat_sink())
-        });
-        let mut splats = vec![[0.0; 3]; scene.camera.pixel_count()];
-        let (mut photon_tally, mut camera_tally) = (Tally::default(), Tally::default());
-        for set in [&traced.free, &traced.shared] {
-            photon_tally.add(&set.tally);
-            for (pixel, xyz) in set.splats.iter().flat_map(SplatSink::splats) {
-                (0..3).for_each(|c| splats[pixel as usize][c] += f64::from(xyz[c]));
-            }
-        }
-        let maps = PerSet { free: traced.free.deposits.into_maps(), shared: traced.shared.deposits.into_maps() };
-        let selector = context.light_selector(scene);
-        let camera_pass = pilot.camera_pass(context, (scene, &selector), (&maps, light_maps), shared);
-        let sample = |pixel: usize, nth: usize, tally: &mut Tally| {
-            let mut buffers = PathBuffers::default();
-            let pass = number * TRIALS as u64 + nth as u64;
-            let sampler = PixelSampler::new(budget.seed ^ CAMERA_SEED_MASK, pass, pixel as u64);
-            PixelSink::measure_classes::<{ PathClass::NAMES.len() }>(observer, |sink| {
-                camera_pass.sample(pixel as u64, sampler, &pilot.radii.of(pixel), &mut buffers, tally, sink);
-            })
-        };
-        let measured: Vec<(Vec<PixelLight>, Tally)> = parallel::map(tiles.iter().collect(), |tile: &Vec<usize>| {
-            let mut tally = Tally::default();
-            let mut light = |pixel: usize| {
-                let samples: [_; TRIALS] = std::array::from_fn(|nth| sample(pixel, nth, &mut tally));
-                let sum = |classes: [[f64; 3]; PathClass::NAMES.len()]| {
-                    std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum::<f64>())
-                };
-                let media = samples.map(|classes| classes[PathClass::Volume.number()]);
-                PixelLight { samples: samples.map(sum), media, splats: splats[pixel] }
-            };
-            (tile.iter().map(|&pixel| light(pixel)).collect(), tally)
-        });
-        measured.iter().for_each(|(_, tally)| camera_tally.add(tally));
-        let tiles = measured.into_iter().map(|(pixels, _)| pixels).collect();
-        Self { tiles, splats, photon_tally, camera_tally }
+    let (variances, work) = (variances(&trials, width, paths), work(&trials, paths, samples, pixels as f64));
+    let balance = limits.choose(variances, work);
+    let same = CameraSamples::Same(balance.camera_samples);
+    if limits.camera_samples.is_some() || !balance.has_noisy_samples(variances) {
+        return (balance, same);
     }
-}
-
-/// Returns the pixels of tiles that are spread over the film.
-fn tiles((width, height): (usize, usize)) -> Vec<Vec<usize>> {
-    let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
-    let wanted = (columns * rows).min(MOST_TILES);
-    // The golden ratio spreads the tiles over the columns.
-    let mut corners: Vec<(usize, usize)> = (0..wanted)
-        .map(|i| ((i * rows / wanted), (golden_ratio(i as u32, 0) * columns as f64) as usize))
-        .map(|(row, column)| (row * TILE, column * TILE))
-        .collect();
-    corners.sort_unstable();
-    corners.dedup();
-    let pixels = |(y, x): (usize, usize)| {
-        let rows = y..(y + TILE).min(height);
-        rows.flat_map(move |y| (x..(x + TILE).min(width)).map(move |x| y * width + x)).collect()
+    let probe = |pixel: usize| {
+        let mut tally = Tally::default();
+        let classes = sample_light(context, pilot, &second, (PROBE_PASS, pixel), &mut tally);
+        let splats = |c: usize| 0.5 * (traced[0].splats[pixel][c] + traced[1].splats[pixel][c]);
+        ProbedPixel {
+            sample: std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum()),
+            splats: std::array::from_fn(splats),
+            work: sample_work(&tally, share.recip()),
+        }
     };
-    corners.into_iter().map(pixels).collect()
+    let Some(noise) = FilmNoise::measure((width, pixels / width), probe) else {
+        return (balance, same);
+    };
+    let share = relative_noise(&trials) / noise.mean_relative(tiles.iter().flatten().copied());
+    if share > 1.0 {
+        return (balance, same);
+    }
+    let noise = noise.scaled(share.max(LEAST_SHARE_OF_NOISE));
+    let choices = noise.choices(balance.camera_samples);
+    (balance, noise.samples(balance.choose_samples(variances, work, &choices)))
 }
 
 /// The splats of a square block of pixels in both passes of the trial.
@@ -374,6 +287,28 @@ fn variances(trials: &[SmallPass; 2], width: usize, photons: f64) -> [Variances;
     ]
 }
 
+/// Returns the mean relative variance of a camera sample in the tiles.
+fn relative_noise(trials: &[SmallPass; 2]) -> f64 {
+    let of_tiles: Vec<TileVariance> =
+        trials[0].tiles.iter().zip(&trials[1].tiles).map(|(first, second)| TileVariance::of(first, second)).collect();
+    let count = of_tiles.len() as f64;
+    let mean: [f64; 3] = std::array::from_fn(|c| of_tiles.iter().map(|tile| tile.mean[c]).sum::<f64>() / count);
+    let relative =
+        |tile: &TileVariance| mean_of_components(|c| tile.camera[c] / Reference::Block.square(tile.mean[c], mean[c]));
+    of_tiles.iter().map(relative).sum::<f64>() / count
+}
+
+/// Returns the work of the camera samples of a tally. `photons` is the ratio of the numbers of
+/// photons in a pass and in the trial.
+fn sample_work(tally: &Tally, photons: f64) -> f64 {
+    use instructions::*;
+    let rays = (tally.camera_segments + tally.shadow_rays) as f64;
+    let gathered = GATHERED_PHOTON * tally.gathered as f64
+        + TABULATED_PHOTON * tally.tabulated as f64
+        + GATHERED_IN_MEDIUM * tally.volume_gathered as f64;
+    CAMERA_SAMPLE * tally.camera_samples as f64 + RAY * rays + photons * gathered
+}
+
 /// Returns the work of the parts of a pass. `paths` is the number of photon paths in a pass of the
 /// trial, `samples` is the number of camera samples in the trial, and `pixels` is the number of
 /// pixels of the film.
@@ -404,6 +339,7 @@ fn work(trials: &[SmallPass; 2], paths: f64, samples: f64, pixels: f64) -> Work 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::random::Purpose;
     use crate::math::random::Stream;
 
     /// Two passes with noise of known variance give these variances.
@@ -436,21 +372,5 @@ mod tests {
             // The noise of the pixels is independent, so the mean of 16 pixels has a 16th of it.
             assert!((16.0 * in_blocks / expected - 1.0).abs() < 0.3, "{in_blocks} instead of {expected}/16");
         }
-    }
-
-    #[test]
-    fn tiles_cover_a_small_film_and_spread_over_a_large_one() {
-        let mut small: Vec<usize> = tiles((9, 7)).concat();
-        small.sort_unstable();
-        assert!(small.windows(2).all(|pair| pair[0] < pair[1]) && small.len() > 40, "{}", small.len());
-        let large = tiles((640, 360));
-        assert!(large.len() > 120 && large.iter().all(|tile| tile.len() == TILE * TILE));
-        let in_quarter = |left: bool, top: bool| {
-            let corners = large.iter().map(|tile| (tile[0] % 640 < 320, tile[0] / 640 < 180));
-            corners.filter(|&corner| corner == (left, top)).count()
-        };
-        assert!(
-            [(true, true), (true, false), (false, true), (false, false)].iter().all(|&(l, t)| in_quarter(l, t) > 24)
-        );
     }
 }

@@ -69,12 +69,12 @@ fn is_valid_radiance(weight: f64) -> bool {
 }
 
 impl FilmRow<'_> {
-    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel. The
-    /// light of the pixel is the light in the sink, divided by the number of camera samples.
-    /// Returns the number of samples that were NaN, infinite or negative and were discarded.
-    pub fn expose(&mut self, pass: u64, samples: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>)) -> u64 {
+    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel, which
+    /// returns the number of camera samples of the pixel. The light of the pixel is the light in the
+    /// sink, divided by this number. Returns the number of samples that were NaN, infinite or
+    /// negative and were discarded.
+    pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>) -> u64) -> u64 {
         let replicate = replicate(pass);
-        let weight = 1.0 / samples as f64;
         let count = self.channels.count();
         let surfaces = self.channels.first_surface_channel();
         let mut values = vec![0.0; count];
@@ -84,7 +84,7 @@ impl FilmRow<'_> {
             values.fill(0.0);
             hits.clear();
             let mut sink = PixelSink { hits, ..PixelSink::new(self.observer, self.channels, &mut values) };
-            expose(self.first_pixel + column, &mut sink);
+            let weight = 1.0 / expose(self.first_pixel + column, &mut sink) as f64;
             sums.x += weight * sink.xyz[0];
             sums.y[replicate] += weight * sink.xyz[1];
             sums.z += weight * sink.xyz[2];

@@ -95,7 +95,7 @@ fn shaded(scale: f64, shift: f64) -> Value {
               "transform": [{ "rotate": { "axis": [0, 1, 0], "degrees": 30 } }, { "translate": [0.3, 0.4, 0.9] }] }
         ],
         "lights": [{ "point": { "at": [1, 4, 2], "spectrum": 1, "power": 50 } }],
-        "render": { "photons": 100, "forbid": ["indirect"] }
+        "render": { "photons": 100, "camera_samples": 2, "forbid": ["indirect"] }
     });
     placed(scene, scale, shift)
 }

@@ -34,7 +34,8 @@ fn plate(nm: f64, coating: Option<&Value>, keys: &Value) -> Value {
         "materials": { "grey": diffuse(0.5) },
         "objects": [ { "shape": { "sphere": { "radius": 0.1, "center": [0, 0, 5] } }, "material": "grey" } ],
         "lights": [ { "environment": { "spectrum": { "lines": [{ "nm": nm, "power": 1 }] }, "irradiance": 1 } } ],
-        "render": { "photons": 100 }
+        // The same samples with and without ghosts, so that their noise cancels.
+        "render": { "photons": 100, "camera_samples": 1 }
     })
 }
 
