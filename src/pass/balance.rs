@@ -164,10 +164,10 @@ impl BalanceLimits {
 }
 
 impl Balance {
-    /// Returns the choice of camera samples with the least variance at equal time, for these numbers
-    /// of photons. Each entry of `variances` is a measure of the variance of the picture. The choice
-    /// minimises the product of all measures. It is the first choice unless another one gains
-    /// something.
+    /// Returns the choice of camera samples with the least variance at equal time, for these
+    /// numbers of photons. Each entry of `variances` is a measure of the variance of the picture.
+    /// The choice minimises the product of all measures. It is the first choice unless another one
+    /// gains something.
     pub(super) fn choose_samples(
         self,
         variances: [Variances; 3],

@@ -5,8 +5,8 @@
 //! proportional to σ/√c. Here σ is the standard deviation of one sample, and c is the work of one
 //! sample (Neyman 1934, "On the Two Different Aspects of the Representative Method"). The pilot
 //! estimates both from samples that are not part of the picture. Numbers that depended on the
-//! picture's own samples would bias the picture (Kirk & Arvo 1991, "Unbiased Sampling Techniques for
-//! Image Synthesis").
+//! picture's own samples would bias the picture (Kirk & Arvo 1991, "Unbiased Sampling Techniques
+//! for Image Synthesis").
 
 use crate::math::parallel;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -190,8 +190,8 @@ impl FilmNoise {
         self
     }
 
-    /// Returns the choice of equal numbers of samples, followed by the choices of numbers that depend
-    /// on the noise.
+    /// Returns the choice of equal numbers of samples, followed by the choices of numbers that
+    /// depend on the noise.
     pub(super) fn choices(&self, same: u64) -> Vec<SampleChoice> {
         let sum: f64 = self.squares.iter().map(|square| square.of_picture).sum();
         let limit = LARGEST_SQUARE * sum / self.squares.len() as f64;
@@ -206,8 +206,8 @@ impl FilmNoise {
 
     /// Returns a choice with three measures of its variance: the mean of the relative variances of
     /// the pixels, their variance relative to the mean of the picture, and the mean of the relative
-    /// variances of the means of square blocks. `limit` is the largest variance of a square relative
-    /// to the mean of the picture.
+    /// variances of the means of square blocks. `limit` is the largest variance of a square
+    /// relative to the mean of the picture.
     #[inline(never)]
     fn choice(&self, limit: f64, number: SampleNumber) -> SampleChoice {
         let (mut samples, mut work, mut relative, mut of_picture) = (0.0, 0.0, 0.0, 0.0);
@@ -273,8 +273,8 @@ impl ProbeSums {
         (self.samples[c] + self.splats[c]) / self.count
     }
 
-    /// Returns the noise of a sample in the middle of these pixels. `picture` contains the sums over
-    /// the film.
+    /// Returns the noise of a sample in the middle of these pixels. `picture` contains the sums
+    /// over the film.
     fn noise(&self, picture: &Self) -> SampleNoise {
         let (mut relative, mut of_picture) = (0.0, 0.0);
         for c in 0..3 {
@@ -298,8 +298,8 @@ mod tests {
 
     const SIDE: usize = 64;
 
-    /// Returns the noise of a film on which the samples of a pixel are uniform numbers around 1, with
-    /// this amplitude. `work` is the work of a sample of the pixel.
+    /// Returns the noise of a film on which the samples of a pixel are uniform numbers around 1,
+    /// with this amplitude. `work` is the work of a sample of the pixel.
     fn noise(amplitude: impl Fn(usize) -> f64 + Sync, work: impl Fn(usize) -> f64 + Sync) -> FilmNoise {
         FilmNoise::measure((SIDE, SIDE), |pixel| {
             let mut stream = Stream::new(7, Purpose::Pilot, 0, pixel as u64);

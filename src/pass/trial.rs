@@ -124,8 +124,8 @@ fn mean_of_pixels(
 ///
 /// The samples of neighbouring pixels differ by noise and by details of the picture. The tiles have
 /// several samples of the same pixel, so they tell which share of the variance is noise. If this
-/// share is more than 1, rare bright samples cause most of the noise. The few samples around a pixel
-/// do not show them, so all pixels get the same number of samples.
+/// share is more than 1, rare bright samples cause most of the noise. The few samples around a
+/// pixel do not show them, so all pixels get the same number of samples.
 pub(super) fn balanced(
     context: &PassContext<'_>,
     scene: &Scene,
@@ -339,8 +339,7 @@ fn work(trials: &[SmallPass; 2], paths: f64, samples: f64, pixels: f64) -> Work 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Purpose;
-    use crate::math::random::Stream;
+    use crate::math::random::{Purpose, Stream};
 
     /// Two passes with noise of known variance give these variances.
     #[test]

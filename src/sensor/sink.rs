@@ -69,10 +69,10 @@ fn is_valid_radiance(weight: f64) -> bool {
 }
 
 impl FilmRow<'_> {
-    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel, which
-    /// returns the number of camera samples of the pixel. The light of the pixel is the light in the
-    /// sink, divided by this number. Returns the number of samples that were NaN, infinite or
-    /// negative and were discarded.
+    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel,
+    /// which returns the number of camera samples of the pixel. The light of the pixel is the light
+    /// in the sink, divided by this number. Returns the number of samples that were NaN, infinite
+    /// or negative and were discarded.
     pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>) -> u64) -> u64 {
         let replicate = replicate(pass);
         let count = self.channels.count();
