@@ -76,8 +76,8 @@ impl FirstRadii {
 /// A value for each kind of kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PerKernel<T> {
-    /// The value on surfaces.
-    pub surface: T,
+    /// The values on surfaces.
+    pub surface: PerClass<T>,
     /// The values for photon points in media.
     pub points: PerClass<T>,
     /// The values for photon beams in media.
@@ -88,7 +88,7 @@ impl<T: Copy> PerKernel<T> {
     /// Returns equal values.
     pub fn splat(value: T) -> Self {
         let of_all = PerClass::from_fn(|_| value);
-        Self { surface: value, points: of_all, beams: of_all }
+        Self { surface: of_all, points: of_all, beams: of_all }
     }
 }
 
@@ -133,34 +133,36 @@ impl<T: Copy> PixelRadii<T> {
 /// number of photons that a pass stores, divided by the number for which the first radii are
 /// chosen.
 pub fn scales(pass: u64, photons: PerKernel<f64>) -> PerKernel<f64> {
-    let of_kind = |photons: f64, dimensions: u32| scale(pass as f64 * photons, dimensions);
+    let of_class = |photons: PerClass<f64>, dimensions: u32| {
+        PerClass::from_fn(|class| scale_for_photons(photons[class], dimensions) * scale(pass, dimensions))
+    };
     PerKernel {
-        surface: of_kind(photons.surface, 2),
-        points: PerClass::from_fn(|class| of_kind(photons.points[class], 2)),
-        beams: PerClass::from_fn(|class| of_kind(photons.beams[class], 1)),
+        surface: of_class(photons.surface, 2),
+        points: of_class(photons.points, 2),
+        beams: of_class(photons.beams, 1),
     }
 }
 
-/// Returns the kernel radius after some passes, divided by the first radius. `progress` is the
-/// number of these passes, and may be a fraction. The kernel has d = `dimensions` dimensions.
+/// Returns the factor on a kernel radius if a pass stores `photons` times as many photons. The
+/// kernel has d = `dimensions` dimensions.
+///
+/// The variance is proportional to 1/(N rᵈ) for N photons, and the squared bias to r⁴. Their sum is
+/// least if r is proportional to N^(−1/(d + 4)) (Silverman 1986, "Density Estimation for Statistics
+/// and Data Analysis", section 4.3).
+fn scale_for_photons(photons: f64, dimensions: u32) -> f64 {
+    powf(photons, -1.0 / (f64::from(dimensions) + 4.0))
+}
+
+/// Returns the kernel radius after some passes, divided by the first radius. The kernel has d =
+/// `dimensions` dimensions.
 ///
 /// The radii follow the rule rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1). Here i is the number of the pass,
 /// counted from 1, and α is 4/(d + 4). The rule is equation 15 of "Progressive Photon Mapping – A
 /// Probabilistic Approach" (Knaus & Zwicker 2011). Kernels on surfaces and kernels for photon
 /// points have two dimensions. Their mean square error falls as N^(−2/3). Kernels for photon beams
 /// have one dimension. Their mean square error falls as N^(−4/5). The factor depends only on the
-/// number of the pass, so that passes can run in any order. Between two whole passes, the logarithm
-/// of the radius is interpolated.
-fn scale(progress: f64, dimensions: u32) -> f64 {
-    let (whole, part) = (progress.floor(), progress.fract());
-    let before = scale_of_whole(whole as u64, dimensions);
-    if part == 0.0 {
-        return before;
-    }
-    powf(before, 1.0 - part) * powf(scale_of_whole(whole as u64 + 1, dimensions), part)
-}
-
-fn scale_of_whole(passes: u64, dimensions: u32) -> f64 {
+/// number of the pass, so that passes can run in any order.
+pub fn scale(passes: u64, dimensions: u32) -> f64 {
     let alpha = 4.0 / (f64::from(dimensions) + 4.0);
     // The product of (i + α)/(i + 1) for i = 1…`passes` is computed factor by factor up to i =
     // `EXACT`. For larger i, the product uses the asymptotic series Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 +
@@ -221,16 +223,10 @@ mod tests {
         for (dimensions, alpha) in [(1, 4.0 / 5.0), (2, 2.0 / 3.0)] {
             let mut power = 1.0;
             for i in 1..6000_u64 {
-                assert!(
-                    (scale((i - 1) as f64, dimensions).powi(dimensions as i32) / power - 1.0).abs() < 1e-7,
-                    "pass {i}"
-                );
+                assert!((scale(i - 1, dimensions).powi(dimensions as i32) / power - 1.0).abs() < 1e-7, "pass {i}");
                 power *= (i as f64 + alpha) / (i as f64 + 1.0);
             }
-            assert_eq!(scale(0.0, dimensions), 1.0);
-            // Half a pass reduces the radius by the square root of the factor of a whole pass.
-            let factors = [7.5, 8.0].map(|progress| scale(progress, dimensions) / scale(7.0, dimensions));
-            assert!((factors[0].powi(2) / factors[1] - 1.0).abs() < 1e-12);
+            assert_eq!(scale(0, dimensions), 1.0);
         }
     }
 
@@ -241,22 +237,23 @@ mod tests {
     fn each_kind_of_radius_falls_at_its_own_rate() {
         let [early, late] = [1 << 20, 1 << 26].map(|pass| scales(pass, PerKernel::splat(1.0)));
         let exponent = |of: fn(&PerKernel<f64>) -> f64| (of(&late) / of(&early)).log2() / 6.0;
-        assert!((exponent(|scales| scales.surface) + 1.0 / 6.0).abs() < 1e-5);
+        assert!((exponent(|scales| scales.surface.indirect) + 1.0 / 6.0).abs() < 1e-5);
         assert!((exponent(|scales| scales.points.indirect) + 1.0 / 6.0).abs() < 1e-5);
         assert!((exponent(|scales| scales.beams.indirect) + 1.0 / 5.0).abs() < 1e-5);
     }
 
     /// If a pass stores eight times as many beams of caustics, their radii are those after eight
-    /// times as many passes.
+    /// times as many passes. The other radii do not change.
     #[test]
     fn each_kind_of_radius_follows_the_photons_of_its_kind() {
         let plain = PerKernel::splat(0.5);
         let more = PerKernel { beams: PerClass { caustic: 4.0, indirect: 0.5 }, ..plain };
-        let later = scales(24, plain).beams.indirect;
-        let expected = scales(3, plain);
-        let expected = PerKernel { beams: PerClass { caustic: later, ..expected.beams }, ..expected };
-        assert_eq!(scales(3, more), expected);
-        assert_eq!(scales(0, more), PerKernel::splat(1.0));
+        let [early, early_of_more, late] =
+            [(1 << 20, plain), (1 << 20, more), (1 << 23, plain)].map(|(n, p)| scales(n, p));
+        assert!((early_of_more.beams.caustic / late.beams.caustic - 1.0).abs() < 1e-6);
+        let other = PerClass { caustic: early.beams.caustic, ..early_of_more.beams };
+        assert_eq!(PerKernel { beams: other, ..early_of_more }, early);
+        assert_eq!(scales(0, PerKernel::splat(1.0)), PerKernel::splat(1.0));
     }
 
     /// First radii lie between the footprint and the largest radius.

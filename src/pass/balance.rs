@@ -16,6 +16,7 @@
 //! where V W is least.
 
 use super::camera_samples::SampleChoice;
+use super::work::Work;
 use crate::math::elementary::powf;
 use crate::plan::{PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 
@@ -59,26 +60,6 @@ pub(super) struct Variances {
     pub(super) camera: f64,
 }
 
-/// The work of the parts of a pass, in instructions.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Work {
-    /// The work that depends neither on the photons nor on the camera samples.
-    pub(super) pass: f64,
-    /// The work to trace one photon path.
-    pub(super) trace: f64,
-    /// The work to store the indirect photons of one path on surfaces.
-    pub(super) store_on_surfaces: f64,
-    /// The work to store the photons of one path in media.
-    pub(super) store_in_media: f64,
-    /// The work of one camera sample in every pixel, without the photons in the kernels.
-    pub(super) sample: f64,
-    /// The work of the photons in the kernels at surfaces during these camera samples, per photon
-    /// path.
-    pub(super) gather_on_surfaces: f64,
-    /// The same in media.
-    pub(super) gather_in_media: f64,
-}
-
 /// The number of photon paths may be halved this many times. The number of stored photons may fall
 /// to the same fraction.
 const HALVINGS: i32 = PHOTON_HALVINGS as i32;
@@ -92,10 +73,6 @@ const LONGEST_PASS: f64 = 4.0;
 /// A longer pass shows its picture later. The error at equal time of a pass with more work than the
 /// plain division must be lower by this power of the ratio of the work.
 const IMPATIENCE: f64 = 0.25;
-
-/// Camera samples whose variance is at most this fraction of the variance of the photons need no
-/// choice: each pixel has one sample.
-const NEGLIGIBLE: f64 = 0.05;
 
 /// Numbers of camera samples that depend on the noise are used only if they reduce the variance at
 /// equal time to this fraction.
@@ -122,15 +99,12 @@ impl BalanceLimits {
     pub(super) fn choose<const MEASURES: usize>(self, variances: [Variances; MEASURES], work: Work) -> Balance {
         let of_plain = self.plain().work(work);
         let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
-        let cost = |choice: &Balance| {
-            let work = choice.work(work) / of_plain;
-            variance(choice) * (work * powf(work.max(1.0), IMPATIENCE)).powi(MEASURES as i32)
-        };
+        let cost_of = |choice: &Balance| cost(variance(choice), choice.work(work) / of_plain, MEASURES);
         let choices = || self.choices().filter(|choice| choice.work(work) <= LONGEST_PASS * of_plain);
-        let least = choices().map(|choice| cost(&choice)).fold(f64::INFINITY, f64::min);
+        let least = choices().map(|choice| cost_of(&choice)).fold(f64::INFINITY, f64::min);
         let most = TOLERANCE.powi(MEASURES as i32) * least;
         choices()
-            .filter(|choice| cost(choice) <= most)
+            .filter(|choice| cost_of(choice) <= most)
             .min_by(|one, other| variance(one).total_cmp(&variance(other)))
             .unwrap_or(self.plain())
     }
@@ -163,6 +137,13 @@ impl BalanceLimits {
     }
 }
 
+/// Returns the cost of a pass: its variance at equal time, with the share of [`IMPATIENCE`].
+/// `variance` is the product of several measures. `work` is the ratio of the work and the work of
+/// the plain division.
+fn cost(variance: f64, work: f64, measures: usize) -> f64 {
+    variance * (work * powf(work.max(1.0), IMPATIENCE)).powi(measures as i32)
+}
+
 impl Balance {
     /// Returns the choice of camera samples with the least variance at equal time, for these
     /// numbers of photons. Each entry of `variances` is a measure of the variance of the picture.
@@ -176,19 +157,21 @@ impl Balance {
     ) -> &SampleChoice {
         let first = &choices[0];
         let work_of = |choice: &SampleChoice| self.work_of_photons(work) + choice.work * self.work_of_samples(work);
-        let cost = |choice: &SampleChoice| {
+        let cost_of = |choice: &SampleChoice| {
             let variances = variances.iter().zip(choice.variances);
-            let variance: f64 = variances.map(|(one, of_samples)| self.variance_of_photons(one) + of_samples).product();
-            let work = work_of(choice) / work_of(first);
-            variance * (work * powf(work.max(1.0), IMPATIENCE)).powi(3)
+            let variance = variances.map(|(one, of_samples)| self.variance_of_photons(one) + of_samples).product();
+            cost(variance, work_of(choice) / work_of(first), 3)
         };
-        let best = choices.iter().min_by(|one, other| cost(one).total_cmp(&cost(other))).unwrap_or(first);
-        if cost(best) < WORTHWHILE.powi(3) * cost(first) { best } else { first }
+        let best = choices.iter().min_by(|one, other| cost_of(one).total_cmp(&cost_of(other))).unwrap_or(first);
+        if cost_of(best) < WORTHWHILE.powi(3) * cost_of(first) { best } else { first }
     }
 
-    /// Returns true if camera samples cause more than a negligible part of the variance.
+    /// Returns true if camera samples without noise would reduce the variance enough for
+    /// [`Self::choose_samples`] to gain something.
     pub(super) fn has_noisy_samples(self, variances: [Variances; 3]) -> bool {
-        variances.iter().any(|of_one| of_one.camera > NEGLIGIBLE * self.variance_of_photons(of_one))
+        let noisy: f64 = variances.iter().map(|&of_one| self.variance(of_one)).product();
+        let exact: f64 = variances.iter().map(|of_one| self.variance_of_photons(of_one)).product();
+        exact < WORTHWHILE.powi(3) * noisy
     }
 
     fn variance(self, of_one: Variances) -> f64 {
@@ -306,16 +289,17 @@ mod tests {
         let Balance { photons, camera_samples, .. } = FREE.choose([Variances::default(); 2], SMALL_FILM);
         assert!(photons >= 25_000 && camera_samples >= 1);
     }
+
     /// More samples where they are noisy are worth more than samples everywhere, but not if photons
     /// cause the noise.
     #[test]
     fn samples_follow_the_noise_only_if_this_gains_something() {
-        let noise = FilmNoise::measure((64, 64), |pixel| {
+        let probe = |&pixel: &usize| {
             // One pixel in eight is noisy.
             let bright = if pixel % 64 < 8 { (pixel * 7 % 5) as f64 } else { 0.0 };
             ProbedPixel { sample: [1.0 + bright; 3], splats: [0.0; 3], work: 1.0 }
-        })
-        .unwrap();
+        };
+        let noise = FilmNoise::measure((64, 64), |pixels| pixels.iter().map(probe).collect()).unwrap();
         let choices = noise.choices(1);
         let choose = |of_photons: f64| {
             let variances = Variances { traced: of_photons, ..NO_NOISE };

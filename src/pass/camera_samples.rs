@@ -8,6 +8,7 @@
 //! picture's own samples would bias the picture (Kirk & Arvo 1991, "Unbiased Sampling Techniques
 //! for Image Synthesis").
 
+use super::small_pass::TILE;
 use crate::math::parallel;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -37,9 +38,6 @@ const THRESHOLDS: i32 = 16;
 /// The largest variance of a square relative to the mean of the picture, as a multiple of the mean
 /// over the film. A rare bright sample would otherwise decide alone.
 const LARGEST_SQUARE: f64 = 64.0;
-
-/// The number of pixels in a block of the third measure of the variance.
-const BLOCK_PIXELS: f64 = 16.0;
 
 /// The number of camera samples of each pixel in a pass.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +97,8 @@ struct SampleNoise {
     relative: f64,
     /// The variance relative to the mean of the picture.
     of_picture: f64,
+    /// The squares of X, Y and Z to which `relative` refers.
+    squares: [f64; 3],
     /// The work of the sample, divided by the mean work of a sample.
     work: f64,
 }
@@ -123,24 +123,24 @@ impl CameraSamples {
 }
 
 impl FilmNoise {
-    /// Measures the noise with a sample in each square. `probe` takes a sample of a pixel. Returns
-    /// `None` if the film has few pixels.
+    /// Measures the noise with a sample in each square. `probe` takes a sample of each of some
+    /// pixels. Returns `None` if the film has few pixels.
     pub(super) fn measure(
         (width, height): (usize, usize),
-        probe: impl Fn(usize) -> ProbedPixel + Sync,
+        probe: impl Fn(&[usize]) -> Vec<ProbedPixel> + Sync,
     ) -> Option<Self> {
         let (columns, rows) = (width.div_ceil(SQUARE), height.div_ceil(SQUARE));
         if columns * rows < LEAST_SQUARES {
             return None;
         }
-        let of_square = |x: usize, y: usize| {
+        let pixel_of = |x: usize, y: usize| {
             // The places alternate, so that the samples do not miss a thin line.
             let place = (x + 2 * y) % (SQUARE * SQUARE);
             let (x, y) = (SQUARE * x + place % SQUARE, SQUARE * y + place / SQUARE);
-            probe(y.min(height - 1) * width + x.min(width - 1))
+            y.min(height - 1) * width + x.min(width - 1)
         };
-        let probed: Vec<Vec<ProbedPixel>> =
-            parallel::map((0..rows).collect(), |y| (0..columns).map(|x| of_square(x, y)).collect());
+        let probe_row = |y: usize| probe(&(0..columns).map(|x| pixel_of(x, y)).collect::<Vec<_>>());
+        let probed: Vec<Vec<ProbedPixel>> = parallel::map((0..rows).collect(), probe_row);
         let mut picture = ProbeSums::default();
         probed.iter().flatten().for_each(|pixel| picture.add(pixel));
         let noise = |x: usize, y: usize| {
@@ -163,11 +163,15 @@ impl FilmNoise {
         &self.squares[pixel / width / SQUARE * width.div_ceil(SQUARE) + pixel % width / SQUARE]
     }
 
-    /// Returns the mean relative variance of a sample in some of the pixels.
-    pub(super) fn mean_relative(&self, pixels: impl Iterator<Item = usize>) -> f64 {
-        let (sum, count) =
-            pixels.fold((0.0, 0.0), |(sum, count), pixel| (sum + self.square_of(pixel).relative, count + 1.0));
-        sum / count
+    /// Compares variances of a sample of X, Y and Z with the measured noise. `variances` contains
+    /// pixels and their variances. Returns the ratio of the means over these pixels of the relative
+    /// variances.
+    pub(super) fn ratio_of(&self, variances: impl Iterator<Item = (usize, [f64; 3])>) -> f64 {
+        let (sum, of_all) = variances.fold((0.0, 0.0), |(sum, of_all), (pixel, variance)| {
+            let square = self.square_of(pixel);
+            (sum + mean_ratio(variance, square.squares), of_all + square.relative)
+        });
+        sum / of_all
     }
 
     /// Multiplies all variances by a factor.
@@ -220,7 +224,7 @@ impl FilmNoise {
         }
         let [mean, work, relative, of_picture] =
             [samples, work, relative, of_picture].map(|sum| sum / self.squares.len() as f64);
-        SampleChoice { mean, work, variances: [relative, of_picture, relative / BLOCK_PIXELS], number }
+        SampleChoice { mean, work, variances: [relative, of_picture, relative / (TILE * TILE) as f64], number }
     }
 
     /// Returns the numbers of samples of a choice.
@@ -244,6 +248,11 @@ impl SampleNumber {
             }
         }
     }
+}
+
+/// Returns the mean over X, Y and Z of the ratios of variances and squares.
+fn mean_ratio(variances: [f64; 3], squares: [f64; 3]) -> f64 {
+    (0..3).map(|c| variances[c] / squares[c]).sum::<f64>() / 3.0
 }
 
 /// Sums over the samples of some pixels.
@@ -276,18 +285,16 @@ impl ProbeSums {
     /// Returns the noise of a sample in the middle of these pixels. `picture` contains the sums
     /// over the film.
     fn noise(&self, picture: &Self) -> SampleNoise {
-        let (mut relative, mut of_picture) = (0.0, 0.0);
-        for c in 0..3 {
+        let of_picture: [f64; 3] = std::array::from_fn(|c| picture.mean(c).powi(2).max(f64::MIN_POSITIVE));
+        // The mean of the picture limits the weight of dark pixels.
+        let squares = std::array::from_fn(|c| self.mean(c).powi(2) + 0.01 * of_picture[c]);
+        let variance: [f64; 3] = std::array::from_fn(|c| {
             let spread = (self.squares[c] - self.samples[c].powi(2) / self.count).max(0.0);
-            let variance = spread / (self.count - 1.0).max(1.0);
-            let square_of_picture = picture.mean(c).powi(2);
-            // The mean of the picture limits the weight of dark pixels.
-            let square = self.mean(c).powi(2) + 0.01 * square_of_picture;
-            relative += variance / square.max(f64::MIN_POSITIVE) / 3.0;
-            of_picture += variance / square_of_picture.max(f64::MIN_POSITIVE) / 3.0;
-        }
+            spread / (self.count - 1.0).max(1.0)
+        });
+        let [relative, of_picture] = [squares, of_picture].map(|squares| mean_ratio(variance, squares));
         let [work, of_all] = [self, picture].map(|sums| (sums.work / sums.count).max(f64::MIN_POSITIVE));
-        SampleNoise { relative, of_picture, work: work / of_all }
+        SampleNoise { relative, of_picture, squares, work: work / of_all }
     }
 }
 
@@ -301,12 +308,13 @@ mod tests {
     /// Returns the noise of a film on which the samples of a pixel are uniform numbers around 1,
     /// with this amplitude. `work` is the work of a sample of the pixel.
     fn noise(amplitude: impl Fn(usize) -> f64 + Sync, work: impl Fn(usize) -> f64 + Sync) -> FilmNoise {
-        FilmNoise::measure((SIDE, SIDE), |pixel| {
+        let probe = |&pixel: &usize| {
             let mut stream = Stream::new(7, Purpose::Pilot, 0, pixel as u64);
             let light = 1.0 + amplitude(pixel) * (2.0 * stream.uniform() - 1.0);
             ProbedPixel { sample: [light - 0.5; 3], splats: [0.5; 3], work: work(pixel) }
-        })
-        .unwrap_or_else(|| panic!("the film is large"))
+        };
+        FilmNoise::measure((SIDE, SIDE), |pixels| pixels.iter().map(probe).collect())
+            .unwrap_or_else(|| panic!("the film is large"))
     }
 
     fn is_left(pixel: usize) -> bool {
@@ -365,10 +373,10 @@ mod tests {
     #[test]
     fn every_pixel_of_a_film_has_a_sample() {
         for size in [(200, 1), (1, 201), (21, 19)] {
-            let black = FilmNoise::measure(size, |_| ProbedPixel::default());
-            let noisy =
-                FilmNoise::measure(size, |pixel| ProbedPixel { sample: [pixel as f64; 3], ..ProbedPixel::default() });
-            for noise in [black.unwrap(), noisy.unwrap()] {
+            for amplitude in [0.0, 1.0] {
+                let probe =
+                    |&pixel: &usize| ProbedPixel { sample: [amplitude * pixel as f64; 3], ..ProbedPixel::default() };
+                let noise = FilmNoise::measure(size, |pixels| pixels.iter().map(probe).collect()).unwrap();
                 for choice in noise.choices(2) {
                     let samples = noise.samples(&choice);
                     assert!((0..size.0 * size.1).all(|pixel| (1..=16).contains(&samples.of(pixel))), "{size:?}");

@@ -68,7 +68,8 @@ pub(super) fn coarse_photon_picture(
 ) -> Result<Option<Picture>> {
     let Some(coarse) = CoarseScene::of(context, scene) else { return Ok(None) };
     let pass = |context: PassContext<'_>, sums: &mut PassSums| {
-        pilot.measure(&context, &[Cow::Borrowed(context.scene)]);
+        let visible = pilot.measure(&context, &[Cow::Borrowed(context.scene)]);
+        pilot.measure_outlines(&context, context.scene, &visible);
         pilot.camera_samples = CameraSamples::Same(CAMERA_SAMPLES);
         photon_pass(context, pilot, &mut LightMaps::default(), 0, sums)
     };

@@ -32,6 +32,7 @@ mod trace;
 mod trial;
 mod volume_radii;
 mod volume_samples;
+mod work;
 
 pub use coarse::coarse_path_picture;
 pub use context::PassContext;

@@ -29,20 +29,22 @@ const WIDEST_SHARED: f64 = 1.5;
 /// Returns the outlines around visible points. A visible point has an outline if its kernel for
 /// indirect light may extend over an edge of the surface.
 ///
-/// `visible` and `radii` contain one entry per pixel. `swept` contains the bounding boxes of moving
+/// `visible` and `radii` contain one entry per pixel. `scale` is the factor on the radii. `swept` contains the bounding boxes of moving
 /// objects. A point near such a box gets no outline, because the edges near this point may move.
 pub(super) fn outlines(
     context: &PassContext<'_>,
     scene: &Scene,
     visible: &[Option<VisiblePoint>],
     swept: &[Bounds],
-    radii: &FirstRadii,
+    (radii, scale): (&FirstRadii, f64),
 ) -> Outlines {
     let set = PhotonSet::of_path(context.plan.wavelengths == WavelengthPlan::Shared);
     let width = scene.camera.width();
+    let farthest_px = scale.max(1.0) * MAX_SURFACE_RADIUS_PX.indirect;
     let survey = |pixel: usize| {
-        let radius_m = f64::from(radii.of(pixel).surface[set].indirect);
-        let crossing = visible[pixel].as_ref().filter(|_| may_cross_edge(visible, pixel, radius_m, width));
+        let radius_m = scale * f64::from(radii.of(pixel).surface[set].indirect);
+        let crossing =
+            visible[pixel].as_ref().filter(|_| may_cross_edge(visible, pixel, (radius_m, farthest_px), width));
         let Some(point) = crossing else { return Need::Nothing };
         let moves = |bounds: &Bounds| distance_to_box(point.position, bounds) <= 2.0 * radius_m;
         if swept.iter().any(moves) {
@@ -127,9 +129,14 @@ fn distance_to_box(point: DVec3, (low, high): &Bounds) -> f64 {
 /// Returns true if the kernel of a pixel's visible point may cross an edge of the visible surface.
 ///
 /// The function tests pixels in eight directions around this pixel, at several distances up to the
-/// kernel radius. The kernel may cross an edge if one of these pixels is outside the picture, sees no
+/// kernel radius, but at most `farthest_px` pixels away. The kernel may cross an edge if one of these pixels is outside the picture, sees no
 /// surface, or sees a surface that does not continue the surface of this pixel.
-fn may_cross_edge(visible: &[Option<VisiblePoint>], pixel: usize, radius_m: f64, width: usize) -> bool {
+fn may_cross_edge(
+    visible: &[Option<VisiblePoint>],
+    pixel: usize,
+    (radius_m, farthest_px): (f64, f64),
+    width: usize,
+) -> bool {
     let Some(here) = &visible[pixel] else { return false };
     let height = visible.len() / width;
     let (x, y) = ((pixel % width) as isize, (pixel / width) as isize);
@@ -144,7 +151,7 @@ fn may_cross_edge(visible: &[Option<VisiblePoint>], pixel: usize, radius_m: f64,
             .is_none_or(|there| !here.continues_to(there.position, there.facing))
     };
     EDGE_DISTANCES.iter().any(|fraction| {
-        let distance_px = (fraction * radius_m / here.footprint_m).ceil().clamp(1.0, MAX_SURFACE_RADIUS_PX.indirect);
+        let distance_px = (fraction * radius_m / here.footprint_m).ceil().clamp(1.0, farthest_px);
         steps.into_iter().any(|step| ends_at(step, distance_px as isize))
     })
 }

@@ -10,7 +10,7 @@ use super::sums::PassSums;
 use super::trace::trace_photons;
 use crate::error::Result;
 use crate::gather::{CameraPass, MissingLight, PathBuffers, PixelSampler};
-use crate::map::radius::scales;
+use crate::map::radius::{scale, scales};
 use crate::map::{LightMaps, SetMaps};
 use crate::math::random::Purpose;
 use crate::plan::partition::{PerSet, PhotonSet};
@@ -40,7 +40,7 @@ pub fn photon_pass<'a>(
     let shared = context.shared_wavelengths(pass);
     let film = &sums.film;
     let scales = scales(pass, pilot.stored_photons);
-    let first = (pilot.receptor_radii.as_slice(), scales.surface);
+    let first = (pilot.receptor_radii.as_slice(), scale(pass, 2));
     let receptors = ReceptorKernels::of_pass(&context, &scene, first, pilot.photons_per_sample().free);
     let traced = PerSet::from_fn(|set| {
         let purpose = match set {

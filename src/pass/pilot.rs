@@ -25,8 +25,8 @@ use super::trial::balanced;
 use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
 use crate::emit::{EmissionStrata, PhotonSource};
 use crate::error::Result;
-use crate::gather::{CameraPass, LightSelector, Outlines};
-use crate::map::radius::PerKernel;
+use crate::gather::{CameraPass, LightSelector, Outlines, VisiblePoint};
+use crate::map::radius::{PerKernel, scales};
 use crate::map::{FirstRadii, LightMaps, SetMaps};
 use crate::optics::bsdf::BsdfClass;
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet};
@@ -67,7 +67,7 @@ pub struct Pilot {
     /// The number of camera samples of each pixel.
     pub(super) camera_samples: CameraSamples,
     /// The number of photons that a pass stores, divided by the number for which the first radii
-    /// are chosen. At most 1 on surfaces.
+    /// are chosen. Always 1 if the scene states the first radius.
     pub(super) stored_photons: PerKernel<f64>,
     /// The probabilities of storing photons.
     pub(super) keep: PerClass<KeepProbability>,
@@ -110,8 +110,9 @@ impl Pilot {
             pilot.set_aims(learn_aims(context, &scenes), context);
         }
         pilot.show_coarse_picture(context, &scenes[0], after)?;
-        pilot.measure(context, &scenes);
+        let visible = pilot.measure(context, &scenes);
         pilot.balance(context, &scenes[0]);
+        pilot.measure_outlines(context, &scenes[0], &visible);
         pilot.receptor_radii = first_radii(context, &scenes[0], &pilot.strata, pilot.photons.free);
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
@@ -178,11 +179,17 @@ impl Pilot {
         Ok(())
     }
 
-    /// Measures the radii, the outlines, the probabilities of storing photons in media, and the
-    /// division of the photons between the sets.
-    pub(super) fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
+    /// Measures the radii, the probabilities of storing photons in media, and the division of the
+    /// photons between the sets. Returns the visible point of each pixel. There are no outlines
+    /// until [`Self::measure_outlines`].
+    pub(super) fn measure(
+        &mut self,
+        context: &PassContext<'_>,
+        scenes: &[Cow<'_, Scene>],
+    ) -> Vec<Option<VisiblePoint>> {
         self.photons = even_division(context.plan.photon_sets(), context.budget.photons);
         self.camera_samples = CameraSamples::Same(1);
+        self.outlines = Outlines::default();
         let mut survey = PixelSurvey::default();
         for (moment, scene) in (0..).zip(scenes) {
             let moment = (moment, scenes.len());
@@ -197,15 +204,26 @@ impl Pilot {
         // The paths of a receptor reach surfaces everywhere, so the radius of one of its paths does
         // not suit the others.
         self.radii = FirstRadii::with_medians(&radii, context.scene.measures());
-        drop(radii);
+        if context.plan.photon_sets() == (PerSet { free: true, shared: true }) {
+            self.photons = divided(context.budget.photons, readers);
+        }
+        visible
+    }
+
+    /// Measures the outlines of the surfaces around the visible points, up to the kernel radii of
+    /// pass 0.
+    pub(super) fn measure_outlines(
+        &mut self,
+        context: &PassContext<'_>,
+        scene: &Scene,
+        visible: &[Option<VisiblePoint>],
+    ) {
         // If the camera moves, the visible point of a pixel changes from pass to pass, so no
         // outlines are stored.
         if context.plan.indirect != IndirectPlan::Absent && context.scene.motions.camera.is_none() {
+            let scale = scales(0, self.stored_photons).surface.indirect;
             let swept = context.scene.swept_boxes();
-            self.outlines = outlines(context, &scenes[0], &visible, &swept, &self.radii);
-        }
-        if context.plan.photon_sets() == (PerSet { free: true, shared: true }) {
-            self.photons = divided(context.budget.photons, readers);
+            self.outlines = outlines(context, scene, visible, &swept, (&self.radii, scale));
         }
     }
 
@@ -264,12 +282,17 @@ impl Pilot {
         let plain = self.keep;
         self.keep = PerClass::from_fn(|class| plain[class].with_medium_factor(medium_factor));
         self.keep.indirect.surface = stored_share;
-        self.stored_photons = PerKernel {
-            // A pass never stores more indirect photons on surfaces than the plain division.
-            surface: share.min(1.0),
-            points: PerClass::from_fn(|class| share * self.keep[class].points / plain[class].points),
-            beams: PerClass::from_fn(|class| share * self.keep[class].beams / plain[class].beams),
-        };
+        // The scene may state the first radius.
+        if context.budget.radius_m.is_none() {
+            let stored = |of: fn(&KeepProbability) -> f64| {
+                PerClass::from_fn(|class| share * of(&self.keep[class]) / of(&plain[class]))
+            };
+            self.stored_photons = PerKernel {
+                surface: stored(|keep| keep.surface),
+                points: stored(|keep| keep.points),
+                beams: stored(|keep| keep.beams),
+            };
+        }
         self.photons = PerSet::from_fn(|set| match self.photons[set] {
             0 => 0,
             count => ((count as f64 * share) as u64).max(1),

@@ -39,15 +39,12 @@ pub(super) struct PixelLight {
     pub(super) splats: [f64; 3],
 }
 
-/// One pass of the trial.
+/// The camera samples of one pass of the trial.
 pub(super) struct SmallPass {
+    /// The light of the pixels of each tile.
     pub(super) tiles: Vec<Vec<PixelLight>>,
-    /// The splats of all pixels.
-    pub(super) splats: Vec<[f64; 3]>,
-    /// The events of the photon paths.
-    pub(super) photon_tally: Tally,
     /// The events of the camera paths.
-    pub(super) camera_tally: Tally,
+    pub(super) tally: Tally,
 }
 
 /// The photons of one pass of the trial.
@@ -57,7 +54,8 @@ pub(super) struct TracedPhotons {
     pub(super) maps: PerSet<SetMaps>,
     /// The splats of all pixels.
     pub(super) splats: Vec<[f64; 3]>,
-    tally: Tally,
+    /// The events of the photon paths.
+    pub(super) tally: Tally,
 }
 
 impl PixelLight {
@@ -110,17 +108,17 @@ impl TracedPhotons {
 }
 
 /// Takes a camera sample of a pixel. Returns X, Y and Z of each path class.
-pub(super) fn sample_light(
+pub(super) fn sample_light<'a>(
     context: &PassContext<'_>,
     pilot: &Pilot,
-    camera_pass: &CameraPass<'_>,
+    camera_pass: &CameraPass<'a>,
     (pass, pixel): (u64, usize),
+    buffers: &mut PathBuffers<'a>,
     tally: &mut Tally,
 ) -> [[f64; 3]; PathClass::NAMES.len()] {
-    let mut buffers = PathBuffers::default();
     let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, pass, pixel as u64);
     PixelSink::measure_classes(camera_pass.scene.film.observer, |sink| {
-        camera_pass.sample(pixel as u64, sampler, &pilot.radii.of(pixel), &mut buffers, tally, sink);
+        camera_pass.sample(pixel as u64, sampler, &pilot.radii.of(pixel), buffers, tally, sink);
     })
 }
 
@@ -130,16 +128,15 @@ impl SmallPass {
     pub(super) fn run(
         context: &PassContext<'_>,
         pilot: &Pilot,
-        traced: &TracedPhotons,
-        camera_pass: &CameraPass<'_>,
+        (traced, camera_pass): (&TracedPhotons, &CameraPass<'_>),
         tiles: &[Vec<usize>],
     ) -> Self {
         let measured: Vec<(Vec<PixelLight>, Tally)> = parallel::map(tiles.iter().collect(), |tile: &Vec<usize>| {
-            let mut tally = Tally::default();
+            let (mut buffers, mut tally) = (PathBuffers::default(), Tally::default());
             let mut light = |pixel: usize| {
                 let samples: [_; TRIALS] = std::array::from_fn(|nth| {
                     let pass = traced.number * TRIALS as u64 + nth as u64;
-                    sample_light(context, pilot, camera_pass, (pass, pixel), &mut tally)
+                    sample_light(context, pilot, camera_pass, (pass, pixel), &mut buffers, &mut tally)
                 });
                 let sum = |classes: [[f64; 3]; PathClass::NAMES.len()]| {
                     std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum::<f64>())
@@ -149,10 +146,8 @@ impl SmallPass {
             };
             (tile.iter().map(|&pixel| light(pixel)).collect(), tally)
         });
-        let mut camera_tally = Tally::default();
-        measured.iter().for_each(|(_, tally)| camera_tally.add(tally));
-        let tiles = measured.into_iter().map(|(pixels, _)| pixels).collect();
-        Self { tiles, splats: traced.splats.clone(), photon_tally: traced.tally, camera_tally }
+        let tally = measured.iter().map(|&(_, tally)| tally).sum();
+        Self { tiles: measured.into_iter().map(|(pixels, _)| pixels).collect(), tally }
     }
 }
 

@@ -6,11 +6,13 @@
 //! differ by the noise of the photons (analysis of variance with nested groups). The means of tiles
 //! tell how much of the noise neighbouring pixels have in common.
 
-use super::balance::{Balance, BalanceLimits, Variances, Work};
+use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{CameraSamples, FilmNoise, ProbedPixel};
 use super::context::PassContext;
 use super::pilot::Pilot;
 use super::small_pass::{PixelLight, SmallPass, TILE, TRIALS, TracedPhotons, sample_light, tiles};
+use super::work::{SampleWork, Work};
+use crate::gather::PathBuffers;
 use crate::map::LightMaps;
 use crate::plan::Tally;
 use crate::plan::partition::PerSet;
@@ -32,23 +34,12 @@ const LIGHT_MAP_CELLS: u32 = 8;
 /// The least share of noise in the variance of neighbouring pixels.
 const LEAST_SHARE_OF_NOISE: f64 = 0.1;
 
+/// If the noise in the tiles is more than this multiple of the variance around their pixels, rare
+/// bright samples cause it.
+const RARE_SAMPLES: f64 = 4.0;
+
 /// The pass number of the camera samples that measure the noise of the pixels.
 const PROBE_PASS: u64 = (TRIALS * TRIALS) as u64;
-
-/// The average numbers of instructions of the events of a pass. Callgrind measured them in
-/// benches/scenes. The numbers for emission and for photons in media are times of these scenes and
-/// of bodies of fog, in instructions of the average time.
-mod instructions {
-    pub(super) const EMITTED_PHOTON: f64 = 2_500.0;
-    pub(super) const RAY: f64 = 2_700.0;
-    pub(super) const STORED_PHOTON: f64 = 600.0;
-    pub(super) const CONNECTION: f64 = 4_000.0;
-    pub(super) const CAMERA_SAMPLE: f64 = 3_000.0;
-    pub(super) const GATHERED_PHOTON: f64 = 700.0;
-    pub(super) const TABULATED_PHOTON: f64 = 200.0;
-    pub(super) const GATHERED_IN_MEDIUM: f64 = 5_000.0;
-    pub(super) const PIXEL: f64 = 400.0;
-}
 
 /// The mean of X, Y and Z in a tile, and their variances.
 struct TileVariance {
@@ -73,6 +64,15 @@ struct SampleVariance {
 }
 
 impl TileVariance {
+    /// Computes the variances of the pixels of each tile, and the variances of the mean of each
+    /// tile.
+    fn of_tiles([first, second]: [&[Vec<PixelLight>]; 2]) -> [Vec<Self>; 2] {
+        let pairs = || first.iter().zip(second);
+        let of_pixels = pairs().map(|(first, second)| Self::of(first, second));
+        let of_means = pairs().map(|(first, second)| Self::of(&[PixelLight::mean(first)], &[PixelLight::mean(second)]));
+        [of_pixels.collect(), of_means.collect()]
+    }
+
     /// Computes the variances from the same pixels in both passes.
     fn of(first: &[PixelLight], second: &[PixelLight]) -> Self {
         let all = SampleVariance::of(first, second, |pixel| pixel.samples);
@@ -124,7 +124,7 @@ fn mean_of_pixels(
 ///
 /// The samples of neighbouring pixels differ by noise and by details of the picture. The tiles have
 /// several samples of the same pixel, so they tell which share of the variance is noise. If this
-/// share is more than 1, rare bright samples cause most of the noise. The few samples around a
+/// share is much more than 1, rare bright samples cause most of the noise. The few samples around a
 /// pixel do not show them, so all pixels get the same number of samples.
 pub(super) fn balanced(
     context: &PassContext<'_>,
@@ -143,35 +143,42 @@ pub(super) fn balanced(
     }
     let selector = context.light_selector(scene);
     let traced = [0, 1].map(|number| TracedPhotons::trace(context, scene, pilot, (number, counts)));
-    let [first, second] = traced.each_ref().map(|traced| {
+    let camera_passes = traced.each_ref().map(|traced| {
         let maps = (&traced.maps, &light_maps);
         pilot.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
     });
-    let trials = [(&traced[0], &first), (&traced[1], &second)]
-        .map(|(traced, camera_pass)| SmallPass::run(context, pilot, traced, camera_pass, &tiles));
+    let passes = [0, 1].map(|n| SmallPass::run(context, pilot, (&traced[n], &camera_passes[n]), &tiles));
+    let of_tiles = TileVariance::of_tiles(passes.each_ref().map(|pass| pass.tiles.as_slice()));
+    let splats = traced.each_ref().map(|traced| traced.splats.as_slice());
+    let photons = traced.iter().map(|traced| traced.tally).sum();
+    let samples = passes.iter().map(|pass| pass.tally).sum();
     let paths = (counts.free + counts.shared) as f64;
-    let samples = (TRIALS * TRIALS * tiles.iter().map(Vec::len).sum::<usize>()) as f64;
-    let (variances, work) = (variances(&trials, width, paths), work(&trials, paths, samples, pixels as f64));
+    let variances = variances(&of_tiles, splats, width, paths);
+    let work = Work::of_trial(&photons, &samples, paths, pixels as f64);
     let balance = limits.choose(variances, work);
     let same = CameraSamples::Same(balance.camera_samples);
     if limits.camera_samples.is_some() || !balance.has_noisy_samples(variances) {
         return (balance, same);
     }
-    let probe = |pixel: usize| {
-        let mut tally = Tally::default();
-        let classes = sample_light(context, pilot, &second, (PROBE_PASS, pixel), &mut tally);
-        let splats = |c: usize| 0.5 * (traced[0].splats[pixel][c] + traced[1].splats[pixel][c]);
-        ProbedPixel {
-            sample: std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum()),
-            splats: std::array::from_fn(splats),
-            work: sample_work(&tally, share.recip()),
-        }
+    let probe = |pixels: &[usize]| {
+        let mut buffers = PathBuffers::default();
+        let of_pixel = |&pixel: &usize| {
+            let mut tally = Tally::default();
+            let classes =
+                sample_light(context, pilot, &camera_passes[1], (PROBE_PASS, pixel), &mut buffers, &mut tally);
+            ProbedPixel {
+                sample: std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum()),
+                splats: std::array::from_fn(|c| 0.5 * (splats[0][pixel][c] + splats[1][pixel][c])),
+                work: SampleWork::of(&tally).with_photons(share.recip()),
+            }
+        };
+        pixels.iter().map(of_pixel).collect()
     };
     let Some(noise) = FilmNoise::measure((width, pixels / width), probe) else {
         return (balance, same);
     };
-    let share = relative_noise(&trials) / noise.mean_relative(tiles.iter().flatten().copied());
-    if share > 1.0 {
+    let share = noise.ratio_of(sample_variances(&passes, &tiles));
+    if share > RARE_SAMPLES {
         return (balance, same);
     }
     let noise = noise.scaled(share.max(LEAST_SHARE_OF_NOISE));
@@ -242,19 +249,20 @@ fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
 /// picture, and the mean of the relative variances of the means of square blocks. Camera samples
 /// are known in some blocks, and splats are known in all of them. `photons` is the number of photon
 /// paths in a pass of the trial.
-fn variances(trials: &[SmallPass; 2], width: usize, photons: f64) -> [Variances; 3] {
-    let pairs = || trials[0].tiles.iter().zip(&trials[1].tiles);
-    let of_pixels: Vec<TileVariance> = pairs().map(|(first, second)| TileVariance::of(first, second)).collect();
-    let of_means: Vec<TileVariance> = pairs()
-        .map(|(first, second)| TileVariance::of(&[PixelLight::mean(first)], &[PixelLight::mean(second)]))
-        .collect();
+fn variances(
+    [of_pixels, of_means]: &[Vec<TileVariance>; 2],
+    splats: [&[[f64; 3]]; 2],
+    width: usize,
+    photons: f64,
+) -> [Variances; 3] {
     let tiles = of_pixels.len() as f64;
-    let blocks = SplatBlock::of_film([&trials[0].splats, &trials[1].splats], width);
+    let pixels = splats[0].len() as f64;
+    let blocks = SplatBlock::of_film(splats, width);
     let mean_sampled: [f64; 3] =
         std::array::from_fn(|c| of_pixels.iter().map(|tile| tile.mean_sampled[c]).sum::<f64>() / tiles);
     let mean: [f64; 3] = std::array::from_fn(|c| {
         let splats: f64 = blocks.iter().map(|block| 0.5 * (block.sums[0][c] + block.sums[1][c])).sum();
-        mean_sampled[c] + splats / trials[0].splats.len() as f64
+        mean_sampled[c] + splats / pixels
     });
     let sampled = |variances: &[TileVariance], reference: Reference| {
         let of_part = |part: fn(&TileVariance) -> [f64; 3]| {
@@ -276,64 +284,27 @@ fn variances(trials: &[SmallPass; 2], width: usize, photons: f64) -> [Variances;
         let relative = |block: &SplatBlock| {
             block.pixels * mean_of_components(|c| variance(block, c) / reference.square(of_block(block, c), mean[c]))
         };
-        photons * blocks.iter().map(relative).sum::<f64>() / trials[0].splats.len() as f64
+        photons * blocks.iter().map(relative).sum::<f64>() / pixels
     };
     let of_pixel = |block: &SplatBlock, c: usize| block.variances[c] / block.pixels;
     let of_mean = |block: &SplatBlock, c: usize| half_square(block.mean(0, c), block.mean(1, c));
     [
-        Variances { traced: traced(of_pixel, Reference::Block), ..sampled(&of_pixels, Reference::Block) },
-        Variances { traced: traced(of_pixel, Reference::Picture), ..sampled(&of_pixels, Reference::Picture) },
-        Variances { traced: traced(of_mean, Reference::Block), ..sampled(&of_means, Reference::Block) },
+        Variances { traced: traced(of_pixel, Reference::Block), ..sampled(of_pixels, Reference::Block) },
+        Variances { traced: traced(of_pixel, Reference::Picture), ..sampled(of_pixels, Reference::Picture) },
+        Variances { traced: traced(of_mean, Reference::Block), ..sampled(of_means, Reference::Block) },
     ]
 }
 
-/// Returns the mean relative variance of a camera sample in the tiles.
-fn relative_noise(trials: &[SmallPass; 2]) -> f64 {
-    let of_tiles: Vec<TileVariance> =
-        trials[0].tiles.iter().zip(&trials[1].tiles).map(|(first, second)| TileVariance::of(first, second)).collect();
-    let count = of_tiles.len() as f64;
-    let mean: [f64; 3] = std::array::from_fn(|c| of_tiles.iter().map(|tile| tile.mean[c]).sum::<f64>() / count);
-    let relative =
-        |tile: &TileVariance| mean_of_components(|c| tile.camera[c] / Reference::Block.square(tile.mean[c], mean[c]));
-    of_tiles.iter().map(relative).sum::<f64>() / count
-}
-
-/// Returns the work of the camera samples of a tally. `photons` is the ratio of the numbers of
-/// photons in a pass and in the trial.
-fn sample_work(tally: &Tally, photons: f64) -> f64 {
-    use instructions::*;
-    let rays = (tally.camera_segments + tally.shadow_rays) as f64;
-    let gathered = GATHERED_PHOTON * tally.gathered as f64
-        + TABULATED_PHOTON * tally.tabulated as f64
-        + GATHERED_IN_MEDIUM * tally.volume_gathered as f64;
-    CAMERA_SAMPLE * tally.camera_samples as f64 + RAY * rays + photons * gathered
-}
-
-/// Returns the work of the parts of a pass. `paths` is the number of photon paths in a pass of the
-/// trial, `samples` is the number of camera samples in the trial, and `pixels` is the number of
-/// pixels of the film.
-fn work(trials: &[SmallPass; 2], paths: f64, samples: f64, pixels: f64) -> Work {
-    use instructions::*;
-    let count = |of: fn(&SmallPass) -> u64| trials.iter().map(|trial| of(trial) as f64).sum::<f64>();
-    let stored_in_media = count(|trial| trial.photon_tally.volume_points + trial.photon_tally.volume_beams);
-    let trace = EMITTED_PHOTON * count(|trial| trial.photon_tally.photons)
-        + RAY * count(|trial| trial.photon_tally.photon_segments)
-        + CONNECTION * count(|trial| trial.photon_tally.connections);
-    let rays = count(|trial| trial.camera_tally.camera_segments + trial.camera_tally.shadow_rays);
-    let per_path = 1.0 / (paths * TRIALS as f64);
-    let per_sample = pixels / samples;
-    let surface = GATHERED_PHOTON * count(|trial| trial.camera_tally.gathered)
-        + TABULATED_PHOTON * count(|trial| trial.camera_tally.tabulated);
-    let medium = GATHERED_IN_MEDIUM * count(|trial| trial.camera_tally.volume_gathered);
-    Work {
-        pass: PIXEL * pixels,
-        trace: trace * per_path,
-        store_on_surfaces: STORED_PHOTON * count(|trial| trial.photon_tally.stored) * per_path,
-        store_in_media: STORED_PHOTON * stored_in_media * per_path,
-        sample: (CAMERA_SAMPLE * samples + RAY * rays) * per_sample,
-        gather_on_surfaces: surface * per_sample / paths,
-        gather_in_media: medium * per_sample / paths,
-    }
+/// Returns the pixels of the tiles and the variance of a camera sample in each of them.
+fn sample_variances<'p>(
+    [first, second]: &'p [SmallPass; 2],
+    tiles: &'p [Vec<usize>],
+) -> impl Iterator<Item = (usize, [f64; 3])> + use<'p> {
+    let light = first.tiles.iter().flatten().zip(second.tiles.iter().flatten());
+    tiles.iter().flatten().zip(light).map(|(&pixel, (first, second))| {
+        let within = |[one, other]: [[f64; 3]; TRIALS], c: usize| half_square(one[c], other[c]);
+        (pixel, std::array::from_fn(|c| 0.5 * (within(first.samples, c) + within(second.samples, c))))
+    })
 }
 
 #[cfg(test)]
@@ -355,11 +326,13 @@ mod tests {
                 let samples = std::array::from_fn(|_| [2.0 + on_surfaces + in_media + noise(0.6); 3]);
                 PixelLight { samples, media, splats: [1.0 + noise(0.9); 3] }
             };
-            let tiles: Vec<Vec<PixelLight>> = (0..TILES).map(|_| (0..16).map(|_| pixel()).collect()).collect();
-            let splats = tiles.iter().flatten().map(|pixel| pixel.splats).collect();
-            SmallPass { tiles, splats, photon_tally: Tally::default(), camera_tally: Tally::default() }
+            (0..TILES).map(|_| (0..16).map(|_| pixel()).collect()).collect()
         };
-        let [_, of_picture, of_blocks] = variances(&[pass(), pass()], 100, 100.0);
+        let passes: [Vec<Vec<PixelLight>>; 2] = [pass(), pass()];
+        let splats =
+            passes.each_ref().map(|tiles| tiles.iter().flatten().map(|pixel| pixel.splats).collect::<Vec<_>>());
+        let of_tiles = TileVariance::of_tiles(passes.each_ref().map(Vec::as_slice));
+        let [_, of_picture, of_blocks] = variances(&of_tiles, splats.each_ref().map(Vec::as_slice), 100, 100.0);
         let expected = |amplitude: f64| amplitude * amplitude / 3.0 / 9.0;
         for (found, in_blocks, expected) in [
             (of_picture.camera, of_blocks.camera, expected(0.6)),

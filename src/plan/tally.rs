@@ -1,6 +1,7 @@
 //! Event counters for the planned effects. If an effect is not in the plan, its counter stays 0.
 
 use serde::{Deserialize, Serialize};
+use std::iter::Sum;
 
 /// Counts of events. Integer sums do not depend on the order of the threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -83,6 +84,15 @@ pub struct Tally {
     /// Discarded contributions: NaN, infinite or negative values. The number is 0 unless the
     /// program has an error.
     pub rejected: u64,
+}
+
+impl Sum for Tally {
+    fn sum<I: Iterator<Item = Self>>(tallies: I) -> Self {
+        tallies.fold(Self::default(), |mut sum, tally| {
+            sum.add(&tally);
+            sum
+        })
+    }
 }
 
 impl Tally {

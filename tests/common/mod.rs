@@ -7,6 +7,7 @@ pub(crate) mod near;
 
 use abbe::format::{self, resolve};
 use abbe::render::{Integrator, Job, NoMonitor, Rendered, Request, StopRules};
+use abbe::sensor::Picture;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -127,4 +128,12 @@ pub(crate) fn block_means(y: &[f64], width: usize, side: usize, mask: &[bool]) -
         }
     }
     means
+}
+
+/// Returns a channel of a layer.
+#[track_caller]
+pub(crate) fn channel<'p>(picture: &'p Picture, name: &str) -> &'p [f32] {
+    let known: Vec<&str> = picture.layers.channels.iter().map(|channel| channel.name.as_str()).collect();
+    let found = picture.layers.channels.iter().find(|channel| channel.name == name);
+    &found.unwrap_or_else(|| panic!("no {name} in {known:?}")).values
 }

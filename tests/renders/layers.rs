@@ -2,7 +2,7 @@
 //! layers do not change the picture, and the layers of first surfaces have known values.
 
 use super::common::compare::{Measured, compare};
-use super::common::{block_means, job_with, render_job};
+use super::common::{block_means, channel, job_with, render_job};
 use abbe::colour::xyz_to_linear_srgb;
 use abbe::render::{Integrator, Rendered};
 use abbe::sensor::Picture;
@@ -58,14 +58,6 @@ fn everything(integrator: Integrator, passes: u64, layers: &str, sets: &[&str]) 
     let layers = format!("film.layers=[{layers}]");
     let sets: Vec<&str> = [layers.as_str()].iter().chain(sets).copied().collect();
     render_job(&job_with(EVERYTHING, &sets), integrator, passes)
-}
-
-/// Returns a channel of a layer.
-#[track_caller]
-fn channel<'p>(picture: &'p Picture, name: &str) -> &'p [f32] {
-    let known: Vec<&str> = picture.layers.channels.iter().map(|channel| channel.name.as_str()).collect();
-    let found = picture.layers.channels.iter().find(|channel| channel.name == name);
-    &found.unwrap_or_else(|| panic!("no {name} in {known:?}")).values
 }
 
 /// Returns the red, green and blue of a layer.

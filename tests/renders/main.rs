@@ -7,6 +7,7 @@
 #[expect(dead_code, reason = "other tests use the rest")]
 mod common;
 
+mod camera_samples;
 mod coarse_picture;
 mod example_scenes;
 mod layers;

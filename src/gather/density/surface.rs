@@ -83,7 +83,7 @@ impl<'a> CameraPass<'a> {
         interaction: &SurfaceInteraction<'a>,
         context: &PathContext<'_, 'a, S>,
     ) -> f64 {
-        let radius = f64::from(context.radii.surface[set][class]) * self.scales.surface;
+        let radius = f64::from(context.radii.surface[set][class]) * self.scales.surface[class];
         radius.max(radius::least(interaction.hit.position))
     }
 

@@ -1,0 +1,97 @@
+//! The work of a pass, in instructions.
+//!
+//! The pilot estimates the work from the events of the trial, never from times, so that it is the
+//! same on all machines.
+
+use super::small_pass::TRIALS;
+use crate::plan::Tally;
+
+/// The average numbers of instructions of the events of a pass. Callgrind measured them in
+/// benches/scenes. The numbers for emission and for photons in media are times of these scenes and
+/// of bodies of fog, in instructions of the average time.
+mod instructions {
+    pub(super) const EMITTED_PHOTON: f64 = 2_500.0;
+    pub(super) const RAY: f64 = 2_700.0;
+    pub(super) const STORED_PHOTON: f64 = 600.0;
+    pub(super) const CONNECTION: f64 = 4_000.0;
+    pub(super) const CAMERA_SAMPLE: f64 = 3_000.0;
+    pub(super) const GATHERED_PHOTON: f64 = 700.0;
+    pub(super) const TABULATED_PHOTON: f64 = 200.0;
+    pub(super) const GATHERED_IN_MEDIUM: f64 = 5_000.0;
+    pub(super) const PIXEL: f64 = 400.0;
+}
+
+/// The work of the parts of a pass, in instructions.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Work {
+    /// The work that depends neither on the photons nor on the camera samples.
+    pub(super) pass: f64,
+    /// The work to trace one photon path.
+    pub(super) trace: f64,
+    /// The work to store the indirect photons of one path on surfaces.
+    pub(super) store_on_surfaces: f64,
+    /// The work to store the photons of one path in media.
+    pub(super) store_in_media: f64,
+    /// The work of one camera sample in every pixel, without the photons in the kernels.
+    pub(super) sample: f64,
+    /// The work of the photons in the kernels at surfaces during these camera samples, per photon
+    /// path.
+    pub(super) gather_on_surfaces: f64,
+    /// The same in media.
+    pub(super) gather_in_media: f64,
+}
+
+/// The work of camera samples, in instructions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SampleWork {
+    /// The work without the photons in the kernels.
+    sample: f64,
+    /// The work of the photons in the kernels at surfaces.
+    gather_on_surfaces: f64,
+    /// The work of the photons in the kernels in media.
+    gather_in_media: f64,
+}
+
+impl Work {
+    /// Estimates the work of a pass. `photons` and `samples` contain the events of the photon paths
+    /// and of the camera samples in all passes of the trial. `paths` is the number of photon paths
+    /// in one of these passes, and `pixels` is the number of pixels of the film.
+    pub(super) fn of_trial(photons: &Tally, samples: &Tally, paths: f64, pixels: f64) -> Self {
+        use instructions::*;
+        let stored_in_media = (photons.volume_points + photons.volume_beams) as f64;
+        let trace = EMITTED_PHOTON * photons.photons as f64
+            + RAY * photons.photon_segments as f64
+            + CONNECTION * photons.connections as f64;
+        let per_path = 1.0 / (paths * TRIALS as f64);
+        let per_sample = pixels / samples.camera_samples as f64;
+        let SampleWork { sample, gather_on_surfaces, gather_in_media } = SampleWork::of(samples);
+        Self {
+            pass: PIXEL * pixels,
+            trace: trace * per_path,
+            store_on_surfaces: STORED_PHOTON * photons.stored as f64 * per_path,
+            store_in_media: STORED_PHOTON * stored_in_media * per_path,
+            sample: sample * per_sample,
+            gather_on_surfaces: gather_on_surfaces * per_sample / paths,
+            gather_in_media: gather_in_media * per_sample / paths,
+        }
+    }
+}
+
+impl SampleWork {
+    /// Estimates the work of the camera samples of a tally.
+    pub(super) fn of(tally: &Tally) -> Self {
+        use instructions::*;
+        let rays = (tally.camera_segments + tally.shadow_rays) as f64;
+        let gathered = GATHERED_PHOTON * tally.gathered as f64 + TABULATED_PHOTON * tally.tabulated as f64;
+        Self {
+            sample: CAMERA_SAMPLE * tally.camera_samples as f64 + RAY * rays,
+            gather_on_surfaces: gathered,
+            gather_in_media: GATHERED_IN_MEDIUM * tally.volume_gathered as f64,
+        }
+    }
+
+    /// Returns the work if the kernels contain this multiple of the photons.
+    pub(super) fn with_photons(&self, multiple: f64) -> f64 {
+        self.sample + multiple * (self.gather_on_surfaces + self.gather_in_media)
+    }
+}
