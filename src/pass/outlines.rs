@@ -29,8 +29,9 @@ const WIDEST_SHARED: f64 = 1.5;
 /// Returns the outlines around visible points. A visible point has an outline if its kernel for
 /// indirect light may extend over an edge of the surface.
 ///
-/// `visible` and `radii` contain one entry per pixel. `scale` is the factor on the radii. `swept` contains the bounding boxes of moving
-/// objects. A point near such a box gets no outline, because the edges near this point may move.
+/// `visible` and `radii` contain one entry per pixel. `scale` is the factor on the radii. `swept`
+/// contains the bounding boxes of moving objects. A point near such a box gets no outline, because
+/// the edges near this point may move.
 pub(super) fn outlines(
     context: &PassContext<'_>,
     scene: &Scene,
@@ -129,8 +130,9 @@ fn distance_to_box(point: DVec3, (low, high): &Bounds) -> f64 {
 /// Returns true if the kernel of a pixel's visible point may cross an edge of the visible surface.
 ///
 /// The function tests pixels in eight directions around this pixel, at several distances up to the
-/// kernel radius, but at most `farthest_px` pixels away. The kernel may cross an edge if one of these pixels is outside the picture, sees no
-/// surface, or sees a surface that does not continue the surface of this pixel.
+/// kernel radius, but at most `farthest_px` pixels away. The kernel may cross an edge if one of
+/// these pixels is outside the picture, sees no surface, or sees a surface that does not continue
+/// the surface of this pixel.
 fn may_cross_edge(
     visible: &[Option<VisiblePoint>],
     pixel: usize,
