@@ -92,8 +92,7 @@ impl SampleVariance {
     /// Computes the variances of a part of the samples from the same pixels in both passes.
     fn of(first: &[PixelLight], second: &[PixelLight], part: fn(&PixelLight) -> [[f64; 3]; TRIALS]) -> Self {
         let mean = |[one, other]: [[f64; 3]; TRIALS], c: usize| 0.5 * (one[c] + other[c]);
-        let within = |[one, other]: [[f64; 3]; TRIALS], c: usize| half_square(one[c], other[c]);
-        let camera = mean_of_pixels(first, second, |a, b, c| 0.5 * (within(part(a), c) + within(part(b), c)));
+        let camera = mean_of_pixels(first, second, |a, b, c| variance_of_sample([part(a), part(b)], c));
         let between = mean_of_pixels(first, second, |a, b, c| half_square(mean(part(a), c), mean(part(b), c)));
         Self {
             mean: mean_of_pixels(first, second, |a, b, c| 0.5 * (mean(part(a), c) + mean(part(b), c))),
@@ -107,6 +106,13 @@ impl SampleVariance {
 /// Returns the variance of two values, estimated from their difference.
 fn half_square(one: f64, other: f64) -> f64 {
     0.5 * (one - other).powi(2)
+}
+
+/// Returns the variance of a camera sample of a pixel in X, Y or Z. `passes` contains the samples of
+/// both passes.
+fn variance_of_sample(passes: [[[f64; 3]; TRIALS]; 2], c: usize) -> f64 {
+    let [first, second] = passes.map(|[one, other]| half_square(one[c], other[c]));
+    0.5 * (first + second)
 }
 
 /// Returns the mean of a value over pairs of equal pixels, for X, Y and Z.
@@ -302,8 +308,7 @@ fn sample_variances<'p>(
 ) -> impl Iterator<Item = (usize, [f64; 3])> + use<'p> {
     let light = first.tiles.iter().flatten().zip(second.tiles.iter().flatten());
     tiles.iter().flatten().zip(light).map(|(&pixel, (first, second))| {
-        let within = |[one, other]: [[f64; 3]; TRIALS], c: usize| half_square(one[c], other[c]);
-        (pixel, std::array::from_fn(|c| 0.5 * (within(first.samples, c) + within(second.samples, c))))
+        (pixel, std::array::from_fn(|c| variance_of_sample([first.samples, second.samples], c)))
     })
 }
 
