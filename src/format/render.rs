@@ -37,8 +37,8 @@ pub struct RenderFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "no limit"))]
     pub max_depth: Option<u32>,
-    /// Number of photons that the gather radius of the first pass encloses. Not together with
-    /// `radius`.
+    /// Number of photons that the gather radius of the first pass encloses, if the pilot does not
+    /// change the number of photon paths. Not together with `radius`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("default" = 50))]
     pub nearest: Option<u32>,

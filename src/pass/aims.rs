@@ -14,7 +14,8 @@ use crate::walk::ledger::Ledger;
 use std::borrow::Cow;
 
 /// The number of pilot paths per stratum in each round. Each round except the first emits photons
-/// according to the distributions that the preceding round learned.
+/// according to the distributions that the preceding round learned. If it learned none, the rounds
+/// end.
 const PATHS_PER_STRATUM: [u64; 2] = [1 << 14, 1 << 15];
 
 /// The number of paths per round grows with the number of strata, up to this many strata.
@@ -80,6 +81,10 @@ pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
             contributions.push(stratum.share * lights.probability(stratum.light) * mean_score);
         }
         reached = found.reached;
+        if strata.list.iter().all(|stratum| stratum.aim.is_plain()) {
+            // The next round would emit its photons as this one.
+            break;
+        }
     }
     let sum: f64 = contributions.iter().sum();
     let contributing = contributions.iter().filter(|&&contribution| contribution > 0.0).count();

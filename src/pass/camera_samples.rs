@@ -8,7 +8,7 @@
 //! picture's own samples would bias the picture (Kirk & Arvo 1991, "Unbiased Sampling Techniques
 //! for Image Synthesis").
 
-use super::small_pass::TILE;
+use super::small_pass::{TILE, mean_of_components};
 use crate::math::parallel;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -169,7 +169,7 @@ impl FilmNoise {
     pub(super) fn ratio_of(&self, variances: impl Iterator<Item = (usize, [f64; 3])>) -> f64 {
         let (sum, of_all) = variances.fold((0.0, 0.0), |(sum, of_all), (pixel, variance)| {
             let square = self.square_of(pixel);
-            (sum + mean_ratio(variance, square.squares), of_all + square.relative)
+            (sum + mean_of_components(|c| variance[c] / square.squares[c]), of_all + square.relative)
         });
         sum / of_all
     }
@@ -250,11 +250,6 @@ impl SampleNumber {
     }
 }
 
-/// Returns the mean over X, Y and Z of the ratios of variances and squares.
-fn mean_ratio(variances: [f64; 3], squares: [f64; 3]) -> f64 {
-    (0..3).map(|c| variances[c] / squares[c]).sum::<f64>() / 3.0
-}
-
 /// Sums over the samples of some pixels.
 #[derive(Debug, Clone, Copy, Default)]
 struct ProbeSums {
@@ -292,7 +287,8 @@ impl ProbeSums {
             let spread = (self.squares[c] - self.samples[c].powi(2) / self.count).max(0.0);
             spread / (self.count - 1.0).max(1.0)
         });
-        let [relative, of_picture] = [squares, of_picture].map(|squares| mean_ratio(variance, squares));
+        let [relative, of_picture] =
+            [squares, of_picture].map(|squares| mean_of_components(|c| variance[c] / squares[c]));
         let [work, of_all] = [self, picture].map(|sums| (sums.work / sums.count).max(f64::MIN_POSITIVE));
         SampleNoise { relative, of_picture, squares, work: work / of_all }
     }

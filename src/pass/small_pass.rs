@@ -58,6 +58,11 @@ pub(super) struct TracedPhotons {
     pub(super) tally: Tally,
 }
 
+/// Returns the mean of a value over X, Y and Z.
+pub(super) fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
+    (0..3).map(value).sum::<f64>() / 3.0
+}
+
 impl PixelLight {
     /// Returns the mean of pixels.
     pub(super) fn mean(pixels: &[Self]) -> Self {

@@ -10,7 +10,7 @@ use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{CameraSamples, FilmNoise, ProbedPixel};
 use super::context::PassContext;
 use super::pilot::Pilot;
-use super::small_pass::{PixelLight, SmallPass, TILE, TRIALS, TracedPhotons, sample_light, tiles};
+use super::small_pass::{PixelLight, SmallPass, TILE, TRIALS, TracedPhotons, mean_of_components, sample_light, tiles};
 use super::work::{SampleWork, Work};
 use crate::gather::PathBuffers;
 use crate::map::LightMaps;
@@ -126,12 +126,8 @@ fn mean_of_pixels(
 }
 
 /// Divides the work of a pass between photons and camera samples. Returns the division, and the
-/// number of camera samples of each pixel.
-///
-/// The samples of neighbouring pixels differ by noise and by details of the picture. The tiles have
-/// several samples of the same pixel, so they tell which share of the variance is noise. If this
-/// share is much more than 1, rare bright samples cause most of the noise. The few samples around a
-/// pixel do not show them, so all pixels get the same number of samples.
+/// number of camera samples of each pixel. All pixels get the same number if different numbers
+/// would gain little.
 pub(super) fn balanced(
     context: &PassContext<'_>,
     scene: &Scene,
@@ -162,10 +158,6 @@ pub(super) fn balanced(
     let variances = variances(&of_tiles, splats, width, paths);
     let work = Work::of_trial(&photons, &samples, paths, pixels as f64);
     let balance = limits.choose(variances, work);
-    let same = CameraSamples::Same(balance.camera_samples);
-    if limits.camera_samples.is_some() || !balance.has_noisy_samples(variances) {
-        return (balance, same);
-    }
     let probe = |pixels: &[usize]| {
         let mut buffers = PathBuffers::default();
         let of_pixel = |&pixel: &usize| {
@@ -180,16 +172,30 @@ pub(super) fn balanced(
         };
         pixels.iter().map(of_pixel).collect()
     };
-    let Some(noise) = FilmNoise::measure((width, pixels / width), probe) else {
-        return (balance, same);
-    };
-    let share = noise.ratio_of(sample_variances(&passes, &tiles));
-    if share > RARE_SAMPLES {
-        return (balance, same);
-    }
-    let noise = noise.scaled(share.max(LEAST_SHARE_OF_NOISE));
-    let choices = noise.choices(balance.camera_samples);
-    (balance, noise.samples(balance.choose_samples(variances, work, &choices)))
+    let is_free = limits.camera_samples.is_none() && balance.has_noisy_samples(variances);
+    let noise = is_free.then(|| film_noise((width, pixels / width), probe, (&passes, &tiles))).flatten();
+    let samples = noise.map_or(CameraSamples::Same(balance.camera_samples), |noise| {
+        let choices = noise.choices(balance.camera_samples);
+        noise.samples(balance.choose_samples(variances, work, &choices))
+    });
+    (balance, samples)
+}
+
+/// Measures the noise of camera samples on the film. `probe` takes a sample of each of some pixels,
+/// and `passes` contains the light of `tiles`.
+///
+/// The samples of neighbouring pixels differ by noise and by details of the picture. The tiles have
+/// several samples of the same pixel, so they tell which share of the variance is noise. If this
+/// share is much more than 1, rare bright samples cause most of the noise. The few samples around a
+/// pixel do not show them, so the result is `None`. It is also `None` if the film has few pixels.
+fn film_noise(
+    size: (usize, usize),
+    probe: impl Fn(&[usize]) -> Vec<ProbedPixel> + Sync,
+    (passes, tiles): (&[SmallPass; 2], &[Vec<usize>]),
+) -> Option<FilmNoise> {
+    let noise = FilmNoise::measure(size, probe)?;
+    let share = noise.ratio_of(sample_variances(passes, tiles));
+    (share <= RARE_SAMPLES).then(|| noise.scaled(share.max(LEAST_SHARE_OF_NOISE)))
 }
 
 /// The splats of a square block of pixels in both passes of the trial.
@@ -243,11 +249,6 @@ impl Reference {
         };
         square.max(f64::MIN_POSITIVE)
     }
-}
-
-/// Returns the mean of a value over X, Y and Z.
-fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
-    (0..3).map(value).sum::<f64>() / 3.0
 }
 
 /// Returns three measures of the variance of the picture for one photon path and one camera sample:
