@@ -17,12 +17,12 @@ use crate::sensor::{Film, Picture};
 use crate::walk::ledger::Ledger;
 use std::borrow::Cow;
 
-/// A coarse picture has about this number of pixels, or up to 1.6 times this number.
+/// A coarse picture has about this number of pixels, or up to 1.8 times this number.
 const PIXELS: f64 = 3_500.0;
 
 /// The smallest side length of a coarse pixel, in pixels of the film. On smaller films, a pass
 /// takes little time.
-const LEAST_FACTOR: u32 = 4;
+const LEAST_FACTOR: u32 = 3;
 
 /// The number of photon paths in a pass of a coarse picture.
 const PHOTONS: u64 = 5_000;
