@@ -1,5 +1,8 @@
 //! Gauss–Legendre quadrature. A rule with n points is exact for polynomials up to degree 2n − 1.
 
+use super::elementary::cos;
+use std::f64::consts::PI;
+
 /// The positive nodes in (0, 1) with their weights. The negative nodes are their mirror images.
 const TWO: [(f64, f64); 1] = [(0.577_350_269_189_625_8, 1.0)];
 const FOUR: [(f64, f64); 2] =
@@ -33,6 +36,28 @@ pub fn gauss16((from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     symmetric(&SIXTEEN, (from, to), f)
 }
 
+/// Computes the nodes and weights of the Gauss–Legendre rule on \[0, 1\]. Newton's method finds the
+/// roots of the Legendre polynomial.
+pub fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
+    let n = points as f64;
+    (0..points)
+        .map(|i| {
+            let mut x = cos(PI * (i as f64 + 0.75) / (n + 0.5));
+            let mut slope = 1.0;
+            for _ in 0..8 {
+                let (mut previous, mut current) = (1.0, x);
+                for k in 2..=points {
+                    let k = k as f64;
+                    (previous, current) = (current, ((2.0 * k - 1.0) * x * current - (k - 1.0) * previous) / k);
+                }
+                slope = n * (x * current - previous) / (x * x - 1.0);
+                x -= current / slope;
+            }
+            (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope))
+        })
+        .collect()
+}
+
 fn symmetric(half: &[(f64, f64)], (from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     let (middle, reach) = (0.5 * (from + to), 0.5 * (to - from));
     reach * half.iter().map(|&(x, weight)| weight * (f(middle - reach * x) + f(middle + reach * x))).sum::<f64>()
@@ -61,6 +86,16 @@ mod tests {
                 assert!(off < 1e-14 || n > degree, "degree {n} of {degree}: off by {off:e}");
                 assert!(off > 1e-12 || n != degree + 1 || degree == 31, "degree {n} should not be exact: {off:e}");
             }
+        }
+    }
+
+    /// A Gauss–Legendre rule of n points integrates polynomials of degree 2n − 1 exactly.
+    #[test]
+    fn gauss_rule_is_exact_up_to_degree_2n_minus_1() {
+        for points in [4, 5, 32] {
+            let degree = 2 * points - 1;
+            let sum: f64 = gauss_legendre(points).iter().map(|(x, weight)| weight * x.powi(degree as i32)).sum();
+            assert!((sum * (degree + 1) as f64 - 1.0).abs() < 1e-13, "{points} points: {sum}");
         }
     }
 }

@@ -53,17 +53,7 @@ const CRATES: [(&str, &[&str]); 37] = [
     ("smallvec", &["scene/initial_stack.rs", "walk/transmittance.rs"]),
     ("rand", &["math/random.rs"]),
     ("rand_pcg", &["math/random.rs"]),
-    (
-        "rayon",
-        &[
-            "math/parallel.rs",
-            "render/",
-            "map/",
-            "sensor/",
-            "optics/bsdf/missing_energy/table.rs",
-            "texture/palette.rs",
-        ],
-    ),
+    ("rayon", &["math/parallel.rs", "render/", "map/", "sensor/", "texture/palette.rs"]),
     ("exr", &["output/", "format/picture_file.rs"]),
     ("png", &["output/png.rs"]),
     ("moxcms", &["output/icc.rs"]),

@@ -1,28 +1,18 @@
 //! A table of the directional albedo of a rough dielectric coat. The table is indexed by angle and
 //! by refractive index.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-
-use glam::DVec3;
-
-use crate::math::cubic::CubicStencil;
-use crate::math::elementary::{cos, sin};
-use crate::optics::fresnel;
+use super::angle_grid::AngleGrid;
+use super::facet_quadrature::{FacetKind, FacetQuadrature};
 use crate::optics::microfacet::Ggx;
-
-/// Number of angles in the table. The cosines are (i/(ANGLES−1))², so the table is dense near
-/// grazing angles, where the albedo changes fast.
-const ANGLES: usize = 64;
-/// Number of quadrature points in each of the two dimensions of the albedo integral.
-const QUADRATURE_POINTS: usize = 32;
 
 /// The directional albedo E(μ) of dielectric GGX facets, and the cosine-weighted mean of E(μ).
 ///
-/// The integral E(μ) = ∫ f·cosθ_i dω_i lies in \[0, 1\]. The interpolation is cubic in the angle,
+/// The integral E(μ) = ∫ f·cosθ_i dω_i lies in \[0, 1\]. The interpolation is linear in the angle,
 /// and quadratic in the refractive index. Quadratic interpolation is sufficient because the index
 /// of one material varies little over the band.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CoatAlbedo {
+    grid: AngleGrid,
     /// One column per refractive index. There is one column if the index is constant, otherwise
     /// three columns at evenly spaced indices.
     columns: Vec<AlbedoColumn>,
@@ -39,14 +29,16 @@ struct AlbedoColumn {
 impl CoatAlbedo {
     /// Computes the table for relative indices from `lowest` to `highest`. Both must be ≥ 1.
     pub(super) fn new(facets: &Ggx, lowest: f64, highest: f64) -> Self {
+        let (grid, quadrature) = (AngleGrid::new(facets), FacetQuadrature::new(*facets));
         let indices = if lowest == highest { vec![lowest] } else { vec![lowest, 0.5 * (lowest + highest), highest] };
-        Self { columns: indices.into_iter().map(|index| AlbedoColumn::new(facets, index)).collect() }
+        let columns = indices.into_iter().map(|index| AlbedoColumn::new(&quadrature, &grid, index)).collect();
+        Self { grid, columns }
     }
 
     /// Returns E(μ) for a cosine in \[0, 1\] and a relative index.
     pub(super) fn at(&self, cos: f64, index: f64) -> f64 {
-        let stencil = stencil(cos.clamp(0.0, 1.0).sqrt());
-        self.over_index(index, |column| stencil.apply(&column.by_angle)).clamp(0.0, 1.0)
+        let point = self.grid.locate(cos.clamp(0.0, 1.0));
+        self.over_index(index, |column| point.between(|node| column.by_angle[node])).clamp(0.0, 1.0)
     }
 
     /// Returns the cosine-weighted mean of E(μ): the albedo under uniform incident radiance.
@@ -65,115 +57,27 @@ impl CoatAlbedo {
 }
 
 impl AlbedoColumn {
-    fn new(facets: &Ggx, index: f64) -> Self {
-        let quadrature = gauss_legendre(QUADRATURE_POINTS);
-        let by_angle: Vec<f64> =
-            (0..ANGLES).map(|i| directional_albedo(facets, index, node(i) * node(i), &quadrature)).collect();
-        // With μ = t², dμ = 2t dt. Within a cell the integrand is a polynomial of degree 6, so four
-        // Gauss points are exact.
-        let rule = gauss_legendre(4);
-        let mut mean = 0.0;
-        for cell in 0..ANGLES - 1 {
-            let width = node(cell + 1) - node(cell);
-            for (x, weight) in &rule {
-                let t = node(cell) + width * x;
-                mean += weight * width * 4.0 * t * t * t * stencil(t).apply(&by_angle);
-            }
-        }
-        Self { index, by_angle, mean }
+    fn new(quadrature: &FacetQuadrature, grid: &AngleGrid, index: f64) -> Self {
+        let table = grid.tabulate(|cos| [directional_albedo(quadrature, index, cos)]);
+        let by_angle: Vec<f64> = table.into_iter().flatten().collect();
+        Self { index, mean: grid.mean(by_angle.iter().copied()), by_angle }
     }
 }
 
-/// Returns √μ, where μ is the cosine of the i-th angle.
-fn node(i: usize) -> f64 {
-    i as f64 / (ANGLES - 1) as f64
-}
-
-/// Returns the stencil of an angle with √μ = `t`.
-fn stencil(t: f64) -> CubicStencil {
-    CubicStencil::new(t * (ANGLES - 1) as f64, ANGLES)
-}
-
-/// Computes E(μ) = ∫∫ F·G₂/G₁ du dv, where u and v are the random numbers of
-/// [`Ggx::sample_visible`]. The integral extends over the visible normals that reflect light
-/// upwards.
-///
-/// `sample_visible` samples points of a disk. On this disk, the normals that reflect light upwards
-/// form a region around the centre. Along each radius, the substitution u = sin²φ makes the
-/// integrand smooth up to the boundary of the region. The integrand is symmetric about the plane of
-/// incidence, so the integral over half of the disk suffices.
-fn directional_albedo(facets: &Ggx, index: f64, cos: f64, rule: &[(f64, f64)]) -> f64 {
-    let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
-    let radii = rule.len();
+/// Returns E(μ): the fraction of the light that the facets reflect and that hits no other facet.
+fn directional_albedo(quadrature: &FacetQuadrature, index: f64, cos: f64) -> f64 {
+    let kind = FacetKind::Dielectric(index);
     let mut sum = 0.0;
-    for j in 0..radii {
-        let v = (0.5 * (j as f64 + 0.5) / radii as f64 - 0.25).rem_euclid(1.0);
-        let facet = |phi: f64| facets.sample_visible(wo, sin(phi).powi(2), v);
-        let end = largest_upward_phi(|phi| fresnel::reflect(wo, facet(phi)).z > 0.0);
-        for (x, weight) in rule {
-            let phi = end * x;
-            let m = facet(phi);
-            let up = fresnel::reflect(wo, m).z.max(0.0);
-            let reflected = fresnel::dielectric(wo.dot(m), 1.0, index);
-            sum += weight * end * sin(2.0 * phi) * reflected * facets.g2_over_g1(cos, up);
-        }
-    }
-    sum / radii as f64
-}
-
-/// Returns the largest φ ≤ π/2 such that `upwards` is true on the whole interval \[0, φ\]. The
-/// integrand vanishes at this φ, so 16 bisection steps are accurate enough.
-fn largest_upward_phi(upwards: impl Fn(f64) -> bool) -> f64 {
-    if upwards(FRAC_PI_2) {
-        return FRAC_PI_2;
-    }
-    let (mut inside, mut outside) = (0.0, FRAC_PI_2);
-    for _ in 0..16 {
-        let middle = 0.5 * (inside + outside);
-        if upwards(middle) {
-            inside = middle;
-        } else {
-            outside = middle;
-        }
-    }
-    inside
-}
-
-/// Computes the nodes and weights of the Gauss–Legendre rule on \[0, 1\]. Newton's method finds the
-/// roots of the Legendre polynomial.
-pub(super) fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
-    let n = points as f64;
-    (0..points)
-        .map(|i| {
-            let mut x = cos(PI * (i as f64 + 0.75) / (n + 0.5));
-            let mut slope = 1.0;
-            for _ in 0..8 {
-                let (mut previous, mut current) = (1.0, x);
-                for k in 2..=points {
-                    let k = k as f64;
-                    (previous, current) = (current, ((2.0 * k - 1.0) * x * current - (k - 1.0) * previous) / k);
-                }
-                slope = n * (x * current - previous) / (x * x - 1.0);
-                x -= current / slope;
-            }
-            (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
+    quadrature.each_band(kind, cos, |band| {
+        sum += kind.reflectance(band.cos) * (band.visible - band.reflected_shadowed);
+    });
+    sum
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A Gauss–Legendre rule of n points integrates polynomials of degree 2n − 1 exactly.
-    #[test]
-    fn gauss_rule_is_exact_up_to_degree_2n_minus_1() {
-        for points in [4, 5, 32] {
-            let degree = 2 * points - 1;
-            let sum: f64 = gauss_legendre(points).iter().map(|(x, weight)| weight * x.powi(degree as i32)).sum();
-            assert!((sum * (degree + 1) as f64 - 1.0).abs() < 1e-13, "{points} points: {sum}");
-        }
-    }
+    use crate::optics::fresnel;
 
     #[test]
     fn a_nearly_smooth_coat_reflects_as_fresnel_says() {
@@ -186,14 +90,14 @@ mod tests {
 
     #[test]
     fn the_table_agrees_with_a_finer_quadrature_between_its_nodes() {
-        let fine_rule = gauss_legendre(160);
         for alpha in [1e-3, 0.01, 0.1, 0.3, 1.0] {
             let facets = Ggx::new(alpha);
+            let fine_quadrature = FacetQuadrature::refined(facets, 3);
             let albedo = CoatAlbedo::new(&facets, 1.5, 1.55);
             for i in 0..40 {
                 let cos = ((f64::from(i) + 0.37) / 40.0).powi(2);
                 let index = 1.5 + 0.05 * f64::from(i) / 39.0;
-                let fine = directional_albedo(&facets, index, cos, &fine_rule);
+                let fine = directional_albedo(&fine_quadrature, index, cos);
                 let error = (albedo.at(cos, index) - fine).abs();
                 // For a nearly smooth coat, E changes fast where the cosine is of the order of α or
                 // smaller. The table does not resolve this change. Little power arrives at these

@@ -10,8 +10,10 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 
+use super::angle_grid::{AngleGrid, GridPoint};
+use super::facet_quadrature::{FacetKind, FacetQuadrature};
 use super::film_moments::{CosineFit, FilmMoments, MOMENTS, NODES, SideMoments};
-use super::missing_energy::{AngleGrid, FacetKind, GridPoint, MARGIN, MissingEnergy};
+use super::missing_energy::MissingEnergy;
 use super::power::PowerFractions;
 use super::rough_interface::FacetResponse;
 use super::sample::ScatterEvent;
@@ -21,9 +23,9 @@ use crate::optics::microfacet::Ggx;
 
 /// There are tables for the relative indices exp(±(k·STEP)²). The nodes are dense near index
 /// 1, where the critical angle of total reflection changes fast.
-const STEP: f64 = 0.015;
+const STEP: f64 = 0.0075;
 /// The largest k. The last relative index is above 100. Beyond it, the last table is used.
-const LAST: usize = 144;
+const LAST: usize = 288;
 
 /// The missing energy of facets with films is lowered by this factor. The factor exceeds the error
 /// of the polynomials in `film_moments.rs` for films of usual thickness, so that the surface does
@@ -35,7 +37,7 @@ const LEAST_CHANGE: f64 = 0.1;
 
 /// The missing energy of a rough dielectric of one roughness, at every relative index.
 ///
-/// A table is interpolated when it is first used. Its values depend only on the roughness and the
+/// A table is computed when it is first used. Its values depend only on the roughness and the
 /// index.
 #[derive(Debug, Clone)]
 pub(super) struct DielectricCompensation(Arc<Tables>);
@@ -43,6 +45,7 @@ pub(super) struct DielectricCompensation(Arc<Tables>);
 #[derive(Debug)]
 struct Tables {
     facets: Ggx,
+    quadrature: FacetQuadrature,
     grid: AngleGrid,
     sampling: LobeSampling,
     /// One table per relative index, from exp(−(LAST·STEP)²) to exp((LAST·STEP)²).
@@ -63,7 +66,8 @@ impl PartialEq for DielectricCompensation {
 impl DielectricCompensation {
     pub(super) fn new(facets: Ggx) -> Self {
         Self(Arc::new(Tables {
-            grid: AngleGrid::new(),
+            quadrature: FacetQuadrature::new(facets),
+            grid: AngleGrid::new(&facets),
             sampling: LobeSampling::new(&facets),
             facets,
             by_index: (0..=2 * LAST).map(|_| OnceLock::new()).collect(),
@@ -182,7 +186,7 @@ struct Position {
 
 impl Position {
     fn between(n_i: f64, n_t: f64) -> Self {
-        let position = ((ln(n_t) - ln(n_i)).abs().sqrt() / STEP).min(LAST as f64);
+        let position = (ln(n_i.max(n_t) / n_i.min(n_t)).sqrt() / STEP).min(LAST as f64);
         let low = (position as usize).min(LAST - 1);
         Self { low, share: position - low as f64 }
     }
@@ -203,12 +207,12 @@ impl Position {
 impl Tables {
     fn table(&self, number: usize) -> &MissingEnergy {
         let kind = || FacetKind::Dielectric(relative_index(number));
-        self.by_index[number].get_or_init(|| MissingEnergy::new(&self.facets, &self.grid, kind()))
+        self.by_index[number].get_or_init(|| MissingEnergy::new(&self.quadrature, &self.grid, kind()))
     }
 
     /// Returns the moments at the relative index exp((k·STEP)²).
     fn moments(&self, k: usize) -> &FilmMoments {
-        self.film_moments[k].get_or_init(|| FilmMoments::new(&self.facets, &self.grid, relative_index(LAST + k)))
+        self.film_moments[k].get_or_init(|| FilmMoments::new(&self.quadrature, &self.grid, relative_index(LAST + k)))
     }
 }
 
@@ -266,7 +270,7 @@ impl OneSide<'_> {
         let Some(FilmChange { low, high, coefficients, .. }) = &self.films else { return bare };
         let change = (1.0 - self.share) * change(low, coefficients) + self.share * change(high, coefficients);
         // On nearly smooth surfaces, the sum may be negative, because the moments are not exact.
-        (FIT_MARGIN * (bare + change)).clamp(LEAST_CHANGE * bare, MARGIN)
+        (FIT_MARGIN * (bare + change)).clamp(LEAST_CHANGE * bare, 1.0)
     }
 
     fn at(&self, point: GridPoint) -> f64 {
@@ -350,9 +354,9 @@ pub(super) struct ConductorCompensation {
 
 impl ConductorCompensation {
     pub(super) fn new(facets: &Ggx) -> Self {
-        let grid = AngleGrid::new();
+        let grid = AngleGrid::new(facets);
         Self {
-            missing: MissingEnergy::new(facets, &grid, FacetKind::Mirror),
+            missing: MissingEnergy::new(&FacetQuadrature::new(*facets), &grid, FacetKind::Mirror),
             sampling: LobeSampling::new(facets),
             grid,
         }

@@ -232,8 +232,10 @@ fn samples_carry_the_pdf_of_their_direction() {
 #[test]
 fn no_bsdf_returns_more_power_than_arrives() {
     each_view(|case, wo, nm, seed| {
-        let spread: f64 =
-            grid::integrals(|wi| case.eval(wo, wi, TransportMode::Importance, nm) * wi.z.abs()).iter().sum();
+        let spread = |tolerance: f64| -> f64 {
+            let power = |wi: DVec3| case.eval(wo, wi, TransportMode::Importance, nm) * wi.z.abs();
+            grid::integrals_within(tolerance, power).iter().sum()
+        };
         let mut random = random(seed);
         let weight = |sample| case.weight(wo, &sample, TransportMode::Importance, nm);
         let weights: Vec<f64> = (0..2000)
@@ -242,7 +244,12 @@ fn no_bsdf_returns_more_power_than_arrives() {
         let (deltas, error) = mean_and_error(&weights);
         // Films reflect and transmit with bounded probabilities, so their weights vary.
         let bound = 1.0 + 1e-5 + if case.bsdf.films().is_some() { 4.5 * error } else { 0.0 };
-        assert!(spread + deltas < bound, "{} from {wo} at {nm} nm: {spread} + {deltas}", case.name);
+        // The error of the first integral is of the order of the bound.
+        let mut found = spread(1e-7);
+        if found + deltas > bound - 2e-4 {
+            found = spread(1e-9);
+        }
+        assert!(found + deltas < bound, "{} from {wo} at {nm} nm: {found} + {deltas}", case.name);
     });
 }
 

@@ -11,13 +11,10 @@
 //! the medium of lower index, for light from both sides. The function is approximated by a
 //! polynomial in x.
 
-use super::albedo::gauss_legendre;
-use super::missing_energy::{AngleGrid, GridPoint, MARGIN};
-use crate::math::elementary::sin_cos;
+use super::angle_grid::{AngleGrid, GridPoint};
+use super::facet_quadrature::{FacetKind, FacetQuadrature};
+use crate::math::quadrature::gauss_legendre;
 use crate::optics::fresnel;
-use crate::optics::microfacet::Ggx;
-use glam::DVec3;
-use std::f64::consts::FRAC_PI_2;
 
 /// Number of polynomials. The i-th polynomial has the degree i.
 pub(super) const MOMENTS: usize = 7;
@@ -104,9 +101,9 @@ pub(super) struct SideMoments {
 
 impl FilmMoments {
     /// Computes the moments at a relative index above 1.
-    pub(super) fn new(facets: &Ggx, grid: &AngleGrid, index: f64) -> Self {
-        let (from_rare, transmitted) = SideMoments::new(facets, grid, index);
-        let (from_dense, _) = SideMoments::new(facets, grid, index.recip());
+    pub(super) fn new(quadrature: &FacetQuadrature, grid: &AngleGrid, index: f64) -> Self {
+        let (from_rare, transmitted) = SideMoments::new(quadrature, grid, index);
+        let (from_dense, _) = SideMoments::new(quadrature, grid, index.recip());
         Self { from_rare, from_dense, transmitted }
     }
 }
@@ -114,12 +111,12 @@ impl FilmMoments {
 impl SideMoments {
     /// Computes the moments, and the means of the loss of transmitted energy. `index` is the index
     /// of the far medium relative to the near medium.
-    fn new(facets: &Ggx, grid: &AngleGrid, index: f64) -> (Self, [f64; MOMENTS]) {
-        let (by_angle, transmitted): (Vec<_>, Vec<_>) = grid.cosines().map(|cos| moments(facets, index, cos)).unzip();
-        let means = |moments: &[[f64; MOMENTS]]| {
-            std::array::from_fn(|number| grid.mean(&moments.iter().map(|moment| moment[number]).collect::<Vec<_>>()))
-        };
-        (Self { mean: means(&by_angle), by_angle }, means(&transmitted))
+    fn new(quadrature: &FacetQuadrature, grid: &AngleGrid, index: f64) -> (Self, [f64; MOMENTS]) {
+        let table = grid.tabulate(|cos| moments(quadrature, index, cos));
+        let means: [f64; 2 * MOMENTS] = std::array::from_fn(|number| grid.mean(table.iter().map(|row| row[number])));
+        let by_angle = table.iter().map(|row| parts(row).0).collect();
+        let (mean, transmitted) = parts(&means);
+        (Self { by_angle, mean }, transmitted)
     }
 
     /// Returns the change of the missing energy at an angle, linearly interpolated.
@@ -129,51 +126,48 @@ impl SideMoments {
     }
 }
 
-/// Integrates ⟨p·T·(λ_r − λ_t)⟩ and ⟨p·T·(1 − λ_t)⟩ over the visible normals by the midpoint rule.
-/// The integrands are symmetric about the plane of incidence.
-fn moments(facets: &Ggx, index: f64, cos: f64) -> ([f64; MOMENTS], [f64; MOMENTS]) {
-    const RADII: usize = 64;
-    const AZIMUTHS: usize = 32;
-    let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
-    let hidden = |upwards: f64| if upwards > 0.0 { facets.shadowed_fraction(cos, upwards) } else { 1.0 };
-    let (mut missing, mut transmitted) = ([0.0; MOMENTS], [0.0; MOMENTS]);
-    for i in 0..RADII {
-        // The substitution u = sin²(πt/2) resolves the edge of the disk.
-        let (sin, cosine) = sin_cos(FRAC_PI_2 * (i as f64 + 0.5) / RADII as f64);
-        let weight = 2.0 * FRAC_PI_2 * sin * cosine / (RADII * AZIMUTHS) as f64;
-        for j in 0..AZIMUTHS {
-            let v = (0.5 * (j as f64 + 0.5) / AZIMUTHS as f64 - 0.25).rem_euclid(1.0);
-            let m = facets.sample_visible(wo, sin * sin, v);
-            let Some(refracted) = fresnel::refract(wo, m, 1.0, index) else { continue };
-            let x = if index > 1.0 { wo.dot(m) } else { -refracted.dot(m) };
-            let through = weight * (1.0 - fresnel::dielectric(wo.dot(m), 1.0, index));
-            let (reflected_loss, refracted_loss) = (hidden(fresnel::reflect(wo, m).z), hidden(-refracted.z));
-            for (degree, value) in polynomials(x).into_iter().enumerate() {
-                missing[degree] += MARGIN * value * through * (reflected_loss - refracted_loss);
-                transmitted[degree] += value * through * (1.0 - refracted_loss);
-            }
+/// Separates the moments of the missing energy from those of the transmitted energy.
+fn parts(row: &[f64; 2 * MOMENTS]) -> ([f64; MOMENTS], [f64; MOMENTS]) {
+    (std::array::from_fn(|i| row[i]), std::array::from_fn(|i| row[MOMENTS + i]))
+}
+
+/// Integrates ⟨p·T·(λ_r − λ_t)⟩ and ⟨p·T·(1 − λ_t)⟩ over the visible normals. The moments of the
+/// second integral follow those of the first.
+fn moments(quadrature: &FacetQuadrature, index: f64, cos: f64) -> [f64; 2 * MOMENTS] {
+    let kind = FacetKind::Dielectric(index);
+    let mut sums = [0.0; 2 * MOMENTS];
+    quadrature.each_band(kind, cos, |band| {
+        let through = 1.0 - kind.reflectance(band.cos);
+        if through == 0.0 {
+            return;
         }
-    }
-    (missing, transmitted)
+        let x = if index > 1.0 { band.cos } else { fresnel::cos_transmitted(band.cos, 1.0, index) };
+        for (degree, value) in polynomials(x).into_iter().enumerate() {
+            sums[degree] += value * through * (band.reflected_shadowed - band.refracted_shadowed);
+            sums[MOMENTS + degree] += value * through * (band.visible - band.refracted_shadowed);
+        }
+    });
+    sums
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::bsdf::missing_energy::{FacetKind, MissingEnergy};
+    use crate::optics::bsdf::missing_energy::MissingEnergy;
+    use crate::optics::microfacet::Ggx;
 
     /// If w is 1, the facets are mirrors, whose missing energy has its own table.
     #[test]
     fn films_that_reflect_everything_lead_from_glass_to_a_mirror() {
-        let grid = AngleGrid::new();
         let mut constant = [0.0; MOMENTS];
         constant[0] = 1.0;
         for alpha in [0.01, 0.09, 0.36, 1.0] {
             let facets = Ggx::new(alpha);
-            let mirror = MissingEnergy::new(&facets, &grid, FacetKind::Mirror);
+            let (grid, quadrature) = (AngleGrid::new(&facets), FacetQuadrature::new(facets));
+            let mirror = MissingEnergy::new(&quadrature, &grid, FacetKind::Mirror);
             for index in [1.5_f64, 1.5_f64.recip()] {
-                let glass = MissingEnergy::new(&facets, &grid, FacetKind::Dielectric(index));
-                let both = FilmMoments::new(&facets, &grid, index.max(index.recip()));
+                let glass = MissingEnergy::new(&quadrature, &grid, FacetKind::Dielectric(index));
+                let both = FilmMoments::new(&quadrature, &grid, index.max(index.recip()));
                 let moments = if index > 1.0 { &both.from_rare } else { &both.from_dense };
                 for step in 0..20 {
                     let point = grid.locate((f64::from(step) + 0.5) / 20.0);

@@ -87,7 +87,7 @@ impl Glossy {
         }
         let index = self.index.n(nm);
         let escaping = (1.0 - self.coat.mean(index)) / (index * index);
-        reflectance * escaping / (1.0 - reflectance * (1.0 - escaping))
+        reflectance * escaping / (1.0 - reflectance + reflectance * escaping)
     }
 
     /// Returns the surface with a uniform base.

@@ -19,6 +19,7 @@
 //! the tests in `contract`.
 
 mod albedo;
+mod angle_grid;
 mod check;
 mod coated;
 mod compensation;
@@ -27,6 +28,7 @@ mod conductor;
 mod contract;
 mod dielectric;
 mod diffuse;
+mod facet_quadrature;
 mod film_moments;
 mod fluorescent;
 mod glossy;

@@ -90,7 +90,7 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
     /// Returns the density of `wi` per solid angle.
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
-        if wi.z == 0.0 { 0.0 } else { self.pdf_upper(wo, wi) }
+        if wi.z == 0.0 { 0.0 } else { self.pdf_upper(wo, wi, self.multiple.albedo(wo.z)) }
     }
 
     fn sample_upper(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
@@ -109,7 +109,7 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
             }
         };
         let sample = BsdfSample::lobe(wi, event, 1.0);
-        let density = if sample.on_event_side(wo) { self.pdf_upper(wo, wi) } else { 1.0 };
+        let density = if sample.on_event_side(wo) { self.pdf_upper(wo, wi, probability) } else { 1.0 };
         (density > 0.0).then_some(BsdfSample { probability: density, ..sample })
     }
 
@@ -126,8 +126,8 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
     }
 
     /// Returns the density of `wi` per solid angle. The lobe of multiple scattering is sampled with
-    /// the probability of its albedo.
-    fn pdf_upper(&self, wo: DVec3, wi: DVec3) -> f64 {
+    /// the probability of its albedo, `probability`.
+    fn pdf_upper(&self, wo: DVec3, wi: DVec3, probability: f64) -> f64 {
         let event = event_towards(wi);
         let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
             let visible = self.ggx.g1_per_cos(wo.z) * self.ggx.eval(half_vector.m) * half_vector.cos_o;
@@ -135,7 +135,6 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
             let fraction = PowerFractions { reflected, transmitted: 1.0 - reflected }.of_event(event);
             fraction * visible * half_vector.jacobian
         });
-        let probability = self.multiple.albedo(wo.z);
         (1.0 - probability) * single + probability * self.multiple.pdf(wi.z.abs(), event)
     }
 

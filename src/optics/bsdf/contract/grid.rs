@@ -50,25 +50,30 @@ impl SpherePatch {
     }
 
     /// Integrates `f` by adaptive subdivision. A rectangle is divided into quarters until the
-    /// result changes by less than 1e-7.
-    fn refined(self, f: &impl Fn(DVec3) -> f64, known: f64, depth: usize) -> f64 {
+    /// result changes by less than `tolerance`.
+    fn refined(self, f: &impl Fn(DVec3) -> f64, tolerance: f64, known: f64, depth: usize) -> f64 {
         let quarters = self.quarters().map(|quarter| (quarter, quarter.integral(f)));
         let sum: f64 = quarters.iter().map(|(_, value)| value).sum();
-        if depth == 0 || (sum - known).abs() < 1e-7 {
+        if depth == 0 || (sum - known).abs() < tolerance {
             return sum;
         }
-        quarters.iter().map(|(quarter, value)| quarter.refined(f, *value, depth - 1)).sum()
+        quarters.iter().map(|(quarter, value)| quarter.refined(f, tolerance, *value, depth - 1)).sum()
     }
 }
 
-/// Returns ∫ f dω over each cell.
+/// Returns ∫ f dω over each cell. The error of the sum is of the order of 10⁻⁵.
 pub(super) fn integrals(f: impl Fn(DVec3) -> f64) -> Vec<f64> {
+    integrals_within(1e-7, f)
+}
+
+/// Returns ∫ f dω over each cell, with subdivision down to changes below `tolerance`.
+pub(super) fn integrals_within(tolerance: f64, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
     let size = [1.0 / BANDS as f64, 1.0 / SECTORS as f64];
     (0..BANDS * SECTORS)
         .map(|cell| {
             let at = [(cell / SECTORS) as f64 * size[0], (cell % SECTORS) as f64 * size[1]];
             let patch = SpherePatch { at, size };
-            patch.refined(&f, patch.integral(&f), 8)
+            patch.refined(&f, tolerance, patch.integral(&f), 10)
         })
         .collect()
 }
