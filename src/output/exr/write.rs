@@ -5,7 +5,8 @@ use std::path::Path;
 
 use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, Image, Layer, LayerAttributes, Text, Vec2, WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder,
+    Text, Vec2, WritableImage,
 };
 
 use super::channel_names::{BIAS, EDGE, NOISE, XYZ};
@@ -18,12 +19,17 @@ use crate::output::file::{WritableFile, write_whole_with};
 use crate::sensor::{Film, Picture, SpectralBands};
 use crate::spectrum::emissive_channel;
 
+/// The compression of pictures. On noisy numbers, ZIP needs five times as long as RLE, and the files
+/// are only 6 to 11 % smaller.
+const PICTURE_ENCODING: Encoding =
+    Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+
 /// Writes a picture atomically.
 ///
 /// # Errors
 /// Returns a machine error if the folder is missing or not writable, or the disk is full.
 pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
-    write_whole_with(path, |file| write_channels(file, channels(picture), picture, metadata, Encoding::SMALL_LOSSLESS))
+    write_whole_with(path, |file| write_channels(file, channels(picture), picture, metadata, PICTURE_ENCODING))
 }
 
 /// Atomically writes a picture that another picture will soon replace. The file is not compressed,
@@ -50,7 +56,7 @@ pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &M
 /// Returns a machine error if the picture cannot be encoded.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
-    write_channels(&mut bytes, channels(picture), picture, metadata, Encoding::SMALL_LOSSLESS)
+    write_channels(&mut bytes, channels(picture), picture, metadata, PICTURE_ENCODING)
         .map_err(|error| Error::machine(format!("cannot be written as EXR: {error}")))?;
     Ok(bytes.into_inner())
 }
