@@ -16,8 +16,9 @@ const POINTS_PER_CELL: usize = 4;
 
 /// The cosines μ at which functions of the angle are tabulated for facets of one roughness.
 ///
-/// The albedo of the facets changes fast at grazing angles, where μ is of the order of α or smaller.
-/// With s = √μ and a = √α, the nodes are evenly spaced in the mean of s and (1 + a)·s/(s + a).
+/// The albedo of the facets changes fast at grazing angles, where μ is of the order of α or
+/// smaller. Let s = √μ and a = √α. The nodes are evenly spaced in the mean of two functions: s and
+/// (1 + a)·s/(s + a).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct AngleGrid {
     /// √α.
@@ -77,7 +78,8 @@ impl AngleGrid {
         self.mean_weights.iter().zip(values).map(|(weight, value)| weight * value).sum()
     }
 
-    /// Returns s at a position among the nodes, and the derivative of s with respect to the position.
+    /// Returns s at a position among the nodes, and the derivative of s with respect to the
+    /// position.
     fn root_of_cosine(&self, position: f64) -> (f64, f64) {
         // The solution of s² + b·s − 2·t·a = 0, where t is the position from 0 to 1.
         let t = position / (ANGLES - 1) as f64;

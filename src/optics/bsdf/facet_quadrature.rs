@@ -1,14 +1,14 @@
 //! Integrals over the microfacets that a direction sees.
 //!
 //! Let o be the direction of the viewer, θ the angle between o and the normal m of a facet, and φ
-//! the azimuth of m around o. At one θ, Fresnel's equations give one reflectance. The density of the
-//! normals, and the heights of the reflected and of the refracted direction above the surface,
-//! depend only on the height z = cosθ·cosθ_o + sinθ·sinθ_o·cosφ of the normal. A facet is visible if
-//! θ < 90° and z > 0.
+//! the azimuth of m around o. At one θ, Fresnel's equations give one reflectance. The density of
+//! the normals, and the heights of the reflected and of the refracted direction above the surface,
+//! depend only on the height z = cosθ·cosθ_o + sinθ·sinθ_o·cosφ of the normal. A facet is visible
+//! if θ < 90° and z > 0.
 //!
-//! The inner integral over φ is divided where a direction passes the horizon, and the outer integral
-//! over θ is divided where such a φ reaches 0 or π. All these angles have closed forms. Between
-//! them, the integrands are smooth, so few points suffice.
+//! The inner integral over φ is divided where a direction passes the horizon, and the outer
+//! integral over θ is divided where such a φ reaches 0 or π. All these angles have closed forms.
+//! Between them, the integrands are smooth, so few points suffice.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -47,8 +47,8 @@ impl FacetKind {
     }
 }
 
-/// The visible facets at one angle θ. The quadrature visits several bands. The sum of `visible` over
-/// all bands is 1.
+/// The visible facets at one angle θ. The quadrature visits several bands. The sum of `visible`
+/// over all bands is 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FacetBand {
     /// cosθ.
@@ -86,13 +86,13 @@ impl FacetQuadrature {
         &self.rules[((points_per_unit * length).ceil() as usize).min(MOST_FURTHER_POINTS)]
     }
 
-    /// Calls `visit` for every band of facets that are visible from a direction of cosine `cos_o`, in
-    /// \[0, 1\].
+    /// Calls `visit` for every band of facets that are visible from a direction of cosine `cos_o`,
+    /// in \[0, 1\].
     pub(super) fn each_band(&self, kind: FacetKind, cos_o: f64, mut visit: impl FnMut(FacetBand)) {
         let view = View::new(self.facets, kind, cos_o);
         let alpha = self.facets.alpha();
-        // Most visible facets have an angle θ within a few α of θ_o, but the distribution has a long
-        // tail. With θ = θ_o + α·sinh t, the integrand is smooth in t.
+        // Most visible facets have an angle θ within a few α of θ_o, but the distribution has a
+        // long tail. With θ = θ_o + α·sinh t, the integrand is smooth in t.
         let place = |theta: f64| asinh((theta - view.theta_o) / alpha);
         for ends in view.polar_ends().windows(2) {
             let (from, to) = (place(ends[0]), place(ends[1]));
@@ -205,8 +205,8 @@ impl View {
                 }
             }
         }
-        // The density of the visible normals is D·G₁·cosθ/cosθ_o (Heitz 2014). The factor 2 adds the
-        // facets at negative φ.
+        // The density of the visible normals is D·G₁·cosθ/cosθ_o (Heitz 2014). The factor 2 adds
+        // the facets at negative φ.
         let scale = 2.0 * width * sin * cos * self.facets.g1_per_cos(self.cos_o);
         band.visible *= scale;
         band.reflected_shadowed *= scale;

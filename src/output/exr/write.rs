@@ -19,8 +19,8 @@ use crate::output::file::{WritableFile, write_whole_with};
 use crate::sensor::{Film, Picture, SpectralBands};
 use crate::spectrum::emissive_channel;
 
-/// The compression of pictures. On noisy numbers, ZIP needs five times as long as RLE, and the files
-/// are only 6 to 11 % smaller.
+/// The compression of pictures. On noisy numbers, ZIP needs five times as long as RLE, and the
+/// files are only 6 to 11 % smaller.
 const PICTURE_ENCODING: Encoding =
     Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
 
