@@ -100,15 +100,18 @@ pub fn refract(w: DVec3, normal: DVec3, n_i: f64, n_t: f64) -> Option<DVec3> {
     }
     let projection = w.dot(normal);
     let (c, normal) = if projection >= 0.0 { (projection, normal) } else { (-projection, -normal) };
-    let squared = squared_transmitted(c, n_i, n_t);
+    Some((normal * refraction_along_normal(c, n_i, n_t)? - w * n_i).normalize())
+}
+
+/// Returns the number a of Snell's law in the form n_t·t = a·normal − n_i·w, or `None` under total
+/// reflection. The refracted direction is t. `cos_i` is the cosine between `w` and the normal, ≥ 0.
+pub fn refraction_along_normal(cos_i: f64, n_i: f64, n_t: f64) -> Option<f64> {
+    let squared = squared_transmitted(cos_i, n_i, n_t);
     if squared < 0.0 {
         return None;
     }
-    // t = −(n_i/n_t)·w + ((n_i·c − n_t·cosθ_t)/n_t)·normal. The code replaces the difference
-    // n_i·c − n_t·cosθ_t by a quotient to avoid cancellation.
-    let q = squared.sqrt();
-    let along = (n_i - n_t) * (n_i + n_t) / (n_i * c + q);
-    Some((normal * along - w * n_i).normalize())
+    // The difference n_i·cosθ_i − n_t·cosθ_t is written as a quotient to avoid cancellation.
+    Some((n_i - n_t) * (n_i + n_t) / (n_i * cos_i + squared.sqrt()))
 }
 
 /// Returns the mirror direction. `w` and the result are unit vectors that point away from the

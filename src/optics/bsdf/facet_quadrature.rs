@@ -175,11 +175,16 @@ impl View {
                 0.0
             }
         };
-        let refraction = Refraction::new(self.kind, cos);
+        // The index, and the number a of the refracted direction (a·m − o)/n. `None` under total
+        // reflection.
+        let refraction = match self.kind {
+            FacetKind::Dielectric(index) => fresnel::refraction_along_normal(cos, 1.0, index).map(|a| (index, a)),
+            FacetKind::Mirror => None,
+        };
         let last = place(0.0);
         let reflected_at_horizon = place(0.5 * self.cos_o / cos).min(last);
         let refracted_at_horizon = match refraction {
-            Some(Refraction { along, .. }) if along > 0.0 => place(self.cos_o / along).min(last),
+            Some((_, along)) if along > 0.0 => place(self.cos_o / along).min(last),
             _ => 0.0,
         };
         let mut ends = [0.0, reflected_at_horizon, refracted_at_horizon, last];
@@ -200,7 +205,7 @@ impl View {
                 let facets = weight * length * k / (cos2 + sin2) * alpha * alpha / (PI * t * t);
                 band.visible += facets;
                 band.reflected_shadowed += facets * shadowed(2.0 * cos * z - self.cos_o);
-                if let Some(Refraction { index, along }) = refraction {
+                if let Some((index, along)) = refraction {
                     band.refracted_shadowed += facets * shadowed((self.cos_o - along * z) / index);
                 }
             }
@@ -212,24 +217,6 @@ impl View {
         band.reflected_shadowed *= scale;
         band.refracted_shadowed *= scale;
         band
-    }
-}
-
-/// Refraction at facets of one θ. The refracted direction is (along·m − o)/n.
-#[derive(Clone, Copy)]
-struct Refraction {
-    index: f64,
-    along: f64,
-}
-
-impl Refraction {
-    /// Returns `None` under total reflection.
-    fn new(kind: FacetKind, cos: f64) -> Option<Self> {
-        let FacetKind::Dielectric(index) = kind else { return None };
-        let step = (index - 1.0) * (index + 1.0);
-        let squared = step + cos * cos;
-        // The difference cosθ − n·cosθ_t is written as a quotient to avoid cancellation.
-        (squared > 0.0).then(|| Self { index, along: -step / (cos + squared.sqrt()) })
     }
 }
 

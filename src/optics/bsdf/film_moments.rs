@@ -172,7 +172,6 @@ mod tests {
                 for step in 0..20 {
                     let point = grid.locate((f64::from(step) + 0.5) / 20.0);
                     let off = glass.at(point) + moments.at(point, &constant) - mirror.at(point);
-                    // The table itself has errors up to 1.5e-3.
                     assert!(off.abs() < 2e-3, "alpha {alpha}, index {index}, step {step}: {off}");
                 }
                 assert!((glass.mean + moments.mean[0] - mirror.mean).abs() < 1e-3, "alpha {alpha}, index {index}");
