@@ -27,7 +27,7 @@ impl Geometry {
     ///
     /// # Errors
     /// Returns an error if a shape is not a valid body, a transform is singular or not finite, a
-    /// mesh has no area, or the scene has more than 2³² primitives or vertices.
+    /// shape has no area, or the scene has more than 2³² primitives or vertices.
     pub fn build(placed: Vec<PlacedShape>, centre: DVec3) -> Result<Self> {
         let mut primitives = Primitives { centre_reach: centre.abs().max_element(), ..Primitives::default() };
         let is_shared = shared_meshes(&placed);
@@ -87,6 +87,10 @@ impl Primitives {
             object,
         };
         placed.face_areas = (0..placed.solid.faces()).map(|face| placed.face_area(face)).collect();
+        if !placed.face_areas.iter().any(|&area| area > 0.0) {
+            let message = "the placed shape is so small that the computed area is 0";
+            return Err(Error::input(message).expected("a larger shape"));
+        }
         self.analytic.push(placed);
         self.list.push(Primitive::Analytic(index));
         Ok(())

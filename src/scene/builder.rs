@@ -273,7 +273,7 @@ impl SceneBuilder {
     /// Builds the surfaces of the objects. The scene's centre is the middle of the objects.
     ///
     /// # Errors
-    /// Returns an error if a transform is singular or not finite, a mesh has no area, or there are
+    /// Returns an error if a transform is singular or not finite, a shape has no area, or there are
     /// more than 2³² primitives or vertices.
     pub fn new(objects: ObjectSet) -> Result<Self> {
         let centre = objects.centre();

@@ -36,6 +36,19 @@ fn areas_of_plainly_scaled_shapes_are_exact() {
     }
 }
 
+/// The square of such a small length is 0. A light of this shape would have no point to emit from.
+#[test]
+fn a_shape_whose_area_is_rounded_to_0_is_an_error() {
+    for shape in all_shapes() {
+        let tiny = placed(shape.clone(), DAffine3::from_scale(DVec3::splat(1e-170)), 0);
+        assert!(Geometry::build(vec![tiny], DVec3::ZERO).is_err(), "{shape:?}");
+    }
+    let radius = 1e-320;
+    let tiny = placed(Shape::Sphere { radius }, DAffine3::IDENTITY, 0);
+    let error = Geometry::build(vec![tiny], DVec3::ZERO).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("object 0: the placed shape is so small"), "{error}");
+}
+
 #[test]
 fn areas_of_stretched_round_shapes_match_closed_forms() {
     // Oblate and prolate spheroids.
