@@ -10,8 +10,12 @@ use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 
 impl Scene {
-    /// Finds the bodies that contain the camera and each light.
+    /// Finds the bodies that contain the camera, each receptor and each light. Without bodies, all
+    /// of them keep their first medium stack, which is air.
     pub(super) fn find_medium_stacks(&mut self) {
+        if self.objects.iter().all(|object| self.materials[object.material].body.is_none()) {
+            return;
+        }
         self.camera.medium_stack = self.medium_stack_at(self.camera.origin());
         self.find_medium_stacks_of_receptors();
         let of_light = |light: &Light| (self.medium_stack_of_light(light), self.crosses_bodies(light));
