@@ -5,9 +5,9 @@
 use std::path::Path;
 use std::time::Duration;
 
-use abbe::format::resolve;
-use abbe::plan::{EffectRow, EffectState};
-use abbe::render::{Integrator, Job, NoMonitor, Request, StopRules, on_threads};
+use abbe_format::resolve;
+use abbe_session::render::{Integrator, Job, NoMonitor, Request, StopRules, on_threads};
+use abbe_transport::plan::{EffectRow, EffectState};
 use cpu_time::ProcessTime;
 
 /// Large enough for rays to matter, small enough for the whole table in minutes.
@@ -28,7 +28,7 @@ fn main() {
     scenes.sort();
     scenes.retain(|path| chosen.is_empty() || chosen.iter().any(|name| named(path) == format!("{name}.json")));
 
-    let effects: Vec<&str> = abbe::plan::EFFECTS.iter().map(|effect| effect.name).collect();
+    let effects: Vec<&str> = abbe_transport::plan::EFFECTS.iter().map(|effect| effect.name).collect();
     println!("| scene | CPU s | {} |\n| --- |{}", effects.join(" | "), " --- |".repeat(effects.len() + 1));
     for path in scenes {
         println!("{}", row(&path, named(&path).trim_end_matches(".json")));

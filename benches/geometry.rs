@@ -5,9 +5,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::hint::black_box;
 use std::sync::Arc;
 
-use abbe::geometry::mesh::TriangleMesh;
-use abbe::geometry::shape::{PlacedShape, Shape};
-use abbe::geometry::{Geometry, Ray, SurfaceId};
+use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_scene::geometry::shape::{PlacedShape, Shape};
+use abbe_scene::geometry::{Geometry, Ray, SurfaceId};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DAffine3, DVec3};
 
@@ -166,7 +166,7 @@ fn load(criterion: &mut Criterion) {
     let path = folder.path().join("sheet.ply");
     std::fs::write(&path, ply(500)).expect("the file is written");
     let load = || {
-        let file = abbe::format::mesh::load(&path, abbe::format::FileAccess::Anywhere).expect("a mesh");
+        let file = abbe_format::mesh::load(&path, abbe_format::FileAccess::Anywhere).expect("a mesh");
         let mesh = Arc::new(file.parts.into_iter().next().expect("one part").mesh);
         build(vec![placed(Shape::Mesh(mesh), DAffine3::IDENTITY, 0)])
     };

@@ -8,13 +8,13 @@
 
 use std::collections::BTreeMap;
 
-use abbe::format::light::PointFile;
-use abbe::format::{
+use abbe::{RenderOptions, Scene};
+use abbe_format::light::PointFile;
+use abbe_format::{
     CameraFile, DielectricFile, ExposureFile, FilmFile, GamutFile, IndexFile, LensFile, LightFile, MaterialFile,
     ObjectFile, ObserverFile, OutputSpaceFile, ReflectanceFile, RenderFile, ScalarFile, SceneFile, ShapeFile,
     SpectrumFile, ToneFile, TransformFile, UnitFile, WhiteBalanceFile,
 };
-use abbe::{RenderOptions, Scene};
 
 fn main() -> abbe::Result<()> {
     let reflectance = ReflectanceFile::Spectrum(SpectrumFile::Number(0.5));

@@ -7,13 +7,13 @@
 //! The example uses internal modules of the renderer. They are not part of the public interface and
 //! may change in every release.
 
-use abbe::format::{self, resolve::resolve};
-use abbe::geometry::Ray;
-use abbe::math::random::{Purpose, Stream};
-use abbe::optics::bsdf::TransportMode;
-use abbe::scene::medium_stack::MediumStack;
-use abbe::spectrum::Wavelengths;
-use abbe::walk::{RayState, SurfaceLookup, next_interaction, scatter};
+use abbe_format::{self as format, resolve::resolve};
+use abbe_optics::bsdf::TransportMode;
+use abbe_scene::geometry::Ray;
+use abbe_scene::medium_stack::MediumStack;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::spectrum::Wavelengths;
+use abbe_transport::walk::{RayState, SurfaceLookup, next_interaction, scatter};
 use glam::DVec3;
 
 const SCENE: &str = r#"{

@@ -120,62 +120,21 @@
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-#[doc(hidden)]
 pub mod api;
 #[cfg(feature = "cli")]
 pub mod cli;
-#[doc(hidden)]
-pub mod colour;
-#[doc(hidden)]
-pub mod emit;
-#[doc(hidden)]
-pub mod error;
-pub mod format;
-#[doc(hidden)]
-pub mod gather;
-#[doc(hidden)]
-pub mod geometry;
-#[doc(hidden)]
-pub mod json;
-#[doc(hidden)]
-pub mod map;
-#[doc(hidden)]
-pub mod math;
-#[doc(hidden)]
-pub mod optics;
-#[doc(hidden)]
-pub mod output;
-#[doc(hidden)]
-pub mod pass;
-#[doc(hidden)]
-pub mod plan;
-#[cfg(feature = "python")]
-mod python;
-#[doc(hidden)]
-pub mod render;
-#[doc(hidden)]
-pub mod scene;
-#[doc(hidden)]
-pub mod sensor;
-#[doc(hidden)]
-pub mod spectrum;
 #[cfg(feature = "pages")]
-#[doc(hidden)]
 pub mod study;
-pub mod texture;
 #[cfg(feature = "cli")]
 pub mod validate;
 #[cfg(feature = "view")]
-#[doc(hidden)]
 pub mod view;
-#[doc(hidden)]
-pub mod walk;
 
+pub use abbe_format as format;
+pub use abbe_session::render::{ErrorMilestone, Forecast, Integrator, Progress, Stats};
+pub use abbe_spectra::colour::ColourReport;
+pub use abbe_spectra::{Error, ErrorKind, ErrorLocation, Observer, Result, Spectrum};
 pub use api::{Image, PixelSpectrum, RenderOptions, Scene};
-pub use colour::ColourReport;
-pub use error::{Error, ErrorKind, ErrorLocation, Result};
-pub use render::{ErrorMilestone, Forecast, Integrator, Progress, Stats};
-pub use spectrum::{Observer, Spectrum};
 
 /// Returns a spectrum of the built-in library, such as `D65`. `abbe spectrum --list` prints all
 /// names. Letter case does not matter.
@@ -183,5 +142,5 @@ pub use spectrum::{Observer, Spectrum};
 /// # Errors
 /// Returns an error if the name is unknown. If a similar name exists, the error suggests it.
 pub fn spectrum_by_name(name: &str) -> Result<Spectrum> {
-    Ok(spectrum::library::find(name)?.spectrum)
+    Ok(abbe_spectra::spectrum::library::find(name)?.spectrum)
 }

@@ -1,16 +1,16 @@
 //! Gathering of camera samples, by the renderer and by hand.
 
 use super::scenes::{Prepared, Total, camera_pass};
-use abbe::gather::{NORMAL_TOLERANCE, Outlines, PLANE_TOLERANCE, PathBuffers, PixelSampler, power_heuristic};
-use abbe::geometry::Ray;
-use abbe::map::kernel::DiskKernel;
-use abbe::map::radius::least;
-use abbe::map::{LightMaps, PixelRadii, SetMaps};
-use abbe::optics::bsdf::{BsdfClass, InterfaceIors, TransportMode};
-use abbe::plan::{LightOrigin, PathClass, Tally};
-use abbe::scene::light::{EmittedSpd, Light};
-use abbe::spectrum::{LANES, REFERENCE_NM};
-use abbe::walk::Sink;
+use abbe_optics::bsdf::{BsdfClass, InterfaceIors, TransportMode};
+use abbe_scene::geometry::Ray;
+use abbe_scene::light::{EmittedSpd, Light};
+use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
+use abbe_transport::gather::{NORMAL_TOLERANCE, Outlines, PLANE_TOLERANCE, PathBuffers, PixelSampler, power_heuristic};
+use abbe_transport::map::kernel::DiskKernel;
+use abbe_transport::map::radius::least;
+use abbe_transport::map::{LightMaps, PixelRadii, SetMaps};
+use abbe_transport::plan::{LightOrigin, PathClass, Tally};
+use abbe_transport::walk::Sink;
 use glam::DVec3;
 
 /// The kernel radius; kernels contain about 50 photons.

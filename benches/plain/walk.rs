@@ -1,13 +1,13 @@
 //! Photon tracing, by the renderer and by hand.
 
 use super::scenes::{Harvest, Prepared};
-use abbe::emit::{Aim, PhotonSource};
-use abbe::geometry::{Ray, SurfaceId};
-use abbe::map::{Photon, PhotonPower};
-use abbe::math::random::{Purpose, Stream};
-use abbe::optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
-use abbe::scene::light::LeRandoms;
-use abbe::spectrum::{LANES, Lanes};
+use abbe_optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
+use abbe_scene::geometry::{Ray, SurfaceId};
+use abbe_scene::light::LeRandoms;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::spectrum::{LANES, Lanes};
+use abbe_transport::emit::{Aim, PhotonSource};
+use abbe_transport::map::{Photon, PhotonPower};
 
 /// Photons with their positions, as the photon map expects them.
 pub(crate) type StoredPhotons = Vec<(Photon, [f32; 3])>;

@@ -1,10 +1,10 @@
 //! Camera samples: the specular chain, lamps, and photons around the end.
 
 use super::scenes::{Prepared, Total, camera_pass, load};
-use abbe::gather::{DirectLighting, Outlines, PathBuffers, PathTracer, PixelSampler};
-use abbe::map::{LightMaps, PixelRadii};
-use abbe::plan::Tally;
-use abbe::walk::DepthLimit;
+use abbe_transport::gather::{DirectLighting, Outlines, PathBuffers, PathTracer, PixelSampler};
+use abbe_transport::map::{LightMaps, PixelRadii};
+use abbe_transport::plan::Tally;
+use abbe_transport::walk::DepthLimit;
 use criterion::{Criterion, Throughput};
 
 /// Every this many pixels one is sampled.

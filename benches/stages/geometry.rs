@@ -1,10 +1,10 @@
 //! Rays against the scene: the nearest surface, and whether anything stands in the way.
 
-use abbe::geometry::mesh::TriangleMesh;
-use abbe::geometry::shape::{PlacedShape, Shape};
-use abbe::geometry::{Geometry, Ray};
-use abbe::math::random::{Purpose, Stream};
-use abbe::math::warp;
+use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_scene::geometry::shape::{PlacedShape, Shape};
+use abbe_scene::geometry::{Geometry, Ray};
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::warp;
 use criterion::{Criterion, Throughput};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};

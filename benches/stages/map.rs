@@ -1,7 +1,7 @@
 //! The photon map: building it (on all threads) and asking it.
 
 use super::scenes::Prepared;
-use abbe::map::PhotonMap;
+use abbe_transport::map::PhotonMap;
 use criterion::{Criterion, Throughput};
 use std::num::NonZero;
 

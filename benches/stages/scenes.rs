@@ -1,18 +1,18 @@
 //! The benchmark scenes, and what the stages make of them.
 
-use abbe::emit::{
+use abbe_scene::Scene;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_transport::emit::{
     EmissionStrata, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
 };
-use abbe::gather::{CameraPass, DirectLighting, LightSelector, Outlines};
-use abbe::map::radius::PerKernel;
-use abbe::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, PhotonSpectra, SetMaps};
-use abbe::math::random::{Purpose, Stream};
-use abbe::plan::partition::PerSet;
-use abbe::plan::partition::{LightPath, kept_in_map};
-use abbe::plan::{LightOrigin, PathClass, Plan, prepare};
-use abbe::scene::Scene;
-use abbe::walk::ledger::Ledger;
-use abbe::walk::{DepthLimit, SensorResponse, Sink};
+use abbe_transport::gather::{CameraPass, DirectLighting, LightSelector, Outlines};
+use abbe_transport::map::radius::PerKernel;
+use abbe_transport::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, PhotonSpectra, SetMaps};
+use abbe_transport::plan::partition::PerSet;
+use abbe_transport::plan::partition::{LightPath, kept_in_map};
+use abbe_transport::plan::{LightOrigin, PathClass, Plan, prepare};
+use abbe_transport::walk::ledger::Ledger;
+use abbe_transport::walk::{DepthLimit, SensorResponse, Sink};
 use std::path::Path;
 
 /// A scene with what transport needs to know of it.
@@ -29,7 +29,7 @@ pub(crate) struct Prepared {
 pub(crate) fn load(name: &str, changes: &[&str]) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/scenes").join(name);
     let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
-    abbe::format::resolve::load(&path, &changes).expect("a benchmark scene is valid")
+    abbe_format::resolve::load(&path, &changes).expect("a benchmark scene is valid")
 }
 
 impl Prepared {

@@ -1,8 +1,8 @@
 //! The film: exposing it, adding splats, developing it, and showing the picture on a screen.
 
-use abbe::colour::RgbSpace;
-use abbe::sensor::{Development, Film, Picture, develop};
-use abbe::spectrum::Observer;
+use abbe_spectra::colour::RgbSpace;
+use abbe_spectra::spectrum::Observer;
+use abbe_transport::sensor::{Development, Film, Picture, develop};
 use criterion::{Criterion, Throughput};
 
 const SIDE: usize = 256;

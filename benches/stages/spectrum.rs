@@ -1,7 +1,7 @@
 //! Drawing wavelengths, and looking spectra and indices up.
 
-use abbe::optics::glass::RefractiveIndex;
-use abbe::spectrum::{Observer, Outside, SpectralLine, Spectrum, WavelengthDistribution, library};
+use abbe_optics::glass::RefractiveIndex;
+use abbe_spectra::spectrum::{Observer, Outside, SpectralLine, Spectrum, WavelengthDistribution, library};
 use criterion::{Criterion, Throughput};
 use std::hint::black_box;
 

@@ -1,7 +1,7 @@
 //! Whole renders, pilot included, on all threads: a tiny one, and the preview of a million photons.
 
 use super::scenes::load;
-use abbe::render::{Integrator, Job, NoMonitor, Request, StopRules};
+use abbe_session::render::{Integrator, Job, NoMonitor, Request, StopRules};
 use criterion::Criterion;
 
 fn render(job: &Job, integrator: Integrator, passes: u64) -> f64 {

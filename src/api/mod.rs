@@ -10,9 +10,11 @@ mod plan_report;
 pub mod provenance;
 mod rendered_image;
 mod scene;
+mod scene_text;
 
 pub use observer::{RenderObserver, UnfinishedRender};
 pub use options::RenderOptions;
 pub use plan_report::PlanReport;
 pub use rendered_image::{Image, PixelSpectrum};
 pub use scene::Scene;
+pub use scene_text::{SceneText, read_scene_text};

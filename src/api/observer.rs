@@ -5,11 +5,11 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::Image;
-use crate::error::{Error, Result};
-use crate::output::file;
-use crate::output::metadata::{Metadata, names};
-use crate::plan::Budget;
-use crate::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Rendered, Request, Run, SavedRun};
+use abbe_session::output::file;
+use abbe_session::output::metadata::{Metadata, names};
+use abbe_session::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Rendered, Request, Run, SavedRun};
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::plan::Budget;
 
 /// Observes a render, and may stop it.
 pub trait RenderObserver: Send {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::render::{Integrator, Request, StopRules};
+use abbe_session::render::{Integrator, Request, StopRules};
 
 /// The options of a render. The default options change nothing in the scene.
 ///

@@ -1,10 +1,10 @@
 //! The plan of a render in machine-readable form. `abbe explain --json` prints the plan, and the
 //! headers of pictures contain it.
 
-use crate::plan::explain;
-use crate::render::{DiffractionSetup, Job};
-use crate::scene::camera::{ApertureDiffraction, Camera, DepthOfField};
-use crate::scene::facts::Facts;
+use abbe_scene::camera::{ApertureDiffraction, Camera, DepthOfField};
+use abbe_scene::facts::Facts;
+use abbe_session::render::{DiffractionSetup, Job};
+use abbe_transport::plan::explain;
 use serde::Serialize;
 
 /// The plan of a render.

@@ -3,12 +3,12 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use crate::format::resolve;
-use crate::format::{FileAccess, JsonSource};
-use crate::output::exr::read_metadata;
-use crate::output::hash::IdentityHash;
-use crate::output::metadata::{Metadata, names};
-use crate::render::{DisplaySettings, Integrator, Job, LedgerStats, Request, Stats, affects_passes};
+use abbe_format::resolve;
+use abbe_format::{FileAccess, JsonSource};
+use abbe_session::output::exr::read_metadata;
+use abbe_session::output::hash::IdentityHash;
+use abbe_session::output::metadata::{Metadata, names};
+use abbe_session::render::{DisplaySettings, Integrator, Job, LedgerStats, Request, Stats, affects_passes};
 use serde_json::Value;
 
 use super::plan_report::PlanReport;

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use super::provenance;
-use crate::colour::{RgbSpace, xyz_to_linear_srgb};
-use crate::error::Result;
-use crate::output::exr::{read, write};
-use crate::output::metadata::Metadata;
-use crate::output::png::{encode as encode_png, write as write_png};
-use crate::render::{DisplaySettings, Job, Rendered, Run, Stats};
-use crate::sensor::{Codes, Picture};
+use abbe_session::output::exr::{read, write};
+use abbe_session::output::metadata::Metadata;
+use abbe_session::output::png::{encode as encode_png, write as write_png};
+use abbe_session::render::{DisplaySettings, Job, Rendered, Run, Stats};
+use abbe_spectra::colour::{RgbSpace, xyz_to_linear_srgb};
+use abbe_spectra::error::Result;
+use abbe_transport::sensor::{Codes, Picture};
 
 /// A picture in absolute units with an error estimate for every pixel.
 ///

@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 use super::observer::{self, ProgressFunction, RenderObserver};
 use super::options::RenderOptions;
 use super::{Image, provenance};
-use crate::error::{Error, Result};
-use crate::format::resolve::resolve;
-use crate::format::{self, FileAccess, JsonSource, SceneFile};
-use crate::plan::explain;
-use crate::render::{Job, Progress, on_threads};
-use crate::scene as model;
+use abbe_format::resolve::resolve;
+use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
+use abbe_scene as model;
+use abbe_session::render::{Job, Progress, on_threads};
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::plan::explain;
 
 /// A scene that can be rendered.
 ///
 /// A scene comes from a file ([`load`](Self::load)), from JSON text ([`parse`](Self::parse)), or
-/// from the structs of [`format`](crate::format) ([`TryFrom<SceneFile>`](SceneFile)).
+/// from the structs of [`format`](abbe_format) ([`TryFrom<SceneFile>`](SceneFile)).
 ///
 /// ```
 /// use abbe::{RenderOptions, Scene};
@@ -65,7 +65,7 @@ impl Scene {
     /// Returns the errors of [`load`](Self::load) and of [`with_change`](Self::with_change).
     #[doc(hidden)]
     pub fn load_with_changes(path: &Path, changes: &[String], access: FileAccess) -> Result<Self> {
-        let text = format::read_scene_text(path, access, None)?.text;
+        let text = super::read_scene_text(path, access, None)?.text;
         Self::parse_with_changes(&text, path, changes, access)
     }
 

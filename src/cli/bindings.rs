@@ -3,20 +3,20 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::colour::ColourReport;
-use crate::colour::regress::{RegressionTolerances, judge_given};
-use crate::error::{Error, Result};
-use crate::format::resolve::{self, Role};
-use crate::format::{self, FileAccess, JsonSource, SceneFile};
-use crate::optics::glass::Glass;
-use crate::optics::lens::image_quality::ImageQuality;
-use crate::optics::lens::section::section;
-use crate::optics::lens::zemax::ZmxSystem;
-use crate::optics::lens::{LensAnalysis, LensSurface};
-use crate::output::{file, regress_page};
-use crate::render::{Integrator, Job, Monitor, StopRules, on_threads};
-use crate::spectrum::{Observer, Spectrum};
 use crate::study::{StudyMonitor, StudyOutcome};
+use abbe_format::resolve::{self, Role};
+use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
+use abbe_optics::glass::Glass;
+use abbe_optics::lens::image_quality::ImageQuality;
+use abbe_optics::lens::section::section;
+use abbe_optics::lens::zemax::ZmxSystem;
+use abbe_optics::lens::{LensAnalysis, LensSurface};
+use abbe_session::output::{file, regress_page};
+use abbe_session::render::{Integrator, Job, Monitor, StopRules, on_threads};
+use abbe_spectra::colour::ColourReport;
+use abbe_spectra::colour::regress::{RegressionTolerances, judge_given};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::{Observer, Spectrum};
 use serde::Serialize;
 
 use super::colour::ColourJson;
@@ -30,18 +30,18 @@ fn json<T: Serialize>(value: &T) -> String {
 }
 
 /// Returns the report of a glass.
-pub(crate) fn glass_json(glass: &Glass) -> String {
+pub fn glass_json(glass: &Glass) -> String {
     json(&glass::report(glass, &[]))
 }
 
 /// Returns a spectrum with its name and its origin.
-pub(crate) fn named_spectrum(text: &str, role: Role) -> Result<(String, String, Spectrum)> {
+pub fn named_spectrum(text: &str, role: Role) -> Result<(String, String, Spectrum)> {
     let named::NamedSpectrum { name, origin, spectrum } = named::spectrum(text, role)?;
     Ok((name, origin, spectrum))
 }
 
 /// Returns the colour of a light, or of a reflectance under a light.
-pub(crate) fn colour_json(
+pub fn colour_json(
     name: &str,
     spectrum: &Spectrum,
     observer: &str,
@@ -58,7 +58,7 @@ pub(crate) fn colour_json(
 
 /// Analyses a lens, and draws its cross-section to the file `svg`. `field` is half the field of
 /// view in degrees.
-pub(crate) fn lens_json(name: &str, field: Option<f64>, glasses: &[PathBuf], svg: Option<&Path>) -> Result<String> {
+pub fn lens_json(name: &str, field: Option<f64>, glasses: &[PathBuf], svg: Option<&Path>) -> Result<String> {
     match lens::named(name, glasses)? {
         ZmxSystem::Lens(lens) => {
             let analysis = LensAnalysis::of(&lens, field)?;
@@ -77,12 +77,12 @@ pub(crate) fn lens_json(name: &str, field: Option<f64>, glasses: &[PathBuf], svg
 
 /// The lamps of a comparison, as the command line names them.
 #[derive(Debug)]
-pub(crate) struct ComparedLamps {
-    pub(crate) a: String,
-    pub(crate) b: Option<String>,
-    pub(crate) c: Option<String>,
-    pub(crate) primaries: Vec<String>,
-    pub(crate) observer: String,
+pub struct ComparedLamps {
+    pub a: String,
+    pub b: Option<String>,
+    pub c: Option<String>,
+    pub primaries: Vec<String>,
+    pub observer: String,
 }
 
 /// The surfaces of a lens, for other programs. The scene file describes the quantities.
@@ -125,7 +125,7 @@ struct PrescriptionJson<'a> {
 
 /// Returns the surfaces of a lens with their indices of refraction at wavelengths in nm. The
 /// arguments are those of [`lens_json`].
-pub(crate) fn prescription_json(name: &str, nm: &[f64], glasses: &[PathBuf]) -> Result<String> {
+pub fn prescription_json(name: &str, nm: &[f64], glasses: &[PathBuf]) -> Result<String> {
     let ZmxSystem::Lens(lens) = lens::named(name, glasses)? else {
         return Err(Error::input("the system has mirrors or coordinate breaks").expected("a lens with one axis"));
     };
@@ -135,7 +135,7 @@ pub(crate) fn prescription_json(name: &str, nm: &[f64], glasses: &[PathBuf]) -> 
 }
 
 /// Compares lamps, and writes the HTML page of the comparison to the file `html`.
-pub(crate) fn lamps_json(lamps: ComparedLamps, html: Option<&Path>) -> Result<String> {
+pub fn lamps_json(lamps: ComparedLamps, html: Option<&Path>) -> Result<String> {
     let ComparedLamps { a, b, c, primaries, observer } = lamps;
     let arguments = LampsArgs { a, b, c, primaries, observer, html: None, json: true };
     let compared = lamps::compared(&arguments)?;
@@ -148,12 +148,12 @@ pub(crate) fn lamps_json(lamps: ComparedLamps, html: Option<&Path>) -> Result<St
 
 /// The text or the file of a scene.
 #[derive(Debug)]
-pub(crate) struct SceneRequest {
+pub struct SceneRequest {
     /// The text of the scene, or `None` if `path` names a scene file.
-    pub(crate) text: Option<String>,
-    pub(crate) path: PathBuf,
-    pub(crate) changes: Vec<String>,
-    pub(crate) access: FileAccess,
+    pub text: Option<String>,
+    pub path: PathBuf,
+    pub changes: Vec<String>,
+    pub access: FileAccess,
 }
 
 impl SceneRequest {
@@ -161,7 +161,7 @@ impl SceneRequest {
     fn read(&self) -> Result<(SceneFile, JsonSource)> {
         let text = match &self.text {
             Some(text) => text.clone(),
-            None => format::read_scene_text(&self.path, self.access, None)?.text,
+            None => crate::api::read_scene_text(&self.path, self.access, None)?.text,
         };
         format::parse_with_access(text, &self.path, &self.changes, self.access)
     }
@@ -169,17 +169,17 @@ impl SceneRequest {
 
 /// The scene and the options of a study.
 #[derive(Debug)]
-pub(crate) struct StudyRequest {
-    pub(crate) scene: SceneRequest,
-    pub(crate) folder: PathBuf,
-    pub(crate) budget: Duration,
+pub struct StudyRequest {
+    pub scene: SceneRequest,
+    pub folder: PathBuf,
+    pub budget: Duration,
     /// The EXR file of the reference, if it is given.
-    pub(crate) reference: Option<PathBuf>,
-    pub(crate) threads: Option<u32>,
+    pub reference: Option<PathBuf>,
+    pub threads: Option<u32>,
 }
 
 /// Runs a study. Returns `None` if the monitor stopped it.
-pub(crate) fn study_json(request: StudyRequest, monitor: &mut (dyn StudyMonitor + Send)) -> Result<Option<String>> {
+pub fn study_json(request: StudyRequest, monitor: &mut (dyn StudyMonitor + Send)) -> Result<Option<String>> {
     let StudyRequest { scene: request, folder, budget, reference, threads } = request;
     let (scene, source) = request.read()?;
     let files = StudyFiles { scene: &request.path, output: &folder, reference: reference.as_deref() };
@@ -191,16 +191,16 @@ pub(crate) fn study_json(request: StudyRequest, monitor: &mut (dyn StudyMonitor 
 
 /// The scene and the options of a measurement.
 #[derive(Debug)]
-pub(crate) struct MeasureRequest {
-    pub(crate) scene: SceneRequest,
+pub struct MeasureRequest {
+    pub scene: SceneRequest,
     /// The names of the meters. An empty list means all meters.
-    pub(crate) meters: Vec<String>,
-    pub(crate) integrator: Option<Integrator>,
-    pub(crate) stop: StopRules,
+    pub meters: Vec<String>,
+    pub integrator: Option<Integrator>,
+    pub stop: StopRules,
 }
 
 /// Measures with the meters of a scene. Returns `None` if the monitor stopped the measurement.
-pub(crate) fn measure_json(request: MeasureRequest, monitor: &mut (dyn Monitor + Send)) -> Result<Option<String>> {
+pub fn measure_json(request: MeasureRequest, monitor: &mut (dyn Monitor + Send)) -> Result<Option<String>> {
     let MeasureRequest { scene: request, meters, integrator, stop } = request;
     let path = &request.path;
     let (mut scene, source) = request.read()?;
@@ -213,13 +213,13 @@ pub(crate) fn measure_json(request: MeasureRequest, monitor: &mut (dyn Monitor +
 }
 
 /// Returns the regression set.
-pub(crate) fn regression_set_json() -> String {
+pub fn regression_set_json() -> String {
     json(&set_json())
 }
 
 /// Judges the colours of a converter, and writes the HTML page of the judgement to the file `page`.
 /// `None` stands for the default tolerance.
-pub(crate) fn regression_json(
+pub fn regression_json(
     colours: &str,
     delta_e_2000: Option<f64>,
     component: Option<f64>,

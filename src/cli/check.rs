@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
-use crate::error::Result;
-use crate::format::resolve::resolve_any;
-use crate::render::Job;
+use abbe_format::resolve::resolve_any;
+use abbe_session::render::Job;
+use abbe_spectra::error::Result;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct CheckArgs {

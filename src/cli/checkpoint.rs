@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::error::{Error, Result};
-use crate::output::file as files;
-use crate::output::metadata::{Metadata, names};
-use crate::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Run, SavedRun};
-use crate::sensor::Picture;
+use abbe_session::output::file as files;
+use abbe_session::output::metadata::{Metadata, names};
+use abbe_session::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Run, SavedRun};
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::sensor::Picture;
 
 use super::preview::Preview;
 use super::print;

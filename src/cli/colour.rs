@@ -1,7 +1,7 @@
 //! The JSON form of a colour report.
 
-use crate::colour::{ColourRendition, ColourReport};
-use crate::spectrum::Observer;
+use abbe_spectra::colour::{ColourRendition, ColourReport};
+use abbe_spectra::spectrum::Observer;
 use serde::Serialize;
 
 /// The colour of a light or of a surface, as printed by `abbe spectrum --json` and `abbe lamps

@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::colour::tone::ToneCurve;
-use crate::error::{Error, Result};
-use crate::output::compare::{Comparison, Region, Selection, compare_at};
-use crate::output::comparison_page::{PicturePair, page};
-use crate::output::exr::read as read_exr;
-use crate::output::file;
-use crate::output::gates::Gate;
-use crate::output::png::{read as read_png, read_mask};
-use crate::sensor::{Picture, exposure};
+use abbe_session::output::compare::{Comparison, Region, Selection, compare_at};
+use abbe_session::output::comparison_page::{PicturePair, page};
+use abbe_session::output::exr::read as read_exr;
+use abbe_session::output::file;
+use abbe_session::output::gates::Gate;
+use abbe_session::output::png::{read as read_png, read_mask};
+use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::sensor::{Picture, exposure};
 
 use super::{Outcome, print, values};
 

@@ -4,7 +4,7 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 
 use super::{Cli, Outcome, print};
-use crate::error::Result;
+use abbe_spectra::error::Result;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct CompletionsArgs {

@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-use crate::colour::gamut::GamutMapping;
-use crate::colour::tone::ToneCurve;
-use crate::colour::{AdaptationTransform, RgbSpace, Xyz};
-use crate::error::{Error, Result};
-use crate::output::Metadata;
-use crate::output::exr::read;
-use crate::output::metadata::names;
-use crate::output::png::write as write_png;
-use crate::render::{DisplaySettings, on_threads};
-use crate::scene::Exposure;
-use crate::spectrum::Observer;
+use abbe_scene::Exposure;
+use abbe_session::output::Metadata;
+use abbe_session::output::exr::read;
+use abbe_session::output::metadata::names;
+use abbe_session::output::png::write as write_png;
+use abbe_session::render::{DisplaySettings, on_threads};
+use abbe_spectra::colour::gamut::GamutMapping;
+use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::colour::{AdaptationTransform, RgbSpace, Xyz};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::Observer;
 use serde_json::Value;
 
 use super::{Outcome, named, print, values};

@@ -7,8 +7,8 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::error::{Error, Result};
-use crate::output::tev::{DEFAULT_PORT, TevImage};
+use abbe_session::output::tev::{DEFAULT_PORT, TevImage};
+use abbe_spectra::error::{Error, Result};
 
 use super::print;
 

@@ -1,6 +1,6 @@
 //! Expected values of a report, for tests: `--expect FIGURE=VALUE[:TOLERANCE]`.
 
-use crate::error::{Error, Result};
+use abbe_spectra::error::{Error, Result};
 use serde_json::Value;
 
 /// An expected value of a report.

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
 use crate::api::PlanReport;
-use crate::error::Result;
-use crate::format::resolve::resolve;
-use crate::plan::explain;
-use crate::render::Job;
+use abbe_format::resolve::resolve;
+use abbe_session::render::Job;
+use abbe_spectra::error::Result;
+use abbe_transport::plan::explain;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ExplainArgs {

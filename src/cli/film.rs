@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use super::values::{self, WavelengthList};
 use super::{Outcome, named, print};
-use crate::colour::xy;
-use crate::error::{Error, Result};
-use crate::format::resolve::{FilmSystem, lone_coating};
-use crate::format::{self, CoatingFile, JsonSource};
-use crate::math::elementary::cos;
-use crate::optics::thin_film::{PolarisedResponse, StackResponse};
-use crate::output::file;
-use crate::output::plot::{SpectralCurve, SpectralPlot};
-use crate::spectrum::{BAND_NM, Observer, Spectrum};
+use abbe_format::resolve::{FilmSystem, lone_coating};
+use abbe_format::{self as format, CoatingFile, JsonSource};
+use abbe_optics::thin_film::{PolarisedResponse, StackResponse};
+use abbe_session::output::file;
+use abbe_session::output::plot::{SpectralCurve, SpectralPlot};
+use abbe_spectra::colour::xy;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::cos;
+use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum};
 use serde::Serialize;
 
 #[derive(Debug, clap::Args)]

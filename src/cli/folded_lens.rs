@@ -1,8 +1,8 @@
 //! The report of `abbe lens` for a system with mirrors or coordinate breaks.
 
-use crate::error::Result;
-use crate::optics::lens::LINES;
-use crate::optics::lens::folded::{FoldedAnalysis, FoldedField, FoldedSystem};
+use abbe_optics::lens::LINES;
+use abbe_optics::lens::folded::{FoldedAnalysis, FoldedField, FoldedSystem};
+use abbe_spectra::error::Result;
 use serde::Serialize;
 
 use super::{lens, print};
@@ -49,7 +49,6 @@ pub(super) fn report(system: &FoldedSystem, half_field_deg: Option<f64>, as_json
 }
 
 /// Analyses the system, and returns the figures as JSON.
-#[cfg(feature = "python")]
 pub(super) fn json(system: &FoldedSystem, half_field_deg: Option<f64>) -> Result<String> {
     let analysis = system.analysis(half_field_deg)?;
     Ok(serde_json::to_string(&figures(system, &analysis)).expect("reports have text keys and no fallible values"))

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use abbe_spectra::error::{Error, Result};
 
 use super::values;
 

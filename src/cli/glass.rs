@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use crate::error::{Error, Result};
-use crate::format::resolve;
-use crate::optics::glass::catalogue::{self, Glass, GlassKind};
-use crate::optics::glass::{CauchyFit, Dispersion, SellmeierTerm};
-use crate::output::file;
-use crate::output::plot::{SpectralCurve, SpectralPlot};
-use crate::spectrum::BAND_NM;
+use abbe_format::resolve;
+use abbe_optics::glass::catalogue::{self, Glass, GlassKind};
+use abbe_optics::glass::{CauchyFit, Dispersion, SellmeierTerm};
+use abbe_session::output::file;
+use abbe_session::output::plot::{SpectralCurve, SpectralPlot};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::BAND_NM;
 use serde::Serialize;
 
 use super::{Outcome, print, values};

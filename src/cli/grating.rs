@@ -3,12 +3,12 @@
 use std::f64::consts::PI;
 
 use super::{Outcome, print, values};
-use crate::error::{Error, Result};
-use crate::math::elementary::{atan2, sin_cos};
-use crate::optics::bsdf::ScatterEvent;
-use crate::optics::glass::RefractiveIndex;
-use crate::optics::grating::{DiffractedOrder, EfficiencyTable, Grating, GratingProfile};
-use crate::spectrum::Spectrum;
+use abbe_optics::bsdf::ScatterEvent;
+use abbe_optics::glass::RefractiveIndex;
+use abbe_optics::grating::{DiffractedOrder, EfficiencyTable, Grating, GratingProfile};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::{atan2, sin_cos};
+use abbe_spectra::spectrum::Spectrum;
 use glam::DVec3;
 use serde::Serialize;
 

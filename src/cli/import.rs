@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
-use crate::error::{Error, Result};
-use crate::format::import::import;
-use crate::output::file::write_whole;
+use abbe_import::import;
+use abbe_session::output::file::write_whole;
+use abbe_spectra::error::{Error, Result};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ImportArgs {

@@ -4,7 +4,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::print;
-use crate::error::{Error, Result};
+use abbe_spectra::error::{Error, Result};
 
 static SIGNALS: AtomicUsize = AtomicUsize::new(0);
 

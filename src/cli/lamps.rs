@@ -3,16 +3,18 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::colour::lamps::{ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair, compare_returned_light};
-use crate::colour::{LightDifference, PrimaryMatch, Xyz, light_difference, match_primaries, report};
-use crate::error::{Error, Result};
-use crate::format::luminaire::is_luminaire;
-use crate::optics::bsdf::Fluorescent;
-use crate::optics::fluorescent_samples;
-use crate::output::figures::{difference_text, report_rows};
-use crate::output::file;
-use crate::output::lamps_page::{LampsPage, NamedLamp, page};
-use crate::spectrum::{Observer, Spectrum};
+use abbe_format::luminaire::is_luminaire;
+use abbe_optics::bsdf::Fluorescent;
+use abbe_optics::fluorescent_samples;
+use abbe_session::output::figures::{difference_text, report_rows};
+use abbe_session::output::file;
+use abbe_session::output::lamps_page::{LampsPage, NamedLamp, page};
+use abbe_spectra::colour::lamps::{
+    ALIKE, DIFFERENT, LampComparison, PatchDifference, SplitPair, compare_returned_light,
+};
+use abbe_spectra::colour::{LightDifference, PrimaryMatch, Xyz, light_difference, match_primaries, report};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::{Observer, Spectrum};
 use serde::Serialize;
 
 use super::colour::ColourJson;

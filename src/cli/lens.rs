@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
-use crate::format::resolve;
-use crate::optics::glass::AgfCatalogue;
-use crate::optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
-use crate::optics::lens::section::{DrawnRay, FocusWindow, LensSection, section};
-use crate::optics::lens::zemax::ZmxSystem;
-use crate::optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, Pupil, catalogue};
-use crate::output::drawing::{FocusInset, LensDrawing, RayStroke};
-use crate::output::file;
+use abbe_format::resolve;
+use abbe_optics::glass::AgfCatalogue;
+use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
+use abbe_optics::lens::section::{DrawnRay, FocusWindow, LensSection, section};
+use abbe_optics::lens::zemax::ZmxSystem;
+use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, Pupil, catalogue};
+use abbe_session::output::drawing::{FocusInset, LensDrawing, RayStroke};
+use abbe_session::output::file;
+use abbe_spectra::error::{Error, Result};
 use serde::Serialize;
 
 use super::{Outcome, folded_lens, print, values};

@@ -5,12 +5,12 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::{Outcome, print};
-use crate::error::Result;
-use crate::format::FileAccess;
-use crate::format::luminaire::{self, BeamAngles, LuminaireSummary, Photometry};
-use crate::output::polar::{PolarCurve, PolarDiagram};
-use crate::output::{file, luminaire_page};
-use crate::scene::light::{OpeningShape, PhotometricType};
+use abbe_format::FileAccess;
+use abbe_format::luminaire::{self, BeamAngles, LuminaireSummary, Photometry};
+use abbe_scene::light::{OpeningShape, PhotometricType};
+use abbe_session::output::polar::{PolarCurve, PolarDiagram};
+use abbe_session::output::{file, luminaire_page};
+use abbe_spectra::error::Result;
 
 /// The names of the two planes of the diagram, and their angles C in degrees.
 const PLANES: [(&str, f64); 2] = [("C0–C180", 0.0), ("C90–C270", 90.0)];

@@ -6,7 +6,7 @@ use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 
 use super::{Cli, Outcome, print};
-use crate::error::{Error, Result};
+use abbe_spectra::error::{Error, Result};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ManArgs {

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::error::{Error, Result};
-use crate::format::resolve::resolve_meters;
-use crate::output::file as files;
-use crate::render::{Job, StopRules, on_threads};
+use abbe_format::resolve::resolve_meters;
+use abbe_session::output::file as files;
+use abbe_session::render::{Job, StopRules, on_threads};
+use abbe_spectra::error::{Error, Result};
 
 use super::progress::{ProgressDisplay, time};
 use super::readings::{csv, page, table};

@@ -1,8 +1,8 @@
 //! Refuses renders that need more memory than the machine has. Without this check, the system would
 //! kill the process.
 
-use crate::error::{Error, Result};
-use crate::plan::Budget;
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::plan::Budget;
 
 /// Refuses a render if it needs more memory than the machine has available.
 pub(crate) fn check(budget: &Budget) -> Result<()> {

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::error::{Error, Result};
-use crate::output::exr::write;
-use crate::render::{PartSet, Stats, on_threads};
+use abbe_session::output::exr::write;
+use abbe_session::render::{PartSet, Stats, on_threads};
+use abbe_spectra::error::{Error, Result};
 
 use super::outputs::OutputFiles;
 use super::{Outcome, interrupt, print, values};

@@ -1,10 +1,10 @@
 //! `abbe metal`: the complex refractive index of a metal.
 
 use super::{Outcome, print, values};
-use crate::error::{Error, Result};
-use crate::optics::fresnel;
-use crate::spectrum::library::LibraryMetal;
-use crate::spectrum::{BAND_NM, library};
+use abbe_optics::fresnel;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::library::LibraryMetal;
+use abbe_spectra::spectrum::{BAND_NM, library};
 use serde::Serialize;
 
 #[derive(Debug, clap::Args)]

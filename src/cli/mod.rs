@@ -5,8 +5,7 @@
 //! command line is wrong, and 3 if the limit of `compare --fail-above` was exceeded. The exit
 //! status is 130 if the user interrupted the command.
 
-#[cfg(feature = "python")]
-mod bindings;
+pub mod bindings;
 mod check;
 mod checkpoint;
 mod colour;
@@ -53,22 +52,12 @@ mod values;
 #[cfg(feature = "view")]
 mod view;
 
-#[cfg(feature = "python")]
-pub(crate) use bindings::{
-    ComparedLamps, MeasureRequest, SceneRequest, StudyRequest, colour_json, glass_json, lamps_json, lens_json,
-    measure_json, named_spectrum, prescription_json, regression_json, regression_set_json, study_json,
-};
-#[cfg(feature = "python")]
-pub(crate) use glass::check_wavelengths as check_glass_wavelengths;
-#[cfg(feature = "python")]
-pub(crate) use memory::check as check_memory;
-
 use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
 use std::sync::Mutex;
 
-use crate::error::{Error, Result};
+use abbe_spectra::error::{Error, Result};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 

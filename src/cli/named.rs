@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
-use crate::format::resolve::{self, Role};
-use crate::format::{self, SpectrumFile, is_hex_colour};
-use crate::spectrum::library::{self, SpectrumKind};
-use crate::spectrum::{Spectrum, read};
+use abbe_format::resolve::{self, Role};
+use abbe_format::{self as format, SpectrumFile, is_hex_colour};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::library::{self, SpectrumKind};
+use abbe_spectra::spectrum::{Spectrum, read};
 
 use super::print;
 

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
-use crate::output::Metadata;
-use crate::output::exr::{ExrFile, read, write as write_exr};
-use crate::output::file as files;
-use crate::output::metadata::names;
-use crate::output::png::write as write_png;
-use crate::render::{DisplaySettings, Stats};
-use crate::sensor::Picture;
+use abbe_session::output::Metadata;
+use abbe_session::output::exr::{ExrFile, read, write as write_exr};
+use abbe_session::output::file as files;
+use abbe_session::output::metadata::names;
+use abbe_session::output::png::write as write_png;
+use abbe_session::render::{DisplaySettings, Stats};
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::sensor::Picture;
 
 /// The output files of a render.
 #[derive(Debug)]

@@ -4,13 +4,13 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use crate::error::Result;
-use crate::output::Metadata;
-use crate::output::exr::write_uncompressed;
-use crate::output::metadata::names;
-use crate::output::tev::TevImage;
-use crate::render::{DisplaySettings, Run};
-use crate::sensor::Picture;
+use abbe_session::output::Metadata;
+use abbe_session::output::exr::write_uncompressed;
+use abbe_session::output::metadata::names;
+use abbe_session::output::tev::TevImage;
+use abbe_session::render::{DisplaySettings, Run};
+use abbe_spectra::error::Result;
+use abbe_transport::sensor::Picture;
 
 use super::display_server::DisplayServer;
 use super::outputs::OutputFiles;

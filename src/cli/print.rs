@@ -3,12 +3,12 @@
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-use crate::error::{Error, Result};
-use crate::format::{FileAccess, PATCH_LABEL};
-use crate::math::elementary::log2;
-use crate::optics::glass::catalogue;
-use crate::render::ErrorStats;
-use crate::spectrum::library;
+use abbe_format::{FileAccess, PATCH_LABEL};
+use abbe_optics::glass::catalogue;
+use abbe_session::render::ErrorStats;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::log2;
+use abbe_spectra::spectrum::library;
 use serde::Serialize;
 
 use super::progress::percent;

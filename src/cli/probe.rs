@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 
-use crate::colour::gamut::desaturate;
-use crate::colour::tone::ToneCurve;
-use crate::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
-use crate::error::{Error, Result};
-use crate::output::exr::read;
-use crate::output::file;
-use crate::output::heat::error_map;
-use crate::output::plot::{SpectralCurve, SpectralPlot};
-use crate::output::png::write as write_png;
-use crate::sensor::{Picture, exposure};
-use crate::spectrum::BAND_NM;
+use abbe_session::output::exr::read;
+use abbe_session::output::file;
+use abbe_session::output::heat::error_map;
+use abbe_session::output::plot::{SpectralCurve, SpectralPlot};
+use abbe_session::output::png::write as write_png;
+use abbe_spectra::colour::gamut::desaturate;
+use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::BAND_NM;
+use abbe_transport::sensor::{Picture, exposure};
 use serde::Serialize;
 
 use super::progress::percent;

@@ -4,8 +4,8 @@
 use std::io::IsTerminal;
 use std::time::Duration;
 
-use crate::math::elementary::log10;
-use crate::render::{ErrorMilestone, Monitor, Progress};
+use abbe_session::render::{ErrorMilestone, Monitor, Progress};
+use abbe_spectra::math::elementary::log10;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{interrupt, print};
@@ -225,8 +225,8 @@ pub(crate) fn time(duration: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Forecast;
-    use crate::sensor::ErrorSquares;
+    use abbe_session::render::Forecast;
+    use abbe_transport::sensor::ErrorSquares;
     use std::io;
     use std::sync::{Arc, Mutex};
 
@@ -249,7 +249,7 @@ mod tests {
         let squares = ErrorSquares { bias: 0.0016, kernel_noise: 0.0, sampling: 0.0 };
         Forecast::without_history(
             squares,
-            crate::render::RunTimes { passes: 16, total_s: 12.0, before_first_pass_s: 0.0 },
+            abbe_session::render::RunTimes { passes: 16, total_s: 12.0, before_first_pass_s: 0.0 },
         )
         .unwrap()
     }

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::math::elementary::log10;
-use crate::output::meters_page::{self, MeterSection};
-use crate::output::plan_map::PlanMap;
-use crate::render::{MeasurementReport, MeterReport, PointReport, Value};
+use abbe_session::output::meters_page::{self, MeterSection};
+use abbe_session::output::plan_map::PlanMap;
+use abbe_session::render::{MeasurementReport, MeterReport, PointReport, Value};
+use abbe_spectra::math::elementary::log10;
 
 /// Returns the readings as a table.
 pub(super) fn table(report: &MeasurementReport) -> String {

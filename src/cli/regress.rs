@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use crate::colour::regress::{CaseGroup, RegressionReport, RegressionTolerances, judge};
-use crate::error::Result;
-use crate::output::junit::{JunitCase, junit};
-use crate::output::{file, regress_page};
+use abbe_session::output::junit::{JunitCase, junit};
+use abbe_session::output::{file, regress_page};
+use abbe_spectra::colour::regress::{CaseGroup, RegressionReport, RegressionTolerances, judge};
+use abbe_spectra::error::Result;
 
 use super::regress_files::{read_colours, write_set};
 use super::{Outcome, print, values};

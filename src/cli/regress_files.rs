@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::colour::regress::{
+use abbe_session::output::file;
+use abbe_spectra::colour::regress::{
     CaseColour, CaseGroup, ConvertedColour, REGRESSION_SET, RegressionSet, RegressionSpectrum, RegressionTolerances,
 };
-use crate::error::{Error, Result, nearest_name};
-use crate::output::file;
-use crate::spectrum::{BAND_NM, Observer};
+use abbe_spectra::error::{Error, Result, nearest_name};
+use abbe_spectra::spectrum::{BAND_NM, Observer};
 use serde::Serialize;
 use serde_json::Value;
 

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use crate::error::{Error, Result};
-use crate::output::exr::{read, write as write_exr};
-use crate::output::metadata::{Metadata, names};
-use crate::output::png::write as write_png;
-use crate::output::relight::{LightGain, light_groups, relight};
-use crate::render::on_threads;
+use abbe_session::output::exr::{read, write as write_exr};
+use abbe_session::output::metadata::{Metadata, names};
+use abbe_session::output::png::write as write_png;
+use abbe_session::output::relight::{LightGain, light_groups, relight};
+use abbe_session::render::on_threads;
+use abbe_spectra::error::{Error, Result};
 use serde_json::{Map, Value, json};
 
 use super::develop::DisplayArgs;

@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::error::{Error, Result};
-use crate::format::JsonSource;
-use crate::format::resolve;
-use crate::output::Metadata;
-use crate::output::exr::write as write_exr;
-use crate::output::file as files;
-use crate::output::metadata::names;
-use crate::render::{
+use abbe_format::JsonSource;
+use abbe_format::resolve;
+use abbe_session::output::Metadata;
+use abbe_session::output::exr::write as write_exr;
+use abbe_session::output::file as files;
+use abbe_session::output::metadata::names;
+use abbe_session::render::{
     DisplaySettings, Integrator, Job, PassPart, RenderIdentity, Rendered, Request, StopRules, on_threads,
 };
+use abbe_spectra::error::{Error, Result};
 
 use super::checkpoint::{CheckpointFile, CheckpointInterval, RenderMonitor};
 use super::display_server::{DisplayServer, ServerAddress};

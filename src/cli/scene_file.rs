@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::print;
-use crate::error::Result;
-use crate::format::{self, FileAccess, JsonSource, SceneFile, SceneText};
+use crate::api::{SceneText, read_scene_text};
+use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
+use abbe_spectra::error::Result;
 
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct SceneFileArgs {
@@ -27,7 +28,7 @@ impl SceneFileArgs {
     /// out. Then applies `sets`, the patches in the form `PATH=JSON`.
     pub(crate) fn read(&self, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
         let access = self.file_access();
-        let SceneText { text, notes } = format::read_scene_text(path, access, self.overlay.as_deref())?;
+        let SceneText { text, notes } = read_scene_text(path, access, self.overlay.as_deref())?;
         notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         format::parse_with_access(text, path, sets, access)
     }

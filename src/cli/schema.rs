@@ -1,8 +1,8 @@
 //! `abbe schema`: the JSON Schema of the scene file, and the scene reference.
 
 use super::{Outcome, print};
-use crate::error::Result;
-use crate::format;
+use abbe_format as format;
+use abbe_spectra::error::Result;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SchemaArgs {

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use crate::colour::ColourReport;
-use crate::error::{Error, Result};
-use crate::format::resolve::Role;
-use crate::output::figures::report_rows;
-use crate::output::file;
-use crate::output::plot::SpectralPlot;
-use crate::spectrum::Observer;
-use crate::spectrum::library;
+use abbe_format::resolve::Role;
+use abbe_session::output::figures::report_rows;
+use abbe_session::output::file;
+use abbe_session::output::plot::SpectralPlot;
+use abbe_spectra::colour::ColourReport;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::Observer;
+use abbe_spectra::spectrum::library;
 use serde::Serialize;
 
 use super::colour::ColourJson;

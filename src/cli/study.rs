@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crate::error::Result;
-use crate::format::resolve::resolve;
-use crate::format::{JsonSource, SceneFile};
-use crate::output::exr::read;
-use crate::output::metadata::names;
-use crate::render::{Integrator, Job, Monitor, Progress, on_threads};
 use crate::study::report::{StudyReport, theory};
 use crate::study::study_scene::integrator_title;
 use crate::study::{self, PAGE, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
+use abbe_format::resolve::resolve;
+use abbe_format::{JsonSource, SceneFile};
+use abbe_session::output::exr::read;
+use abbe_session::output::metadata::names;
+use abbe_session::render::{Integrator, Job, Monitor, Progress, on_threads};
+use abbe_spectra::error::Result;
 
 use super::progress::{ProgressDisplay, percent, time};
 use super::scene_file::SceneFileArgs;

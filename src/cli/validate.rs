@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use crate::error::Result;
-use crate::output::file as files;
-use crate::render::{StopRules, on_threads};
 use crate::validate::{Case, CaseResult, cie171, closed_forms, markdown, run as measure};
+use abbe_session::output::file as files;
+use abbe_session::render::{StopRules, on_threads};
+use abbe_spectra::error::Result;
 
 use super::progress::ProgressDisplay;
 use super::{Outcome, interrupt, print, values};
@@ -82,7 +82,7 @@ pub(crate) fn run(arguments: &ValidateArgs) -> Result<Outcome> {
         files::check_writable(path)?;
     }
     let folder = std::env::temp_dir().join(format!("abbe-validate-{}", std::process::id()));
-    let machine = |error: std::io::Error| crate::error::Error::machine(format!("{}: {error}", folder.display()));
+    let machine = |error: std::io::Error| abbe_spectra::error::Error::machine(format!("{}: {error}", folder.display()));
     std::fs::create_dir_all(&folder).map_err(machine)?;
     let results = write_lamps(&folder).and_then(|()| measure_cases(arguments, &folder));
     let appendix = results.as_ref().map_or(Ok(String::new()), |_| measure_appendix(arguments, &folder));

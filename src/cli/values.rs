@@ -3,12 +3,12 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-use crate::colour::decode_srgb;
-use crate::output::compare::Region;
-use crate::output::gates::{Gate, GateSide};
-use crate::output::relight::LightGain;
-use crate::render::PassPart;
-use crate::scene::Exposure;
+use abbe_scene::Exposure;
+use abbe_session::output::compare::Region;
+use abbe_session::output::gates::{Gate, GateSide};
+use abbe_session::output::relight::LightGain;
+use abbe_session::render::PassPart;
+use abbe_spectra::colour::decode_srgb;
 
 /// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`. A number without a unit is in
 /// seconds.

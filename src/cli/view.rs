@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::api::provenance;
-use crate::error::Result;
-use crate::format::resolve;
-use crate::output::exr::write as write_exr;
-use crate::output::file as files;
-use crate::render::{DisplaySettings, Integrator, Job, RenderIdentity, Rendered, StopRules};
 use crate::view::{LiveView, LoadedScene, SessionEnd, ViewHost};
+use abbe_format::resolve;
+use abbe_session::output::exr::write as write_exr;
+use abbe_session::output::file as files;
+use abbe_session::render::{DisplaySettings, Integrator, Job, RenderIdentity, Rendered, StopRules};
+use abbe_spectra::error::Result;
 
 use super::checkpoint::CheckpointFile;
 use super::outputs::OutputFiles;

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use super::monitor::StudyMonitor;
 use super::reference::{PictureError, ReferencePicture};
-use crate::render::{Monitor, Progress, Run};
-use crate::sensor::Picture;
+use abbe_session::render::{Monitor, Progress, Run};
+use abbe_transport::sensor::Picture;
 use serde::{Deserialize, Serialize};
 
 /// The error of a render after some passes.

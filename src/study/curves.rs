@@ -8,9 +8,9 @@ use super::reference_choice::ChosenReference;
 use super::runner::{FinishedStep, RenderStep, Runner};
 use super::study_scene::integrator_title;
 use super::time_shares::TIME_SHARES;
-use crate::plan::{CausticPlan, IndirectPlan, Plan, VolumePlan};
-use crate::render::{Integrator, Job, Stats};
-use crate::sensor::Picture;
+use abbe_session::render::{Integrator, Job, Stats};
+use abbe_transport::plan::{CausticPlan, IndirectPlan, Plan, VolumePlan};
+use abbe_transport::sensor::Picture;
 use serde::Serialize;
 
 /// The error of an integrator as a function of passes and time.

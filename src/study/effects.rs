@@ -5,11 +5,11 @@ use super::reference::MeanEstimate;
 use super::reference_choice::{ChosenReference, seed};
 use super::runner::{FinishedStep, RenderStep, Runner};
 use super::time_shares::TIME_SHARES;
-use crate::format::SceneFile;
-use crate::output::compare::{DeltaE, Selection, compare};
-use crate::plan::{EffectRow, EffectState};
-use crate::render::Job;
-use crate::sensor::Picture;
+use abbe_format::SceneFile;
+use abbe_session::output::compare::{DeltaE, Selection, compare};
+use abbe_session::render::Job;
+use abbe_transport::plan::{EffectRow, EffectState};
+use abbe_transport::sensor::Picture;
 use serde::Serialize;
 
 /// An effect that is on, and the comparison with a picture without this effect.

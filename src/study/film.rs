@@ -4,9 +4,9 @@ use super::monitor::StudyError;
 use super::runner::{RenderStep, Runner};
 use super::study_scene::integrator_title;
 use super::time_shares::TIME_SHARES;
-use crate::error::Error;
-use crate::render::{Integrator, Job, Stats};
-use crate::sensor::Picture;
+use abbe_session::render::{Integrator, Job, Stats};
+use abbe_spectra::error::Error;
+use abbe_transport::sensor::Picture;
 use serde::Serialize;
 
 /// The film size of a study, and the scene's own film size.

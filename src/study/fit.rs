@@ -1,6 +1,6 @@
 //! Fits power laws by least squares on logarithms.
 
-use crate::math::elementary::{log10, powf};
+use abbe_spectra::math::elementary::{log10, powf};
 use serde::{Deserialize, Serialize};
 
 /// A power law y = c·xᵖ, fitted to points.

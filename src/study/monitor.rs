@@ -1,7 +1,7 @@
 //! The observer of a study, and the reasons for an early stop of a study.
 
-use crate::error::Error;
-use crate::render::Monitor;
+use abbe_session::render::Monitor;
+use abbe_spectra::error::Error;
 
 /// Receives the progress of a study: its steps, and the passes of each render.
 pub trait StudyMonitor: Monitor {

@@ -11,16 +11,16 @@ use super::report::{StudyReport, signed, theory};
 use super::study_scene::RenderSettings;
 use super::study_scene::integrator_title;
 use super::time_shares::TIME_SHARES;
-use crate::error::Result;
-use crate::math::elementary::{log2, log10};
-use crate::output::axis::power_of_ten;
-use crate::output::compare::{DeltaE, Selection};
-use crate::output::comparison_page::colour_differences;
-use crate::output::data_uri::data_uri;
-use crate::output::page::document;
-use crate::output::png::encode;
-use crate::render::{Integrator, Job};
-use crate::sensor::{Development, DisplayImage, Picture, develop, exposure};
+use abbe_session::output::axis::power_of_ten;
+use abbe_session::output::compare::{DeltaE, Selection};
+use abbe_session::output::comparison_page::colour_differences;
+use abbe_session::output::data_uri::data_uri;
+use abbe_session::output::page::document;
+use abbe_session::output::png::encode;
+use abbe_session::render::{Integrator, Job};
+use abbe_spectra::error::Result;
+use abbe_spectra::math::elementary::{log2, log10};
+use abbe_transport::sensor::{Development, DisplayImage, Picture, develop, exposure};
 
 /// The pictures of the page. All pictures have the exposure of the reference.
 #[derive(Debug)]

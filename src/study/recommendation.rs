@@ -7,8 +7,8 @@ use super::fit::PowerLawFit;
 use super::reference_choice::ReferenceProvenance;
 use super::study_scene::{RenderSettings, StudyScene};
 use super::sweep::{RenderTime, SettingSweep};
-use crate::math::elementary::{exp, ln, powf};
-use crate::render::Integrator;
+use abbe_session::render::Integrator;
+use abbe_spectra::math::elementary::{exp, ln, powf};
 use serde::Serialize;
 
 /// The settings and the time for a wanted error.

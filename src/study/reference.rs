@@ -2,9 +2,9 @@
 //! measured errors.
 
 use super::smooth_regions;
-use crate::math::elementary::hypot;
-use crate::output::compare::ErrorScale;
-use crate::sensor::Picture;
+use abbe_session::output::compare::ErrorScale;
+use abbe_spectra::math::elementary::hypot;
+use abbe_transport::sensor::Picture;
 use serde::{Deserialize, Serialize};
 
 /// A mean over pixels, and the standard error of this mean.
@@ -133,7 +133,7 @@ const LEAST_SMOOTH: f64 = 0.02;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Stream};
 
     /// A grey picture with uniform noise of standard deviation `sigma`.
     fn noisy(level: f64, sigma: f64, seed: u64) -> Picture {

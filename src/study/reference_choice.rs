@@ -10,11 +10,11 @@ use super::reference::ReferencePicture;
 use super::runner::{FinishedStep, RenderStep, Runner};
 use super::study_scene::integrator_title;
 use super::time_shares::TIME_SHARES;
-use crate::format::SceneFile;
-use crate::math::elementary::powf;
-use crate::render::{Integrator, Job};
-use crate::scene::facts::Facts;
-use crate::sensor::Picture;
+use abbe_format::SceneFile;
+use abbe_scene::facts::Facts;
+use abbe_session::render::{Integrator, Job};
+use abbe_spectra::math::elementary::powf;
+use abbe_transport::sensor::Picture;
 use serde::Serialize;
 
 /// A reference picture and its provenance.

@@ -10,8 +10,8 @@ use super::reference_choice::ReferenceProvenance;
 use super::step_cache::json;
 use super::study_scene::{Setting, integrator_title};
 use super::sweep::SettingSweep;
-use crate::math::elementary::powf;
-use crate::output::graph::{LogLogPlot, PlotSeries, SeriesStyle};
+use abbe_session::output::graph::{LogLogPlot, PlotSeries, SeriesStyle};
+use abbe_spectra::math::elementary::powf;
 use serde::Serialize;
 
 /// The results of a study.

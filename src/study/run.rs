@@ -13,9 +13,9 @@ use super::smooth_regions;
 use super::step_cache::StepCache;
 use super::study_scene::StudyScene;
 use super::sweep::{self, SettingSweep};
-use crate::error::Result;
-use crate::output::file;
-use crate::sensor::Picture;
+use abbe_session::output::file;
+use abbe_spectra::error::Result;
+use abbe_transport::sensor::Picture;
 use std::path::PathBuf;
 use std::time::Duration;
 

@@ -8,9 +8,9 @@ use super::monitor::StudyMonitor;
 use super::reference::ReferencePicture;
 use super::step_cache::{StepCache, StepResult};
 use super::study_scene::StudyScene;
-use crate::output::hash::IdentityHash;
-use crate::render::{Integrator, Request, StopRules, current_threads};
-use crate::sensor::Picture;
+use abbe_session::output::hash::IdentityHash;
+use abbe_session::render::{Integrator, Request, StopRules, current_threads};
+use abbe_transport::sensor::Picture;
 
 /// A render of the study.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! Finds the smooth regions of a picture. The theoretical convergence rates of kernel estimates
 //! hold only in smooth regions. At an edge, the error falls more slowly.
 
-use crate::sensor::Picture;
+use abbe_transport::sensor::Picture;
 
 /// The window around a pixel extends this many pixels to every side.
 const REACH: usize = 3;

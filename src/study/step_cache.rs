@@ -4,12 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::convergence::ConvergencePoint;
-use crate::error::{Error, Result};
-use crate::output::exr::{read, write};
-use crate::output::file;
-use crate::output::metadata::Metadata;
-use crate::render::Stats;
-use crate::sensor::Picture;
+use abbe_session::output::exr::{read, write};
+use abbe_session::output::file;
+use abbe_session::output::metadata::Metadata;
+use abbe_session::render::Stats;
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::sensor::Picture;
 use serde::{Deserialize, Serialize};
 
 /// The result of a step without its picture.

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use crate::error::Result;
-use crate::format::resolve::resolve;
-use crate::format::{self, FileAccess, SceneFile};
-use crate::render::{Integrator, Job};
+use abbe_format::resolve::resolve;
+use abbe_format::{self as format, FileAccess, SceneFile};
+use abbe_session::render::{Integrator, Job};
+use abbe_spectra::error::Result;
 use serde::{Deserialize, Serialize};
 
 /// The scene of a study. Its text is read once, so that all steps use the same scene.

@@ -9,11 +9,11 @@ use super::reference_choice::ChosenReference;
 use super::runner::{RenderStep, Runner};
 use super::study_scene::{RenderSettings, Setting, SettingChange};
 use super::time_shares::TIME_SHARES;
-use crate::format::resolve::DEFAULT_MARCH_STEPS;
-use crate::format::{MediumFile, SceneFile, TransmittanceFile};
-use crate::math::sort::sort_by_number;
-use crate::plan::{CausticPlan, IndirectPlan};
-use crate::render::{Integrator, Job, Stats};
+use abbe_format::resolve::DEFAULT_MARCH_STEPS;
+use abbe_format::{MediumFile, SceneFile, TransmittanceFile};
+use abbe_session::render::{Integrator, Job, Stats};
+use abbe_spectra::math::sort::sort_by_number;
+use abbe_transport::plan::{CausticPlan, IndirectPlan};
 use serde::Serialize;
 
 /// One render of the sweep.

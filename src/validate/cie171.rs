@@ -5,9 +5,8 @@
 //! expected values are computed from first principles; `data/SOURCES.md` names their source.
 
 use super::{Case, Expected};
-use crate::error::{Error, Result};
-use crate::math::elementary::sin_cos;
-use crate::spectrum::embedded;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::sin_cos;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
@@ -74,9 +73,9 @@ struct Wall {
 /// # Errors
 /// Returns an error if the embedded file is damaged.
 pub fn cases() -> Result<Vec<Case>> {
-    let text = embedded::unpack(include_bytes!("../../data/validation/cie171.json.gz"));
+    let text = include_str!("../../data/validation/cie171.json");
     let scenarios: Vec<Scenario> =
-        serde_json::from_str(&text).map_err(|error| Error::machine(format!("the embedded cases: {error}")))?;
+        serde_json::from_str(text).map_err(|error| Error::machine(format!("the embedded cases: {error}")))?;
     Ok(scenarios.iter().map(Scenario::case).collect())
 }
 

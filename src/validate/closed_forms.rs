@@ -3,10 +3,10 @@
 //! form, so it is measured apart from the cases ([`newtons_length`]).
 
 use super::{Case, Expected, measure_scene};
-use crate::error::Result;
-use crate::math::elementary::{asin, exp, ln, sin, sin_cos, tan};
-use crate::math::quadrature::gauss16;
-use crate::render::{Monitor, StopRules, Value};
+use abbe_session::render::{Monitor, StopRules, Value};
+use abbe_spectra::error::Result;
+use abbe_spectra::math::elementary::{asin, exp, ln, sin, sin_cos, tan};
+use abbe_spectra::math::quadrature::gauss16;
 use glam::DVec2;
 use serde_json::{Value as Json, json};
 use std::f64::consts::{FRAC_PI_2, PI};

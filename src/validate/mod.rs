@@ -9,10 +9,10 @@ mod report;
 
 pub use report::markdown;
 
-use crate::error::Result;
-use crate::format::resolve::resolve_meters;
-use crate::format::{FileAccess, parse_with_access};
-use crate::render::{Job, MeasurementReport, Monitor, StopRules, Value};
+use abbe_format::resolve::resolve_meters;
+use abbe_format::{FileAccess, parse_with_access};
+use abbe_session::render::{Job, MeasurementReport, Monitor, StopRules, Value};
+use abbe_spectra::error::Result;
 use serde::Serialize;
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 use super::host::LoadedScene;
 use super::scene_panels::ScenePanels;
 use super::snapshot::Snapshot;
-use crate::render::Progress;
+use abbe_session::render::Progress;
 use serde_json::{Value, json};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};

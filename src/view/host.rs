@@ -1,9 +1,9 @@
 //! The program that owns the view: it loads the scene and knows whether the user interrupts.
 
-use crate::error::Result;
-use crate::format::JsonSource;
-use crate::output::Metadata;
-use crate::render::Job;
+use abbe_format::JsonSource;
+use abbe_session::output::Metadata;
+use abbe_session::render::Job;
+use abbe_spectra::error::Result;
 use std::path::Path;
 
 /// A scene that is ready to render, with its text.

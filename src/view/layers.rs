@@ -1,8 +1,8 @@
 //! The layers of a picture that the page shows as false colours.
 
-use crate::colour::RgbSpace;
-use crate::plan::PathClass;
-use crate::sensor::Picture;
+use abbe_spectra::colour::RgbSpace;
+use abbe_transport::plan::PathClass;
+use abbe_transport::sensor::Picture;
 
 /// Returns Y of each path class at all pixels in cd/m², class by class. Returns `None` if the
 /// picture does not separate the path classes.

@@ -23,8 +23,8 @@ mod watch;
 pub use host::{LoadedScene, ViewHost};
 pub use session::SessionEnd;
 
-use crate::error::{Error, Result};
-use crate::render::StopRules;
+use abbe_session::render::StopRules;
+use abbe_spectra::error::{Error, Result};
 use channel::ViewChannel;
 use std::net::{IpAddr, SocketAddr};
 use std::path::Path;

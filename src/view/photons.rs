@@ -1,8 +1,8 @@
 //! Photon paths as coloured lines over the picture.
 
 use super::host::LoadedScene;
-use crate::math::sphere::BoundingSphere;
-use crate::render::{Job, PathQuery, PhotonPaths, RecordedSegment};
+use abbe_session::render::{Job, PathQuery, PhotonPaths, RecordedSegment};
+use abbe_spectra::math::sphere::BoundingSphere;
 use glam::DVec2;
 use serde::Deserialize;
 use serde_json::{Value, json};

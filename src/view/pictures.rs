@@ -4,8 +4,8 @@ use super::channel::{SessionState, ViewChannel, ViewProgress};
 use super::scene_panels::ScenePanels;
 use super::snapshot::Snapshot;
 use super::watch;
-use crate::error::{Error, Result};
-use crate::output::exr::{ExrFile, read};
+use abbe_session::output::exr::{ExrFile, read};
+use abbe_spectra::error::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! The values of a pixel or of a rectangle of pixels.
 
 use super::snapshot::Snapshot;
-use crate::colour::xy;
-use crate::sensor::picture::half_interval_95;
+use abbe_spectra::colour::xy;
+use abbe_transport::sensor::picture::half_interval_95;
 use serde::{Deserialize, Serialize};
 
 /// A rectangle of pixels. The right column and the last row belong to it.

@@ -6,9 +6,9 @@ use super::layers;
 use super::scene_panels::ScenePanels;
 use super::snapshot::{BandNoise, Snapshot};
 use crate::api::provenance;
-use crate::plan::EffectState;
-use crate::render::Run;
-use crate::sensor::Picture;
+use abbe_session::render::Run;
+use abbe_transport::plan::EffectState;
+use abbe_transport::sensor::Picture;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 

@@ -2,12 +2,12 @@
 
 use super::host::LoadedScene;
 use crate::api::PlanReport;
-use crate::colour::tone::ToneCurve;
-use crate::colour::{RgbSpace, xy};
-use crate::output::Metadata;
-use crate::render::{DisplaySettings, Job};
-use crate::sensor::{Development, Picture};
-use crate::spectrum::{BAND_NM, Observer, Outside, Spectrum};
+use abbe_session::output::Metadata;
+use abbe_session::render::{DisplaySettings, Job};
+use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::colour::{RgbSpace, xy};
+use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum};
+use abbe_transport::sensor::{Development, Picture};
 use serde_json::{Value, json};
 
 /// A loaded scene as the page sees it.

@@ -2,10 +2,10 @@
 
 use super::layers;
 use super::scene_panels::ScenePanels;
-use crate::output::Metadata;
-use crate::output::metadata::names;
-use crate::render::{LedgerStats, StageSeconds};
-use crate::sensor::{Picture, exposure};
+use abbe_session::output::Metadata;
+use abbe_session::output::metadata::names;
+use abbe_session::render::{LedgerStats, StageSeconds};
+use abbe_transport::sensor::{Picture, exposure};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};

@@ -1,7 +1,7 @@
 //! Watches the scene file, and notices interruptions.
 
 use super::channel::ViewChannel;
-use crate::error::{Error, Result};
+use abbe_spectra::error::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};

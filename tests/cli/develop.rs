@@ -2,7 +2,7 @@
 
 use crate::abbe_command::folder::{names_in, with_ball};
 use crate::abbe_command::{Said, abbe};
-use abbe::output::exr;
+use abbe_session::output::exr;
 use std::path::Path;
 use tempfile::TempDir;
 

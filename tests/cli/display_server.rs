@@ -2,7 +2,7 @@
 
 use crate::abbe_command::folder::with_ball;
 use crate::abbe_command::{Said, abbe, command};
-use abbe::output::exr;
+use abbe_session::output::exr;
 use std::io::Read;
 use std::net::TcpListener;
 use std::path::Path;

@@ -176,7 +176,7 @@ fn the_json_object_has_the_keys_that_are_documented() {
     let effects = json["effects"].as_array().unwrap();
     assert!(effects.iter().all(|effect| keys(effect) == of_effect));
     let names: Vec<&str> = effects.iter().map(|effect| effect["name"].as_str().unwrap()).collect();
-    assert_eq!(names, abbe::plan::EFFECTS.map(|effect| effect.name));
+    assert_eq!(names, abbe_transport::plan::EFFECTS.map(|effect| effect.name));
     let docs = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/reference/files.md")).unwrap();
     let documented = [&top[..], &of_effect, &of_camera, &of_depth, &of_diffraction].concat();
     assert!(

@@ -3,9 +3,9 @@
 
 use crate::abbe_command::{Said, abbe};
 use crate::common::near::assert_near;
-use abbe::colour::{self, RgbSpace};
-use abbe::output::exr;
-use abbe::spectrum::{LUMENS_PER_WATT, Observer, library};
+use abbe_session::output::exr;
+use abbe_spectra::colour::{self, RgbSpace};
+use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer, library};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -115,7 +115,7 @@ fn the_scene_s_white_weighs_its_lamps_by_power() {
     let white = [0, 1, 2].map(|i| 3.0 * xyz[0][i] + xyz[1][i]);
     let path = folder.path().join("paper.json");
     let sets = [lights, r#"film.white_balance="scene""#.to_string()];
-    let found = abbe::format::resolve::load(&path, &sets).unwrap().film.white.unwrap();
+    let found = abbe_format::resolve::load(&path, &sets).unwrap().film.white.unwrap();
     assert_near("colour", found, white, 1e-9 * white[1]);
 }
 

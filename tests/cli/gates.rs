@@ -2,8 +2,8 @@
 
 use crate::abbe_command::abbe;
 use crate::abbe_command::folder::with_ball;
-use abbe::output::{Metadata, exr, png};
-use abbe::sensor::{DisplayImage, Picture};
+use abbe_session::output::{Metadata, exr, png};
+use abbe_transport::sensor::{DisplayImage, Picture};
 use std::path::Path;
 use tempfile::TempDir;
 

@@ -1,7 +1,7 @@
 //! `abbe import`, and files of other programs in the place of scene files.
 
 use crate::abbe_command::abbe;
-use ::abbe::output::exr::read;
+use abbe_session::output::exr::read;
 use serde_json::Value;
 
 /// A glTF file with one triangle, whose positions are 0 0 0, 1 0 0 and 0 1 0. `nodes` are further

@@ -2,7 +2,7 @@
 
 use crate::abbe_command::folder::with_ball;
 use crate::abbe_command::{Said, abbe};
-use abbe::output::exr;
+use abbe_session::output::exr;
 use std::path::Path;
 use tempfile::TempDir;
 
@@ -99,7 +99,7 @@ fn relighting_mixes_the_light_groups() {
         whole.layers.channels.iter().find(|channel| channel.name == name).unwrap().values.clone()
     });
     let mixed = relight(&["--set", "lamp=2", "--set", "side_light=#00ff00"]);
-    let green = |pixel: usize| abbe::colour::xyz_to_linear_srgb(mixed.picture.xyz[pixel]);
+    let green = |pixel: usize| abbe_spectra::colour::xyz_to_linear_srgb(mixed.picture.xyz[pixel]);
     for pixel in 0..lamp.len() {
         let expected = 2.0 * f64::from(lamp[pixel]) + f64::from(side[pixel]);
         assert!((green(pixel)[1] - expected).abs() <= 1e-5 * expected.abs().max(1e-6), "{pixel}");

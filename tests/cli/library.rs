@@ -11,13 +11,6 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn the_program_with_its_whole_library_is_below_15_mb() {
-    let bytes = std::fs::metadata(env!("CARGO_BIN_EXE_abbe")).unwrap().len();
-    // A debug build also contains symbols.
-    assert!(cfg!(debug_assertions) || bytes < 15_000_000, "{bytes} bytes");
-}
-
-#[test]
 fn d65_has_its_published_colour() {
     let folder = tempfile::tempdir().unwrap();
     let d65 = abbe(folder.path(), &["spectrum", "d65", "--json"]).json();

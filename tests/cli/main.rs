@@ -31,6 +31,7 @@ mod pages;
 mod pictures;
 mod preview;
 mod processors;
+mod reference;
 mod regress;
 mod render;
 mod slurm;

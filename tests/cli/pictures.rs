@@ -1,8 +1,8 @@
 //! `abbe compare` and `abbe probe` on synthetic pictures.
 
 use crate::abbe_command::abbe;
-use abbe::output::{Metadata, exr, heat, png};
-use abbe::sensor::{DisplayImage, Picture, SpectralBands};
+use abbe_session::output::{Metadata, exr, heat, png};
+use abbe_transport::sensor::{DisplayImage, Picture, SpectralBands};
 use std::path::Path;
 use tempfile::TempDir;
 

@@ -2,7 +2,7 @@
 
 use crate::abbe_command::command;
 use crate::abbe_command::folder::{names_in, with_ball};
-use abbe::output::exr;
+use abbe_session::output::exr;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 

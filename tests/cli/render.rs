@@ -3,7 +3,7 @@
 
 use crate::abbe_command::folder::{names_in, with_ball};
 use crate::abbe_command::{Said, abbe, command};
-use abbe::output::exr;
+use abbe_session::output::exr;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Child, Stdio};

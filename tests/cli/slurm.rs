@@ -6,7 +6,7 @@
 use crate::abbe_command::folder::{names_in, with_ball};
 use crate::abbe_command::signal::signal;
 use crate::abbe_command::{Said, abbe, command};
-use abbe::output::exr;
+use abbe_session::output::exr;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Child, Stdio};

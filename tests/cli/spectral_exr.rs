@@ -3,7 +3,7 @@
 //! Needs Python 3 with the package `OpenEXR`; `tests/run --external` installs it into
 //! `target/python`. Without it, the test is skipped, unless `ABBE_REQUIRE_EXTERNAL` is set.
 
-use abbe::output::exr;
+use abbe_session::output::exr;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;

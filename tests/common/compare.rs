@@ -2,7 +2,7 @@
 //! Šidák's correction.
 
 use super::{render, with_setting};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::Value;
 
 /// The probability that a correct program fails any statistical test of the suite.

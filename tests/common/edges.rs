@@ -1,8 +1,8 @@
 //! A mask of pixels that are close to an edge of a surface. Density estimates are biased there by
 //! design, so comparisons leave these pixels out.
 
-use abbe::geometry::{Hit, Ray};
-use abbe::scene::Scene;
+use abbe_scene::Scene;
+use abbe_scene::geometry::{Hit, Ray};
 use glam::{DVec2, DVec3};
 
 /// Returns for each pixel whether the visible surface (at the pixel's corners and centre) continues

@@ -3,11 +3,12 @@
 
 pub(crate) mod compare;
 pub(crate) mod edges;
+pub(crate) mod generated;
 pub(crate) mod near;
 
-use abbe::format::{self, resolve};
-use abbe::render::{Integrator, Job, NoMonitor, Rendered, Request, StopRules};
-use abbe::sensor::Picture;
+use abbe_format::{self as format, resolve};
+use abbe_session::render::{Integrator, Job, NoMonitor, Rendered, Request, StopRules};
+use abbe_transport::sensor::Picture;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

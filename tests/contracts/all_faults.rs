@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use abbe::error::MAX_FAULTS;
-use abbe::format::{self, FileAccess};
+use abbe_format::{self as format, FileAccess};
+use abbe_spectra::error::MAX_FAULTS;
 
 /// Returns the lines of the error of a scene, without the file name.
 fn faults(text: &str) -> Vec<String> {

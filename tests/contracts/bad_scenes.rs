@@ -1,12 +1,12 @@
 //! Bad scenes: each file in `tests/bad_scenes` has one fault and gives one error. The file
 //! `messages.txt` has the expected messages, sorted by file name. A scene whose fault
-//! has two sides gives two lines.
-//! `ABBE_BLESS=1` rewrites it.
+//! has two sides gives two lines. `tests/bless` writes the file.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use abbe::format;
+use crate::common::generated::is_up_to_date;
+use abbe_format as format;
 
 /// Returns the error message of a scene, without the folder in the file name.
 fn message(path: &Path) -> String {
@@ -27,15 +27,7 @@ fn each_bad_scene_gives_its_message() {
     paths.sort();
     let mut found = String::new();
     paths.iter().for_each(|path| writeln!(found, "{}", message(path)).unwrap());
-    let list = folder.join("messages.txt");
-    if std::env::var_os("ABBE_BLESS").is_some() {
-        std::fs::write(&list, &found).unwrap();
-    }
-    let wanted = std::fs::read_to_string(&list).unwrap();
-    for (found, wanted) in found.lines().zip(wanted.lines()) {
-        assert_eq!(found, wanted);
-    }
-    assert_eq!(found.lines().count(), wanted.lines().count());
+    is_up_to_date("tests/bad_scenes/messages.txt", &found);
     for path in paths {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         assert!(found.lines().any(|line| line.starts_with(&name)), "{name}");

@@ -7,8 +7,8 @@
 
 use crate::common::near::{assert_near, assert_near_relative};
 use crate::golden::golden;
-use abbe::colour::{self, AdaptationTransform, CorrelatedTemperature, RgbSpace, report};
-use abbe::spectrum::{BAND_NM, LUMENS_PER_WATT, Observer, SpectralLine, Spectrum, library, planck};
+use abbe_spectra::colour::{self, AdaptationTransform, CorrelatedTemperature, RgbSpace, report};
+use abbe_spectra::spectrum::{BAND_NM, LUMENS_PER_WATT, Observer, SpectralLine, Spectrum, library, planck};
 use serde_json::Value;
 
 fn numbers<const N: usize>(value: &Value) -> [f64; N] {
@@ -260,7 +260,7 @@ fn metals_have_their_reflectance_and_colour() {
         let (n, k) = library::metal(name).unwrap().index();
         let nm: Vec<f64> = (360..=830).map(f64::from).collect();
         let values: Vec<f64> = nm.iter().map(|&nm| normal(n.at(nm), k.at(nm))).collect();
-        let surface = Spectrum::table(&nm, &values, abbe::spectrum::Outside::Hold).unwrap();
+        let surface = Spectrum::table(&nm, &values, abbe_spectra::spectrum::Outside::Hold).unwrap();
         let xyz = report::xyz_under(&surface, &d65, Observer::cie1931()).map(|value| value / white);
         assert_near_relative(name, xyz, numbers::<3>(&known["XYZ"]), 1e-6);
         assert_near(name, colour::xyz_to_linear_srgb(xyz), numbers::<3>(&known["linear_srgb"]), 2e-6);

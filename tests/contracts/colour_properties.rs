@@ -1,7 +1,7 @@
 //! Laws of colour that hold for every input.
 
-use abbe::colour::{self, AdaptationTransform, RgbSpace, gamut, gamut::GamutMapping, report};
-use abbe::spectrum::{Observer, Outside, SpectralLine, Spectrum, library};
+use abbe_spectra::colour::{self, AdaptationTransform, RgbSpace, gamut, gamut::GamutMapping, report};
+use abbe_spectra::spectrum::{Observer, Outside, SpectralLine, Spectrum, library};
 use proptest::prelude::*;
 
 /// A table of two to thirty samples.

@@ -1,11 +1,11 @@
 //! The brilliant-cut diamond of `scenes/diamond.json`, constructed from the planes of its facets.
 //!
-//! With `ABBE_BLESS=1` the test writes `scenes/meshes/brilliant.obj`; otherwise it compares the
-//! file. Proportions after Tolkowsky 1919: table 53 %, crown 34.5°, pavilion 40.75°. The star
+//! `tests/bless` writes `scenes/meshes/brilliant.obj`. Proportions after Tolkowsky 1919: table 53 %, crown 34.5°, pavilion 40.75°. The star
 //! facets and the halves follow from the points where they meet.
 
-use abbe::format::FileAccess;
-use abbe::format::mesh;
+use crate::common::generated::is_up_to_date;
+use abbe_format::FileAccess;
+use abbe_format::mesh;
 use glam::DVec3;
 use std::fmt::Write;
 use std::path::Path;
@@ -127,11 +127,7 @@ fn brilliant_obj() -> String {
 fn the_brilliant_is_as_its_planes_say_and_closed() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/meshes/brilliant.obj");
     let text = brilliant_obj();
-    if std::env::var_os("ABBE_BLESS").is_some() {
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(&path, &text).unwrap();
-    }
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    is_up_to_date("scenes/meshes/brilliant.obj", &text);
     // Table, 8 stars, 8 bezels, 16 upper and 16 lower halves, 16 girdle facets, 8 pavilion mains.
     assert_eq!(text.lines().filter(|line| line.starts_with("f ")).count(), 73);
     let parts = mesh::load(&path, FileAccess::WithinFolder).unwrap().parts;

@@ -1,12 +1,12 @@
 //! Files of bispectral matrices, and wrong fluorescent materials and media: each error says what is
 //! wrong, and where.
 
-use abbe::format::{self, resolve};
-use abbe::optics::donaldson::DonaldsonMatrix;
+use abbe_format::{self as format, resolve};
+use abbe_optics::donaldson::DonaldsonMatrix;
 use std::path::Path;
 
 /// Reads a matrix from a file with this text.
-fn matrix(text: &str) -> abbe::error::Result<DonaldsonMatrix> {
+fn matrix(text: &str) -> abbe_spectra::error::Result<DonaldsonMatrix> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("matrix.csv");
     std::fs::write(&path, text).unwrap();

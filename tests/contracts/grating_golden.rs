@@ -3,10 +3,10 @@
 
 use crate::common::near::{assert_near, assert_near_relative, number};
 use crate::golden::golden;
-use abbe::optics::bsdf::ScatterEvent;
-use abbe::optics::glass::RefractiveIndex;
-use abbe::optics::grating::{DiffractedOrder, Grating, GratingProfile};
-use abbe::spectrum::{Observer, library};
+use abbe_optics::bsdf::ScatterEvent;
+use abbe_optics::glass::RefractiveIndex;
+use abbe_optics::grating::{DiffractedOrder, Grating, GratingProfile};
+use abbe_spectra::spectrum::{Observer, library};
 use glam::DVec3;
 use serde_json::Value;
 

@@ -3,8 +3,8 @@
 
 use crate::common::near::{assert_near, number};
 use crate::golden::golden;
-use abbe::optics::glass::{RefractiveIndex, lines};
-use abbe::optics::lens::{
+use abbe_optics::glass::{RefractiveIndex, lines};
+use abbe_optics::lens::{
     ApertureCheck, ApertureSpec, Lens, LensAnalysis, LensRay, LensSurface, MonochromaticLens, Prescription,
     SurfaceProfile, TraceDirection, catalogue,
 };

@@ -1,10 +1,10 @@
 //! Properties of every lens: rays are reversible, impossible prescriptions are refused with a
 //! reason, and foci have their known positions.
 
-use abbe::format;
-use abbe::format::resolve::lone_lens;
-use abbe::optics::glass::{AgfCatalogue, RefractiveIndex, lines};
-use abbe::optics::lens::{
+use abbe_format as format;
+use abbe_format::resolve::lone_lens;
+use abbe_optics::glass::{AgfCatalogue, RefractiveIndex, lines};
+use abbe_optics::lens::{
     ApertureCheck, ApertureSpec, Lens, LensAnalysis, LensRay, LensSurface, Prescription, RayLoss, SurfaceProfile,
     TraceDirection, catalogue, medium, zemax,
 };

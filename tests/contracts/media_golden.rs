@@ -3,8 +3,8 @@
 
 use crate::common::near::{assert_near, number};
 use crate::golden::golden;
-use abbe::optics::phase::{PhaseFunction, rainbow};
-use abbe::spectrum::{Observer, Spectrum, library};
+use abbe_optics::phase::{PhaseFunction, rainbow};
+use abbe_spectra::spectrum::{Observer, Spectrum, library};
 
 #[test]
 fn henyey_and_greenstein_s_function_has_its_values() {

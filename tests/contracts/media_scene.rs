@@ -1,11 +1,12 @@
 //! Media from the scene file to the model: units, placement, volume files, the power of emission,
 //! and bad input.
 
-use abbe::error::Result;
-use abbe::geometry::Ray;
-use abbe::scene::medium::TransmittanceEstimator;
-use abbe::spectrum::{Spectrum, planck};
-use abbe::{format::resolve, scene::Scene};
+use abbe_format::resolve;
+use abbe_scene::Scene;
+use abbe_scene::geometry::Ray;
+use abbe_scene::medium::TransmittanceEstimator;
+use abbe_spectra::error::Result;
+use abbe_spectra::spectrum::{Spectrum, planck};
 use glam::DVec3;
 use std::f64::consts::PI;
 

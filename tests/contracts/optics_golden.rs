@@ -3,9 +3,9 @@
 
 use crate::common::near::{assert_near, number};
 use crate::golden::golden;
-use abbe::optics::glass::{RefractiveIndex, catalogue, lines};
-use abbe::optics::{fresnel, prism};
-use abbe::spectrum::library;
+use abbe_optics::glass::{RefractiveIndex, catalogue, lines};
+use abbe_optics::{fresnel, prism};
+use abbe_spectra::spectrum::library;
 use serde_json::Value;
 
 fn numbers(value: &Value) -> Vec<f64> {

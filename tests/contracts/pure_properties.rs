@@ -3,20 +3,20 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use abbe::geometry::shape::{PlacedShape, Shape};
-use abbe::geometry::{Geometry, Ray};
-use abbe::map::kernel::{self, DiskKernel};
-use abbe::math::distribution::DiscreteDistribution;
-use abbe::math::frame::Frame;
-use abbe::math::quadrature::{gauss4, gauss16};
-use abbe::math::random::ONE_MINUS_ULP;
-use abbe::math::sum::ExactSum;
-use abbe::math::warp;
-use abbe::optics::fresnel;
-use abbe::optics::phase::PhaseFunction;
-use abbe::scene::medium::field::{FieldGrid, FieldShape, ScalarField};
-use abbe::scene::medium_stack::MediumStack;
-use abbe::spectrum::{Outside, Spectrum};
+use abbe_optics::fresnel;
+use abbe_optics::phase::PhaseFunction;
+use abbe_scene::geometry::shape::{PlacedShape, Shape};
+use abbe_scene::geometry::{Geometry, Ray};
+use abbe_scene::medium::field::{FieldGrid, FieldShape, ScalarField};
+use abbe_scene::medium_stack::MediumStack;
+use abbe_spectra::math::distribution::DiscreteDistribution;
+use abbe_spectra::math::frame::Frame;
+use abbe_spectra::math::quadrature::{gauss4, gauss16};
+use abbe_spectra::math::random::ONE_MINUS_ULP;
+use abbe_spectra::math::sum::ExactSum;
+use abbe_spectra::math::warp;
+use abbe_spectra::spectrum::{Outside, Spectrum};
+use abbe_transport::map::kernel::{self, DiskKernel};
 use glam::{DAffine3, DVec3};
 use proptest::prelude::*;
 

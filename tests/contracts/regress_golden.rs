@@ -3,8 +3,8 @@
 
 use crate::common::near::{assert_near, assert_near_relative};
 use crate::golden::golden;
-use abbe::colour::regress::{CaseGroup, RegressionCase, RegressionSet};
-use abbe::spectrum::{BAND_NM, Observer, library};
+use abbe_spectra::colour::regress::{CaseGroup, RegressionCase, RegressionSet};
+use abbe_spectra::spectrum::{BAND_NM, Observer, library};
 use serde_json::Value;
 
 fn numbers(value: &Value) -> [f64; 3] {

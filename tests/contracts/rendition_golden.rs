@@ -4,8 +4,8 @@
 //! colour-science has samples every 1 nm, and Abbe interpolates samples of 5 nm.
 
 use crate::golden::golden;
-use abbe::colour::rendition;
-use abbe::spectrum::{SpectralLine, Spectrum, library};
+use abbe_spectra::colour::rendition;
+use abbe_spectra::spectrum::{SpectralLine, Spectrum, library};
 use serde_json::Value;
 
 /// The tolerances of Rf and Rg, of the local fidelity and chroma shift, and of the hue shift.

@@ -1,12 +1,10 @@
 //! The scene file: all scenes of the package are valid, and the generated schema and reference are
 //! up to date.
 
-use flate2::Compression;
-use flate2::write::GzEncoder;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use abbe::format::{self, SceneFile};
+use crate::common::generated::is_up_to_date;
+use abbe_format::{self as format, SceneFile};
 
 /// Returns the paths of all scenes in a folder of the package, sorted.
 fn scenes(folder: &str) -> Vec<PathBuf> {
@@ -35,36 +33,12 @@ fn all_scenes_survive_a_round_trip() {
     }
 }
 
-/// Compares a generated file of the package with its new text.
-fn is_up_to_date(path: &str, generated: &str, command: &str) {
-    let kept = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap_or_default();
-    assert!(kept == generated, "{path} is out of date; run: cargo run -- {command} > {path}");
-}
-
 #[test]
 fn the_schema_in_scenes_is_up_to_date() {
-    let generated = format!("{:#}\n", format::generated_schema());
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/scene.schema.json");
-    if std::env::var_os("ABBE_BLESS").is_some() {
-        std::fs::write(&path, &generated).expect("the schema is written");
-        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-        encoder.write_all(generated.as_bytes()).expect("memory does not fail");
-        let packed = encoder.finish().expect("memory does not fail");
-        std::fs::write(path.with_file_name("../data/scene.schema.json.gz"), packed).expect("the schema is written");
-    }
-    assert!(
-        format!("{:#}\n", format::schema()) == generated,
-        "the packed schema is out of date; run: ABBE_BLESS=1 tests/run --test contracts schema, and build again"
-    );
-    let kept = std::fs::read_to_string(&path).expect("the schema");
-    assert!(
-        kept == generated,
-        "{} is out of date; run: ABBE_BLESS=1 tests/run --test contracts schema",
-        path.display()
-    );
+    is_up_to_date("scenes/scene.schema.json", &format!("{:#}\n", format::generated_schema()));
 }
 
 #[test]
 fn the_scene_reference_in_docs_is_up_to_date() {
-    is_up_to_date("docs/reference/scene.md", &format::scene_reference(), "schema --markdown");
+    is_up_to_date("docs/reference/scene.md", &format::scene_reference());
 }

@@ -1,6 +1,8 @@
 //! The contract of every spectrum and every wavelength distribution.
 
-use abbe::spectrum::{BAND_NM, Observer, Outside, SpectralLine, Spectrum, WavelengthDistribution, library, planck};
+use abbe_spectra::spectrum::{
+    BAND_NM, Observer, Outside, SpectralLine, Spectrum, WavelengthDistribution, library, planck,
+};
 
 /// A deterministic generator of numbers in [0, 1) (SplitMix64).
 struct Numbers(u64);
@@ -19,7 +21,7 @@ fn line(nm: f64, power: f64, fwhm_nm: Option<f64>) -> SpectralLine {
     SpectralLine { nm, power, fwhm_nm }
 }
 
-fn good<T>(result: abbe::error::Result<T>) -> T {
+fn good<T>(result: abbe_spectra::error::Result<T>) -> T {
     result.expect("the test's own spectra are good")
 }
 
@@ -397,7 +399,7 @@ fn the_last_sample_of_a_lamps_table_belongs_to_it() {
 fn lights_of_a_colour_have_its_xyz() {
     for rgb in [[1.0, 1.0, 1.0], [0.2, 0.3, 4.0], [30.0, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.0]] {
         let found = Observer::cie1931().xyz(&good(Spectrum::rgb_light(rgb)));
-        let back = abbe::colour::xyz_to_linear_srgb(found);
+        let back = abbe_spectra::colour::xyz_to_linear_srgb(found);
         let scale = rgb.iter().copied().fold(0.0, f64::max);
         for i in 0..3 {
             assert!((back[i] - rgb[i]).abs() <= 1e-3 * scale, "{rgb:?}: {back:?}");

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use abbe::format::resolve::{Role, lone_spectrum, resolve};
-use abbe::format::{parse, parse_spectrum};
+use abbe_format::resolve::{Role, lone_spectrum, resolve};
+use abbe_format::{parse, parse_spectrum};
 
 /// The hexadecimal colour, the object forms and the linear colour give the same spectrum.
 #[test]

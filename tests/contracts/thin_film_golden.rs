@@ -2,13 +2,13 @@
 
 use crate::common::near::{assert_near, number};
 use crate::golden::golden;
-use abbe::math::complex::Complex;
-use abbe::optics::glass::{Dispersion, RefractiveIndex};
-use abbe::optics::thin_film::{
+use abbe_optics::glass::{Dispersion, RefractiveIndex};
+use abbe_optics::texture::SurfaceScalar;
+use abbe_optics::thin_film::{
     CoatedPlate, FilmLayer, FilmStack, OpticalIndex, PolarisedResponse, StackResponse, response,
 };
-use abbe::spectrum::{BAND_NM, Observer, library};
-use abbe::texture::SurfaceScalar;
+use abbe_spectra::math::complex::Complex;
+use abbe_spectra::spectrum::{BAND_NM, Observer, library};
 use serde_json::Value;
 
 /// The stated tolerance of R, T and A.

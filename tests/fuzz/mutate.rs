@@ -1,7 +1,7 @@
 //! Random changes of files: bits, lengths and numbers of any file; words, lines and numbers of a
 //! text; values, keys and branches of JSON.
 
-use abbe::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Stream};
 use serde_json::{Map, Number, Value};
 
 /// Numbers at the limits of common types, in text form.

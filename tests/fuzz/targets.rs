@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
-use abbe::format::luminaire::{self, LuminaireSummary};
-use abbe::format::volume_file;
-use abbe::format::{self, FileAccess};
-use abbe::format::{mesh, resolve};
-use abbe::optics::glass::{AgfCatalogue, IndexFileData};
-use abbe::optics::phase;
-use abbe::output::Metadata;
-use abbe::output::exr;
-use abbe::render::{Integrator, Job, NoMonitor, PartSet, RenderIdentity, Request, SavedRun, StopRules};
-use abbe::spectrum::{Outside, read};
+use abbe::api::read_scene_text;
+use abbe_format::luminaire::{self, LuminaireSummary};
+use abbe_format::volume_file;
+use abbe_format::{self as format, FileAccess};
+use abbe_format::{mesh, resolve};
+use abbe_optics::glass::{AgfCatalogue, IndexFileData};
+use abbe_optics::phase;
+use abbe_session::output::Metadata;
+use abbe_session::output::exr;
+use abbe_session::render::{Integrator, Job, NoMonitor, PartSet, RenderIdentity, Request, SavedRun, StopRules};
+use abbe_spectra::spectrum::{Outside, read};
 
 /// A kind of input.
 pub(crate) struct Target {
@@ -135,7 +136,7 @@ const OVERLAY: &str = r#"{"materials": {"glass": {"dielectric": {"ior": "N-SF10"
 /// Applies a file to the scene beside it.
 fn overlays(path: &Path) -> bool {
     let room = path.with_file_name("room.glb");
-    let text = format::read_scene_text(&room, FileAccess::WithinFolder, Some(path));
+    let text = read_scene_text(&room, FileAccess::WithinFolder, Some(path));
     text.and_then(|scene| format::parse(&scene.text, &room, &[])).is_ok()
 }
 
@@ -199,7 +200,10 @@ fn checkpoint() -> Vec<u8> {
 
 fn picture() -> Vec<u8> {
     exr::encode(
-        &abbe::sensor::Picture { xyz: vec![[0.2, 0.3, 0.1]; 12], ..abbe::sensor::Picture::black(4, 3) },
+        &abbe_transport::sensor::Picture {
+            xyz: vec![[0.2, 0.3, 0.1]; 12],
+            ..abbe_transport::sensor::Picture::black(4, 3)
+        },
         &Metadata::new(),
     )
     .unwrap()

@@ -1,4 +1,4 @@
-"""Traces a lens with a tilted plate by optiland 0.6.3. The values are in src/optics/lens/zemax/tests.rs.
+"""Traces a lens with a tilted plate by optiland 0.6.3. The values are in crates/abbe-optics/src/lens/zemax/tests.rs.
 
 Run in an environment with optiland: python make_folded.py
 """

@@ -6,7 +6,7 @@ function by its scattering cross-section. Densities are per sr and have the inte
 sphere. The light comes from a point. Needs `pip install numpy numba miepython==3.3.0`. numba makes
 the series a hundred times as fast.
 
-The script also prints the means over the radii that src/optics/phase/mie.rs and
+The script also prints the means over the radii that crates/abbe-optics/src/phase/mie.rs and
 tests/contracts/media_golden.rs quote.
 """
 

@@ -4,10 +4,10 @@
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
-use abbe::format;
-use abbe::format::resolve::resolve;
-use abbe::render::Integrator;
-use abbe::scene::camera::Camera;
+use abbe_format as format;
+use abbe_format::resolve::resolve;
+use abbe_scene::camera::Camera;
+use abbe_session::render::Integrator;
 
 use super::common::{diffuse, job, render};
 use super::table::{Bound, Case, Pace};

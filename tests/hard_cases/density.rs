@@ -5,11 +5,11 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use std::num::NonZero;
 
-use abbe::map::kernel::DiskKernel;
-use abbe::map::{Photon, PhotonMap, PhotonPower, WavelengthCode, radius};
-use abbe::math::random::{Purpose, Stream};
-use abbe::math::sum::ExactSum;
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::sum::ExactSum;
+use abbe_transport::map::kernel::DiskKernel;
+use abbe_transport::map::{Photon, PhotonMap, PhotonPower, WavelengthCode, radius};
 
 use super::common::{all_y, diffuse, render};
 use super::table::{Bound, Case, Pace};

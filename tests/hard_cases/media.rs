@@ -3,14 +3,14 @@
 
 use std::sync::Arc;
 
-use abbe::geometry::Ray;
-use abbe::math::random::{Purpose, Stream};
-use abbe::optics::phase::PhaseFunction;
-use abbe::render::Integrator;
-use abbe::scene::medium::field::{FieldGrid, FieldShape, ScalarField};
-use abbe::scene::medium::{Density, Medium, TransmittanceEstimator};
-use abbe::spectrum::Spectrum;
-use abbe::walk::SegmentTransmittance;
+use abbe_optics::phase::PhaseFunction;
+use abbe_scene::geometry::Ray;
+use abbe_scene::medium::field::{FieldGrid, FieldShape, ScalarField};
+use abbe_scene::medium::{Density, Medium, TransmittanceEstimator};
+use abbe_session::render::Integrator;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::spectrum::Spectrum;
+use abbe_transport::walk::SegmentTransmittance;
 use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
 

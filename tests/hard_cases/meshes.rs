@@ -4,17 +4,18 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use serde_json::json;
 
-use abbe::format::resolve::resolve;
-use abbe::geometry::mesh::TriangleMesh;
-use abbe::geometry::shape::{PlacedShape, Shape};
-use abbe::geometry::{Geometry, Ray};
-use abbe::math::random::{Purpose, Stream};
-use abbe::math::warp;
-use abbe::optics::bsdf::TransportMode;
-use abbe::scene::medium_stack::MediumStack;
-use abbe::spectrum::Wavelengths;
-use abbe::walk::{RayState, SurfaceLookup, next_interaction, scatter};
-use abbe::{format, scene::Scene};
+use abbe_format as format;
+use abbe_format::resolve::resolve;
+use abbe_optics::bsdf::TransportMode;
+use abbe_scene::Scene;
+use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_scene::geometry::shape::{PlacedShape, Shape};
+use abbe_scene::geometry::{Geometry, Ray};
+use abbe_scene::medium_stack::MediumStack;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::warp;
+use abbe_spectra::spectrum::Wavelengths;
+use abbe_transport::walk::{RayState, SurfaceLookup, next_interaction, scatter};
 
 /// Vertices and triangles.
 pub(crate) type Raw = (Vec<DVec3>, Vec<[u32; 3]>);

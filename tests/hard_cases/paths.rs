@@ -3,12 +3,12 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use abbe::geometry::Ray;
-use abbe::math::random::{Purpose, Stream};
-use abbe::math::warp;
-use abbe::optics::bsdf::TransportMode;
-use abbe::spectrum::Wavelengths;
-use abbe::walk::{RayState, SurfaceLookup, next_interaction, scatter};
+use abbe_optics::bsdf::TransportMode;
+use abbe_scene::geometry::Ray;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::warp;
+use abbe_spectra::spectrum::Wavelengths;
+use abbe_transport::walk::{RayState, SurfaceLookup, next_interaction, scatter};
 
 use super::common::job;
 

@@ -3,18 +3,18 @@
 use glam::{DVec2, DVec3};
 use serde_json::json;
 
-use abbe::emit::{Aim, CELLS, LightSampler};
-use abbe::math::distribution::{DiscreteDistribution, PiecewiseConstant2d};
-use abbe::math::random::{ONE_MINUS_ULP, Purpose, Stream};
-use abbe::math::warp;
-use abbe::optics::bsdf::{Bsdf, DiffractionGrating, Grooves, InterfaceIors, TransportMode};
-use abbe::optics::glass::RefractiveIndex;
-use abbe::optics::grating::{Grating, GratingProfile};
-use abbe::optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
-use abbe::scene::Scene;
-use abbe::scene::light::LeRandoms;
-use abbe::spectrum::Spectrum;
-use abbe::texture::SurfaceScalar;
+use abbe_optics::bsdf::{Bsdf, DiffractionGrating, Grooves, InterfaceIors, TransportMode};
+use abbe_optics::glass::RefractiveIndex;
+use abbe_optics::grating::{Grating, GratingProfile};
+use abbe_optics::texture::SurfaceScalar;
+use abbe_optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
+use abbe_scene::Scene;
+use abbe_scene::light::LeRandoms;
+use abbe_spectra::math::distribution::{DiscreteDistribution, PiecewiseConstant2d};
+use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Stream};
+use abbe_spectra::math::warp;
+use abbe_spectra::spectrum::Spectrum;
+use abbe_transport::emit::{Aim, CELLS, LightSampler};
 
 use super::common::job;
 use super::table::{Bound, Case, Pace};

@@ -6,9 +6,9 @@ use std::sync::LazyLock;
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use abbe::optics::fresnel;
-use abbe::render::Integrator;
-use abbe::walk::ledger::Ledger;
+use abbe_optics::fresnel;
+use abbe_session::render::Integrator;
+use abbe_transport::walk::ledger::Ledger;
 
 use super::common::{diffuse, glass, render};
 use super::golden::golden;

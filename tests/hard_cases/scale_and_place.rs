@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 
 use super::common::compare::{Measured, compare};
 use super::common::{all_y, block_means, diffuse, glass, render};

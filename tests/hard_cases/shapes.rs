@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde_json::Value;
 
-use abbe::geometry::Ray;
-use abbe::geometry::mesh::TriangleMesh;
-use abbe::geometry::shape::Shape;
+use abbe_scene::geometry::Ray;
+use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_scene::geometry::shape::Shape;
 
 use super::golden::golden;
 use super::meshes::{At, Raw, alone, ball, glass_scene, leaks, mesh};
@@ -164,7 +164,7 @@ fn undetected() -> f64 {
 /// Counts rays through a cube with doubled triangles, followed like paths of light, that do not end
 /// in air.
 fn doubled() -> f64 {
-    use abbe::scene::medium_stack::MediumStack;
+    use abbe_scene::medium_stack::MediumStack;
     let (corners, triangles) = cube();
     let both = [&triangles[..], &triangles[..]].concat();
     let geometry = alone(Shape::Mesh(Arc::new(TriangleMesh::new(corners, None, None, both).unwrap())));

@@ -3,9 +3,9 @@
 
 use serde_json::{Value, json};
 
-use abbe::format::{self, resolve};
-use abbe::render::{Integrator, Job};
-use abbe::spectrum::{Observer, Outside, SpectralLine, Spectrum, WavelengthDistribution, planck};
+use abbe_format::{self as format, resolve};
+use abbe_session::render::{Integrator, Job};
+use abbe_spectra::spectrum::{Observer, Outside, SpectralLine, Spectrum, WavelengthDistribution, planck};
 
 use super::common::{diffuse, glass, render};
 use super::golden::golden;

@@ -2,7 +2,7 @@
 
 use crate::common::compare::{Measured, compare_with};
 use crate::common::{diffuse, glass, render, with_setting};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 
 /// The numbers of bands: few, as many as an RGB film has channels, more, and numbers that share no

@@ -2,8 +2,8 @@
 //! few photons. The measured figures are in `docs/validation`.
 
 use crate::common;
-use abbe::render::{Integrator, Monitor, Progress, Rendered, Request, Run, StopRules};
-use abbe::sensor::Picture;
+use abbe_session::render::{Integrator, Monitor, Progress, Rendered, Request, Run, StopRules};
+use abbe_transport::sensor::Picture;
 use serde_json::Value;
 
 /// One example scene on a small film, and its reference.

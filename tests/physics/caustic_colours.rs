@@ -4,9 +4,9 @@
 
 use crate::common::{job, render, with_setting};
 use crate::free_and_shared::{beside_the_ball, s1};
-use abbe::math::random::{Purpose, Stream};
-use abbe::render::Integrator;
-use abbe::spectrum::{BAND_NM, Observer};
+use abbe_session::render::Integrator;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::spectrum::{BAND_NM, Observer};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde_json::json;

@@ -3,8 +3,8 @@
 
 use crate::common::{diffuse, overhead_camera, render};
 use crate::golden::golden;
-use abbe::render::Integrator;
-use abbe::spectrum::library;
+use abbe_session::render::Integrator;
+use abbe_spectra::spectrum::library;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 

@@ -9,16 +9,16 @@
 
 use crate::common::{all_y, job, render};
 use crate::furnace::surroundings;
-use abbe::emit::{
+use abbe_session::render::Integrator;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::warp;
+use abbe_transport::emit::{
     EmissionStrata, LightSampler, MediumCollision, MediumCrossing, PhotonSource, PhotonVisitor, SurfaceArrival,
     WavelengthSampling, trace,
 };
-use abbe::map::PhotonSpectra;
-use abbe::math::random::{Purpose, Stream};
-use abbe::math::warp;
-use abbe::render::Integrator;
-use abbe::walk::DepthLimit;
-use abbe::walk::ledger::Ledger;
+use abbe_transport::map::PhotonSpectra;
+use abbe_transport::walk::DepthLimit;
+use abbe_transport::walk::ledger::Ledger;
 use serde_json::{Value, json};
 
 /// The extinction at the ends of the band in 1/m, and their geometric mean.

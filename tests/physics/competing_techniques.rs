@@ -3,7 +3,7 @@
 
 use crate::common::compare::{Measured, assert_same, compare_with};
 use crate::common::{colour_blocks, diffuse, overhead_camera};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_1_PI, TAU};
 

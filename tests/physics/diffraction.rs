@@ -5,7 +5,7 @@
 
 use crate::common::compare::Measured;
 use crate::common::{diffuse, render, with_setting};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 

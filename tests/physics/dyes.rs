@@ -5,10 +5,10 @@ use crate::common::near::{assert_near, number};
 use crate::common::{colour_blocks, diffuse, glass, job, mean_y, render, with_setting};
 use crate::golden::golden;
 use crate::textures::assert_integrators_agree_after;
-use abbe::plan::WavelengthPlan;
-use abbe::render::Integrator;
-use abbe::spectrum::Observer;
-use abbe::walk::ledger::Ledger;
+use abbe_session::render::Integrator;
+use abbe_spectra::spectrum::Observer;
+use abbe_transport::plan::WavelengthPlan;
+use abbe_transport::walk::ledger::Ledger;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 

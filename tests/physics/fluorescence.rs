@@ -5,12 +5,12 @@ use crate::common::near::{assert_near, number};
 use crate::common::{colour_blocks, diffuse, glass, job, overhead_camera, render, with_setting};
 use crate::golden::golden;
 use crate::textures::assert_integrators_agree;
-use abbe::optics::bsdf::Fluorescent;
-use abbe::optics::donaldson::DonaldsonMatrix;
-use abbe::optics::fluorophore::Fluorophore;
-use abbe::plan::WavelengthPlan;
-use abbe::render::Integrator;
-use abbe::spectrum::{Observer, Outside, Spectrum};
+use abbe_optics::bsdf::Fluorescent;
+use abbe_optics::donaldson::DonaldsonMatrix;
+use abbe_optics::fluorophore::Fluorophore;
+use abbe_session::render::Integrator;
+use abbe_spectra::spectrum::{Observer, Outside, Spectrum};
+use abbe_transport::plan::WavelengthPlan;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -229,7 +229,7 @@ fn check_rendered_colours(material: impl Fn(&str) -> Value, chosen: impl Fn(&str
             scene = without_ultraviolet(&scene);
         }
         for integrator in [Integrator::Photon, Integrator::Path] {
-            let take = |rendered: &abbe::render::Rendered| {
+            let take = |rendered: &abbe_session::render::Rendered| {
                 let xyz = &rendered.picture.xyz;
                 (0..3).map(|c| xyz.iter().map(|pixel| pixel[c]).sum::<f64>() / xyz.len() as f64).collect::<Vec<_>>()
             };

@@ -5,7 +5,7 @@ use crate::common::near::{assert_near, number};
 use crate::common::{colour_blocks, with_setting};
 use crate::fluorescence::{cases, material, still_life, text, under_a_sky, without_ultraviolet};
 use crate::textures::assert_integrators_agree_after;
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// A camera lens of real glass. `sensor_mm` is the height of the sensor.

@@ -3,7 +3,7 @@
 use crate::common::near::{assert_near, number};
 use crate::common::{diffuse, render};
 use crate::fluorescence::{cases, light, material, text, without_ultraviolet};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 

@@ -3,8 +3,8 @@
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{colour_blocks, diffuse, glass, job, render, with_setting};
-use abbe::emit::LightSampler;
-use abbe::render::{Integrator, Job};
+use abbe_session::render::{Integrator, Job};
+use abbe_transport::emit::LightSampler;
 use glam::DVec2;
 use serde_json::{Value, json};
 

@@ -3,14 +3,14 @@
 
 use crate::common::compare::{Measured, compare_with};
 use crate::common::{all_y, block_means, diffuse, glass, mean_y, with_setting};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// Renders, and checks that the mean luminance is 1 within 0.5 %, and that the four quarters of the
 /// picture equal 1 within their noise.
 pub(crate) fn check(name: &str, scene: &Value, (integrator, passes): (Integrator, u64)) {
     let width = scene["film"]["width"].as_u64().expect("a width") as usize;
-    let whole_and_quarters = |rendered: &abbe::render::Rendered| {
+    let whole_and_quarters = |rendered: &abbe_session::render::Rendered| {
         let mut values = vec![rendered.picture.mean_y()];
         values.extend(block_means(&all_y(rendered), width, width / 2, &vec![true; width * width]));
         values

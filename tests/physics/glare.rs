@@ -2,9 +2,9 @@
 //! luminaires, with the position index of each point.
 
 use crate::meters::measure;
-use abbe::format::resolve::resolve_meters;
-use abbe::format::{FileAccess, parse_with_access};
-use abbe::render::{Integrator, Job, NoMonitor, PointReport, StopRules, Value};
+use abbe_format::resolve::resolve_meters;
+use abbe_format::{FileAccess, parse_with_access};
+use abbe_session::render::{Integrator, Job, NoMonitor, PointReport, StopRules, Value};
 use serde_json::{Value as Json, json};
 use std::path::Path;
 

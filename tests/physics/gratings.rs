@@ -5,7 +5,7 @@ use crate::common::near::number;
 use crate::common::{diffuse, render};
 use crate::golden::golden;
 use crate::textures::assert_integrators_agree_after;
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 

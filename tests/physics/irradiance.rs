@@ -2,7 +2,7 @@
 
 use crate::common::compare::Measured;
 use crate::common::{diffuse, glass, mean_y, overhead_camera, with_setting};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use std::f64::consts::PI;

@@ -4,7 +4,7 @@
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{diffuse, glass, mean_y, render, with_setting};
 use crate::furnace::surroundings;
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// A glass ball of radius 1 m above a square ground, seen from above. The picture shows 6 m × 6 m

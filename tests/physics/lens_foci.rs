@@ -4,10 +4,10 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::common::{diffuse, render};
-use abbe::format::{self, resolve};
-use abbe::optics::glass::lines;
-use abbe::optics::lens::{ApertureCheck, Lens, LensRay, MonochromaticLens, TraceDirection, catalogue};
-use abbe::render::Integrator;
+use abbe_format::{self as format, resolve};
+use abbe_optics::glass::lines;
+use abbe_optics::lens::{ApertureCheck, Lens, LensRay, MonochromaticLens, TraceDirection, catalogue};
+use abbe_session::render::Integrator;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 

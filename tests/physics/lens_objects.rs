@@ -4,9 +4,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::common::{diffuse, glass, render};
-use abbe::optics::lens::{ApertureCheck, TraceDirection, catalogue};
-use abbe::render::Integrator;
-use abbe::sensor::Picture;
+use abbe_optics::lens::{ApertureCheck, TraceDirection, catalogue};
+use abbe_session::render::Integrator;
+use abbe_transport::sensor::Picture;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
@@ -176,7 +176,7 @@ fn a_caustic_seen_through_a_lens_system_is_sharp() {
     let chief = DVec3::new(1e3 * place.x, 1e3 * place.y, 1e3 * place.z);
     let rays = (0..400).filter_map(|i| {
         let aim = DVec3::new(f64::from(i % 20 - 10) * 2.0, f64::from(i / 20 - 10) * 2.0, 0.0);
-        let ray = abbe::optics::lens::LensRay { origin: chief, direction: (aim - chief).normalize() };
+        let ray = abbe_optics::lens::LensRay { origin: chief, direction: (aim - chief).normalize() };
         at.trace(ray, TraceDirection::ToSensor, ApertureCheck::Enforced).ok()
     });
     let (sum, count) =

@@ -3,7 +3,7 @@
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{colour_blocks, diffuse, glass, render, with_setting};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 const LINES_NM: [f64; 3] = [450.0, 550.0, 650.0];

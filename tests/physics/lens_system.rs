@@ -3,7 +3,7 @@
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{colour_blocks, diffuse, glass, render};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// Uniform light of 100/π cd/m² from every direction.

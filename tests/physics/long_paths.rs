@@ -1,7 +1,7 @@
 //! Light in bright cavities, where paths are long.
 
 use crate::common::{diffuse, mean_y, render, with_setting};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 

@@ -4,7 +4,7 @@
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{colour_blocks, diffuse, mean_y, overhead_camera};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::f64::consts::PI;

@@ -4,7 +4,7 @@ use crate::common::compare::Measured;
 use crate::common::{diffuse, mean_y, render, with_setting};
 use crate::furnace::{self, surroundings};
 use crate::golden::golden;
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// A slab of a medium, `thickness` m thick, in front of a bright wall that fills the picture.

@@ -3,8 +3,8 @@
 
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{all_y, block_means, diffuse, mean_y, render, with_setting};
-use abbe::math::random::{Purpose, Stream};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
+use abbe_spectra::math::random::{Purpose, Stream};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};

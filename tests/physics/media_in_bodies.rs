@@ -4,7 +4,7 @@
 use crate::common::compare::Measured;
 use crate::common::{diffuse, job, mean_y, render, with_setting};
 use crate::furnace::{self, surroundings};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::f64::consts::PI;

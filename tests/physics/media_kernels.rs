@@ -1,10 +1,10 @@
 //! Kernels in media against a closed form: the bias of the single-scattering estimate is
 //! proportional to the square of the kernel radius.
 
-use abbe::geometry::Ray;
-use abbe::map::{KernelWidth, PhotonBeam, PhotonPower, QueryCone, VolumeMap, VolumePhoton, WavelengthCode};
-use abbe::math::sobol::Sobol;
-use abbe::math::warp;
+use abbe_scene::geometry::Ray;
+use abbe_spectra::math::sobol::Sobol;
+use abbe_spectra::math::warp;
+use abbe_transport::map::{KernelWidth, PhotonBeam, PhotonPower, QueryCone, VolumeMap, VolumePhoton, WavelengthCode};
 use glam::DVec3;
 use std::f64::consts::PI;
 

@@ -4,7 +4,7 @@
 use crate::common::compare::{Measured, assert_same, compare};
 use crate::common::{all_y, block_means, job, mean_y, render, with_setting};
 use crate::media_single_scattering::integral;
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 use std::f64::consts::PI;

@@ -3,7 +3,7 @@
 
 use crate::common::compare::{Measured, assert_same, compare};
 use crate::common::{all_y, block_means, diffuse, with_setting};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 
 /// Pixels per side of the film, and of a block.

@@ -2,7 +2,7 @@
 
 use crate::common::compare::Measured;
 use crate::common::{job, mean_y, with_setting};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 use std::f64::consts::PI;

@@ -2,7 +2,7 @@
 //! the closed forms with their stated probability.
 
 use crate::meters::{measure, measure_until};
-use abbe::render::{Integrator, MeasurementReport, PointReport, StopRules, Value};
+use abbe_session::render::{Integrator, MeasurementReport, PointReport, StopRules, Value};
 use glam::DVec3;
 use serde_json::{Value as Json, json};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

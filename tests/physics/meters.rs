@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::common::{example, render};
-use abbe::format::resolve::resolve_meters;
-use abbe::format::{FileAccess, parse_with_access};
-use abbe::render::{Integrator, Job, MeasurementReport, NoMonitor, PointReport, StopRules, Value, on_threads};
 use abbe::validate::{CaseResult, cie171, run};
+use abbe_format::resolve::resolve_meters;
+use abbe_format::{FileAccess, parse_with_access};
+use abbe_session::render::{Integrator, Job, MeasurementReport, NoMonitor, PointReport, StopRules, Value, on_threads};
 use serde_json::{Value as Json, json};
 use std::f64::consts::PI;
 use std::path::Path;

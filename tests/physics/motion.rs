@@ -4,7 +4,7 @@
 use crate::common::compare::{Comparison, Measured, assert_same, compare};
 use crate::common::edges::away_from_edges;
 use crate::common::{all_y, block_means, diffuse, glass, job, overhead_camera, render, with_setting};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 

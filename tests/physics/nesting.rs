@@ -1,10 +1,10 @@
 //! More bodies inside each other than a medium stack can hold, compared with closed forms.
 
-use abbe::geometry::Ray;
-use abbe::math::random::ONE_MINUS_ULP;
-use abbe::optics::bsdf::ScatterEvent;
-use abbe::render::{Integrator, Rendered};
-use abbe::walk::{RayState, SurfaceLookup, next_interaction};
+use abbe_optics::bsdf::ScatterEvent;
+use abbe_scene::geometry::Ray;
+use abbe_session::render::{Integrator, Rendered};
+use abbe_spectra::math::random::ONE_MINUS_ULP;
+use abbe_transport::walk::{RayState, SurfaceLookup, next_interaction};
 use glam::DVec3;
 use serde_json::{Value, json};
 

@@ -2,7 +2,7 @@
 
 use crate::common::render;
 use crate::textures::{assert_integrators_agree, ball_under_a_lamp};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::json;
 
 /// A luminous disk covers the same part of the picture at each distance: its area divided by that

@@ -2,7 +2,7 @@
 //! computed independently (golden/prism.json).
 
 use crate::common::{diffuse, glass, render};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 

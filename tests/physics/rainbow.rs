@@ -3,7 +3,7 @@
 //! brightness equals the integral along the ray.
 
 use crate::common::{example, render};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// Wavelengths of the sun's lines, each in the middle of one band of the film.

@@ -2,10 +2,10 @@
 //! benches/scenes/README.md names.
 
 use crate::common::{render, with_setting};
-use abbe::output::compare::{Region, Selection, compare};
-use abbe::output::exr;
-use abbe::render::Integrator;
-use abbe::sensor::Picture;
+use abbe_session::output::compare::{Region, Selection, compare};
+use abbe_session::output::exr;
+use abbe_session::render::Integrator;
+use abbe_transport::sensor::Picture;
 use serde_json::Value;
 use std::path::Path;
 

@@ -6,7 +6,7 @@
 
 use crate::common::compare::Measured;
 use crate::common::{diffuse, glass, mean_y, overhead_camera};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::f64::consts::PI;

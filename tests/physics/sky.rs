@@ -2,8 +2,8 @@
 //! against integrals along rays that this test computes.
 
 use crate::common::{example, render};
-use abbe::colour;
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
+use abbe_spectra::colour;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 

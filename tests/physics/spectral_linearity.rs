@@ -2,7 +2,7 @@
 //! no weights between wavelengths, so it checks the weights of a picture in mixed light.
 
 use crate::common::compare::Measured;
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 
 /// Wavelengths in nm, one in each of the two bands of the film.

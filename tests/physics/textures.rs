@@ -3,7 +3,7 @@
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{colour_blocks, diffuse, glass, overhead_camera, render};
 use crate::furnace;
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 

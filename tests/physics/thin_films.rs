@@ -6,7 +6,7 @@ use crate::common::{diffuse, overhead_camera, render, with_setting};
 use crate::furnace;
 use crate::golden::golden;
 use crate::textures::{assert_integrators_agree, assert_integrators_agree_after};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 

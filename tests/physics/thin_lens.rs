@@ -2,7 +2,7 @@
 //! bladed stop makes it a polygon.
 
 use crate::common::{diffuse, render};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 

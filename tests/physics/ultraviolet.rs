@@ -6,8 +6,8 @@ use crate::common::near::assert_near;
 use crate::common::{colour_blocks, diffuse, glass, job, render};
 use crate::fluorescence::{material, sphere, without_ultraviolet};
 use crate::textures::assert_integrators_agree;
-use abbe::plan::WavelengthPlan;
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
+use abbe_transport::plan::WavelengthPlan;
 use serde_json::{Value, json};
 
 const BRIGHTENER: &str = "optical brightener on paper";

@@ -2,7 +2,7 @@
 //! neither too dark nor too bright.
 
 use crate::common::{diffuse, mean_y, render};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// A closed room with walls of 0.1 m on a wide ground, and a lamp inside. With `sun`, bright

@@ -1,8 +1,8 @@
 //! The numbers of camera samples that the pilot chooses.
 
 use super::common::{channel, job_with, render_job};
-use abbe::render::Integrator;
-use abbe::sensor::Picture;
+use abbe_session::render::Integrator;
+use abbe_transport::sensor::Picture;
 
 /// A board above a white floor, in the light of a sphere. The camera looks down. The sphere is
 /// large, so the shadow of the board has a wide penumbra. A point brightens the shadow.

@@ -1,8 +1,8 @@
 //! The coarse picture before pass 0.
 
 use super::common::example_job;
-use abbe::render::{Integrator, Monitor, Progress, Rendered, Request, StopRules};
-use abbe::sensor::Picture;
+use abbe_session::render::{Integrator, Monitor, Progress, Rendered, Request, StopRules};
+use abbe_transport::sensor::Picture;
 
 /// Keeps the coarse pictures of a render.
 #[derive(Default)]

@@ -2,7 +2,7 @@
 //! never happen.
 
 use super::common::{example_job, example_names, render_job};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use std::path::Path;
 
 /// Changes that make a scene quick to render: a small film and few photons.

@@ -3,10 +3,10 @@
 
 use super::common::compare::{Measured, compare};
 use super::common::{block_means, channel, job_with, render_job};
-use abbe::colour::xyz_to_linear_srgb;
-use abbe::render::{Integrator, Rendered};
-use abbe::sensor::Picture;
-use abbe::sensor::cryptomatte::{hash_name, normal_hash};
+use abbe_session::render::{Integrator, Rendered};
+use abbe_spectra::colour::xyz_to_linear_srgb;
+use abbe_transport::sensor::Picture;
+use abbe_transport::sensor::cryptomatte::{hash_name, normal_hash};
 
 /// Glass, dispersive glass, a mirror, coated paint, fog, a flame, a sky, and several other lights.
 /// Three lights have the same spectrum, and two of them have the same group.
@@ -68,7 +68,7 @@ fn colours(picture: &Picture, layer: &str) -> Vec<[f64; 3]> {
 
 /// Returns Y of a layer.
 fn luminance(picture: &Picture, layer: &str) -> Vec<f64> {
-    colours(picture, layer).into_iter().map(|rgb| abbe::colour::linear_srgb_to_xyz(rgb)[1]).collect()
+    colours(picture, layer).into_iter().map(|rgb| abbe_spectra::colour::linear_srgb_to_xyz(rgb)[1]).collect()
 }
 
 /// Checks that the layers sum to the picture, and that each layer has light.
@@ -195,8 +195,8 @@ fn photon_mapping_and_path_tracing_agree_on_the_layers() {
 fn a_group_switched_off_is_a_render_without_its_lights() {
     let with = |seed: u64| {
         let picture = everything(Integrator::Photon, 12, r#""lights""#, &[&format!("render.seed={seed}")]).picture;
-        let off = [abbe::output::relight::LightGain { group: "ceiling".to_string(), rgb: [0.0; 3] }];
-        abbe::output::relight::relight(&picture, &off).unwrap()
+        let off = [abbe_session::output::relight::LightGain { group: "ceiling".to_string(), rgb: [0.0; 3] }];
+        abbe_session::output::relight::relight(&picture, &off).unwrap()
     };
     let without = |seed: u64| {
         let sets = [
@@ -280,8 +280,8 @@ fn light_layers_are_refused_with_diffraction() {
     let lens = r#"camera.lens={"thin": {"focal_length_mm": 50, "f_number": 32, "focus_distance": 10, "sensor_height_mm": 24}}"#;
     let text = SPHERE.replace(r#""layers": ["albedo", "normal""#, r#""layers": ["paths", "normal""#);
     let sets: Vec<String> = [lens, r#"render.force=["diffraction"]"#].map(String::from).to_vec();
-    let (file, source) = abbe::format::parse(&text, "tests/inline.json".as_ref(), &sets).unwrap();
-    let scene = abbe::format::resolve::resolve(&file, &source).unwrap();
-    let error = abbe::render::Job::new(scene).unwrap_err().to_string();
+    let (file, source) = abbe_format::parse(&text, "tests/inline.json".as_ref(), &sets).unwrap();
+    let scene = abbe_format::resolve::resolve(&file, &source).unwrap();
+    let error = abbe_session::render::Job::new(scene).unwrap_err().to_string();
     assert!(error.contains("diffraction") && error.contains("paths"), "{error}");
 }

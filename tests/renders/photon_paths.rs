@@ -1,8 +1,8 @@
 //! Photon paths with their vertices, for drawings.
 
 use super::common::{example_job, job};
-use abbe::math::sphere::BoundingSphere;
-use abbe::render::{Job, PathQuery, PhotonPaths};
+use abbe_session::render::{Job, PathQuery, PhotonPaths};
+use abbe_spectra::math::sphere::BoundingSphere;
 use glam::{DVec2, DVec3};
 use serde_json::json;
 

@@ -2,7 +2,7 @@
 //! forbidden.
 
 use super::common::{job, render_job};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// A ball on a floor. `coating` is added to its material.

@@ -3,8 +3,8 @@
 use super::common::compare::{Measured, compare};
 use super::common::{colour_blocks, example_job, example_names, render_job};
 use super::example_scenes::SMALL;
-use abbe::plan::EffectState;
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
+use abbe_transport::plan::EffectState;
 use std::cell::LazyCell;
 
 /// The number of renders, each with its own seed, and their passes.

@@ -2,7 +2,7 @@
 
 use super::common::{diffuse, glass, job, with_setting};
 use super::plan_negligible::is;
-use abbe::plan::EffectState;
+use abbe_transport::plan::EffectState;
 use serde_json::{Value, json};
 
 /// A box of haze with this optical depth across it, with a floor and a light inside.

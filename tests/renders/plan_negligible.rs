@@ -3,8 +3,8 @@
 
 use super::common::compare::{Measured, compare};
 use super::common::{all_y, diffuse, glass, job, overhead_camera, render, with_setting};
-use abbe::plan::EffectState;
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
+use abbe_transport::plan::EffectState;
 use serde_json::{Value, json};
 
 /// Returns the state of an effect and its reason.

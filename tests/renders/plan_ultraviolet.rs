@@ -2,7 +2,7 @@
 //! otherwise, and without events if it is forbidden.
 
 use super::common::{job, render_job};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// A floor and a lamp. The lamp emits from `lamp_from_nm` on, and the dye of the floor absorbs from

@@ -1,7 +1,7 @@
 //! The tabulated responses of the sensor to photons at diffuse surfaces.
 
 use super::common::{job_with, render_job};
-use abbe::render::{Integrator, Rendered};
+use abbe_session::render::{Integrator, Rendered};
 
 /// Coloured walls, a curved surface, and two lights of different spectra. Fog is absent, so the
 /// tables apply to all pixels.

@@ -2,9 +2,9 @@
 //! correct colours of lamps, and media around cameras and lights.
 
 use super::common::{example_job, example_names, job_with, render_job};
-use abbe::colour;
-use abbe::render::{Integrator, Job, Monitor, NoMonitor, Progress, Rendered, Request, Run, StopRules};
-use abbe::spectrum::{Observer, library};
+use abbe_session::render::{Integrator, Job, Monitor, NoMonitor, Progress, Rendered, Request, Run, StopRules};
+use abbe_spectra::colour;
+use abbe_spectra::spectrum::{Observer, library};
 
 fn mean_xyz(rendered: &Rendered) -> [f64; 3] {
     let count = rendered.picture.xyz.len() as f64;
@@ -176,12 +176,13 @@ fn colours_split_between_sodium_and_its_match_as_predicted() {
     let observer = Observer::cie1931();
     let sodium = library::find("sodium-low-pressure").unwrap().spectrum;
     let lines = [620.0, 550.0].map(|nm| {
-        let line = abbe::spectrum::SpectralLine { nm, power: 1.0, fwhm_nm: None };
-        abbe::spectrum::Spectrum::lines(&[line]).unwrap()
+        let line = abbe_spectra::spectrum::SpectralLine { nm, power: 1.0, fwhm_nm: None };
+        abbe_spectra::spectrum::Spectrum::lines(&[line]).unwrap()
     });
     let matched =
         colour::match_primaries(observer.xyz(&sodium), &lines.each_ref().map(|line| observer.xyz(line))).unwrap();
-    let twin = abbe::spectrum::Spectrum::mix(&[(matched.weights[0], &lines[0]), (matched.weights[1], &lines[1])]);
+    let twin =
+        abbe_spectra::spectrum::Spectrum::mix(&[(matched.weights[0], &lines[0]), (matched.weights[1], &lines[1])]);
     for name in ["colorchecker/dark-skin", "colorchecker/blue"] {
         let reflectance = library::find(name).unwrap().spectrum;
         // Both lamps have 1000 lm. Colours are compared at Y = 1 of the perfect diffuser, in Lab

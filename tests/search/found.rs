@@ -1,7 +1,7 @@
 //! Minimal scenes of the faults that the search found.
 
 use crate::common::{diffuse, render};
-use abbe::render::Integrator;
+use abbe_session::render::Integrator;
 use serde_json::{Value, json};
 
 /// A camera that sees the dark back of a rectangular light, far off the origin, and nothing else.

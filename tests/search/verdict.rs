@@ -1,8 +1,8 @@
 //! Compares the photon integrator with the path tracer on one scene, and checks the energy balance.
 
 use crate::common::compare::two_sided;
-use abbe::math::random::hash64;
-use abbe::render::{Integrator, Job, Monitor, Progress, Rendered, Request, Run, StopRules};
+use abbe_session::render::{Integrator, Job, Monitor, Progress, Rendered, Request, Run, StopRules};
+use abbe_spectra::math::random::hash64;
 
 /// Renders per integrator. They differ in their seeds.
 const RUNS: u64 = 4;

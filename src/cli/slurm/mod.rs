@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command as Process;
 use std::time::Duration;
 
-use crate::error::{Error, Result};
-use crate::output::file;
+use abbe_session::output::file;
+use abbe_spectra::error::{Error, Result};
 use clap::Parser;
 
 use super::{Cli, Command, Outcome, interrupt, print, render, values};

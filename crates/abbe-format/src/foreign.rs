@@ -1,0 +1,82 @@
+//! Recognises files of other programs that a user passes in the place of a scene.
+
+use std::path::Path;
+
+use abbe_spectra::error::{Error, Result};
+
+/// How to bring a foreign file into a scene.
+enum Import {
+    /// The file is a mesh that a scene can name.
+    Mesh,
+    /// The file is a luminaire that a scene can name.
+    Luminaire,
+    /// The file is a scene of another program. Its meshes can be exported.
+    Scene,
+}
+
+/// File name extensions of other programs, the names of the formats, and the way to import them.
+const FOREIGN: [(&str, &str, Import); 12] = [
+    ("obj", "a Wavefront OBJ mesh", Import::Mesh),
+    ("ply", "a PLY mesh", Import::Mesh),
+    ("stl", "an STL mesh", Import::Mesh),
+    ("ies", "an IES luminaire", Import::Luminaire),
+    ("ldt", "an EULUMDAT luminaire", Import::Luminaire),
+    ("blend", "a Blender file", Import::Scene),
+    ("fbx", "an FBX file", Import::Scene),
+    ("dae", "a COLLADA file", Import::Scene),
+    ("usd", "a USD file", Import::Scene),
+    ("usda", "a USD file", Import::Scene),
+    ("usdc", "a USD file", Import::Scene),
+    ("usdz", "a USD file", Import::Scene),
+];
+
+/// Returns an error if the extension of a file belongs to another program. The error says how to
+/// bring such a file into a scene.
+///
+/// # Errors
+/// Returns an error for meshes and for scenes of other programs.
+pub(super) fn refuse_foreign(path: &Path) -> Result<()> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let known = FOREIGN.iter().find(|(known, ..)| extension.eq_ignore_ascii_case(known));
+    let Some((_, kind, import)) = known.filter(|_| path.is_file()) else { return Ok(()) };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let way = match import {
+        Import::Mesh => {
+            format!("to use this mesh, name it in a scene: {{\"shape\": {{\"mesh\": {{\"path\": \"{name}\"}}}}}}")
+        }
+        Import::Luminaire => format!(
+            "to use this luminaire, add it to the lights of a scene: {{\"ies\": {{\"at\": [0, 3, 0], \"toward\": [0, -1, 0], \
+             \"path\": \"{name}\", \"spectrum\": \"LED-B3\"}}}}"
+        ),
+        Import::Scene => "to use its geometry, export the meshes as glTF, OBJ, PLY or STL, name them in a scene, and \
+                          write camera, lights and materials by hand"
+            .to_string(),
+    };
+    let expected = format!("a scene file in JSON; {way} (docs/guide/import.md)");
+    Err(Error::input(format!("found {kind}")).expected(expected).in_file(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_other_programs_are_refused_with_a_way() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, way) in [
+            ("a.PLY", "\"path\": \"a.PLY\""),
+            ("a.obj", "\"path\": \"a.obj\""),
+            ("a.ldt", "add it to the lights"),
+            ("a.blend", "export"),
+        ] {
+            let path = folder.path().join(name);
+            assert!(refuse_foreign(&path).is_ok(), "{name} does not exist yet");
+            std::fs::write(&path, "x").unwrap();
+            let error = refuse_foreign(&path).unwrap_err().to_string();
+            assert!(error.contains(way) && error.contains("docs/guide/import.md"), "{error}");
+        }
+        let scene = folder.path().join("a.json");
+        std::fs::write(&scene, "{}").unwrap();
+        assert!(refuse_foreign(&scene).is_ok());
+    }
+}

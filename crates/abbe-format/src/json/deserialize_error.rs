@@ -1,0 +1,182 @@
+//! Errors that serde reports when it deserialises a value, and their messages for the user.
+
+use std::fmt;
+
+use serde::de;
+
+use super::describe::{found, one_of, shorten};
+use super::path::quoted;
+use super::positions::{SpannedValue, ValueKind};
+use abbe_spectra::error::{Error, nearest_name};
+
+/// An error in a value. Nested deserialisers return the error one after the other. The innermost of
+/// them sets the position of the error.
+#[derive(Debug)]
+pub(super) struct DeserializeError {
+    /// Node number of the wrong value or key; `None` until the number is known.
+    node: Option<u32>,
+    kind: DeserializeErrorKind,
+}
+
+/// The kinds of errors in a value.
+#[derive(Debug)]
+pub(super) enum DeserializeErrorKind {
+    /// The value has a wrong type or a wrong length, or the value is out of range.
+    Mismatch {
+        /// Description of the allowed values.
+        expected: String,
+    },
+    /// A key or name is not one of the known names.
+    Unknown {
+        /// The key or name in the text.
+        name: String,
+        /// The known names.
+        known: &'static [&'static str],
+    },
+    /// An object lacks this key.
+    Missing(&'static str),
+    /// An object has two or more of the listed keys, but must have exactly one. The error's
+    /// position is the second key.
+    SecondKey(&'static [&'static str]),
+    /// The value was replaced by a stand-in, and the type of the value has no stand-in.
+    NoStandIn,
+    /// Any other error, with its message.
+    Other(String),
+}
+
+impl DeserializeError {
+    /// Returns an error whose position is not known yet.
+    pub(super) fn new(kind: DeserializeErrorKind) -> Self {
+        Self { node: None, kind }
+    }
+
+    /// Returns an error for a value that has a wrong type or a wrong length, or that is out of
+    /// range.
+    pub(super) fn mismatch(expected: impl Into<String>) -> Self {
+        Self::new(DeserializeErrorKind::Mismatch { expected: expected.into() })
+    }
+
+    /// Sets the position of the error to a value or key, unless the error already has a position.
+    pub(super) fn at(mut self, value: SpannedValue) -> Self {
+        self.node.get_or_insert(value.id());
+        self
+    }
+
+    /// Returns the kind of the error.
+    pub(super) fn kind(&self) -> &DeserializeErrorKind {
+        &self.kind
+    }
+
+    /// Returns the value or key at the position of the error. `root` is the outermost value of the
+    /// text.
+    pub(super) fn place<'t>(&self, root: SpannedValue<'t>) -> SpannedValue<'t> {
+        self.node.map_or(root, |node| root.with_id(node))
+    }
+
+    /// Converts this error to an error for the user. Returns the byte offset of the error, and the
+    /// error with its JSON path.
+    ///
+    /// `root` is the outermost value of the text.
+    pub(super) fn explain(self, root: SpannedValue) -> (usize, Error) {
+        let mut value = self.place(root);
+        if matches!(self.kind, DeserializeErrorKind::Unknown { .. })
+            && value.kind() == ValueKind::Object
+            && let Some((key, _)) = value.entries().next()
+        {
+            // The module `forms` itself reads the key that selects the variant. If this key is
+            // unknown, the error therefore has the position of the object, although the key is
+            // wrong.
+            value = key;
+        }
+        let path = root.path_to(value.id());
+        let is_key = root.is_key(value.id());
+        (value.start(), self.kind.explain(value, is_key).on_path(path))
+    }
+}
+
+impl DeserializeErrorKind {
+    /// Returns the error for the user, without a position.
+    fn explain(self, value: SpannedValue, is_key: bool) -> Error {
+        match self {
+            Self::Mismatch { expected } => Error::input(format!("found {}", found(value))).expected(expected),
+            Self::Unknown { name, known } => {
+                let kind = if is_key { "unknown key" } else { "found" };
+                let error = Error::input(format!("{kind} {}", quoted(&shorten(&name))));
+                let error = if known.is_empty() { error.expected("no keys") } else { error.expected(one_of(known)) };
+                Error { suggestion: nearest_name(&name, known.iter().copied()), ..error }
+            }
+            Self::Missing(key) => Error::input(format!("missing key \"{key}\"")),
+            Self::SecondKey(known) => {
+                let error = Error::input(format!("found a second key {}", shorten(value.written())));
+                if known.is_empty() {
+                    error.expected("exactly one key")
+                } else {
+                    error.expected(format!("exactly {}", one_of(known)))
+                }
+            }
+            Self::NoStandIn => Error::input(format!("found {}", found(value))),
+            Self::Other(message) => Error::input(message),
+        }
+    }
+}
+
+/// Translates serde's description of the expected value into the terms of JSON. For example, "a
+/// map" becomes "an object".
+fn expected_in_json_terms(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> String {
+    let expected = expected.to_string();
+    match expected.as_str() {
+        "f64" => "a number".into(),
+        "i32" => "a whole number".into(),
+        "u32" if matches!(found, de::Unexpected::Unsigned(_)) => format!("a whole number of at most {}", u32::MAX),
+        "u32" | "u64" => "a whole number of at least 0".into(),
+        "a boolean" => "true or false".into(),
+        "a sequence" => "an array".into(),
+        "a map" => "an object".into(),
+        text => match text.strip_prefix("an array of length ") {
+            Some(length) => format!("an array of {length}"),
+            None => expected,
+        },
+    }
+}
+
+impl fmt::Display for DeserializeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}", self.kind)
+    }
+}
+
+impl std::error::Error for DeserializeError {}
+
+impl de::Error for DeserializeError {
+    fn custom<T: fmt::Display>(message: T) -> Self {
+        Self::new(DeserializeErrorKind::Other(message.to_string()))
+    }
+
+    fn invalid_type(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::mismatch(expected_in_json_terms(found, expected))
+    }
+
+    fn invalid_value(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> Self {
+        Self::mismatch(expected_in_json_terms(found, expected))
+    }
+
+    fn invalid_length(_: usize, expected: &dyn de::Expected) -> Self {
+        Self::mismatch(expected_in_json_terms(de::Unexpected::Seq, expected))
+    }
+
+    fn unknown_variant(name: &str, known: &'static [&'static str]) -> Self {
+        Self::new(DeserializeErrorKind::Unknown { name: name.to_string(), known })
+    }
+
+    fn unknown_field(name: &str, known: &'static [&'static str]) -> Self {
+        Self::unknown_variant(name, known)
+    }
+
+    fn missing_field(key: &'static str) -> Self {
+        Self::new(DeserializeErrorKind::Missing(key))
+    }
+
+    fn duplicate_field(key: &'static str) -> Self {
+        Self::new(DeserializeErrorKind::Other(format!("found the key \"{key}\" a second time")))
+    }
+}

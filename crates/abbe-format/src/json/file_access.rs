@@ -1,0 +1,77 @@
+//! Decides which files a JSON text may name.
+
+use std::path::{Component, Path, PathBuf};
+
+use abbe_spectra::error::{Error, Result};
+
+/// The files that a JSON text may name. If such a file names further files, the same rule applies
+/// to them.
+///
+/// The default protects a user who opens a file from an unknown author. The file cannot make the
+/// program read other files of the user.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum FileAccess {
+    /// Files in the folder of the text and in folders below it.
+    #[default]
+    WithinFolder,
+    /// All files.
+    Anywhere,
+}
+
+impl FileAccess {
+    /// The errors of [`Self::file`] contain this text in the field `expected`. A program may have
+    /// an option that allows all files. Such a program can recognise the error by this text and add
+    /// the name of the option to the message.
+    pub const EXPECTED_WITHIN_FOLDER: &str = "a path within the folder of the file that names it";
+
+    /// Joins `folder` and the path of a file relative to `folder`, and returns the result.
+    ///
+    /// Symbolic links in the folder are followed, even if they lead out of the folder. This is
+    /// acceptable, because whoever created the link could have copied the file into the folder.
+    ///
+    /// # Errors
+    /// Returns an error if the access is [`Self::WithinFolder`] and the path is absolute or leads
+    /// above the folder.
+    pub fn file(self, folder: &Path, path: &Path) -> Result<PathBuf> {
+        if self == Self::WithinFolder && leaves_folder(path) {
+            return Err(Error::input(format!("the path \"{}\" leads out of the folder", path.display()))
+                .expected(Self::EXPECTED_WITHIN_FOLDER));
+        }
+        Ok(folder.join(path))
+    }
+}
+
+/// Returns whether a relative path leads out of its folder.
+fn leaves_folder(path: &Path) -> bool {
+    let mut depth = 0_usize;
+    path.components().any(|component| match component {
+        Component::CurDir => false,
+        Component::Normal(_) => {
+            depth += 1;
+            false
+        }
+        Component::ParentDir if depth > 0 => {
+            depth -= 1;
+            false
+        }
+        Component::ParentDir | Component::RootDir | Component::Prefix(_) => true,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_may_go_down_and_back_but_not_up() {
+        let within = |path: &str| FileAccess::WithinFolder.file(Path::new("scenes"), Path::new(path));
+        for inside in ["lamp.csv", "./lamp.csv", "lamps/hg.csv", "lamps/../lamp.csv", "a/b/../../c", "..lamp.csv", ""] {
+            assert_eq!(within(inside).unwrap(), Path::new("scenes").join(inside));
+        }
+        for outside in ["..", "../lamp.csv", "a/../../lamp.csv", "./../x", "/etc/passwd", "a/../.."] {
+            let error = within(outside).unwrap_err();
+            assert_eq!(error.expected.as_deref(), Some(FileAccess::EXPECTED_WITHIN_FOLDER), "{outside}");
+            assert!(FileAccess::Anywhere.file(Path::new("scenes"), Path::new(outside)).is_ok());
+        }
+    }
+}

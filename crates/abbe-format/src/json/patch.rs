@@ -1,0 +1,361 @@
+//! Patches of the form `PATH=JSON`, which change a JSON text before it is read.
+//!
+//! A patch replaces the value at its path. If the last key of the path is missing, the patch adds
+//! the key. The patch also creates missing objects on the path. The step `[-]` appends an element
+//! to an array.
+
+use std::path::Path;
+
+use super::describe::found;
+use super::path::{self, PathStep, quoted};
+use super::positions::{Positions, SpannedValue, ValueKind};
+use super::scan::{SyntaxError, scan};
+use super::text::{MAX_BYTES, line_column, too_large};
+use abbe_spectra::error::{Error, Result, nearest_name};
+
+/// An error about a patch contains a label instead of a file name. The label is this text followed
+/// by the path of the patch, for example `patch render.passes`. A program that takes patches from a
+/// command-line option can replace this text with the name of the option.
+pub const PATCH_LABEL: &str = "patch ";
+
+/// A text to which all patches have been applied.
+pub(super) struct PatchedText {
+    /// The text.
+    pub(super) text: String,
+    /// The origin of each part of the text.
+    pub(super) pieces: TextPieces,
+    /// The position of each value in the text.
+    pub(super) positions: Positions,
+}
+
+impl PatchedText {
+    /// Applies patches to a text. Errors use `file` as the name of the text.
+    pub(super) fn new(mut text: String, file: &Path, sets: &[String]) -> Result<Self> {
+        if text.len() as u64 > MAX_BYTES {
+            return Err(too_large().in_file(file));
+        }
+        let at_position = |SyntaxError { offset, error }: SyntaxError| {
+            let (line, column) = line_column(&text, offset);
+            error.in_file(file).at(line, column)
+        };
+        let mut positions = scan(&text).map_err(at_position)?;
+        let mut pieces = TextPieces(vec![TextPiece { start: 0, origin: PieceOrigin::File(0) }]);
+        for set in sets {
+            let patch = read_patch(set)?;
+            let edit = patch.edit(positions.root(&text)).map_err(|error| error.in_file(Path::new(&patch.label)))?;
+            pieces = pieces.after(&edit, &patch.label, text.len());
+            text.replace_range(edit.from..edit.to, &edit.text);
+            positions = rescan(&text, &patch.label)?;
+        }
+        Ok(Self { text, pieces, positions })
+    }
+}
+
+/// The origin of each part of a patched text, in the order of the text.
+#[derive(Debug, Clone)]
+pub(super) struct TextPieces(Vec<TextPiece>);
+
+/// A piece of the text that comes from a single origin. It ends where the next piece starts.
+#[derive(Debug, Clone)]
+struct TextPiece {
+    /// Byte offset of its first byte.
+    start: usize,
+    origin: PieceOrigin,
+}
+
+/// The origin of a piece of text.
+#[derive(Debug, Clone)]
+pub(super) enum PieceOrigin {
+    /// The piece comes from the file, where it starts at this byte offset.
+    File(usize),
+    /// The piece comes from the patch with this label.
+    Patch(String),
+}
+
+impl PieceOrigin {
+    /// Returns the origin of the text that starts `bytes` bytes later in the same piece.
+    fn skip(&self, bytes: usize) -> Self {
+        match self {
+            Self::File(offset) => Self::File(offset + bytes),
+            Self::Patch(label) => Self::Patch(label.clone()),
+        }
+    }
+}
+
+impl TextPieces {
+    /// Returns the origin of the byte at an offset in the patched text.
+    pub(super) fn origin(&self, offset: usize) -> Option<PieceOrigin> {
+        let index = self.0.partition_point(|piece| piece.start <= offset).saturating_sub(1);
+        self.0.get(index).map(|piece| piece.origin.skip(offset - piece.start))
+    }
+
+    /// Returns the pieces of the text after an edit. Before the edit, the text has `length` bytes.
+    fn after(&self, edit: &TextEdit, label: &str, length: usize) -> Self {
+        let ends = self.0.iter().skip(1).map(|piece| piece.start).chain([length]);
+        let (mut before, mut after) = (Vec::new(), Vec::new());
+        for (piece, end) in self.0.iter().zip(ends) {
+            if piece.start < edit.from {
+                before.push(piece.clone());
+            }
+            if end > edit.to {
+                let skipped = edit.to.saturating_sub(piece.start);
+                let start = piece.start + skipped - edit.to + edit.from + edit.text.len();
+                after.push(TextPiece { start, origin: piece.origin.skip(skipped) });
+            }
+        }
+        before.push(TextPiece { start: edit.from, origin: PieceOrigin::Patch(label.to_string()) });
+        before.extend(after);
+        Self(before)
+    }
+}
+
+/// One patch.
+struct PathPatch<'s> {
+    /// The path of the value to change.
+    steps: Vec<PathStep>,
+    /// The new value.
+    json: &'s str,
+    /// The name of the patch in errors.
+    label: String,
+}
+
+/// A change of a text: `text` replaces the bytes `from..to`.
+struct TextEdit {
+    from: usize,
+    to: usize,
+    text: String,
+}
+
+/// Scans a patched text. Text and patch are valid JSON by themselves, but the result can still be
+/// too large or too deeply nested.
+fn rescan(text: &str, label: &str) -> Result<Positions> {
+    if text.len() as u64 > MAX_BYTES {
+        return Err(too_large().in_file(Path::new(label)));
+    }
+    scan(text).map_err(|malformed| malformed.error.in_file(Path::new(label)))
+}
+
+/// Parses a patch of the form `PATH=JSON`.
+fn read_patch(set: &str) -> Result<PathPatch<'_>> {
+    let label = |path: &str| format!("{PATCH_LABEL}{}", path.trim());
+    let Some((path, json)) = split_at_equals(set) else {
+        let error = Error::input("found no `=`").expected("PATH=JSON, such as render.passes=4");
+        return Err(error.in_file(Path::new(&label(set))));
+    };
+    let (path, json, label) = (path.trim(), json.trim(), label(path));
+    let place = |error: Error| error.in_file(Path::new(&label));
+    let steps = path::parse(path).map_err(place)?;
+    if steps.is_empty() {
+        return Err(place(Error::input("found no path before `=`").expected("PATH=JSON, such as render.passes=4")));
+    }
+    if json.is_empty() {
+        return Err(place(Error::input("found no value after `=`").expected("a JSON value")));
+    }
+    if is_bare_word(json) {
+        let expected =
+            format!("JSON; a string needs double quotes, and in a shell also single quotes: '{path}={}'", quoted(json));
+        return Err(place(Error::input(format!("found the bare word {json}")).expected(expected)));
+    }
+    scan(json).map_err(|SyntaxError { offset: _, mut error }| {
+        error.location.path = None;
+        place(error)
+    })?;
+    Ok(PathPatch { steps, json, label })
+}
+
+/// Splits a patch at the first `=` outside brackets.
+fn split_at_equals(set: &str) -> Option<(&str, &str)> {
+    let (mut inside, mut in_string, mut escaped) = (false, false, false);
+    for (i, byte) in set.bytes().enumerate() {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_string => escaped = true,
+            b'"' if inside => in_string = !in_string,
+            b'[' if !in_string => inside = true,
+            b']' if !in_string => inside = false,
+            b'=' if !inside => return Some((&set[..i], &set[i + 1..])),
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Returns whether a text looks like a string whose quotes were removed by the shell. The result is
+/// `false` for words, such as `None`, for which the scanner has a better error message.
+fn is_bare_word(json: &str) -> bool {
+    let starts = json.starts_with(|c: char| c.is_alphabetic() || matches!(c, '_' | '/' | '.' | '~'));
+    let explained = ["true", "false", "null", "none", "nan", "inf", "infinity"];
+    starts && !json.contains(['"', '{', '[', '\n']) && !explained.contains(&json.to_ascii_lowercase().as_str())
+}
+
+impl PathPatch<'_> {
+    /// Returns the edit that applies the patch to a text. `root` is the outermost value of the
+    /// text.
+    fn edit(&self, root: SpannedValue) -> Result<TextEdit> {
+        let mut value = root;
+        for (i, step) in self.steps.iter().enumerate() {
+            match value.step(step) {
+                Some(below) => value = below,
+                None => return self.addition(value, i),
+            }
+        }
+        Ok(TextEdit { from: value.start(), to: value.end(), text: self.json.to_string() })
+    }
+
+    /// Returns the edit that adds the missing part of the path to `value`, which is the last
+    /// existing value on the path. The steps from number `i` on are missing.
+    fn addition(&self, value: SpannedValue, i: usize) -> Result<TextEdit> {
+        let (before, step, rest) = (&self.steps[..i], &self.steps[i], &self.steps[i + 1..]);
+        let mut text = self.json.to_string();
+        for step in rest.iter().rev() {
+            let PathStep::Key(key) = step else { return Err(no_such_value(&self.steps[..=i])) };
+            text = format!("{{{}: {text}}}", quoted(key));
+        }
+        match (step, value.kind()) {
+            (PathStep::Key(key), ValueKind::Object) => text = format!("{}: {text}", quoted(key)),
+            (PathStep::Append, ValueKind::Array) => {}
+            (PathStep::Index(index), ValueKind::Array) => return Err(out_of_range(before, *index, value)),
+            (PathStep::Named(name), ValueKind::Array) => return Err(no_such_name(before, name, value)),
+            (PathStep::Key(_), _) => return Err(wrong_kind(before, value, "an object")),
+            (PathStep::Index(_) | PathStep::Append | PathStep::Named(_), _) => {
+                return Err(wrong_kind(before, value, "an array"));
+            }
+        }
+        // The new text follows the last element. In an empty container, the new text follows the
+        // opening bracket.
+        let last = value.children().last();
+        let at = last.map_or(value.start() + 1, SpannedValue::end);
+        let text = if last.is_some() { format!(", {text}") } else { text };
+        Ok(TextEdit { from: at, to: at, text })
+    }
+}
+
+/// Returns the error for a path through a missing array. A patch creates missing objects, but no
+/// arrays.
+fn no_such_value(steps: &[PathStep]) -> Error {
+    Error::input(format!("found nothing at {}", path::display(steps))).expected("a path through existing values")
+}
+
+/// Returns the error for an index beyond the end of an array.
+fn out_of_range(array: &[PathStep], index: usize, value: SpannedValue) -> Error {
+    let array = path::display(array);
+    let error = Error::input(format!("found no element {index}"));
+    match value.children().count() {
+        0 => error.expected(format!("no index, as {array} is empty; {array}[-] adds an element")),
+        1 => error.expected(format!("index 0, the only one of {array}; {array}[-] adds an element")),
+        count => error.expected(format!("an index of {array} from 0 to {}; {array}[-] adds an element", count - 1)),
+    }
+}
+
+/// Returns the error for a name that no element of the array has.
+fn no_such_name(array: &[PathStep], name: &str, value: SpannedValue) -> Error {
+    let names: Vec<_> = value.children().filter_map(|element| element.get("name")).collect();
+    let names: Vec<_> =
+        names.into_iter().filter(|name| name.kind() == ValueKind::String).map(SpannedValue::content).collect();
+    let near = nearest_name(name, names.iter().map(AsRef::as_ref));
+    let what = format!("found no element with the name {} in {}", quoted(name), path::display(array));
+    Error { suggestion: near, ..Error::input(what) }
+}
+
+/// Returns the error for a step into a value of the wrong kind.
+fn wrong_kind(steps: &[PathStep], value: SpannedValue, wanted: &str) -> Error {
+    let place = if steps.is_empty() { "the top level".to_string() } else { path::display(steps) };
+    Error::input(format!("found {} at {place}", found(value))).expected(wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::JsonSource;
+    use super::*;
+
+    /// Applies patches to a text. Returns the patched text, or the error message.
+    fn after(text: &str, sets: &[&str]) -> String {
+        let sets: Vec<_> = sets.iter().map(|set| set.to_string()).collect();
+        PatchedText::new(text.to_string(), Path::new("scene.json"), &sets)
+            .map_or_else(|error| error.to_string(), |patched| patched.text)
+    }
+
+    #[test]
+    fn a_value_is_replaced() {
+        let text = r#"{"a": [1, {"name": "x", "b": 2}], "c d": 3}"#;
+        assert_eq!(after(text, &["a[0]=7"]), r#"{"a": [7, {"name": "x", "b": 2}], "c d": 3}"#);
+        assert_eq!(after(text, &["a[1].b = {\"y\": 1}"]), r#"{"a": [1, {"name": "x", "b": {"y": 1}}], "c d": 3}"#);
+        assert_eq!(after(text, &["a[name=x].b=null"]), r#"{"a": [1, {"name": "x", "b": null}], "c d": 3}"#);
+        assert_eq!(after(text, &[r#"["c d"]="=""#]), r#"{"a": [1, {"name": "x", "b": 2}], "c d": "="}"#);
+        assert_eq!(after(text, &["c d=4"]), r#"{"a": [1, {"name": "x", "b": 2}], "c d": 4}"#);
+    }
+
+    #[test]
+    fn missing_keys_and_elements_are_added() {
+        assert_eq!(after(r#"{"a": 1}"#, &["b=2"]), r#"{"a": 1, "b": 2}"#);
+        assert_eq!(after(r#"{"a": {} }"#, &["a.b.c=2"]), r#"{"a": {"b": {"c": 2}} }"#);
+        assert_eq!(after(r#"{"a": []}"#, &["a[-]=1", "a[-]=2", "a[-].b=3"]), r#"{"a": [1, 2, {"b": 3}]}"#);
+        assert_eq!(after("{ }", &["a.b=1", "a.c=2", "a.b=3"]), r#"{"a": {"b": 3, "c": 2} }"#);
+    }
+
+    #[test]
+    fn errors_of_patches_say_what_is_wrong() {
+        let text = r#"{"a": [1, {"name": "prism"}], "e": [], "f": [1]}"#;
+        for (set, message) in [
+            ("a", "patch a: found no `=`; expected PATH=JSON, such as render.passes=4"),
+            ("=1", "patch : found no path before `=`; expected PATH=JSON, such as render.passes=4"),
+            ("a=", "patch a: found no value after `=`; expected a JSON value"),
+            ("a..b=1", "patch a..b: cannot read the path \"a..b\"; expected one like objects[0].shape.sphere.radius"),
+            (
+                "a[0]=crown",
+                "patch a[0]: found the bare word crown; expected JSON; a string needs double quotes, and in a shell also \
+                 single quotes: 'a[0]=\"crown\"'",
+            ),
+            ("a={\"b\": 1,}", "patch a: malformed JSON: found a trailing comma; expected no comma before `}`"),
+            ("a=1 2", "patch a: malformed JSON: found 2 after the end; expected nothing more"),
+            ("a=NaN", "patch a: malformed JSON: found NaN; expected a finite number"),
+            ("a[2]=1", "patch a[2]: found no element 2; expected an index of a from 0 to 1; a[-] adds an element"),
+            ("e[0]=1", "patch e[0]: found no element 0; expected no index, as e is empty; e[-] adds an element"),
+            ("f[1]=1", "patch f[1]: found no element 1; expected index 0, the only one of f; f[-] adds an element"),
+            ("a.b=1", "patch a.b: found an array of 2 at a; expected an object"),
+            ("a[0].b=1", "patch a[0].b: found 1 at a[0]; expected an object"),
+            ("[0]=1", "patch [0]: found an object at the top level; expected an array"),
+            ("x[0]=1", "patch x[0]: found nothing at x; expected a path through existing values"),
+            ("x.y[0]=1", "patch x.y[0]: found nothing at x; expected a path through existing values"),
+            (
+                "a[name=prisn].b=1",
+                "patch a[name=prisn].b: found no element with the name \"prisn\" in a; did you mean \"prism\"?",
+            ),
+        ] {
+            assert_eq!(after(text, &[set]), message, "{set}");
+        }
+    }
+
+    #[test]
+    fn a_patch_that_nests_too_deeply_is_refused() {
+        let deep = "[".repeat(128) + &"]".repeat(128);
+        let message = "patch a: found arrays and objects nested more than 128 deep; expected at most 128 levels";
+        assert_eq!(after("{}", &[&format!("a={deep}")]), message);
+    }
+
+    #[test]
+    fn errors_have_the_position_in_the_file_or_the_patch() {
+        let text = "{\"a\": 1,\n \"b\": [1, 2],\n \"c\": 3}";
+        let sets = ["b[0]={\"long\": [1,\n2, 3]}", "b[0].long[1]=\"x\"", "d=4", "a=\n\n5"].map(str::to_string);
+        let source = JsonSource::patched(text, Path::new("scene.json"), &sets).unwrap();
+        let place = |path: &str| source.error_at(path, Error::input("wrong")).to_string();
+        for (path, expected) in [
+            ("", "scene.json:1:1: wrong"),
+            ("a", "patch a: a: wrong"),
+            ("b", "scene.json:2:7: b: wrong"),
+            ("b[0]", "patch b[0]: b[0]: wrong"),
+            ("b[0].long[0]", "patch b[0]: b[0].long[0]: wrong"),
+            ("b[0].long[1]", "patch b[0].long[1]: b[0].long[1]: wrong"),
+            ("b[0].long[2]", "patch b[0]: b[0].long[2]: wrong"),
+            ("b[1]", "scene.json:2:11: b[1]: wrong"),
+            ("b[1].no.such", "scene.json:2:11: b[1].no.such: wrong"),
+            ("c", "scene.json:3:7: c: wrong"),
+            ("d", "patch d: d: wrong"),
+            ("no path [", "scene.json:1:1: no path [: wrong"),
+        ] {
+            assert_eq!(place(path), expected);
+        }
+        let elsewhere = Error::input("wrong").in_file(Path::new("lamp.csv")).at(3, 1);
+        assert_eq!(source.error_at("c", elsewhere).to_string(), "lamp.csv:3:1: c: wrong");
+    }
+}

@@ -1,0 +1,197 @@
+//! A JSON text with its patches. Deserialises the text, and adds positions to errors.
+
+use std::borrow::Cow;
+use std::marker::PhantomData;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+
+use super::deserialize::deserialize;
+use super::file_access::FileAccess;
+use super::patch::{PatchedText, PieceOrigin, TextPieces};
+use super::path;
+use super::positions::{Positions, ValueKind};
+use super::repair::Repairs;
+use super::serialize::Sections;
+use super::text::line_column;
+use abbe_spectra::error::{Error, MAX_FAULTS, Result};
+
+/// The character that some programs write at the start of a text file.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// A value of a text with faults.
+#[derive(Debug)]
+pub struct RepairedValue<T> {
+    /// The value, in which stand-ins replace the wrong parts. `None` if the text has too many
+    /// faults, or if the type has no stand-in.
+    pub value: Option<T>,
+    /// The faults of the text, each with its position.
+    pub faults: Vec<Error>,
+    repairs: Repairs,
+}
+
+impl<T> RepairedValue<T> {
+    /// Returns whether the outermost object of the text `source` contains an unknown key. The names
+    /// that the ignored entry defines are then unknown.
+    pub fn lacks_definitions(&self, source: &JsonSource) -> bool {
+        source.positions.root(&source.text).entries().any(|(key, _)| self.repairs.drops(key))
+    }
+
+    /// Returns whether an error may only follow from a repair of the text `source`. In such a case,
+    /// the value at the path of the error contains a repaired part, or is inside one.
+    pub fn explains(&self, source: &JsonSource, error: &Error) -> bool {
+        let root = source.positions.root(&source.text);
+        let steps = path::parse(error.location.path.as_deref().unwrap_or_default()).unwrap_or_default();
+        self.repairs.concern(root.nearest(&steps))
+    }
+}
+
+/// A JSON text with the position of each of its values.
+#[derive(Debug, Clone)]
+pub struct JsonSource {
+    /// The path of the file, in the form in which the caller stated it.
+    pub path: PathBuf,
+    /// The text after all patches.
+    pub text: String,
+    /// The text before the patches, or `None` if there are no patches.
+    unpatched: Option<String>,
+    pieces: TextPieces,
+    positions: Positions,
+    file_access: FileAccess,
+}
+
+impl JsonSource {
+    /// Reads strict JSON and applies patches.
+    ///
+    /// `sets` are patches of the form `PATH=JSON`. They are applied in the order of the list.
+    /// `file` is the name of the text in errors.
+    ///
+    /// # Errors
+    /// Returns an error if the text is not JSON, or if a patch cannot be applied.
+    pub fn patched(text: impl Into<String>, file: &Path, sets: &[String]) -> Result<Self> {
+        let mut text = text.into();
+        if text.starts_with(BYTE_ORDER_MARK) {
+            text.drain(..BYTE_ORDER_MARK.len_utf8());
+        }
+        let unpatched = (!sets.is_empty()).then(|| text.clone());
+        let PatchedText { text, pieces, positions } = PatchedText::new(text, file, sets)?;
+        let file_access = FileAccess::default();
+        Ok(Self { path: file.to_path_buf(), text, unpatched, pieces, positions, file_access })
+    }
+
+    /// Deserialises a value of type `T` from the text.
+    ///
+    /// # Errors
+    /// If values do not fit the type, returns an error with the file, line, column and JSON path of
+    /// each wrong value.
+    pub fn deserialize<T: DeserializeOwned>(&self) -> Result<T> {
+        let RepairedValue { value, faults, .. } = self.deserialize_repaired();
+        match (value, Error::all(faults)) {
+            (Some(value), None) => Ok(value),
+            (_, Some(error)) => Err(error),
+            (None, None) => Err(Error::input("the text cannot be read").in_file(&self.path)),
+        }
+    }
+
+    /// Deserialises a value of type `T` from the text. A part of the text that does not fit the type
+    /// is reported and replaced, so that the rest can be checked.
+    pub fn deserialize_repaired<T: DeserializeOwned>(&self) -> RepairedValue<T> {
+        let root = self.positions.root(&self.text);
+        let (mut faults, mut repairs) = (Vec::new(), Repairs::default());
+        loop {
+            let error = match deserialize(PhantomData::<T>, root, &repairs) {
+                Ok(value) => return RepairedValue { value: Some(value), faults, repairs },
+                Err(error) => error,
+            };
+            let outcome = repairs.repair(&error, root);
+            if outcome.is_fault {
+                let (offset, error) = error.explain(root);
+                faults.push(self.error_at_offset(offset, error));
+            }
+            if !outcome.can_continue || faults.len() >= MAX_FAULTS {
+                return RepairedValue { value: None, faults, repairs };
+            }
+        }
+    }
+
+    /// Returns the values of the text as compact JSON. `keeps` returns whether an entry of a
+    /// section stays; its arguments are the key of the section and the key of the entry. A section
+    /// is an object inside the outermost object.
+    pub fn compact(&self, keeps: impl Fn(&str, &str) -> bool) -> String {
+        let root = self.positions.root(&self.text);
+        serde_json::to_string(&Sections { root, keeps }).expect("the scanner has checked the text")
+    }
+
+    /// Returns all strings of the text except the keys, in the order of the text.
+    pub fn strings(&self) -> impl Iterator<Item = Cow<'_, str>> {
+        let root = self.positions.root(&self.text);
+        let is_string = move |id: &u32| root.with_id(*id).kind() == ValueKind::String && !root.is_key(*id);
+        self.positions.ids().filter(is_string).map(move |id| root.with_id(id).content())
+    }
+
+    /// Returns the folder to which paths in the text are relative.
+    pub fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Sets which files the text may name. The default is [`FileAccess::WithinFolder`].
+    #[must_use]
+    pub fn with_file_access(self, file_access: FileAccess) -> Self {
+        Self { file_access, ..self }
+    }
+
+    /// Returns which files the text may name.
+    pub fn file_access(&self) -> FileAccess {
+        self.file_access
+    }
+
+    /// Returns the path of a file that is named in the text. The name is relative to the folder of
+    /// the text.
+    ///
+    /// # Errors
+    /// Returns an error if the path leads out of the folder and the file access does not allow it.
+    pub fn file(&self, path: &str) -> Result<PathBuf> {
+        self.file_access.file(self.folder(), Path::new(path))
+    }
+
+    /// Adds file, line, column and path to an error that was found after the text was read.
+    ///
+    /// The value at `json_path` gives the position of the error. If there is no such value, the
+    /// deepest existing value on the path gives the position. An error may already name another
+    /// file, such as a malformed lamp.csv. In such an error, the name of the other file stays, and
+    /// this function adds only the JSON path.
+    #[must_use]
+    pub fn error_at(&self, json_path: &str, error: Error) -> Error {
+        let steps = path::parse(json_path).unwrap_or_default();
+        let value = self.positions.root(&self.text).nearest(&steps);
+        self.error_at_offset(value.start(), error.on_path(json_path))
+    }
+
+    /// Adds file, line and column to an error whose faults already have their JSON paths.
+    #[must_use]
+    pub fn with_position(&self, error: Error) -> Error {
+        let mut faults = error.into_faults().into_iter().map(|fault| {
+            let path = fault.location.path.clone().unwrap_or_default();
+            self.error_at(&path, fault)
+        });
+        let first = faults.next().unwrap_or_else(|| Error::input("found no fault"));
+        Error { others: faults.collect(), ..first }
+    }
+
+    /// Adds file, line and column to an error. `offset` is the position of the error as a byte
+    /// offset in the patched text.
+    fn error_at_offset(&self, offset: usize, error: Error) -> Error {
+        if error.location.file.is_some() {
+            return error;
+        }
+        match self.pieces.origin(offset) {
+            Some(PieceOrigin::Patch(label)) => error.in_file(Path::new(&label)),
+            Some(PieceOrigin::File(offset)) => {
+                let text = self.unpatched.as_ref().unwrap_or(&self.text);
+                let (line, column) = line_column(text, offset);
+                error.in_file(&self.path).at(line, column)
+            }
+            None => error.in_file(&self.path),
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Distant lights in the scene file.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::validate_pose;
+use crate::check;
+use crate::forms;
+use crate::json::JsonPath;
+use crate::quantity::{QuantityFile, one_quantity, validate_quantity};
+use crate::spectrum::{ImageFile, SpectrumFile, SpectrumUse};
+use crate::transform::{KeyframeFile, TransformFile};
+use abbe_spectra::error::Result;
+
+/// A directional light. State exactly one of `irradiance` and `illuminance`. The power is not a key
+/// of this light, because it depends on the size of the scene.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DirectionalFile {
+    /// Direction in which the light travels.
+    #[schemars(extend("x-range" = "not zero"))]
+    pub toward: [f64; 3],
+    /// Angular diameter of the source. The sun has 0.53°.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never", range(min = 0))]
+    #[schemars(extend("exclusiveMaximum" = 180, "x-unit" = "°"))]
+    pub angular_diameter: f64,
+    /// Relative distribution of the light over wavelength. The given quantity sets the scale.
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: SpectrumFile,
+    /// Irradiance over 360–830 nm on a surface that faces the light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
+    pub irradiance: Option<f64>,
+    /// Illuminance on a surface that faces the light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lx"))]
+    pub illuminance: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
+    /// Rotation of the light. Translations have no effect.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// An environment. State exactly one of `spectrum` and `image`, and exactly one of `irradiance`,
+/// `illuminance` and `luminance`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EnvironmentFile {
+    /// Relative distribution of the light over wavelength, the same from all directions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: Option<SpectrumFile>,
+    /// A picture of all directions. PNG, JPEG, OpenEXR and Radiance HDR files are read.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<ImageFile>,
+    /// Projection of the picture.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub projection: ProjectionFile,
+    /// π × the mean radiance over 360–830 nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
+    pub irradiance: Option<f64>,
+    /// π × the mean luminance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lx"))]
+    pub illuminance: Option<f64>,
+    /// Luminance of the light. For a picture, luminance of a pixel with the linear value (1, 1, 1).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
+    pub luminance: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
+    /// Rotation of the light. Translations have no effect.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+/// The projection of a picture of all directions.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(title = "Projection")]
+pub enum ProjectionFile {
+    /// Equirectangular: longitude and latitude are linear over the picture. +y is the upper edge,
+    /// and −z is in the middle.
+    #[default]
+    Equirectangular,
+    /// Equal-area octahedral, as in pbrt: a square whose pixels have equal solid angles. +z is in
+    /// the middle, −z is in the corners, +x is to the right, and +y is at the lower edge.
+    EqualArea,
+}
+
+impl DirectionalFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
+    }
+}
+
+impl EnvironmentFile {
+    /// Returns the quantity that the emitter states.
+    ///
+    /// # Errors
+    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
+    /// quantity is below 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[
+            (self.irradiance, QuantityFile::Irradiance),
+            (self.illuminance, QuantityFile::Illuminance),
+            (self.luminance, QuantityFile::Luminance),
+        ])
+    }
+}
+
+impl DirectionalFile {
+    /// Checks the ranges of values, the direction, the quantity, the transform and the keyframes.
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        let inside = (0.0..180.0).contains(&self.angular_diameter);
+        let allowed = "a number of at least 0 and below 180";
+        check::all([
+            check::direction(&at.key("toward"), self.toward),
+            check::rule(&at.key("angular_diameter"), self.angular_diameter, inside, allowed),
+            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            validate_quantity(at, self.quantity()),
+            validate_pose(at, &self.transform, &self.motion),
+        ])
+    }
+}
+
+impl EnvironmentFile {
+    /// Checks that all values are in range and that the light has exactly one source and one
+    /// quantity.
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        check::all([
+            check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())]),
+            self.spectrum.as_ref().map_or(Ok(()), |it| it.validate(&at.key("spectrum"), SpectrumUse::NotNegative)),
+            self.validate_projection(at),
+            validate_quantity(at, self.quantity()),
+            validate_pose(at, &self.transform, &self.motion),
+        ])
+    }
+
+    /// Checks that a projection belongs to a picture.
+    fn validate_projection(&self, at: &JsonPath) -> Result<()> {
+        if self.image.is_some() || self.projection == ProjectionFile::default() {
+            return Ok(());
+        }
+        Err(check::fault(&at.key("projection"), "found a projection without a picture", "`image`"))
+    }
+}

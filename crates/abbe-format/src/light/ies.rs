@@ -1,0 +1,110 @@
+//! Luminaires with a measured distribution of intensity.
+
+use glam::DVec3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::validate_pose;
+use crate::check;
+use crate::forms;
+use crate::json::JsonPath;
+use crate::quantity::{QuantityFile, one_quantity, validate_quantity};
+use crate::spectrum::{SpectrumFile, SpectrumUse};
+use crate::transform::{KeyframeFile, TransformFile};
+use abbe_spectra::error::{Error, Result};
+
+/// A luminaire with a measured distribution of intensity. State at most one of `power` and
+/// `luminous_flux`. By default, the luminaire has the luminous intensities of the file.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IesFile {
+    /// Position of the light.
+    #[schemars(extend("x-unit" = "scene unit"))]
+    pub at: [f64; 3],
+    /// Direction of the photometric axis. It points down for a ceiling luminaire.
+    #[schemars(extend("x-range" = "not zero"))]
+    pub toward: [f64; 3],
+    /// Direction of the half-plane C0 (horizontal angle 0). Only the part across `toward` counts.
+    /// Seen from above a ceiling luminaire, the angles C increase counter-clockwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-range" = "not parallel to `toward`"))]
+    #[schemars(extend("x-default" = "`[1, 0, 0]`, turned with the axis if `toward` is not down"))]
+    pub c0: Option<[f64; 3]>,
+    /// Path of the IES LM-63 file (`.ies`) or EULUMDAT file (`.ldt`), relative to the scene's
+    /// folder.
+    pub path: String,
+    /// True if the light leaves the luminous opening of the file, a flat rectangle or ellipse.
+    /// False if it leaves a point. The opening is invisible.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub area: bool,
+    /// Relative distribution of the light over wavelength. The file or the given quantity sets the
+    /// scale.
+    #[schemars(extend("minimum" = 0))]
+    pub spectrum: SpectrumFile,
+    /// Power over 360–830 nm. It replaces the luminous flux of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "W"))]
+    pub power: Option<f64>,
+    /// Luminous flux. It replaces the luminous flux of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0), extend("x-unit" = "lm"))]
+    pub luminous_flux: Option<f64>,
+    /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
+    /// the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "the light is its own group"))]
+    pub group: Option<String>,
+    /// Placement of the light in the scene.
+    #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub transform: TransformFile,
+    /// Keyframes of the motion, in the order of their times.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub motion: Vec<KeyframeFile>,
+}
+
+impl IesFile {
+    /// Returns the quantity that the emitter states, or `None` if the file sets the scale.
+    ///
+    /// # Errors
+    /// Returns an error if both quantities are stated, or if the quantity is below 0.
+    pub fn quantity(&self) -> Result<Option<QuantityFile>> {
+        match (self.power, self.luminous_flux) {
+            (None, None) => return Ok(None),
+            (Some(_), Some(_)) => {
+                let error = Error::input("found together with `power`").expected("at most one of power, luminous_flux");
+                return Err(error.on_path("luminous_flux"));
+            }
+            (Some(_), None) | (None, Some(_)) => {}
+        }
+        let choices = [(self.power, QuantityFile::Power as _), (self.luminous_flux, QuantityFile::LuminousFlux as _)];
+        one_quantity(&choices).map(Some)
+    }
+
+    /// Checks the directions, the spectrum, the quantity, the transform and the keyframes.
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        let quantity = self.quantity().map_or_else(|error| validate_quantity(at, Err(error)), |_| Ok(()));
+        check::all([
+            check::direction(&at.key("toward"), self.toward),
+            self.validate_c0(at),
+            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            quantity,
+            validate_pose(at, &self.transform, &self.motion),
+        ])
+    }
+
+    /// Checks that C0 and the photometric axis span a plane.
+    fn validate_c0(&self, at: &JsonPath) -> Result<()> {
+        let Some(c0) = self.c0 else { return Ok(()) };
+        let at = at.key("c0");
+        check::direction(&at, c0)?;
+        let across = DVec3::from(c0).normalize_or_zero().cross(DVec3::from(self.toward).normalize_or_zero());
+        let is_across = self.toward == [0.0; 3] || across.length() > 1e-9;
+        let parallel = || {
+            check::fault(&at, format!("found {}", check::triple(c0)), "a direction that is not parallel to `toward`")
+        };
+        if is_across { Ok(()) } else { Err(parallel()) }
+    }
+}

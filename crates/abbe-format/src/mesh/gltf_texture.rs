@@ -1,0 +1,137 @@
+//! Pictures of glTF files: buffer views, data addresses and files.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use ::gltf::buffer::Data;
+use ::gltf::image::Source;
+use ::gltf::material::NormalTexture;
+use ::gltf::texture::{Info, MagFilter, WrappingMode};
+use ::gltf::{Document, Texture};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::Value;
+
+use super::MeshTexture;
+use super::gltf::decoded_address;
+use crate::{FileAccess, PictureFile};
+use abbe_optics::texture::{Filter, UvTransform, Wrap};
+use abbe_spectra::error::{Error, Result};
+
+/// Reads the pictures of a glTF file, each once.
+pub(super) struct GltfPictures<'b> {
+    document: &'b Document,
+    buffers: &'b [Data],
+    folder: PathBuf,
+    file_access: FileAccess,
+    /// The pictures by their index in the file.
+    known: Vec<Option<Arc<PictureFile>>>,
+    /// Sentences about the pictures that cannot be used.
+    pub(super) unusable: Vec<String>,
+}
+
+impl<'b> GltfPictures<'b> {
+    pub(super) fn new(document: &'b Document, buffers: &'b [Data], folder: &Path, file_access: FileAccess) -> Self {
+        let known = vec![None; document.images().len()];
+        Self { document, buffers, folder: folder.to_owned(), file_access, known, unusable: Vec::new() }
+    }
+
+    /// Reads a texture over the set of texture coordinates `set`. Returns `None` if the picture
+    /// cannot be used, or if the texture uses another set.
+    pub(super) fn texture(&mut self, info: &Info<'_>, set: u32) -> Option<MeshTexture> {
+        let transform = info.texture_transform().map_or(UvTransform::IDENTITY, |it| {
+            let pair = |pair: [f32; 2]| pair.map(f64::from);
+            UvTransform::new(pair(it.scale()), f64::from(it.rotation()), pair(it.offset()))
+        });
+        if uv_set_of(info) == set { self.placed(&info.texture(), transform) } else { None }
+    }
+
+    /// Reads a normal map over the set of texture coordinates `set`. Returns `None` if the picture
+    /// cannot be used, or if the map uses another set.
+    pub(super) fn normal_map(&mut self, file: &NormalTexture<'_>, set: u32) -> Option<MeshTexture> {
+        let transform = stated_transform(file.extension_value("KHR_texture_transform"));
+        if normal_uv_set_of(file) == set { self.placed(&file.texture(), transform) } else { None }
+    }
+
+    /// Reads the texture that the JSON of an extension states, over the set of texture coordinates
+    /// `set`. Returns `None` if there is no such texture, if the picture cannot be used, or if the
+    /// texture uses another set.
+    pub(super) fn stated(&mut self, info: &Value, set: u32) -> Option<MeshTexture> {
+        let transform = info.get("extensions").and_then(|it| it.get("KHR_texture_transform"));
+        let number = |value: Option<&Value>| value.and_then(Value::as_u64);
+        let used = number(transform.and_then(|it| it.get("texCoord"))).or(number(info.get("texCoord"))).unwrap_or(0);
+        let texture = self.document.textures().nth(usize::try_from(number(info.get("index"))?).ok()?)?;
+        if used == u64::from(set) { self.placed(&texture, stated_transform(transform)) } else { None }
+    }
+
+    /// Reads a texture with a map of texture coordinates.
+    fn placed(&mut self, texture: &Texture<'_>, transform: UvTransform) -> Option<MeshTexture> {
+        let sampler = texture.sampler();
+        let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+            WrappingMode::Repeat => Wrap::Repeat,
+        });
+        let filter = match sampler.mag_filter() {
+            Some(MagFilter::Nearest) => Filter::Nearest,
+            Some(MagFilter::Linear) | None => Filter::Bilinear,
+        };
+        let image = texture.source();
+        let picture = match &self.known[image.index()] {
+            Some(known) => known.clone(),
+            None => match self.read(image.source()) {
+                Ok(read) => self.known[image.index()].insert(Arc::new(read)).clone(),
+                Err(error) => {
+                    let sentence = format!("the image {} cannot be used ({})", image.index(), error.what);
+                    if !self.unusable.contains(&sentence) {
+                        self.unusable.push(sentence);
+                    }
+                    return None;
+                }
+            },
+        };
+        Some(MeshTexture { picture, wrap, filter, transform })
+    }
+
+    fn read(&self, source: Source<'_>) -> Result<PictureFile> {
+        match source {
+            Source::View { view, mime_type: _ } => {
+                let buffer = self.buffers.get(view.buffer().index());
+                let end = view.offset().checked_add(view.length());
+                let bytes = buffer.zip(end).and_then(|(buffer, end)| buffer.0.get(view.offset()..end));
+                PictureFile::decode(bytes.ok_or_else(|| Error::input("it reaches beyond its buffer"))?)
+            }
+            Source::Uri { uri, mime_type: _ } => match uri.strip_prefix("data:") {
+                Some(data) => {
+                    let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
+                    let bytes = encoded.and_then(|encoded| STANDARD.decode(encoded).ok());
+                    PictureFile::decode(&bytes.ok_or_else(|| Error::input("its data address is not valid"))?)
+                }
+                None => {
+                    let decoded = decoded_address(uri).ok_or_else(|| Error::input("its address is not valid"))?;
+                    PictureFile::read(&self.file_access.file(&self.folder, Path::new(&decoded))?)
+                }
+            },
+        }
+    }
+}
+
+/// Returns the map of texture coordinates in the JSON of KHR_texture_transform.
+fn stated_transform(stated: Option<&Value>) -> UvTransform {
+    let number = |value: Option<&Value>, default: f64| value.and_then(Value::as_f64).unwrap_or(default);
+    stated.map_or(UvTransform::IDENTITY, |it| {
+        let pair = |key: &str, default: f64| [0, 1].map(|i| number(it.get(key).and_then(|pair| pair.get(i)), default));
+        UvTransform::new(pair("scale", 1.0), number(it.get("rotation"), 0.0), pair("offset", 0.0))
+    })
+}
+
+/// Returns the number of the set of texture coordinates that a texture uses.
+pub(super) fn uv_set_of(info: &Info<'_>) -> u32 {
+    info.texture_transform().and_then(|transform| transform.tex_coord()).unwrap_or(info.tex_coord())
+}
+
+/// Returns the number of the set of texture coordinates that a normal map uses.
+pub(super) fn normal_uv_set_of(file: &NormalTexture<'_>) -> u32 {
+    let stated = file.extension_value("KHR_texture_transform").and_then(|it| it.get("texCoord"));
+    stated.and_then(Value::as_u64).and_then(|set| u32::try_from(set).ok()).unwrap_or(file.tex_coord())
+}

@@ -1,0 +1,171 @@
+//! The materials of mesh files, independent of the file format.
+
+use std::sync::Arc;
+
+use crate::PictureFile;
+use abbe_optics::texture::{Filter, UvTransform, Wrap};
+
+/// A material of a mesh file. Colours are linear sRGB.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshMaterial {
+    /// Name of the material in the file. The string is empty if the material has no name.
+    pub name: String,
+    /// Colour of the diffuse reflection, or colour of the metal. Each component is from 0 to 1.
+    pub base_colour: [f64; 3],
+    /// A picture of colours that multiplies the base colour.
+    pub base_colour_texture: Option<MeshTexture>,
+    /// 0 for a dielectric, 1 for a metal.
+    pub metallic: f64,
+    /// Perceptual roughness as in glTF: the square root of the microfacet parameter α. 0 is smooth,
+    /// and 1 is rough.
+    pub roughness: f64,
+    /// A linear picture whose green channel multiplies the roughness, and whose blue channel
+    /// multiplies `metallic`.
+    pub metallic_roughness_texture: Option<MeshTexture>,
+    /// The transmitted fraction of the light that enters the surface. 0 is opaque, and 1 is clear.
+    pub transmission: f64,
+    /// True if the transmitting surface has no thickness, so that it is a pane unless it encloses a
+    /// volume.
+    pub is_sheet: bool,
+    /// A linear picture whose red channel multiplies `transmission`.
+    pub transmission_texture: Option<MeshTexture>,
+    /// The light that a surface without transmission transmits diffusely.
+    pub diffuse_transmission: Option<MeshDiffuseTransmission>,
+    /// A clear coat of the diffuse surface.
+    pub coat: Option<MeshCoat>,
+    /// Factor of the reflectance of the dielectric at normal incidence, from 0 to 1.
+    pub specular: f64,
+    /// A thin film on smooth glass.
+    pub film: Option<MeshFilm>,
+    /// Index of refraction.
+    pub ior: f64,
+    /// Abbe number of the glass, or `None` if there is no dispersion.
+    pub abbe_number: Option<f64>,
+    /// Absorption inside, or `None` without absorption.
+    pub attenuation: Option<MeshAttenuation>,
+    /// The opacity of the surface.
+    pub opacity: MeshOpacity,
+    /// Emitted colour multiplied by the emissive strength. In glTF files, the unit is cd/m². Zero
+    /// for a surface that does not emit.
+    pub emission: [f64; 3],
+    /// A picture of colours that multiplies the emission.
+    pub emission_texture: Option<MeshTexture>,
+    /// A picture of normals.
+    pub normal_texture: Option<MeshTexture>,
+    /// Factor of the components of the normals along the surface.
+    pub normal_strength: f64,
+}
+
+/// The opacity of a surface: the part of the area that the surface covers. The alpha channel of the
+/// base colour's picture multiplies `alpha`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeshOpacity {
+    /// The surface covers its whole area.
+    Opaque,
+    /// The surface has holes where the alpha value is below `cutoff`.
+    Cut {
+        /// Factor of the alpha values, from 0 to 1.
+        alpha: f64,
+        /// The smallest alpha value of the surface.
+        cutoff: f64,
+    },
+    /// The alpha value is the part of the area that the surface covers.
+    Blend {
+        /// Factor of the alpha values, from 0 to 1.
+        alpha: f64,
+    },
+}
+
+impl MeshOpacity {
+    /// Returns the part of the area that the surface covers, for an alpha value of the picture.
+    pub fn covered(self, picture_alpha: f64) -> f64 {
+        match self {
+            Self::Opaque => 1.0,
+            Self::Cut { alpha, cutoff } => f64::from(u8::from(alpha * picture_alpha >= cutoff)),
+            Self::Blend { alpha } => (alpha * picture_alpha).clamp(0.0, 1.0),
+        }
+    }
+}
+
+/// A picture over the texture coordinates of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshTexture {
+    /// The pixels.
+    pub picture: Arc<PictureFile>,
+    /// What the picture looks like outside the unit square of uv.
+    pub wrap: [Wrap; 2],
+    /// How texels are interpolated.
+    pub filter: Filter,
+    /// The map of texture coordinates.
+    pub transform: UvTransform,
+}
+
+/// The absorption inside a mesh. After white light has travelled `distance` through the mesh, the
+/// light has the colour `colour`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshAttenuation {
+    /// Colour in linear sRGB. Each component is from 0 to 1.
+    pub colour: [f64; 3],
+    /// Distance in the unit of the mesh file.
+    pub distance: f64,
+}
+
+/// Diffuse transmission of a thin sheet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshDiffuseTransmission {
+    /// The transmitted fraction of the light that is scattered diffusely, from 0 to 1.
+    pub factor: f64,
+    /// Colour of the transmitted light in linear sRGB. Each component is from 0 to 1.
+    pub colour: [f64; 3],
+}
+
+/// A clear coat over a diffuse surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshCoat {
+    /// The part of the area that the coat covers, from 0 to 1.
+    pub factor: f64,
+    /// Perceptual roughness of the coat.
+    pub roughness: f64,
+}
+
+/// A thin film in which light interferes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFilm {
+    /// The part of the area that the film covers, from 0 to 1.
+    pub factor: f64,
+    /// Index of refraction.
+    pub ior: f64,
+    /// The thickness in nm where the picture is 0, and where it is 1.
+    pub thickness_nm: [f64; 2],
+    /// A linear picture whose green channel selects the thickness. Without a picture, the film has
+    /// the second thickness.
+    pub thickness_texture: Option<MeshTexture>,
+}
+
+impl Default for MeshMaterial {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_colour: [0.8; 3],
+            base_colour_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            transmission: 0.0,
+            is_sheet: false,
+            transmission_texture: None,
+            diffuse_transmission: None,
+            coat: None,
+            specular: 1.0,
+            film: None,
+            ior: 1.5,
+            abbe_number: None,
+            attenuation: None,
+            opacity: MeshOpacity::Opaque,
+            emission: [0.0; 3],
+            emission_texture: None,
+            normal_texture: None,
+            normal_strength: 1.0,
+        }
+    }
+}

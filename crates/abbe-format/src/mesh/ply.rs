@@ -1,0 +1,176 @@
+//! Reads the elements `vertex` and `face` of PLY files in text form or in binary form. Polygons are
+//! split into triangles.
+
+use std::io::{Cursor, ErrorKind};
+
+use glam::DVec3;
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
+
+use super::{MeshPart, TriangleMesh, fan};
+use abbe_spectra::error::{Error, Result};
+
+/// The property names for the corners of a face. Different programs use different names.
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+#[derive(Debug, Default)]
+struct PlyVertex {
+    position: DVec3,
+    normal: DVec3,
+    uv: [f64; 2],
+}
+
+#[derive(Debug, Default)]
+struct PlyFace {
+    /// The corners, or `None` if an index is negative.
+    corners: Option<Vec<u32>>,
+}
+
+/// An element that is read and ignored.
+struct SkippedElement;
+
+impl PropertyAccess for PlyVertex {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let target = match name {
+            "x" => &mut self.position.x,
+            "y" => &mut self.position.y,
+            "z" => &mut self.position.z,
+            "nx" => &mut self.normal.x,
+            "ny" => &mut self.normal.y,
+            "nz" => &mut self.normal.z,
+            "u" | "s" | "texture_u" => &mut self.uv[0],
+            "v" | "t" | "texture_v" => &mut self.uv[1],
+            _ => return PropertyAccessResult::Ignored,
+        };
+        match number(&property) {
+            Some(value) => {
+                *target = value;
+                PropertyAccessResult::Set
+            }
+            None => PropertyAccessResult::UnsupportedType,
+        }
+    }
+}
+
+impl PropertyAccess for PlyFace {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if !CORNERS.contains(&name) {
+            return PropertyAccessResult::Ignored;
+        }
+        self.corners = match property {
+            Property::ListChar(list) => indices(list),
+            Property::ListUChar(list) => indices(list),
+            Property::ListShort(list) => indices(list),
+            Property::ListUShort(list) => indices(list),
+            Property::ListInt(list) => indices(list),
+            Property::ListUInt(list) => Some(list),
+            Property::Char(_)
+            | Property::UChar(_)
+            | Property::Short(_)
+            | Property::UShort(_)
+            | Property::Int(_)
+            | Property::UInt(_)
+            | Property::Float(_)
+            | Property::Double(_)
+            | Property::ListFloat(_)
+            | Property::ListDouble(_) => return PropertyAccessResult::UnsupportedType,
+        };
+        PropertyAccessResult::Set
+    }
+}
+
+impl PropertyAccess for SkippedElement {
+    fn new() -> Self {
+        Self
+    }
+}
+
+fn indices<T: TryInto<u32>>(list: Vec<T>) -> Option<Vec<u32>> {
+    list.into_iter().map(|index| index.try_into().ok()).collect()
+}
+
+fn number(property: &Property) -> Option<f64> {
+    match *property {
+        Property::Char(value) => Some(f64::from(value)),
+        Property::UChar(value) => Some(f64::from(value)),
+        Property::Short(value) => Some(f64::from(value)),
+        Property::UShort(value) => Some(f64::from(value)),
+        Property::Int(value) => Some(f64::from(value)),
+        Property::UInt(value) => Some(f64::from(value)),
+        Property::Float(value) => Some(f64::from(value)),
+        Property::Double(value) => Some(value),
+        Property::ListChar(_)
+        | Property::ListUChar(_)
+        | Property::ListShort(_)
+        | Property::ListUShort(_)
+        | Property::ListInt(_)
+        | Property::ListUInt(_)
+        | Property::ListFloat(_)
+        | Property::ListDouble(_) => None,
+    }
+}
+
+/// Reads a PLY file. The result has exactly one part.
+pub(super) fn load(bytes: &[u8]) -> Result<Vec<MeshPart>> {
+    let mut reader = Reader::new(Cursor::new(bytes));
+    let header = Parser::<SkippedElement>::new().read_header(&mut reader).map_err(|error| explain(&error))?;
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for (name, element) in &header.elements {
+        if element.properties.is_empty() && element.count > 0 {
+            return Err(Error::input(format!("the PLY element \"{name}\" has no properties")));
+        }
+        match name.as_str() {
+            "vertex" => vertices = elements::<PlyVertex>(&mut reader, element, &header)?,
+            "face" => faces = elements::<PlyFace>(&mut reader, element, &header)?,
+            _ => drop(elements::<SkippedElement>(&mut reader, element, &header)?),
+        }
+    }
+    let has = |names: &[&str]| {
+        let properties = header.elements.get("vertex").map(|element| &element.properties);
+        properties.is_some_and(|properties| names.iter().all(|&name| properties.contains_key(name)))
+    };
+    if !has(&["x", "y", "z"]) {
+        return Err(Error::input("the PLY file has no vertices with x, y, z"));
+    }
+    let has_uv = has(&["u", "v"]) || has(&["s", "t"]) || has(&["texture_u", "texture_v"]);
+    let mut triangles = Vec::with_capacity(faces.len());
+    for (number, face) in faces.iter().enumerate() {
+        let corners = face.corners.as_deref().filter(|corners| corners.len() >= 3).ok_or_else(|| {
+            Error::input(format!("face {number} of the PLY file is not a polygon"))
+                .expected("a list vertex_indices of at least three indices of at least 0")
+        })?;
+        triangles.extend(fan(corners));
+    }
+    let normals = has(&["nx", "ny", "nz"]).then(|| vertices.iter().map(|vertex| vertex.normal).collect());
+    // In PLY files, v increases upwards.
+    let uvs = has_uv.then(|| vertices.iter().map(|vertex| [vertex.uv[0], 1.0 - vertex.uv[1]]).collect());
+    let positions = vertices.iter().map(|vertex| vertex.position).collect();
+    let mesh = TriangleMesh::new(positions, normals, uvs, triangles)?;
+    Ok(vec![MeshPart { mesh, material: None, material_number: None, name: String::new() }])
+}
+
+fn elements<E: PropertyAccess>(
+    reader: &mut Reader<Cursor<&[u8]>>,
+    element: &ElementDef,
+    header: &Header,
+) -> Result<Vec<E>> {
+    Parser::<E>::new().read_payload_for_element(reader, element, header).map_err(|error| explain(&error))
+}
+
+fn explain(error: &ParseError) -> Error {
+    if error.kind() == ErrorKind::UnexpectedEof {
+        return Error::input("the PLY file is truncated");
+    }
+    // The first line of the message names the problem. The other lines repeat the contents of the
+    // file.
+    let message = error.to_string();
+    Error::input(format!("not a valid PLY file: {}", message.lines().next().unwrap_or_default()))
+}

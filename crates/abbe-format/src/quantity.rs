@@ -1,0 +1,71 @@
+//! The quantity that gives the scale of an emitter's spectrum.
+
+use super::check;
+use crate::json::JsonPath;
+use abbe_spectra::error::{Error, Result};
+
+/// The strength of an emitter. The emitter's `spectrum` gives only the relative distribution over
+/// wavelength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum QuantityFile {
+    /// Power in W over 360–830 nm.
+    Power(f64),
+    /// Luminous flux in lm.
+    LuminousFlux(f64),
+    /// Intensity in W/sr over 360–830 nm. For a spotlight, the intensity on the axis.
+    Intensity(f64),
+    /// Luminous intensity in cd. For a spotlight, the luminous intensity on the axis.
+    LuminousIntensity(f64),
+    /// Radiance in W/m²/sr over 360–830 nm.
+    Radiance(f64),
+    /// Luminance in cd/m².
+    Luminance(f64),
+    /// Irradiance in W/m² over 360–830 nm. For an environment, π × the mean radiance.
+    Irradiance(f64),
+    /// Illuminance in lx. For an environment, π × the mean luminance.
+    Illuminance(f64),
+}
+
+impl QuantityFile {
+    /// Returns the key that the quantity has in the scene file, and the value of the quantity.
+    pub fn key_and_value(self) -> (&'static str, f64) {
+        match self {
+            Self::Power(value) => ("power", value),
+            Self::LuminousFlux(value) => ("luminous_flux", value),
+            Self::Intensity(value) => ("intensity", value),
+            Self::LuminousIntensity(value) => ("luminous_intensity", value),
+            Self::Radiance(value) => ("radiance", value),
+            Self::Luminance(value) => ("luminance", value),
+            Self::Irradiance(value) => ("irradiance", value),
+            Self::Illuminance(value) => ("illuminance", value),
+        }
+    }
+}
+
+/// A constructor of a quantity.
+pub(super) type QuantityVariant = fn(f64) -> QuantityFile;
+
+/// Returns the one quantity that an emitter states.
+///
+/// # Errors
+/// Returns an error if no quantity is stated, if several quantities are stated, or if the quantity
+/// is below 0. When a scene is read, `validate` already makes this check. The check is repeated
+/// here, because a program may change the scene afterwards.
+pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result<QuantityFile> {
+    let given = choices.iter().map(|(value, kind)| (kind(0.0).key_and_value().0, value.is_some()));
+    check::exactly_one(&JsonPath::Root, &given.collect::<Vec<_>>())?;
+    let found = choices.iter().find_map(|(value, kind)| value.map(kind));
+    let quantity = found.ok_or_else(|| Error::input("found no quantity"))?;
+    let (key, value) = quantity.key_and_value();
+    check::not_negative(&JsonPath::Root.key(key), value)?;
+    Ok(quantity)
+}
+
+/// If `quantity` is an error, returns the error with its full path in the scene. In `quantity`, the
+/// path of the error is relative to the emitter. `at` is the path of the emitter.
+pub(super) fn validate_quantity(at: &JsonPath, quantity: Result<QuantityFile>) -> Result<()> {
+    quantity.map(|_| ()).map_err(|mut error| {
+        let below = error.location.path.take().unwrap_or_default();
+        error.on_path(if below.is_empty() { at.to_string() } else { at.key(&below).to_string() })
+    })
+}

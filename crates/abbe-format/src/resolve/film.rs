@@ -1,0 +1,113 @@
+//! Translates the film of the scene file to the film of the scene, with its exposure and white
+//! balance.
+
+use super::context::Resolver;
+use super::spectra::Role;
+use crate::{
+    CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LayerFile, LensFile, ObserverFile, OutputSpaceFile,
+    SpectrumFile, ToneFile, WhiteBalanceFile,
+};
+use abbe_scene::builder::WhiteBalance;
+use abbe_scene::{Exposure, FilmSpec, Layer};
+use abbe_spectra::colour::RgbSpace;
+use abbe_spectra::colour::gamut::GamutMapping;
+use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::Observer;
+
+impl Resolver<'_> {
+    /// Resolves the film. The scene builder determines the white of the film from the white
+    /// balance.
+    pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile, camera: &CameraFile) -> Result<FilmSpec> {
+        let FilmFile {
+            width,
+            height,
+            observer,
+            spectral_bands,
+            layers,
+            gamut,
+            tone,
+            white_balance: _,
+            output_space,
+            exposure,
+        } = film;
+        let exposure = match exposure {
+            ExposureFile::Auto => Exposure::Auto,
+            ExposureFile::None => Exposure::None,
+            ExposureFile::Ev(ev) => Exposure::Ev(*ev),
+            ExposureFile::Iso(iso) => {
+                Exposure::White(self.white_luminance(&at.key("exposure").key("iso"), *iso, &camera.lens)?)
+            }
+        };
+        let observer = match observer {
+            ObserverFile::Cie1931 => Observer::cie1931(),
+            ObserverFile::Cie1964 => Observer::cie1964(),
+            ObserverFile::Cie2015Two => Observer::cie2015_2(),
+            ObserverFile::Cie2015Ten => Observer::cie2015_10(),
+        };
+        let gamut = match gamut {
+            GamutFile::Desaturate => GamutMapping::Desaturate,
+            GamutFile::Clip => GamutMapping::Clip,
+            GamutFile::Oklab => GamutMapping::Oklab,
+        };
+        let tone = match tone {
+            ToneFile::RollOff => ToneCurve::RollOff,
+            ToneFile::Clip => ToneCurve::Clip,
+            ToneFile::PbrNeutral => ToneCurve::PbrNeutral,
+            ToneFile::Agx => ToneCurve::Agx,
+        };
+        let space = match output_space {
+            OutputSpaceFile::Srgb => RgbSpace::Srgb,
+            OutputSpaceFile::DisplayP3 => RgbSpace::DisplayP3,
+            OutputSpaceFile::Rec2020 => RgbSpace::Rec2020,
+            OutputSpaceFile::Acescg => RgbSpace::AcesCg,
+        };
+        let (width, height, spectral_bands) = (*width, *height, *spectral_bands);
+        let layers = layers.iter().map(|layer| match layer {
+            LayerFile::Albedo => Layer::Albedo,
+            LayerFile::Normal => Layer::Normal,
+            LayerFile::Depth => Layer::Depth,
+            LayerFile::Object => Layer::Object,
+            LayerFile::Material => Layer::Material,
+            LayerFile::Uv => Layer::Uv,
+            LayerFile::Samples => Layer::Samples,
+            LayerFile::Paths => Layer::Paths,
+            LayerFile::Lights => Layer::Lights,
+        });
+        let layers = layers.collect();
+        Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, tone, exposure, layers })
+    }
+
+    /// Returns the luminance L, in cd/m², that appears white on a film with the ISO speed S. S is
+    /// the saturation-based speed of ISO 12232.
+    ///
+    /// If the shutter time is t in s and the f-number is N, the exposure in the middle of the film
+    /// is q·L·t/N² in lx·s. The factor q = 0.65 accounts for the losses of the lens. An exposure of
+    /// 78/S lx·s gives white.
+    fn white_luminance(&self, at: &JsonPath<'_>, iso: f64, lens: &LensFile) -> Result<f64> {
+        let f_number = match lens {
+            LensFile::Pinhole { fov: _ } | LensFile::Orthographic { height: _ } => None,
+            LensFile::Thin(lens) => lens.f_number,
+            LensFile::System(lens) => lens.f_number,
+        };
+        let exposure_s = Some(self.shutter.exposure_s()).filter(|&seconds| seconds > 0.0);
+        let Some((f_number, exposure_s)) = f_number.zip(exposure_s) else {
+            let error = Error::input("found a film speed, but the camera has no f-number or no exposure time");
+            return self
+                .at(at, Err(error.expected("a lens with `f_number`, and a `shutter` that closes after it opens")));
+        };
+        Ok(78.0 / (0.65 * iso) * f_number * f_number / exposure_s)
+    }
+
+    /// Resolves the white balance.
+    pub(super) fn white_balance(&self, at: &JsonPath<'_>, file: &WhiteBalanceFile) -> Result<WhiteBalance> {
+        Ok(match file {
+            WhiteBalanceFile::None => WhiteBalance::None,
+            WhiteBalanceFile::Scene => WhiteBalance::SceneLights,
+            WhiteBalanceFile::Illuminant(name) => {
+                let light = self.spectrum(at, &SpectrumFile::Name(name.clone()), Role::Light)?;
+                WhiteBalance::Illuminant(name.clone(), light)
+            }
+        })
+    }
+}

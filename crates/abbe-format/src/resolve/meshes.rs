@@ -1,0 +1,215 @@
+//! Reads the meshes of objects. A mesh that several objects name is read once, and they share it.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::context::Resolver;
+use crate::mesh::{self, MeshFile, MeshMaterial, MeshPart, UnplacedParts};
+use crate::{JsonPath, MeshShapeFile, ShapeFile};
+use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_spectra::error::{Error, Result};
+
+/// The largest number of shared shapes that refer to each other.
+const MAX_DEPTH: usize = 16;
+
+/// A mesh that was read.
+pub(super) struct LoadedMesh {
+    pub(super) parts: Vec<LoadedPart>,
+    /// A sentence about the properties of materials that the reader ignores.
+    pub(super) ignored: Option<String>,
+    /// True if the file also contains lights.
+    pub(super) has_lights: bool,
+}
+
+/// One part of a mesh: triangles with one material.
+#[derive(Clone)]
+pub(super) struct LoadedPart {
+    pub(super) mesh: Arc<TriangleMesh>,
+    /// The material in the file, if there is one.
+    pub(super) material: Option<MeshMaterial>,
+    /// The number of this material in the scene, after an object has used it. Parts with the same
+    /// material share the cell.
+    pub(super) material_number: Rc<Cell<Option<usize>>>,
+    /// Name of the part in the file. It may be empty.
+    pub(super) name: String,
+}
+
+/// The meshes that were read before, each with its form in the scene file.
+#[derive(Default)]
+pub(super) struct MeshCache<'a> {
+    list: Vec<(&'a ShapeFile, Rc<LoadedMesh>)>,
+    /// The files whose parts are named one by one, by their path in the scene file.
+    files: BTreeMap<&'a str, LoadedFile>,
+}
+
+/// A file whose parts are named one by one.
+struct LoadedFile {
+    parts: BTreeMap<u32, LoadedPart>,
+    ignored: Option<String>,
+}
+
+impl<'a> Resolver<'a> {
+    /// Returns the shape to which a shape refers, and its place in the file. Most shapes refer to
+    /// no other shape.
+    pub(super) fn shared_shape<T>(
+        &self,
+        at: &JsonPath<'_>,
+        shape: &'a ShapeFile,
+        then: impl FnOnce(&JsonPath<'_>, &'a ShapeFile) -> Result<T>,
+    ) -> Result<T> {
+        let ShapeFile::Shared(name) = shape else { return then(at, shape) };
+        let root = JsonPath::Root;
+        let shapes = root.key("shapes");
+        let (mut name, mut depth) = (name, 0);
+        loop {
+            let Some(found) = self.scene.shapes.get(name) else {
+                let known = self.scene.shapes.keys().map(String::as_str);
+                let error = Error::unknown_name("shape", name, known).expected("a name of the scene's `shapes`");
+                return self.at(&at.key("shared"), Err(error));
+            };
+            let ShapeFile::Shared(next) = found else { return then(&shapes.key(name), found) };
+            if depth >= MAX_DEPTH {
+                return self.at(&at.key("shared"), Err(Error::input("this shape contains itself")));
+            }
+            (name, depth) = (next, depth + 1);
+        }
+    }
+
+    /// Returns a mesh. Returns `None` for other shapes.
+    pub(super) fn mesh(
+        &self,
+        at: &JsonPath<'_>,
+        shape: &'a ShapeFile,
+        cache: &mut MeshCache<'a>,
+    ) -> Result<Option<Rc<LoadedMesh>>> {
+        // Large meshes in the scene file are compared by their address only.
+        let same = |known: &ShapeFile| match (known, shape) {
+            // The parts of a large file differ in their number only.
+            (ShapeFile::Mesh(known), ShapeFile::Mesh(mesh)) => known.part == mesh.part && known == mesh,
+            _ => std::ptr::eq(known, shape),
+        };
+        if let Some((_, known)) = cache.list.iter().find(|(known, _)| same(known)) {
+            return Ok(Some(Rc::clone(known)));
+        }
+        let loaded = if let ShapeFile::Mesh(file) = shape {
+            self.mesh_file(&at.key("mesh"), file, cache)?
+        } else if let ShapeFile::Triangles(triangles) = shape {
+            let mesh = self.at(&at.key("triangles"), triangles.mesh())?;
+            LoadedMesh { parts: vec![LoadedPart::new(mesh, None, String::new())], ignored: None, has_lights: false }
+        } else {
+            return Ok(None);
+        };
+        let loaded = Rc::new(loaded);
+        cache.list.push((shape, Rc::clone(&loaded)));
+        Ok(Some(loaded))
+    }
+
+    fn mesh_file(&self, at: &JsonPath<'_>, file: &'a MeshShapeFile, cache: &mut MeshCache<'a>) -> Result<LoadedMesh> {
+        let MeshShapeFile { path, part, reverse, flat, smooth, flip_v } = file;
+        let changed = |part: LoadedPart| {
+            if !(*flat || *smooth || *reverse || *flip_v) {
+                return part;
+            }
+            let mut mesh = Arc::unwrap_or_clone(part.mesh);
+            mesh = if *flat { mesh.without_normals() } else { mesh };
+            mesh = if *smooth { mesh.with_normals() } else { mesh };
+            mesh = if *reverse { mesh.reversed() } else { mesh };
+            mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
+            LoadedPart { mesh: Arc::new(mesh), ..part }
+        };
+        let Some(number) = part else {
+            let read = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
+            let MeshFile { parts, ignored, has_lights } = self.at(&at.key("path"), read)?;
+            let loaded = |part: MeshPart| changed(LoadedPart::new(part.mesh, part.material, part.name));
+            return Ok(LoadedMesh { parts: parts.into_iter().map(loaded).collect(), ignored, has_lights });
+        };
+        if !cache.files.contains_key(path.as_str()) {
+            let read = self.source.file(path).and_then(|path| mesh::load_unplaced(&path, self.source.file_access()));
+            cache.files.insert(path, LoadedFile::new(self.at(&at.key("path"), read)?));
+        }
+        let LoadedFile { parts, ignored } = &cache.files[path.as_str()];
+        let missing = || {
+            let last =
+                parts.keys().last().map_or_else(|| "no part".to_owned(), |last| format!("a part from 0 to {last}"));
+            Error::input(format!("the mesh has no part {number}")).expected(last)
+        };
+        let part = self.at(&at.key("part"), parts.get(number).cloned().ok_or_else(missing))?;
+        Ok(LoadedMesh { parts: vec![changed(part)], ignored: ignored.clone(), has_lights: false })
+    }
+}
+
+impl LoadedFile {
+    fn new(file: UnplacedParts) -> Self {
+        let UnplacedParts { parts, ignored } = file;
+        // A material with textures differs from the same material on a mesh without texture
+        // coordinates, and glass differs from the same glass on an open mesh.
+        let mut numbers: BTreeMap<_, Rc<Cell<Option<usize>>>> = BTreeMap::new();
+        let loaded = |(number, part): (u32, MeshPart)| {
+            let (textured, closed) = (part.mesh.uvs().is_some(), part.mesh.is_closed());
+            let material_number =
+                part.material_number.map(|known| Rc::clone(numbers.entry((known, textured, closed)).or_default()));
+            let loaded = LoadedPart::new(part.mesh, part.material, part.name);
+            (number, LoadedPart { material_number: material_number.unwrap_or_default(), ..loaded })
+        };
+        let parts = parts.into_iter().map(loaded).collect();
+        Self { parts, ignored: (!ignored.is_empty()).then(|| ignored.join("; ")) }
+    }
+}
+
+impl LoadedPart {
+    fn new(mesh: TriangleMesh, material: Option<MeshMaterial>, name: String) -> Self {
+        Self { mesh: Arc::new(mesh), material, material_number: Rc::default(), name }
+    }
+
+    /// Returns the part's own material if it emits light.
+    pub(super) fn emitter(&self) -> Option<&MeshMaterial> {
+        self.material.as_ref().filter(|own| own.emission.iter().any(|&component| component > 0.0))
+    }
+
+    /// Returns the mesh for an object. Luminous objects get a mesh of their own, because points are
+    /// sampled only on meshes that are not shared.
+    pub(super) fn mesh_for(&self, is_luminous: bool) -> Arc<TriangleMesh> {
+        if is_luminous { Arc::new(TriangleMesh::clone(&self.mesh)) } else { Arc::clone(&self.mesh) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use crate::{parse, resolve::resolve};
+
+    /// Returns the fault of a scene with these shapes and this object.
+    fn fault(shapes: &str, object: &str) -> String {
+        let text = format!(
+            r#"{{
+                "camera": {{"from": [0, 0, 5], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 35}}}}}},
+                "film": {{"width": 4, "height": 4}}, "materials": {{"white": {{"diffuse": {{"reflectance": 0.8}}}}}},
+                "shapes": {shapes}, "objects": [{object}],
+                "lights": [{{"environment": {{"spectrum": 1, "irradiance": 1}}}}]
+            }}"#
+        );
+        let (file, source) = parse(&text, Path::new("scene.json"), &[]).unwrap();
+        resolve(&file, &source).map_or_else(|error| error.to_string(), |_| String::new())
+    }
+
+    #[test]
+    fn shared_shapes_need_a_known_name_and_a_material() {
+        let tree = r#"{"tree": {"sphere": {"radius": 1}}}"#;
+        assert_eq!(fault(tree, r#"{"shape": {"shared": "tree"}, "material": "white"}"#), "");
+        for (shapes, object, expected) in [
+            (tree, r#"{"shape": {"shared": "tre"}, "material": "white"}"#, "unknown shape \"tre\""),
+            (tree, r#"{"shape": {"shared": "tree"}}"#, "the shape has no material"),
+            (
+                r#"{"a": {"shared": "b"}, "b": {"shared": "a"}}"#,
+                r#"{"shape": {"shared": "a"}, "material": "white"}"#,
+                "contains itself",
+            ),
+        ] {
+            let found = fault(shapes, object);
+            assert!(found.contains(expected) && found.contains("objects[0]"), "{found}");
+        }
+    }
+}

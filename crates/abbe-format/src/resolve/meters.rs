@@ -1,0 +1,136 @@
+//! Translates the meters of the scene file to the receptors that take the place of the camera.
+
+use super::context::Resolver;
+use crate::{JsonPath, MeterFile, MeterGridFile};
+use abbe_scene::builder::SceneBuilder;
+use abbe_scene::camera::Camera;
+use abbe_scene::meter::{Meter, MeterReading, ReceivingSide, Receptor, Response};
+use abbe_scene::{Exposure, FilmSpec};
+use abbe_spectra::colour::RgbSpace;
+use abbe_spectra::colour::gamut::GamutMapping;
+use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::warp;
+use abbe_spectra::spectrum::Observer;
+use glam::DVec3;
+
+/// A measurement has at least this number of rows of receptors, so that few readings keep many
+/// threads busy.
+const LEAST_ROWS: usize = 32;
+
+/// The largest number of readings.
+const MOST_READINGS: usize = 1_000_000;
+
+/// A receptor with what is known about its reading.
+type ReceptorWithReading = (Receptor, MeterReading);
+
+impl Resolver<'_> {
+    /// Resolves all meters. Returns the camera that consists of their receptors, and its film.
+    pub(super) fn meters(&self, builder: &mut SceneBuilder) -> Result<(Camera, FilmSpec, Vec<Meter>)> {
+        let root = JsonPath::Root;
+        let (mut receptors, mut meters) = (Vec::new(), Vec::<Meter>::new());
+        for (i, file) in self.scene.meters.iter().enumerate() {
+            let meters_at = root.key("meters");
+            let at = meters_at.index(i);
+            if meters.iter().any(|meter| meter.name == file.name) {
+                let error = Error::input(format!("found the name \"{}\" twice", file.name));
+                return self.at(&at.key("name"), Err(error.expected("another name")));
+            }
+            let (of_meter, readings): (Vec<Receptor>, _) = self.receptors(&at, file, builder)?.into_iter().unzip();
+            receptors.extend(of_meter);
+            if receptors.len() > MOST_READINGS {
+                let error = Error::input(format!("found more than {MOST_READINGS} readings"));
+                return self.at(&at, Err(error.expected("fewer points")));
+            }
+            let (name, quantity) = (file.name.clone(), file.quantity());
+            let grid = file.grid.as_ref().map(MeterGridFile::grid);
+            meters.push(Meter { name, quantity, readings, grid, decides_stop: true });
+        }
+        let rows = LEAST_ROWS.div_ceil(receptors.len()) as u32;
+        let height = receptors.len() as u32 * rows;
+        let spectral_bands = meters.iter().map(|meter| meter.quantity.kind().bands()).max().unwrap_or(0);
+        let visual = meters.iter().all(|meter| meter.quantity.observer().name() == Observer::cie1931().name());
+        let film = FilmSpec {
+            width: 1,
+            height,
+            // The wavelengths of light are sampled by the importance to this observer.
+            observer: if visual { Observer::cie1931() } else { Observer::radiometric() },
+            spectral_bands,
+            space: RgbSpace::Srgb,
+            white: None,
+            gamut: GamutMapping::Clip,
+            tone: ToneCurve::Clip,
+            exposure: Exposure::None,
+            layers: Vec::new(),
+        };
+        Ok((Camera::of_receptors(receptors.into(), rows), film, meters))
+    }
+
+    /// Resolves the receptors of a meter.
+    fn receptors(
+        &self,
+        at: &JsonPath<'_>,
+        file: &MeterFile,
+        builder: &SceneBuilder,
+    ) -> Result<Vec<ReceptorWithReading>> {
+        let MeterFile { name: _, quantity: _, points, grid, normal, surface, side, sphere, cylinder, spot } = file;
+        let at_point = |point: [f64; 3], response: Response, normal: Option<DVec3>| {
+            let receptor = Receptor::at(self.point(point, builder.centre()), response, builder.extent_m());
+            let position = DVec3::from(point);
+            (receptor, MeterReading { position, normal, factor: response.factor(), area_m2: None })
+        };
+        let up = |direction: &Option<[f64; 3]>| DVec3::from(direction.unwrap_or([0.0, 1.0, 0.0])).normalize();
+        let plane = |point: &[f64; 3]| at_point(*point, Response::Plane(up(normal)), Some(up(normal)));
+        if let Some(points) = points {
+            return Ok(points.iter().map(plane).collect());
+        }
+        if let Some(grid) = grid {
+            let [columns, rows] = grid.count.map(|count| count as usize);
+            if columns * rows > MOST_READINGS {
+                let error = Error::input(format!("found {} points", columns * rows));
+                let expected = format!("at most {MOST_READINGS} points");
+                return self.at(&at.key("grid").key("count"), Err(error.expected(expected)));
+            }
+            return Ok(grid.points().iter().map(plane).collect());
+        }
+        if let Some(name) = surface {
+            let side = side.unwrap_or_default().side();
+            return self.surface_receptor(&at.key("surface"), (name, side), builder).map(|found| vec![found]);
+        }
+        if let Some(sphere) = sphere {
+            return Ok(vec![at_point(sphere.at, Response::Sphere, None)]);
+        }
+        if let Some(cylinder) = cylinder {
+            let axis = up(&cylinder.axis);
+            return Ok(vec![at_point(cylinder.at, Response::Cylinder(axis), Some(axis))]);
+        }
+        let Some(spot) = spot else { return Ok(Vec::new()) };
+        let axis = (DVec3::from(spot.to) - DVec3::from(spot.from)).normalize();
+        let response = Response::Cone(axis, warp::one_minus_cos(0.5 * spot.angle.to_radians()));
+        Ok(vec![at_point(spot.from, response, Some(axis))])
+    }
+
+    /// Resolves the receptor of an object's surface.
+    fn surface_receptor(
+        &self,
+        at: &JsonPath<'_>,
+        (name, side): (&str, ReceivingSide),
+        builder: &SceneBuilder,
+    ) -> Result<ReceptorWithReading> {
+        let names: Vec<&str> = builder.object_names().collect();
+        let Some(object) = names.iter().position(|known| *known == name) else {
+            return self.at(at, Err(Error::unknown_name("object", name, names)));
+        };
+        let (object, area_m2) = (object as u32, builder.area_m2(object as u32));
+        if area_m2 <= 0.0 {
+            let error = Error::input(format!("the object \"{name}\" has no surface"));
+            return self.at(at, Err(error.expected("an object with a surface")));
+        }
+        let position = builder.middle_of(object) / self.metres;
+        let sides = if side == ReceivingSide::Both { 2.0 } else { 1.0 };
+        let factor = sides * Response::Plane(DVec3::Y).factor();
+        // A random side receives each sample, so the sum of both sides is twice the mean.
+        let reading = MeterReading { position, normal: None, factor, area_m2: Some(area_m2) };
+        Ok((Receptor::on_object(object, side), reading))
+    }
+}

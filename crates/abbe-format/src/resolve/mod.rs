@@ -1,0 +1,213 @@
+//! Translates the scene file to the scene model. Names become numbers, quantities are converted to
+//! SI units, spectra become functions of wavelength, and the named files are read.
+//!
+//! [`SceneBuilder`] builds and checks the model. This module adds the position in the file to the
+//! builder's errors. This module reads every key of the file, or refuses the key with the message
+//! "not supported yet". If a struct is destructured without `..`, the compiler reports a forgotten
+//! field.
+
+mod camera;
+mod coating;
+mod context;
+mod emission;
+mod environment_image;
+mod film;
+mod index;
+mod lens;
+mod lights;
+mod materials;
+mod media;
+mod mesh_materials;
+mod meshes;
+mod meters;
+mod motion;
+mod objects;
+mod spectra;
+mod textures;
+
+pub use coating::{FilmSystem, lone_coating};
+pub use index::glass_file;
+pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};
+pub use media::DEFAULT_MARCH_STEPS;
+pub use spectra::Role;
+
+use super::{MediumFile, RenderFile, SceneFile, SpectrumFile};
+use crate::json::{JsonPath, JsonSource};
+use abbe_scene::builder::{SceneBuilder, SceneError, ScenePart, SceneView, WhiteBalance};
+use abbe_scene::{Scene, Settings};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::{Observer, Spectrum};
+use context::{Resolver, View};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Reads and resolves a scene file. `sets` are patches of the form `PATH=JSON`.
+///
+/// # Errors
+/// Returns an error if the file is invalid or uses a feature that is not supported yet. The error
+/// states the place in the file.
+pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
+    let (scene, source) = super::read(path, sets)?;
+    resolve(&scene, &source)
+}
+
+/// Resolves a scene.
+///
+/// # Errors
+/// Returns an error if a name is unknown, if a file cannot be read, if quantities contradict each
+/// other, or if a feature is not supported yet. The error contains the faults of all parts of the
+/// scene, and states the place of each in `source`.
+pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
+    let (Some(camera), Some(film)) = (&scene.camera, &scene.film) else {
+        let key = if scene.camera.is_none() { "camera" } else { "film" };
+        let error = Error::input(format!("missing key \"{key}\""));
+        return Err(source.error_at("", error.expected("a camera and a film; `abbe measure` reads only the meters")));
+    };
+    about_view(|centre| Resolver::new(scene, source, View::Picture(camera, film), centre))
+}
+
+/// Resolves the meters of a scene. The camera and the film of the scene are not used.
+///
+/// # Errors
+/// Returns the errors of [`resolve`]. Also returns an error if the scene has no meters.
+pub fn resolve_meters(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
+    if scene.meters.is_empty() {
+        let error = Error::input("the scene has no meters");
+        return Err(source.error_at("", error.expected("at least one entry in `meters`")));
+    }
+    about_view(|centre| Resolver::new(scene, source, View::Meters, centre))
+}
+
+/// Resolves a scene for its picture, or for its meters if it has no camera.
+///
+/// # Errors
+/// See [`resolve`] and [`resolve_meters`].
+pub fn resolve_any(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
+    let only_meters = scene.camera.is_none() && !scene.meters.is_empty();
+    if only_meters { resolve_meters(scene, source) } else { resolve(scene, source) }
+}
+
+/// Resolves a scene. `resolver` takes the scene's centre in m, or `None` for the middle of the
+/// objects.
+fn about_view<'a>(resolver: impl Fn(Option<DVec3>) -> Resolver<'a>) -> Result<Scene> {
+    let resolved = resolver(None).run()?;
+    // If the camera looks at a small part of a large world, the centre of the view is a better
+    // origin for positions in single precision.
+    match resolved.distant_view() {
+        Some(centre) => resolver(Some(centre)).run(),
+        None => Ok(resolved),
+    }
+}
+
+/// Resolves a spectrum that is not part of a scene. If the spectrum is a name, the library must
+/// contain a spectrum with this name.
+///
+/// # Errors
+/// Returns an error if a name is unknown, if a file cannot be read, or if a value does not fit the
+/// role. The error states the place in `source`.
+pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -> Result<Spectrum> {
+    spectra::Spectra { named: &BTreeMap::new(), source }.checked(&JsonPath::Root, spectrum, role)
+}
+
+impl Resolver<'_> {
+    fn run(&self) -> Result<Scene> {
+        let SceneFile { schema: _, title, unit: _, camera: _, film: _, spectra, media: _, materials: _, .. } =
+            self.scene;
+        let SceneFile { objects: _, lights: _, meters: _, atmosphere, render, .. } = self.scene;
+        let root = JsonPath::Root;
+        // Unused spectra are checked as well.
+        for name in spectra.keys() {
+            self.keep(self.named_spectrum(name, spectra::Role::Coefficient));
+        }
+        let objects = self.objects();
+        let builder = match self.centre {
+            None => SceneBuilder::new(objects.set),
+            Some(centre) => SceneBuilder::about(objects.set, centre),
+        };
+        let mut builder = match self.at(&root.key("objects"), builder) {
+            Ok(builder) => builder,
+            // The fault may only follow from an object that was left out.
+            Err(fault) => return Err(self.kept_faults().unwrap_or(fault)),
+        };
+        self.media(&mut builder);
+        let view = self.view(&mut builder);
+        let observer = view.as_ref().map_or(Observer::cie1931(), |view| view.film.observer);
+        self.lights(&objects.emitting, &mut builder, observer);
+        if let Some(number) =
+            atmosphere.as_ref().and_then(|name| self.keep(self.medium_number(&root.key("atmosphere"), name)))
+        {
+            builder.set_atmosphere(number);
+        }
+        builder.title = title.clone().unwrap_or_else(|| stem(&self.source.path));
+        builder.settings = self.settings(render);
+        builder.notes.extend(self.note_without_motion());
+        match (self.kept_faults(), view) {
+            (None, Some(view)) => builder.build(view).map_err(|error| self.placed(error)),
+            (faults, _) => Err(faults.unwrap_or_else(|| Error::input("the scene has a fault"))),
+        }
+    }
+
+    /// Resolves the camera and the film, or the meters that take their place.
+    fn view(&self, builder: &mut SceneBuilder) -> Option<SceneView> {
+        let (root, shutter) = (JsonPath::Root, self.shutter.clone());
+        let View::Picture(camera, film) = self.view else {
+            let (camera, film, meters) = self.keep(self.meters(builder))?;
+            let (camera_motion, white_balance) = (None, WhiteBalance::None);
+            return Some(SceneView { camera, camera_motion, shutter, film, white_balance, meters });
+        };
+        let film_at = root.key("film");
+        let size = (film.width, film.height);
+        let white_balance = self.keep(self.white_balance(&film_at.key("white_balance"), &film.white_balance));
+        let centre = builder.centre();
+        let film = self.keep(self.film(&film_at, film, camera));
+        let camera = self.keep(self.camera(&root.key("camera"), camera, size, centre, &mut builder.notes));
+        let ((camera, camera_motion), film, white_balance) = (camera?, film?, white_balance?);
+        Some(SceneView { camera, camera_motion, shutter, film, white_balance, meters: Vec::new() })
+    }
+
+    /// Adds the place in the file to an error of the scene model.
+    fn placed(&self, SceneError { part, error }: SceneError) -> Error {
+        let root = JsonPath::Root;
+        let path = match part {
+            ScenePart::Whole => String::new(),
+            ScenePart::Objects => root.key("objects").to_string(),
+            ScenePart::Film => root.key("film").to_string(),
+            ScenePart::WhiteBalance => root.key("film").key("white_balance").to_string(),
+            ScenePart::MediumEmission(number) => {
+                self.scene.media.iter().nth(number).map_or_else(String::new, |(name, file)| {
+                    let kind = match file {
+                        MediumFile::Homogeneous(_) => "homogeneous",
+                        MediumFile::Grid(_) => "grid",
+                    };
+                    root.key("media").key(name).key(kind).key("emission").to_string()
+                })
+            }
+        };
+        self.source.error_at(&path, error)
+    }
+
+    fn settings(&self, render: &RenderFile) -> Settings {
+        let RenderFile { passes, photons, camera_samples, max_depth, nearest, radius, seed, threads, .. } = render;
+        // `march_steps` is used where the media are resolved.
+        let RenderFile { checkpoint_seconds, march_steps: _, light_map, force, forbid, .. } = render;
+        Settings {
+            passes: *passes,
+            photons: *photons,
+            camera_samples: *camera_samples,
+            max_depth: *max_depth,
+            nearest: *nearest,
+            radius_m: radius.map(|radius| radius * self.metres),
+            seed: *seed,
+            threads: *threads,
+            checkpoint_seconds: *checkpoint_seconds,
+            light_map: light_map.map(|map| map.resolution),
+            force: force.clone(),
+            forbid: forbid.clone(),
+        }
+    }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "scene".to_string(), |stem| stem.to_string_lossy().into_owned())
+}

@@ -1,0 +1,197 @@
+//! Translates the objects of the scene file to placed shapes with materials.
+
+use super::context::Resolver;
+use super::mesh_materials;
+use super::meshes::{LoadedMesh, LoadedPart, MeshCache};
+use super::motion::ResolvedMotion;
+use crate::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
+use abbe_optics::bsdf::Bsdf;
+use abbe_optics::texture::SurfaceSpectrum;
+use abbe_scene::Material;
+use abbe_scene::builder::{ObjectSet, Placement};
+use abbe_scene::geometry::shape::Shape;
+use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
+
+/// The resolved objects, and the emission of their surfaces.
+#[derive(Default)]
+pub(super) struct ResolvedObjects<'a> {
+    pub(super) set: ObjectSet,
+    pub(super) emitting: Vec<EmittingObject<'a>>,
+    /// The material number for each material name.
+    named: BTreeMap<&'a str, usize>,
+    meshes: MeshCache<'a>,
+}
+
+/// An object with emission.
+pub(super) struct EmittingObject<'a> {
+    /// The position in the file's list of objects.
+    pub(super) file_index: usize,
+    /// The object numbers. A mesh with several parts has one number for each part.
+    pub(super) objects: Vec<u32>,
+    pub(super) emission: EmissionSource<'a>,
+}
+
+/// The emission of an object, from the scene file or from a mesh file.
+pub(super) enum EmissionSource<'a> {
+    /// The emission in the scene file.
+    Scene(&'a EmissionFile),
+    /// The emission in a mesh file. The colour is linear RGB, and white, (1, 1, 1), has a luminance
+    /// of 1 cd/m². The slide is a picture that multiplies the colour.
+    Mesh([f64; 3], Option<SurfaceSpectrum>),
+}
+
+impl<'a> Resolver<'a> {
+    /// Resolves all objects.
+    pub(super) fn objects(&self) -> ResolvedObjects<'a> {
+        let mut resolved = ResolvedObjects::default();
+        let root = JsonPath::Root;
+        let at = root.key("objects");
+        for (number, file) in self.scene.objects.iter().enumerate() {
+            self.keep(self.object(&at.index(number), number, file, &mut resolved));
+        }
+        // Unused materials are checked as well.
+        for name in self.scene.materials.keys().filter(|name| !resolved.named.contains_key(name.as_str())) {
+            self.keep(self.material(&root.key("materials"), name, &mut Vec::new()));
+        }
+        resolved
+    }
+
+    fn object(
+        &self,
+        at: &JsonPath<'_>,
+        number: usize,
+        file: &'a ObjectFile,
+        resolved: &mut ResolvedObjects<'a>,
+    ) -> Result<()> {
+        let ObjectFile { name, shape, material, transform, motion, emission } = file;
+        let name = name.clone().unwrap_or_else(|| format!("object {number}"));
+        let material = match material {
+            Some(name) => match self.keep(self.material_number(&at.key("material"), name, resolved)) {
+                Some(number) => Some(number),
+                // The shape is checked even if the material has a fault.
+                None => Some(resolved.set.add_material(Material {
+                    name: name.clone(),
+                    surface: Bsdf::Absorber,
+                    normal_map: None,
+                    body: None,
+                })),
+            },
+            None => None,
+        };
+        let ResolvedMotion { start, motion } = self.motion(transform, motion);
+        let frame = DAffine3 { matrix3: start.matrix3, translation: start.translation * self.metres };
+        let placed = |local: DAffine3| Placement {
+            to_world: frame * local,
+            motion: motion.clone().map(|motion| (motion, local)),
+        };
+        let objects = self.shared_shape(&at.key("shape"), shape, |shape_at, shape| {
+            if let Some((shape, local)) = self.analytic_shape(shape) {
+                let Some(material) = material else {
+                    let error =
+                        Error::input("the shape has no material").expected("a material for shapes other than meshes");
+                    return self.at(at, Err(error));
+                };
+                return Ok(vec![self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?]);
+            }
+            let Some(mesh) = self.mesh(shape_at, shape, &mut resolved.meshes)? else { return Ok(Vec::new()) };
+            let local = DAffine3::from_scale(DVec3::splat(self.metres));
+            if let ShapeFile::Mesh(file) = shape {
+                self.note_ignored(&file.path, &mesh, material.is_none(), &mut resolved.set.notes);
+            }
+            let mut objects = Vec::new();
+            for part in &mesh.parts {
+                let name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
+                let own_light = part.emitter().filter(|_| material.is_none() && emission.is_none());
+                let shape = Shape::Mesh(part.mesh_for(emission.is_some() || own_light.is_some()));
+                let material = match material {
+                    Some(number) => number,
+                    None => self.own_material(shape_at, part, resolved)?,
+                };
+                let object = self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?;
+                objects.push(object);
+                if let Some(light) = own_light {
+                    let light = super::mesh_materials::emission(light, part.mesh.uvs().is_some());
+                    let (rgb, slide) = self.at(shape_at, light)?;
+                    let emission = EmissionSource::Mesh(rgb, slide);
+                    resolved.emitting.push(EmittingObject { file_index: number, objects: vec![object], emission });
+                }
+            }
+            Ok(objects)
+        })?;
+        if let Some(emission) = emission {
+            let emission = EmissionSource::Scene(emission);
+            resolved.emitting.push(EmittingObject { file_index: number, objects, emission });
+        }
+        Ok(())
+    }
+
+    fn material_number(&self, at: &JsonPath<'_>, name: &'a str, resolved: &mut ResolvedObjects<'a>) -> Result<usize> {
+        if let Some(&number) = resolved.named.get(name) {
+            return Ok(number);
+        }
+        let material = self.material(at, name, &mut resolved.set.notes)?;
+        let number = resolved.set.add_material(material);
+        resolved.named.insert(name, number);
+        Ok(number)
+    }
+
+    /// Returns the number of the material of a mesh part. If the part has no material, the material
+    /// is the default material.
+    fn own_material(&self, at: &JsonPath<'_>, part: &LoadedPart, resolved: &mut ResolvedObjects<'_>) -> Result<usize> {
+        if let Some(known) = part.material_number.get() {
+            return Ok(known);
+        }
+        let textured = part.mesh.uvs().is_some();
+        let material = mesh_materials::material(
+            &part.material.clone().unwrap_or_default(),
+            self.metres,
+            textured,
+            part.mesh.is_closed(),
+        );
+        let number = resolved.set.add_material(self.at(at, material)?);
+        part.material_number.set(Some(number));
+        Ok(number)
+    }
+
+    /// Notes what the mesh reader ignored. A material of the scene replaces the materials of the
+    /// file.
+    fn note_ignored(&self, path: &str, mesh: &LoadedMesh, has_own_materials: bool, notes: &mut Vec<String>) {
+        let lights = (mesh.has_lights && self.scene.lights.is_empty())
+            .then(|| "its lights are not part of a mesh; `abbe import` reads them".to_string());
+        for what in lights.into_iter().chain(mesh.ignored.clone().filter(|_| has_own_materials)) {
+            let note = format!("mesh \"{path}\": {what}");
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+    }
+
+    /// Returns the shape in m, and the transform from the shape's frame to the object's frame.
+    /// Returns `None` for a mesh.
+    fn analytic_shape(&self, file: &ShapeFile) -> Option<(Shape, DAffine3)> {
+        let m = self.metres;
+        let shape = match *file {
+            ShapeFile::Sphere { center, radius } => {
+                let local = DAffine3::from_translation(DVec3::from(center) * self.metres);
+                return Some((Shape::Sphere { radius: radius * m }, local));
+            }
+            ShapeFile::Rectangle { width, height } => Shape::Rectangle { width: width * m, height: height * m },
+            ShapeFile::Disk { radius } => Shape::Disk { radius: radius * m },
+            ShapeFile::Box { size } => Shape::Box { size: DVec3::from(size) * m },
+            ShapeFile::Cylinder { radius, height } => Shape::Cylinder { radius: radius * m, height: height * m },
+            ShapeFile::Prism { side, length, apex } => {
+                Shape::Prism { side: side * m, length: length * m, apex_deg: apex }
+            }
+            ShapeFile::Lens { radius1, radius2, thickness, diameter } => Shape::Lens {
+                radius1: radius1 * m,
+                radius2: radius2 * m,
+                thickness: thickness * m,
+                diameter: diameter * m,
+            },
+            ShapeFile::Mesh(_) | ShapeFile::Triangles(_) | ShapeFile::Shared(_) => return None,
+        };
+        Some((shape, DAffine3::IDENTITY))
+    }
+}

@@ -1,0 +1,113 @@
+//! Access to the properties of an element. Properties that nobody reads are found afterwards.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use glam::{DMat4, DVec3};
+
+use super::transform;
+use super::xml::XmlElement;
+use abbe_spectra::error::Result;
+
+/// The properties of an element.
+pub(super) struct Properties<'a> {
+    pub(super) element: &'a XmlElement,
+    read: Vec<Cell<bool>>,
+}
+
+impl<'a> Properties<'a> {
+    pub(super) fn new(element: &'a XmlElement) -> Self {
+        Self { element, read: element.children.iter().map(|_| Cell::new(false)).collect() }
+    }
+
+    /// Returns a property and marks it as read.
+    pub(super) fn find(&self, name: &str) -> Option<&'a Rc<XmlElement>> {
+        self.take(|child| child.name() == name).into_iter().last()
+    }
+
+    /// Returns the children that meet a condition and marks them as read.
+    pub(super) fn take(&self, condition: impl Fn(&Rc<XmlElement>) -> bool) -> Vec<&'a Rc<XmlElement>> {
+        let children = self.element.children.iter().zip(&self.read);
+        let found = children.filter(|(child, _)| condition(child));
+        found.map(|(child, read)| (read.set(true), child).1).collect()
+    }
+
+    /// Marks properties as read that have no meaning for the scene file.
+    pub(super) fn ignore(&self, names: &[&str]) {
+        self.take(|child| names.contains(&child.name()));
+    }
+
+    /// Returns the children that were not read.
+    pub(super) fn unread(&self) -> impl Iterator<Item = &'a Rc<XmlElement>> {
+        self.element.children.iter().zip(&self.read).filter(|(_, read)| !read.get()).map(|(child, _)| child)
+    }
+
+    /// Returns a number, if the property is a number.
+    pub(super) fn optional_number(&self, name: &str) -> Result<Option<f64>> {
+        self.find(name).map(|child| number(child)).transpose()
+    }
+
+    /// Returns a number, or a default.
+    pub(super) fn number(&self, name: &str, default: f64) -> Result<f64> {
+        Ok(self.optional_number(name)?.unwrap_or(default))
+    }
+
+    /// Returns true or false, or a default.
+    pub(super) fn boolean(&self, name: &str, default: bool) -> Result<bool> {
+        let Some(child) = self.find(name) else { return Ok(default) };
+        let value = child.required("value")?.trim();
+        if value.eq_ignore_ascii_case("true") {
+            Ok(true)
+        } else if value.eq_ignore_ascii_case("false") {
+            Ok(false)
+        } else {
+            Err(child.error(format!("found \"{value}\" for \"{name}\"")).expected("true or false"))
+        }
+    }
+
+    /// Returns a text.
+    pub(super) fn text(&self, name: &str) -> Result<Option<&'a str>> {
+        self.find(name).map(|child| child.required("value")).transpose()
+    }
+
+    /// Returns a text that the element needs.
+    pub(super) fn required_text(&self, name: &str) -> Result<&'a str> {
+        self.text(name)?.ok_or_else(|| {
+            let what = format!("<{}> of the type \"{}\"", self.element.tag, self.element.plugin());
+            self.element.error(format!("{what} without the property \"{name}\""))
+        })
+    }
+
+    /// Returns a point or a vector.
+    pub(super) fn vector(&self, name: &str) -> Result<Option<DVec3>> {
+        self.find(name).map(|child| transform::vector(child, 0.0)).transpose()
+    }
+
+    /// Returns true if the property is a vector.
+    pub(super) fn is_vector(&self, name: &str) -> bool {
+        self.find(name).is_some_and(|child| child.tag == "vector")
+    }
+
+    /// Returns a transform. It is the identity if the property is absent.
+    pub(super) fn transform(&self, name: &str) -> Result<DMat4> {
+        self.find(name).map_or(Ok(DMat4::IDENTITY), |child| transform::transform(child))
+    }
+}
+
+/// Returns the number of a property such as `<float name="radius" value="2"/>`.
+pub(super) fn number(element: &XmlElement) -> Result<f64> {
+    let text = element.required("value")?;
+    parse(element, text)
+}
+
+/// Parses one number.
+pub(super) fn parse(element: &XmlElement, text: &str) -> Result<f64> {
+    let number = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| element.error(format!("found \"{}\"", text.trim())).expected("a number"))
+}
+
+/// Parses numbers that are separated by commas or blanks.
+pub(super) fn numbers(element: &XmlElement, text: &str) -> Result<Vec<f64>> {
+    let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
+    words.map(|word| parse(element, word)).collect()
+}

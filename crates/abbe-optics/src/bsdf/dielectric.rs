@@ -1,0 +1,144 @@
+//! Smooth and rough interfaces between two dielectrics.
+
+use glam::DVec3;
+
+use super::check::check_alpha;
+use super::hemisphere::{flip_z, z_sign};
+use super::rough_interface::{BareFacet, FacetScattering, RoughInterface};
+use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
+use crate::fresnel;
+use crate::microfacet::MIN_ALPHA;
+use abbe_spectra::error::Result;
+
+/// A dielectric interface that reflects by Fresnel's equations and refracts by Snell's law.
+///
+/// A rough interface uses the GGX model of Walter et al. 2007 for light that hits one facet. A wide
+/// lobe contains the light that hits several facets (`compensation.rs`), so that the interface
+/// loses no energy. [`InterfaceIors`] contains the two refractive indices. If the two indices are
+/// equal, light passes straight on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dielectric {
+    /// `None` if the interface is smooth.
+    pub(super) facets: Option<RoughInterface>,
+}
+
+impl Dielectric {
+    /// Creates an interface of GGX roughness `alpha`. If `alpha` is below [`MIN_ALPHA`], the
+    /// interface is smooth. Returns an error if `alpha` lies outside \[0, 1\].
+    pub fn new(alpha: f64) -> Result<Self> {
+        check_alpha(alpha)?;
+        Ok(Self { facets: (alpha >= MIN_ALPHA).then(|| RoughInterface::new(alpha)) })
+    }
+
+    /// Returns whether the interface is rough, so that its lobes have a finite width.
+    pub fn is_rough(&self) -> bool {
+        self.facets.is_some()
+    }
+
+    pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
+        let (n_i, n_t) = (iors.here.n(nm), iors.there.n(nm));
+        if n_i == n_t {
+            return Some(BsdfSample::delta(-wo, ScatterEvent::Transmission, 1.0));
+        }
+        if let Some(facets) = self.facets_between([n_i, n_t]) {
+            return facets.sample(wo, iors, u);
+        }
+        let sign = z_sign(wo);
+        let up = flip_z(wo, sign);
+        let reflected = fresnel::dielectric(up.z, n_i, n_t);
+        let sample = if u[2] < reflected {
+            BsdfSample::delta(flip_z(DVec3::new(-up.x, -up.y, up.z), sign), ScatterEvent::Reflection, reflected)
+        } else {
+            let wi = fresnel::refract(up, DVec3::Z, n_i, n_t)?;
+            let disperses = iors.here.is_dispersive() || iors.there.is_dispersive();
+            BsdfSample { disperses, ..BsdfSample::delta(flip_z(wi, sign), ScatterEvent::Transmission, 1.0 - reflected) }
+        };
+        (sample.probability > 0.0).then_some(sample)
+    }
+
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
+        let facets = self.facets_between([iors.here.n(nm), iors.there.n(nm)]);
+        facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, (mode, nm)))
+    }
+
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+        let facets = self.facets_between([iors.here.n(nm), iors.there.n(nm)]);
+        facets.map_or(0.0, |facets| facets.pdf(wo, wi))
+    }
+
+    /// Returns the facets at one wavelength. The indices are those of the medium on the side of
+    /// `wo` and of the other medium. Returns `None` if the interface is smooth or the indices are
+    /// equal.
+    fn facets_between(&self, indices: [f64; 2]) -> Option<FacetScattering<'_, BareFacet>> {
+        let RoughInterface { ggx, compensation } = self.facets.as_ref().filter(|_| indices[0] != indices[1])?;
+        let multiple = compensation.between(indices[0], indices[1]);
+        Some(FacetScattering { ggx, facet: BareFacet { indices }, multiple, indices })
+    }
+}
+
+/// Returns the coefficient of a smooth interface. For reflection, it is the reflectance. For
+/// transmission, it is the transmittance times [`radiance_scale`].
+pub(super) fn coefficient(
+    wo: DVec3,
+    event: ScatterEvent,
+    iors: InterfaceIors<'_>,
+    mode: TransportMode,
+    nm: f64,
+) -> f64 {
+    let reflected = fresnel::dielectric(wo.z, iors.here.n(nm), iors.there.n(nm));
+    match event {
+        ScatterEvent::Reflection => reflected,
+        ScatterEvent::Transmission => (1.0 - reflected) * radiance_scale(iors, mode, nm),
+    }
+}
+
+/// Returns the factor by which the change of index scales transmitted light. The factor is
+/// (n_i/n_t)² for radiance and 1 for power (Veach 1997, §5.2).
+pub(super) fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
+    match mode {
+        TransportMode::Radiance => {
+            let ratio = iors.here.n(nm) / iors.there.n(nm);
+            ratio * ratio
+        }
+        TransportMode::Importance => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glass::RefractiveIndex;
+
+    #[test]
+    fn radiance_is_squeezed_by_the_squared_index_and_power_is_not() {
+        let (air, glass) = (RefractiveIndex::constant(1.0).unwrap(), RefractiveIndex::constant(1.5).unwrap());
+        let from_air = InterfaceIors { here: &air, there: &glass };
+        let through = |iors, mode| coefficient(DVec3::Z, ScatterEvent::Transmission, iors, mode, 500.0);
+        assert!((through(from_air, TransportMode::Importance) - 0.96).abs() < 1e-15);
+        // A camera in air sees the radiance from inside the glass divided by 1.5². A camera in
+        // glass sees the radiance from the air multiplied by 1.5².
+        assert!((through(from_air, TransportMode::Radiance) - 0.96 / 2.25).abs() < 1e-15);
+        let from_glass = InterfaceIors { here: &glass, there: &air };
+        assert!((through(from_glass, TransportMode::Radiance) - 0.96 * 2.25).abs() < 1e-15);
+    }
+
+    /// If both media have the same index, light passes straight on, even if the interface is rough.
+    #[test]
+    fn equal_indices_transmit_straight_even_if_rough() {
+        let water = RefractiveIndex::catalogue("water 20C").unwrap();
+        let iors = InterfaceIors { here: &water, there: &water };
+        let wo = DVec3::new(0.6, 0.0, -0.8);
+        for alpha in [0.0, 0.5] {
+            let sample = Dielectric::new(alpha).unwrap().sample(wo, iors, 500.0, [0.3, 0.6, 0.0]).unwrap();
+            assert_eq!((sample.wi, sample.delta, sample.disperses), (-wo, true, false));
+            assert_eq!(sample.probability, 1.0);
+        }
+    }
+
+    #[test]
+    fn roughness_must_lie_between_0_and_1() {
+        for alpha in [-0.1, 1.1, f64::NAN] {
+            assert!(Dielectric::new(alpha).unwrap_err().to_string().contains("from 0 to 1"));
+        }
+    }
+}

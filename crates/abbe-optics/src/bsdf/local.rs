@@ -1,0 +1,274 @@
+//! A BSDF at one point of a surface.
+
+use glam::DVec3;
+
+use super::sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
+use super::{Bsdf, MixBsdf, coated, dielectric, diffuse};
+use crate::texture::Texel;
+use abbe_spectra::spectrum::{LANES, Lanes};
+
+/// The texels that a path selected at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Texels {
+    /// The texel of the reflectance.
+    pub reflectance: Texel,
+    /// The texel of the transmittance.
+    pub transmittance: Texel,
+    /// The thickness in nm of the thin film that varies over the surface.
+    pub thickness_nm: f32,
+    /// The angle in rad from the first axis of the local frame to the direction across the grooves
+    /// of a grating.
+    pub groove_angle: f32,
+}
+
+impl Texels {
+    /// The texels of a surface without textures.
+    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, groove_angle: 0.0 };
+
+    pub(super) fn of_reflectance(reflectance: Texel) -> Self {
+        Self { reflectance, ..Self::NONE }
+    }
+
+    pub(super) fn of_thickness(thickness_nm: f64) -> Self {
+        Self { thickness_nm: thickness_nm as f32, ..Self::NONE }
+    }
+}
+
+/// A BSDF at one point of a surface.
+///
+/// At a point of a surface, the component of a mixture and the texels of textures are selected.
+/// Paths therefore never scatter at a mixture. The methods still accept a mixture without textures,
+/// and treat it as a whole.
+#[derive(Debug, Clone, Copy)]
+pub struct LocalBsdf<'a> {
+    /// The BSDF of the material, or the selected component of a mixture.
+    pub model: &'a Bsdf,
+    /// The selected texels.
+    pub texels: Texels,
+}
+
+impl<'a> LocalBsdf<'a> {
+    /// Returns the width class; see [`Bsdf::class`].
+    #[inline(always)]
+    pub fn class(self) -> BsdfClass {
+        self.model.class()
+    }
+
+    /// Returns whether the BSDF transmits light.
+    #[inline]
+    pub fn is_transmissive(self) -> bool {
+        self.model.is_transmissive()
+    }
+
+    /// Returns a component of a mixture at this point.
+    fn component(self, mix: &'a MixBsdf, number: usize) -> Self {
+        Self { model: &mix.components()[number], ..self }
+    }
+
+    /// Samples a direction at the hero wavelength `nm`.
+    ///
+    /// `u[0]` and `u[1]` choose the direction; `u[2]` chooses between reflection and transmission
+    /// or between lobes. All three lie in \[0, 1). A mixture without textures first selects a
+    /// component by `u[2]`. The probability in the sample then refers to that component alone. It
+    /// is not multiplied by the weight of the component. Returns `None` if the event absorbs the
+    /// light of all wavelengths. For example, a facet of a rough metal may reflect the path below
+    /// the surface. The distribution of the samples does not depend on the [`TransportMode`].
+    #[inline]
+    pub fn sample(self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
+        let reflectance = self.texels.reflectance;
+        match self.model {
+            Bsdf::Absorber => None,
+            Bsdf::Diffuse(diffuse) => Some(diffuse.sample(wo, u)),
+            Bsdf::Fluorescent(surface) => Some(surface.sample(wo, u)),
+            Bsdf::Translucent(translucent) => translucent.sample(wo, self.texels, nm, u),
+            Bsdf::Mirror(mirror) => Some(mirror.sample(wo)),
+            Bsdf::Conductor(conductor) => Some(conductor.sample(wo, u)),
+            Bsdf::Dielectric(dielectric) => dielectric.sample(wo, iors, nm, u),
+            Bsdf::CoatedDielectric(coated) => coated.sample(wo, iors, self.texels.thickness_nm, nm, u),
+            Bsdf::ThinDielectric(thin) => Some(thin.sample(wo, iors, self.texels.thickness_nm, nm, u)),
+            Bsdf::ThinFilm(film) => Some(film.sample(wo, iors, self.texels.thickness_nm, nm, u)),
+            Bsdf::Grating(grating) => grating.sample(wo, iors, self.texels.groove_angle, nm, u),
+            Bsdf::Glossy(glossy) => Some(glossy.sample(wo, reflectance, nm, u)),
+            Bsdf::Mix(mix) => {
+                let mut choice = u[2];
+                let component = mix.sample_index(&mut choice);
+                let sample = self.component(mix, component).sample(wo, iors, nm, [u[0], u[1], choice])?;
+                Some(BsdfSample { component, ..sample })
+            }
+        }
+    }
+
+    /// Evaluates a sample at the wavelength `nm`. The weight of the path is the result divided by
+    /// `sample.probability`.
+    ///
+    /// If the sample is a delta sample, the result is the reflectance or the transmittance. The
+    /// transmittance includes the n² factor of [`TransportMode::Radiance`]. The result does not
+    /// include the probability of the event. If the sample is not a delta sample, the result is
+    /// f·|cosθ_i| in 1/sr.
+    pub fn eval_sample(
+        self,
+        wo: DVec3,
+        sample: &BsdfSample,
+        iors: InterfaceIors<'_>,
+        mode: TransportMode,
+        nm: f64,
+    ) -> f64 {
+        if let Bsdf::Mix(mix) = self.model {
+            return self.component(mix, sample.component).eval_sample(wo, sample, iors, mode, nm);
+        }
+        if let Bsdf::Grating(grating) = self.model {
+            return grating.coefficient(wo, sample, iors, self.texels.groove_angle, (mode, nm));
+        }
+        if sample.delta {
+            return self.coefficient(wo, sample.event, iors, mode, nm);
+        }
+        if !sample.on_event_side(wo) {
+            return 0.0;
+        }
+        self.eval(wo, sample.wi, iors, mode, nm) * sample.wi.z.abs()
+    }
+
+    /// Returns the fraction of the arriving power that is absorbed by this event at `nm`. The
+    /// fraction lies in \[0, 1\].
+    ///
+    /// The fraction is computed from albedos and losses, not as 1 minus the weight. If the mode is
+    /// [`TransportMode::Importance`] and the sample was taken at `nm`, the expected weight and the
+    /// expected absorbed fraction sum to 1. If [`LocalBsdf::sample`] returns `None`, all power is
+    /// absorbed.
+    pub fn absorbed_fraction(self, wo: DVec3, sample: &BsdfSample, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+        let reflectance = self.texels.reflectance;
+        match self.model {
+            Bsdf::Absorber => 1.0,
+            Bsdf::Diffuse(diffuse) => diffuse.absorbed_fraction(reflectance, nm),
+            Bsdf::Fluorescent(surface) => 1.0 - surface.reflected_fraction(nm),
+            Bsdf::Translucent(translucent) => translucent.absorbed_fraction(self.texels, nm),
+            Bsdf::Mirror(mirror) => mirror.absorbed_fraction(reflectance, nm),
+            Bsdf::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, self.texels, nm),
+            Bsdf::Dielectric(_) => 0.0,
+            Bsdf::CoatedDielectric(coated) => coated.absorbed_fraction(wo, sample, iors, self.texels.thickness_nm, nm),
+            Bsdf::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, self.texels.thickness_nm, nm),
+            Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
+            Bsdf::Grating(grating) => grating.absorbed_fraction(wo, iors, self.texels.groove_angle, nm),
+            Bsdf::Glossy(glossy) => glossy.absorbed_fraction(wo, reflectance, nm),
+            Bsdf::Mix(mix) => self.component(mix, sample.component).absorbed_fraction(wo, sample, iors, nm),
+        }
+    }
+
+    /// Returns the weight of a path after a sample, and the absorbed fraction of its power, for
+    /// each of the wavelengths `nm`. The weight is [`Self::eval_sample`] divided by the probability
+    /// of the sample. The absorbed fraction is [`Self::absorbed_fraction`].
+    #[inline(always)]
+    pub fn weights(
+        self,
+        wo: DVec3,
+        sample: &BsdfSample,
+        iors: InterfaceIors<'_>,
+        mode: TransportMode,
+        nm: &[f64],
+    ) -> (Lanes, Lanes) {
+        let (mut weight, mut absorbed) = ([0.0; LANES], [0.0; LANES]);
+        if let Bsdf::Diffuse(diffuse) = self.model
+            && sample.on_event_side(wo)
+        {
+            // Most events are of this kind. One value of the reflectance gives both results.
+            for (k, &nm) in nm.iter().enumerate() {
+                let reflectance = diffuse.reflectance().at(self.texels.reflectance, nm);
+                weight[k] = diffuse::eval(reflectance) * sample.wi.z.abs() / sample.probability;
+                absorbed[k] = diffuse::absorbed_fraction(reflectance);
+            }
+        } else {
+            for (k, &nm) in nm.iter().enumerate() {
+                weight[k] = self.eval_sample(wo, sample, iors, mode, nm) / sample.probability;
+                absorbed[k] = self.absorbed_fraction(wo, sample, iors, nm);
+            }
+        }
+        (weight, absorbed)
+    }
+
+    /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`, without the cosine and without delta
+    /// distributions. The value of a mixture is the weighted sum of the values of its components.
+    pub fn eval(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
+        let reflectance = self.texels.reflectance;
+        match self.model {
+            Bsdf::Absorber | Bsdf::Mirror(_) | Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) => 0.0,
+            Bsdf::Diffuse(diffuse) => diffuse.eval(wo, wi, reflectance, nm),
+            Bsdf::Fluorescent(surface) => surface.eval(wo, wi, nm),
+            Bsdf::Translucent(translucent) => translucent.eval(wo, wi, self.texels, nm),
+            Bsdf::Conductor(conductor) => conductor.eval(wo, wi, iors, self.texels, nm),
+            Bsdf::Dielectric(dielectric) => dielectric.eval(wo, wi, iors, mode, nm),
+            Bsdf::CoatedDielectric(coated) => coated.eval(wo, wi, iors, self.texels.thickness_nm, (mode, nm)),
+            Bsdf::Glossy(glossy) => glossy.eval(wo, wi, reflectance, nm),
+            Bsdf::Mix(mix) => mix
+                .weighted_components()
+                .map(|(weight, model)| weight * Self { model, ..self }.eval(wo, wi, iors, mode, nm))
+                .sum(),
+        }
+    }
+
+    /// Returns the density per solid angle with which [`LocalBsdf::sample`] samples `wi` if the
+    /// hero wavelength is `nm`. Delta distributions are not included. The density of a mixture is
+    /// the weighted sum of the densities of its components.
+    pub fn pdf(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
+        let reflectance = self.texels.reflectance;
+        match self.model {
+            Bsdf::Absorber | Bsdf::Mirror(_) | Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) => 0.0,
+            Bsdf::Diffuse(diffuse) => diffuse.pdf(wo, wi),
+            Bsdf::Fluorescent(surface) => surface.pdf(wo, wi),
+            Bsdf::Translucent(translucent) => translucent.pdf(wo, wi, self.texels, nm),
+            Bsdf::Conductor(conductor) => conductor.pdf(wo, wi),
+            Bsdf::Dielectric(dielectric) => dielectric.pdf(wo, wi, iors, nm),
+            Bsdf::CoatedDielectric(coated) => coated.pdf(wo, wi, iors, self.texels.thickness_nm, nm),
+            Bsdf::Glossy(glossy) => glossy.pdf(wo, wi, reflectance, nm),
+            Bsdf::Mix(mix) => mix
+                .weighted_components()
+                .map(|(weight, model)| weight * Self { model, ..self }.pdf(wo, wi, iors, nm))
+                .sum(),
+        }
+    }
+
+    /// Returns the probability with which a path of the wavelength `nm` should be reflected by a
+    /// smooth coated interface or by a film. `None` stands for a path that carries the whole band.
+    /// Returns `None` for all other surfaces.
+    pub fn film_reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> Option<f64> {
+        let thickness_nm = self.texels.thickness_nm;
+        match self.model {
+            Bsdf::CoatedDielectric(coated) => (!coated.is_rough())
+                .then(|| coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm))),
+            Bsdf::ThinFilm(film) => {
+                Some(coated::reflection_probability(nm, |nm| film.powers(wo, iors, thickness_nm, nm)))
+            }
+            Bsdf::Absorber
+            | Bsdf::Diffuse(_)
+            | Bsdf::Fluorescent(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::Mirror(_)
+            | Bsdf::Conductor(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::Grating(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => None,
+        }
+    }
+
+    /// Returns the coefficient of the delta distribution at `nm`. If the BSDF has no delta
+    /// distribution, returns 0.
+    fn coefficient(self, wo: DVec3, event: ScatterEvent, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
+        let reflectance = self.texels.reflectance;
+        match self.model {
+            Bsdf::Mirror(mirror) => mirror.coefficient(reflectance, nm),
+            Bsdf::Conductor(conductor) => conductor.coefficient(wo, iors, self.texels, nm),
+            Bsdf::Dielectric(_) => dielectric::coefficient(wo, event, iors, mode, nm),
+            Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, (mode, nm)),
+            Bsdf::ThinDielectric(thin) => thin.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
+            Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
+            Bsdf::Absorber
+            | Bsdf::Diffuse(_)
+            | Bsdf::Fluorescent(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::Grating(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => 0.0,
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Rough interfaces between two dielectrics, with or without thin films on the facets.
+
+use glam::DVec3;
+
+use super::compensation::{DielectricCompensation, MultipleScattering};
+use super::dielectric::radiance_scale;
+use super::hemisphere::{flip_z, z_sign};
+use super::power::PowerFractions;
+use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
+use crate::fresnel;
+use crate::microfacet::Ggx;
+
+/// The microfacets of a rough interface.
+///
+/// The GGX model of Walter et al. 2007 describes the light that hits one facet. A wide lobe
+/// contains the light that hits several facets (`compensation.rs`).
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RoughInterface {
+    pub(super) ggx: Ggx,
+    pub(super) compensation: DielectricCompensation,
+}
+
+impl RoughInterface {
+    pub(super) fn new(alpha: f64) -> Self {
+        let ggx = Ggx::new(alpha);
+        Self { ggx, compensation: DielectricCompensation::new(ggx) }
+    }
+}
+
+/// The response of a facet to light at one wavelength.
+pub(super) trait FacetResponse {
+    /// Returns the reflected and the transmitted fraction for an angle of incidence of this cosine.
+    fn powers(&self, cos: f64) -> PowerFractions;
+
+    /// Returns the probability with which a sample is reflected by a facet of these powers.
+    fn reflection_probability(&self, powers: PowerFractions) -> f64;
+}
+
+/// A facet without films. It reflects by Fresnel's equations.
+pub(super) struct BareFacet {
+    /// The indices of the medium on the side of `wo` and of the other medium.
+    pub(super) indices: [f64; 2],
+}
+
+impl FacetResponse for BareFacet {
+    fn powers(&self, cos: f64) -> PowerFractions {
+        let reflected = fresnel::dielectric(cos, self.indices[0], self.indices[1]);
+        PowerFractions { reflected, transmitted: 1.0 - reflected }
+    }
+
+    fn reflection_probability(&self, powers: PowerFractions) -> f64 {
+        powers.reflected
+    }
+}
+
+/// A rough interface at one wavelength, for light from the side of `wo`. The methods `sample`,
+/// `eval` and `pdf` accept directions on both sides. In all other methods, `wo` lies in the upper
+/// hemisphere.
+pub(super) struct FacetScattering<'a, R> {
+    pub(super) ggx: &'a Ggx,
+    pub(super) facet: R,
+    pub(super) multiple: MultipleScattering<'a>,
+    /// The indices of the medium on the side of `wo` and of the other medium. They differ.
+    pub(super) indices: [f64; 2],
+}
+
+impl<R: FacetResponse> FacetScattering<'_, R> {
+    /// Samples a direction. The probability of the sample is the density per solid angle. Returns
+    /// `None` if the density is 0.
+    pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, u: [f64; 3]) -> Option<BsdfSample> {
+        let sample = self.sample_upper(flip_z(wo, z_sign(wo)), u)?;
+        let disperses =
+            sample.event == ScatterEvent::Transmission && (iors.here.is_dispersive() || iors.there.is_dispersive());
+        Some(BsdfSample { wi: flip_z(sample.wi, z_sign(wo)), disperses, ..sample })
+    }
+
+    /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`.
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, (mode, nm): (TransportMode, f64)) -> f64 {
+        let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
+        if wi.z == 0.0 {
+            return 0.0;
+        }
+        let scale = match event_towards(wi) {
+            ScatterEvent::Reflection => 1.0,
+            ScatterEvent::Transmission => radiance_scale(iors, mode, nm),
+        };
+        self.eval_upper(wo, wi) * scale
+    }
+
+    /// Returns the density of `wi` per solid angle.
+    pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
+        if wi.z == 0.0 { 0.0 } else { self.pdf_upper(wo, wi, self.multiple.albedo(wo.z)) }
+    }
+
+    fn sample_upper(&self, wo: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        let [n_i, n_t] = self.indices;
+        let probability = self.multiple.albedo(wo.z);
+        let (wi, event) = if u[2] < probability {
+            let (wi, event) = self.multiple.sample([u[0], u[1], u[2] / probability]);
+            (if event == ScatterEvent::Transmission { flip_z(wi, -1.0) } else { wi }, event)
+        } else {
+            let choice = (u[2] - probability) / (1.0 - probability);
+            let m = self.ggx.sample_visible(wo, u[0], u[1]);
+            if choice < self.facet.reflection_probability(self.facet.powers(wo.dot(m))) {
+                (fresnel::reflect(wo, m), ScatterEvent::Reflection)
+            } else {
+                (fresnel::refract(wo, m, n_i, n_t)?, ScatterEvent::Transmission)
+            }
+        };
+        let sample = BsdfSample::lobe(wi, event, 1.0);
+        let density = if sample.on_event_side(wo) { self.pdf_upper(wo, wi, probability) } else { 1.0 };
+        (density > 0.0).then_some(BsdfSample { probability: density, ..sample })
+    }
+
+    /// Evaluates f(wo, wi) in 1/sr for power.
+    fn eval_upper(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let event = event_towards(wi);
+        let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
+            let masking = self.ggx.g2_per_cos(wo.z, wi.z.abs());
+            let fraction = self.facet.powers(half_vector.cos_o).of_event(event);
+            // At grazing angles, the Jacobian alone may be so large that other products overflow.
+            fraction * self.ggx.eval(half_vector.m) * (half_vector.jacobian * half_vector.cos_o) * masking
+        });
+        single + self.multiple.eval(wo.z, wi.z.abs(), event)
+    }
+
+    /// Returns the density of `wi` per solid angle. The lobe of multiple scattering is sampled with
+    /// the probability of its albedo, `probability`.
+    fn pdf_upper(&self, wo: DVec3, wi: DVec3, probability: f64) -> f64 {
+        let event = event_towards(wi);
+        let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
+            let visible = self.ggx.g1_per_cos(wo.z) * self.ggx.eval(half_vector.m) * half_vector.cos_o;
+            let reflected = self.facet.reflection_probability(self.facet.powers(half_vector.cos_o));
+            let fraction = PowerFractions { reflected, transmitted: 1.0 - reflected }.of_event(event);
+            fraction * visible * half_vector.jacobian
+        });
+        (1.0 - probability) * single + probability * self.multiple.pdf(wi.z.abs(), event)
+    }
+
+    /// Returns the fractions of the light reflected and of the light refracted by a facet that hit
+    /// another facet.
+    pub(super) fn shadowed(&self, wo: DVec3, m: DVec3) -> [f64; 2] {
+        let hidden = |upwards: f64| if upwards > 0.0 { self.ggx.shadowed_fraction(wo.z, upwards) } else { 1.0 };
+        let refracted = fresnel::refract(wo, m, self.indices[0], self.indices[1]);
+        [hidden(fresnel::reflect(wo, m).z), refracted.map_or(1.0, |refracted| hidden(-refracted.z))]
+    }
+
+    /// Returns the half vector of `wo` and `wi`, or `None` if no facet connects the two directions.
+    fn half_vector(&self, wo: DVec3, wi: DVec3) -> Option<HalfVector> {
+        let [n_i, n_t] = self.indices;
+        if wi.z > 0.0 {
+            let m = (wo + wi).normalize_or_zero();
+            let cos_o = wo.dot(m);
+            // dω_m/dω_i = 1/(4·|o·m|) (Walter et al. 2007, equation 14).
+            return (cos_o > 0.0).then(|| HalfVector { m, cos_o, jacobian: 0.25 / cos_o });
+        }
+        // The generalised half vector of refraction is h = n_i·o + n_t·i (Walter et al. 2007,
+        // equation 16). The Jacobian is n_t²·|i·m|/(n_i(o·m) + n_t(i·m))² (equation 17). Its
+        // denominator equals |h|².
+        let along = wo * n_i + wi * n_t;
+        let m = along.normalize_or_zero() * along.z.signum();
+        let (cos_o, cos_i) = (wo.dot(m), -wi.dot(m));
+        let jacobian = n_t * n_t * cos_i / along.length_squared();
+        (cos_o > 0.0 && cos_i > 0.0).then_some(HalfVector { m, cos_o, jacobian })
+    }
+}
+
+/// Returns the event that leads to `wi` from the upper hemisphere.
+fn event_towards(wi: DVec3) -> ScatterEvent {
+    if wi.z > 0.0 { ScatterEvent::Reflection } else { ScatterEvent::Transmission }
+}
+
+/// The microfacet normal that connects two directions. The frame of this normal is chosen so that
+/// `wo` lies in the upper hemisphere.
+struct HalfVector {
+    m: DVec3,
+    /// |o·m|, > 0.
+    cos_o: f64,
+    /// The Jacobian dω_m/dω_i.
+    jacobian: f64,
+}

@@ -1,0 +1,120 @@
+//! The types that BSDFs and integrators exchange: transport mode, refractive indices, classes and
+//! samples.
+
+use glam::DVec3;
+
+use super::hemisphere;
+use crate::glass::RefractiveIndex;
+
+/// The quantity that a path transports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TransportMode {
+    /// Radiance, transported by camera paths against the direction of the light. A transmitted path
+    /// gains the factor (n_here/n_there)², because radiance scales with the squared index (Veach
+    /// 1997, §5.2).
+    Radiance,
+    /// Power, transported by photons along the direction of the light. When a photon is refracted,
+    /// its power is not multiplied by a factor for the change of index.
+    Importance,
+}
+
+/// The refractive indices on the two sides of a surface. The sides are named relative to the
+/// direction `wo`.
+#[derive(Debug, Clone, Copy)]
+pub struct InterfaceIors<'a> {
+    /// Index of the medium on the side of `wo`.
+    pub here: &'a RefractiveIndex,
+    /// Index of the medium on the other side.
+    pub there: &'a RefractiveIndex,
+}
+
+/// The classes of BSDFs, in the order of increasing lobe width. The integrators choose their
+/// strategy by the class of a BSDF.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BsdfClass {
+    /// All light is absorbed.
+    Absorbing,
+    /// Discrete directions only (delta distributions).
+    Specular,
+    /// A lobe that may be narrow. Camera paths sample a direction of this lobe and continue.
+    Glossy,
+    /// A wide lobe. Photons are stored and gathered at surfaces of this class.
+    Diffuse,
+}
+
+/// The side of the surface on which a scattered path continues.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScatterEvent {
+    /// The side of `wo`.
+    Reflection,
+    /// The side opposite to `wo`.
+    Transmission,
+}
+
+/// A sampled direction of scattering.
+///
+/// On a rough surface, the sampled `wi` may lie on the wrong side for the `event`.
+/// [`LocalBsdf::eval_sample`](super::LocalBsdf::eval_sample) is then 0 at all wavelengths,
+/// [`LocalBsdf::absorbed_fraction`](super::LocalBsdf::absorbed_fraction) returns the lost power,
+/// and the path ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BsdfSample {
+    /// The sampled direction, a unit vector.
+    pub wi: DVec3,
+    /// The sampled event: reflection or transmission.
+    pub event: ScatterEvent,
+    /// True if `wi` comes from a delta distribution.
+    pub delta: bool,
+    /// The probability of the event if `delta` is set, otherwise the density of `wi` per solid
+    /// angle. Always positive.
+    pub probability: f64,
+    /// True if `wi` depends on the wavelength. If so, the path can keep only one wavelength. The
+    /// value is true only if the event is refraction and at least one of the two media is
+    /// dispersive.
+    pub disperses: bool,
+    /// The cosine between `wo` and a sampled microfacet normal. Only rough metals and rough coated
+    /// interfaces use this field.
+    pub(super) cos_microfacet: f64,
+    /// The fractions of the light reflected and of the light refracted by this microfacet that hit
+    /// another microfacet. Rough metals use the first one, and rough coated interfaces use both.
+    pub(super) shadowed: [f64; 2],
+    /// Index of the scattering component, if the BSDF is a [`MixBsdf`](super::MixBsdf).
+    pub(super) component: usize,
+}
+
+impl BsdfSample {
+    pub(super) fn delta(wi: DVec3, event: ScatterEvent, probability: f64) -> Self {
+        Self {
+            wi,
+            event,
+            delta: true,
+            probability,
+            disperses: false,
+            cos_microfacet: 1.0,
+            shadowed: [0.0; 2],
+            component: 0,
+        }
+    }
+
+    pub(super) fn lobe(wi: DVec3, event: ScatterEvent, density: f64) -> Self {
+        Self {
+            wi,
+            event,
+            delta: false,
+            probability: density,
+            disperses: false,
+            cos_microfacet: 1.0,
+            shadowed: [0.0; 2],
+            component: 0,
+        }
+    }
+
+    /// Returns whether `wi` lies on the correct side of the surface for `event`.
+    pub(super) fn on_event_side(&self, wo: DVec3) -> bool {
+        let same_side = hemisphere::same_side(wo, self.wi);
+        match self.event {
+            ScatterEvent::Reflection => same_side,
+            ScatterEvent::Transmission => !same_side && self.wi.z != 0.0,
+        }
+    }
+}

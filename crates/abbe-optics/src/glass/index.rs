@@ -1,0 +1,293 @@
+//! The refractive index of a material.
+
+use super::dispersion::{Dispersion, SellmeierTerm};
+use super::lines;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::BAND_NM;
+use serde::Deserialize;
+
+/// The medium to which a refractive index is relative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ReferenceMedium {
+    /// Air at 20–22 °C and 101 325 Pa, as in glass catalogues.
+    Air,
+    /// Vacuum.
+    Vacuum,
+    /// Unknown, because the source does not mention the medium. The indices relative to air and to
+    /// vacuum differ by 3e-4.
+    Unstated,
+}
+
+/// A refractive index n(λ) relative to the surrounding air. It is defined over the whole band and
+/// is at least 1.
+///
+/// Outside the range of validity of its formula, n is the value at the nearest end of the range,
+/// because dispersion formulas extrapolate badly.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefractiveIndex {
+    dispersion: Dispersion,
+    range_nm: (f64, f64),
+    dispersive: bool,
+    warning: Option<String>,
+}
+
+impl RefractiveIndex {
+    /// Creates an index with the same value at every wavelength. Returns an error if `n` is below 1
+    /// or NaN.
+    pub fn constant(n: f64) -> Result<Self> {
+        Self::new(Dispersion::Constant(n), BAND_NM)
+    }
+
+    /// Creates an index by Cauchy's formula n = a + b/λ² + c/λ⁴, where λ is in µm. Returns an error
+    /// if n is NaN or below 1 at a wavelength of the band.
+    pub fn cauchy(a: f64, b: f64, c: f64) -> Result<Self> {
+        Self::new(Dispersion::Cauchy { a, b, c }, BAND_NM)
+    }
+
+    /// Creates an index by Sellmeier's formula n² = 1 + Σ b λ²/(λ² − c), with λ in µm and c in µm².
+    ///
+    /// # Errors
+    /// Returns an error if the lists have different lengths, if a resonance lies within the band,
+    /// or if n is below 1 or NaN.
+    pub fn sellmeier(b: &[f64], c_um2: &[f64]) -> Result<Self> {
+        if b.len() != c_um2.len() {
+            let what = format!("{} Sellmeier coefficients b but {} c", b.len(), c_um2.len());
+            return Err(Error::input(what).expected("equally many b and c"));
+        }
+        let poles = b.iter().zip(c_um2).map(|(&b, &c)| SellmeierTerm { b, c }).collect();
+        Self::new(Dispersion::Sellmeier { c0: 0.0, poles }, BAND_NM)
+    }
+
+    /// Creates a two-term Cauchy index from n_d and the Abbe number `vd`. The definition of `vd` is
+    /// (n_d − 1)/(n_F − n_C). Returns an error if `vd` is not positive, or if n is NaN or below 1
+    /// at a wavelength of the band.
+    pub fn abbe(nd: f64, vd: f64) -> Result<Self> {
+        if !(vd > 0.0 && vd.is_finite()) {
+            return Err(Error::input(format!("an Abbe number of {vd}")).expected("a positive number"));
+        }
+        let per_um2 = |nm: f64| 1e6 / (nm * nm);
+        let b = (nd - 1.0) / (vd * (per_um2(lines::F_NM) - per_um2(lines::C_NM)));
+        Self::cauchy(nd - b * per_um2(lines::D_NM), b, 0.0)
+    }
+
+    /// Creates an index by linear interpolation of the points (`nm`, `n`). Below the first
+    /// wavelength, the first value of n is used. Above the last wavelength, the last value of n is
+    /// used.
+    ///
+    /// # Errors
+    /// Returns an error if the lists are empty or have different lengths, `nm` does not increase,
+    /// or a value of n is below 1 or NaN.
+    pub fn table(nm: &[f64], n: &[f64]) -> Result<Self> {
+        if nm.len() != n.len() || nm.is_empty() {
+            let what = format!("a table of {} wavelengths and {} indices", nm.len(), n.len());
+            return Err(Error::input(what).expected("as many indices as wavelengths, and at least one"));
+        }
+        if let Some(bad) = nm.iter().find(|nm| !(nm.is_finite() && **nm > 0.0)) {
+            return Err(Error::input(format!("a wavelength of {bad} nm")).expected("a positive number"));
+        }
+        if let Some(pair) = nm.windows(2).find(|pair| pair[0] >= pair[1]) {
+            let what = format!("wavelength {} nm follows {} nm", pair[1], pair[0]);
+            return Err(Error::input(what).expected("wavelengths in increasing order"));
+        }
+        if let Some(i) = n.iter().position(|n| !is_valid_index(*n)) {
+            return Err(invalid_index(n[i], nm[i]));
+        }
+        Self::new(Dispersion::Table { nm: nm.into(), n: n.into() }, (nm[0], nm[nm.len() - 1]))
+    }
+
+    /// Creates an index from a formula and its range of validity `range_nm`. The range is given by
+    /// two increasing wavelengths in nm. Outside the range, the value at the nearest end is used.
+    ///
+    /// # Errors
+    /// Returns an error if n is NaN or below 1 at a wavelength of the band, or if a resonance lies
+    /// within the range.
+    pub fn new(dispersion: Dispersion, range_nm: (f64, f64)) -> Result<Self> {
+        let in_order = range_nm.0 <= range_nm.1;
+        if !in_order {
+            let what = format!("a range from {} nm to {} nm", range_nm.0, range_nm.1);
+            return Err(Error::input(what).expected("two increasing wavelengths"));
+        }
+        if let Dispersion::Sellmeier { poles, .. } = &dispersion {
+            check_resonances(poles, range_nm)?;
+        }
+        let mut index = Self { dispersion, range_nm, dispersive: false, warning: None };
+        let at_start = index.n(BAND_NM.0);
+        for step in 0..=(BAND_NM.1 - BAND_NM.0) as usize {
+            let nm = BAND_NM.0 + step as f64;
+            let n = index.n(nm);
+            if !is_valid_index(n) {
+                return Err(invalid_index(n, nm));
+            }
+            index.dispersive |= n != at_start;
+        }
+        Ok(index)
+    }
+
+    /// Sets a warning if the range of validity does not cover the band, or if the index is relative
+    /// to vacuum.
+    pub(super) fn set_warning(&mut self, name: &str, relative_to: ReferenceMedium) {
+        let (from, to) = self.range_nm;
+        let mut warnings = Vec::new();
+        if from > BAND_NM.0 || to < BAND_NM.1 {
+            let range = format!(
+                "the index of {name} is known from {from} to {to} nm; outside this range, the value at the nearest end is used"
+            );
+            warnings.push(range);
+        }
+        match relative_to {
+            ReferenceMedium::Air | ReferenceMedium::Unstated => {}
+            ReferenceMedium::Vacuum => {
+                warnings.push(format!(
+                    "the index of {name} is relative to vacuum, but indices of glasses are relative to air"
+                ));
+            }
+        }
+        self.warning = (!warnings.is_empty()).then(|| warnings.join("; "));
+    }
+
+    /// Returns the index at a wavelength in nm. Outside the range of validity, returns the value at
+    /// the nearest end of the range.
+    pub fn n(&self, wavelength_nm: f64) -> f64 {
+        match self.dispersion {
+            Dispersion::Constant(n) => n,
+            Dispersion::Cauchy { .. }
+            | Dispersion::Sellmeier { .. }
+            | Dispersion::SquaredPowers { .. }
+            | Dispersion::Powers { .. }
+            | Dispersion::Rational(_)
+            | Dispersion::Gas { .. }
+            | Dispersion::Conrady { .. }
+            | Dispersion::Herzberger(_)
+            | Dispersion::Table { .. } => self.dispersion.n(wavelength_nm.clamp(self.range_nm.0, self.range_nm.1)),
+        }
+    }
+
+    /// Returns whether n varies within the band.
+    pub fn is_dispersive(&self) -> bool {
+        self.dispersive
+    }
+
+    /// Returns n at the d line, 587.5618 nm.
+    pub fn nd(&self) -> f64 {
+        self.n(lines::D_NM)
+    }
+
+    /// Returns the Abbe number (n_d − 1)/(n_F − n_C), or `None` if n_F = n_C or if the range does
+    /// not contain both lines.
+    pub fn vd(&self) -> Option<f64> {
+        let spread = self.n(lines::F_NM) - self.n(lines::C_NM);
+        let known = self.range_nm.0 <= lines::F_NM && self.range_nm.1 >= lines::C_NM;
+        (known && spread != 0.0).then(|| (self.nd() - 1.0) / spread)
+    }
+
+    /// Returns the range of validity of the formula in nm.
+    pub fn range_nm(&self) -> (f64, f64) {
+        self.range_nm
+    }
+
+    /// Returns the dispersion formula.
+    pub fn dispersion(&self) -> &Dispersion {
+        &self.dispersion
+    }
+
+    /// Returns a warning for the user if part of the band lies outside the range of validity, or if
+    /// the index is relative to vacuum.
+    pub fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+}
+
+fn is_valid_index(n: f64) -> bool {
+    n.is_finite() && n >= 1.0
+}
+
+fn invalid_index(n: f64, nm: f64) -> Error {
+    let what = if n.is_nan() {
+        format!("the index is not a number at {nm} nm")
+    } else {
+        format!("an index of {n} at {nm} nm")
+    };
+    Error::input(what)
+        .expected(format!("an index of at least 1 over the whole band ({} to {} nm)", BAND_NM.0, BAND_NM.1))
+}
+
+/// Returns an error if a resonance lies in the range. [`RefractiveIndex::new`] checks the index
+/// only at whole nanometres and could miss a resonance between them.
+fn check_resonances(poles: &[SellmeierTerm], range_nm: (f64, f64)) -> Result<()> {
+    for pole in poles {
+        if !(pole.b.is_finite() && pole.c.is_finite()) {
+            return Err(Error::input("a Sellmeier coefficient that is not a finite number"));
+        }
+        let resonance_nm = 1e3 * pole.c.max(0.0).sqrt();
+        if pole.b != 0.0 && range_nm.0 <= resonance_nm && resonance_nm <= range_nm.1 {
+            let what = format!("Sellmeier's formula has no value at {resonance_nm} nm, where c = {} µm²", pole.c);
+            return Err(Error::input(what).expected("resonances (√c) outside the band"));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn complaint(result: Result<RefractiveIndex>) -> String {
+        result.expect_err("this index should be refused").to_string()
+    }
+
+    #[test]
+    fn an_index_below_one_anywhere_in_the_band_is_refused_and_named() {
+        assert!(complaint(RefractiveIndex::constant(0.99)).contains("0.99"));
+        assert!(complaint(RefractiveIndex::cauchy(0.95, 0.02, 0.0)).contains("at least 1"));
+        assert!(complaint(RefractiveIndex::abbe(1.05, 0.5)).contains("at least 1"));
+        assert!(complaint(RefractiveIndex::table(&[400.0, 500.0], &[1.2, 0.8])).contains("500 nm"));
+    }
+
+    #[test]
+    fn values_that_are_no_numbers_are_refused() {
+        assert!(complaint(RefractiveIndex::constant(f64::NAN)).contains("not a number"));
+        assert!(complaint(RefractiveIndex::constant(f64::INFINITY)).contains("inf"));
+        assert!(complaint(RefractiveIndex::cauchy(1.5, f64::NAN, 0.0)).contains("not a number"));
+        assert!(complaint(RefractiveIndex::sellmeier(&[1.0], &[f64::NAN])).contains("finite"));
+        assert!(complaint(RefractiveIndex::abbe(1.5, f64::NAN)).contains("positive"));
+        assert!(complaint(RefractiveIndex::abbe(f64::NAN, 50.0)).contains("not a number"));
+        assert!(complaint(RefractiveIndex::table(&[f64::NAN], &[1.5])).contains("wavelength"));
+        assert!(complaint(RefractiveIndex::table(&[500.0], &[f64::NAN])).contains("not a number"));
+    }
+
+    #[test]
+    fn tables_must_match_in_length_and_increase() {
+        assert!(complaint(RefractiveIndex::table(&[], &[])).contains("at least one"));
+        assert!(complaint(RefractiveIndex::table(&[400.0, 500.0], &[1.5])).contains("2 wavelengths and 1 indices"));
+        assert!(complaint(RefractiveIndex::table(&[500.0, 400.0], &[1.5, 1.6])).contains("increasing"));
+        assert!(complaint(RefractiveIndex::table(&[500.0, 500.0], &[1.5, 1.6])).contains("increasing"));
+        assert!(
+            complaint(RefractiveIndex::sellmeier(&[1.0, 2.0], &[0.01])).contains("2 Sellmeier coefficients b but 1 c")
+        );
+    }
+
+    /// The check in `new` samples the index at whole nanometres. Nevertheless, a resonance at 500.5
+    /// nm is refused.
+    #[test]
+    fn resonances_between_whole_nanometres_are_refused() {
+        let c = 0.5005_f64 * 0.5005;
+        assert!(complaint(RefractiveIndex::sellmeier(&[1e-9], &[c])).contains("resonances (√c) outside the band"));
+    }
+
+    #[test]
+    fn an_abbe_number_gives_back_its_index_and_itself() {
+        let index = RefractiveIndex::abbe(1.62, 36.4).unwrap();
+        assert!((index.nd() - 1.62).abs() < 1e-14);
+        assert!((index.vd().unwrap() - 36.4).abs() < 1e-9);
+        assert!(index.is_dispersive());
+    }
+
+    #[test]
+    fn only_varying_indices_are_dispersive() {
+        assert!(!RefractiveIndex::constant(1.5).unwrap().is_dispersive());
+        assert!(!RefractiveIndex::cauchy(1.5, 0.0, 0.0).unwrap().is_dispersive());
+        assert!(RefractiveIndex::table(&[500.0, 600.0], &[1.5, 1.49]).unwrap().is_dispersive());
+        assert_eq!(RefractiveIndex::constant(1.5).unwrap().vd(), None);
+    }
+}

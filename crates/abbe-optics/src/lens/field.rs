@@ -1,0 +1,163 @@
+//! Bundles of parallel rays at an angle to the axis. The module computes the chief ray, which
+//! passes through the centre of the stop, and the spot of the bundle on the sensor. All rays are
+//! traced exactly. The chief ray lies in the meridional plane x = 0.
+
+use glam::{DVec2, DVec3};
+
+use super::profile::TraceDirection;
+use super::trace::{ApertureCheck, LensRay, MonochromaticLens};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::{cos, sin};
+
+/// The spot of a bundle on the sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LensSpot {
+    /// Height of the centroid above the axis in mm.
+    pub centroid_mm: f64,
+    /// Root mean square distance, in mm, of the rays from the centroid.
+    pub rms_mm: f64,
+    /// Number of rays of the bundle that reached the sensor.
+    pub rays: usize,
+}
+
+/// First step and smallest step of the field angle, both in degrees. The position of the pupil
+/// varies with the field, so the search for a chief ray starts on the axis and follows the pupil in
+/// steps. If no chief ray is found after a step, the step is halved.
+const FIELD_STEP_DEG: f64 = 2.0;
+const LEAST_STEP_DEG: f64 = 0.02;
+/// Maximum number of Newton steps for a chief ray. About four steps are usual.
+const MAX_CHIEF_RAY_STEPS: usize = 40;
+/// Number of rays across a bundle, and width of the bundle relative to the entrance pupil. The
+/// bundle is wider than the pupil. The apertures block the rays that do not pass.
+const RAYS_ACROSS_BUNDLE: u32 = 96;
+const BUNDLE_WIDTH: f64 = 2.0;
+
+impl MonochromaticLens<'_> {
+    /// Returns the chief ray at a field angle in degrees, |angle| < 90.
+    ///
+    /// The ray travels from the scene through the centre of the stop. The origin of the ray lies on
+    /// the axis. For positive angles the ray rises towards the sensor. Apertures are ignored.
+    /// Returns an error if no such ray is found.
+    pub fn chief_ray(&self, field_deg: f64) -> Result<LensRay> {
+        let Some(pupil) = self.paraxial()?.entrance_pupil else {
+            return Err(Error::input("the entrance pupil lies at infinity: parallel light has no chief ray"));
+        };
+        let (end, mut step) = (field_deg.to_radians(), FIELD_STEP_DEG.to_radians().copysign(field_deg));
+        let (mut field, mut z_mm, mut drift) = (0.0, pupil.z_mm, 0.0);
+        while field != end {
+            let next = if (end - field).abs() <= step.abs() { end } else { field + step };
+            let guess_mm = z_mm + drift * (next - field);
+            if let Some(found_mm) = self.pupil_z_mm(next, guess_mm, pupil.diameter_mm) {
+                drift = (found_mm - z_mm) / (next - field);
+                (field, z_mm) = (next, found_mm);
+            } else if step.abs() > LEAST_STEP_DEG.to_radians() {
+                step *= 0.5;
+            } else {
+                let least = next.to_degrees();
+                let what = format!("no ray at {field_deg} degrees passes through the centre of the stop");
+                return Err(Error::input(what).expected(format!("a field below {least:.1} degrees")));
+            }
+        }
+        Ok(ray_at(end, z_mm))
+    }
+
+    /// Finds the point where the line of the incoming chief ray crosses the axis. Returns z of this
+    /// point in mm. Newton's method starts at `start_mm`.
+    fn pupil_z_mm(&self, field: f64, start_mm: f64, diameter_mm: f64) -> Option<f64> {
+        let height = |z_mm: f64| self.stop_height_mm(ray_at(field, z_mm));
+        let tolerance_mm = 1e-12 * self.lens().surfaces()[self.lens().stop()].semi_aperture_mm;
+        let (mut z_mm, mut y_mm) = (start_mm, height(start_mm)?);
+        for _ in 0..MAX_CHIEF_RAY_STEPS {
+            if y_mm.abs() <= tolerance_mm {
+                break;
+            }
+            let shift_mm = 1e-5 * diameter_mm;
+            let mut step_mm = y_mm * shift_mm / (height(z_mm + shift_mm)? - y_mm);
+            // The step is halved until it leads to a ray that reaches the stop at a smaller height.
+            let better = |step_mm: f64| height(z_mm - step_mm).filter(|next| next.abs() < y_mm.abs());
+            let found = (0..20).find_map(|_| {
+                better(step_mm).or_else(|| {
+                    step_mm *= 0.5;
+                    None
+                })
+            });
+            let Some(next_mm) = found else { break };
+            (z_mm, y_mm) = (z_mm - step_mm, next_mm);
+        }
+        (y_mm.abs() <= 1e6 * tolerance_mm).then_some(z_mm)
+    }
+
+    /// Returns the height, in mm, at which a ray crosses the stop. Returns `None` if the ray does
+    /// not reach the stop.
+    fn stop_height_mm(&self, ray: LensRay) -> Option<f64> {
+        let mut height_mm = None;
+        let stop = self.lens().stop();
+        let end = self.trace_through(ray, TraceDirection::ToSensor, ApertureCheck::Ignored, |i, point| {
+            if i == stop {
+                height_mm = Some(point.y);
+            }
+        });
+        // A ray that is lost behind the stop still has a valid height at the stop.
+        end.map_or(height_mm, |_| height_mm)
+    }
+
+    /// Traces the bundle around a chief ray to the plane z = `sensor_z_mm` and returns the spot of
+    /// the bundle. Returns `None` if all rays are vignetted.
+    pub fn spot(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Option<LensSpot>> {
+        let landed = self.landing_points(chief, sensor_z_mm)?;
+        if landed.is_empty() {
+            return Ok(None);
+        }
+        let count = landed.len() as f64;
+        let centroid = landed.iter().sum::<DVec2>() / count;
+        let variance = landed.iter().map(|point| point.distance_squared(centroid)).sum::<f64>() / count;
+        Ok(Some(LensSpot { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: landed.len() }))
+    }
+
+    /// Traces the bundle around a chief ray to the plane z = `sensor_z_mm`. Returns the points in mm
+    /// at which the rays that are not vignetted reach this plane.
+    pub(super) fn landing_points(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Vec<DVec2>> {
+        let radius_mm = self.bundle_radius_mm()?;
+        let offset = |i: u32| ((2 * i + 1) as f64 / f64::from(RAYS_ACROSS_BUNDLE) - 1.0) * radius_mm;
+        let mut landed = Vec::new();
+        for (i, j) in (0..RAYS_ACROSS_BUNDLE).flat_map(|i| (0..RAYS_ACROSS_BUNDLE).map(move |j| (i, j))) {
+            let ray = parallel_ray(chief, offset(i), offset(j));
+            if let Ok(out) = self.trace(ray, TraceDirection::ToSensor, ApertureCheck::Enforced) {
+                landed.push(out.at_z(sensor_z_mm).truncate());
+            }
+        }
+        Ok(landed)
+    }
+
+    /// Finds the lowest and the highest meridional ray that pass the lens. For each of the two
+    /// rays, returns its signed perpendicular distance from the chief ray in mm. Returns `None` if
+    /// all rays are vignetted.
+    pub(super) fn passing_range_mm(&self, chief: LensRay) -> Result<Option<(f64, f64)>> {
+        const MERIDIONAL_STEPS: u32 = 800;
+        let radius_mm = self.bundle_radius_mm()?;
+        let offsets =
+            (0..=MERIDIONAL_STEPS).map(|i| (2.0 * f64::from(i) / f64::from(MERIDIONAL_STEPS) - 1.0) * radius_mm);
+        let passes = |offset: &f64| {
+            self.trace(parallel_ray(chief, 0.0, *offset), TraceDirection::ToSensor, ApertureCheck::Enforced).is_ok()
+        };
+        let passing: Vec<f64> = offsets.filter(passes).collect();
+        Ok(passing.first().copied().zip(passing.last().copied()))
+    }
+
+    fn bundle_radius_mm(&self) -> Result<f64> {
+        Ok(self.paraxial()?.entrance_pupil.map_or(0.0, |pupil| 0.5 * BUNDLE_WIDTH * pupil.diameter_mm))
+    }
+}
+
+/// Returns a ray in the meridional plane. The ray crosses the axis at `z_mm`. The field angle is
+/// given in radians.
+fn ray_at(field: f64, z_mm: f64) -> LensRay {
+    LensRay { origin: DVec3::new(0.0, 0.0, z_mm), direction: DVec3::new(0.0, sin(field), cos(field)) }
+}
+
+/// Returns a ray parallel to the chief ray. The ray is shifted by `up_mm` in the meridional plane,
+/// and by `aside_mm` perpendicular to that plane.
+pub(super) fn parallel_ray(chief: LensRay, aside_mm: f64, up_mm: f64) -> LensRay {
+    let up = DVec3::new(0.0, chief.direction.z, -chief.direction.y);
+    LensRay { origin: chief.origin + DVec3::X * aside_mm + up * up_mm, ..chief }
+}

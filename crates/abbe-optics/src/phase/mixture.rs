@@ -1,0 +1,100 @@
+//! The mixture of a phase function over the wavelengths of a path.
+
+use super::PhaseFunction;
+use abbe_spectra::math::random::ONE_MINUS_ULP;
+use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
+use glam::DVec3;
+
+/// The density from which a path with several wavelengths samples its direction in a medium.
+///
+/// Each wavelength has a share of the density in proportion to its importance (the balance
+/// heuristic over wavelengths; Wilkie et al., "Hero wavelength spectral sampling", 2014). The
+/// weight of a wavelength is therefore bounded, even if its phase function differs strongly from
+/// the phase function at the hero wavelength. If the phase function does not depend on the
+/// wavelength, the density is the phase function itself.
+#[derive(Debug, Clone, Copy)]
+pub struct PhaseMixture<'a> {
+    phase: &'a PhaseFunction,
+    nm: Lanes,
+    /// The share of each wavelength. Shares of unused lanes are 0.
+    shares: Lanes,
+    count: usize,
+}
+
+impl<'a> PhaseMixture<'a> {
+    /// Creates the mixture for a path with this importance of each of its wavelengths.
+    pub fn new(phase: &'a PhaseFunction, wavelengths: &Wavelengths, importance: &Lanes) -> Self {
+        let total: f64 = importance[..wavelengths.count].iter().sum();
+        let mixed = wavelengths.count > 1 && total > 0.0 && phase.depends_on_wavelength();
+        let (count, shares) =
+            if mixed { (wavelengths.count, importance.map(|value| value / total)) } else { (1, [1.0, 0.0, 0.0, 0.0]) };
+        Self { phase, nm: wavelengths.nm, shares, count }
+    }
+
+    /// Returns the density per steradian. The argument is the cosine of the scattering angle.
+    pub fn eval(&self, cos_theta: f64) -> f64 {
+        if self.count == 1 {
+            return self.phase.eval(cos_theta, self.nm[0]);
+        }
+        (0..self.count).map(|k| self.shares[k] * self.phase.eval(cos_theta, self.nm[k])).sum()
+    }
+
+    /// Samples the direction of scattered light; see [`PhaseFunction::sample`].
+    pub fn sample(&self, incoming: DVec3, [mut u, v]: [f64; 2]) -> DVec3 {
+        let mut lane = 0;
+        while lane + 1 < self.count && u >= self.shares[lane] {
+            u -= self.shares[lane];
+            lane += 1;
+        }
+        if self.count > 1 {
+            u = (u / self.shares[lane]).clamp(0.0, ONE_MINUS_ULP);
+        }
+        self.phase.sample(incoming, self.nm[lane], [u, v])
+    }
+}
+
+const _: () = assert!(LANES == 4, "the shares of a single wavelength list four lanes");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::spectrum::{Outside, Spectrum};
+
+    fn chromatic() -> PhaseFunction {
+        PhaseFunction::HenyeyGreenstein {
+            g: Spectrum::table(&[400.0, 700.0], &[0.95, 0.1], Outside::Hold).expect("a table of two values"),
+        }
+    }
+
+    /// Each wavelength's mean weight is 1, and no weight exceeds the inverse of its share.
+    #[test]
+    fn samples_follow_the_mixture_and_weights_are_bounded() {
+        let phase = chromatic();
+        let wavelengths = Wavelengths::new([420.0, 500.0, 600.0, 690.0]);
+        let mixture = PhaseMixture::new(&phase, &wavelengths, &[1.0, 2.0, 4.0, 3.0]);
+        let mut stream = Stream::new(5, Purpose::Camera, 0, 0);
+        let n = 40_000;
+        let mut sums = [0.0; LANES];
+        for _ in 0..n {
+            let cosine = mixture.sample(DVec3::Z, stream.pair()).z;
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let weight = phase.eval(cosine, wavelengths.nm[k]) / mixture.eval(cosine);
+                assert!(weight <= 1.0 / [0.1, 0.2, 0.4, 0.3][k] + 1e-9, "lane {k}: {weight}");
+                *sum += weight / f64::from(n);
+            }
+        }
+        for (k, mean) in sums.iter().enumerate() {
+            assert!((mean - 1.0).abs() < 0.05, "lane {k}: {mean}");
+        }
+    }
+
+    #[test]
+    fn a_grey_phase_function_is_sampled_as_it_is() {
+        let phase = PhaseFunction::HenyeyGreenstein { g: Spectrum::constant(0.5) };
+        let wavelengths = Wavelengths::new([420.0, 500.0, 600.0, 690.0]);
+        let mixture = PhaseMixture::new(&phase, &wavelengths, &[1.0, 2.0, 4.0, 3.0]);
+        assert_eq!(mixture.eval(0.3), phase.eval(0.3, 420.0));
+        assert_eq!(mixture.sample(DVec3::Z, [0.2, 0.7]), phase.sample(DVec3::Z, 420.0, [0.2, 0.7]));
+    }
+}

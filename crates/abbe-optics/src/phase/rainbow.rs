@@ -1,0 +1,93 @@
+//! The phase function of rain, read from `data/media/rainbow.csv`. The table was computed by the
+//! series of [`mie`](super::mie).
+//!
+//! The radii of the drops lie between 0.16 and 1 mm. The radii follow a lognormal distribution with
+//! a median of 0.4 mm. The logarithm of the radius has a standard deviation of 0.26, and the
+//! distribution is cut off at 3.5 standard deviations. The drops are water at 20 °C in air. The
+//! table is computed for parallel light. If a light source has the angular size of the sun, the
+//! rendered bows are blurred as in the sky.
+
+use super::table::{self, PhaseTable};
+use std::sync::{Arc, OnceLock};
+
+/// Returns the phase function of rain.
+pub fn rainbow() -> Arc<PhaseTable> {
+    static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
+    TABLE
+        .get_or_init(|| {
+            Arc::new(table::parse(include_str!("../../data/media/rainbow.csv")).expect("the built-in table is valid"))
+        })
+        .clone()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::PhaseFunction;
+    use super::super::mie::{MieSpheres, lognormal};
+    use super::*;
+    use crate::glass::RefractiveIndex;
+    use std::fmt::Write;
+
+    fn rain() -> MieSpheres {
+        MieSpheres { radii_um: lognormal(400.0, 0.26, 100), index: RefractiveIndex::catalogue("water 20C").unwrap() }
+    }
+
+    /// Returns the angles of the table in degrees. Each angle is a multiple of 0.001°. The steps
+    /// are smallest in the forward peak, and small in the bows and in the glory.
+    fn angles() -> Vec<f64> {
+        let forward = [(0, 40, 1), (40, 200, 4), (200, 2000, 30), (2000, 10_000, 200)];
+        let bows = [(10_000, 120_000, 1000), (120_000, 150_000, 50), (150_000, 178_000, 500), (178_000, 180_000, 100)];
+        let steps = |&(from, to, step): &(u32, u32, usize)| (from..to).step_by(step);
+        let thousandths = forward.iter().chain(&bows).flat_map(steps).chain([180_000]);
+        thousandths.map(|thousandths| f64::from(thousandths) / 1000.0).collect()
+    }
+
+    /// Returns one column of the table. Between 5° and 179° each value is the mean over five angles
+    /// within 0.1°. The mean removes the ripples that remain after the average over the drop sizes.
+    /// These ripples are narrower than 0.1°.
+    fn column(nm: f64) -> Vec<f64> {
+        let angles = angles();
+        let places = angles.iter().flat_map(|&angle| {
+            let step = if angle > 5.0 && angle < 179.0 { 0.02 } else { 0.0 };
+            (-2..=2).map(move |i| angle + f64::from(i) * step)
+        });
+        let density = rain().scattering(nm, &places.collect::<Vec<_>>()).density;
+        density.chunks(5).map(|places| places.iter().sum::<f64>() / 5.0).collect()
+    }
+
+    #[test]
+    #[ignore = "minutes: sums series of thousands of terms; with ABBE_BLESS it writes the table"]
+    fn built_in_rainbow_table_matches_the_mie_series() {
+        let bless = std::env::var_os("ABBE_BLESS").is_some();
+        let nm: Vec<f64> = (360..=830).step_by(if bless { 20 } else { 160 }).map(f64::from).chain([830.0]).collect();
+        let (first, second) = nm.split_at(nm.len() / 2);
+        let half = |nm: &[f64]| nm.iter().map(|&nm| column(nm)).collect::<Vec<_>>();
+        let columns = std::thread::scope(|scope| {
+            let other = scope.spawn(|| half(second));
+            [half(first), other.join().unwrap()].concat()
+        });
+        if !bless {
+            for (nm, column) in nm.iter().zip(&columns) {
+                let table = PhaseFunction::Table(rainbow());
+                for (angle, density) in angles().into_iter().zip(column).step_by(7) {
+                    // The table and the series are normalised separately, and the table is rounded
+                    // to five digits.
+                    let found = table.eval(angle.to_radians().cos(), *nm);
+                    assert!((found / density - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {density}");
+                }
+            }
+            return;
+        }
+        let mut text = String::from("angle_deg");
+        nm.iter().for_each(|nm| write!(text, ",p_{nm}nm_per_sr").unwrap());
+        for (i, angle) in angles().iter().enumerate() {
+            write!(text, "\n{angle}").unwrap();
+            for column in &columns {
+                let digits = format!("{:.4e}", column[i]);
+                write!(text, ",{}", digits.parse::<f64>().unwrap()).unwrap();
+            }
+        }
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/media/rainbow.csv");
+        std::fs::write(path, text + "\n").unwrap();
+    }
+}

@@ -1,0 +1,243 @@
+//! Facts about a scene. The plan uses them to decide which effects are simulated.
+
+use super::camera::{Aperture, ApertureDiffraction};
+use super::light::Light;
+use super::{Object, Scene};
+use abbe_optics::bsdf::{Bsdf, BsdfClass};
+use abbe_optics::fluorophore::Fluorophore;
+use abbe_optics::glass::RefractiveIndex;
+use abbe_optics::texture::SurfaceSpectrum;
+use abbe_spectra::spectrum::Spectrum;
+
+/// A light counts as a line light if at least this share of its power is in spectral lines. If a
+/// line light illuminates a surface, the reflected light depends strongly on the reflectance at a
+/// few wavelengths.
+const LINE_SHARE: f64 = 0.1;
+
+/// The facts that decide which effects a scene needs. Most facts are lists of names. Each name
+/// denotes a part of the scene for which the fact is true. If the list is empty, the fact is false.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Facts {
+    /// Objects whose refractive index depends on wavelength, and gratings.
+    pub dispersive: Vec<String>,
+    /// Objects with a specular component. They reflect or refract light into one direction.
+    pub specular: Vec<String>,
+    /// Objects with a glossy component: rough or coated surfaces.
+    pub glossy: Vec<String>,
+    /// Objects with a material that varies over the surface.
+    pub textured: Vec<String>,
+    /// Objects with thin films, and a coated lens of the camera.
+    pub films: Vec<String>,
+    /// Objects with a fluorescent surface or a fluorescent medium.
+    pub fluorescent: Vec<String>,
+    /// Fluorescent objects that absorb light of the scene below the band.
+    pub ultraviolet: Vec<String>,
+    /// Objects with a diffuse component.
+    pub diffuse: Vec<String>,
+    /// Objects with a body, and gratings. The body consists of glass or liquid, or it is filled
+    /// with a medium. Paths keep a single wavelength behind these objects.
+    pub bodies: Vec<String>,
+    /// Objects with a body that has an absorption coefficient.
+    pub absorbing_bodies: Vec<String>,
+    /// Objects filled with a medium, including the atmosphere.
+    pub media: Vec<String>,
+    /// Objects filled with a dense scattering medium, in which light scatters more than a few
+    /// times.
+    pub dense_media: Vec<String>,
+    /// Objects filled with a scattering medium that is not dense.
+    pub thin_media: Vec<String>,
+    /// The object or the setting that requires light maps of media.
+    pub light_map: Vec<String>,
+    /// All lights.
+    pub lights: Vec<String>,
+    /// Lights that a scattered ray can hit by chance: all lights that are not delta lights.
+    pub hittable_lights: Vec<String>,
+    /// Distant lights.
+    pub distant_lights: Vec<String>,
+    /// Objects and lights with spectra that were reconstructed from RGB.
+    pub upsampled: Vec<String>,
+    /// Lights that have a considerable share of their power in spectral lines.
+    pub line_lights: Vec<String>,
+    /// The radius of the camera's aperture in nm, or `None` for a pinhole. The radius is an integer
+    /// because `Facts` implements `Eq`.
+    pub aperture_nm: Option<u64>,
+    /// The name of the camera's lens system, or `None` if the camera has no lens system.
+    pub lens_system: Option<String>,
+    /// The name of the camera's lens system if it has ghosts.
+    pub ghosts: Option<String>,
+    /// The size of the diffraction pattern of the aperture. `None` for a pinhole, or if the scene
+    /// does not enable diffraction.
+    pub diffracting: Option<String>,
+    /// The meters of a measurement.
+    pub meters: Vec<String>,
+    /// Everything that moves while the shutter is open: objects, lights, media and the camera.
+    pub moving: Vec<String>,
+}
+
+/// Returns the object whose medium renders better with light maps than with shadow rays. Without
+/// light maps, shadow rays are traced from sampled points. In the medium of this object, light maps
+/// have less noise, and their interpolation error is 0.
+///
+/// The conditions for such an object were found by measurements. The object is a convex body of
+/// thin, uniform fog. The scene contains no other medium. The object contains all lights. There are
+/// only a few lights, and they have no extent, so many passes can use the same light map. If the
+/// fog is not thin, or if the scene has specular surfaces, photon noise dominates.
+fn object_with_light_maps(scene: &Scene) -> Option<&str> {
+    /// The largest number of lights.
+    const MAX_LIGHTS: usize = 8;
+    /// The largest optical depth.
+    const THIN: f64 = 0.5;
+    let medium_of = |object: &Object| scene.materials[object.material].body.as_ref()?.medium;
+    let mut filled = (0..).zip(&scene.objects).filter_map(|(number, object)| Some((number, medium_of(object)?)));
+    let (Some((number, medium)), None) = (filled.next(), filled.next()) else { return None };
+    let (medium, lights) = (&scene.media[medium], &scene.lights);
+    let uniform = medium.scatters() && medium.is_uniform() && !scene.moves();
+    let convex = scene.boundaries.convex_bodies().any(|(body, _)| body == number);
+    let inside = |light: &Light| light.has_virtual_lights() && light.is_delta() && light.medium_stack.contains(number);
+    let lit = (1..=MAX_LIGHTS).contains(&lights.len()) && lights.iter().all(inside);
+    if !(uniform && convex && lit) {
+        return None;
+    }
+    let (low, high) = *scene.boundaries.object_bounds().get(&number)?;
+    let depth = medium.optical_depth(550.0, (high - low).min_element());
+    (depth < THIN).then(|| scene.objects[number as usize].name.as_str())
+}
+
+impl Facts {
+    /// Returns true if any surface has a diffuse or glossy component.
+    pub fn scatters(&self) -> bool {
+        !(self.diffuse.is_empty() && self.glossy.is_empty())
+    }
+
+    /// Returns true if light from any direction counts somewhere: at a surface that scatters it, or
+    /// at a meter.
+    pub fn receives(&self) -> bool {
+        self.scatters() || !self.meters.is_empty()
+    }
+
+    /// Returns what photons are aimed at or divided among: objects that focus light, media, and the
+    /// lights themselves if there are several or if they are distant.
+    pub fn aimed(&self) -> Vec<String> {
+        let lights = if self.lights.len() > 1 { &self.lights } else { &self.distant_lights };
+        [&self.specular, &self.glossy, &self.media, lights].into_iter().flatten().cloned().collect()
+    }
+
+    /// Collects the facts about a scene. Objects that no light can reach are left out.
+    pub fn of(scene: &Scene) -> Self {
+        let enclosures = scene.enclosures();
+        Self::without(scene, |object| enclosures.contains_key(&object))
+    }
+
+    /// Collects the facts about a scene. Includes the objects that no light can reach.
+    pub fn of_all(scene: &Scene) -> Self {
+        Self::without(scene, |_| false)
+    }
+
+    fn without(scene: &Scene, left_out: impl Fn(u32) -> bool) -> Self {
+        let mut facts = Self::default();
+        for (_, object) in (0..).zip(&scene.objects).filter(|(number, _)| !left_out(*number)) {
+            let material = &scene.materials[object.material];
+            let mut classes: Vec<BsdfClass> = material.surface.components().map(Bsdf::class).collect();
+            classes.dedup();
+            for class in classes {
+                let list = match class {
+                    BsdfClass::Absorbing => continue,
+                    BsdfClass::Specular => &mut facts.specular,
+                    BsdfClass::Glossy => &mut facts.glossy,
+                    BsdfClass::Diffuse => &mut facts.diffuse,
+                };
+                if list.last() != Some(&object.name) {
+                    list.push(object.name.clone());
+                }
+            }
+            if material.surface.components().any(|part| part.films().is_some()) {
+                facts.films.push(object.name.clone());
+            }
+            if material.surface.fluorescent().next().is_some() {
+                facts.fluorescent.push(object.name.clone());
+            }
+            if material.surface.fluorescent().any(|surface| ultraviolet_excites(scene, &surface.fluorophore)) {
+                facts.ultraviolet.push(object.name.clone());
+            }
+            if material.surface.components().any(|part| part.grating().is_some()) {
+                facts.dispersive.push(object.name.clone());
+                facts.bodies.push(object.name.clone());
+            }
+            if material.is_textured() {
+                facts.textured.push(object.name.clone());
+            }
+            let absorption = material.body.iter().filter_map(|body| body.absorption.as_ref());
+            if material.surface.is_upsampled() || absorption.into_iter().any(Spectrum::is_upsampled) {
+                facts.upsampled.push(object.name.clone());
+            }
+            if let Some(body) = &material.body {
+                facts.bodies.push(object.name.clone());
+                if body.index.as_ref().is_some_and(RefractiveIndex::is_dispersive) {
+                    facts.dispersive.push(object.name.clone());
+                }
+                if body.absorption.is_some() {
+                    facts.absorbing_bodies.push(object.name.clone());
+                }
+                if let Some(medium) = body.medium.map(|number| &scene.media[number]) {
+                    facts.media.push(object.name.clone());
+                    if let Some(dye) = &medium.fluorophore {
+                        facts.fluorescent.push(object.name.clone());
+                        if ultraviolet_excites(scene, dye) {
+                            facts.ultraviolet.push(object.name.clone());
+                        }
+                    }
+                    if medium.scatters() {
+                        let list = if medium.dense { &mut facts.dense_media } else { &mut facts.thin_media };
+                        list.push(object.name.clone());
+                    }
+                }
+            }
+        }
+        for light in &scene.lights {
+            facts.lights.push(light.name.clone());
+            if !light.is_delta() {
+                facts.hittable_lights.push(light.name.clone());
+            }
+            if light.slide().is_some_and(SurfaceSpectrum::is_textured) {
+                facts.textured.push(light.name.clone());
+            }
+            if light.spectrum.is_upsampled() || light.slide().is_some_and(SurfaceSpectrum::is_upsampled) {
+                facts.upsampled.push(light.name.clone());
+            }
+            if light.spectrum.line_share() >= LINE_SHARE {
+                facts.line_lights.push(light.name.clone());
+            }
+            if light.is_distant() {
+                facts.distant_lights.push(light.name.clone());
+            }
+        }
+        facts.aperture_nm = match scene.camera.aperture() {
+            Aperture::Pinhole | Aperture::Orthographic => None,
+            Aperture::ThinLens { stop, .. } => Some((stop.radius_m * 1e9) as u64).filter(|&nm| nm > 0),
+            Aperture::System(system) => Some((system.pupil_radius_m() * 1e9) as u64),
+        };
+        facts.diffracting = ApertureDiffraction::of(&scene.camera)
+            .filter(|_| scene.camera.diffracts)
+            .map(|diffraction| format!("an Airy disk of {:.2} pixels in green light", diffraction.airy_diameter_px()));
+        facts.meters = scene.meters.iter().map(|meter| meter.name.clone()).collect();
+        let moving = scene.motions.shapes.iter().filter(|shape| shape.motion.is_some());
+        facts.moving.extend(moving.map(|shape| scene.objects[shape.placed.object as usize].name.clone()));
+        facts.moving.extend(scene.moving_lights().map(|light| light.name.clone()));
+        let moving = scene.media.iter().filter(|medium| medium.motion.is_some() && medium.emission.is_none());
+        facts.moving.extend(moving.map(|medium| medium.name.clone()));
+        facts.moving.extend(scene.motions.camera.iter().map(|_| "the camera".to_owned()));
+        let no_specular = facts.specular.is_empty();
+        facts.light_map.extend(object_with_light_maps(scene).filter(|_| no_specular).map(str::to_owned));
+        facts.light_map.extend(scene.settings.light_map.map(|cells| format!("`render.light_map` of {cells} cells")));
+        let lens = scene.camera.system();
+        facts.lens_system = lens.map(|system| system.name().to_owned());
+        facts.ghosts = lens.filter(|system| system.has_ghosts()).map(|system| system.name().to_owned());
+        facts.films.extend(lens.filter(|system| system.is_coated()).map(|_| "the camera's lens".to_owned()));
+        facts
+    }
+}
+
+/// Returns true if a light of the scene has power below the band where a fluorophore absorbs.
+fn ultraviolet_excites(scene: &Scene, fluorophore: &Fluorophore) -> bool {
+    scene.lights.iter().any(|light| fluorophore.absorbed_ultraviolet(&light.spectrum) > 0.0)
+}

@@ -1,0 +1,236 @@
+//! The bounding volume hierarchy (BVH), which finds the primitives that a ray may hit.
+//!
+//! Rays and primitives are in double precision; the boxes are in single precision. Traversal uses a
+//! separate frame. In this frame, the scene's box is centred on the origin, and its half-extent
+//! lies between 2⁹ and 2¹⁰. The scale factor of the frame is a power of two. The ray's origin is
+//! first moved forward, in double precision, to the point where the ray enters this box. In this
+//! frame, rounding errors arise from the ray in single precision, the slab tests and the compressed
+//! boxes. Together they move a plane of a box by less than 2.3e-3. The padding of the boxes
+//! (`PADDING`) is larger than this error, so no primitive is missed. `obvhs` ignores boxes that the
+//! ray leaves at a distance below 1e-4. For a box that contains the ray's origin, the padding keeps
+//! this distance above 1e-4. This holds for any scale of the scene.
+
+use std::mem::size_of;
+
+use glam::{DVec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+use obvhs::cwbvh::node::CwBvhNode;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ray::{Ray as BoxRay, RayHit};
+
+use super::ray::Ray;
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::{exp2, log2};
+
+/// Padding of a box on every side. In the frame of the hierarchy, the padding is 2⁻⁸.
+const PADDING: f64 = 0.003_906_25;
+
+/// If a scene has at most this number of primitives, every ray is tested against all of them. This
+/// is cheaper than the test of one node of the hierarchy.
+const MAX_LISTED_PRIMITIVES: usize = 4;
+
+/// Largest depth of a hierarchy. The traversal stack has a fixed size, which suffices for this
+/// depth.
+const MAX_DEPTH: u32 = 31;
+
+/// A bounding volume hierarchy over all primitives.
+#[derive(Debug, Clone)]
+pub(crate) struct Bvh {
+    low: DVec3,
+    high: DVec3,
+    middle: DVec3,
+    scale: f64,
+    nodes: BvhNodes,
+}
+
+#[derive(Debug, Clone)]
+enum BvhNodes {
+    /// Every ray is tested against all primitives 0..count.
+    List(u32),
+    Wide(CwBvh),
+}
+
+impl Bvh {
+    /// Builds the hierarchy over the bounding boxes of the primitives. Returns the hierarchy and
+    /// the list `order`. Primitive i of the hierarchy has the number `order[i]` in `boxes`.
+    ///
+    /// # Errors
+    /// Returns an error if a box is not finite, or there are more than 2³² boxes.
+    pub(crate) fn build(boxes: &[(DVec3, DVec3)]) -> Result<(Self, Vec<u32>)> {
+        let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
+        let (low, high) = boxes.iter().fold(nothing, |(low, high), b| (low.min(b.0), high.max(b.1)));
+        let count = u32::try_from(boxes.len()).map_err(|_| Error::input("the scene has more than 2³² primitives"))?;
+        if count == 0 {
+            let bvh = Self { low, high, middle: DVec3::ZERO, scale: 1.0, nodes: BvhNodes::List(0) };
+            return Ok((bvh, Vec::new()));
+        }
+        let extent = (0.5 * (high - low)).max_element();
+        if !(low.is_finite() && high.is_finite() && extent.is_finite()) {
+            return Err(Error::input("the bounds of an object are not finite").expected("finite positions and sizes"));
+        }
+        let middle = low + 0.5 * (high - low);
+        let scale = if extent > 0.0 { exp2((9.0 - log2(extent).floor()).clamp(-1000.0, 1000.0)) } else { 1.0 };
+        let mut bvh = Self { low, high, middle, scale, nodes: BvhNodes::List(count) };
+        if boxes.len() <= MAX_LISTED_PRIMITIVES {
+            return Ok((bvh, (0..count).collect()));
+        }
+        let padded: Vec<Aabb> = boxes.iter().map(|&(low, high)| bvh.padded(low, high)).collect();
+        let mut wide = to_cwbvh(&build_by_surface_area(&padded));
+        if depth(&wide) > MAX_DEPTH {
+            wide = to_cwbvh(&build_by_median_splits(&padded));
+        }
+        wide.nodes.shrink_to_fit();
+        let order = std::mem::take(&mut wide.primitive_indices);
+        bvh.nodes = BvhNodes::Wide(wide);
+        Ok((bvh, order))
+    }
+
+    fn padded(&self, low: DVec3, high: DVec3) -> Aabb {
+        let low = (low - self.middle) * self.scale - PADDING;
+        let high = (high - self.middle) * self.scale + PADDING;
+        Aabb::new(low.as_vec3a(), high.as_vec3a())
+    }
+
+    /// Returns the smallest and largest coordinates of all boxes.
+    pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
+        (self.low, self.high)
+    }
+
+    /// Returns the memory of the hierarchy in bytes.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        match &self.nodes {
+            BvhNodes::List(_) => 0,
+            BvhNodes::Wide(wide) => wide.nodes.capacity() * size_of::<CwBvhNode>(),
+        }
+    }
+
+    /// Calls `visit` with every primitive that the ray may hit between its origin and `t_max`,
+    /// approximately in order of distance. `visit` returns a new upper limit of t. The new limit
+    /// must not be larger than the limit before the call. A negative value ends the traversal.
+    #[inline]
+    pub(crate) fn traverse(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(u32) -> f64) {
+        let wide = match &self.nodes {
+            BvhNodes::List(count) => {
+                for primitive in 0..*count {
+                    if visit(primitive) < 0.0 {
+                        return;
+                    }
+                }
+                return;
+            }
+            BvhNodes::Wide(wide) => wide,
+        };
+        let Some(start) = self.entry_t(ray) else { return };
+        let to_tree = |t: f64| (((t - start) * self.scale) as f32).next_up();
+        let origin = (ray.origin + start * ray.direction - self.middle) * self.scale;
+        let mut left = to_tree(t_max);
+        if left < 0.0 {
+            return;
+        }
+        // The addition of 0 changes −0 to 0. The slab tests would interpret the sign of −0
+        // inconsistently.
+        let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
+        let box_ray = BoxRay::new(origin.as_vec3a(), direction, 0.0, left);
+        wide.ray_traverse(box_ray, &mut RayHit::none(), |_, primitive| {
+            let t = visit(primitive as u32);
+            left = left.min(to_tree(t));
+            left
+        });
+    }
+
+    /// Returns the t at which the ray enters the scene's box. Returns 0 if the origin lies inside
+    /// the box, and `None` if the ray misses the box.
+    fn entry_t(&self, ray: &Ray) -> Option<f64> {
+        let inside = ray.origin.cmpge(self.low) & ray.origin.cmple(self.high);
+        if inside.all() {
+            return Some(0.0);
+        }
+        let inverse = ray.direction.recip();
+        // The box is widened by the padding, because the slab test rounds and the box of a flat
+        // scene has no thickness.
+        let margin = PADDING / self.scale;
+        let (mut enter, mut exit) = (0.0_f64, f64::INFINITY);
+        for axis in 0..3 {
+            let low = self.low[axis] - margin - ray.origin[axis];
+            let high = self.high[axis] + margin - ray.origin[axis];
+            if ray.direction[axis] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (t_low, t_high) = (low * inverse[axis], high * inverse[axis]);
+            enter = enter.max(t_low.min(t_high));
+            exit = exit.min(t_low.max(t_high));
+        }
+        (enter <= exit).then_some(enter)
+    }
+}
+
+/// Builds a binary hierarchy by the surface area heuristic. The first step is parallel
+/// locally-ordered clustering (PLOC). The second step is reinsertion.
+///
+/// `build_cwbvh` of the crate `obvhs` asserts in debug builds that each box lies inside its parent
+/// box, with an absolute tolerance of 1e-5. The coordinates of this frame are too large for this
+/// tolerance, so the steps are called one by one.
+fn build_by_surface_area(boxes: &[Aabb]) -> Bvh2 {
+    let indices = (0..boxes.len() as u32).collect();
+    let search = PlocSearchDistance::Medium;
+    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, boxes, indices, SortPrecision::U64, 2);
+    ReinsertionOptimizer::default().run(&mut binary, 0.1, None);
+    binary
+}
+
+/// Builds a binary hierarchy by median splits. Each split is along the axis with the largest spread
+/// of box centres. For n boxes, the depth of the hierarchy is at most ⌈log₂ n⌉. This method is for
+/// scenes in which clustering gives a very deep tree. An example is a scene of hundreds of nested
+/// shells.
+fn build_by_median_splits(boxes: &[Aabb]) -> Bvh2 {
+    let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+    let mut nodes = vec![Bvh2Node::default()];
+    let mut open = vec![(0_usize, 0..boxes.len())];
+    while let Some((node, range)) = open.pop() {
+        let part = &mut order[range.clone()];
+        let around = part.iter().fold(Aabb::empty(), |around, &index| around.union(&boxes[index as usize]));
+        if part.len() == 1 {
+            nodes[node] = Bvh2Node::new(around, 1, range.start as u32);
+            continue;
+        }
+        let centres = part.iter().fold(Aabb::empty(), |centres, &index| {
+            let centre = boxes[index as usize].center();
+            centres.union(&Aabb::new(centre, centre))
+        });
+        let axis = centres.largest_axis();
+        let along = |index: u32| boxes[index as usize].center()[axis];
+        let half = part.len() / 2;
+        part.select_nth_unstable_by(half, |&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
+        nodes[node] = Bvh2Node::new(around, 0, nodes.len() as u32);
+        open.push((nodes.len(), range.start..range.start + half));
+        open.push((nodes.len() + 1, range.start + half..range.end));
+        nodes.extend([Bvh2Node::default(); 2]);
+    }
+    Bvh2 { nodes, primitive_indices: order, ..Bvh2::default() }
+}
+
+fn to_cwbvh(binary: &Bvh2) -> CwBvh {
+    bvh2_to_cwbvh(binary, 3, true, false)
+}
+
+/// Returns the number of levels below the root.
+fn depth(wide: &CwBvh) -> u32 {
+    let mut deepest = 0;
+    let mut open = vec![(0_u32, 0_u32)];
+    while let Some((node_index, level)) = open.pop() {
+        deepest = deepest.max(level);
+        let Some(node) = wide.nodes.get(node_index as usize) else { continue };
+        for child in (0..8).filter(|&child| !node.is_child_empty(child) && !node.is_leaf(child)) {
+            open.push((node.child_node_index(child), level + 1));
+        }
+    }
+    deepest
+}

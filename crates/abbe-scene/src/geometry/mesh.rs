@@ -1,0 +1,279 @@
+//! Triangle meshes with shared vertices. A mesh is validated only once, when it is created.
+
+use glam::{DAffine3, DVec3};
+
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::atan2;
+
+/// Triangles over shared vertices. The vertices of a triangle are counter-clockwise seen from
+/// outside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriangleMesh {
+    positions: Vec<DVec3>,
+    normals: Option<Vec<DVec3>>,
+    uvs: Option<Vec<[f64; 2]>>,
+    triangles: Vec<[u32; 3]>,
+    dropped: usize,
+    closed: bool,
+}
+
+impl TriangleMesh {
+    /// Creates a mesh. Drops and counts the triangles whose area is zero within rounding.
+    ///
+    /// `normals` and `uvs` have one value per vertex. The normals are vectors of any length except
+    /// zero.
+    ///
+    /// # Errors
+    /// Returns an error if the mesh has no triangles or no area, if an index does not refer to a
+    /// vertex, or if a coordinate is not finite. Also returns an error if the number of normals or
+    /// uvs differs from the number of vertices.
+    pub fn new(
+        positions: Vec<DVec3>,
+        normals: Option<Vec<DVec3>>,
+        uvs: Option<Vec<[f64; 2]>>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<Self> {
+        if triangles.is_empty() {
+            return Err(Error::input("the mesh has no triangles"));
+        }
+        if let Some(&index) = triangles.iter().flatten().find(|&&index| index as usize >= positions.len()) {
+            let count = positions.len();
+            return Err(Error::input(format!("a triangle refers to vertex {index} of {count} vertices"))
+                .expected("indices below the number of vertices"));
+        }
+        if let Some(position) = positions.iter().find(|position| !position.is_finite()) {
+            return Err(Error::input(format!("a vertex has the position {position}")).expected("finite coordinates"));
+        }
+        let one_a_vertex = |count: Option<usize>| count.is_none_or(|count| count == positions.len());
+        if !one_a_vertex(normals.as_ref().map(Vec::len)) || !one_a_vertex(uvs.as_ref().map(Vec::len)) {
+            return Err(Error::input("the mesh does not have one normal and one texture coordinate per vertex"));
+        }
+        let before = triangles.len();
+        let triangles: Vec<_> = triangles.into_iter().filter(|&t| has_area(t.map(|i| positions[i as usize]))).collect();
+        if triangles.is_empty() {
+            return Err(Error::input("the mesh has no area").expected("triangles whose corners do not lie on one line"));
+        }
+        let closed = bounds_a_volume(&positions, &triangles);
+        Ok(Self { dropped: before - triangles.len(), closed, positions, normals, uvs, triangles })
+    }
+
+    /// Returns the mesh with front and back exchanged.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        self.normals.iter_mut().flatten().for_each(|normal| *normal = -*normal);
+        self
+    }
+
+    /// Returns the mesh without vertex normals.
+    #[must_use]
+    pub fn without_normals(self) -> Self {
+        Self { normals: None, ..self }
+    }
+
+    /// Returns the mesh with vertex normals. If the mesh has none, each normal is the mean of the
+    /// normals of the triangles around the vertex, weighted by their angles at the vertex (Thürmer
+    /// and Wüthrich 1998).
+    #[must_use]
+    pub fn with_normals(self) -> Self {
+        if self.normals.is_some() {
+            return self;
+        }
+        let mut normals = vec![DVec3::ZERO; self.positions.len()];
+        for &triangle in &self.triangles {
+            let corners = self.corners(triangle);
+            let normal = triangle_normal(corners).normalize_or_zero();
+            for (i, &vertex) in triangle.iter().enumerate() {
+                let edges = [corners[(i + 1) % 3], corners[(i + 2) % 3]].map(|corner| corner - corners[i]);
+                let angle = atan2(edges[0].cross(edges[1]).length(), edges[0].dot(edges[1]));
+                normals[vertex as usize] += angle * normal;
+            }
+        }
+        // A vertex without triangles, or with triangles of opposite normals, has no mean normal.
+        normals.iter_mut().for_each(|normal| *normal = normal.normalize_or(DVec3::Z));
+        Self { normals: Some(normals), ..self }
+    }
+
+    /// Returns the mesh with the texture coordinate v replaced by 1 − v.
+    #[must_use]
+    pub fn with_flipped_v(mut self) -> Self {
+        self.uvs.iter_mut().flatten().for_each(|uv| uv[1] = 1.0 - uv[1]);
+        self
+    }
+
+    /// Returns the positions of the vertices.
+    pub fn positions(&self) -> &[DVec3] {
+        &self.positions
+    }
+
+    /// Returns the normals (one per vertex, of any length), if the mesh has normals.
+    pub fn normals(&self) -> Option<&[DVec3]> {
+        self.normals.as_deref()
+    }
+
+    /// Returns one texture coordinate per vertex, if the mesh has texture coordinates.
+    pub fn uvs(&self) -> Option<&[[f64; 2]]> {
+        self.uvs.as_deref()
+    }
+
+    /// Returns the vertex indices of each triangle.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Returns the memory of the mesh in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.positions.as_slice())
+            + self.normals.as_deref().map_or(0, size_of_val)
+            + self.uvs.as_deref().map_or(0, size_of_val)
+            + size_of_val(self.triangles.as_slice())
+    }
+
+    /// Returns the number of dropped triangles without area.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+
+    /// Returns the corners of a triangle.
+    pub fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
+        triangle.map(|index| self.positions[index as usize])
+    }
+
+    /// Returns the total area. The unit is the square of the unit of length of the mesh.
+    pub fn area(&self) -> f64 {
+        self.triangles.iter().map(|&t| triangle_normal(self.corners(t)).length() / 2.0).sum()
+    }
+
+    /// Returns why paths may get lost in a transparent body with this mesh, or `None` if they do
+    /// not. The transform `to_world` places the mesh in the scene.
+    pub fn fault_as_body(&self, to_world: &DAffine3) -> Option<String> {
+        /// The largest ratio of length to width of a triangle in which no path was lost in the
+        /// tests. Distances along longer triangles have rounding errors as large as their width.
+        const MAX_SLENDERNESS: f64 = 2e7;
+        let slenderness = self.slenderness(to_world);
+        if !self.is_closed() {
+            Some("is not closed: a ray may enter the body and never leave it".into())
+        } else if self.signed_volume() < 0.0 {
+            Some("faces inwards: its inside counts as the outside".into())
+        } else {
+            (slenderness > MAX_SLENDERNESS).then(|| {
+                format!("has triangles {slenderness:.0e} times as long as wide: a ray may miss them and never leave the body")
+            })
+        }
+    }
+
+    /// Returns the largest ratio of length to width among the triangles. The length of a triangle
+    /// is its longest edge.
+    fn slenderness(&self, to_world: &DAffine3) -> f64 {
+        let ratio = |&triangle: &[u32; 3]| {
+            let [a, b, c] = self.corners(triangle).map(|corner| to_world.transform_vector3(corner));
+            let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+            longest / triangle_normal([a, b, c]).length()
+        };
+        self.triangles.iter().map(ratio).fold(0.0, f64::max)
+    }
+
+    /// Computes the volume that a closed mesh encloses. The method is the divergence theorem. The
+    /// volume is negative if the triangles face inwards.
+    pub fn signed_volume(&self) -> f64 {
+        let origin = self.positions[self.triangles[0][0] as usize];
+        self.triangles
+            .iter()
+            .map(|&triangle| {
+                let [a, b, c] = self.corners(triangle).map(|corner| corner - origin);
+                a.dot(b.cross(c)) / 6.0
+            })
+            .sum()
+    }
+
+    /// Returns whether the triangles bound a volume. They do if every edge belongs to exactly two
+    /// triangles that traverse the edge in opposite directions. Vertices with equal positions count
+    /// as one vertex.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+}
+
+/// Computes [`TriangleMesh::is_closed`].
+fn bounds_a_volume(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
+    let representatives = representatives(positions);
+    // Each use of an edge is (smaller vertex, larger vertex, whether the edge runs from the smaller
+    // to the larger).
+    let mut uses: Vec<(u32, u32, bool)> = triangles
+        .iter()
+        .flat_map(|triangle| {
+            let [a, b, c] = triangle.map(|index| representatives[index as usize]);
+            [(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to))
+        })
+        .collect();
+    uses.sort_unstable();
+    let same_edge = |a: &(u32, u32, bool), b: &(u32, u32, bool)| (a.0, a.1) == (b.0, b.1);
+    uses.chunk_by(same_edge).all(|edge| edge.len() == 2 && edge[0].2 != edge[1].2)
+}
+
+/// Maps each vertex to a representative. All vertices at the same position have the same
+/// representative.
+fn representatives(positions: &[DVec3]) -> Vec<u32> {
+    // The addition of 0 changes −0 to 0.
+    let place = |index: u32| (positions[index as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&index| place(index));
+    let mut representatives = vec![0; positions.len()];
+    for same in order.chunk_by(|&a, &b| place(a) == place(b)) {
+        for &index in same {
+            representatives[index as usize] = same[0];
+        }
+    }
+    representatives
+}
+
+/// Returns (b − a) × (c − a). This vector is normal to the triangle, and its length is twice the
+/// triangle's area.
+pub(crate) fn triangle_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    (b - a).cross(c - a)
+}
+
+/// Returns whether the area of a triangle is larger than the error caused by rounding of its
+/// coordinates.
+fn has_area(corners: [DVec3; 3]) -> bool {
+    let [a, b, c] = corners;
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    triangle_normal(corners).length() > 4.0 * f64::EPSILON * longest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two long three-sided pyramids on a common base.
+    fn needle(width: f64) -> TriangleMesh {
+        let around = |i: f64| DVec3::new(width * (i * 2.1).cos(), 0.0, width * (i * 2.1).sin());
+        let corners = vec![DVec3::Y, DVec3::NEG_Y, around(0.0), around(1.0), around(2.0)];
+        let triangles = vec![[0, 3, 2], [0, 4, 3], [0, 2, 4], [1, 2, 3], [1, 3, 4], [1, 4, 2]];
+        TriangleMesh::new(corners, None, None, triangles).expect("a needle is a mesh")
+    }
+
+    #[test]
+    fn a_transparent_needle_of_1e9_to_1_is_reported() {
+        assert_eq!(needle(1e-7).fault_as_body(&DAffine3::IDENTITY), None);
+        let fault = needle(1e-9).fault_as_body(&DAffine3::IDENTITY).expect("the needle is too long");
+        assert!(fault.contains("times as long as wide"), "{fault}");
+        let stretched = needle(1e-3).fault_as_body(&DAffine3::from_scale(DVec3::new(1.0, 1e6, 1.0)));
+        assert!(stretched.is_some(), "the transform counts");
+    }
+
+    /// Computed normals are the means of the normals around a vertex, weighted by the angles. At
+    /// the first vertex, the triangle on the wall counts as much as the two triangles on the floor.
+    #[test]
+    fn computed_normals_are_weighted_by_angles() {
+        let positions = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0)];
+        let triangles = vec![[0, 3, 1], [0, 1, 4], [0, 4, 2]];
+        let mesh = TriangleMesh::new(positions.to_vec(), None, None, triangles).unwrap().with_normals();
+        let normals = mesh.normals().unwrap();
+        assert!((normals[0] - DVec3::new(0.0, 1.0, 1.0).normalize()).length() < 1e-12, "{}", normals[0]);
+        assert!((normals[2] - DVec3::Z).length() < 1e-12, "{}", normals[2]);
+        let own = vec![DVec3::X; 5];
+        let with_own = TriangleMesh::new(positions.to_vec(), Some(own.clone()), None, vec![[0, 3, 1]]).unwrap();
+        assert_eq!(with_own.with_normals().normals(), Some(own.as_slice()));
+    }
+}

@@ -1,0 +1,258 @@
+//! The environment: distant light from all directions. The light is uniform, or an image or a
+//! standard sky gives its radiance.
+
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
+use super::sky::StandardSky;
+use abbe_spectra::math::distribution::PiecewiseConstant2d;
+use abbe_spectra::math::elementary::{acos, atan2, cos, sin, sin_cos};
+use abbe_spectra::math::frame::Frame;
+use abbe_spectra::math::sphere::BoundingSphere;
+use abbe_spectra::math::warp;
+use abbe_spectra::spectrum::Spectrum;
+use glam::{DMat3, DQuat, DVec3};
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::sync::Arc;
+
+/// Distant light from all directions.
+#[derive(Debug, Clone)]
+pub struct EnvironmentLight {
+    /// The mean radiance of all directions, in W/m²/sr over the band.
+    pub mean_radiance: f64,
+    /// The distribution of the radiance over the directions.
+    pub pattern: EnvironmentPattern,
+    /// The rotation from directions of the pattern to directions of the world.
+    rotation: DMat3,
+}
+
+/// The distribution of the radiance of an environment over the directions.
+#[derive(Debug, Clone)]
+pub enum EnvironmentPattern {
+    /// The same radiance from all directions.
+    Uniform,
+    /// An image.
+    Image(Arc<EnvironmentMap>),
+    /// A standard sky with its ground.
+    Sky(Arc<StandardSky>),
+}
+
+/// A latitude–longitude image with mean radiance 1. The rows go from +y (top) to −y, and the
+/// columns go around the y axis. The middle column is in the direction −z (see
+/// [`EnvironmentMap::direction`]).
+#[derive(Debug)]
+pub struct EnvironmentMap {
+    width: usize,
+    height: usize,
+    /// The weights of the three basis spectra for each pixel. The sum of a pixel's weights is the
+    /// radiance of the pixel divided by the mean radiance.
+    weights: Vec<[f64; 3]>,
+    /// The sampling distribution over the pixels. The probability of a pixel is proportional to the
+    /// product of its radiance and its solid angle.
+    pixels: PiecewiseConstant2d,
+    /// The basis spectra, each with integral 1 over the band.
+    basis: [Spectrum; 3],
+}
+
+/// A sampled direction towards the environment.
+struct EnvironmentSample {
+    /// Unit vector.
+    direction: DVec3,
+    /// Density per steradian.
+    pdf: f64,
+    /// The radiance in W/m²/sr over the band.
+    radiance: f64,
+    spd: EmittedSpd,
+}
+
+impl EnvironmentMap {
+    /// Creates a map from linear RGB pixels (row by row from the top) and the spectra of red, green
+    /// and blue light. Returns `None` if the image is black.
+    pub fn new(width: usize, height: usize, rgb: &[[f32; 3]], lights: [&Spectrum; 3]) -> Option<Self> {
+        let powers = lights.map(Spectrum::integral);
+        let mut weights: Vec<[f64; 3]> =
+            rgb.iter().map(|p| std::array::from_fn(|c| f64::from(p[c].max(0.0)) * powers[c])).collect();
+        let row_weight = |pixel: usize| row_solid_angle(pixel / width, height);
+        let total: f64 = weights.iter().enumerate().map(|(i, w)| w.iter().sum::<f64>() * row_weight(i)).sum();
+        let mean = total / (width as f64 * (0..height).map(|row| row_solid_angle(row, height)).sum::<f64>());
+        if !(mean > 0.0 && mean.is_finite()) {
+            return None;
+        }
+        weights.iter_mut().for_each(|w| w.iter_mut().for_each(|c| *c /= mean));
+        let masses: Vec<f64> = weights.iter().enumerate().map(|(i, w)| w.iter().sum::<f64>() * row_weight(i)).collect();
+        let basis = std::array::from_fn(|c| lights[c].scaled(1.0 / powers[c]));
+        Some(Self { width, height, weights, pixels: PiecewiseConstant2d::new(width, &masses)?, basis })
+    }
+
+    /// The mean spectrum of all directions. Its integral over the band is 1.
+    pub fn mean_spectrum(&self) -> Spectrum {
+        let mut sums = [0.0; 3];
+        for (pixel, weight) in self.weights.iter().enumerate() {
+            let solid_angle = row_solid_angle(pixel / self.width, self.height);
+            (0..3).for_each(|c| sums[c] += weight[c] * solid_angle);
+        }
+        let total: f64 = sums.iter().sum();
+        Spectrum::mix(&std::array::from_fn::<_, 3, _>(|c| (sums[c] / total, &self.basis[c])))
+    }
+
+    /// The direction towards a point of the image. Both coordinates of the point are in [0, 1]. The
+    /// direction −z is in the middle of the image, +x is at three quarters of the width, and +y is
+    /// the top row.
+    pub fn direction(point: [f64; 2]) -> DVec3 {
+        let (sin_theta, cos_theta) = sin_cos(PI * point[1]);
+        let (sin_phi, cos_phi) = sin_cos(TAU * (point[0] - 0.5));
+        DVec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
+    }
+
+    /// The point of the image that lies in a direction. This function is the inverse of
+    /// [`EnvironmentMap::direction`].
+    pub fn point(direction: DVec3) -> [f64; 2] {
+        let phi = atan2(direction.x, -direction.z);
+        [(phi / TAU + 0.5).clamp(0.0, 1.0), acos(direction.y.clamp(-1.0, 1.0)) / PI]
+    }
+
+    fn pixel(&self, point: [f64; 2]) -> usize {
+        let column = ((point[0] * self.width as f64) as usize).min(self.width - 1);
+        let row = ((point[1] * self.height as f64) as usize).min(self.height - 1);
+        row * self.width + column
+    }
+
+    /// Two properties of a point of the image: its radiance divided by the mean radiance, and its
+    /// spectrum.
+    fn le(&self, point: [f64; 2]) -> (f64, EmittedSpd) {
+        let weights = self.weights[self.pixel(point)];
+        let sum: f64 = weights.iter().sum();
+        (sum, if sum > 0.0 { EmittedSpd::Mixed(weights.map(|w| w / sum)) } else { EmittedSpd::Own })
+    }
+
+    /// The sampling density of a point of the image, per steradian. A small area dA of the unit
+    /// square covers the solid angle 2π² sin θ dA.
+    fn pdf_solid_angle(&self, point: [f64; 2]) -> f64 {
+        let sin_theta = sin(PI * point[1]);
+        if sin_theta > 0.0 { self.pixels.pdf(point) / (2.0 * PI * PI * sin_theta) } else { 0.0 }
+    }
+}
+
+/// The solid angle of a row of pixels, divided by 2π.
+fn row_solid_angle(row: usize, height: usize) -> f64 {
+    let edge = |r: usize| cos(PI * r as f64 / height as f64);
+    edge(row) - edge(row + 1)
+}
+
+impl EnvironmentLight {
+    /// Creates an environment with this mean radiance (W/m²/sr over the band).
+    pub fn new(mean_radiance: f64, pattern: EnvironmentPattern) -> Self {
+        Self { mean_radiance, pattern, rotation: DMat3::IDENTITY }
+    }
+
+    /// Returns true if the radiance is the same from all directions.
+    pub fn is_uniform(&self) -> bool {
+        matches!(self.pattern, EnvironmentPattern::Uniform)
+    }
+
+    /// The environment rotated around the scene.
+    pub(super) fn rotated(&self, by: DQuat) -> Self {
+        Self { rotation: DMat3::from_quat(by) * self.rotation, ..self.clone() }
+    }
+
+    /// The direction of the pattern that corresponds to a direction of the world. The transpose of
+    /// a rotation is its inverse.
+    fn in_pattern(&self, direction: DVec3) -> DVec3 {
+        self.rotation.transpose() * direction
+    }
+
+    /// The point of the image that lies in a direction of the world.
+    fn point(&self, direction: DVec3) -> [f64; 2] {
+        EnvironmentMap::point(self.in_pattern(direction))
+    }
+
+    pub(super) fn power_w(&self, world_radius_m: f64) -> f64 {
+        self.mean_radiance * 4.0 * PI * PI * world_radius_m * world_radius_m
+    }
+
+    /// The radiance (W/m²/sr over the band) and the spectrum that a ray sees if it leaves the scene
+    /// along `direction`.
+    pub(super) fn le(&self, direction: DVec3) -> (f64, EmittedSpd) {
+        match &self.pattern {
+            EnvironmentPattern::Uniform => (self.mean_radiance, EmittedSpd::Own),
+            EnvironmentPattern::Image(map) => {
+                let (relative, spd) = map.le(self.point(direction));
+                (self.mean_radiance * relative, spd)
+            }
+            EnvironmentPattern::Sky(sky) => {
+                (self.mean_radiance * sky.relative_radiance(self.in_pattern(direction)), EmittedSpd::Own)
+            }
+        }
+    }
+
+    /// The sampling density of [`sample_li`](Self::sample_li) for `direction`, per steradian.
+    pub(super) fn pdf_li(&self, direction: DVec3) -> f64 {
+        match &self.pattern {
+            EnvironmentPattern::Uniform => 0.25 * FRAC_1_PI,
+            EnvironmentPattern::Image(map) => map.pdf_solid_angle(self.point(direction)),
+            EnvironmentPattern::Sky(sky) => sky.pdf(self.in_pattern(direction)),
+        }
+    }
+
+    /// Samples a direction towards the environment. Returns `None` if the density of the sampled
+    /// direction is 0.
+    fn sample(&self, u: [f64; 2]) -> Option<EnvironmentSample> {
+        let (direction, pdf, (radiance, spd)) = match &self.pattern {
+            EnvironmentPattern::Uniform => (warp::sphere(u), 0.25 * FRAC_1_PI, (self.mean_radiance, EmittedSpd::Own)),
+            EnvironmentPattern::Image(map) => {
+                let (point, _) = map.pixels.sample(u);
+                let (relative, spd) = map.le(point);
+                let direction = self.rotation * EnvironmentMap::direction(point);
+                (direction, map.pdf_solid_angle(point), (self.mean_radiance * relative, spd))
+            }
+            EnvironmentPattern::Sky(sky) => {
+                let direction = sky.sample(u);
+                let radiance = self.mean_radiance * sky.relative_radiance(direction);
+                (self.rotation * direction, sky.pdf(direction), (radiance, EmittedSpd::Own))
+            }
+        };
+        (pdf > 0.0).then_some(EnvironmentSample { direction, pdf, radiance, spd })
+    }
+
+    /// Samples a direction towards the environment for an emitted ray. If the density of the
+    /// direction is 0, its radiance is 0.
+    fn sample_emission(&self, u: LeRandoms) -> EnvironmentSample {
+        let none = EnvironmentSample { direction: DVec3::Y, pdf: 1.0, radiance: 0.0, spd: EmittedSpd::Own };
+        self.sample([u.rest[0], u.rest[1]]).unwrap_or(none)
+    }
+
+    pub(super) fn sample_le_through(&self, world_radius_m: f64, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let EnvironmentSample { direction, pdf, radiance, spd } = self.sample_emission(u);
+        let direction = -direction;
+        let origin = distant_origin(sphere.sample_offset(direction, u.aim), direction, world_radius_m);
+        let flux_w = origin.map_or(0.0, |_| radiance / pdf * sphere.cross_section_m2());
+        LeSample { origin: origin.unwrap_or_default(), direction, from: None, flux_w, spd }
+    }
+
+    pub(super) fn sample_le(&self, world_radius_m: f64, u: LeRandoms) -> LeSample {
+        let EnvironmentSample { direction, pdf, radiance, spd } = self.sample_emission(u);
+        let direction = -direction;
+        let origin = Frame::new(direction).to_world((warp::disk(u.aim) * world_radius_m).extend(-world_radius_m));
+        let flux_w = radiance / pdf * PI * world_radius_m * world_radius_m;
+        LeSample { origin, direction, from: None, flux_w, spd }
+    }
+
+    pub(super) fn sample_li(&self, u: [f64; 3]) -> Option<LiSample> {
+        let EnvironmentSample { direction, pdf, radiance, spd } = self.sample([u[0], u[1]])?;
+        Some(LiSample {
+            direction,
+            distance: f64::INFINITY,
+            target: None,
+            irradiance: radiance / pdf,
+            pdf_solid_angle: Some(pdf),
+            spd,
+        })
+    }
+
+    /// The value of a mixture of the basis spectra at a wavelength in nm. The value is a density
+    /// per nm.
+    pub(super) fn mixture_at(&self, weights: [f64; 3], nm: f64) -> f64 {
+        match &self.pattern {
+            EnvironmentPattern::Image(map) => (0..3).map(|c| weights[c] * map.basis[c].at(nm)).sum(),
+            EnvironmentPattern::Uniform | EnvironmentPattern::Sky(_) => 0.0,
+        }
+    }
+}

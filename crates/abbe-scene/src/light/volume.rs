@@ -1,0 +1,272 @@
+//! A volume light: a medium that emits light, such as hot soot or the gas of a neon tube.
+//!
+//! A box around the medium is divided into cells. Probes (the points of a finer grid) measure the
+//! emission of each cell. For most samples, the probability of a cell is proportional to its
+//! emission. For a small share of the samples, all cells have the same probability, because the
+//! probes may miss the emission of a cell. Directions are sampled uniformly.
+
+use super::lit_interval::LitInterval;
+use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
+use crate::geometry::{Geometry, Ray};
+use crate::medium::Medium;
+use crate::motion::AnimatedTransform;
+use abbe_spectra::math::distribution::DiscreteDistribution;
+use abbe_spectra::math::sphere::BoundingSphere;
+use abbe_spectra::math::warp;
+use abbe_spectra::spectrum::Spectrum;
+use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// One part of an emitting medium: the part inside one body, or inside the box of a grid medium.
+#[derive(Debug, Clone)]
+pub struct VolumeLight {
+    medium: Medium,
+    /// The surface of the body, or `None` if the medium's own box bounds the medium.
+    body: Option<Arc<Geometry>>,
+    /// The map from the unit cube to a box around the emitting part.
+    from_unit: DAffine3,
+    /// The sampling distribution over the cells of the box. The x index of the cells varies
+    /// fastest.
+    cells: DiscreteDistribution,
+    power_w: f64,
+    spectrum: Spectrum,
+}
+
+/// The number of cells along each side of the box.
+const CELLS: usize = 32;
+
+/// The number of probes along each side of a cell.
+const PROBES: usize = 4;
+
+/// The number of probes along each side of the box.
+const PROBED: usize = CELLS * PROBES;
+
+/// One ray runs beside each row of probes. This is the distance between the ray and the row,
+/// divided by the distance between two probes. Because of this offset, the ray does not run along
+/// an edge of a mesh.
+const BESIDE: f64 = 1e-6;
+
+/// A direction that is unlikely to be parallel to an edge or a face.
+const OBLIQUE: DVec3 = DVec3::new(0.391_827, 0.803_153, 0.448_713);
+
+/// The share of the points that are sampled uniformly over all cells.
+const DEFENSIVE_SHARE: f64 = 0.05;
+
+/// A sampled point of a volume light.
+struct VolumeSample {
+    position: DVec3,
+    /// The flux in W over the band, divided by the density of the sample.
+    flux_w: f64,
+    spd: EmittedSpd,
+}
+
+/// The measurements in a layer of cells.
+struct ProbedLayer {
+    /// The sum of the emission over the probes of each cell. The x index varies fastest.
+    emitted: Vec<f64>,
+    /// The temperature in K and the density at each probe with thermal emission.
+    by_temperature: Vec<(f64, f64)>,
+}
+
+impl VolumeLight {
+    /// The light transformed by a map of the scene's positions. Only the box of a grid medium can
+    /// move. A body that contains an emitting medium cannot move.
+    pub(super) fn moved(&self, map: &DAffine3) -> Self {
+        Self { medium: self.medium.moved(map), from_unit: *map * self.from_unit, ..self.clone() }
+    }
+
+    /// The motion of the medium while the shutter is open, if it moves.
+    pub fn motion(&self) -> Option<&AnimatedTransform> {
+        self.medium.motion.as_ref()
+    }
+
+    /// The name of the medium.
+    pub fn medium_name(&self) -> &String {
+        &self.medium.name
+    }
+
+    /// Creates the light of an emitting medium.
+    ///
+    /// `from_unit` maps the unit cube to a box around the emitting part. The box is in m, relative
+    /// to the scene's centre. If the medium is inside a body, `body` contains the surface of this
+    /// body and the body's volume in m³. `body` is `None` if the box itself bounds the medium.
+    /// Returns `None` if the medium emits nothing in the band.
+    pub fn new(medium: &Medium, from_unit: DAffine3, body: Option<(Arc<Geometry>, f64)>) -> Option<Self> {
+        let emission = medium.emission.as_ref()?;
+        let (body, body_volume) = body.unzip();
+        let mut light = Self {
+            medium: medium.clone(),
+            body,
+            from_unit,
+            cells: DiscreteDistribution::new([1.0])?,
+            power_w: 0.0,
+            spectrum: Spectrum::constant(0.0),
+        };
+        let layers: Vec<_> = (0..CELLS).into_par_iter().map(|layer| light.probe_layer(layer)).collect();
+        let emitted: Vec<f64> = layers.iter().flat_map(|layer| &layer.emitted).copied().collect();
+        let sum: f64 = emitted.iter().sum();
+        let mean = sum / emitted.len() as f64;
+        // A cell may contain a part of the body even if no probe found emission in the cell.
+        // Therefore, no cell has the probability 0.
+        let shares = emitted.iter().map(|here| (1.0 - DEFENSIVE_SHARE) * here + DEFENSIVE_SHARE * mean);
+        light.cells = DiscreteDistribution::new(shares)?;
+        let probed_m3 = light.box_m3() / (PROBED as f64).powi(3);
+        light.power_w = 4.0
+            * PI
+            * match (body_volume, medium.is_uniform()) {
+                (Some(volume), true) => volume * emission.band_at(DVec3::ZERO).0,
+                (Some(_) | None, _) => sum * probed_m3,
+            };
+        let spectrum = emission.mean_spectrum(layers.into_iter().flat_map(|layer| layer.by_temperature));
+        let integral = spectrum.integral();
+        light.spectrum = spectrum.scaled(1.0 / integral);
+        (light.power_w > 0.0 && integral > 0.0).then_some(light)
+    }
+
+    /// Measures the emission at the probes of a layer of cells.
+    fn probe_layer(&self, layer: usize) -> ProbedLayer {
+        let mut probed = ProbedLayer { emitted: vec![0.0; CELLS.pow(2)], by_temperature: Vec::new() };
+        let Some(emission) = &self.medium.emission else { return probed };
+        for row in 0..PROBED * PROBES {
+            let (y, z) = (row % PROBED, row / PROBED + PROBES * layer);
+            let points = [0, 1].map(|x| self.probe([x, y, z]));
+            let inside = self.inside_along(points[0], points[1] - points[0]);
+            for x in (0..PROBED).filter(|&x| inside[x]) {
+                let point = self.probe([x, y, z]);
+                let density = self.medium.density_at(point);
+                if density <= 0.0 {
+                    continue;
+                }
+                let (band, temperature) = emission.band_at(point);
+                if density * band > 0.0 {
+                    probed.emitted[x / PROBES + CELLS * (y / PROBES)] += density * band;
+                    probed.by_temperature.extend(temperature.map(|temperature| (temperature, density)));
+                }
+            }
+        }
+        probed
+    }
+
+    /// The mean spectrum of the emission, with integral 1 over the band.
+    pub fn spectrum(&self) -> &Spectrum {
+        &self.spectrum
+    }
+
+    /// The emitted power in W over the band, before absorption inside the medium.
+    pub fn power_w(&self) -> f64 {
+        self.power_w
+    }
+
+    /// A point at which the emission is strong. The bodies that contain this point also contain the
+    /// light.
+    pub(super) fn representative_point(&self) -> RepresentativePoint {
+        let samples = (0..64).map(|i| self.sample([(f64::from(i) + 0.5) / 64.0, 0.37, 0.61]));
+        let brightest = samples.max_by(|a, b| a.flux_w.total_cmp(&b.flux_w));
+        let position = brightest.map_or(self.from_unit.translation, |sample| sample.position);
+        RepresentativePoint { position, surface: None }
+    }
+
+    /// The relative spectrum of the emission at a temperature in K, as a density per nm.
+    pub(super) fn spd_at(&self, temperature: f64, nm: f64) -> f64 {
+        self.medium.emission.as_ref().map_or(0.0, |emission| emission.spd_at(temperature, nm))
+    }
+
+    pub(super) fn sample_le(&self, u: LeRandoms) -> LeSample {
+        let VolumeSample { position, flux_w, spd } = self.sample(u.rest);
+        LeSample { origin: position, direction: warp::sphere(u.aim), from: None, flux_w, spd }
+    }
+
+    pub(super) fn box_map(&self) -> DAffine3 {
+        self.from_unit
+    }
+
+    pub(super) fn sample_le_through(&self, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
+        let VolumeSample { position, flux_w, spd } = self.sample(u.rest);
+        let (direction, solid_angle) = sphere.sample_direction(position, u.aim);
+        LeSample { origin: position, direction, from: None, flux_w: flux_w * solid_angle / (4.0 * PI), spd }
+    }
+
+    /// Samples a direction towards a point of the medium. The irradiance is computed as for a point
+    /// light that has the flux of the sampled point.
+    pub(super) fn sample_li(&self, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
+        let VolumeSample { position, flux_w, spd } = self.sample(u);
+        let (direction, distance) = (position - from).normalize_and_length();
+        let irradiance = flux_w / (4.0 * PI * distance * distance);
+        (irradiance > 0.0 && irradiance.is_finite()).then_some(LiSample {
+            direction,
+            distance,
+            target: None,
+            irradiance,
+            pdf_solid_angle: None,
+            spd,
+        })
+    }
+
+    pub(super) fn lit_interval(&self, (from, to): (f64, f64), u: [f64; 3]) -> LitInterval {
+        LitInterval { from, to, pivot: Some(self.sample(u).position) }
+    }
+
+    /// Samples a point of the box.
+    fn sample(&self, [mut u, v, w]: [f64; 3]) -> VolumeSample {
+        let cell = self.cells.sample(&mut u);
+        let corner = DVec3::new((cell % CELLS) as f64, (cell / CELLS % CELLS) as f64, (cell / (CELLS * CELLS)) as f64);
+        let position = self.from_unit.transform_point3((corner + DVec3::new(u, v, w)) / CELLS as f64);
+        let dark = VolumeSample { position, flux_w: 0.0, spd: EmittedSpd::Own };
+        let density = self.medium.density_at(position);
+        let Some(emission) = self.medium.emission.as_ref().filter(|_| density > 0.0 && self.contains(position)) else {
+            return dark;
+        };
+        let (band, temperature) = emission.band_at(position);
+        // The spectrum of cold matter is not defined.
+        if band <= 0.0 {
+            return dark;
+        }
+        let cell_m3 = self.box_m3() / (CELLS.pow(3)) as f64;
+        let flux_w = 4.0 * PI * density * band * cell_m3 / self.cells.probability(cell);
+        VolumeSample { position, flux_w, spd: temperature.map_or(EmittedSpd::Own, EmittedSpd::Thermal) }
+    }
+
+    fn box_m3(&self) -> f64 {
+        self.from_unit.matrix3.determinant().abs()
+    }
+
+    /// The position of a probe.
+    fn probe(&self, place: [usize; 3]) -> DVec3 {
+        let [x, y, z] = place.map(|place| place as f64 + 0.5);
+        self.from_unit.transform_point3(DVec3::new(x, y, z) / PROBED as f64)
+    }
+
+    /// Returns one value for each probe of a row. The value is true if the probe lies inside the
+    /// body. One ray along the row finds all crossings of the surface.
+    fn inside_along(&self, first: DVec3, step: DVec3) -> [bool; PROBED] {
+        let Some(body) = &self.body else { return [true; PROBED] };
+        let (direction, spacing) = step.normalize_and_length();
+        let beside = BESIDE * spacing * OBLIQUE;
+        let mut crossings = Vec::new();
+        body.for_each_hit(&Ray::new(first + beside, direction), None, |hit| {
+            crossings.push((hit.t, leaves(hit.normal, direction)));
+        });
+        std::array::from_fn(|x| {
+            let ahead = crossings.iter().filter(|(t, _)| *t > x as f64 * spacing);
+            ahead.map(|(_, leaves)| leaves).sum::<i32>() > 0
+        })
+    }
+
+    /// Returns true if a point lies inside the body. A ray that starts inside the body leaves the
+    /// body more often than it enters the body.
+    fn contains(&self, point: DVec3) -> bool {
+        let Some(body) = &self.body else { return true };
+        let direction = OBLIQUE.normalize();
+        let mut balance = 0;
+        body.for_each_hit(&Ray::new(point, direction), None, |hit| balance += leaves(hit.normal, direction));
+        balance > 0
+    }
+}
+
+/// Returns 1 if a ray leaves the body at a surface with this normal, and −1 if the ray enters the
+/// body.
+fn leaves(normal: DVec3, direction: DVec3) -> i32 {
+    if normal.dot(direction) > 0.0 { 1 } else { -1 }
+}

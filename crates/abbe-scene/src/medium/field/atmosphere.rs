@@ -1,0 +1,145 @@
+//! An atmosphere: a field that decreases exponentially with the height above a plain or above a
+//! planet.
+
+use super::FieldLine;
+use abbe_spectra::math::elementary::{exp, exp_m1};
+use abbe_spectra::math::quadrature::gauss16;
+use glam::DVec3;
+use std::ops::ControlFlow;
+
+/// A field that decreases with height. The field equals `value` times exp(−height/`scale_height`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Atmosphere {
+    /// The value at height 0.
+    pub value: f64,
+    /// The increase in height over which the field decreases by the factor 1/e.
+    pub scale_height: f64,
+    /// The surface at height 0.
+    pub above: Ground,
+}
+
+/// The surface at height 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ground {
+    /// The plane at this y coordinate. Heights below the plane are negative.
+    Plain(f64),
+    /// A sphere. Inside the sphere, the height is 0.
+    Planet(Planet),
+}
+
+/// The sphere of a planet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Planet {
+    /// The centre.
+    pub center: DVec3,
+    /// The radius.
+    pub radius: f64,
+}
+
+/// The thickness of a shell in scale heights. For this thickness, Gauss quadrature with sixteen
+/// points has a relative error below 10⁻¹⁴, even for a line that is tangent to a sphere of constant
+/// height.
+const HEIGHTS_PER_PIECE: f64 = 8.0;
+
+/// The largest number of pieces of a line on each side of the line's lowest point. Above these
+/// pieces, the field is less than e⁻⁴⁰ times the field at the lowest point.
+const MAX_PIECES: u32 = 5;
+
+impl Atmosphere {
+    fn height(&self, local: DVec3) -> f64 {
+        match self.above {
+            Ground::Plain(y) => local.y - y,
+            Ground::Planet(planet) => ((local - planet.center).length() - planet.radius).max(0.0),
+        }
+    }
+
+    pub(super) fn at(&self, local: DVec3) -> f64 {
+        self.value * exp(-self.height(local) / self.scale_height)
+    }
+
+    /// The largest value along the line. This is the value at the lowest point.
+    pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64)) -> f64 {
+        match self.above {
+            Ground::Plain(_) => self.at(line.at(window.0)).max(self.at(line.at(window.1))),
+            Ground::Planet(planet) => self.at(line.at(line.nearest_to(planet.center).clamp(window.0, window.1))),
+        }
+    }
+
+    pub(super) fn max(&self, bounds: (DVec3, DVec3)) -> f64 {
+        match self.above {
+            Ground::Plain(_) => self.at(bounds.0),
+            Ground::Planet(planet) => self.at(planet.center.clamp(bounds.0, bounds.1)),
+        }
+    }
+
+    /// Visits the pieces of a line. Above a plain, the line is one piece. Around a planet, each
+    /// piece is the part of the line inside the planet or inside one of several spherical shells.
+    /// All shells have the same thickness.
+    pub(super) fn for_each_piece(
+        &self,
+        line: &FieldLine,
+        window: (f64, f64),
+        mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let Ground::Planet(planet) = self.above else { return visit(window) };
+        let nearest = line.nearest_to(planet.center);
+        let ground = line.crossings(planet.center, planet.radius, nearest).unwrap_or((nearest, nearest));
+        let shells = |from: f64| self.shells(line, &planet, from);
+        // The line goes down through the shells, through the planet, and up through the shells.
+        if window.0 < ground.0 {
+            let lowest = window.1.min(ground.0);
+            let edges = shells(lowest);
+            for pair in edges.windows(2).rev() {
+                visit_within(window, (2.0 * nearest - pair[1], 2.0 * nearest - pair[0]), &mut visit)?;
+            }
+        }
+        visit_within(window, ground, &mut visit)?;
+        if window.1 > ground.1 {
+            let edges = shells(window.0.max(ground.1));
+            for pair in edges.windows(2) {
+                visit_within(window, (pair[0], pair[1]), &mut visit)?;
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The parameters at which the rising half of the line crosses the edges of the shells. The
+    /// lowest shell begins at the height of the point with the parameter `from`. This point may be
+    /// on the falling half of the line.
+    fn shells(&self, line: &FieldLine, planet: &Planet, from: f64) -> [f64; MAX_PIECES as usize + 1] {
+        let nearest = line.nearest_to(planet.center);
+        let closest = (line.at(nearest) - planet.center).length();
+        let lowest = (line.at(from) - planet.center).length();
+        let speed = line.direction.length();
+        std::array::from_fn(|i| {
+            if i == 0 {
+                return nearest + (from - nearest).abs();
+            }
+            let radius = lowest + i as f64 * HEIGHTS_PER_PIECE * self.scale_height;
+            nearest + ((radius - closest) * (radius + closest)).sqrt() / speed
+        })
+    }
+
+    pub(super) fn integral(&self, line: &FieldLine, piece: (f64, f64)) -> f64 {
+        match self.above {
+            Ground::Plain(_) => {
+                // The integral is the product of (1 − e⁻ˣ)/x, the value at the lower end, and the
+                // length.
+                let x = (line.direction.y * (piece.1 - piece.0) / self.scale_height).abs();
+                let share = if x == 0.0 { 1.0 } else { -exp_m1(-x) / x };
+                self.majorant(line, piece) * (piece.1 - piece.0) * share
+            }
+            Ground::Planet(_) => gauss16(piece, |t| self.at(line.at(t))),
+        }
+    }
+}
+
+/// Visits the part of a piece that lies inside the window.
+fn visit_within(
+    window: (f64, f64),
+    piece: (f64, f64),
+    visit: &mut impl FnMut((f64, f64)) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let piece = (piece.0.max(window.0), piece.1.min(window.1));
+    if piece.0 < piece.1 { visit(piece) } else { ControlFlow::Continue(()) }
+}

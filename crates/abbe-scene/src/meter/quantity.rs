@@ -1,0 +1,264 @@
+//! The quantities that a meter measures.
+
+use abbe_spectra::spectrum::{LUMENS_PER_WATT, MELANOPIC_W_PER_LM_OF_D65, Observer};
+use std::sync::OnceLock;
+
+/// A quantity of a meter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Illuminance in lx; for a surface, the mean illuminance.
+    Illuminance,
+    /// Irradiance over 360–830 nm, in W/m².
+    Irradiance,
+    /// Irradiance per wavelength, in W/m²/nm.
+    SpectralIrradiance,
+    /// Luminance in cd/m².
+    Luminance,
+    /// Radiance over 360–830 nm, in W/m²/sr.
+    Radiance,
+    /// Luminous flux through a surface, in lm.
+    LuminousFlux,
+    /// Radiant flux through a surface over 360–830 nm, in W.
+    RadiantFlux,
+    /// Photosynthetic photon flux density: photons of 400–700 nm, in µmol/m²/s.
+    Ppfd,
+    /// Irradiance weighted by the action spectrum of the S cones, in W/m² (CIE S 026).
+    SConeOpic,
+    /// The same for the M cones.
+    MConeOpic,
+    /// The same for the L cones.
+    LConeOpic,
+    /// The same for the rods.
+    Rhodopic,
+    /// The same for melanopsin.
+    Melanopic,
+    /// The illuminance of D65 that has the same melanopic irradiance, in lx (CIE S 026).
+    MelanopicEdi,
+    /// Illuminance, as a percentage of the horizontal illuminance from the unobstructed sky.
+    DaylightFactor,
+    /// Correlated colour temperature in K.
+    ColourTemperature,
+    /// General colour rendering index.
+    ColourRendering,
+    /// Fidelity index Rf of TM-30.
+    Tm30Rf,
+    /// Gamut index Rg of TM-30.
+    Tm30Rg,
+    /// Unified glare rating (CIE 117) for a view along the normal.
+    UnifiedGlareRating,
+}
+
+/// How the readings of a quantity are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum QuantityKind {
+    /// One integral over the spectrum.
+    Integral,
+    /// The spectrum itself.
+    Spectrum,
+    /// A function of the spectrum.
+    OfSpectrum,
+}
+
+impl QuantityKind {
+    /// The number of spectral bands of a measurement: none, bands of 5 nm for a spectrum, and bands
+    /// of 2.5 nm for a function of the spectrum.
+    pub fn bands(self) -> u32 {
+        match self {
+            Self::Integral => 0,
+            Self::Spectrum => 94,
+            Self::OfSpectrum => 188,
+        }
+    }
+}
+
+/// The Avogadro constant times the Planck constant times the speed of light, in J·m/mol.
+const MOLAR_PLANCK: f64 = 6.022_140_76e23 * 6.626_070_15e-34 * 299_792_458.0;
+
+impl Quantity {
+    /// All quantities.
+    pub const ALL: [Self; 20] = [
+        Self::Illuminance,
+        Self::Irradiance,
+        Self::SpectralIrradiance,
+        Self::Luminance,
+        Self::Radiance,
+        Self::LuminousFlux,
+        Self::RadiantFlux,
+        Self::Ppfd,
+        Self::SConeOpic,
+        Self::MConeOpic,
+        Self::LConeOpic,
+        Self::Rhodopic,
+        Self::Melanopic,
+        Self::MelanopicEdi,
+        Self::DaylightFactor,
+        Self::ColourTemperature,
+        Self::ColourRendering,
+        Self::Tm30Rf,
+        Self::Tm30Rg,
+        Self::UnifiedGlareRating,
+    ];
+
+    /// The name in scene files and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Illuminance => "illuminance",
+            Self::Irradiance => "irradiance",
+            Self::SpectralIrradiance => "spectral_irradiance",
+            Self::Luminance => "luminance",
+            Self::Radiance => "radiance",
+            Self::LuminousFlux => "luminous_flux",
+            Self::RadiantFlux => "radiant_flux",
+            Self::Ppfd => "ppfd",
+            Self::SConeOpic => "s_cone_opic",
+            Self::MConeOpic => "m_cone_opic",
+            Self::LConeOpic => "l_cone_opic",
+            Self::Rhodopic => "rhodopic",
+            Self::Melanopic => "melanopic",
+            Self::MelanopicEdi => "melanopic_edi",
+            Self::DaylightFactor => "daylight_factor",
+            Self::ColourTemperature => "colour_temperature",
+            Self::ColourRendering => "colour_rendering",
+            Self::Tm30Rf => "tm30_rf",
+            Self::Tm30Rg => "tm30_rg",
+            Self::UnifiedGlareRating => "ugr",
+        }
+    }
+
+    /// The unit in reports.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Illuminance | Self::MelanopicEdi => "lx",
+            Self::Irradiance
+            | Self::SConeOpic
+            | Self::MConeOpic
+            | Self::LConeOpic
+            | Self::Rhodopic
+            | Self::Melanopic => "W/m²",
+            Self::SpectralIrradiance => "W/m²/nm",
+            Self::Luminance => "cd/m²",
+            Self::Radiance => "W/m²/sr",
+            Self::LuminousFlux => "lm",
+            Self::RadiantFlux => "W",
+            Self::Ppfd => "µmol/m²/s",
+            Self::DaylightFactor => "%",
+            Self::ColourTemperature => "K",
+            Self::ColourRendering | Self::Tm30Rf | Self::Tm30Rg | Self::UnifiedGlareRating => "1",
+        }
+    }
+
+    /// How the readings are computed.
+    pub fn kind(self) -> QuantityKind {
+        match self {
+            Self::SpectralIrradiance => QuantityKind::Spectrum,
+            Self::ColourTemperature | Self::ColourRendering | Self::Tm30Rf | Self::Tm30Rg => QuantityKind::OfSpectrum,
+            Self::Illuminance
+            | Self::Irradiance
+            | Self::Luminance
+            | Self::Radiance
+            | Self::LuminousFlux
+            | Self::RadiantFlux
+            | Self::Ppfd
+            | Self::SConeOpic
+            | Self::MConeOpic
+            | Self::LConeOpic
+            | Self::Rhodopic
+            | Self::Melanopic
+            | Self::MelanopicEdi
+            | Self::DaylightFactor
+            | Self::UnifiedGlareRating => QuantityKind::Integral,
+        }
+    }
+
+    /// Returns true if the quantity is a radiance or a luminance, so that the receptor must be a
+    /// cone.
+    pub fn is_radiance(self) -> bool {
+        matches!(self, Self::Luminance | Self::Radiance)
+    }
+
+    /// Returns true if the quantity is a flux, so that the receptor must be a surface.
+    pub fn is_flux(self) -> bool {
+        matches!(self, Self::LuminousFlux | Self::RadiantFlux)
+    }
+
+    /// The observer whose function ȳ weights the wavelengths. The integral times
+    /// [`LUMENS_PER_WATT`] and times [`Self::scale`] is the quantity. For a function of the
+    /// spectrum and for the glare rating, it is the illuminance.
+    pub fn observer(self) -> &'static Observer {
+        match self {
+            Self::Illuminance
+            | Self::Luminance
+            | Self::LuminousFlux
+            | Self::DaylightFactor
+            | Self::ColourTemperature
+            | Self::ColourRendering
+            | Self::Tm30Rf
+            | Self::Tm30Rg
+            | Self::UnifiedGlareRating => Observer::cie1931(),
+            Self::Irradiance | Self::SpectralIrradiance | Self::Radiance | Self::RadiantFlux => Observer::radiometric(),
+            Self::Ppfd => photosynthetic(),
+            Self::SConeOpic => Observer::alpha_opic()[0],
+            Self::MConeOpic => Observer::alpha_opic()[1],
+            Self::LConeOpic => Observer::alpha_opic()[2],
+            Self::Rhodopic => Observer::alpha_opic()[3],
+            Self::Melanopic | Self::MelanopicEdi => Observer::alpha_opic()[4],
+        }
+    }
+
+    /// The factor that converts the integral of [`Self::observer`] to the unit of the quantity.
+    pub fn scale(self) -> f64 {
+        match self {
+            Self::Illuminance | Self::Luminance | Self::LuminousFlux | Self::DaylightFactor => 1.0,
+            Self::ColourTemperature
+            | Self::ColourRendering
+            | Self::Tm30Rf
+            | Self::Tm30Rg
+            | Self::UnifiedGlareRating => 1.0,
+            Self::MelanopicEdi => 1.0 / (LUMENS_PER_WATT * MELANOPIC_W_PER_LM_OF_D65),
+            Self::Irradiance
+            | Self::SpectralIrradiance
+            | Self::Radiance
+            | Self::RadiantFlux
+            | Self::Ppfd
+            | Self::SConeOpic
+            | Self::MConeOpic
+            | Self::LConeOpic
+            | Self::Rhodopic
+            | Self::Melanopic => 1.0 / LUMENS_PER_WATT,
+        }
+    }
+}
+
+/// The observer that counts photons of 400–700 nm, in µmol/J.
+fn photosynthetic() -> &'static Observer {
+    static OBSERVER: OnceLock<Observer> = OnceLock::new();
+    OBSERVER.get_or_init(|| {
+        let micromoles_per_joule = |nm: f64| 1e6 * nm * 1e-9 / MOLAR_PLANCK;
+        Observer::with_luminosity(
+            "ppfd",
+            |nm| {
+                if (400.0..=700.0).contains(&nm) { micromoles_per_joule(nm) } else { 0.0 }
+            },
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abbe_spectra::spectrum::library;
+
+    /// Light of 1 W at 555 nm has 4.64 µmol/s of photons, and D65 has 1 lx of melanopic EDI per lx.
+    #[test]
+    fn quantities_have_their_units() {
+        let line = Observer::xyz_bar(Quantity::Ppfd.observer(), 555.0)[1];
+        assert!((line - 4.639_5).abs() < 1e-3, "{line}");
+        let d65 = library::find("D65").unwrap().spectrum;
+        let lux = |quantity: Quantity| quantity.observer().xyz(&d65)[1] * LUMENS_PER_WATT * quantity.scale();
+        let ratio = lux(Quantity::MelanopicEdi) / lux(Quantity::Illuminance);
+        assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+        for quantity in Quantity::ALL {
+            assert!(Quantity::ALL.iter().filter(|other| other.name() == quantity.name()).count() == 1);
+        }
+    }
+}

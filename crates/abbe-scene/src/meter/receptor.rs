@@ -1,0 +1,195 @@
+//! Receptors: the sensitive parts of meters.
+//!
+//! A receptor reads the mean ∫ L(ω) p(ω) dω of the radiance L over directions, where p is a density
+//! of directions with integral 1. A factor converts this mean to the quantity of the meter. For all
+//! kinds of illuminance, this factor is π.
+
+use crate::Scene;
+use crate::geometry::{Ray, SurfaceId};
+use crate::medium_stack::MediumStack;
+use abbe_spectra::math::frame::Frame;
+use abbe_spectra::math::warp;
+use glam::DVec3;
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+
+/// A receptor of a meter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Receptor {
+    /// The positions and the directions from which the receptor receives light.
+    pub shape: ReceptorShape,
+    /// The bodies that contain the receptor. The field has no meaning for surfaces.
+    pub medium_stack: MediumStack,
+}
+
+/// The shape of a receptor. Positions are in m, relative to the scene's centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ReceptorShape {
+    /// A point that receives light from the directions of a density.
+    Point(DVec3, Response),
+    /// The surface of an object. Its points receive light like a plane.
+    Surface(u32, ReceivingSide),
+}
+
+/// The sides of a surface that receive light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReceivingSide {
+    /// The side of the surface normal.
+    Front,
+    /// The other side.
+    Back,
+    /// Both sides. The light of both sides is summed.
+    Both,
+}
+
+/// The density of directions of a receptor. Directions lead away from the receptor. All vectors are
+/// unit vectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Response {
+    /// A plane with this normal: cos θ/π. The reading is illuminance, divided by π.
+    Plane(DVec3),
+    /// A sphere: 1/(4π). The reading is the mean illuminance of the sphere's surface, divided by π.
+    Sphere,
+    /// The side of a cylinder with this axis: sin ε/π², where ε is the angle from the axis. The
+    /// reading is the mean illuminance of the side, divided by π.
+    Cylinder(DVec3),
+    /// A cone around an axis, uniform in solid angle. The second value is 1 − cos θ for the
+    /// half-angle θ. The reading is the mean radiance in the cone.
+    Cone(DVec3, f64),
+}
+
+/// A point of a receptor.
+#[derive(Debug, Clone, Copy)]
+pub struct ReceptorPoint {
+    /// The position.
+    pub position: DVec3,
+    /// The surface on which the point lies, if the receptor is a surface.
+    pub from: Option<SurfaceId>,
+    /// The density of directions.
+    pub response: Response,
+    /// The bodies that contain the point.
+    pub medium_stack: MediumStack,
+}
+
+impl Response {
+    /// Samples a direction from the density. The response of a cylinder uses all three numbers.
+    pub fn sample(self, [u, v, w]: [f64; 3]) -> DVec3 {
+        match self {
+            Self::Plane(normal) => Frame::new(normal).to_world(warp::cosine_hemisphere([u, v])),
+            Self::Sphere => warp::sphere([u, v]),
+            // The side consists of planes, one for each direction around the axis.
+            Self::Cylinder(axis) => {
+                let normal = Frame::new(axis).to_world(warp::spherical_direction(1.0, w));
+                Frame::new(normal).to_world(warp::cosine_hemisphere([u, v]))
+            }
+            Self::Cone(axis, one_minus_cos) => Frame::new(axis).to_world(warp::cone(one_minus_cos, [u, v])),
+        }
+    }
+
+    /// Returns the density per steradian.
+    pub fn pdf(self, direction: DVec3) -> f64 {
+        match self {
+            Self::Plane(normal) => warp::cosine_hemisphere_pdf(normal.dot(direction)),
+            Self::Sphere => 0.25 * FRAC_1_PI,
+            Self::Cylinder(axis) => axis.cross(direction).length() * FRAC_1_PI * FRAC_1_PI,
+            Self::Cone(axis, one_minus_cos) => {
+                let outside = 0.5 * (direction - axis).length_squared() > one_minus_cos;
+                if outside { 0.0 } else { 1.0 / (TAU * one_minus_cos) }
+            }
+        }
+    }
+
+    /// Returns the normal of a plane, or 0 if the receptor receives light from both sides of every
+    /// plane through it.
+    pub fn normal(self) -> DVec3 {
+        match self {
+            Self::Plane(normal) => normal,
+            Self::Sphere | Self::Cylinder(_) | Self::Cone(..) => DVec3::ZERO,
+        }
+    }
+
+    /// Returns the factor from the mean radiance to the reading: to illuminance for planes, spheres
+    /// and cylinders, and to luminance for cones.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Plane(_) | Self::Sphere | Self::Cylinder(_) => PI,
+            Self::Cone(..) => 1.0,
+        }
+    }
+}
+
+impl Receptor {
+    /// Creates a receptor at a position in m, relative to the scene's centre.
+    ///
+    /// A receptor often lies on a surface, for example on a floor. `extent_m` is the size of the
+    /// scene. A plane is moved along its normal by a billionth of the distances, so that rounding
+    /// does not put it behind the surface.
+    pub fn at(position: DVec3, response: Response, extent_m: f64) -> Self {
+        const SHIFT: f64 = 1e-9;
+        let shifted = position + response.normal() * (SHIFT * (extent_m + position.length()));
+        Self { shape: ReceptorShape::Point(shifted, response), medium_stack: MediumStack::AIR }
+    }
+
+    /// Creates the receptor of an object's surface.
+    pub fn on_object(object: u32, side: ReceivingSide) -> Self {
+        Self { shape: ReceptorShape::Surface(object, side), medium_stack: MediumStack::AIR }
+    }
+
+    /// The position of the receptor, if it is a point.
+    pub fn position(&self) -> Option<DVec3> {
+        match self.shape {
+            ReceptorShape::Point(position, _) => Some(position),
+            ReceptorShape::Surface(..) => None,
+        }
+    }
+}
+
+impl Scene {
+    /// Returns a point of a receptor. `u` selects the point of a surface and its side.
+    pub fn receptor_point(&self, receptor: &Receptor, u: [f64; 4]) -> ReceptorPoint {
+        match receptor.shape {
+            ReceptorShape::Point(position, response) => {
+                ReceptorPoint { position, from: None, response, medium_stack: receptor.medium_stack }
+            }
+            ReceptorShape::Surface(object, side) => {
+                let sample = self.geometry.sample_area(object, [u[0], u[1], u[2]]);
+                let front = match side {
+                    ReceivingSide::Front => true,
+                    ReceivingSide::Back => false,
+                    ReceivingSide::Both => u[3] < 0.5,
+                };
+                let normal = if front { sample.normal } else { -sample.normal };
+                let ray = Ray { origin: sample.position, direction: normal };
+                let medium_stack = self.medium_stack_on(ray, sample.surface);
+                let (position, from) = (sample.position, Some(sample.surface));
+                ReceptorPoint { position, from, response: Response::Plane(normal), medium_stack }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abbe_spectra::math::sobol::Sobol;
+
+    /// Each response samples its stated density, and this density has the integral 1.
+    #[test]
+    fn responses_sample_their_densities() {
+        let axis = DVec3::new(0.3, -0.5, 0.8).normalize();
+        let (sobol, n) = (Sobol::new(5), 1 << 15);
+        for response in [Response::Plane(axis), Response::Sphere, Response::Cylinder(axis), Response::Cone(axis, 0.4)] {
+            let test = |direction: DVec3| 1.0 + direction.dot(axis).powi(2) + direction.x;
+            let (mut sampled, mut integrated) = (0.0, [0.0; 2]);
+            for i in 0..n {
+                let u = sobol.point(i);
+                sampled += test(response.sample([u[0], u[1], u[2]])) / f64::from(n);
+                let uniform = warp::sphere([u[3], u[4]]);
+                let pdf = 4.0 * PI * response.pdf(uniform) / f64::from(n);
+                integrated[0] += pdf;
+                integrated[1] += pdf * test(uniform);
+            }
+            assert!((integrated[0] - 1.0).abs() < 2e-3, "{response:?}: {integrated:?}");
+            assert!((sampled / integrated[1] - 1.0).abs() < 2e-3, "{response:?}: {sampled} {integrated:?}");
+        }
+    }
+}

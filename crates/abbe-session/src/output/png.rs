@@ -1,0 +1,256 @@
+//! PNG files of display images, with their colour space.
+//!
+//! | space | bits | chunks |
+//! | --- | --- | --- |
+//! | sRGB | 8 | `cICP`, `sRGB`, `gAMA`, `cHRM` |
+//! | Display P3 | 8 | `cICP`, `iCCP`, `gAMA`, `cHRM` |
+//! | Rec. 2020 | 16 | `iCCP`, `gAMA`, `cHRM` |
+//! | ACEScg | 16 | `iCCP`, `gAMA`, `cHRM` (linear) |
+//!
+//! Each row of the table lists the chunks in order of priority. A reader uses the first chunk that
+//! it supports (PNG, third edition, 4.3). The chunk `cICP` contains code points. For Rec. 2020, no
+//! code points are written. Browsers assume a display gamma of 2.4 for the code points of Rec.
+//! 2020, so a picture with these code points would be too dark. The ICC profile of Rec. 2020
+//! contains the curve that the standard itself defines. No code points exist for the primaries of
+//! ACEScg.
+
+use std::borrow::Cow;
+use std::io::Cursor;
+use std::path::Path;
+
+use ::png::chunk::ChunkType;
+use ::png::{BitDepth, ColorType, Compression, Filter, Info, ScaledFloat, SourceChromaticities, SrgbRenderingIntent};
+
+use super::{file, icc};
+use abbe_spectra::colour::{AdaptationTransform, RgbSpace, adapt};
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::sensor::{Codes, DisplayImage, Picture};
+
+/// Returns the bytes of a PNG file.
+///
+/// # Errors
+/// Returns a machine error if the image cannot be encoded.
+pub fn encode(screen: &DisplayImage) -> Result<Vec<u8>> {
+    let failed = |error: ::png::EncodingError| Error::machine(format!("cannot be written as PNG: {error}"));
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::with_info(&mut bytes, header(screen)?).map_err(failed)?;
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_filter(Filter::Adaptive);
+    if screen.space == RgbSpace::Srgb {
+        encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
+    }
+    let mut writer = encoder.write_header().map_err(failed)?;
+    if let Some(points) = code_points(screen.space) {
+        writer.write_chunk(CODE_POINTS, &points).map_err(failed)?;
+    }
+    match &screen.codes {
+        Codes::Eight(codes) => writer.write_image_data(codes.as_flattened()),
+        Codes::Sixteen(codes) => {
+            let big_endian: Vec<u8> = codes.as_flattened().iter().flat_map(|code| code.to_be_bytes()).collect();
+            writer.write_image_data(&big_endian)
+        }
+    }
+    .map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    Ok(bytes)
+}
+
+/// Writes a PNG file atomically.
+///
+/// # Errors
+/// Returns a machine error if the folder is missing or not writable, or the disk is full.
+pub fn write(path: &Path, screen: &DisplayImage) -> Result<()> {
+    let bytes = encode(screen).map_err(|error| error.in_file(path))?;
+    file::write_whole(path, &bytes)
+}
+
+fn header(screen: &DisplayImage) -> Result<Info<'static>> {
+    let size = |pixels: usize| u32::try_from(pixels).map_err(|_| Error::machine("the picture is too large for PNG"));
+    let mut info = Info::with_size(size(screen.width)?, size(screen.height)?);
+    info.color_type = ColorType::Rgb;
+    info.bit_depth = match screen.codes {
+        Codes::Eight(_) => BitDepth::Eight,
+        Codes::Sixteen(_) => BitDepth::Sixteen,
+    };
+    info.source_gamma = Some(ScaledFloat::from_scaled(gamma(screen.space)));
+    info.source_chromaticities = Some(chromaticities(screen.space));
+    info.icc_profile = match screen.space {
+        RgbSpace::Srgb => None,
+        RgbSpace::DisplayP3 | RgbSpace::Rec2020 | RgbSpace::AcesCg => Some(Cow::Owned(icc::profile(screen.space)?)),
+    };
+    Ok(info)
+}
+
+/// The type of the chunk with the code points (PNG, third edition, 11.3.2.6).
+const CODE_POINTS: ChunkType = ChunkType(*b"cICP");
+
+/// Returns the four code points of ITU-T H.273. They identify the primaries, the transfer function,
+/// the matrix (0 means RGB) and the range (1 means full range).
+fn code_points(space: RgbSpace) -> Option<[u8; 4]> {
+    match space {
+        RgbSpace::Srgb => Some([1, 13, 0, 1]),
+        RgbSpace::DisplayP3 => Some([12, 13, 0, 1]),
+        RgbSpace::Rec2020 | RgbSpace::AcesCg => None,
+    }
+}
+
+/// Returns the exponent of the power function that is closest to the encoding of the space. The
+/// unit of the result is 1/100,000.
+fn gamma(space: RgbSpace) -> u32 {
+    match space {
+        RgbSpace::Srgb | RgbSpace::DisplayP3 => 45_455,
+        // This power function approximates the whole curve of ITU-R BT.2020. The curve itself is
+        // linear near 0. For larger values, it contains a power with the exponent 0.45.
+        RgbSpace::Rec2020 => 51_000,
+        RgbSpace::AcesCg => 100_000,
+    }
+}
+
+fn chromaticities(space: RgbSpace) -> SourceChromaticities {
+    let scaled = |xy: [f64; 2]| {
+        let [x, y] = xy.map(|value| ScaledFloat::from_scaled((value * 1e5).round() as u32));
+        (x, y)
+    };
+    let [red, green, blue] = space.primaries_xy().map(scaled);
+    SourceChromaticities { white: scaled(space.white_xy()), red, green, blue }
+}
+
+/// Reads a PNG file as a picture. The codes are decoded to XYZ, and white has the luminance 1. The
+/// errors are unknown, and opacity is ignored.
+///
+/// # Errors
+/// Returns an input error if the file is missing or not a PNG, or if its colour space is not one of
+/// the spaces that [`write()`] writes. A file that states no colour space is in sRGB.
+pub fn read(path: &Path) -> Result<Picture> {
+    let wrong = |what: String| Error::input(what).in_file(path);
+    let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let broken = |error: String| wrong(format!("is not a valid PNG file: {error}"));
+    let decoder = ::png::Decoder::new(Cursor::new(&bytes)).read_info().map_err(|error| broken(error.to_string()))?;
+    let space = stated_space(decoder.info())?.ok_or_else(|| {
+        let names = RgbSpace::ALL.map(RgbSpace::name).join(", ");
+        wrong("has a colour space that abbe does not know".to_string()).expected(names)
+    })?;
+    let image = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
+        .map_err(|error| broken(error.to_string()))?
+        .into_rgb16();
+    let mut picture = Picture::black(image.width() as usize, image.height() as usize);
+    let adapt = |xyz| adapt(xyz, space.white(), RgbSpace::Srgb.white(), AdaptationTransform::Bradford);
+    for (xyz, pixel) in picture.xyz.iter_mut().zip(image.pixels()) {
+        *xyz = adapt(space.to_xyz(pixel.0.map(|code| space.decode(f64::from(code) / 65_535.0))));
+    }
+    Ok(picture)
+}
+
+/// Returns the colour space that a PNG file states. Returns `None` if the space is unknown.
+fn stated_space(info: &Info<'_>) -> Result<Option<RgbSpace>> {
+    if let Some(points) = &info.coding_independent_code_points {
+        let stated = [points.color_primaries, points.transfer_function, points.matrix_coefficients, 1];
+        return Ok(RgbSpace::ALL.into_iter().find(|space| code_points(*space) == Some(stated)));
+    }
+    let Some(profile) = &info.icc_profile else { return Ok(Some(RgbSpace::Srgb)) };
+    for space in RgbSpace::ALL {
+        if icc::profile(space)? == profile.as_ref() {
+            return Ok(Some(space));
+        }
+    }
+    Ok(None)
+}
+
+/// Reads a mask. A pixel is selected if any of its colour components is not zero. Opacity is
+/// ignored.
+///
+/// # Errors
+/// Returns an input error if the file is missing or not a PNG, or its size is not `width` ×
+/// `height`.
+pub fn read_mask(path: &Path, width: usize, height: usize) -> Result<Vec<bool>> {
+    let wrong = |what: String| Error::input(what).in_file(path);
+    let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let mask = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
+        .map_err(|error| wrong(format!("is not a valid PNG file: {error}")))?
+        .into_rgb16();
+    if (mask.width() as usize, mask.height() as usize) != (width, height) {
+        let what = format!("the mask has {} × {} pixels", mask.width(), mask.height());
+        return Err(wrong(what).expected(format!("the pictures' size, {width} × {height}")));
+    }
+    Ok(mask.pixels().map(|pixel| pixel.0 != [0; 3]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns an image of one pixel in this space. Its codes have 16 bits.
+    fn wide(space: RgbSpace) -> DisplayImage {
+        DisplayImage { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[1, 0x1234, 0xfffe]]) }
+    }
+
+    #[test]
+    fn a_png_contains_the_pixels() {
+        let screen = DisplayImage::of_srgb(2, 1, vec![[1, 2, 3], [250, 128, 0]]);
+        let image = image::load_from_memory(&encode(&screen).unwrap()).unwrap().into_rgb8();
+        assert_eq!((image.width(), image.height()), (2, 1));
+        assert_eq!(image.into_raw(), [1, 2, 3, 250, 128, 0]);
+        let image = image::load_from_memory(&encode(&wide(RgbSpace::Rec2020)).unwrap()).unwrap().into_rgb16();
+        assert_eq!(image.into_raw(), [1, 0x1234, 0xfffe]);
+    }
+
+    #[test]
+    fn the_file_states_the_colour_space() {
+        for space in RgbSpace::ALL {
+            let bytes = encode(&wide(space)).unwrap();
+            let reader = ::png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
+            let info = reader.info();
+            let points = info.coding_independent_code_points.map(|points| {
+                let range = u8::from(points.is_video_full_range_image);
+                [points.color_primaries, points.transfer_function, points.matrix_coefficients, range]
+            });
+            let (known, gamma) = match space {
+                RgbSpace::Srgb => (Some([1, 13, 0, 1]), 0.45455),
+                RgbSpace::DisplayP3 => (Some([12, 13, 0, 1]), 0.45455),
+                RgbSpace::Rec2020 => (None, 0.51),
+                RgbSpace::AcesCg => (None, 1.0),
+            };
+            assert_eq!(points, known, "{space:?}");
+            assert_eq!(info.gama_chunk.map(ScaledFloat::into_value), Some(gamma), "{space:?}");
+            let stated = info.chrm_chunk.unwrap();
+            let whites = [stated.white.0, stated.white.1].map(ScaledFloat::into_value);
+            let greens = [stated.green.0, stated.green.1].map(ScaledFloat::into_value);
+            for (found, known) in [(whites, space.white_xy()), (greens, space.primaries_xy()[1])] {
+                let near = (0..2).all(|i| (f64::from(found[i]) - known[i]).abs() < 1e-5);
+                assert!(near, "{space:?}: {found:?} {known:?}");
+            }
+            assert_eq!(info.srgb.is_some(), space == RgbSpace::Srgb);
+            assert_eq!(info.icc_profile.is_some(), space != RgbSpace::Srgb);
+            assert!(info.icc_profile.as_deref().is_none_or(|found| found == icc::profile(space).unwrap()));
+        }
+    }
+
+    #[test]
+    fn a_png_is_read_back_as_a_picture_in_every_space() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        for space in RgbSpace::ALL {
+            let white = DisplayImage { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[65_535; 3]]) };
+            write(&path, &white).unwrap();
+            let xyz = read(&path).unwrap().xyz[0];
+            let known = RgbSpace::Srgb.white();
+            assert!(xyz.iter().zip(known).all(|(a, b)| (a - b).abs() < 1e-9), "{space:?}: {xyz:?}");
+        }
+        write(&path, &DisplayImage::of_srgb(1, 1, vec![[188, 188, 188]])).unwrap();
+        assert!((read(&path).unwrap().xyz[0][1] - 0.503).abs() < 1e-3);
+        std::fs::write(&path, "no picture").unwrap();
+        assert_eq!(read(&path).unwrap_err().exit_status(), 2);
+    }
+
+    #[test]
+    fn a_mask_selects_nonzero_pixels_and_must_fit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mask.png");
+        write(&path, &DisplayImage::of_srgb(3, 1, vec![[0; 3], [0, 0, 1], [255; 3]])).unwrap();
+        assert_eq!(read_mask(&path, 3, 1).unwrap(), [false, true, true]);
+        let error = read_mask(&path, 4, 1).unwrap_err();
+        assert!(error.to_string().contains("expected the pictures' size, 4 × 1"), "{error}");
+        std::fs::write(&path, "no picture").unwrap();
+        assert_eq!(read_mask(&path, 3, 1).unwrap_err().exit_status(), 2);
+    }
+}

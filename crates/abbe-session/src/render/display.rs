@@ -1,0 +1,69 @@
+//! The conversion of a picture to an image for a display.
+
+use super::job::Job;
+use crate::output::metadata::{Metadata, names};
+use abbe_scene::Exposure;
+use abbe_spectra::colour::{RgbSpace, Xyz};
+use abbe_spectra::math::elementary::exp2;
+use abbe_transport::sensor::{Development, DisplayImage, Picture, develop, exposure};
+use serde::{Deserialize, Serialize};
+
+/// The conversion of a picture's colours for a display or a PNG file.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DisplaySettings {
+    /// White balance, colour space, tone curve and gamut mapping.
+    pub development: Development,
+    /// The exposure.
+    pub exposure: Exposure,
+    /// The sum of the XYZ values of all lights of the scene, weighted by their power. `None` if the
+    /// picture has no scene. White balance may use this colour.
+    pub lights: Option<Xyz>,
+}
+
+impl DisplaySettings {
+    /// The settings of a picture without a scene: automatic exposure and sRGB.
+    pub fn automatic() -> Self {
+        Self { development: Development::default(), exposure: Exposure::Auto, lights: None }
+    }
+
+    /// Returns the settings of a job's film.
+    pub fn of(job: &Job) -> Self {
+        let film = &job.scene.film;
+        let development = Development { space: film.space, white: film.white, gamut: film.gamut, tone: film.tone };
+        Self { development, exposure: film.exposure, lights: Some(job.scene.xyz_of_lights()) }
+    }
+
+    /// Returns the settings in the header of a picture's file. Returns `None` if the header has no
+    /// settings that this version of the program can read.
+    pub fn of_header(header: &Metadata) -> Option<Self> {
+        serde_json::from_str(header.get(names::DISPLAY)?).ok()
+    }
+
+    /// Returns the settings for another colour space. The exposure, the white balance, the tone
+    /// curve and the gamut mapping do not change.
+    #[must_use]
+    pub fn in_space(self, space: RgbSpace) -> Self {
+        Self { development: Development { space, ..self.development }, ..self }
+    }
+
+    /// Returns the factor that multiplies the luminances of a picture, in 1/(cd/m²).
+    pub fn factor(&self, picture: &Picture) -> f64 {
+        match self.exposure {
+            Exposure::Auto => exposure::automatic(picture),
+            Exposure::Ev(ev) => exp2(ev),
+            Exposure::White(luminance) => luminance.recip(),
+            Exposure::None => 1.0,
+        }
+    }
+
+    /// Converts a picture for a display.
+    pub fn screen(&self, picture: &Picture) -> DisplayImage {
+        self.screen_at(picture, self.factor(picture))
+    }
+
+    /// Converts a picture for a display with a given exposure in 1/(cd/m²).
+    pub fn screen_at(&self, picture: &Picture, factor: f64) -> DisplayImage {
+        develop(picture, factor, &self.development)
+    }
+}

@@ -1,0 +1,309 @@
+//! Forecasts the error of a picture after additional passes.
+//!
+//! The squared error is a sum of three terms. Each term falls with the number of passes n at a
+//! different rate:
+//!
+//! - The variance of kernel estimates falls as n^(−2/3), because the kernel radius shrinks (Knaus &
+//!   Zwicker 2011).
+//! - The squared bias of kernel estimates falls as n^(−2/3) in smooth illumination. Near an edge,
+//!   only the width of the blurred strip shrinks, and the squared bias falls as n^(−1/6). Pictures
+//!   contain both smooth illumination and edges, and n^(−1/2) fits their squared bias.
+//! - The variance of all other samples falls as 1/n if the samples are independent (for example,
+//!   photons connected to the camera). If the samples are stratified, their variance falls as fast
+//!   as 1/n² (for example, in a pixel that contains the outline of a light). The error history of
+//!   the picture decides between the two rates.
+//!
+//! Samples are stratified within a replicate, and the passes go to the eight replicates in turn.
+//! The ninth pass is the second pass of a replicate. The ninth pass therefore gives the first
+//! information about the rate.
+
+use abbe_spectra::math::elementary::{exp, ln, log10, powf};
+use abbe_spectra::math::random::REPLICATES;
+use abbe_transport::pass::StageSeconds;
+use abbe_transport::sensor::ErrorSquares;
+use serde::{Deserialize, Serialize};
+
+/// The prior for the slope of a replicate's variance. The slope is −d ln(variance)/d ln(passes of
+/// the replicate).
+const PRIOR_SLOPE: f64 = 1.36;
+
+/// The weight of the prior in the fit. Let x be the logarithm of the number of passes of a
+/// replicate. The weight of the history is the sum of (x − mean of x)² over its points. For a
+/// history from 8 to 10 passes, this weight is 0.015. After two doublings, its weight is about 2.
+/// For a small film, the slope from 8 to 10 passes is accurate only to ±0.3.
+const PRIOR_WEIGHT: f64 = 0.03;
+
+/// The fit ignores the errors of the first passes. This constant is the ignored share of all
+/// passes.
+const FIT_START: f64 = 0.25;
+
+/// The measured errors of a picture, with their numbers of passes.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ErrorHistory {
+    points: Vec<(u64, ErrorSquares)>,
+}
+
+/// The number of passes of a run, and the time of the run.
+#[derive(Debug, Clone, Copy)]
+pub struct RunTimes {
+    /// The number of passes done.
+    pub passes: u64,
+    /// The time of the whole run in s.
+    pub total_s: f64,
+    /// The time before the first pass in s.
+    pub before_first_pass_s: f64,
+}
+
+impl RunTimes {
+    /// Returns the times of a run with this many passes.
+    pub(super) fn of(passes: u64, seconds: &StageSeconds) -> Self {
+        Self { passes, total_s: seconds.total, before_first_pass_s: seconds.pilot }
+    }
+}
+
+/// A model of the relative error as a function of passes and time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Forecast {
+    /// The number of passes at the last measurement.
+    passes: f64,
+    /// The terms of the squared error at the last measurement. The sampling term comes from the
+    /// fit.
+    squares: ErrorSquares,
+    /// The slope of the sampling term within a replicate.
+    slope: f64,
+    /// The relative error at the last measurement.
+    error: f64,
+    /// The time before the first pass in s.
+    seconds_before: f64,
+    /// The time of a pass in s.
+    seconds_per_pass: f64,
+}
+
+/// The passes and the time after which the render reaches a relative error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ErrorMilestone {
+    /// The relative error.
+    pub error: f64,
+    /// The number of passes from the beginning.
+    pub passes: f64,
+    /// The time from the beginning in s.
+    pub seconds: f64,
+}
+
+impl ErrorHistory {
+    /// Adds the error after this many passes. The new error replaces an earlier error at the same
+    /// number of passes.
+    pub(super) fn add(&mut self, passes: u64, squares: ErrorSquares) {
+        self.points.retain(|&(before, _)| before != passes);
+        self.points.push((passes, squares));
+    }
+
+    /// Returns the relative error at the last measurement.
+    pub(super) fn latest(&self) -> Option<f64> {
+        self.points.last().map(|(_, squares)| squares.relative())
+    }
+
+    /// Fits a forecast. Returns `None` if no error was measured.
+    pub(super) fn forecast(&self, times: RunTimes) -> Option<Forecast> {
+        let RunTimes { passes: done, total_s, before_first_pass_s } = times;
+        let &(passes, squares) = self.points.last()?;
+        let passes = passes as f64;
+        let (sampling, slope) = self.sampling_at(passes);
+        Some(Forecast {
+            passes,
+            squares: ErrorSquares { sampling, ..squares },
+            slope,
+            error: squares.relative(),
+            seconds_before: before_first_pass_s,
+            seconds_per_pass: (total_s - before_first_pass_s).max(0.0) / done.max(1) as f64,
+        })
+    }
+
+    /// Returns the sampling term after this many passes, and its slope. Both come from a straight
+    /// line that is fitted to the logarithms of the history. The slope of the line has a prior.
+    fn sampling_at(&self, passes: f64) -> (f64, f64) {
+        let recent = |&&(n, squares): &&(u64, ErrorSquares)| n as f64 >= FIT_START * passes && squares.sampling > 0.0;
+        // x is the logarithm of the number of strata per replicate. y is the logarithm of the
+        // variance of a single pass.
+        let logarithms = |&(n, squares): &(u64, ErrorSquares)| (ln_strata(n as f64), ln(squares.sampling * n as f64));
+        let points = || self.points.iter().filter(recent).map(logarithms);
+        let count = points().count() as f64;
+        if count == 0.0 {
+            return (0.0, PRIOR_SLOPE);
+        }
+        let (x, y) = points().fold((0.0, 0.0), |sum, (x, y)| (sum.0 + x / count, sum.1 + y / count));
+        let across = points().map(|point| (point.0 - x) * (point.1 - y)).sum::<f64>();
+        let along = points().map(|point| (point.0 - x).powi(2)).sum::<f64>();
+        let gain = ((PRIOR_SLOPE - 1.0) * PRIOR_WEIGHT - across) / (PRIOR_WEIGHT + along);
+        let gain = gain.clamp(0.0, 1.0);
+        (exp(y - gain * (ln_strata(passes) - x)) / passes, 1.0 + gain)
+    }
+}
+
+/// Returns the mean of ln(strata) over the replicates. A replicate has as many strata as passes.
+/// `passes` is the number of passes of all replicates.
+fn ln_strata(passes: f64) -> f64 {
+    let each = (passes / REPLICATES as f64).max(1.0);
+    let whole = each.floor();
+    let more = each - whole;
+    (1.0 - more) * ln(whole) + more * ln(whole + 1.0)
+}
+
+impl Forecast {
+    /// Returns the forecast of a run if only the last error is known. The forecast then uses the
+    /// slope of the prior.
+    pub fn without_history(squares: ErrorSquares, times: RunTimes) -> Option<Self> {
+        let mut history = ErrorHistory::default();
+        history.add(times.passes, squares);
+        history.forecast(times)
+    }
+
+    /// Returns the relative error after this many passes from the beginning.
+    pub fn error_after_passes(&self, passes: f64) -> f64 {
+        let ratio = passes / self.passes;
+        let ErrorSquares { bias, kernel_noise, sampling } = self.squares;
+        let kernels = bias * powf(ratio, -0.5) + kernel_noise * powf(ratio, -2.0 / 3.0);
+        let gain = (self.slope - 1.0) * (ln_strata(passes) - ln_strata(self.passes));
+        (kernels + sampling / ratio * exp(-gain)).sqrt()
+    }
+
+    /// Returns the relative error at the time `seconds`. The time is in s and starts at the
+    /// beginning of the run.
+    pub fn error_after_seconds(&self, seconds: f64) -> f64 {
+        self.error_after_passes((seconds - self.seconds_before) / self.seconds_per_pass)
+    }
+
+    /// Returns the passes and the time after which the relative error falls to `error`. The result
+    /// is at least one pass after the last measurement. Returns `None` if more than 10¹⁵ passes are
+    /// needed.
+    pub fn milestone(&self, error: f64) -> Option<ErrorMilestone> {
+        const FARTHEST: f64 = 1e15;
+        const HALVINGS: usize = 60;
+        let (mut low, mut high) = (self.passes + 1.0, FARTHEST);
+        if self.error_after_passes(high) > error {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = (low * high).sqrt();
+            if self.error_after_passes(middle) > error { low = middle } else { high = middle }
+        }
+        Some(ErrorMilestone { error, passes: high, seconds: self.seconds_before + high * self.seconds_per_pass })
+    }
+
+    /// Returns two milestones. They belong to the two largest round errors (50, 20, 10, 5, 2, 1,
+    /// 0.5 … %) that are below the present error.
+    pub fn milestones(&self) -> impl Iterator<Item = ErrorMilestone> {
+        let errors = (self.error > 0.0).then(|| round_errors_below(self.error));
+        errors.into_iter().flatten().filter_map(|error| self.milestone(error))
+    }
+}
+
+/// Returns the two largest numbers below `error` that are 1, 2 or 5 times a power of ten.
+fn round_errors_below(error: f64) -> [f64; 2] {
+    let decade = log10(error).floor() as i32;
+    let steps = (decade - 2..=decade).rev().flat_map(|power| [5.0, 2.0, 1.0].map(|step| (step, power)));
+    // Division gives the double nearest to the decimal number: 2/100 equals the literal 0.02.
+    let mut below = steps
+        .map(|(step, power)| if power < 0 { step / 10_f64.powi(-power) } else { step * 10_f64.powi(power) })
+        .filter(|&round| round < error);
+    std::array::from_fn(|_| below.next().unwrap_or(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns a history of errors. `parts` returns the three terms of the squared error after n
+    /// passes.
+    fn history(passes: &[u64], parts: impl Fn(f64) -> [f64; 3]) -> ErrorHistory {
+        let mut history = ErrorHistory::default();
+        for &n in passes {
+            let [bias, kernel_noise, sampling] = parts(n as f64);
+            history.add(n, ErrorSquares { bias, kernel_noise, sampling });
+        }
+        history
+    }
+
+    fn times(passes: u64, total_s: f64, before_first_pass_s: f64) -> RunTimes {
+        RunTimes { passes, total_s, before_first_pass_s }
+    }
+
+    const DENSE: [u64; 8] = [8, 9, 10, 12, 14, 16, 18, 20];
+
+    /// Returns the variance of the mean of eight replicates. The n passes go to the replicates in
+    /// turn. The variance of a replicate with m passes is m^(−slope).
+    fn variance_of_mean(n: f64, slope: f64) -> f64 {
+        let of_one = |r: u64| ((n as u64 + r) / 8).max(1) as f64;
+        (0..8).map(|r| of_one(r).powf(1.0 - slope)).sum::<f64>() / 8.0 / n
+    }
+
+    #[test]
+    fn each_term_falls_at_its_own_rate() {
+        for (slope, parts) in [(1.0, [0.0, 0.0, 1.0]), (1.8, [0.0, 0.0, 1.0]), (1.0, [0.01, 0.02, 0.5])] {
+            let at = |n: f64| {
+                let [bias, kernel_noise, sampling] = parts;
+                [bias * n.powf(-0.5), kernel_noise * n.powf(-2.0 / 3.0), sampling * variance_of_mean(n, slope)]
+            };
+            let forecast = history(&DENSE, at).forecast(times(20, 42.0, 2.0)).unwrap();
+            let known = at(80.0).iter().sum::<f64>().sqrt();
+            let ratio = forecast.error_after_seconds(162.0) / known;
+            // The prior shifts the slope a little.
+            assert!((ratio - 1.0).abs() < 0.05, "slope {slope}: {ratio}");
+            let milestone = forecast.milestone(forecast.error_after_passes(80.0)).unwrap();
+            assert!((milestone.passes / 80.0 - 1.0).abs() < 1e-6 && (milestone.seconds / 162.0 - 1.0).abs() < 1e-6);
+        }
+    }
+
+    /// The squared bias falls as n^(−1/2), and the variance of kernels as n^(−2/3).
+    #[test]
+    fn bias_and_kernel_noise_alone_fall_at_their_rates() {
+        for (parts, exponent) in [([0.04, 0.0, 0.0], -0.5), ([0.0, 0.04, 0.0], -2.0 / 3.0)] {
+            let forecast = history(&[16], |_| parts).forecast(times(16, 1.0, 0.0)).unwrap();
+            let squared = forecast.error_after_passes(16.0 * 64.0).powi(2);
+            assert!((squared / (0.04 * 64_f64.powf(exponent)) - 1.0).abs() < 1e-12, "{parts:?}: {squared}");
+        }
+    }
+
+    /// The time of the pilot is not a time of passes.
+    #[test]
+    fn the_present_time_has_the_present_error() {
+        let forecast = history(&[20], |_| [0.01, 0.02, 0.03]).forecast(times(20, 42.0, 22.0)).unwrap();
+        assert!((forecast.error_after_seconds(42.0) / 0.06_f64.sqrt() - 1.0).abs() < 1e-12);
+        assert!((forecast.error_after_seconds(62.0) / forecast.error_after_passes(40.0) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_second_passes_of_replicates_reveal_the_slope() {
+        // The steepest slope is rare and far from the prior, so its tolerance is larger.
+        for (slope, within) in [(1.0, 0.25), (1.6, 0.25), (1.8, 0.35)] {
+            let forecast =
+                history(&[8, 9, 10], |n| [0.0, 0.0, variance_of_mean(n, slope)]).forecast(times(10, 1.0, 0.0)).unwrap();
+            let ratio = forecast.error_after_passes(40.0) / variance_of_mean(40.0, slope).sqrt();
+            assert!((ratio - 1.0).abs() < within, "slope {slope}: {ratio}");
+            let usual =
+                history(&[10], |n| [0.0, 0.0, variance_of_mean(n, slope)]).forecast(times(10, 1.0, 0.0)).unwrap();
+            let without = usual.error_after_passes(40.0) / variance_of_mean(40.0, slope).sqrt();
+            assert!(
+                (ratio - 1.0).abs() < (without - 1.0).abs(),
+                "slope {slope}: {ratio}, and {without} without history"
+            );
+        }
+    }
+
+    #[test]
+    fn the_slope_is_the_prior_or_limited_by_the_strata() {
+        let one = history(&[16], |_| [0.0, 0.0, 0.01]).forecast(times(16, 1.6, 0.0)).unwrap();
+        assert!((one.error_after_passes(64.0) - 0.1 * 4_f64.powf(-0.5 * PRIOR_SLOPE)).abs() < 1e-12);
+        let lucky = history(&DENSE, |n| [0.0, 0.0, n.powi(-5)]).forecast(times(20, 2.0, 0.0)).unwrap();
+        assert_eq!(lucky.slope, 2.0);
+        assert!(ErrorHistory::default().forecast(times(8, 1.0, 0.0)).is_none());
+    }
+
+    #[test]
+    fn milestones_are_the_next_two_round_errors() {
+        let below = [0.031, 0.02, 0.26, 1.7, 0.000_51].map(round_errors_below);
+        assert_eq!(below, [[0.02, 0.01], [0.01, 0.005], [0.2, 0.1], [1.0, 0.5], [0.0005, 0.0002]]);
+        let exact = history(&[8], |_| [0.0; 3]).forecast(times(8, 1.0, 0.0)).unwrap();
+        assert_eq!(exact.milestones().count(), 0, "the error is already 0");
+    }
+}

@@ -1,0 +1,420 @@
+//! Measurements: the readings of a scene's meters, in their units and with their errors.
+
+use super::job::Job;
+use super::monitor::Monitor;
+use super::request::{Integrator, Request, StopRules};
+use super::session::Rendered;
+use abbe_optics::bsdf::{Bsdf, BsdfClass};
+use abbe_scene::geometry::{Hit, Ray};
+use abbe_scene::light::{Emitter, Light};
+use abbe_scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind, Receptor, ReceptorShape, Response};
+use abbe_spectra::colour::{cct_duv, cri_in_steps, rendition_in_steps};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::hypot;
+use abbe_spectra::math::random::REPLICATES;
+use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
+use abbe_transport::gather::{DirectLighting, Glare};
+use abbe_transport::plan::CausticPlan;
+use abbe_transport::sensor::{Reading, ReadingBands, ReadingSpectrum, SpectralBands, half_interval_with_degrees};
+use glam::DVec3;
+use serde::Serialize;
+use std::f64::consts::{PI, TAU};
+
+/// The readings of all meters.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasurementReport {
+    /// The meters, in the order of the scene file.
+    pub meters: Vec<MeterReport>,
+    /// The integrator: `path` or `photon`.
+    pub integrator: &'static str,
+    /// The number of passes.
+    pub passes: u64,
+    /// The time in s.
+    pub seconds: f64,
+    /// Remarks, for example about light that is missing.
+    pub notes: Vec<String>,
+}
+
+/// The readings of a meter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeterReport {
+    /// The name.
+    pub name: String,
+    /// The name of the quantity.
+    pub quantity: &'static str,
+    /// The unit of all values.
+    pub unit: &'static str,
+    /// The centres of the spectral bands in nm, if the quantity is a spectrum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelength_nm: Option<Vec<f64>>,
+    /// The readings.
+    pub points: Vec<PointReport>,
+    /// The grid of the readings, if the meter is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<MeterGrid>,
+    /// The mean of the readings. `None` for spectra.
+    pub mean: Option<f64>,
+    /// The uniformity U0: the least reading divided by the mean reading. `None` for spectra, for
+    /// glare ratings, and if the mean is 0.
+    pub uniformity: Option<f64>,
+    /// The least reading divided by the largest reading. `None` if `uniformity` is `None`.
+    pub least_to_largest: Option<f64>,
+}
+
+/// A reading.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PointReport {
+    /// The position in the unit of the scene file.
+    pub position: [f64; 3],
+    /// The normal, the axis or the direction of view.
+    pub normal: Option<[f64; 3]>,
+    /// The value.
+    pub value: Value,
+    /// The standard error.
+    pub noise: Option<Value>,
+    /// The magnitude of the estimated bias. For a function of the spectrum, it is the effect of the
+    /// spectral bands.
+    pub bias: Option<Value>,
+    /// The interval that contains the true value with a probability of 95 %.
+    pub interval_95: Option<[Value; 2]>,
+    /// The flux through the surface, if the meter is a surface: lm for illuminance, W for
+    /// irradiance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flux: Option<f64>,
+    /// The area of the surface in m².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub area_m2: Option<f64>,
+}
+
+/// A number, or one number for each spectral band.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// One number for each spectral band.
+    Spectrum(Vec<f64>),
+}
+
+/// The relative error of every reading at which a measurement stops if the request has no stop
+/// rule.
+const DEFAULT_ERROR: f64 = 0.003;
+
+/// Returns the stop rules of a measurement without stop rules of its own. A pass with photons takes
+/// much longer than a pass of the path tracer.
+fn default_stop(integrator: Integrator) -> StopRules {
+    let passes = match integrator {
+        Integrator::Path => 2048,
+        Integrator::Photon => 128,
+    };
+    StopRules { passes: Some(passes), time: None, target_error: Some(DEFAULT_ERROR) }
+}
+
+impl Job {
+    /// Returns the integrator that suits the meters.
+    ///
+    /// The path tracer has no bias. It does not find the light of lamps without extent behind glass
+    /// or mirrors, and seldom finds the sun there. Its shadow rays pass through thin panes, so
+    /// panes alone need no photons.
+    pub fn integrator_for_meters(&self) -> Integrator {
+        let caustics = self.plan.caustics != CausticPlan::Absent;
+        let focuses = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
+        let focusing = self.scene.materials.iter().any(|material| material.surface.components().any(focuses));
+        if caustics && focusing && self.hidden_lamps().next().is_some() { Integrator::Photon } else { Integrator::Path }
+    }
+
+    /// Returns the lamps whose light the path tracer does not find after a mirror: those without
+    /// extent, and the sun.
+    fn hidden_lamps(&self) -> impl Iterator<Item = &Light> {
+        let hidden = |light: &&Light| light.is_delta() || matches!(light.emitter, Emitter::Directional(_));
+        self.scene.lights.iter().filter(hidden)
+    }
+
+    /// Returns a note if the path tracer leaves out light that is reflected by panes or mirrors.
+    fn note_of_missing_light(&self, integrator: Integrator) -> Option<String> {
+        if integrator == Integrator::Photon || self.plan.caustics == CausticPlan::Absent {
+            return None;
+        }
+        let lamp = &self.hidden_lamps().next()?.name;
+        Some(format!(
+            "the path tracer does not find the light of {lamp} that mirrors or panes reflect or that glass refracts; \
+             `--integrator photon` finds it"
+        ))
+    }
+
+    /// Returns a note if a point receptor lies in a hollow, where photons that pass through glass
+    /// may not reach the disk around it.
+    fn note_of_hollows(&self, integrator: Integrator) -> Option<String> {
+        /// The distance at which the surface below a receptor is found, divided by the radius of
+        /// the scene. It is larger than the shift of receptors above surfaces.
+        const REACH: f64 = 1e-6;
+        /// In a hollow, the surface beside a receptor is nearly parallel to the surface below it.
+        const PARALLEL: f64 = 0.5;
+        if integrator == Integrator::Path || self.plan.caustics == CausticPlan::Absent {
+            return None;
+        }
+        let scene = &self.scene;
+        let reach_m = REACH * scene.radius_m;
+        let hollow = |receptor: &Receptor| {
+            let ReceptorShape::Point(position, Response::Plane(normal)) = receptor.shape else { return None };
+            let find = |direction: DVec3, length_m: f64| {
+                scene.geometry.intersect(&Ray { origin: position, direction }, None, length_m)
+            };
+            let below = find(-normal, reach_m)?;
+            let aside = normal.any_orthonormal_vector();
+            let sides = [aside, -aside, normal.cross(aside), -normal.cross(aside)];
+            let around = |hit: Hit| hit.object == below.object && hit.normal.dot(below.normal).abs() > PARALLEL;
+            sides.into_iter().filter_map(|side| find(side, scene.radius_m)).any(around).then_some(below.object)
+        };
+        let object = scene.camera.receptors().iter().find_map(hollow)?;
+        Some(format!(
+            "a meter reads a point of the hollow surface {}; light that glass or mirrors focus there may be missing, \
+             and a meter with `surface` reads it",
+            scene.objects[object as usize].name
+        ))
+    }
+
+    /// Returns an error if a meter measures glare and a lamp has no luminous surface.
+    fn check_luminaires(&self) -> Result<()> {
+        let measures = self.scene.meters.iter().any(|meter| meter.quantity == Quantity::UnifiedGlareRating);
+        match self.scene.lights.iter().find(|light| measures && light.has_infinite_luminance()) {
+            Some(light) => Err(Error::input(format!(
+                "a meter measures the glare rating, but the light {} has no luminous surface",
+                light.name
+            ))
+            .expected("an object with `emission`, or a luminaire with a luminous opening")),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the estimates of the glare at a receptor. A moving scene is at rest at the moment
+    /// when the shutter opens.
+    fn glare_at(&self, number: usize) -> [Glare; REPLICATES] {
+        let scene = &self.scene;
+        let eye = scene.receptor_point(&scene.camera.receptors()[number], [0.0; 4]);
+        DirectLighting::tracked(scene, self.selector(), self.plan.media_plan).glare(scene, &eye)
+    }
+
+    /// Measures with all meters of the scene, on the current thread pool. `integrator` is the
+    /// integrator, or `None` for the integrator that suits the meters. Also returns true if the
+    /// monitor ended the measurement before a stop rule was satisfied.
+    ///
+    /// # Errors
+    /// See [`Self::continue_run`].
+    pub fn measure(
+        &self,
+        integrator: Option<Integrator>,
+        stop: StopRules,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(MeasurementReport, bool)> {
+        let needs_sky = self.scene.meters.iter().any(|meter| meter.quantity == Quantity::DaylightFactor);
+        let sky_lx = if needs_sky { sky_illuminance_lx(&self.scene.lights) } else { 0.0 };
+        if needs_sky && sky_lx <= 0.0 {
+            let error = Error::input("a meter measures the daylight factor, but the scene has no sky");
+            return Err(error.expected("a light `sky` or `environment`"));
+        }
+        self.check_luminaires()?;
+        let integrator = integrator.unwrap_or_else(|| self.integrator_for_meters());
+        let stop = if stop == StopRules::default() { default_stop(integrator) } else { stop };
+        let Rendered { stats, run, interrupted, .. } = self.render(Request { integrator, stop }, monitor)?;
+        let readings = run.readings();
+        let mut rest = 0..readings.len();
+        let meters = self.scene.meters.iter().map(|meter| {
+            let own: Vec<usize> = rest.by_ref().take(meter.readings.len()).collect();
+            let point = |(known, &number): (&MeterReading, &usize)| {
+                let (quantity, reading) = (meter.quantity, &readings[number]);
+                let mut point = point(quantity, known, reading, sky_lx);
+                match (quantity.kind(), run.reading_spectrum(number)) {
+                    (QuantityKind::Spectrum, Some(spectrum)) => {
+                        with_spectrum(
+                            &mut point,
+                            &spectrum.merged(QuantityKind::Spectrum.bands() as usize),
+                            known.factor,
+                            reading,
+                        );
+                    }
+                    (QuantityKind::OfSpectrum, Some(spectrum)) => {
+                        with_function_of_spectrum(&mut point, &spectrum, quantity, reading);
+                    }
+                    (QuantityKind::Integral, _) | (_, None) => {}
+                }
+                if quantity == Quantity::UnifiedGlareRating {
+                    with_glare(&mut point, &self.glare_at(number));
+                }
+                point
+            };
+            report(meter, meter.readings.iter().zip(&own).map(point).collect())
+        });
+        let meters = meters.collect();
+        let (passes, seconds) = (stats.passes, stats.seconds.total);
+        let missing: Vec<String> =
+            self.note_of_missing_light(integrator).into_iter().chain(self.note_of_hollows(integrator)).collect();
+        let notes = [self.scene.notes.as_slice(), &stats.notes, &missing].concat();
+        Ok((MeasurementReport { meters, integrator: integrator.word(), passes, seconds, notes }, interrupted))
+    }
+}
+
+/// Returns the report of a meter.
+fn report(meter: &Meter, points: Vec<PointReport>) -> MeterReport {
+    let numbers: Option<Vec<f64>> = points
+        .iter()
+        .map(|point| match point.value {
+            Value::Number(number) => Some(number),
+            Value::Spectrum(_) => None,
+        })
+        .collect();
+    let mean = numbers.as_ref().map(|numbers| numbers.iter().sum::<f64>() / numbers.len() as f64);
+    let least = numbers.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let largest = numbers.iter().flatten().copied().fold(0.0, f64::max);
+    let spectral = meter.quantity.kind() == QuantityKind::Spectrum;
+    let wavelength_nm = spectral.then(|| SpectralBands::centres_nm(QuantityKind::Spectrum.bands() as usize));
+    // The logarithms of the glare rating have no ratios.
+    let divisor = mean.filter(|&mean| mean > 0.0 && meter.quantity != Quantity::UnifiedGlareRating);
+    MeterReport {
+        name: meter.name.clone(),
+        quantity: meter.quantity.name(),
+        unit: meter.quantity.unit(),
+        wavelength_nm,
+        points,
+        mean,
+        grid: meter.grid,
+        uniformity: divisor.map(|mean| least / mean),
+        least_to_largest: divisor.map(|_| least / largest),
+    }
+}
+
+/// Returns the report of a reading.
+fn point(quantity: Quantity, known: &MeterReading, reading: &Reading, sky_lx: f64) -> PointReport {
+    let (mean, flux) = (known.factor * quantity.scale(), known.area_m2);
+    let per_value = if quantity.is_flux() {
+        mean * flux.unwrap_or(1.0)
+    } else if quantity == Quantity::DaylightFactor {
+        100.0 * mean / sky_lx
+    } else {
+        mean
+    };
+    let half_interval = reading.half_interval_95();
+    PointReport {
+        position: known.position.to_array(),
+        normal: known.normal.map(|normal| normal.to_array()),
+        value: Value::Number(reading.value * per_value),
+        noise: reading.noise.map(|noise| Value::Number(noise * per_value)),
+        bias: reading.bias.map(|bias| Value::Number(bias * per_value)),
+        interval_95: half_interval.map(|half| {
+            let ends = [reading.value - half, reading.value + half];
+            ends.map(|end| Value::Number(end.max(0.0) * per_value))
+        }),
+        flux: flux.filter(|_| !quantity.is_flux()).map(|area| reading.value * mean * area),
+        area_m2: flux,
+    }
+}
+
+/// Replaces the illuminance of a point by the glare rating. `estimates` are independent.
+fn with_glare(point: &mut PointReport, estimates: &[Glare; REPLICATES]) {
+    let number = |value: &Value| match value {
+        Value::Number(number) => *number,
+        Value::Spectrum(_) => f64::NAN,
+    };
+    let lx = number(&point.value);
+    let ends_lx = point.interval_95.as_ref().map(|ends| ends.each_ref().map(number));
+    let count = REPLICATES as f64;
+    let mean = |of: fn(&Glare) -> f64| estimates.iter().map(of).sum::<f64>() / count;
+    let glare = Glare { sum: mean(|glare| glare.sum), direct_lx: mean(|glare| glare.direct_lx) };
+    let Some(rating) = glare.rating(lx) else {
+        (point.value, point.noise, point.bias, point.interval_95) = (Value::Number(f64::NAN), None, None, None);
+        return;
+    };
+    let deviation = |estimate: &Glare| estimate.rating(lx).map_or(f64::INFINITY, |one| one - rating);
+    let squares: f64 = estimates.iter().map(deviation).map(|deviation| deviation * deviation).sum();
+    let of_glare = (squares / (count * (count - 1.0))).sqrt();
+    let half = half_interval_with_degrees(of_glare, 0.0, count - 1.0);
+    // More light in the background means less glare.
+    let end = |lx: f64, sign: f64| Some(Value::Number(rating + sign * hypot(glare.rating(lx)? - rating, half)));
+    point.interval_95 = ends_lx.and_then(|[low, high]| Some([end(high, -1.0)?, end(low, 1.0)?]));
+    let slope = glare.slope(lx);
+    let noise = |lx: &Value| Value::Number(hypot(slope * number(lx), of_glare));
+    let bias = |lx: &Value| Value::Number(slope * number(lx));
+    (point.noise, point.bias) = (point.noise.as_ref().map(noise), point.bias.as_ref().map(bias));
+    point.value = Value::Number(rating);
+}
+
+/// Writes the spectrum of a reading into its report.
+fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f64, reading: &Reading) {
+    let values: Vec<f64> = spectrum.mean.values.iter().map(|value| value * factor).collect();
+    report.value = Value::Spectrum(values.clone());
+    let noise: Option<Vec<f64>> =
+        (0..values.len()).map(|band| spectrum.noise_of(|bands| Some(bands.values[band] * factor))).collect();
+    // The bias is known only for the sum of all bands. Every band gets the same relative bias.
+    let relative_bias = reading.bias.filter(|_| reading.value > 0.0).map_or(0.0, |bias| bias / reading.value);
+    let bias: Vec<f64> = values.iter().map(|value| value * relative_bias).collect();
+    report.interval_95 = noise.as_ref().map(|noise| {
+        let half = |band: usize| half_interval_with_degrees(noise[band], bias[band], spectrum.degrees());
+        let halves: Vec<f64> = (0..values.len()).map(half).collect();
+        [-1.0, 1.0].map(|sign| {
+            Value::Spectrum(values.iter().zip(&halves).map(|(value, half)| (value + sign * half).max(0.0)).collect())
+        })
+    });
+    (report.noise, report.bias) = (noise.map(Value::Spectrum), Some(Value::Spectrum(bias)));
+}
+
+/// The step in nm in which a reference illuminant is summed.
+const REFERENCE_STEP_NM: u32 = 1;
+
+/// Writes a function of the spectrum of a reading into its report.
+fn with_function_of_spectrum(
+    report: &mut PointReport,
+    spectrum: &ReadingSpectrum,
+    quantity: Quantity,
+    reading: &Reading,
+) {
+    let of = |bands: &ReadingBands, xyz: Option<[f64; 3]>| {
+        let light = bands.light();
+        let temperature = cct_duv(xyz.unwrap_or_else(|| Observer::cie1931().xyz(&light)))?;
+        if quantity == Quantity::ColourRendering {
+            cri_in_steps(&light, temperature, REFERENCE_STEP_NM).map(|rendering| rendering.ra)
+        } else if quantity == Quantity::Tm30Rf {
+            rendition_in_steps(&light, REFERENCE_STEP_NM).map(|rendition| rendition.rf)
+        } else if quantity == Quantity::Tm30Rg {
+            rendition_in_steps(&light, REFERENCE_STEP_NM).map(|rendition| rendition.rg)
+        } else {
+            Some(temperature.cct_k)
+        }
+    };
+    // The bands approximate the spectrum, but the colour is known exactly. The error of the bands is
+    // estimated by its change when the bands become twice as wide.
+    let value = of(&spectrum.mean, Some(reading.xyz));
+    let wide_bands = spectrum.mean.merged(spectrum.mean.values.len() / 2);
+    let of_wide_bands = of(&wide_bands, Some(reading.xyz));
+    let bias = value.zip(of_wide_bands).map(|(value, wide)| (value - wide).abs());
+    let noise = spectrum.noise_of(|bands| of(bands, None));
+    report.value = Value::Number(value.unwrap_or(f64::NAN));
+    (report.noise, report.bias) = (noise.map(Value::Number), bias.map(Value::Number));
+    report.interval_95 = value.zip(noise).map(|(value, noise)| {
+        let half = half_interval_with_degrees(noise, bias.unwrap_or(0.0), spectrum.degrees());
+        [value - half, value + half].map(Value::Number)
+    });
+}
+
+/// Returns the horizontal illuminance in lx of all lights that surround the scene, without
+/// obstacles: the integral of L cos θ over the upper hemisphere.
+fn sky_illuminance_lx(lights: &[Light]) -> f64 {
+    /// The numbers of directions in elevation and in azimuth. The rule is exact to 10⁻⁵ for skies
+    /// without steps.
+    const STEPS: [u32; 2] = [512, 512];
+    let mut sum = 0.0;
+    for light in lights.iter().filter(|light| light.surrounds()) {
+        let photometric = LUMENS_PER_WATT * Observer::cie1931().xyz(&light.spectrum)[1];
+        for i in 0..STEPS[0] {
+            // Equal steps of sin² θ have equal integrals of cos θ.
+            let sin2 = (f64::from(i) + 0.5) / f64::from(STEPS[0]);
+            let (sin, cos) = (sin2.sqrt(), (1.0 - sin2).sqrt());
+            for j in 0..STEPS[1] {
+                let azimuth = TAU * (f64::from(j) + 0.5) / f64::from(STEPS[1]);
+                let (across, along) = abbe_spectra::math::elementary::sin_cos(azimuth);
+                let direction = DVec3::new(sin * across, cos, sin * along);
+                sum += photometric * light.le(direction).map_or(0.0, |(radiance, _)| radiance);
+            }
+        }
+    }
+    sum * PI / (f64::from(STEPS[0]) * f64::from(STEPS[1]))
+}

@@ -1,0 +1,44 @@
+//! The render session: the loop over passes, stop rules, progress, statistics, checkpoints and
+//! parts.
+//!
+//! A [`Job`] is a planned scene. [`Job::render`] runs the pilot, and then renders passes until a
+//! stop rule is satisfied. A [`Run`] contains the sums of the passes so far. A run can be saved,
+//! continued, and merged with the runs of other passes.
+
+mod diffraction;
+mod display;
+mod forecast;
+mod identity;
+mod job;
+mod layers;
+mod measure;
+mod merge;
+mod monitor;
+mod part;
+mod photon_paths;
+mod request;
+mod run;
+mod saved_run;
+mod scene_difference;
+mod session;
+mod stats;
+mod stop;
+mod threads;
+
+pub use abbe_transport::pass::{PathQuery, PhotonPaths, RecordedPath, RecordedSegment, StageSeconds};
+pub use diffraction::DiffractionSetup;
+pub use display::DisplaySettings;
+pub use forecast::{ErrorMilestone, Forecast, RunTimes};
+pub use identity::RenderIdentity;
+pub use job::Job;
+pub use measure::{MeasurementReport, MeterReport, PointReport, Value};
+pub use merge::{MergedPicture, PartSet};
+pub use monitor::{Monitor, NoMonitor, Progress};
+pub use part::PassPart;
+pub use request::{Integrator, Request, StopRules};
+pub use run::Run;
+pub use saved_run::SavedRun;
+pub use scene_difference::affects_passes;
+pub use session::Rendered;
+pub use stats::{EffectStats, ErrorStats, ForecastStats, LedgerStats, Stats};
+pub use threads::{current_threads, on_threads};

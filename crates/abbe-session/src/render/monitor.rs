@@ -1,0 +1,60 @@
+//! Progress reports of a render.
+
+use super::forecast::Forecast;
+use super::run::Run;
+use abbe_transport::sensor::Picture;
+use std::time::Duration;
+
+/// The progress of a render after a pass.
+#[derive(Debug, Clone, Copy)]
+pub struct Progress {
+    /// The number of passes done.
+    pub passes: u64,
+    /// The number of passes at which the render stops, or `None` if the number of passes is not
+    /// limited.
+    pub passes_wanted: Option<u64>,
+    /// The time of the run so far. The time between an interruption and the continuation does not
+    /// count.
+    pub elapsed: Duration,
+    /// The time at which the render stops, or `None` if the time is not limited.
+    pub time_wanted: Option<Duration>,
+    /// The mean number of photons per second so far.
+    pub photons_per_second: f64,
+    /// The relative error at the last measurement.
+    pub relative_error: Option<f64>,
+    /// The relative error at which the render stops, or `None` if no stop rule sets a target error.
+    pub error_wanted: Option<f64>,
+    /// The forecast of the error at the last measurement.
+    pub forecast: Option<Forecast>,
+}
+
+/// Observes a render, and may end it.
+pub trait Monitor {
+    /// Called once before the pilot, if the render has a pilot.
+    fn before_pilot(&mut self) {}
+
+    /// Returns true if the monitor shows a coarse picture before pass 0. A coarse picture takes a
+    /// fraction of a pass.
+    fn wants_coarse_picture(&self) -> bool {
+        false
+    }
+
+    /// Receives a coarse picture in the size of the film. Small films have none.
+    fn show_coarse_picture(&mut self, _picture: &Picture) {}
+
+    /// Receives the progress after each pass. Returns false to end the render.
+    fn after_pass(&mut self, progress: &Progress) -> bool;
+
+    /// Receives the run after each pass except the last one, and may save the run.
+    fn checkpoint(&mut self, _run: &Run) {}
+}
+
+/// A monitor that ignores all progress.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoMonitor;
+
+impl Monitor for NoMonitor {
+    fn after_pass(&mut self, _: &Progress) -> bool {
+        true
+    }
+}

@@ -1,0 +1,54 @@
+//! The user's choice of the integrator and the stop rules of a render.
+
+use abbe_transport::plan::Budget;
+use std::time::Duration;
+
+/// The algorithm that solves the light transport.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Integrator {
+    /// Photon mapping.
+    #[default]
+    Photon,
+    /// The reference path tracer.
+    Path,
+}
+
+impl Integrator {
+    /// Returns the name of the integrator: `photon` or `path`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Photon => "photon",
+            Self::Path => "path",
+        }
+    }
+}
+
+/// The rules that stop a render. The render stops as soon as one rule is satisfied. Without any
+/// rule, the budget sets the number of passes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StopRules {
+    /// Stop after this many passes.
+    pub passes: Option<u64>,
+    /// Stop after this time.
+    pub time: Option<Duration>,
+    /// Stop if the relative error is at most this value.
+    pub target_error: Option<f64>,
+}
+
+impl StopRules {
+    /// Returns the number of passes at which the render of the whole picture stops. Returns `None`
+    /// if the number of passes is not limited.
+    pub fn passes_wanted(&self, budget: &Budget) -> Option<u64> {
+        let by_default = self.time.is_none() && self.target_error.is_none();
+        self.passes.or(by_default.then_some(budget.passes))
+    }
+}
+
+/// A request for a render.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Request {
+    /// The algorithm that solves the light transport.
+    pub integrator: Integrator,
+    /// The rules that stop the render.
+    pub stop: StopRules,
+}

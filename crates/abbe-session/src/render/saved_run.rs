@@ -1,0 +1,165 @@
+//! Saved runs: checkpoints and parts.
+//!
+//! A saved run is an EXR file. It contains the picture so far and the exact sums of the film. A
+//! record in the header contains everything else.
+
+use super::diffraction::DiffractionSetup;
+use super::display::DisplaySettings;
+use super::forecast::{Forecast, RunTimes};
+use super::identity::RenderIdentity;
+use super::job::Job;
+use super::part::PassPart;
+use super::run::Run;
+use super::stats::Stats;
+use crate::output::exr::{add_sums, hash_sums, holds_sums_of, read_metadata, write_with_sums};
+use crate::output::hash::{IdentityHash, SumsHash};
+use crate::output::metadata::{Metadata, names};
+use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::Observer;
+use abbe_transport::emit::SpectrumCoverage;
+use abbe_transport::pass::PassSums;
+use abbe_transport::plan::Tally;
+use abbe_transport::sensor::Film;
+use abbe_transport::walk::ledger::Ledger;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// The name of the record in the file's header.
+const RECORD: &str = "abbe.run";
+
+/// The record of a saved run. The record contains everything except the sums of the film, because
+/// these sums may be large.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SavedRun {
+    pub(super) identity: RenderIdentity,
+    pub(super) part: PassPart,
+    pub(super) done: u64,
+    pub(super) wanted: Option<u64>,
+    ledger: Ledger,
+    tally: Tally,
+    pub(super) stats: Stats,
+    #[serde(rename = "showing")]
+    pub(super) display: DisplaySettings,
+    diffraction: Option<DiffractionSetup>,
+    /// The hash of the sums and of the record. While the hash is computed, this field is empty. The
+    /// hash reveals damage to the file.
+    hash: String,
+}
+
+impl SavedRun {
+    /// Writes a run and its picture so far. The file is replaced as a whole or not at all.
+    /// `metadata` describes the scene.
+    ///
+    /// # Errors
+    /// Returns a machine error if the file cannot be written.
+    pub fn write(path: &Path, job: &Job, identity: &RenderIdentity, run: &Run, metadata: Metadata) -> Result<()> {
+        let PassSums { film, ledger, tally, seconds } = &run.sums;
+        let (picture, squares) = film.picture_and_error();
+        let times = RunTimes::of(run.done, seconds);
+        let forecast = squares.and_then(|squares| Forecast::without_history(squares, times));
+        let mut record = Self {
+            identity: identity.clone(),
+            part: run.part,
+            done: run.done,
+            wanted: run.wanted,
+            ledger: ledger.clone(),
+            tally: *tally,
+            stats: Stats::new(job, run, &picture, forecast, &[]),
+            display: DisplaySettings::of(job),
+            diffraction: job.diffraction.clone(),
+            hash: String::new(),
+        };
+        record.hash = record.hash_with(hash_sums(film));
+        write_with_sums(path, film, &picture, &metadata.with_json(RECORD, &record))
+    }
+
+    /// Reads the record of a saved run, and the header of its file.
+    ///
+    /// # Errors
+    /// Returns an input error if the file is missing, is not an EXR file, was written by another
+    /// version, is damaged, or has no exact sums.
+    pub fn read(path: &Path) -> Result<(Self, Metadata)> {
+        let metadata = read_metadata(path)?;
+        let fault = |what: &str| Error::input(what).in_file(path);
+        let text = metadata
+            .get(RECORD)
+            .ok_or_else(|| fault("contains no exact sums").expected("a part or a checkpoint that abbe has written"))?;
+        let (version, own) = (metadata.get(names::VERSION).unwrap_or("unknown"), env!("CARGO_PKG_VERSION"));
+        if version != own {
+            return Err(fault(&format!("was written by abbe {version}")).expected(format!("version {own}")));
+        }
+        let mut record: Self =
+            serde_json::from_str(text).map_err(|_| fault("is damaged: its record cannot be read"))?;
+        record.identity = record.identity.with_scene_of(&metadata);
+        Ok((record, metadata))
+    }
+
+    /// Reads a saved run, from which a render can continue.
+    ///
+    /// # Errors
+    /// Returns an input error if the file is damaged, or belongs to another render or another part.
+    /// The error names the difference.
+    pub fn resume(path: &Path, job: &Job, identity: &RenderIdentity, part: PassPart) -> Result<Run> {
+        let (saved, _) = Self::read(path)?;
+        saved.identity.check(identity).map_err(|error| error.in_file(path))?;
+        if saved.part != part {
+            let what = format!("contains part {} of the passes", saved.part);
+            return Err(Error::input(what).expected(format!("part {part}")).in_file(path));
+        }
+        let film = saved.film(path, job.scene.film.observer)?;
+        let (part, done, wanted) = (saved.part, saved.done, saved.wanted);
+        let sums = PassSums { film, ledger: saved.ledger, tally: saved.tally, seconds: saved.stats.seconds };
+        Ok(Run { sums, part, done, wanted, coverage: SpectrumCoverage::default() })
+    }
+
+    /// Returns true if the pass is done. `pass` is the index of the pass in the picture.
+    pub(super) fn holds(&self, pass: u64) -> bool {
+        self.part.nth(pass).is_some_and(|nth| nth < self.done)
+    }
+
+    /// Reads the film with its sums.
+    fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
+        let mut film = self.blank_film(path, observer)?;
+        self.add_to(path, &mut film)?;
+        Ok(film)
+    }
+
+    /// Returns an unexposed film for the sums of the file.
+    ///
+    /// # Errors
+    /// Returns an input error if the file is damaged.
+    pub(super) fn blank_film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
+        let ([width, height], bands) = self.identity.film_size();
+        let layers = self.identity.layers();
+        // The size comes from a record that is not verified yet. The film is allocated only if this
+        // size matches the file.
+        if !holds_sums_of(path, (width, height), bands + layers.planes())? {
+            return Err(Error::input("is damaged: its size differs from the size in its record").in_file(path));
+        }
+        let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
+        let film = Film::new(width, height, observer, bands);
+        Ok(film.with_diffraction(diffraction).with_layers(layers))
+    }
+
+    /// Adds the sums of the file to a film, and counts its passes.
+    ///
+    /// # Errors
+    /// Returns an input error if the file is damaged. The film is then useless.
+    pub(super) fn add_to(&self, path: &Path, film: &mut Film) -> Result<()> {
+        let hash = add_sums(path, film)?;
+        if self.hash_with(hash) != self.hash {
+            return Err(Error::input("is damaged: its sums have changed since they were written").in_file(path));
+        }
+        (0..self.done).for_each(|nth| film.count_pass(self.part.pass(nth)));
+        Ok(())
+    }
+
+    fn hash_with(&self, sums: SumsHash) -> String {
+        let record = Self { hash: String::new(), ..self.clone() };
+        let mut hash = IdentityHash::default();
+        hash.add_part(&serde_json::to_vec(&record).expect("a record has text keys and no fallible values"));
+        hash.add(&sums.bytes());
+        hash.hex()
+    }
+}

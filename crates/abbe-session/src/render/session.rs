@@ -1,0 +1,143 @@
+//! The loop over passes.
+
+use super::job::Job;
+use super::monitor::Monitor;
+use super::part::PassPart;
+use super::request::{Integrator, Request};
+use super::run::Run;
+use super::stats::Stats;
+use super::stop::{RunClock, StopConditions};
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::emit::SpectrumCoverage;
+use abbe_transport::gather::Openings;
+use abbe_transport::map::LightMaps;
+use abbe_transport::pass::{
+    PassContext, Pilot, StageSeconds, coarse_path_picture, find_openings, learn_lights, path_pass, photon_pass,
+};
+use abbe_transport::plan::{MotionPlan, WavelengthPlan};
+use abbe_transport::sensor::Picture;
+use abbe_transport::walk::ledger::Ledger;
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// The result of a render.
+#[derive(Debug)]
+pub struct Rendered {
+    /// The picture with its error layers.
+    pub picture: Picture,
+    /// The mean energy balance of a pass, in W.
+    pub ledger: Ledger,
+    /// The statistics of the render.
+    pub stats: Stats,
+    /// True if the monitor ended the render before a stop rule was satisfied.
+    pub interrupted: bool,
+    /// The sums of all passes, from which the render can continue.
+    pub run: Run,
+}
+
+impl Job {
+    /// Renders passes on the current thread pool until a stop rule is satisfied.
+    ///
+    /// # Errors
+    /// See [`Self::continue_run`].
+    pub fn render(&self, request: Request, monitor: &mut dyn Monitor) -> Result<Rendered> {
+        self.continue_run(request, Run::new(self, PassPart::WHOLE), monitor)
+    }
+
+    /// Returns the spectra that the shared wavelengths of a run's passes have sampled. All spectra
+    /// count as sampled if no camera path has the shared wavelengths.
+    fn coverage_of(&self, run: &Run, integrator: Integrator) -> SpectrumCoverage {
+        if integrator == Integrator::Path || self.plan.wavelengths == WavelengthPlan::Free {
+            return SpectrumCoverage::default();
+        }
+        let (context, mut coverage) = (self.pass_context(), SpectrumCoverage::before_first_pass(&self.scene));
+        let mut done = (0..run.done).map(|nth| run.part.pass(nth));
+        while let Some(pass) = done.next().filter(|_| !coverage.is_complete()) {
+            context.add_wavelengths(pass, &mut coverage);
+        }
+        coverage
+    }
+
+    /// Renders a coarse picture in the size of the film on the current thread pool, without bands
+    /// and without errors. Returns `None` if the film is small.
+    ///
+    /// # Errors
+    /// Returns an error if the scene cannot be posed.
+    pub fn coarse_picture(&self) -> Result<Option<Picture>> {
+        let context = self.pass_context();
+        let openings = find_openings(&context, &mut StageSeconds::default());
+        Pilot::coarse_picture(&PassContext { openings: &openings, ..context })
+    }
+
+    /// Continues a run until a stop rule is satisfied. The run is either new or a saved run.
+    ///
+    /// The stop rules count from the beginning of the run. A resumed run stops at the same pass as
+    /// an uninterrupted run.
+    ///
+    /// # Errors
+    /// Returns an input error in these cases: the part of the run contains no passes, the run
+    /// already has more passes than wanted, the scene cannot be posed, or the radiance of a pixel
+    /// is too large.
+    pub fn continue_run(&self, request: Request, mut run: Run, monitor: &mut dyn Monitor) -> Result<Rendered> {
+        let clock = RunClock::start(&run);
+        let mut conditions = StopConditions::new(self, request.stop, &mut run);
+        conditions.check(&run)?;
+        run.coverage = self.coverage_of(&run, request.integrator);
+        let mut stopped = run.done > 0 && conditions.hold(&run);
+        if request.integrator == Integrator::Path && self.plan.motion == MotionPlan::Still {
+            // Each row has random numbers of its own. Photons and shutter times belong to all rows.
+            run.sums.film.assume_independent_rows();
+        }
+        let context = self.pass_context();
+        let openings = if stopped { Openings::default() } else { find_openings(&context, &mut run.sums.seconds) };
+        let responses = self.responses(&run.sums.film);
+        let context = PassContext { openings: &openings, responses: responses.as_ref(), ..context };
+        let selector =
+            if stopped { Cow::Borrowed(context.selector) } else { learn_lights(&context, &mut run.sums.seconds) };
+        let context = PassContext { selector: &selector, ..context };
+        // The pilot depends only on the scene and the seed. The pilot of a resumed run therefore
+        // gives the same results.
+        let wants_coarse_picture = run.done == 0 && monitor.wants_coarse_picture();
+        let pilot = match request.integrator {
+            Integrator::Photon if !stopped => {
+                monitor.before_pilot();
+                let show = wants_coarse_picture.then_some(|picture: &Picture| monitor.show_coarse_picture(picture));
+                Some(Pilot::run(&context, &mut run.sums.seconds, show)?)
+            }
+            Integrator::Path if wants_coarse_picture && !stopped => {
+                coarse_path_picture(&context)?.inspect(|picture| monitor.show_coarse_picture(picture));
+                None
+            }
+            Integrator::Photon | Integrator::Path => None,
+        };
+        let (mut interrupted, mut light_maps) = (false, LightMaps::default());
+        while !(stopped || interrupted) {
+            let pass = run.part.pass(run.done);
+            match &pilot {
+                Some(pilot) => photon_pass(context, pilot, &mut light_maps, pass, &mut run.sums)?,
+                None => path_pass(context, pass, &mut run.sums)?,
+            }
+            run.done += 1;
+            context.add_wavelengths(pass, &mut run.coverage);
+            clock.update(&mut run);
+            stopped = conditions.hold(&run);
+            interrupted = !monitor.after_pass(&conditions.progress(&run)) && !stopped;
+            if !(stopped || interrupted) {
+                monitor.checkpoint(&run);
+            }
+        }
+        if run.sums.film.overflowed() {
+            return Err(Error::input("the radiance in a pixel exceeds 9e18 W/m²/sr").expected("lights of lower power"));
+        }
+        let unlit = pilot.map_or_else(Vec::new, |pilot| pilot.unlit);
+        let develop_start = Instant::now();
+        let (picture, squares) = run.sums.film.picture_and_error();
+        let squares = squares.filter(|_| run.coverage.is_complete());
+        run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
+        clock.update(&mut run);
+        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares), &unlit);
+        let mut ledger = run.sums.ledger.clone();
+        ledger.scale(1.0 / run.done.max(1) as f64);
+        Ok(Rendered { picture, ledger, stats, interrupted, run })
+    }
+}

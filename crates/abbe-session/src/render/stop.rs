@@ -1,0 +1,161 @@
+//! Checks the stop rules of a run.
+
+use super::forecast::{ErrorHistory, Forecast, RunTimes};
+use super::job::Job;
+use super::monitor::Progress;
+use super::request::StopRules;
+use super::run::Run;
+use abbe_spectra::error::{Error, Result};
+use abbe_transport::sensor::ErrorSquares;
+use std::time::{Duration, Instant};
+
+/// Measures the time of a run. The time between an interruption and the continuation does not
+/// count.
+#[derive(Debug)]
+pub(super) struct RunClock {
+    start: Instant,
+    /// The time in s that the run took before this process started or continued it.
+    before_s: f64,
+}
+
+impl RunClock {
+    /// Starts to measure.
+    pub(super) fn start(run: &Run) -> Self {
+        Self { start: Instant::now(), before_s: run.sums.seconds.total }
+    }
+
+    /// Writes the total time into the run.
+    pub(super) fn update(&self, run: &mut Run) {
+        run.sums.seconds.total = self.before_s + self.start.elapsed().as_secs_f64();
+    }
+}
+
+/// The stop rules of a run, and the measurements for them.
+#[derive(Debug)]
+pub(super) struct StopConditions {
+    rules: StopRules,
+    /// The number of passes of this run's part at which the render stops, or `None` if the number
+    /// of passes is not limited.
+    wanted: Option<u64>,
+    error: ErrorTracker,
+}
+
+impl StopConditions {
+    /// Creates the stop rules of a request. Writes the number of wanted passes into the run.
+    pub(super) fn new(job: &Job, rules: StopRules, run: &mut Run) -> Self {
+        run.wanted = rules.passes_wanted(&job.budget);
+        let wanted = run.wanted.map(|passes| run.part.count_of(passes));
+        Self { rules, wanted, error: ErrorTracker::default() }
+    }
+
+    /// Checks the number of wanted passes.
+    ///
+    /// # Errors
+    /// Returns an input error if the run's part has no passes, or if the run has more passes than
+    /// wanted.
+    pub(super) fn check(&self, run: &Run) -> Result<()> {
+        let (part, wanted) = (run.part, self.wanted.unwrap_or(u64::MAX));
+        if wanted == 0 {
+            return Err(Error::input(format!("part {part} contains none of the passes"))
+                .expected("more passes, or fewer parts"));
+        }
+        if run.done > wanted {
+            let what = format!("the saved run has {} passes already", run.done);
+            let least = part.pass(run.done - 1) + 1;
+            return Err(Error::input(what).expected(format!("at least {least} passes")));
+        }
+        Ok(())
+    }
+
+    /// Returns true if a stop rule is satisfied after a pass. Measures the error if a measurement
+    /// is due.
+    pub(super) fn hold(&mut self, run: &Run) -> bool {
+        let elapsed = elapsed(run);
+        let target = self.rules.target_error.filter(|_| ErrorTracker::decides_after(run.done));
+        self.error.update(run, elapsed, target.is_some());
+        self.wanted.is_some_and(|wanted| run.done >= wanted)
+            || self.rules.time.is_some_and(|limit| elapsed >= limit)
+            || target.zip(self.error.history.latest()).is_some_and(|(target, error)| error <= target)
+    }
+
+    /// Returns the progress of the run for a monitor.
+    pub(super) fn progress(&self, run: &Run) -> Progress {
+        Progress {
+            passes: run.done,
+            passes_wanted: self.wanted,
+            elapsed: elapsed(run),
+            time_wanted: self.rules.time,
+            photons_per_second: run.sums.tally.photons as f64 / run.sums.seconds.total,
+            relative_error: self.error.history.latest(),
+            error_wanted: self.rules.target_error,
+            forecast: self.error.forecast(run),
+        }
+    }
+
+    /// Returns the forecast at the end of the run. `squares` is the final squared error, if the
+    /// error is known.
+    pub(super) fn forecast_at_end(&mut self, run: &Run, squares: Option<ErrorSquares>) -> Option<Forecast> {
+        self.error.history.add(run.done, squares?);
+        self.error.forecast(run)
+    }
+}
+
+fn elapsed(run: &Run) -> Duration {
+    Duration::try_from_secs_f64(run.sums.seconds.total).unwrap_or_default()
+}
+
+/// Measures the error of the picture from time to time.
+///
+/// A measurement takes time, because it develops the picture. Therefore all measurements together
+/// may take only a limited share of the run's time. The limit is higher for the first measurements,
+/// so that a forecast is soon available.
+#[derive(Debug, Default)]
+struct ErrorTracker {
+    history: ErrorHistory,
+    /// The next measurement is due after this many passes or later.
+    next_pass: u64,
+    /// The next measurement is due at this time or later.
+    next_time: Duration,
+}
+
+impl ErrorTracker {
+    /// Returns true if the error may stop the run after this many passes.
+    ///
+    /// The numbers of passes are fixed, so that the result does not depend on the speed of the
+    /// machine. Each replicate needs at least two passes to estimate the noise.
+    fn decides_after(passes: u64) -> bool {
+        passes >= 16 && passes.is_multiple_of(8)
+    }
+
+    /// Measures the error if a stop rule needs the error, or if a measurement is due.
+    fn update(&mut self, run: &Run, elapsed: Duration, needed: bool) {
+        /// The first measurement is due after one pass per replicate. With fewer passes, the noise
+        /// of stratified samples would be underestimated.
+        const FIRST: u64 = 8;
+        let due = run.done >= self.next_pass.max(FIRST) && elapsed >= self.next_time;
+        if needed || due {
+            let start = Instant::now();
+            let squares = run.error_squares();
+            squares.into_iter().for_each(|squares| self.history.add(run.done, squares));
+            let pause = start.elapsed() * if run.done < FIRST + 2 { 5 } else { 50 };
+            self.next_pass = run.done + (run.done / 8).max(1);
+            self.next_time = elapsed + pause;
+        }
+    }
+
+    fn forecast(&self, run: &Run) -> Option<Forecast> {
+        self.history.forecast(RunTimes::of(run.done, &run.sums.seconds))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All replicates have the same number of passes, and at least two.
+    #[test]
+    fn an_error_decides_after_whole_rounds_of_the_replicates() {
+        let deciding: Vec<u64> = (0..48).filter(|&passes| ErrorTracker::decides_after(passes)).collect();
+        assert_eq!(deciding, [16, 24, 32, 40]);
+    }
+}

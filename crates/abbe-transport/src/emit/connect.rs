@@ -1,0 +1,105 @@
+//! Connection of photons to the camera (light tracing). A connection needs no kernel and has no
+//! bias.
+
+use super::photon_path::PhotonState;
+use super::visitor::SurfaceArrival;
+use crate::plan::MediumPlan;
+use crate::walk::{CausticWeights, RayDensity, path_transmittance, transmittance};
+use abbe_optics::bsdf::{BsdfClass, TransportMode};
+use abbe_optics::fluorophore::Fluorophore;
+use abbe_scene::Scene;
+use abbe_spectra::math::random::hash64;
+use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
+use std::f64::consts::FRAC_1_PI;
+
+/// The contribution of a connected photon to one pixel.
+#[derive(Debug, Clone, Copy)]
+pub struct Splat {
+    /// The pixel.
+    pub pixel: u32,
+    /// The wavelengths in nm, and the radiance at each of them in W/m²/sr. This radiance is already
+    /// divided by all probability densities. The first entries are for the wavelengths of the
+    /// photon. At a fluorescent surface, the other entries are for wavelengths of the emission.
+    lanes: [(f64, f64); 2 * LANES],
+    /// The number of entries in use.
+    count: usize,
+}
+
+impl Splat {
+    /// Iterates over the wavelengths (nm) and the radiance at each of them.
+    pub fn lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.lanes[..self.count].iter().copied()
+    }
+}
+
+/// Connects photons to the camera.
+#[derive(Debug, Clone, Copy)]
+pub struct CameraConnection<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The plan for bodies and media.
+    pub media_plan: MediumPlan,
+    /// The number of photon paths in the photon's set.
+    pub photons_per_sample: f64,
+}
+
+impl CameraConnection<'_> {
+    /// Connects a photon at a surface to the camera. `lens` in [0, 1)² selects the point of the
+    /// aperture. At a fluorescent surface, `emission` in [0, 1) selects the wavelengths of the
+    /// emission. Returns `None` if the camera does not see the photon.
+    pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2], emission: f64) -> Option<Splat> {
+        let Self { scene, media_plan, photons_per_sample } = *self;
+        let SurfaceArrival { interaction, photon, .. } = arrival;
+        let sighting = scene.camera.connect(interaction.hit.position, lens)?;
+        let to_camera = interaction.frame.to_local(sighting.direction);
+        let to_light = interaction.wo;
+        let sides = interaction.sides_towards(sighting.direction);
+        let geometry = to_camera.z.abs()
+            * interaction.adjoint_correction(arrival.to_light(), sighting.direction)
+            * sighting.importance;
+        let geometry = if photon.ray_density == RayDensity::NONE || interaction.bsdf.class() != BsdfClass::Glossy {
+            geometry
+        } else {
+            let pixel_m = scene.camera.pixel_width_m(sighting.distance);
+            let weights = CausticWeights { photons_m2: photons_per_sample * pixel_m * pixel_m };
+            let pdf = interaction.bsdf.pdf(to_camera, to_light, sides, REFERENCE_NM);
+            geometry * weights.of_photon(photon.ray_density, pdf)
+        };
+        let mut lanes = [(0.0, 0.0); 2 * LANES];
+        let mut count = photon.wavelengths.count;
+        for (k, &nm) in photon.wavelengths.active().iter().enumerate() {
+            let f = interaction.bsdf.eval(to_camera, to_light, sides, TransportMode::Radiance, nm);
+            lanes[k] = (nm, f * photon.power[k] * geometry);
+        }
+        if let Some(surface) = interaction.bsdf.model.as_fluorescent()
+            && interaction.bsdf.pdf(to_camera, to_light, sides, photon.wavelengths.hero()) > 0.0
+        {
+            let emitted = emission_into_camera(&surface.fluorophore, photon, emission);
+            lanes[count..count + LANES].copy_from_slice(&emitted.map(|(nm, radiance)| (nm, radiance * geometry)));
+            count += LANES;
+        }
+        let any = lanes[..count].iter().any(|(_, radiance)| *radiance > 0.0);
+        if !(any && interaction.is_unoccluded(scene, sighting.direction, sighting.distance, None)) {
+            return None;
+        }
+        if !media_plan.is_clear() {
+            let medium_stack = interaction.medium_stack_towards(sighting.direction);
+            let ray_state = interaction.spawn_ray(sighting.direction, medium_stack);
+            let seed = hash64([u64::from(sighting.pixel), lens[0].to_bits()]);
+            let along = path_transmittance(scene, ray_state, sighting.distance, seed);
+            lanes[..count].iter_mut().for_each(|(nm, radiance)| *radiance *= transmittance(&along, *nm));
+        }
+        Some(Splat { pixel: sighting.pixel, lanes, count })
+    }
+}
+
+/// Returns wavelengths (nm) of the emission that a photon excites, and the emitted radiance per
+/// unit of area, divided by the density of the wavelengths. `u` in [0, 1) selects the wavelengths.
+fn emission_into_camera(fluorophore: &Fluorophore, photon: &PhotonState, u: f64) -> [(f64, f64); LANES] {
+    std::array::from_fn(|k| {
+        let (to_nm, pdf) = fluorophore.wavelengths().sample((u + k as f64) / LANES as f64);
+        let powers = photon.wavelengths.active().iter().zip(photon.power);
+        let emitted: f64 = powers.map(|(&nm, power)| power * fluorophore.bispectral_factor(nm, to_nm)).sum();
+        (to_nm, emitted * FRAC_1_PI / (pdf * LANES as f64))
+    })
+}

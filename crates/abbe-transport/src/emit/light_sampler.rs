@@ -1,0 +1,126 @@
+//! Selection of lights, and of wavelengths for all lights together.
+
+use abbe_scene::Scene;
+use abbe_scene::light::Light;
+use abbe_spectra::math::distribution::DiscreteDistribution;
+use abbe_spectra::spectrum::{Spectrum, WavelengthDistribution};
+
+/// The distributions that select a light and wavelengths.
+#[derive(Debug, Clone)]
+pub struct LightSampler {
+    /// Selects a light. The probability of a light is a weighted mean of two shares: the light's
+    /// share of the visual importance (X + Y + Z), and the light's share of the radiant power.
+    pub lights: DiscreteDistribution,
+    /// Samples wavelengths for all lights together: the pass's shared wavelengths, and the
+    /// wavelengths of the path tracer. The distribution is a mixture. Half of the wavelengths are
+    /// sampled from the power of all lights together. The other half is divided equally among the
+    /// different spectra, so that a dim light with a line spectrum is sampled beside a bright
+    /// light. The emission spectra of fluorophores count among the different spectra.
+    pub wavelengths: WavelengthDistribution,
+    /// For each fluorophore, the distribution of the wavelengths that excite it. `None` if it
+    /// absorbs no light of the scene. The path tracer samples excitation wavelengths from it.
+    pub excitation: Vec<Option<WavelengthDistribution>>,
+    /// The power of all lights together, in W over the band.
+    pub power_w: f64,
+}
+
+/// The fraction of the photons that lights receive in proportion to their radiant power. Without
+/// this fraction, lights that emit only at the ends of the band would receive almost no photons.
+const RADIANT_FRACTION: f64 = 0.15;
+
+/// The share of the wavelengths that the different spectra receive in equal parts.
+const EQUAL_SHARE: f64 = 0.5;
+
+impl LightSampler {
+    /// Creates the distributions for a scene, or `None` if its lights emit no power in the band.
+    pub fn new(scene: &Scene) -> Option<Self> {
+        let powers: Vec<f64> = scene.lights.iter().map(|light| light.power_w(scene.extent())).collect();
+        let visible: Vec<f64> = scene.lights.iter().zip(&powers).map(|(l, p)| l.importance_per_watt * p).collect();
+        let (power_w, visible_sum) = (powers.iter().sum::<f64>(), visible.iter().sum::<f64>());
+        if !(power_w > 0.0 && visible_sum > 0.0) {
+            return None;
+        }
+        let probability =
+            |i: usize| (1.0 - RADIANT_FRACTION) * visible[i] / visible_sum + RADIANT_FRACTION * powers[i] / power_w;
+        let emissions = emission_spectra(scene);
+        let mixture = Spectrum::mix(&defensive_mixture(&scene.lights, &powers, visible_sum, &emissions));
+        Some(Self {
+            lights: DiscreteDistribution::new((0..powers.len()).map(probability))?,
+            wavelengths: WavelengthDistribution::visually_weighted(&mixture, scene.film.observer)?,
+            excitation: scene.fluorophores().map(|fluorophore| fluorophore.absorbed_wavelengths(&mixture)).collect(),
+            power_w,
+        })
+    }
+}
+
+/// The number of wavelengths of a spectrum at which [`LightSampler::wavelengths_per_useful_one`]
+/// compares densities.
+const COMPARED_WAVELENGTHS: u32 = 64;
+
+impl LightSampler {
+    /// Returns how many sampled wavelengths correspond to one wavelength that is sampled from a
+    /// single spectrum, for the spectrum with the largest number. It is 1 if all lights have the
+    /// same spectrum. It is large if many lights have different lines.
+    ///
+    /// The number is the relative second moment ∫ p²/q of the estimate of the spectrum's light: p
+    /// is the density of wavelengths for the spectrum alone, and q is the density for all lights
+    /// (Kong 1992, "A note on importance sampling using standardized weights").
+    pub fn wavelengths_per_useful_one(&self, scene: &Scene) -> f64 {
+        let powers: Vec<f64> = scene.lights.iter().map(|light| light.power_w(scene.extent())).collect();
+        let groups = spectrum_groups(&scene.lights, &powers);
+        let second_moment = |(_, light): &(f64, &Light)| {
+            let alone = WavelengthDistribution::visually_weighted(&light.spectrum, scene.film.observer)?;
+            let ratio = |i: u32| {
+                let (nm, density) = alone.sample((f64::from(i) + 0.5) / f64::from(COMPARED_WAVELENGTHS));
+                density / self.wavelengths.pdf(nm)
+            };
+            Some((0..COMPARED_WAVELENGTHS).map(ratio).sum::<f64>() / f64::from(COMPARED_WAVELENGTHS))
+        };
+        groups.iter().filter(is_visible).filter_map(second_moment).fold(1.0, f64::max)
+    }
+}
+
+/// Returns the different spectra of the lights, and their weights in the mixture from which
+/// wavelengths are sampled. `visible_sum` is the visual importance of all lights together.
+/// `emissions` contains the emission spectra of fluorophores, each with its visual importance.
+fn defensive_mixture<'a>(
+    lights: &'a [Light],
+    powers: &[f64],
+    visible_sum: f64,
+    emissions: &'a [(f64, Spectrum)],
+) -> Vec<(f64, &'a Spectrum)> {
+    let groups = spectrum_groups(lights, powers);
+    let count = (groups.iter().filter(is_visible).count() + emissions.len()) as f64;
+    let weight = |group: &(f64, &Light)| {
+        let equal = if is_visible(&group) { EQUAL_SHARE / (count * group.1.importance_per_watt) } else { 0.0 };
+        (1.0 - EQUAL_SHARE) * group.0 / visible_sum + equal
+    };
+    let of_emissions = emissions.iter().map(|(visible, spectrum)| (EQUAL_SHARE / (count * visible), spectrum));
+    groups.iter().map(|group| (weight(group), &group.1.spectrum)).chain(of_emissions).collect()
+}
+
+/// Returns one light of each different spectrum, with the power in W of all lights of this
+/// spectrum.
+pub(super) fn spectrum_groups<'a>(lights: &'a [Light], powers: &[f64]) -> Vec<(f64, &'a Light)> {
+    let mut groups: Vec<(f64, &Light)> = Vec::new();
+    for (light, &power_w) in lights.iter().zip(powers) {
+        match groups.iter_mut().find(|(_, known)| known.spectrum == light.spectrum) {
+            Some((sum_w, _)) => *sum_w += power_w,
+            None => groups.push((power_w, light)),
+        }
+    }
+    groups
+}
+
+/// Returns true if the observer can see the light of a group.
+pub(super) fn is_visible((power_w, light): &&(f64, &Light)) -> bool {
+    *power_w > 0.0 && light.importance_per_watt > 0.0
+}
+
+/// Returns the emission spectra of the fluorophores of a scene that the observer can see, each with
+/// its visual importance X + Y + Z.
+fn emission_spectra(scene: &Scene) -> Vec<(f64, Spectrum)> {
+    let spectra = scene.fluorophores().map(|fluorophore| fluorophore.emitted_power().clone());
+    let weighed = spectra.map(|spectrum| (scene.film.observer.xyz(&spectrum).iter().sum::<f64>(), spectrum));
+    weighed.filter(|(visible, _)| *visible > 0.0).collect()
+}

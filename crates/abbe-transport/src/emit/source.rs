@@ -1,0 +1,166 @@
+//! The emission of a set of photons.
+
+use super::fluorescence::EXCITATION_SHARE;
+use super::photon_path::{PhotonPath, PhotonState};
+use super::strata::EmissionStrata;
+use super::visitor::PhotonVisitor;
+use crate::map::PhotonSpectra;
+use crate::plan::MediumPlan;
+use crate::plan::partition::LightPath;
+use crate::walk::{BodyMode, DepthLimit, RayDensities, RayDensity, RayState};
+use abbe_scene::Scene;
+use abbe_scene::geometry::Ray;
+use abbe_scene::light::{LeRandoms, LeSample, Light};
+use abbe_spectra::math::random::{Purpose, Stream, hash64};
+use abbe_spectra::math::sobol::Sobol;
+use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
+
+/// The wavelengths of the photons of a set.
+#[derive(Debug, Clone, Copy)]
+pub enum WavelengthSampling {
+    /// Each photon samples its own wavelengths. Their distribution depends on the spectrum of the
+    /// photon's light and on the sensitivity of the observer.
+    Free,
+    /// All photons carry the pass's shared wavelengths.
+    Shared {
+        /// The wavelengths in nm.
+        nm: Lanes,
+        /// The density of each wavelength, per nm.
+        pdf: Lanes,
+    },
+}
+
+/// The inputs common to all photons of one set.
+#[derive(Debug)]
+pub struct PhotonSource<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The strata of the emitted rays.
+    pub strata: &'a EmissionStrata,
+    /// The spectra of the lights.
+    pub spectra: &'a PhotonSpectra,
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
+    pub ray_densities: Option<&'a RayDensities>,
+    /// The wavelengths of the photons.
+    pub wavelengths: WavelengthSampling,
+    /// True if the scene has fluorophores.
+    pub fluorescent: bool,
+    /// The number of photon paths in the set.
+    pub count: u64,
+    /// The number of surface events after which a path ends.
+    pub depth_limit: DepthLimit,
+    /// The seed of the render.
+    pub seed: u64,
+    /// The purpose of the set's random streams.
+    pub purpose: Purpose,
+    /// The number of the pass.
+    pub pass: u64,
+    /// The plan for bodies and media. If the scene contains any, paths need a medium stack.
+    pub media_plan: MediumPlan,
+}
+
+impl PhotonSource<'_> {
+    /// Returns the set's low-discrepancy points. The points are scrambled differently in each pass.
+    pub fn points(&self) -> Sobol {
+        Sobol::new(hash64([self.seed, self.purpose as u64, self.pass]))
+    }
+
+    /// Returns the random stream of the photon with this index.
+    pub(super) fn stream(&self, index: u64) -> Stream {
+        Stream::new(self.seed, self.purpose, self.pass, index)
+    }
+
+    /// Emits the photon with this index and reports its emission to the visitor.
+    #[inline(always)]
+    pub(super) fn emit<M: BodyMode>(
+        &self,
+        points: &Sobol,
+        index: u32,
+        stream: &mut Stream,
+        visitor: &mut impl PhotonVisitor,
+    ) -> PhotonPath {
+        let mixed = self.has_excitation_photons();
+        let excitation = mixed && stream.uniform() < EXCITATION_SHARE;
+        let u = points.point(index);
+        let mut u_light = u[1];
+        let number = self.strata.choice.sample(&mut u_light);
+        let stratum = &self.strata.list[number];
+        let light = &self.scene.lights[stratum.light];
+        let (aim, density) = stratum.aim.sample([u[2], u[3]]);
+        visitor.on_emission(number, aim);
+        let randoms = LeRandoms { aim, rest: [u[4], u[5], u[6]] };
+        let emission = self.strata.sample_le(stratum, light, self.scene.extent(), randoms);
+        let (wavelengths, power_of_watt) = self.sample_wavelengths(light, &emission, excitation, u[0]);
+        let mut flux = emission.flux_w / (self.count as f64 * self.strata.choice.probability(number) * density);
+        if mixed {
+            flux /= if excitation { EXCITATION_SHARE } else { 1.0 - EXCITATION_SHARE };
+        }
+        let ray = Ray { origin: emission.origin, direction: emission.direction };
+        let medium_stack = M::initial_medium_stack(|| self.scene.medium_stack_of_emission(light, ray, emission.from));
+        PhotonPath {
+            ray_state: RayState { ray, from: emission.from, medium_stack },
+            photon: PhotonState {
+                light_path: LightPath::Direct,
+                lost: false,
+                wavelengths,
+                power: power_of_watt.map(|s| s * flux),
+                wavelength_code: self.spectra.code(stratum.light, u[0]),
+                lane: None,
+                excitation,
+                ray_density: self
+                    .ray_densities
+                    .map_or(RayDensity::NONE, |densities| densities.of_stratum(number, light.radiance_of(&emission))),
+            },
+            watts: self.watts(excitation),
+        }
+    }
+
+    /// Samples the wavelengths of a photon from this light. Also returns the power of each lane for
+    /// a photon with a total power of 1 W. For free photons, this power is S(λ)/(n p(λ)) in W,
+    /// where n is the number of lanes. For shared photons, it is S(λ) in W/nm.
+    #[inline(always)]
+    fn sample_wavelengths(&self, light: &Light, emission: &LeSample, excitation: bool, u: f64) -> (Wavelengths, Lanes) {
+        match self.wavelengths {
+            WavelengthSampling::Shared { nm, .. } if !excitation => {
+                (Wavelengths::new(nm), nm.map(|nm| light.spd_at(emission.spd, nm)))
+            }
+            WavelengthSampling::Free | WavelengthSampling::Shared { .. } => {
+                let mut nm = [0.0; LANES];
+                let mut power = [0.0; LANES];
+                for k in 0..LANES {
+                    let (sampled, pdf) = light.photon_wavelengths().sample((u + k as f64) / LANES as f64);
+                    nm[k] = sampled;
+                    power[k] = light.spd_at(emission.spd, sampled) / (pdf * LANES as f64);
+                }
+                (Wavelengths::new(nm), power)
+            }
+        }
+    }
+
+    /// Returns true if the photon can excite a fluorophore.
+    #[inline]
+    pub(super) fn excites(&self, photon: &PhotonState) -> bool {
+        photon.excitation || matches!(self.wavelengths, WavelengthSampling::Free)
+    }
+
+    /// Returns true if a part of the photons are excitation photons.
+    #[inline]
+    fn has_excitation_photons(&self) -> bool {
+        self.fluorescent && matches!(self.wavelengths, WavelengthSampling::Shared { .. })
+    }
+
+    /// Returns the factor that converts the power of a lane to W. The energy ledger needs this
+    /// factor. If a part of the photons are excitation photons, both parts represent the whole
+    /// emission. Each part then counts in the ledger by its share of the photons.
+    #[inline]
+    pub(super) fn watts(&self, excitation: bool) -> Lanes {
+        match self.wavelengths {
+            WavelengthSampling::Free => [1.0; LANES],
+            WavelengthSampling::Shared { .. } if excitation => [EXCITATION_SHARE; LANES],
+            WavelengthSampling::Shared { pdf, .. } => {
+                let share = if self.has_excitation_photons() { 1.0 - EXCITATION_SHARE } else { 1.0 };
+                pdf.map(|pdf| if pdf > 0.0 { share / (pdf * LANES as f64) } else { 0.0 })
+            }
+        }
+    }
+}

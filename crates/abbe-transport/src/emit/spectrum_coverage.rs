@@ -1,0 +1,51 @@
+//! Which spectra of the lights the shared wavelengths have sampled.
+
+use super::light_sampler::{is_visible, spectrum_groups};
+use abbe_scene::Scene;
+use abbe_scene::light::Light;
+use abbe_spectra::spectrum::{Lanes, WavelengthDistribution};
+
+/// A pass samples a spectrum if the mean of p/q over its wavelengths is at least this number. p is
+/// the density of wavelengths for the spectrum alone, and q is the density for all lights. Over
+/// many passes, the mean of p/q is 1. The tail of a line is therefore not sufficient.
+const LEAST_SHARE: f64 = 0.1;
+
+/// The different spectra of the lights that no pass has sampled so far. Behind dispersive glass,
+/// the picture then lacks the light of these lights, and the differences between the replicates do
+/// not show it.
+#[derive(Debug, Default)]
+pub struct SpectrumCoverage {
+    /// The spectra that no pass has sampled: the name of a light, and its wavelengths.
+    missing: Vec<(String, WavelengthDistribution)>,
+}
+
+impl SpectrumCoverage {
+    /// Returns the spectra of a scene before the first pass.
+    pub fn before_first_pass(scene: &Scene) -> Self {
+        let powers: Vec<f64> = scene.lights.iter().map(|light| light.power_w(scene.extent())).collect();
+        let groups = spectrum_groups(&scene.lights, &powers);
+        let alone = |light: &Light| {
+            Some((light.name.clone(), WavelengthDistribution::visually_weighted(&light.spectrum, scene.film.observer)?))
+        };
+        Self { missing: groups.iter().filter(is_visible).filter_map(|(_, light)| alone(light)).collect() }
+    }
+
+    /// Removes the spectra that a pass with these wavelengths in nm samples. `pdf` is the density
+    /// of each wavelength.
+    pub fn add_pass(&mut self, nm: &Lanes, pdf: &Lanes) {
+        self.missing.retain(|(_, alone)| {
+            let shares = nm.iter().zip(pdf).map(|(&nm, &pdf)| alone.pdf(nm) / pdf);
+            shares.sum::<f64>() < LEAST_SHARE * nm.len() as f64
+        });
+    }
+
+    /// Returns true if the passes have sampled all spectra.
+    pub fn is_complete(&self) -> bool {
+        self.missing.is_empty()
+    }
+
+    /// Returns the name of one light of each spectrum that no pass has sampled.
+    pub fn missing(&self) -> impl Iterator<Item = &str> {
+        self.missing.iter().map(|(name, _)| name.as_str())
+    }
+}

@@ -1,0 +1,153 @@
+//! The strata of emitted rays.
+//!
+//! A small object in a large world receives few of the photons that the lights emit, and a grid of
+//! cells over all emitted rays is too coarse to aim at the object. The rays of each light are
+//! therefore divided into strata. A *target* is a sphere around a small part of the scene. One
+//! stratum contains the rays through a target. The last stratum contains all other rays. Each
+//! stratum has its own probability and its own aim, so a ray through a target has a high density at
+//! any ratio of scales, and the estimate stays unbiased (stratified sampling: Cochran 1977,
+//! "Sampling Techniques", chapter 5).
+
+use super::aim::Aim;
+use crate::walk::{RayDensities, StratumDensity};
+use abbe_scene::light::{LeRandoms, LeSample, Light, SceneExtent};
+use abbe_spectra::math::distribution::DiscreteDistribution;
+use abbe_spectra::math::sort::sort_by_number;
+use abbe_spectra::math::sphere::BoundingSphere;
+use std::ops::Range;
+
+/// The number of rays from which the share of a stratum is computed.
+const SHARE_RAYS: u32 = 64;
+
+/// A target is used only if a smaller share of the light's power passes through it.
+const LARGEST_SHARE: f64 = 1.0 / 256.0;
+
+/// A surrounding sphere is used only if a smaller share of the light's power passes through it.
+const LARGEST_SHARE_OF_SURROUNDINGS: f64 = 1.0 / 4.0;
+
+/// The strata of all lights.
+#[derive(Debug, Clone)]
+pub struct EmissionStrata {
+    /// The strata, light by light.
+    pub list: Vec<Stratum>,
+    /// Selects the stratum of each photon.
+    pub choice: DiscreteDistribution,
+    /// The spheres of the strata, if the world is much larger than the targets. Surfaces far from a
+    /// sphere scatter some photons towards it on purpose.
+    pub destinations: Vec<BoundingSphere>,
+}
+
+/// A part of the rays that a light emits.
+#[derive(Debug, Clone)]
+pub struct Stratum {
+    /// The number of the light.
+    pub light: usize,
+    /// The target of the rays. `None` for the stratum of all other rays.
+    target: Option<BoundingSphere>,
+    /// The strata of the same light whose rays do not belong to this stratum, even if they pass
+    /// through this stratum's target.
+    excluded: Range<usize>,
+    /// The share of the light's power in this stratum. Rays in excluded strata are included.
+    pub share: f64,
+    /// The emission distribution.
+    pub aim: Aim,
+}
+
+impl EmissionStrata {
+    /// Creates one stratum per light. `lights` selects a light.
+    pub fn plain(lights: &DiscreteDistribution) -> Self {
+        let list = (0..lights.len()).map(|light| Stratum::whole(light, 0..0)).collect();
+        Self { list, choice: lights.clone(), destinations: Vec::new() }
+    }
+
+    /// Creates the strata of all lights. A light has a stratum for each target that only a small
+    /// share of its power reaches. If a light has such a stratum, it has more strata for the
+    /// spheres `surroundings`, which lie between the targets and the world. The smaller spheres
+    /// come first, and they exclude the larger ones. The strata of a light share its probability.
+    pub fn new(
+        lights: &[Light],
+        extent: SceneExtent<'_>,
+        [targets, surroundings]: [&[BoundingSphere]; 2],
+        probability: impl Fn(usize) -> f64,
+    ) -> Option<Self> {
+        let (mut list, mut weights): (Vec<Stratum>, Vec<f64>) = (Vec::new(), Vec::new());
+        let mut destinations: Vec<BoundingSphere> = Vec::new();
+        for (number, light) in lights.iter().enumerate() {
+            let shares = |spheres: &[BoundingSphere], largest: f64| -> Vec<(BoundingSphere, f64)> {
+                let shares = spheres.iter().map(|sphere| (*sphere, share_through(light, extent, sphere)));
+                shares.filter(|&(_, share)| share > 0.0 && share < largest).collect()
+            };
+            let mut spheres = shares(targets, LARGEST_SHARE);
+            if !spheres.is_empty() {
+                let around = shares(surroundings, LARGEST_SHARE_OF_SURROUNDINGS);
+                if !around.is_empty() {
+                    spheres.extend(around);
+                    for (sphere, _) in &spheres {
+                        if !destinations.contains(sphere) {
+                            destinations.push(*sphere);
+                        }
+                    }
+                }
+                sort_by_number(&mut spheres, |(sphere, _)| sphere.radius_m);
+            }
+            let first = list.len();
+            for (sphere, share) in spheres {
+                let (target, excluded) = (Some(sphere), first..list.len());
+                list.push(Stratum { light: number, target, excluded, share, aim: Aim::plain() });
+            }
+            list.push(Stratum::whole(number, first..list.len()));
+            let strata = list.len() - first;
+            weights.extend(std::iter::repeat_n(probability(number) / strata as f64, strata));
+        }
+        Some(Self { choice: DiscreteDistribution::new(weights)?, list, destinations })
+    }
+
+    /// Returns the densities of the rays that the strata emit. The density within a stratum is the
+    /// mean density that its photons have.
+    pub fn ray_densities(&self, lights: &[Light], extent: SceneExtent<'_>) -> RayDensities {
+        let density = |(number, stratum): (usize, &Stratum)| {
+            let (light, power_w) = (stratum.light, stratum.share * lights[stratum.light].power_w(extent));
+            let per_watt = self.choice.probability(number) * stratum.aim.mean_density() / power_w;
+            StratumDensity { light, target: stratum.target, per_watt: if power_w > 0.0 { per_watt } else { 0.0 } }
+        };
+        RayDensities::new(self.list.iter().enumerate().map(density).collect())
+    }
+
+    /// Samples a ray of a stratum. The flux is divided by the density within the stratum, and it is
+    /// 0 if the ray belongs to another stratum.
+    #[inline]
+    pub(super) fn sample_le(
+        &self,
+        stratum: &Stratum,
+        light: &Light,
+        extent: SceneExtent<'_>,
+        u: LeRandoms,
+    ) -> LeSample {
+        let sample = match &stratum.target {
+            None => light.sample_le(extent, u),
+            Some(target) => light.sample_le_through(extent, target, u),
+        };
+        let mut others = self.list[stratum.excluded.clone()].iter().filter_map(|other| other.target.as_ref());
+        let elsewhere = others.any(|other| other.contains_part_of(sample.origin, sample.direction));
+        if elsewhere { LeSample { flux_w: 0.0, ..sample } } else { sample }
+    }
+}
+
+impl Stratum {
+    /// Creates the stratum of all rays that do not belong to the excluded strata.
+    fn whole(light: usize, excluded: Range<usize>) -> Self {
+        Self { light, target: None, excluded, share: 1.0, aim: Aim::plain() }
+    }
+}
+
+/// Returns the share of a light's power that passes through a target.
+fn share_through(light: &Light, extent: SceneExtent<'_>, target: &BoundingSphere) -> f64 {
+    let sobol = abbe_spectra::math::sobol::Sobol::new(0);
+    let flux = |i: u32| {
+        let u = sobol.point(i);
+        light.sample_le_through(extent, target, LeRandoms { aim: [u[0], u[1]], rest: [u[2], u[3], u[4]] }).flux_w
+    };
+    let mean = (0..SHARE_RAYS).map(flux).sum::<f64>() / f64::from(SHARE_RAYS);
+    let power_w = light.power_w(extent);
+    if power_w > 0.0 { mean / power_w } else { 0.0 }
+}

@@ -1,0 +1,140 @@
+//! The state of a camera path, and how a scattering event changes it.
+
+use super::throughput::{Factor, SpectralMode};
+use super::visible_point::{CameraSegment, VisiblePoint};
+use crate::gather::direct::light_tree::ReceivingPoint;
+use crate::gather::direct::lighting::HitWeighting;
+use crate::plan::CameraEvents;
+use crate::plan::partition::View;
+use crate::walk::{CausticWeights, ConsistentBsdfSample, RayState, SurfaceInteraction};
+use abbe_scene::geometry::Ray;
+use abbe_scene::medium_stack::MediumStack;
+use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
+
+/// Buffers of one worker, reused from path to path.
+#[derive(Debug, Default)]
+pub struct PathBuffers<'a> {
+    /// The factors of the current path's throughput.
+    pub(in crate::gather) factors: Vec<Factor<'a>>,
+    /// The extinction coefficients of all media and bodies that attenuate the light in a light map.
+    pub(in crate::gather) coefficients: Vec<Lanes>,
+    /// True if the camera walk fills `visible_points` and `camera_segments`.
+    pub(in crate::gather) records: bool,
+    /// The visible points of the last sample.
+    pub visible_points: Vec<VisiblePoint>,
+    /// The path segments of the last sample that lie in scattering media.
+    pub camera_segments: Vec<CameraSegment>,
+}
+
+impl PathBuffers<'_> {
+    /// Creates buffers that record visible points and camera segments.
+    pub fn recording() -> Self {
+        Self { records: true, ..Self::default() }
+    }
+}
+
+/// The data of a camera path that arrives at a glossy surface.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct GlossyEvent {
+    /// The weights of caustic photons and of the camera path.
+    pub(in crate::gather) caustic: Option<CausticWeights>,
+    /// The wavelength (nm) of [`CameraPath::reference_nm`] before the event.
+    pub(in crate::gather) reference_nm: f64,
+}
+
+impl GlossyEvent {
+    /// The value for events at specular surfaces.
+    pub(in crate::gather) const NONE: Self = Self { caustic: None, reference_nm: REFERENCE_NM };
+}
+
+/// The state of a camera path during the walk.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct CameraPath {
+    pub(in crate::gather) ray_state: RayState,
+    pub(in crate::gather) spectral_mode: SpectralMode,
+    pub(in crate::gather) view: View,
+    /// The events that decide the class of the path's light.
+    pub(in crate::gather) events: CameraEvents,
+    pub(in crate::gather) hit_weighting: HitWeighting,
+    /// The throughput at the reference wavelength. Russian roulette uses this value.
+    pub(in crate::gather) reference_throughput: f64,
+    /// The length of the path so far, in m.
+    pub(in crate::gather) distance_m: f64,
+    /// The number of surface events so far.
+    pub(in crate::gather) depth: u32,
+    /// The error that ray marching causes in the path's optical depth.
+    pub(in crate::gather) excess_depth: f64,
+}
+
+impl CameraPath {
+    /// Creates a path at the camera. The path is free: its throughput is a function of wavelength.
+    pub(in crate::gather) fn new(ray: Ray, medium_stack: MediumStack) -> Self {
+        Self {
+            ray_state: RayState { ray, from: None, medium_stack },
+            spectral_mode: SpectralMode::Free,
+            view: View::Direct,
+            events: CameraEvents::Specular,
+            hit_weighting: HitWeighting::Full,
+            reference_throughput: 1.0,
+            distance_m: 0.0,
+            depth: 0,
+            excess_depth: 0.0,
+        }
+    }
+
+    /// Returns the wavelength (nm) at which the path samples directions. A free path samples
+    /// directions at the reference wavelength. At all other wavelengths, the path's factors correct
+    /// the throughput.
+    pub(in crate::gather) fn reference_nm(&self) -> f64 {
+        match self.spectral_mode {
+            SpectralMode::Free => REFERENCE_NM,
+            SpectralMode::Shared { nm, .. } => nm,
+        }
+    }
+
+    /// Multiplies the throughput by a factor.
+    pub(in crate::gather) fn multiply<'a>(&mut self, factor: Factor<'a>, buffers: &mut PathBuffers<'a>) {
+        let at_reference = factor.at(self.reference_nm());
+        self.reference_throughput *= at_reference;
+        match &mut self.spectral_mode {
+            SpectralMode::Free => buffers.factors.push(factor),
+            SpectralMode::Shared { throughput, .. } => *throughput *= at_reference,
+        }
+    }
+
+    /// Continues the path along a sampled direction. Returns false if the direction is on the wrong
+    /// side of the geometric surface.
+    pub(in crate::gather) fn continue_along<'a>(
+        &mut self,
+        interaction: &SurfaceInteraction<'a>,
+        consistent: &ConsistentBsdfSample,
+        glossy: GlossyEvent,
+        buffers: &mut PathBuffers<'a>,
+    ) -> bool {
+        let ConsistentBsdfSample { frame, wo, sample } = consistent;
+        let direction = frame.to_world(sample.wi);
+        if !interaction.is_consistent(direction, sample.event) {
+            return false;
+        }
+        let (bsdf, sides) = (interaction.bsdf, interaction.sides);
+        let factor = Factor::Scattering { bsdf, wo: *wo, sample: *sample, sides, probability: sample.probability };
+        self.multiply(factor, buffers);
+        // Shadow rays and photons at the surface use the wavelength of the arriving path, so their
+        // weights refer to the density at this wavelength.
+        let pdf = if sample.delta || glossy.reference_nm == self.reference_nm() {
+            sample.probability
+        } else {
+            bsdf.pdf(*wo, sample.wi, sides, glossy.reference_nm)
+        };
+        self.view = View::Indirect;
+        self.events = if sample.delta { self.events.after_specular_event() } else { self.events.after_surface() };
+        self.hit_weighting = match (sample.delta, self.hit_weighting) {
+            (false, _) => {
+                HitWeighting::Mis { from: ReceivingPoint::on_surface(interaction), pdf, caustic: glossy.caustic }
+            }
+            (true, weighting) => weighting.after_specular_event(),
+        };
+        self.ray_state = interaction.spawn_ray(direction, interaction.medium_stack_after(sample.event));
+        true
+    }
+}

@@ -1,0 +1,196 @@
+//! The random numbers of camera samples.
+
+use crate::gather::direct::openings::{OPENINGS_SHARE, Openings};
+use crate::walk::RayState;
+use abbe_scene::Scene;
+use abbe_scene::camera::{Aperture, Camera, SystemAt};
+use abbe_scene::geometry::Ray;
+use abbe_scene::meter::{Receptor, ReceptorPoint, Response};
+use abbe_spectra::math::kronecker::golden_ratio;
+use abbe_spectra::math::random::{Purpose, REPLICATES, Stream, hash64, unit_interval};
+use abbe_spectra::math::sobol::{DIMENSIONS, Sobol};
+use glam::{DVec2, DVec3};
+
+/// The shift of a pixel's wavelength sequence is a hash. This constant is one of the hashed values,
+/// so that the wavelength sequence is independent of the pixel's Sobol points.
+const WAVELENGTH_SEQUENCE: u64 = 0x5eed;
+
+/// Separates the random numbers of receptors from the others. The bytes of this number are the word
+/// "meter" in ASCII.
+const RECEPTOR_SEQUENCE: u64 = 0x6d_6574_6572;
+
+/// The start of a path at a receptor.
+pub(in crate::gather) struct ReceptorSample {
+    /// The point of the receptor.
+    pub(in crate::gather) point: ReceptorPoint,
+    /// The ray from the point.
+    pub(in crate::gather) ray_state: RayState,
+    /// The density with which the direction was sampled, per steradian.
+    pub(in crate::gather) pdf: f64,
+    /// The density of the receptor's response, divided by `pdf`.
+    pub(in crate::gather) weight: f64,
+}
+
+/// The random numbers of one camera sample. Within one replicate, the samples of a pixel form a
+/// low-discrepancy sequence over all passes. Each replicate has its own scrambling.
+#[derive(Debug)]
+pub struct PixelSampler {
+    point: [f64; DIMENSIONS],
+    /// Gives the random numbers for all dimensions beyond those of the low-discrepancy point.
+    pub stream: Stream,
+    /// The number in [0, 1) that selects the sample's wavelengths. The number comes from a separate
+    /// sequence, so that the wavelength does not correlate with any other random number.
+    pub wavelength: f64,
+}
+
+impl PixelSampler {
+    /// Creates the sampler of the only camera sample of `pixel` in `pass`.
+    pub fn new(seed: u64, pass: u64, pixel: u64) -> Self {
+        Self::nth(seed, pass, pixel, (0, 1))
+    }
+
+    /// Creates the sampler of one camera sample of `pixel` in `pass`. `nth` is the index of the
+    /// sample in the pass, and `samples` is the number of samples of the pixel in each pass.
+    pub fn nth(seed: u64, pass: u64, pixel: u64, (nth, samples): (u64, u64)) -> Self {
+        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64 * samples + nth);
+        let key = hash64([seed, Purpose::Camera as u64, replicate, pixel]);
+        Self {
+            point: Sobol::new(key).point(index as u32),
+            stream: Stream::new(seed, Purpose::Camera, pass * samples + nth, pixel),
+            wavelength: golden_ratio(index as u32, hash64([key, WAVELENGTH_SEQUENCE])),
+        }
+    }
+
+    /// Returns the position in the pixel, in [0, 1)².
+    fn film(&self) -> [f64; 2] {
+        [self.point[0], self.point[1]]
+    }
+
+    /// Returns the numbers in [0, 1)² that select a point of the aperture.
+    fn lens(&self) -> [f64; 2] {
+        [self.point[2], self.point[3]]
+    }
+
+    /// Returns the numbers in [0, 1)³ that select a light and a point of the light.
+    pub fn light(&self) -> [f64; 3] {
+        [self.point[4], self.point[5], self.point[6]]
+    }
+
+    /// Samples a point of a receptor, and a direction from which it receives light. Some directions
+    /// lead through the glazed openings of `openings`, because shadow rays do not pass through
+    /// glass.
+    pub(in crate::gather) fn receptor_sample(
+        &self,
+        scene: &Scene,
+        receptor: &Receptor,
+        openings: &Openings,
+    ) -> ReceptorSample {
+        let more =
+            |number: u64| unit_interval(hash64([hash64(self.point.map(f64::to_bits)), RECEPTOR_SEQUENCE, number]));
+        let ([u, v], [across, along]) = (self.film(), self.lens());
+        let point = scene.receptor_point(receptor, [more(0), across, along, more(1)]);
+        let (response, choice) = (point.response, more(2));
+        let direction = if openings.glazed.count() > 0 && choice < OPENINGS_SHARE {
+            openings.glazed.sample(point.position, choice / OPENINGS_SHARE, [u, v])
+        } else {
+            response.sample([u, v, across])
+        };
+        let pdf = receptor_pdf((point.position, response), openings, direction);
+        let ray = Ray { origin: point.position, direction };
+        let weight = if pdf > 0.0 { response.pdf(direction) / pdf } else { 0.0 };
+        ReceptorSample {
+            point,
+            ray_state: RayState { ray, from: point.from, medium_stack: point.medium_stack },
+            pdf,
+            weight,
+        }
+    }
+
+    /// Returns the camera ray through a pixel.
+    pub fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
+        let lens = match camera.aperture() {
+            Aperture::Pinhole | Aperture::Orthographic | Aperture::System(_) => [0.5; 2],
+            Aperture::ThinLens { .. } => self.lens(),
+        };
+        camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)
+    }
+
+    /// Returns a ray from the camera, or from a receptor of a measurement, at one wavelength (nm),
+    /// with the bodies around its origin. At a receptor, also returns the density of the direction,
+    /// per steradian. Returns `None` if a lens system stops the ray.
+    pub fn ray_at(&self, scene: &Scene, pixel: u64, nm: f64) -> Option<(RayState, Option<f64>)> {
+        let camera = &scene.camera;
+        if let Some((_, receptor)) = camera.receptor(pixel) {
+            let start = self.receptor_sample(scene, receptor, Openings::NONE);
+            return Some((start.ray_state, Some(start.pdf)));
+        }
+        let ray = match camera.system() {
+            Some(system) => self.ray_through_lens(&system.at(nm), camera, pixel, None)?.0,
+            None => self.ray(camera, pixel),
+        };
+        Some((RayState { ray, from: None, medium_stack: camera.medium_stack }, None))
+    }
+
+    /// Returns a camera ray and its weight. The ray passes through a pixel and a lens system at one
+    /// wavelength. Returns `None` if the lens stops the ray. The number `ghost` in [0, 1) selects a
+    /// ghost of the lens; `None` stands for the image.
+    pub(in crate::gather) fn ray_through_lens(
+        &self,
+        system: &SystemAt<'_>,
+        camera: &Camera,
+        pixel: u64,
+        ghost: Option<f64>,
+    ) -> Option<(Ray, f64)> {
+        camera.ray_through(system, corner(camera, pixel) + DVec2::from(self.film()), self.lens(), ghost)
+    }
+}
+
+/// Returns the density with which paths from a receptor start in a direction, per steradian.
+pub fn receptor_pdf((position, response): (DVec3, Response), openings: &Openings, direction: DVec3) -> f64 {
+    let pdf = response.pdf(direction);
+    if openings.glazed.count() == 0 {
+        return pdf;
+    }
+    OPENINGS_SHARE * openings.glazed.pdf(position, direction) + (1.0 - OPENINGS_SHARE) * pdf
+}
+
+/// Returns the top left corner of a pixel.
+fn corner(camera: &Camera, pixel: u64) -> DVec2 {
+    let width = camera.width() as u64;
+    DVec2::new((pixel % width) as f64, (pixel / width) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the correlation of two lists of uniform numbers.
+    fn correlation(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
+        let (sum, count) = pairs.fold((0.0, 0.0), |(sum, n), (a, b)| (sum + (a - 0.5) * (b - 0.5), n + 1.0));
+        12.0 * sum / count
+    }
+
+    /// The samples of different pixels, of different passes and of different purposes are
+    /// independent.
+    #[test]
+    fn samples_of_pixels_and_passes_are_uncorrelated() {
+        let numbers = |seed: u64, pass: u64, pixel: u64| {
+            let sampler = PixelSampler::new(seed, pass, pixel);
+            let [x, y] = sampler.film();
+            let [u, v, w] = sampler.light();
+            [x, y, u, v, w, sampler.wavelength]
+        };
+        for (pass, pixel) in [(0, 1), (1, 0), (8, 0), (3, 17)] {
+            for i in 0..6 {
+                for j in 0..6 {
+                    let pair = |seed: u64| (numbers(seed, 0, 0)[i], numbers(seed, pass, pixel)[j]);
+                    // Eight passes belong to one replicate, which is stratified over its passes.
+                    if pass != 8 || i != j {
+                        let found = correlation((0..1000).map(pair));
+                        assert!(found.abs() < 0.15, "pass {pass}, pixel {pixel}, {i} and {j}: {found}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! Continuation of camera paths at mirrors, glass and rough surfaces.
+
+use super::path::{CameraPath, GlossyEvent};
+use super::throughput::{Factor, SpectralMode, product, relative_n2};
+use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::direct::lighting::HitWeighting;
+use crate::plan::WavelengthPlan;
+use crate::walk::{Sink, SurfaceInteraction, long_path_survival, sample_consistently};
+use abbe_optics::bsdf::{Bsdf, BsdfClass, ScatterEvent};
+use abbe_optics::fresnel;
+use abbe_scene::Scene;
+use abbe_spectra::math::random::ONE_MINUS_ULP;
+use abbe_spectra::spectrum::LANES;
+
+/// At a smooth interface, the walk follows both the reflected and the refracted path if both have
+/// at least this weight.
+const LEAST_BRANCH_WEIGHT: f64 = 0.01;
+
+/// The number of surface events after which Russian roulette may end a camera path.
+const CAMERA_DEPTH_BEFORE_ROULETTE: u32 = 8;
+
+impl<'a> CameraPass<'a> {
+    /// Scatters a path at a mirror, at glass or at a rough surface. Returns `None` if the path
+    /// ends.
+    pub(super) fn scatter<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> Option<CameraPath> {
+        context.tally.film_events += u64::from(interaction.bsdf.model.films().is_some());
+        let glossy = self.glossy_event(path, interaction, context);
+        let mut path = *path;
+        let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
+            self.scatter_free_at_dispersive(&mut path, interaction, glossy, context)
+        } else if is_smooth_interface(interaction) && self.splits(&path, self.reflectance(&path, interaction)) {
+            self.follow_reflection(path, interaction, context);
+            self.scatter_forced(&mut path, interaction, ScatterEvent::Transmission, 1.0, context)
+        } else {
+            let u = context.sampler.stream.triple();
+            self.scatter_by_bsdf(&mut path, interaction, u, glossy, context)
+        };
+        (continues && survives(self.scene, &mut path, context)).then_some(path)
+    }
+
+    /// Returns the data of a path that arrives at a surface.
+    fn glossy_event<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &PathContext<'_, 'a, S>,
+    ) -> GlossyEvent {
+        let caustic = self.caustic_weights(path, interaction, interaction.bsdf.class(), context);
+        GlossyEvent { caustic, reference_nm: path.reference_nm() }
+    }
+
+    /// Returns true if refraction or diffraction at this surface depends on the wavelength.
+    fn disperses(&self, interaction: &SurfaceInteraction<'a>) -> bool {
+        if self.plan.wavelengths == WavelengthPlan::Free {
+            return false;
+        }
+        match interaction.bsdf.model {
+            Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => {
+                interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive()
+            }
+            Bsdf::Grating(_) => true,
+            Bsdf::Absorber
+            | Bsdf::Diffuse(_)
+            | Bsdf::Fluorescent(_)
+            | Bsdf::Translucent(_)
+            | Bsdf::Mirror(_)
+            | Bsdf::Conductor(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::ThinFilm(_)
+            | Bsdf::Glossy(_)
+            | Bsdf::Mix(_) => false,
+        }
+    }
+
+    /// Scatters a free path at dispersive glass. The reflected path stays free. The refracted path
+    /// is followed once for each shared wavelength. Returns whether the free path continues.
+    fn scatter_free_at_dispersive<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        glossy: GlossyEvent,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> bool {
+        let bsdf = interaction.bsdf;
+        if bsdf.class() == BsdfClass::Glossy || matches!(bsdf.model, Bsdf::Grating(_)) {
+            // At rough dispersive glass and at a grating, each wavelength samples its own
+            // direction, also for reflection.
+            context.tally.dispersions += 1;
+            self.split(*path, interaction, SplitEvent::Glossy(glossy), context);
+            return false;
+        }
+        let reflectance = self.reflectance(path, interaction);
+        let both = self.splits(path, reflectance);
+        let reflects = both || context.sampler.stream.uniform() < reflectance;
+        let refracts = both || !reflects;
+        if refracts && reflectance < 1.0 {
+            let probability = if both { 1.0 } else { 1.0 - reflectance };
+            context.tally.dispersions += 1;
+            self.split(*path, interaction, SplitEvent::Refraction(probability), context);
+        }
+        if !reflects {
+            return false;
+        }
+        let probability = if both { 1.0 } else { reflectance };
+        self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
+    }
+
+    /// Returns the reflectance of a smooth interface at the path's reference wavelength. The films
+    /// of a coated interface may reflect other wavelengths only, so a free path uses the mean over
+    /// the band.
+    fn reflectance(&self, path: &CameraPath, interaction: &SurfaceInteraction<'a>) -> f64 {
+        let sides = interaction.sides;
+        let nm = match path.spectral_mode {
+            SpectralMode::Free => None,
+            SpectralMode::Shared { nm, .. } => Some(nm),
+        };
+        if let Some(probability) = interaction.bsdf.film_reflection_probability(interaction.wo, sides, nm) {
+            return probability;
+        }
+        let nm = path.reference_nm();
+        fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(nm), sides.there.n(nm))
+    }
+
+    /// Returns true if the walk follows both the reflected and the refracted path at a smooth
+    /// interface with this reflectance, because both paths have enough weight. Otherwise, the walk
+    /// selects one of them.
+    fn splits(&self, path: &CameraPath, reflectance: f64) -> bool {
+        let weight = path.reference_throughput * relative_n2(self.scene, &path.ray_state, path.reference_nm());
+        weight * reflectance.min(1.0 - reflectance) > LEAST_BRANCH_WEIGHT
+    }
+
+    /// Follows the path that is reflected at a smooth interface to its end.
+    fn follow_reflection<S: Sink>(
+        &self,
+        mut path: CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let factors = context.buffers.factors.len();
+        let reflects = self.scatter_forced(&mut path, interaction, ScatterEvent::Reflection, 1.0, context);
+        if reflects && survives(self.scene, &mut path, context) {
+            self.follow_shared(&path, context);
+        }
+        context.buffers.factors.truncate(factors);
+    }
+
+    /// Follows the path once for each shared wavelength.
+    fn split<S: Sink>(
+        &self,
+        path: CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        event: SplitEvent,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let u = context.sampler.stream.triple();
+        for lane in 0..LANES {
+            let Some(mut single) = self.to_shared_wavelength(path, lane, context) else {
+                continue;
+            };
+            let continues = match event {
+                SplitEvent::Refraction(probability) => {
+                    self.scatter_forced(&mut single, interaction, ScatterEvent::Transmission, probability, context)
+                }
+                SplitEvent::Glossy(glossy) => self.scatter_by_bsdf(&mut single, interaction, u, glossy, context),
+            };
+            if continues && survives(self.scene, &mut single, context) {
+                self.follow_shared(&single, context);
+            }
+        }
+    }
+
+    /// Reflects or refracts the path at a smooth interface. `event` selects one of the two. Returns
+    /// false if that event is impossible (total reflection).
+    fn scatter_forced<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        event: ScatterEvent,
+        probability: f64,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> bool {
+        let u = match event {
+            ScatterEvent::Reflection => [0.0; 3],
+            ScatterEvent::Transmission => [ONE_MINUS_ULP; 3],
+        };
+        let nm = path.reference_nm();
+        let draw = |wo| interaction.bsdf.sample(wo, interaction.sides, nm, u);
+        match sample_consistently(interaction, draw) {
+            Some(mut consistent) if consistent.sample.event == event => {
+                consistent.sample.probability = probability;
+                path.continue_along(interaction, &consistent, GlossyEvent::NONE, context.buffers)
+            }
+            Some(_) | None => false,
+        }
+    }
+
+    /// Scatters into a direction sampled from the BSDF. Returns whether the path continues.
+    fn scatter_by_bsdf<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        u: [f64; 3],
+        glossy: GlossyEvent,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> bool {
+        let nm = path.reference_nm();
+        let draw = |wo| interaction.bsdf.sample(wo, interaction.sides, nm, u);
+        match sample_consistently(interaction, draw) {
+            Some(consistent) => {
+                let continues = path.continue_along(interaction, &consistent, glossy, context.buffers);
+                // If the path hits a light after this rough surface, the light is direct light at
+                // the surface. If the plan contains no direct light, the path ignores the light
+                // that it hits.
+                if self.plan.direct.is_absent() && matches!(path.hit_weighting, HitWeighting::Mis { .. }) {
+                    path.hit_weighting = HitWeighting::Ignored;
+                }
+                continues
+            }
+            None => false,
+        }
+    }
+}
+
+/// Returns true if the surface is a smooth interface between two dielectrics, or a film.
+fn is_smooth_interface(interaction: &SurfaceInteraction<'_>) -> bool {
+    matches!(interaction.bsdf.model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) | Bsdf::ThinFilm(_))
+        && interaction.bsdf.class() == BsdfClass::Specular
+}
+
+/// How a free path continues at dispersive glass, once for each shared wavelength.
+#[derive(Clone, Copy)]
+enum SplitEvent {
+    /// The path is refracted. The value is the probability with which the caller selected this
+    /// event.
+    Refraction(f64),
+    /// Each wavelength samples the BSDF of rough glass or of a grating.
+    Glossy(GlossyEvent),
+}
+
+/// Applies Russian roulette to paths of low throughput. Returns false if the path ends. Inside
+/// glass, the throughput contains a factor 1/n², which cancels when the path leaves the glass. The
+/// survival probability therefore excludes this factor.
+fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathContext<'_, '_, S>) -> bool {
+    if path.reference_throughput <= 0.0 && matches!(path.spectral_mode, SpectralMode::Shared { .. }) {
+        return false;
+    }
+    if path.depth < CAMERA_DEPTH_BEFORE_ROULETTE {
+        return true;
+    }
+    let throughput = match path.spectral_mode {
+        SpectralMode::Shared { .. } => path.reference_throughput,
+        SpectralMode::Free => largest_throughput(&context.buffers.factors),
+    };
+    let throughput = throughput * relative_n2(scene, &path.ray_state, path.reference_nm());
+    let by_throughput = if throughput >= 0.5 { 1.0 } else { throughput.max(0.05) };
+    let survival = by_throughput * long_path_survival(path.depth);
+    if survival >= 1.0 {
+        return true;
+    }
+    if context.sampler.stream.uniform() >= survival {
+        return false;
+    }
+    path.multiply(Factor::Grey(1.0 / survival), context.buffers);
+    true
+}
+
+/// Returns the largest throughput of a free path over the band. The throughput at the reference
+/// wavelength alone would not do: a mirror may reflect only light of other wavelengths. Paths of
+/// such light would then end too often, and the surviving paths would become too bright.
+fn largest_throughput(factors: &[Factor<'_>]) -> f64 {
+    /// Wavelengths (nm) over the visible part of the band.
+    const PROBES_NM: [f64; 6] = [420.0, 470.0, 520.0, 570.0, 620.0, 670.0];
+    PROBES_NM.iter().map(|&nm| product(factors, nm)).fold(0.0, f64::max)
+}

@@ -1,0 +1,105 @@
+//! The throughput of a camera path, as a function of wavelength.
+
+use crate::plan::partition::PhotonSet;
+use crate::walk::{RayState, SegmentTransmittance};
+use abbe_optics::bsdf::{BsdfSample, InterfaceIors, LocalBsdf, TransportMode};
+use abbe_scene::Scene;
+use abbe_scene::light::Light;
+use abbe_scene::medium_stack::MediumStack;
+use abbe_spectra::spectrum::LANES;
+use glam::DVec3;
+
+/// The factor by which one event changes the radiance of a camera path.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) enum Factor<'a> {
+    /// Scattering at a surface.
+    Scattering {
+        bsdf: LocalBsdf<'a>,
+        wo: DVec3,
+        sample: BsdfSample,
+        sides: InterfaceIors<'a>,
+        /// The probability (or density) of the selected direction.
+        probability: f64,
+    },
+    /// Transmittance of glass, liquid or fog.
+    SegmentTransmittance(SegmentTransmittance<'a>),
+    /// The same factor for all wavelengths.
+    Grey(f64),
+}
+
+impl Factor<'_> {
+    /// Returns the factor at the wavelength `nm`.
+    pub(in crate::gather) fn at(&self, nm: f64) -> f64 {
+        match self {
+            Factor::Scattering { bsdf, wo, sample, sides, probability } => {
+                bsdf.eval_sample(*wo, sample, *sides, TransportMode::Radiance, nm) / probability
+            }
+            Factor::SegmentTransmittance(segment) => segment.at(nm),
+            Factor::Grey(value) => *value,
+        }
+    }
+}
+
+/// Returns the product of the factors at the wavelength `nm`.
+#[inline]
+pub(in crate::gather) fn product(factors: &[Factor<'_>], nm: f64) -> f64 {
+    factors.iter().map(|factor| factor.at(nm)).product()
+}
+
+/// Returns (n/n₀)². n is the refractive index at the path's current position, and n₀ is the
+/// refractive index at the camera. Refraction multiplies radiance by this factor, so the ratio of
+/// radiance to n² stays constant.
+pub(in crate::gather) fn relative_n2(scene: &Scene, ray_state: &RayState, nm: f64) -> f64 {
+    let n = |medium_stack: &MediumStack| scene.index_in(medium_stack).n(nm);
+    (n(&ray_state.medium_stack) / n(&scene.camera.medium_stack)).powi(2)
+}
+
+/// The wavelengths of a camera path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::gather) enum SpectralMode {
+    /// The path has no fixed wavelength. The throughput is a function of wavelength, and is the
+    /// product of the path's factors.
+    Free,
+    /// The path carries one of the pass's shared wavelengths.
+    Shared {
+        /// The number of the shared wavelength.
+        lane: usize,
+        /// The wavelength in nm.
+        nm: f64,
+        /// The throughput, divided by the probability density of the wavelength.
+        throughput: f64,
+    },
+}
+
+impl SpectralMode {
+    /// Returns the photon set that the path gathers.
+    pub(in crate::gather) fn photon_set(self) -> PhotonSet {
+        match self {
+            SpectralMode::Free => PhotonSet::Free,
+            SpectralMode::Shared { .. } => PhotonSet::Shared,
+        }
+    }
+}
+
+/// Calls `f` for each wavelength. The first argument is the wavelength in nm. The second argument
+/// is the throughput, divided by the density of the wavelength. A free path samples stratified
+/// wavelengths from the light's spectrum. `u` in [0, 1) shifts these wavelengths. A shared path has
+/// one wavelength.
+#[inline(always)]
+pub(in crate::gather) fn each_wavelength(
+    spectral_mode: SpectralMode,
+    factors: &[Factor<'_>],
+    light: &Light,
+    u: f64,
+    mut f: impl FnMut(f64, f64),
+) {
+    match spectral_mode {
+        SpectralMode::Free => {
+            for k in 0..LANES {
+                let (nm, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
+                f(nm, product(factors, nm) / (pdf * LANES as f64));
+            }
+        }
+        SpectralMode::Shared { nm, throughput, .. } => f(nm, throughput),
+    }
+}

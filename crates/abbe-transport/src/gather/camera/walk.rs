@@ -1,0 +1,241 @@
+//! The camera walk: follows a camera path over mirrors, glass and glossy surfaces to the first
+//! diffuse surface, and gathers light along the path.
+//!
+//! The loop is compiled twice: for scenes with bodies, and for scenes without bodies (see
+//! [`BodyMode`]). The code that every path runs is inlined, so that the path and the interaction
+//! stay in registers. Rare code (for mirrors and visible lights) receives copies of the path and of
+//! the interaction.
+
+use super::path::{CameraPath, PathBuffers};
+use super::sampler::PixelSampler;
+use super::throughput::{Factor, SpectralMode, product};
+use super::visible_point::VisiblePoint;
+use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::map::PixelRadii;
+use crate::plan::partition::View;
+use crate::plan::{MediumPlan, Tally, WavelengthPlan};
+use crate::walk::{BodyMode, MAX_EVENTS, Sink, SurfaceInteraction, SurfaceLookup, WithBodies, WithoutBodies};
+use abbe_optics::bsdf::BsdfClass;
+use abbe_scene::camera::SystemAt;
+use abbe_spectra::spectrum::LANES;
+
+impl<'a> CameraPass<'a> {
+    /// Estimates the radiance of one sample of a pixel and adds it to the sink.
+    pub fn sample<S: Sink>(
+        &self,
+        pixel: u64,
+        mut sampler: PixelSampler,
+        radii: &PixelRadii,
+        buffers: &mut PathBuffers<'a>,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
+        buffers.factors.clear();
+        buffers.visible_points.clear();
+        buffers.camera_segments.clear();
+        let camera = &self.scene.camera;
+        tally.camera_samples += 1;
+        tally.lens_rays += u64::from(self.plan.aperture.is_finite());
+        let path = |ray| CameraPath::new(ray, camera.medium_stack);
+        let events = self.depth_limit.events();
+        let mut context = PathContext { pixel, events, sampler: &mut sampler, radii, buffers, sink, tally };
+        if let Some(receptor) = camera.receptor(pixel) {
+            self.sample_receptor(receptor, &mut context);
+            return;
+        }
+        match (&self.lens_systems, self.plan.wavelengths) {
+            (Some(systems), _) => {
+                let [lens, ..] = systems.each_ref().map(SystemAt::system);
+                // A sample traces image paths at all wavelengths, and then ghost paths.
+                let kinds = if lens.has_ghosts() { 0..2 * LANES } else { 0..LANES };
+                for number in kinds {
+                    let (lane, is_ghost) = (number % LANES, number >= LANES);
+                    let choice = is_ghost.then(|| context.sampler.stream.uniform());
+                    let ray = context.sampler.ray_through_lens(&systems[lane], camera, pixel, choice);
+                    let Some((ray, weight)) = ray else { continue };
+                    context.tally.ghost_rays += u64::from(is_ghost);
+                    context.tally.film_events += u64::from(lens.is_coated());
+                    if let Some(mut single) = self.to_shared_wavelength(path(ray), lane, &mut context) {
+                        single.multiply(Factor::Grey(weight), context.buffers);
+                        self.follow_shared(&single, &mut context);
+                    }
+                }
+            }
+            (None, WavelengthPlan::Shared) => {
+                let path = path(context.sampler.ray(camera, pixel));
+                self.follow_each_shared(path, &mut context);
+            }
+            (None, WavelengthPlan::Free | WavelengthPlan::Both) => {
+                self.follow(&path(context.sampler.ray(camera, pixel)), &mut context);
+            }
+        }
+    }
+
+    /// Follows a path once for each shared wavelength.
+    pub(super) fn follow_each_shared<S: Sink>(&self, path: CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        for lane in 0..LANES {
+            if let Some(single) = self.to_shared_wavelength(path, lane, context) {
+                self.follow_shared(&single, context);
+            }
+        }
+    }
+
+    /// Restricts a free path to one of the shared wavelengths. Returns `None` if the lights have no
+    /// power at this wavelength.
+    pub(in crate::gather) fn to_shared_wavelength<S: Sink>(
+        &self,
+        path: CameraPath,
+        lane: usize,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> Option<CameraPath> {
+        let (nm, pdf) = (self.shared_nm[lane], self.shared_pdf[lane]);
+        if pdf <= 0.0 {
+            return None;
+        }
+        context.tally.shared_paths += 1;
+        let throughput = product(&context.buffers.factors, nm) / (pdf * LANES as f64);
+        Some(CameraPath { spectral_mode: SpectralMode::Shared { lane, nm, throughput }, ..path })
+    }
+
+    /// Follows a path to its end, at one shared wavelength. This function is called from several
+    /// places and compiled once for all of them.
+    pub(in crate::gather) fn follow_shared<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        self.follow(path, context);
+    }
+
+    /// Follows a free path from a receptor to its end.
+    #[inline(never)]
+    pub(super) fn follow_free<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        self.follow(path, context);
+    }
+
+    /// Follows a path to its end. Only this function chooses the [`BodyMode`] of camera paths.
+    #[inline(always)]
+    fn follow<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        let factors_before = context.buffers.factors.len();
+        match self.plan.media_plan {
+            MediumPlan::Air => self.follow_in_mode::<WithoutBodies, S>(path, context),
+            MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
+                self.follow_in_mode::<WithBodies, S>(path, context);
+            }
+        }
+        context.buffers.factors.truncate(factors_before);
+    }
+
+    /// Follows a path to its end. `M` tells whether the scene has bodies.
+    #[inline(always)]
+    fn follow_in_mode<M: BodyMode, S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        let mut path = *path;
+        while path.depth < context.events {
+            let next = if M::HAS_BODIES && !self.plan.media_plan.is_clear() {
+                self.advance_through_media(&mut path, context)
+            } else {
+                let lookup = self.lookup(&path, context.sampler.stream.uniform());
+                M::next_interaction(self.scene, path.ray_state, lookup)
+            };
+            context.tally.camera_segments += 1;
+            if M::HAS_BODIES {
+                let face = next.as_ref().is_some_and(|next| {
+                    self.scene.body_of(next.hit.object).is_some() || next.bsdf.model.grating().is_some()
+                });
+                context.tally.body_events += u64::from(face);
+            }
+            let Some(interaction) = next else {
+                return self.add_emitters_hit(&path, path.ray_state.ray.direction, None, context);
+            };
+            path.depth += 1;
+            path.distance_m += interaction.distance_m;
+            if interaction.crossed_hidden_face {
+                path.view = View::Indirect;
+                path.events = path.events.after_specular_event();
+                path.hit_weighting = path.hit_weighting.after_specular_event();
+            }
+            self.add_emitters_hit(&path, interaction.incoming, Some(&interaction.hit), context);
+            context.tally.texture_lookups += u64::from(interaction.textured);
+            let class = interaction.bsdf.class();
+            if class >= BsdfClass::Glossy {
+                self.gather_at_surface::<M, S>(&path, &interaction, class, context);
+            }
+            if matches!(class, BsdfClass::Absorbing | BsdfClass::Diffuse) {
+                return;
+            }
+            let (path_copy, interaction_copy) = (path, interaction);
+            match self.scatter(&path_copy, &interaction_copy, context) {
+                Some(scattered) => path = scattered,
+                None => return,
+            }
+        }
+        self.end_at_limit(&path, context);
+    }
+
+    /// Returns the lookup of the material of the next surface.
+    #[inline(always)]
+    pub(in crate::gather) fn lookup(&self, path: &CameraPath, u: f64) -> SurfaceLookup {
+        SurfaceLookup::of_camera(&self.scene.camera, path.distance_m, u)
+    }
+
+    /// Ends a path at the limit of its number of events. If the scene states the limit, some of the
+    /// paths continue, and their light changes only the estimated bias.
+    #[inline(never)]
+    fn end_at_limit<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+        if context.events >= MAX_EVENTS {
+            context.tally.capped_paths += 1;
+            return;
+        }
+        let factor = self.depth_limit.sample_lost_path(&mut context.sampler.stream);
+        let Some(factor) = factor.filter(|_| !context.buffers.records) else { return };
+        let mut path = *path;
+        path.multiply(Factor::Grey(factor), context.buffers);
+        context.with_lost_light(1.0, |lost| self.follow_shared(&path, lost));
+    }
+
+    /// Gathers direct light and light from photons at a diffuse or glossy surface. The path ends at
+    /// diffuse surfaces.
+    #[inline(always)]
+    fn gather_at_surface<M: BodyMode, S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        class: BsdfClass,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let ends = class == BsdfClass::Diffuse;
+        context.tally.rough_events += u64::from(!ends);
+        if context.buffers.records {
+            context.buffers.visible_points.push(self.visible_point(path, interaction));
+        }
+        let luminescence = self.luminescence(path, interaction, context);
+        if !self.plan.direct.is_absent() {
+            self.gather_direct::<M, S>(path, interaction, luminescence.as_ref(), context);
+        }
+        // At a glossy surface, no extra ray is needed, because the continued path itself can hit a
+        // light.
+        if ends && self.plan.direct.traces_scattered_rays() {
+            self.gather_direct_by_bsdf::<M, S>(path, interaction, luminescence.as_ref(), context);
+        }
+        self.gather_photons(path, interaction, class, context);
+        if let Some(luminescence) = &luminescence {
+            self.gather_excitation(path, interaction, luminescence, context);
+        }
+    }
+
+    /// Returns the visible point of a path at the interaction.
+    #[inline]
+    pub(in crate::gather) fn visible_point(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+    ) -> VisiblePoint {
+        let normal = interaction.hit.normal;
+        VisiblePoint {
+            position: interaction.hit.position,
+            facing: if interaction.leads_back(normal) { normal } else { -normal },
+            object: interaction.hit.object,
+            footprint_m: self.scene.camera.pixel_width_m(path.distance_m),
+            view: path.view,
+            shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
+            is_diffuse: interaction.bsdf.class() == BsdfClass::Diffuse,
+            is_fluorescent: interaction.bsdf.model.as_fluorescent().is_some(),
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! The gather point: a point of a camera path on a surface, and the photons around this point.
+
+use super::responses::SurfaceResponses;
+use crate::gather::camera::path::CameraPath;
+use crate::gather::camera::throughput::{Factor, SpectralMode, product};
+use crate::gather::luminescence::Luminescence;
+use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
+use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra};
+use crate::plan::{LightOrigin, PathClass};
+use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias_of_excess};
+use abbe_optics::bsdf::{InterfaceIors, LocalBsdf, TransportMode};
+use abbe_spectra::math::frame::Frame;
+use abbe_spectra::spectrum::LANES;
+use glam::DVec3;
+
+/// The lower limit of the cosine of the angle between two normals: the normal at the gather point
+/// and the normal at a photon. If the cosine is below this limit, the photon is on another surface
+/// and is ignored.
+pub const NORMAL_TOLERANCE: f64 = 0.7;
+
+/// The largest distance of a photon from the tangent plane, as a fraction of the kernel radius.
+/// Photons farther from the tangent plane are ignored.
+pub const PLANE_TOLERANCE: f64 = 0.3;
+
+/// The data of a gather point, without the data of its photons.
+///
+/// The cosine of the incident direction is computed with the surface normal at the position of the
+/// photon. On a curved surface, the normal at the gather point would give a wrong cosine. Some
+/// light at grazing angles would then seem to come from below the surface. If the shading normal
+/// n_s is interpolated, it differs from the geometric normal n_g. The flux of the photon arrived
+/// through the geometric surface, but the BSDF is defined for the shading normal. The power of the
+/// photon is therefore multiplied by |ω·n_s| / |ω·n_g|, where ω is the incident direction (Veach
+/// 1997, section 5.3).
+pub(in crate::gather) struct GatherPoint<'e> {
+    bsdf: LocalBsdf<'e>,
+    sides: InterfaceIors<'e>,
+    frame: Frame,
+    wo: DVec3,
+    position: DVec3,
+    normal: DVec3,
+    /// The normal on the visible side.
+    facing: DVec3,
+    /// Photons count only up to this distance (m) from the tangent plane.
+    height_m: f64,
+    kernel: DiskKernel,
+    spectral_mode: SpectralMode,
+    factors: &'e [Factor<'e>],
+    /// The weights of caustic photons, if they compete with camera paths.
+    weights: Option<CausticWeights>,
+    reference_nm: f64,
+    /// The relative bias of the path's throughput.
+    bias: f64,
+    /// True if photons on the other side of the surface contribute too.
+    transmits: bool,
+    /// True if the shading normal differs from the geometric normal.
+    interpolated: bool,
+}
+
+impl<'e> GatherPoint<'e> {
+    /// Creates the gather point at the end of a path. `radius` is the kernel radius in m.
+    #[inline(always)]
+    pub(in crate::gather) fn new(
+        interaction: &SurfaceInteraction<'e>,
+        radius: f64,
+        correction: BoundaryCorrection,
+        path: &CameraPath,
+        factors: &'e [Factor<'e>],
+    ) -> Self {
+        let normal = interaction.hit.normal;
+        Self {
+            bsdf: interaction.bsdf,
+            sides: interaction.sides,
+            frame: interaction.frame,
+            wo: interaction.wo,
+            position: interaction.hit.position,
+            normal,
+            facing: if interaction.leads_back(normal) { normal } else { -normal },
+            height_m: PLANE_TOLERANCE * radius,
+            kernel: DiskKernel::new(radius * radius).corrected(correction),
+            spectral_mode: path.spectral_mode,
+            factors,
+            weights: None,
+            reference_nm: path.reference_nm(),
+            bias: bias_of_excess(path.excess_depth),
+            transmits: interaction.bsdf.is_transmissive(),
+            interpolated: interaction.frame.normal() != normal,
+        }
+    }
+
+    /// Returns the gather point with weights for photons that compete with camera paths.
+    #[inline(always)]
+    pub(in crate::gather) fn competing_by(self, weights: Option<CausticWeights>) -> Self {
+        Self { weights, ..self }
+    }
+
+    /// Returns the side of the surface to which a photon contributes: 1 for the visible side, and
+    /// −1 for the other side. Returns `None` if the photon belongs to another surface. `normal` is
+    /// the photon's normal. Its length is arbitrary.
+    #[inline(always)]
+    fn side_of(&self, normal: DVec3, position: [f32; 3]) -> Option<f64> {
+        let alignment = normal.dot(self.facing);
+        let side = if self.transmits { alignment.signum() } else { 1.0 };
+        let offset = DVec3::from(position.map(f64::from)) - self.position;
+        let aligned = alignment * side > 0.0
+            && alignment * alignment >= NORMAL_TOLERANCE * NORMAL_TOLERANCE * normal.length_squared();
+        (aligned && offset.dot(self.normal).abs() <= self.height_m).then_some(side)
+    }
+
+    /// Adds the contribution of a nearby photon to the path.
+    #[inline(always)]
+    pub(in crate::gather) fn add<S: Sink>(
+        &self,
+        nearby: &NearbyPhoton<'_>,
+        (spectra, class): (&PhotonSpectra, PathClass),
+        sink: &mut S,
+    ) {
+        let photon = nearby.photon;
+        let photon_normal = photon.normal();
+        let Some(side) = self.side_of(photon_normal, nearby.position) else { return };
+        let to_light = photon.to_light();
+        let kernels = self.kernel.at(f64::from(nearby.distance2));
+        // The cosine at the position of the photon. If the surface is curved, its normal there
+        // differs from the normal at the gather point.
+        let own_cosine = to_light.dot(photon_normal) * side;
+        let (wi, kernels) = if self.interpolated {
+            (to_light, self.kernels_of_interpolated(kernels, to_light, own_cosine))
+        } else {
+            ((to_light + (own_cosine - to_light.dot(self.facing)) * self.facing).normalize(), kernels)
+        };
+        let wi = self.frame.to_local(wi);
+        let kernels = match self.weights {
+            None => kernels,
+            Some(weights) => {
+                let pdf = self.bsdf.pdf(self.wo, wi, self.sides, self.reference_nm);
+                kernels.times(weights.of_photon(photon.ray_density(), pdf))
+            }
+        };
+        let light = PhotonLight { power: &photon.power, spectra, class };
+        let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
+        add_photon(light, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
+    }
+
+    /// Corrects the kernels for a shading normal that differs from the geometric normal.
+    #[inline(always)]
+    fn kernels_of_interpolated(&self, kernels: KernelValues, to_light: DVec3, own_cosine: f64) -> KernelValues {
+        let shading_cosine = to_light.dot(self.frame.normal());
+        kernels.times(if own_cosine == 0.0 { 0.0 } else { (shading_cosine / own_cosine).abs() })
+    }
+
+    /// Adds the emission that a nearby photon excites. The photon must be a free photon.
+    #[inline(always)]
+    pub(in crate::gather) fn add_excitation<S: Sink>(
+        &self,
+        nearby: &NearbyPhoton<'_>,
+        (spectra, class): (&PhotonSpectra, PathClass),
+        luminescence: &Luminescence<'_>,
+        sink: &mut S,
+    ) {
+        let photon = nearby.photon;
+        let normal = photon.normal();
+        if self.side_of(normal, nearby.position).is_none() {
+            return;
+        }
+        let mut kernels = self.kernel.at(f64::from(nearby.distance2));
+        if self.interpolated {
+            let to_light = photon.to_light();
+            kernels = self.kernels_of_interpolated(kernels, to_light, to_light.dot(normal));
+        }
+        let mut radiance = [0.0; LANES];
+        photon.power.lanes(spectra).for_each(|(nm, power)| luminescence.excite(nm, power, &mut radiance));
+        let origin = LightOrigin { class, light: spectra.light_of(photon.power.wavelength_code()) };
+        luminescence.add(origin, &radiance, (kernels.estimate, biased_by(kernels, self.bias)), sink);
+    }
+
+    /// Returns true if the responses of the sensor to photons are independent of the camera path
+    /// and of the directions of the photons, provided that the surface is diffuse and its normal is
+    /// not interpolated.
+    #[inline(always)]
+    pub(in crate::gather) fn is_plain(&self) -> bool {
+        self.spectral_mode == SpectralMode::Free && self.factors.is_empty()
+    }
+
+    /// Does the same as [`Self::add`] at a diffuse surface, but adds the contribution as responses
+    /// of the sensor. Photons at a diffuse surface arrive on the side of their normal, so their
+    /// directions have no influence. Returns the response to the photon's radiance.
+    #[inline(always)]
+    pub(in crate::gather) fn add_response(
+        &self,
+        nearby: &NearbyPhoton<'_>,
+        surface: SurfaceResponses<'_>,
+        sums: &mut ResponseSums,
+    ) -> Option<SensorResponse> {
+        self.side_of(nearby.photon.normal_direction(), nearby.position)?;
+        let response = surface.of_photon(&nearby.photon.power);
+        let kernels = self.kernel.at(f64::from(nearby.distance2));
+        sums.estimate.add_scaled(response, kernels.estimate);
+        sums.bias.add_scaled(response, biased_by(kernels, self.bias));
+        Some(SensorResponse(response).scaled(kernels.estimate))
+    }
+}
+
+/// The sums of the responses to all photons around a gather point.
+#[derive(Debug, Default)]
+pub(in crate::gather) struct ResponseSums {
+    /// The response to the estimated radiance.
+    pub(in crate::gather) estimate: SensorResponse,
+    /// The response to the bias of the estimate.
+    pub(in crate::gather) bias: SensorResponse,
+}
+
+/// The wavelengths and powers of a photon, with the spectra that the wavelengths refer to.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct PhotonLight<'p> {
+    pub(in crate::gather) power: &'p PhotonPower,
+    pub(in crate::gather) spectra: &'p PhotonSpectra,
+    /// The class of the path from the light to the camera.
+    pub(in crate::gather) class: PathClass,
+}
+
+/// Returns the bias of a photon's contribution, per unit of power. `path_bias` is the relative bias
+/// of all factors except the kernel.
+#[inline(always)]
+pub(in crate::gather) fn biased_by(kernels: KernelValues, path_bias: f64) -> f64 {
+    kernels.bias() + kernels.estimate * path_bias
+}
+
+/// Adds the contribution of a photon to the radiance of a camera path. `response` takes a
+/// wavelength (nm). It returns the fraction of the photon's power that is scattered into the path,
+/// per steradian. `path_bias` is the relative bias of all factors except the kernel.
+#[inline(always)]
+pub(in crate::gather) fn add_photon<S: Sink>(
+    PhotonLight { power, spectra, class }: PhotonLight<'_>,
+    kernels: KernelValues,
+    path_bias: f64,
+    spectral_mode: SpectralMode,
+    factors: &[Factor<'_>],
+    sink: &mut S,
+    response: impl Fn(f64) -> f64,
+) {
+    let (estimate, bias) = (kernels.estimate, biased_by(kernels, path_bias));
+    let origin = LightOrigin { class, light: spectra.light_of(power.wavelength_code()) };
+    let mut add = |nm: f64, radiance: f64| sink.biased(origin, nm, radiance * estimate, radiance * bias);
+    match spectral_mode {
+        SpectralMode::Free => {
+            power.lanes(spectra).for_each(|(nm, power)| add(nm, response(nm) * product(factors, nm) * power));
+        }
+        SpectralMode::Shared { lane, nm, throughput } => {
+            if let Some(power) = power.at_lane(lane) {
+                add(nm, response(nm) * throughput * power);
+            }
+        }
+    }
+}

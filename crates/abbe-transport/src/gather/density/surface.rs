@@ -1,0 +1,218 @@
+//! Light from photons at surfaces on a camera path.
+
+use super::gather_point::{GatherPoint, ResponseSums};
+use super::outline::{Outline, PixelOutline};
+use crate::gather::camera::path::CameraPath;
+use crate::gather::camera::throughput::SpectralMode;
+use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
+use crate::gather::luminescence::Luminescence;
+use crate::map::kernel::BoundaryCorrection;
+use crate::map::{SetMaps, radius};
+use crate::plan::IndirectPlan;
+use crate::plan::partition::{Estimator, LightPath, PhotonClass, PhotonSet, View, estimator};
+use crate::walk::{CausticWeights, Sink, SurfaceInteraction};
+use abbe_optics::bsdf::BsdfClass;
+use std::f64::consts::PI;
+
+/// Returns the view that selects the estimator of photons. Only free photons are connected to the
+/// camera. Therefore, even if a shared camera path sees the surface directly, it uses the photon
+/// map.
+#[inline(always)]
+fn photon_view(path: &CameraPath) -> View {
+    match path.spectral_mode {
+        SpectralMode::Free => path.view,
+        SpectralMode::Shared { .. } => View::Indirect,
+    }
+}
+
+/// The photons that a camera path gathers at a surface, and their effect.
+#[derive(Clone, Copy)]
+struct Gathered<'l, 'a> {
+    /// The photon set.
+    set: PhotonSet,
+    /// The emission that the photons excite. `None` if the surface scatters the photons.
+    luminescence: Option<&'l Luminescence<'a>>,
+}
+
+impl<'a> CameraPass<'a> {
+    /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
+    /// the partition assigns these classes to the photon map.
+    #[inline(always)]
+    pub(in crate::gather) fn gather_photons<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        bsdf_class: BsdfClass,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let set = path.spectral_mode.photon_set();
+        let gathered = Gathered { set, luminescence: None };
+        self.gather_set(self.maps[set], gathered, path, interaction, bsdf_class, context);
+        if let Some(MissingLight { maps, factor }) = self.missing {
+            context.with_lost_light(factor, |lost| {
+                self.gather_set(maps[set], gathered, path, interaction, bsdf_class, lost);
+            });
+        }
+    }
+
+    /// Adds the light that photons excite at a fluorescent surface. Free photons excite it, because
+    /// their wavelengths represent the whole light, also if the path carries a shared wavelength.
+    #[inline(never)]
+    pub(in crate::gather) fn gather_excitation<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        luminescence: &Luminescence<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let gathered = Gathered { set: PhotonSet::Free, luminescence: Some(luminescence) };
+        self.gather_set(self.maps.free, gathered, path, interaction, BsdfClass::Diffuse, context);
+        if let Some(MissingLight { maps, factor }) = self.missing {
+            context.with_lost_light(factor, |lost| {
+                self.gather_set(maps.free, gathered, path, interaction, BsdfClass::Diffuse, lost);
+            });
+        }
+    }
+
+    /// Returns the kernel radius (m) of a photon class at a surface point.
+    #[inline(always)]
+    fn kernel_radius<S: Sink>(
+        &self,
+        set: PhotonSet,
+        class: PhotonClass,
+        interaction: &SurfaceInteraction<'a>,
+        context: &PathContext<'_, 'a, S>,
+    ) -> f64 {
+        let radius = f64::from(context.radii.surface[set][class]) * self.scales.surface[class];
+        radius.max(radius::least(interaction.hit.position))
+    }
+
+    /// Returns the weights of caustic photons and of camera paths at a surface point. `None` if the
+    /// two do not compete there.
+    #[inline(always)]
+    pub(in crate::gather) fn caustic_weights<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        bsdf_class: BsdfClass,
+        context: &PathContext<'_, 'a, S>,
+    ) -> Option<CausticWeights> {
+        if self.direct.ray_densities.is_none() || bsdf_class != BsdfClass::Glossy {
+            return None;
+        }
+        let set = path.spectral_mode.photon_set();
+        let area_m2 = if estimator(LightPath::Caustic, bsdf_class, photon_view(path)) == Estimator::Connection {
+            // Each camera sample covers one pixel.
+            self.scene.camera.pixel_width_m(path.distance_m).powi(2)
+        } else {
+            PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
+        };
+        Some(CausticWeights { photons_m2: self.photons_per_sample[set] * area_m2 })
+    }
+
+    /// Gathers the photons of one set around a surface point.
+    #[inline(always)]
+    fn gather_set<S: Sink>(
+        &self,
+        maps: &SetMaps,
+        Gathered { set, luminescence }: Gathered<'_, 'a>,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        bsdf_class: BsdfClass,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let view = photon_view(path);
+        for class in PhotonClass::ALL {
+            let planned = match class {
+                PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,
+                PhotonClass::Caustic => true,
+            };
+            let map = &maps[class].surface;
+            if map.is_empty() || !planned || estimator(class.light_path(), bsdf_class, view) != Estimator::PhotonMap {
+                continue;
+            }
+            context.tally.map_queries += 1;
+            let radius = self.kernel_radius(set, class, interaction, context);
+            let measured;
+            let outline = match path.view {
+                _ if self.outlines.is_empty() => None,
+                View::Direct => {
+                    let point = self.visible_point(path, interaction);
+                    match self.outlines.find(context.pixel as usize, &point) {
+                        PixelOutline::Stored(outline) => Some(outline),
+                        PixelOutline::Varies => {
+                            measured = Outline::around(&self.scene.geometry, &point, radius);
+                            Some(&measured).filter(|outline| outline.is_limited())
+                        }
+                        PixelOutline::Absent => None,
+                    }
+                }
+                View::Indirect => None,
+            };
+            let correction = outline.map_or(BoundaryCorrection::WHOLE, |outline| outline.correction(radius));
+            let weights = match class {
+                PhotonClass::Caustic => self.caustic_weights(path, interaction, bsdf_class, context),
+                PhotonClass::Indirect => None,
+            };
+            let gather_point =
+                GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
+            let (centre, radius) = (interaction.hit.position.as_vec3().to_array(), radius as f32);
+            let contains = |position| outline.is_none_or(|outline| outline.contains(position));
+            let responses = if gather_point.is_plain() { self.responses } else { None };
+            let path_class = path.events.class_at_surface(class.light_path());
+            match (responses.and_then(|responses| responses.of_surface(interaction)), luminescence) {
+                // The tabulated responses contain the emission.
+                (Some(_), Some(_)) => {}
+                (None, Some(luminescence)) => {
+                    let mut gathered = 0;
+                    map.within(centre, radius, |nearby| {
+                        gathered += 1;
+                        if contains(nearby.position) {
+                            gather_point.add_excitation(
+                                &nearby,
+                                (self.spectra, path_class),
+                                luminescence,
+                                context.sink,
+                            );
+                        }
+                    });
+                    context.tally.gathered += gathered;
+                }
+                (Some(surface), None) => {
+                    let mut sums = ResponseSums::default();
+                    let mut tabulated = 0;
+                    if context.sink.separates_lights() {
+                        map.within(centre, radius, |nearby| {
+                            tabulated += 1;
+                            if contains(nearby.position)
+                                && let Some(response) = gather_point.add_response(&nearby, surface, &mut sums)
+                            {
+                                let light = self.spectra.light_of(nearby.photon.power.wavelength_code());
+                                context.sink.respond_of_light(light, response);
+                            }
+                        });
+                    } else {
+                        map.within(centre, radius, |nearby| {
+                            tabulated += 1;
+                            if contains(nearby.position) {
+                                let _response = gather_point.add_response(&nearby, surface, &mut sums);
+                            }
+                        });
+                    }
+                    context.sink.respond(path_class, sums.estimate, sums.bias);
+                    context.tally.tabulated += tabulated;
+                }
+                (None, None) => {
+                    let mut gathered = 0;
+                    map.within(centre, radius, |nearby| {
+                        gathered += 1;
+                        if contains(nearby.position) {
+                            gather_point.add(&nearby, (self.spectra, path_class), context.sink);
+                        }
+                    });
+                    context.tally.gathered += gathered;
+                }
+            }
+        }
+    }
+}

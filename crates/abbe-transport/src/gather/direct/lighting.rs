@@ -1,0 +1,494 @@
+//! Next-event estimation combines two techniques: shadow rays to sampled points of lights, and
+//! scattered rays that happen to hit a light. The two techniques are combined by multiple
+//! importance sampling with the power heuristic (Veach & Guibas 1995, "Optimally Combining Sampling
+//! Techniques for Monte Carlo Rendering").
+
+use super::light_tree::{Receiver, ReceivingPoint};
+use super::openings::{OPENINGS_SHARE, Openings};
+use super::selection::{LightSelection, LightSelector, SelectedLight};
+use crate::plan::{MediumPlan, Tally};
+use crate::walk::{
+    BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SegmentTransmittance,
+    SurfaceInteraction, path_transmittance, path_transmittance_tracked,
+};
+use abbe_optics::bsdf::{ThinDielectric, TransportMode};
+use abbe_optics::phase::PhaseMixture;
+use abbe_scene::Scene;
+use abbe_scene::geometry::{Hit, Ray, SurfaceId};
+use abbe_scene::light::{EmittedSpd, LiSample, Light};
+use abbe_scene::meter::ReceptorPoint;
+use abbe_spectra::math::random::hash64;
+use glam::DVec3;
+
+/// Next-event estimation in one scene.
+#[derive(Debug)]
+pub struct DirectLighting<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) selector: &'a LightSelector,
+    attenuation: ShadowAttenuation,
+    /// The openings of the scene.
+    pub(in crate::gather) openings: &'a Openings,
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
+    pub(in crate::gather) ray_densities: Option<&'a RayDensities>,
+}
+
+/// The attenuation along shadow rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ShadowAttenuation {
+    /// Nothing in the scene absorbs or scatters between surfaces.
+    Absent,
+    /// Each medium uses its own transmittance estimator.
+    AsStated,
+    /// Ratio tracking in all media. Shadow rays pass through thin panes.
+    Tracked { panes: bool },
+}
+
+/// The straight line of a shadow ray that reaches its light.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) enum ShadowLine {
+    /// No surface is on the line.
+    Clear,
+    /// Thin panes are on the line, and no other surface. The value is the surface of the light, if
+    /// the light has a surface.
+    ThroughPanes(Option<SurfaceId>),
+}
+
+/// A surface point where direct light is sampled.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct LightSampleContext<'e, 'a> {
+    pub(in crate::gather) interaction: &'e SurfaceInteraction<'a>,
+    /// The wavelength (nm) at which the path samples directions. Multiple importance sampling uses
+    /// the BSDF's density at this wavelength.
+    pub(in crate::gather) nm: f64,
+}
+
+/// A point in a medium where direct light is sampled.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct VolumeLightSampleContext<'a> {
+    /// The path's ray. The origin of this ray is the point in the medium.
+    pub(in crate::gather) ray_state: RayState,
+    /// The density from which the path samples its next direction. `None` if the estimator ignores
+    /// lights that scattered rays hit. The shadow ray then has the weight 1.
+    pub(in crate::gather) phase: Option<PhaseMixture<'a>>,
+}
+
+/// A sample of direct light at a surface. The sample does not include the attenuation by media.
+pub(in crate::gather) struct LightSample<'a> {
+    pub(in crate::gather) light: &'a Light,
+    /// The unit direction towards the light, in the interaction's frame.
+    pub(in crate::gather) wi: DVec3,
+    /// The reflected radiance at a wavelength is `strength` × S(λ) × f(λ), where S is the light's
+    /// spectrum and f is the BSDF. The strength includes the cosine, the density and the weight of
+    /// multiple importance sampling.
+    pub(in crate::gather) strength: f64,
+    pub(in crate::gather) spd: EmittedSpd,
+    /// The unit direction towards the light, in world space.
+    pub(in crate::gather) direction: DVec3,
+    /// The straight line to the light.
+    pub(in crate::gather) line: ShadowLine,
+    /// The distance to the light in m.
+    pub(in crate::gather) distance_m: f64,
+}
+
+/// Direct light at a point in a medium.
+pub(in crate::gather) struct VolumeLightSample<'a> {
+    pub(in crate::gather) light: &'a Light,
+    /// The unit direction in which the light travels, in world space.
+    pub(in crate::gather) incoming: DVec3,
+    /// Without attenuation, the scattered radiance at a wavelength is `strength` × S(λ) × σ_s(λ) ×
+    /// p(cos θ, λ). S is the light's spectrum, σ_s is the scattering coefficient, and p is the
+    /// phase function.
+    pub(in crate::gather) strength: f64,
+    pub(in crate::gather) spd: EmittedSpd,
+    /// The transmittance between the light and the point.
+    pub(in crate::gather) transmittance: PathTransmittance<'a>,
+}
+
+/// Direct light at a receptor of a meter.
+pub(in crate::gather) struct ReceptorLightSample<'a> {
+    pub(in crate::gather) light: &'a Light,
+    /// Without attenuation, the mean radiance at a wavelength is `strength` × S(λ), where S is the
+    /// light's spectrum.
+    pub(in crate::gather) strength: f64,
+    pub(in crate::gather) spd: EmittedSpd,
+    /// The transmittance between the light and the receptor.
+    pub(in crate::gather) transmittance: PathTransmittance<'a>,
+}
+
+/// A light that a ray hit.
+pub(in crate::gather) struct EmitterHit<'a> {
+    pub(in crate::gather) light: &'a Light,
+    /// The radiance over the band (W/m²/sr), multiplied by the weight of multiple importance
+    /// sampling.
+    pub(in crate::gather) radiance: f64,
+    pub(in crate::gather) spd: EmittedSpd,
+}
+
+/// Tells how to weight the radiance of a light that a path happens to hit. The weight depends on
+/// the path vertex before the light.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) enum HitWeighting {
+    /// The weight is 1, because no shadow ray could have sampled this light.
+    Full,
+    /// The weight of multiple importance sampling. The ray was sampled at `from` with the density
+    /// `pdf` per steradian. The other sampling technique is shadow rays. `caustic` weights the
+    /// light that the path hits after a specular event. If it is `None`, another estimator counts
+    /// this light.
+    Mis { from: ReceivingPoint, pdf: f64, caustic: Option<CausticWeights> },
+    /// The weight of multiple importance sampling. The other technique is photons. The path was
+    /// sampled with the density `pdf` per steradian at a glossy surface, and then had only specular
+    /// events.
+    Caustic { pdf: f64, weights: CausticWeights },
+    /// The weight is 0, because another estimator counts the light.
+    Ignored,
+}
+
+impl HitWeighting {
+    /// Returns the weighting after a specular event. A shadow ray does not follow such events.
+    pub(in crate::gather) fn after_specular_event(self) -> Self {
+        match self {
+            Self::Full | Self::Caustic { .. } | Self::Ignored => self,
+            Self::Mis { pdf, caustic: Some(weights), .. } => Self::Caustic { pdf, weights },
+            Self::Mis { caustic: None, .. } => Self::Ignored,
+        }
+    }
+}
+
+impl<'a> DirectLighting<'a> {
+    /// Creates the estimator. `selector` selects lights of this scene.
+    pub fn new(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
+        Self::attenuated(scene, selector, media_plan, ShadowAttenuation::AsStated)
+    }
+
+    /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
+    /// Its shadow rays pass through thin panes.
+    pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
+        let panes = scene.materials.iter().any(|material| material.surface.uniform_pane().is_some());
+        let tracked = ShadowAttenuation::Tracked { panes };
+        let direct = Self::attenuated(scene, selector, media_plan, tracked);
+        if panes { Self { attenuation: tracked, ..direct } } else { direct }
+    }
+
+    /// Returns true if shadow rays pass through thin panes. Paths that cross a pane in a straight
+    /// line are then weighted as if the pane were not there.
+    #[inline]
+    pub fn passes_panes(&self) -> bool {
+        matches!(self.attenuation, ShadowAttenuation::Tracked { panes: true })
+    }
+
+    /// Returns the straight line from the ray's origin to a light, or `None` if a surface blocks
+    /// it. `from` is the surface that the ray leaves, and `target` is the surface of the light.
+    #[inline(always)]
+    pub(super) fn line_to_light(
+        &self,
+        ray: Ray,
+        from: Option<SurfaceId>,
+        target: Option<SurfaceId>,
+        length_m: f64,
+    ) -> Option<ShadowLine> {
+        if !self.scene.geometry.occluded(&ray, from, target, length_m) {
+            return Some(ShadowLine::Clear);
+        }
+        let passes = self.passes_panes() && self.cross_panes(ray, from, target, length_m, |_, _| ());
+        passes.then_some(ShadowLine::ThroughPanes(target))
+    }
+
+    /// Follows a straight line through thin panes to a light. Calls `visit` for each pane with the
+    /// cosine of the angle of incidence. Returns false if another surface blocks the line.
+    #[inline(never)]
+    fn cross_panes(
+        &self,
+        mut ray: Ray,
+        mut from: Option<SurfaceId>,
+        target: Option<SurfaceId>,
+        mut length_m: f64,
+        mut visit: impl FnMut(&'a ThinDielectric, f64),
+    ) -> bool {
+        let scene = self.scene;
+        while scene.geometry.occluded(&ray, from, target, length_m) {
+            let hit = scene.geometry.intersect(&ray, from, length_m);
+            let pane = hit.and_then(|hit| Some((hit, scene.material_of(hit.object).surface.uniform_pane()?)));
+            let Some((hit, pane)) = pane else { return false };
+            visit(pane, ray.direction.dot(hit.normal).abs());
+            (ray.origin, from) = (hit.position, Some(hit.surface));
+            length_m -= hit.t;
+        }
+        true
+    }
+
+    /// Adds the densities of the emitted rays, for a scene in which photons compete with camera
+    /// paths.
+    #[must_use]
+    pub fn with_ray_densities(self, ray_densities: Option<&'a RayDensities>) -> Self {
+        Self { ray_densities, ..self }
+    }
+
+    /// Adds the openings of the scene.
+    #[must_use]
+    pub fn with_openings(self, openings: &'a Openings) -> Self {
+        Self { openings, ..self }
+    }
+
+    fn attenuated(
+        scene: &'a Scene,
+        selector: &'a LightSelector,
+        media_plan: MediumPlan,
+        in_media: ShadowAttenuation,
+    ) -> Self {
+        let attenuation = if media_plan.is_clear() { ShadowAttenuation::Absent } else { in_media };
+        Self { scene, selector, attenuation, openings: Openings::NONE, ray_densities: None }
+    }
+
+    /// Returns the transmittance along an unoccluded ray of this length from a surface. The hash of
+    /// `u` is the seed of ratio tracking.
+    #[inline(always)]
+    pub(in crate::gather) fn transmittance_from<M: BodyMode>(
+        &self,
+        interaction: &SurfaceInteraction<'_>,
+        (direction, line): (DVec3, ShadowLine),
+        length_m: f64,
+        u: [f64; 3],
+    ) -> PathTransmittance<'a> {
+        if !M::HAS_BODIES {
+            return PathTransmittance::new();
+        }
+        let ray_state = interaction.spawn_ray(direction, interaction.medium_stack_towards(direction));
+        self.path_transmittance(ray_state, line, length_m, u)
+    }
+
+    /// Returns the transmittance along a straight line of this length.
+    fn path_transmittance(
+        &self,
+        ray_state: RayState,
+        line: ShadowLine,
+        length_m: f64,
+        u: [f64; 3],
+    ) -> PathTransmittance<'a> {
+        let seed = || hash64(u.map(f64::to_bits));
+        match self.attenuation {
+            ShadowAttenuation::Absent => PathTransmittance::new(),
+            ShadowAttenuation::AsStated => path_transmittance(self.scene, ray_state, length_m, seed()),
+            ShadowAttenuation::Tracked { .. } => {
+                let mut along = path_transmittance_tracked(self.scene, ray_state, length_m, seed());
+                if let ShadowLine::ThroughPanes(target) = line {
+                    let RayState { ray, from, medium_stack } = ray_state;
+                    let outside = self.scene.index_in(&medium_stack);
+                    self.cross_panes(ray, from, target, length_m, |pane, cosine| {
+                        along.push(SegmentTransmittance::Pane { pane, cosine, outside });
+                    });
+                }
+                along
+            }
+        }
+    }
+
+    /// Selects the lights that a receiver samples. `u` holds the random numbers that select lights
+    /// and points of lights.
+    #[inline]
+    pub(in crate::gather) fn select_lights<R: Receiver>(&self, receiver: R, u: [f64; 3]) -> LightSelection<'a, R> {
+        self.selector.select(receiver, u)
+    }
+
+    /// Samples the direct light of one light at a receptor of a meter. `pdf` is the density with
+    /// which a path from the receptor starts in a direction. Returns `None` if the light does not
+    /// reach the receptor.
+    pub(in crate::gather) fn sample_direct_at_receptor(
+        &self,
+        point: &ReceptorPoint,
+        pdf: impl Fn(DVec3) -> f64,
+        selected: SelectedLight,
+        tally: &mut Tally,
+    ) -> Option<ReceptorLightSample<'a>> {
+        let SelectedLight { number, u, probability } = selected;
+        let light = &self.scene.lights[number];
+        let incident = self.sample_li(light, point.position, u)?;
+        let LiSample { direction, distance, spd, .. } = incident;
+        let mis_weight =
+            incident.pdf_solid_angle.map_or(1.0, |density| power_heuristic(density * probability, pdf(direction)));
+        let strength = incident.irradiance * point.response.pdf(direction) * mis_weight / probability;
+        if strength <= 0.0 {
+            return None;
+        }
+        tally.shadow_rays += 1;
+        let ray = Ray { origin: point.position, direction };
+        let line = self.line_to_light(ray, point.from, incident.target, distance)?;
+        let start = RayState { ray, from: point.from, medium_stack: point.medium_stack };
+        let transmittance = self.path_transmittance(start, line, distance, u);
+        Some(ReceptorLightSample { light, strength, spd, transmittance })
+    }
+
+    /// Samples the direct light of one light at a point in a medium. Returns `None` if the light
+    /// does not reach the point.
+    pub(in crate::gather) fn sample_direct_in_medium(
+        &self,
+        context: VolumeLightSampleContext<'a>,
+        selected: SelectedLight,
+        tally: &mut Tally,
+    ) -> Option<VolumeLightSample<'a>> {
+        let VolumeLightSampleContext { ray_state, phase } = context;
+        let SelectedLight { number, u, probability } = selected;
+        let light = &self.scene.lights[number];
+        let incident = self.sample_li(light, ray_state.ray.origin, u)?;
+        let incoming = -incident.direction;
+        let mis_weight = match (phase, incident.pdf_solid_angle) {
+            (Some(phase), Some(pdf)) => {
+                // The phase function is symmetric. Its value is therefore the density with which
+                // the camera path would have continued towards the light.
+                let cosine = ray_state.ray.direction.dot(incident.direction);
+                power_heuristic(pdf * probability, phase.eval(cosine))
+            }
+            _ => 1.0,
+        };
+        let strength = incident.irradiance * mis_weight / probability;
+        tally.shadow_rays += 1;
+        let ray = Ray { origin: ray_state.ray.origin, direction: incident.direction };
+        if strength <= 0.0 {
+            return None;
+        }
+        let line = self.line_to_light(ray, None, incident.target, incident.distance)?;
+        let transmittance = self.path_transmittance(RayState { ray, ..ray_state }, line, incident.distance, u);
+        Some(VolumeLightSample { light, incoming, strength, spd: incident.spd, transmittance })
+    }
+
+    /// Samples the direct light of one light at a surface. The sample does not include the
+    /// attenuation by media. Returns `None` if the light does not reach the surface, or if the
+    /// surface does not scatter the light.
+    #[inline(always)]
+    pub(in crate::gather) fn sample_direct(
+        &self,
+        context: LightSampleContext<'_, '_>,
+        selected: SelectedLight,
+        tally: &mut Tally,
+    ) -> Option<LightSample<'a>> {
+        let LightSampleContext { interaction, nm } = context;
+        let SelectedLight { number, u, probability } = selected;
+        let light = &self.scene.lights[number];
+        let incident = self.sample_li(light, interaction.hit.position, u)?;
+        let wi = interaction.frame.to_local(incident.direction);
+        let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
+        let pdf_bsdf = bsdf.pdf(wo, wi, sides, nm);
+        // If the BSDF is 0 in this direction, no shadow ray is needed.
+        if pdf_bsdf <= 0.0 && bsdf.eval(wo, wi, sides, TransportMode::Radiance, nm) <= 0.0 {
+            return None;
+        }
+        let mis_weight = incident.pdf_solid_angle.map_or(1.0, |pdf| power_heuristic(pdf * probability, pdf_bsdf));
+        let strength = incident.irradiance * wi.z.abs() * mis_weight / probability;
+        tally.shadow_rays += 1;
+        let LiSample { direction, distance, target, spd, .. } = incident;
+        let ray = Ray { origin: interaction.hit.position, direction };
+        if strength <= 0.0 {
+            return None;
+        }
+        let line = self.line_to_light(ray, Some(interaction.hit.surface), target, distance)?;
+        Some(LightSample { light, wi, strength, spd, direction, line, distance_m: distance })
+    }
+
+    /// Returns the numbers of the lights at the end of a ray: the light of the surface there, or
+    /// the lights at infinity if the ray leaves the scene.
+    #[inline(always)]
+    pub(in crate::gather) fn emitters_hit(&self, hit: Option<&Hit>) -> &'a [usize] {
+        match hit {
+            Some(hit) => self.scene.objects[hit.object as usize].light.as_slice(),
+            None => &self.scene.distant_lights,
+        }
+    }
+
+    /// Evaluates one of the lights from [`Self::emitters_hit`]. Returns `None` if the light does
+    /// not emit towards the ray.
+    #[inline(never)]
+    pub(in crate::gather) fn emitted_by_hit(
+        &self,
+        number: usize,
+        ray: Ray,
+        hit: Option<Hit>,
+        weighting: HitWeighting,
+        tally: &mut Tally,
+    ) -> Option<EmitterHit<'a>> {
+        if matches!(weighting, HitWeighting::Ignored) {
+            return None;
+        }
+        let (light, direction) = (&self.scene.lights[number], ray.direction);
+        let (radiance, spd) = match &hit {
+            Some(hit) => light.le_surface(self.scene.extent(), direction, hit),
+            None => {
+                tally.environment_rays += 1;
+                light.le(direction)?
+            }
+        };
+        tally.texture_lookups += u64::from(matches!(spd, EmittedSpd::Filtered(_)));
+        let weight = match weighting {
+            HitWeighting::Ignored => 0.0,
+            HitWeighting::Full => 1.0,
+            HitWeighting::Caustic { pdf, weights } => {
+                weights.of_camera_path(self.ray_density(number, ray, hit.as_ref(), radiance), pdf)
+            }
+            HitWeighting::Mis { from, pdf, .. } => {
+                let pdf_light = match &hit {
+                    Some(hit) => light.pdf_li_surface(self.scene.extent(), from.position, hit),
+                    None => self.pdf_li_escaped(light, from.position, direction),
+                };
+                let probability = self.selector.probability(self.scene, number, hit.as_ref(), &from);
+                power_heuristic(pdf, pdf_light * probability)
+            }
+        };
+        (radiance * weight > 0.0).then_some(EmitterHit { light, radiance: radiance * weight, spd })
+    }
+
+    /// Samples a direction from a point towards a light; see [`Light::sample_li`].
+    #[inline(always)]
+    pub(super) fn sample_li(&self, light: &Light, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
+        if self.openings.open.count() == 0 || !light.surrounds() {
+            return light.sample_li(self.scene.extent(), from, u);
+        }
+        self.sample_li_through_openings(light, from, u)
+    }
+
+    /// Samples a direction from a point towards the surroundings: through an opening, or by their
+    /// radiance.
+    #[inline(never)]
+    fn sample_li_through_openings(&self, light: &Light, from: DVec3, [u, v, choice]: [f64; 3]) -> Option<LiSample> {
+        let mut sample = if choice < OPENINGS_SHARE {
+            let direction = self.openings.open.sample(from, choice / OPENINGS_SHARE, [u, v]);
+            let (radiance, spd) = light.le(direction)?;
+            let (distance, target) = (f64::INFINITY, None);
+            LiSample { direction, distance, target, irradiance: radiance, pdf_solid_angle: None, spd }
+        } else {
+            let sample = light.sample_li(self.scene.extent(), from, [u, v, choice])?;
+            LiSample { irradiance: sample.irradiance * sample.pdf_solid_angle.unwrap_or(1.0), ..sample }
+        };
+        let pdf = self.pdf_li_escaped(light, from, sample.direction);
+        sample.irradiance /= pdf;
+        sample.pdf_solid_angle = Some(pdf);
+        (pdf > 0.0).then_some(sample)
+    }
+
+    /// Returns the density of [`Self::sample_li`] for the direction of a ray that leaves the scene.
+    fn pdf_li_escaped(&self, light: &Light, from: DVec3, direction: DVec3) -> f64 {
+        let pdf = light.pdf_li_escaped(direction);
+        if self.openings.open.count() == 0 || !light.surrounds() {
+            return pdf;
+        }
+        (1.0 - OPENINGS_SHARE) * pdf + OPENINGS_SHARE * self.openings.open.pdf(from, direction)
+    }
+
+    /// Returns the density of a light's rays along a camera ray that hit the light. `radiance` is
+    /// the radiance of the light along this ray.
+    fn ray_density(&self, number: usize, ray: Ray, hit: Option<&Hit>, radiance: f64) -> RayDensity {
+        let Some(densities) = self.ray_densities else { return RayDensity::NONE };
+        // The rays of a distant light start outside the scene.
+        let origin = hit.map_or_else(|| ray.at(2.0 * self.scene.extent().radius_m), |hit| hit.position);
+        densities.around(number, origin, -ray.direction, radiance)
+    }
+}
+
+/// Returns the weight of a sample by the power heuristic with exponent 2 (Veach & Guibas 1995).
+/// `pdf` is the density of the technique that drew the sample. `other_pdf` is the density of the
+/// other technique for the same sample. Both densities must refer to the same measure, for example
+/// to solid angle.
+pub fn power_heuristic(pdf: f64, other_pdf: f64) -> f64 {
+    if pdf.is_infinite() {
+        return 1.0;
+    }
+    let ratio = other_pdf / pdf;
+    1.0 / (1.0 + ratio * ratio)
+}

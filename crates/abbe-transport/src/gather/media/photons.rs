@@ -1,0 +1,221 @@
+//! Light from photons in media: the beam radiance estimate for photon points, and the beam-beam
+//! estimate for photon beams.
+
+use super::segment::segment_seed;
+use crate::gather::camera::path::CameraPath;
+use crate::gather::camera::throughput::SpectralMode;
+use crate::gather::camera::visible_point::CameraSegment;
+use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
+use crate::gather::density::gather_point::{PhotonLight, add_photon, biased_by};
+use crate::gather::luminescence::Luminescence;
+use crate::map::kernel::{KernelDomain, KernelValues};
+use crate::map::{BeamPath, KernelWidth, PhotonNearRay, QueryCone, SetMaps, VolumeMap};
+use crate::plan::LightOrigin;
+use crate::plan::partition::{PhotonClass, PhotonSet};
+use crate::walk::{
+    MediumSegment, NumberedMedium, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth, transmittance,
+};
+use abbe_scene::Scene;
+use abbe_scene::geometry::Ray;
+use abbe_scene::medium::Medium;
+use abbe_spectra::math::random::hash64;
+use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
+use glam::DVec3;
+
+/// The least path length that determines a kernel radius is at most this number of mean free paths.
+const NEAR_FREE_PATHS: f64 = 0.5;
+
+/// The least path length that determines a kernel radius, as a fraction of the segment's length.
+const NEAR_SHARE: f64 = 0.1;
+
+/// The photons that a segment gathers, and their effects.
+#[derive(Clone, Copy)]
+struct VolumeGather<'l, 'a> {
+    set: PhotonSet,
+    /// True if the medium scatters these photons into the path.
+    scatters: bool,
+    /// The emission that the photons excite.
+    luminescence: Option<&'l Luminescence<'a>>,
+}
+
+impl<'a> CameraPass<'a> {
+    /// Gathers the photons near a segment in a scattering medium. `behind_m` is the length of the
+    /// path up to the segment, in m.
+    pub(super) fn gather_volume_photons<S: Sink>(
+        &self,
+        path: &CameraPath,
+        segment: &MediumSegment<'a>,
+        (filling, luminescence): (NumberedMedium<'a>, Option<&Luminescence<'a>>),
+        behind_m: f64,
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let set = path.spectral_mode.photon_set();
+        let behind_m = behind_m.max(near_m(segment, filling.medium));
+        if context.buffers.records {
+            context.buffers.camera_segments.push(CameraSegment {
+                ray: segment.ray,
+                length_m: segment.length_m,
+                behind_m,
+                medium: filling.number,
+                shared: matches!(path.spectral_mode, SpectralMode::Shared { .. }),
+                is_fluorescent: luminescence.is_some(),
+            });
+        }
+        // Only free photons excite a dye.
+        let (own, other) = match set {
+            PhotonSet::Free => (luminescence, None),
+            PhotonSet::Shared => (None, luminescence),
+        };
+        let gathered = [
+            VolumeGather { set, scatters: filling.medium.scattering_max > 0.0, luminescence: own },
+            VolumeGather { set: PhotonSet::Free, scatters: false, luminescence: other },
+        ];
+        for gathered in gathered.into_iter().filter(|gathered| gathered.scatters || gathered.luminescence.is_some()) {
+            let set = gathered.set;
+            self.gather_volume_set(self.maps[set], gathered, path, (segment, filling, behind_m), context);
+            if let Some(MissingLight { maps, factor }) = self.missing {
+                context.with_lost_light(factor, |lost| {
+                    self.gather_volume_set(maps[set], gathered, path, (segment, filling, behind_m), lost);
+                });
+            }
+        }
+    }
+
+    /// Gathers the photons of one set near a segment. `behind_m` is the length of the path up to
+    /// the segment, in m.
+    fn gather_volume_set<S: Sink>(
+        &self,
+        maps: &SetMaps,
+        gathered: VolumeGather<'_, 'a>,
+        path: &CameraPath,
+        (segment, filling, behind_m): (&MediumSegment<'a>, NumberedMedium<'a>, f64),
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let set = gathered.set;
+        for class in PhotonClass::ALL {
+            let maps = &maps[class].volume;
+            let slope = f64::from(context.radii.volume[set][class]);
+            // A wide kernel of a thin medium would visit many points of a dense medium, and reject
+            // all of them. Therefore a segment searches only the photons that its medium stores.
+            let (volume, dense) = (self.plan.volume, filling.medium.dense);
+            let of_points = (&maps.points, self.scales.points[class], volume.keeps_points(dense));
+            let of_beams = (&maps.beams, self.scales.beams[class], volume.keeps_beams(dense));
+            for (map, scale, stored) in [of_points, of_beams] {
+                if map.is_empty() || !stored {
+                    continue;
+                }
+                let width = match self.stated_radius_m {
+                    Some(radius) => KernelWidth::Stated(radius * scale),
+                    None => KernelWidth::PerDistance(slope * scale),
+                };
+                let cone = QueryCone::of_camera(segment.ray, segment.length_m, behind_m, width);
+                self.gather_volume_map((map, &cone), gathered, path, (segment, filling), context);
+            }
+        }
+    }
+
+    /// Adds the radiance that is scattered into the ray. The light comes from the photons of one
+    /// map.
+    fn gather_volume_map<S: Sink>(
+        &self,
+        (map, cone): (&VolumeMap, &QueryCone),
+        VolumeGather { scatters, luminescence, .. }: VolumeGather<'_, 'a>,
+        path: &CameraPath,
+        (segment, NumberedMedium { number, medium }): (&MediumSegment<'a>, NumberedMedium<'a>),
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let seed = segment_seed(context, segment.ray.origin);
+        let (factors, sink) = (&context.buffers.factors, &mut *context.sink);
+        let class = path.events.class_in_medium();
+        let mut gathered = 0;
+        map.along(cone, |photon: PhotonNearRay<'_>| {
+            if photon.medium != number {
+                return;
+            }
+            gathered += 1;
+            let Some(kernels) = kernels_between_faces(self.scene, &segment.ray, &photon) else { return };
+            let to_photon = segment.path_transmittance(photon.t, seed);
+            let cosine = -photon.incoming.dot(segment.ray.direction);
+            // A beam stores the power at its start. Therefore the response of a beam includes the
+            // attenuation up to the camera ray and the scattering coefficient there. The stored
+            // power of a point already includes both. No face is between the beam and the camera
+            // ray, so both are in the same bodies.
+            let along_beam = photon.beam.map(|BeamPath { start, distance_m }| {
+                let ray = Ray { origin: start, direction: photon.incoming };
+                let beam = MediumSegment { ray, ..*segment };
+                let along = beam.path_transmittance(distance_m, hash64([seed, distance_m.to_bits()]));
+                (along, medium.density_at(ray.at(distance_m)))
+            });
+            let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
+            let of_beam = along_beam.as_ref().map_or(0.0, |(along, _)| excess(along));
+            let bias = bias_of_excess(path.excess_depth + excess(&to_photon) + of_beam);
+            // In a fluorescent medium, the power of a point contains the power that excites the
+            // dye.
+            let per_coefficient = |nm| match &along_beam {
+                Some((along, density)) => transmittance(along, nm) * density,
+                // Rounding of the stored wavelength may lead to a wavelength without events.
+                None => Some(medium.stored_coefficient(nm)).filter(|sigma| *sigma > 0.0).map_or(0.0, f64::recip),
+            };
+            let response = |nm| {
+                let scattered = if along_beam.is_none() && medium.fluorophore.is_none() {
+                    1.0
+                } else {
+                    per_coefficient(nm) * medium.scattering.at(nm)
+                };
+                scattered * medium.phase.eval(cosine, nm) * transmittance(&to_photon, nm)
+            };
+            if scatters {
+                let light = PhotonLight { power: photon.power, spectra: self.spectra, class };
+                add_photon(light, kernels, bias, path.spectral_mode, factors, sink, response);
+            }
+            if let Some(luminescence) = luminescence {
+                let mut radiance = [0.0; LANES];
+                let lanes = photon.power.lanes(self.spectra);
+                lanes.for_each(|(nm, power)| luminescence.excite(nm, power * per_coefficient(nm), &mut radiance));
+                luminescence.attenuate(&to_photon, &mut radiance);
+                let origin = LightOrigin { class, light: self.spectra.light_of(photon.power.wavelength_code()) };
+                luminescence.add(origin, &radiance, (kernels.estimate, biased_by(kernels, bias)), sink);
+            }
+        });
+        context.tally.volume_gathered += gathered;
+    }
+}
+
+/// Returns the least length (m) of the path to the start of a segment that kernel radii assume.
+///
+/// Radii are proportional to the distance from the camera. If the camera is in the medium, the
+/// kernel of a photon point at the distance t would be proportional to 1/t², and its variance would
+/// be infinite: the picture would be too dark, apart from rare bright pixels that no error bar
+/// foresees.
+fn near_m(segment: &MediumSegment<'_>, medium: &Medium) -> f64 {
+    let depth_per_m = medium.optical_depth(REFERENCE_NM, 1.0);
+    let free_path_m = if depth_per_m > 0.0 { 1.0 / depth_per_m } else { f64::INFINITY };
+    (NEAR_FREE_PATHS * free_path_m).min(NEAR_SHARE * segment.length_m)
+}
+
+/// Corrects the kernels of a photon if they extend over a face. Returns `None` if a face is between
+/// the ray and the photon.
+///
+/// Segments of camera rays and photon beams end at all faces: at surfaces and at boundaries of
+/// media. Therefore a kernel must not extend over a face either. Otherwise, fog would lose light
+/// beside its faces, and light would leak through walls inside the fog.
+fn kernels_between_faces(scene: &Scene, ray: &Ray, photon: &PhotonNearRay<'_>) -> Option<KernelValues> {
+    let PhotonNearRay { t, offset, radius_m, kernels, beam, .. } = *photon;
+    let (centre, distance_m) = (ray.at(t), offset.length());
+    let towards = if distance_m > 0.0 { offset / distance_m } else { ray.direction.any_orthonormal_vector() };
+    let extent_m = |direction: DVec3| {
+        let line = Ray::new(centre, direction);
+        [&scene.geometry, &scene.boundaries].into_iter().fold(radius_m, |extent_m, faces| {
+            if faces.is_empty() {
+                return extent_m;
+            }
+            faces.intersect(&line, None, extent_m).map_or(extent_m, |hit| hit.t)
+        })
+    };
+    let ahead_m = extent_m(towards);
+    if ahead_m < distance_m {
+        return None;
+    }
+    let domain = if beam.is_some() { KernelDomain::Line } else { KernelDomain::Disk };
+    Some(kernels.between_faces(domain, [ahead_m, extent_m(-towards)].map(|extent_m| extent_m / radius_m)))
+}

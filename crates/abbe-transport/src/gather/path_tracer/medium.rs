@@ -1,0 +1,261 @@
+//! The path tracer in media: null-collision tracking (Woodcock et al. 1965; Kutz, Habel, Li & Novák
+//! 2017; Miller, Georgiev & Jarosz 2019, "A Null-Scattering Path Integral Formulation of Light
+//! Transport"). Null-collision tracking evaluates densities and bounds of densities, but never
+//! column densities.
+
+use super::tracer::{PathTracer, TracedPath};
+use crate::gather::camera::sampler::PixelSampler;
+use crate::gather::direct::light_tree::ReceivingPoint;
+use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
+use crate::plan::{LightOrigin, Tally};
+use crate::walk::{
+    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, SurfaceLookup,
+    next_interaction_through_media, transmittance,
+};
+use abbe_optics::fluorophore::Fluorophore;
+use abbe_optics::phase::{PhaseFunction, PhaseMixture};
+use abbe_scene::Scene;
+use abbe_scene::geometry::Ray;
+use abbe_scene::medium::Medium;
+use abbe_spectra::math::elementary::{exp, ln_1p};
+use abbe_spectra::spectrum::{LANES, WavelengthDistribution};
+use std::ops::ControlFlow;
+
+/// Paths with a relative throughput below this value undergo Russian roulette in media. In white
+/// fog, paths keep their throughput, and roulette would only add noise.
+const ROULETTE_THROUGHPUT: f64 = 0.2;
+
+impl<'a> PathTracer<'a> {
+    /// Advances the path through media to the next surface.
+    pub(super) fn advance_through_media<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> SegmentEnd<'a> {
+        for _ in 0..MAX_EVENTS {
+            let lookup = SurfaceLookup::of_line(sampler.stream.uniform());
+            let mut collision = None;
+            let end = next_interaction_through_media(self.scene, path.ray_state, lookup, |segment| {
+                path.add_emission(self.scene, segment, sampler, sink);
+                let exciting = segment.medium.and_then(|filling| self.exciting_wavelengths(filling.medium));
+                collision = path.sample_segment(segment, exciting, sampler, tally).map(|t| (*segment, t));
+                if collision.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            let Some((segment, (t, event))) = collision else {
+                return end;
+            };
+            if !self.scatter_in_medium(path, &segment, (t, event), sampler, tally, sink) {
+                return ControlFlow::Break(());
+            }
+        }
+        tally.capped_paths += 1;
+        ControlFlow::Break(())
+    }
+
+    /// Returns the dye of a medium. Returns `None` if the medium has no dye, or if no light excites
+    /// it.
+    fn exciting_wavelengths<'m>(&self, medium: &'m Medium) -> Option<ExcitableDye<'m>>
+    where
+        'a: 'm,
+    {
+        let dye = medium.fluorophore.as_deref()?;
+        Some(ExcitableDye { dye, wavelengths: self.excitation[dye.number].as_ref()? })
+    }
+
+    /// Adds direct light at a collision, and samples the new direction. Returns whether the path
+    /// continues.
+    fn scatter_in_medium<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        segment: &MediumSegment<'a>,
+        (t, event): (f64, MediumEvent),
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> bool {
+        let Some(NumberedMedium { medium, .. }) = segment.medium else { return false };
+        let phase = match event {
+            MediumEvent::Scattering => &medium.phase,
+            MediumEvent::Emission => {
+                tally.fluorescent_events += 1;
+                &PhaseFunction::Isotropic
+            }
+        };
+        let incoming = segment.ray.direction;
+        let ray = Ray { origin: segment.ray.at(t), direction: incoming };
+        let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
+        let mixture = PhaseMixture::new(phase, &path.wavelengths, &path.importance());
+        let (from, u) = (ReceivingPoint::in_medium(ray.origin), sampler.stream.triple());
+        for selected in self.direct.select_lights(from, u) {
+            let point = VolumeLightSampleContext { ray_state, phase: Some(mixture) };
+            let Some(sample) = self.direct.sample_direct_in_medium(point, selected, tally) else { continue };
+            let cosine = -sample.incoming.dot(incoming);
+            let origin = LightOrigin { class: path.events.class_in_medium(), light: selected.number };
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                let arriving =
+                    sample.light.spd_at(sample.spd, nm) * sample.strength * transmittance(&sample.transmittance, nm);
+                sink.radiance(origin, path.observed[k], path.throughput[k] * phase.eval(cosine, nm) * arriving);
+            }
+        }
+        let direction = mixture.sample(incoming, sampler.stream.pair());
+        let cosine = incoming.dot(direction);
+        let pdf = mixture.eval(cosine);
+        for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+            path.throughput[k] *= phase.eval(cosine, nm) / pdf;
+        }
+        path.events = path.events.after_medium();
+        path.hit_weighting = HitWeighting::Mis { from, pdf, caustic: None };
+        path.ray_state = RayState { ray: Ray { origin: ray.origin, direction }, ..ray_state };
+        path.survives_collision(sampler)
+    }
+}
+
+/// The event at a collision of a path with a medium.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum MediumEvent {
+    /// The medium scatters the light into the path.
+    Scattering,
+    /// The dye of the medium emits light into the path. The path now carries wavelengths of the
+    /// exciting light.
+    Emission,
+}
+
+/// The dye of a medium, and the distribution of the wavelengths that excite it.
+#[derive(Clone, Copy)]
+struct ExcitableDye<'d> {
+    dye: &'d Fluorophore,
+    wavelengths: &'d WavelengthDistribution,
+}
+
+impl TracedPath {
+    /// Adds the light that a medium emits into the path. The emission is evaluated at one random
+    /// position of the segment. After a scattering event, next-event estimation counts this light
+    /// instead.
+    fn add_emission<S: Sink>(
+        &self,
+        scene: &Scene,
+        segment: &MediumSegment<'_>,
+        sampler: &mut PixelSampler,
+        sink: &mut S,
+    ) {
+        let Some(NumberedMedium { number, medium }) =
+            segment.medium.filter(|filling| filling.medium.emission.is_some())
+        else {
+            return;
+        };
+        let Some(light) = scene.medium_lights[number] else { return };
+        let origin = LightOrigin { class: self.events.class_of_emission(), light };
+        let Some((from, to)) = medium.window(&segment.ray, segment.length_m) else { return };
+        if !matches!(self.hit_weighting, HitWeighting::Full) {
+            return;
+        }
+        let t = from + sampler.stream.uniform() * (to - from);
+        let position = segment.ray.at(t);
+        let along = segment.path_transmittance_tracked(t, position.x.to_bits());
+        for (k, &nm) in self.wavelengths.active().iter().enumerate() {
+            let emitted = medium.emission_per_m(position, nm) * transmittance(&along, nm) * (to - from);
+            sink.radiance(origin, self.observed[k], self.throughput[k] * emitted);
+        }
+    }
+
+    /// Advances the path along a segment. If an event happens, returns its distance in m. The
+    /// function multiplies the throughput by the effect of absorption.
+    fn sample_segment(
+        &mut self,
+        segment: &MediumSegment<'_>,
+        dye: Option<ExcitableDye<'_>>,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+    ) -> Option<(f64, MediumEvent)> {
+        let mut scattered = None;
+        if let Some(NumberedMedium { medium, .. }) = segment.medium {
+            tally.media_stretches += 1;
+            scattered = self.sample_free_flight((medium, dye), segment, sampler);
+        }
+        if let Some(absorption) = segment.absorption {
+            let distance = scattered.map_or(segment.length_m, |(t, _)| t);
+            for k in 0..self.wavelengths.count {
+                self.throughput[k] *= exp(-absorption.at(self.wavelengths.nm[k]) * distance);
+            }
+        }
+        scattered
+    }
+
+    /// Samples tentative collisions at the rate σ̄. This rate is the product of two numbers: the
+    /// largest extinction coefficient at the path's wavelengths, and the upper bound of the
+    /// density. The probability of a real scattering event is S/(S + N). S is the sum of the
+    /// scattering coefficients of all wavelengths, weighted by their importance. N is the same sum
+    /// for the coefficients of null collisions.
+    ///
+    /// The emission of a dye into the path is a further event. Its rate is the largest absorption
+    /// coefficient of the dye, which is added to σ̄.
+    fn sample_free_flight(
+        &mut self,
+        (medium, dye): (&Medium, Option<ExcitableDye<'_>>),
+        segment: &MediumSegment<'_>,
+        sampler: &mut PixelSampler,
+    ) -> Option<(f64, MediumEvent)> {
+        let (mut t, end) = medium.window(&segment.ray, segment.length_m)?;
+        let sigma_s = self.wavelengths.each(|nm| medium.scattering.at(nm));
+        let sigma_t = self.wavelengths.each(|nm| medium.extinction.at(nm));
+        let visible =
+            |dye: &ExcitableDye<'_>| self.wavelengths.active().iter().any(|&nm| dye.dye.emitted_power().at(nm) > 0.0);
+        let dye = dye.filter(visible);
+        let sigma_dye = dye.map_or(0.0, |dye| dye.dye.absorptance_spectrum().max());
+        let largest = sigma_t.iter().copied().fold(0.0, f64::max) + sigma_dye;
+        let rate = largest * medium.majorant(&segment.ray, segment.length_m);
+        if rate <= 0.0 {
+            return None;
+        }
+        loop {
+            t -= ln_1p(-sampler.stream.uniform()) / rate;
+            if t >= end {
+                return None;
+            }
+            let importance = self.importance();
+            let density = medium.density_at(segment.ray.at(t));
+            let (mut scatters, mut emits, mut either) = (0.0, 0.0, 0.0);
+            for k in 0..LANES {
+                let (collision, null) = (sigma_s[k] * density, (rate - sigma_t[k] * density).max(0.0));
+                scatters += importance[k] * collision;
+                emits += importance[k] * sigma_dye * density;
+                either += importance[k] * (collision + sigma_dye * density + null);
+            }
+            if either <= 0.0 {
+                self.throughput = [0.0; LANES];
+                return None;
+            }
+            let [probability, emission] = [scatters / either, emits / either];
+            let u = sampler.stream.uniform();
+            if u < probability {
+                (0..LANES).for_each(|k| self.throughput[k] *= sigma_s[k] * density / (rate * probability));
+                return Some((t, MediumEvent::Scattering));
+            }
+            if let Some(ExcitableDye { dye, wavelengths }) = dye
+                && u < probability + emission
+            {
+                self.excite(dye, wavelengths, density / (rate * emission), sampler);
+                return Some((t, MediumEvent::Emission));
+            }
+            let null_rate = rate * (1.0 - probability - emission);
+            (0..LANES).for_each(|k| self.throughput[k] *= (rate - sigma_t[k] * density).max(0.0) / null_rate);
+        }
+    }
+
+    /// After a collision, applies Russian roulette to paths of low relative throughput. Returns
+    /// false if the path ends.
+    fn survives_collision(&mut self, sampler: &mut PixelSampler) -> bool {
+        let throughput = self.relative_throughput();
+        if throughput >= ROULETTE_THROUGHPUT {
+            return true;
+        }
+        let survival = throughput / ROULETTE_THROUGHPUT;
+        if sampler.stream.uniform() >= survival {
+            return false;
+        }
+        self.throughput.iter_mut().for_each(|t| *t /= survival);
+        true
+    }
+}

@@ -1,0 +1,447 @@
+//! The reference for photon mapping: a spectral path tracer with next-event estimation.
+//!
+//! The path tracer and photon mapping use the same surfaces, lights and geometry. However, the path
+//! tracer uses no estimator of photon mapping: no photons, no kernels and no shared wavelengths. A
+//! path carries four stratified wavelengths until its first dispersive refraction. If a light
+//! without extent is behind glass, photon mapping finds the light from this source, but the path
+//! tracer does not.
+
+use crate::gather::camera::sampler::{PixelSampler, receptor_pdf};
+use crate::gather::camera::throughput::relative_n2;
+use crate::gather::direct::light_tree::ReceivingPoint;
+use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
+use crate::gather::luminescence::{ExcitingLight, Luminescence};
+use crate::map::PhotonSpectra;
+use crate::plan::partition::LightPath;
+use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
+use crate::walk::{
+    DepthLimit, LostLight, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, SurfaceLookup,
+    WithBodies, long_path_survival, next_interaction, scatter, transmittance,
+};
+use abbe_optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
+use abbe_optics::fluorophore::Fluorophore;
+use abbe_scene::Scene;
+use abbe_scene::camera::SystemLens;
+use abbe_scene::geometry::{Hit, Ray};
+use abbe_scene::meter::Receptor;
+use abbe_spectra::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
+use glam::DVec3;
+use std::ops::{ControlFlow, Range};
+
+/// The number of surface events after which Russian roulette may end a path of the path tracer.
+const TRACER_DEPTH_BEFORE_ROULETTE: u32 = 3;
+
+/// The least survival probability of Russian roulette.
+const LEAST_SURVIVAL: f64 = 0.05;
+
+/// The path tracer of one pass.
+#[derive(Debug)]
+pub struct PathTracer<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Next-event estimation.
+    pub direct: DirectLighting<'a>,
+    /// Samples a path's wavelengths.
+    pub wavelengths: &'a WavelengthDistribution,
+    /// The spectra of the lights.
+    pub spectra: &'a PhotonSpectra,
+    /// For each fluorophore, the distribution of the wavelengths that excite it in the light of all
+    /// lights and fluorophores together.
+    pub excitation: &'a [Option<WavelengthDistribution>],
+    /// The number of surface events after which a path ends.
+    pub depth_limit: DepthLimit,
+    /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
+    pub media_plan: MediumPlan,
+}
+
+/// The state of a path of the path tracer.
+pub(super) struct TracedPath {
+    pub(super) ray_state: RayState,
+    pub(super) wavelengths: Wavelengths,
+    /// The wavelengths (nm) at which the camera sees the light of each lane. They differ from
+    /// `wavelengths` behind a fluorescent surface.
+    pub(super) observed: Lanes,
+    /// The throughput at each wavelength, divided by all sampling densities.
+    pub(super) throughput: Lanes,
+    /// The throughput at the start of the path, for Russian roulette.
+    initial_throughput: Lanes,
+    /// The number of wavelengths at the start of the path.
+    initial_count: usize,
+    pub(super) hit_weighting: HitWeighting,
+    /// The events that decide the class of the path's light.
+    pub(super) events: CameraEvents,
+}
+
+impl<'a> PathTracer<'a> {
+    /// Estimates the radiance of one sample of a pixel and adds it to the sink.
+    pub fn sample<S: Sink>(&self, pixel: u64, mut sampler: PixelSampler, tally: &mut Tally, sink: &mut S) {
+        tally.camera_samples += 1;
+        let started = match self.scene.camera.receptor(pixel) {
+            Some((_, receptor)) => Some(self.start_at_receptor(receptor, &sampler, tally, sink)),
+            None => self.start_path(pixel, &sampler, None, tally),
+        };
+        if let Some(path) = started {
+            self.follow_to_end(path, &mut sampler, tally, sink);
+        }
+        if self.scene.camera.system().is_some_and(SystemLens::has_ghosts) {
+            let choice = sampler.stream.uniform();
+            if let Some(path) = self.start_path(pixel, &sampler, Some(choice), tally) {
+                self.follow_to_end(path, &mut sampler, tally, sink);
+            }
+        }
+    }
+
+    /// Follows a path to its end.
+    #[inline(never)]
+    fn follow_to_end<S: Sink>(
+        &self,
+        mut path: TracedPath,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
+        let limit = self.depth_limit.events();
+        if !self.follow(&mut path, 0..limit, sampler, tally, sink) {
+            return;
+        }
+        if !self.depth_limit.is_stated() {
+            tally.capped_paths += 1;
+        } else if let Some(factor) = self.depth_limit.sample_lost_path(&mut sampler.stream) {
+            path.throughput.iter_mut().for_each(|throughput| *throughput *= factor);
+            path.initial_throughput.iter_mut().for_each(|throughput| *throughput *= factor);
+            self.follow(&mut path, limit..MAX_EVENTS, sampler, tally, &mut LostLight { sink, factor: 1.0 });
+        }
+    }
+
+    /// Follows a path through surface events with these numbers. The number of a path's first event
+    /// is 0. Returns true if the path survives all of these events.
+    fn follow<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        events: Range<u32>,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> bool {
+        for depth in events {
+            let interaction = match self.advance(path, sampler, tally, sink) {
+                ControlFlow::Continue(Some(interaction)) => interaction,
+                ControlFlow::Continue(None) => {
+                    self.add_emitters_hit(path, path.ray_state.ray.direction, None, tally, sink);
+                    return false;
+                }
+                ControlFlow::Break(()) => return false,
+            };
+            if interaction.crossed_hidden_face && !matches!(path.hit_weighting, HitWeighting::Full) {
+                // Shadow rays stop at hidden faces, so only the path can count a light behind a
+                // hidden face.
+                path.hit_weighting = HitWeighting::Full;
+                path.events = path.events.after_specular_event();
+            }
+            self.add_emitters_hit(path, interaction.incoming, Some(interaction.hit), tally, sink);
+            if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
+                // A path from a receptor has used these numbers at the receptor.
+                let first = depth == 0 && path.events == CameraEvents::Specular;
+                let u = if first { sampler.light() } else { sampler.stream.triple() };
+                let fluorescent = interaction.bsdf.model.as_fluorescent();
+                let excitation_u = fluorescent.map_or(0.0, |_| sampler.stream.uniform());
+                self.sample_lights(path, &interaction, (u, excitation_u), tally, sink);
+            }
+            let Some(mut scattered) =
+                scatter(&interaction, &path.wavelengths, TransportMode::Radiance, &mut sampler.stream)
+            else {
+                return false;
+            };
+            if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
+                tally.fluorescent_events += 1;
+                let excitation = self.excitation[surface.fluorophore.number].as_ref();
+                path.select_emission(surface, excitation, &mut scattered, depth, sampler);
+            }
+            let through_pane = self.direct.passes_panes()
+                && scattered.event == ScatterEvent::Transmission
+                && self.scene.materials[interaction.material].surface.uniform_pane().is_some();
+            path.apply_scattering(&interaction, &scattered, through_pane);
+            if !path.survives(self.scene, depth, sampler) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Advances the path to the next surface.
+    fn advance<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> SegmentEnd<'a> {
+        match self.media_plan {
+            MediumPlan::Air | MediumPlan::Clear => {
+                let lookup = SurfaceLookup::of_line(sampler.stream.uniform());
+                ControlFlow::Continue(next_interaction(self.scene, path.ray_state, lookup))
+            }
+            MediumPlan::Absorbing | MediumPlan::Scattering(_) => self.advance_through_media(path, sampler, tally, sink),
+        }
+    }
+
+    /// Starts a path at the camera. The path carries four stratified wavelengths, or one wavelength
+    /// if the camera has a lens system. Returns `None` if the lens system stops the ray. The number
+    /// `ghost` in [0, 1) selects a ghost of the lens; `None` stands for the image.
+    fn start_path(
+        &self,
+        pixel: u64,
+        sampler: &PixelSampler,
+        ghost: Option<f64>,
+        tally: &mut Tally,
+    ) -> Option<TracedPath> {
+        let camera = &self.scene.camera;
+        let (ray, wavelengths, throughput) = match camera.system() {
+            Some(system) => {
+                let (sampled, pdf) = self.wavelengths.sample(sampler.wavelength);
+                let (ray, weight) = sampler.ray_through_lens(&system.at(sampled), camera, pixel, ghost)?;
+                tally.ghost_rays += u64::from(ghost.is_some());
+                tally.film_events += u64::from(system.is_coated());
+                (ray, Wavelengths::single(sampled), std::array::from_fn(|k| if k == 0 { weight / pdf } else { 0.0 }))
+            }
+            None => {
+                let (nm, throughput) = self.stratified_wavelengths(sampler);
+                (sampler.ray(camera, pixel), Wavelengths::new(nm), throughput)
+            }
+        };
+        Some(TracedPath {
+            ray_state: RayState { ray, from: None, medium_stack: camera.medium_stack },
+            initial_count: wavelengths.count,
+            observed: wavelengths.nm,
+            wavelengths,
+            throughput,
+            initial_throughput: throughput,
+            hit_weighting: HitWeighting::Full,
+            events: CameraEvents::Specular,
+        })
+    }
+
+    /// Samples four stratified wavelengths (nm). Returns them, and the inverses of their densities.
+    fn stratified_wavelengths(&self, sampler: &PixelSampler) -> (Lanes, Lanes) {
+        let (mut nm, mut throughput) = ([0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let (sampled, pdf) = self.wavelengths.sample((sampler.wavelength + k as f64) / LANES as f64);
+            nm[k] = sampled;
+            throughput[k] = 1.0 / (pdf * LANES as f64);
+        }
+        (nm, throughput)
+    }
+
+    /// Adds direct light at a receptor of a meter, and starts a path there. The receptor is the
+    /// first scattering event of the path.
+    fn start_at_receptor<S: Sink>(
+        &self,
+        receptor: &Receptor,
+        sampler: &PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> TracedPath {
+        tally.receptor_samples += 1;
+        let (nm, inverse_pdf) = self.stratified_wavelengths(sampler);
+        let start = sampler.receptor_sample(self.scene, receptor, self.direct.openings);
+        let from = ReceivingPoint::on_receptor(&start.point);
+        let pdf =
+            |direction| receptor_pdf((start.point.position, start.point.response), self.direct.openings, direction);
+        for selected in self.direct.select_lights(from, sampler.light()) {
+            let sample = self.direct.sample_direct_at_receptor(&start.point, pdf, selected, tally);
+            let Some(sample) = sample else { continue };
+            let origin = LightOrigin { class: PathClass::Direct, light: selected.number };
+            for (k, &nm) in nm.iter().enumerate() {
+                let arriving = sample.light.spd_at(sample.spd, nm) * sample.strength;
+                sink.radiance(origin, nm, inverse_pdf[k] * arriving * transmittance(&sample.transmittance, nm));
+            }
+        }
+        TracedPath {
+            ray_state: start.ray_state,
+            initial_count: LANES,
+            wavelengths: Wavelengths::new(nm),
+            observed: nm,
+            throughput: inverse_pdf.map(|throughput| throughput * start.weight),
+            initial_throughput: inverse_pdf,
+            hit_weighting: HitWeighting::Mis { from, pdf: start.pdf, caustic: None },
+            events: CameraEvents::Surface,
+        }
+    }
+
+    /// Adds the radiance of the lights at the end of a path segment. These lights are on a surface
+    /// or at infinity.
+    fn add_emitters_hit<S: Sink>(
+        &self,
+        path: &TracedPath,
+        direction: DVec3,
+        hit: Option<Hit>,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
+        for &number in self.direct.emitters_hit(hit.as_ref()) {
+            let ray = Ray { origin: path.ray_state.ray.origin, direction };
+            let emitted = self.direct.emitted_by_hit(number, ray, hit, path.hit_weighting, tally);
+            let Some(emitter) = emitted else { continue };
+            let origin = LightOrigin { class: path.events.class_of_emission(), light: number };
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                let radiance = path.throughput[k] * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
+                sink.radiance(origin, path.observed[k], radiance);
+            }
+        }
+    }
+
+    /// Adds direct light at a surface by shadow rays. `excitation_u` in [0, 1) selects the
+    /// wavelengths that excite a fluorescent surface.
+    fn sample_lights<S: Sink>(
+        &self,
+        path: &TracedPath,
+        interaction: &SurfaceInteraction<'a>,
+        (u, excitation_u): ([f64; 3], f64),
+        tally: &mut Tally,
+        sink: &mut S,
+    ) {
+        let SurfaceInteraction { bsdf, wo, sides, .. } = *interaction;
+        for selected in self.direct.select_lights(ReceivingPoint::on_surface(interaction), u) {
+            let point = LightSampleContext { interaction, nm: path.wavelengths.hero() };
+            let Some(sample) = self.direct.sample_direct(point, selected, tally) else { continue };
+            let (towards, distance_m) = ((sample.direction, sample.line), sample.distance_m);
+            let along = self.direct.transmittance_from::<WithBodies>(interaction, towards, distance_m, selected.u);
+            let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
+            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+                let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
+                let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
+                sink.radiance(origin, path.observed[k], scattered * sample.strength * transmittance(&along, nm));
+            }
+            if let Some(surface) = bsdf.model.as_fluorescent()
+                && bsdf.pdf(wo, sample.wi, sides, path.wavelengths.hero()) > 0.0
+            {
+                let exciting = ExcitingLight::of_sample(selected.number, &sample, &along);
+                let luminescence = Luminescence::of_surface(surface, &path.wavelengths, &path.throughput);
+                let radiance = luminescence.excited_radiance(&exciting, self.spectra, excitation_u);
+                luminescence.observed_at(&path.observed).add(origin, &radiance, (1.0, 0.0), sink);
+            }
+        }
+    }
+}
+
+impl TracedPath {
+    /// Applies a scattering event to the path. If the path passes through a pane that shadow rays
+    /// pass too, the path continues as if there were no event.
+    fn apply_scattering(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay, through_pane: bool) {
+        (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
+        if let Some(kept) = scattered.kept {
+            self.wavelengths = Wavelengths::single(self.wavelengths.nm[kept]);
+            let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[kept] } else { 0.0 });
+            (self.throughput, self.initial_throughput) = (only(self.throughput), only(self.initial_throughput));
+            self.observed = only(self.observed);
+        }
+        self.ray_state = interaction.spawn_scattered(scattered);
+        if through_pane {
+            return;
+        }
+        self.events = if scattered.delta { self.events.after_specular_event() } else { self.events.after_surface() };
+        self.hit_weighting = if scattered.delta {
+            // Shadow rays cannot sample a light behind mirrors or glass.
+            HitWeighting::Full
+        } else {
+            HitWeighting::Mis { from: ReceivingPoint::on_surface(interaction), pdf: scattered.pdf, caustic: None }
+        };
+    }
+
+    /// Selects at random whether the path continues as reflected light or as light that excites the
+    /// fluorophore of a surface. For excitation, each lane samples a wavelength of its own. `depth`
+    /// is the number of the surface event.
+    fn select_emission(
+        &mut self,
+        surface: &Fluorescent,
+        excitation: Option<&WavelengthDistribution>,
+        scattered: &mut ScatteredRay,
+        depth: u32,
+        sampler: &mut PixelSampler,
+    ) {
+        /// The limits of the probability that the path continues as exciting light.
+        const EXCITATION: (f64, f64) = (0.1, 0.9);
+        let active = || self.wavelengths.active().iter();
+        let emits = active().any(|&nm| surface.fluorophore.emitted_power().at(nm) > 0.0);
+        let Some(excitation) = excitation.filter(|_| emits) else { return };
+        // At the first events, both outcomes matter alike. Later, the weight of a reflection must
+        // be at most about 1, so that it does not grow along the path.
+        let reflected = active().map(|&nm| surface.reflected_fraction(nm)).fold(0.0, f64::max);
+        let alike = 0.5 / f64::from(depth + 1);
+        let probability = (1.0 - reflected).max(alike).clamp(EXCITATION.0, EXCITATION.1);
+        if sampler.stream.uniform() >= probability {
+            scattered.weight.iter_mut().for_each(|weight| *weight /= 1.0 - probability);
+            return;
+        }
+        scattered.weight = [1.0; LANES];
+        self.excite(&surface.fluorophore, excitation, 1.0 / probability, sampler);
+    }
+
+    /// Continues the path as light that excites a fluorophore. Each lane samples a wavelength of
+    /// its own from the distribution `excitation`. The throughput is multiplied by `factor`.
+    pub(super) fn excite(
+        &mut self,
+        fluorophore: &Fluorophore,
+        excitation: &WavelengthDistribution,
+        factor: f64,
+        sampler: &mut PixelSampler,
+    ) {
+        let u = sampler.stream.uniform();
+        for k in 0..self.wavelengths.count {
+            let lane_u = u + k as f64 / LANES as f64;
+            let (nm, pdf) = excitation.sample(lane_u - lane_u.floor());
+            self.throughput[k] *= fluorophore.bispectral_factor(nm, self.wavelengths.nm[k]) * factor / pdf;
+            self.initial_throughput[k] = 1.0 / (pdf * self.initial_count as f64);
+            self.wavelengths.nm[k] = nm;
+        }
+    }
+
+    /// Returns the throughput at each wavelength, relative to the throughput at the start of the
+    /// path.
+    ///
+    /// At the start, the throughput is the inverse of the density with which the wavelengths are
+    /// sampled, and this density follows the spectra of the lights. Therefore the ratio measures
+    /// the light that a wavelength can still contribute, but the throughput does not: it is small
+    /// at a spectral line, which contains most of the light.
+    pub(super) fn importance(&self) -> Lanes {
+        let ratio = |k: usize| match self.initial_throughput[k] {
+            initial if initial > 0.0 => self.throughput[k] / initial,
+            _ => 0.0,
+        };
+        std::array::from_fn(ratio)
+    }
+
+    /// Returns the ratio of the throughput to the throughput at the start of the path. The ratios
+    /// at the current wavelengths are summed. The sum is divided by the number of wavelengths at
+    /// the start.
+    pub(super) fn relative_throughput(&self) -> f64 {
+        let lanes = self.throughput.iter().zip(&self.initial_throughput).take(self.wavelengths.count);
+        let sum: f64 = lanes.filter(|(_, initial)| **initial > 0.0).map(|(t, initial)| t / initial).sum();
+        sum / self.initial_count as f64
+    }
+
+    /// Applies Russian roulette. The survival probability is the relative throughput, so the
+    /// throughput of a surviving path does not grow. On long paths, it is smaller. Returns false if
+    /// the path ends.
+    ///
+    /// The throughput is divided by n² where a path enters glass, and multiplied by n² where the
+    /// path leaves the glass. The survival probability excludes this factor. Otherwise, too many
+    /// paths would end inside glass, and the surviving paths would leave the glass with too large a
+    /// weight.
+    fn survives(&mut self, scene: &Scene, depth: u32, sampler: &mut PixelSampler) -> bool {
+        let throughput = self.relative_throughput();
+        if throughput <= 0.0 {
+            return false;
+        }
+        if depth < TRACER_DEPTH_BEFORE_ROULETTE {
+            return true;
+        }
+        let relative = throughput * relative_n2(scene, &self.ray_state, self.wavelengths.hero());
+        let survival = relative.clamp(LEAST_SURVIVAL, 1.0) * long_path_survival(depth);
+        if sampler.stream.uniform() >= survival {
+            return false;
+        }
+        self.throughput.iter_mut().for_each(|t| *t /= survival);
+        true
+    }
+}

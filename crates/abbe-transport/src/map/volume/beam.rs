@@ -1,0 +1,307 @@
+//! Photon beams (Jarosz, Nowrouzezahrai, Sadeghi & Jensen 2011, "A Comprehensive Theory of
+//! Volumetric Radiance Estimation Using Photon Points and Beams"). A beam is a whole segment of a
+//! photon path. The kernel is one-dimensional: it lies on the line perpendicular to the beam and to
+//! the camera ray.
+
+use super::{BeamPath, PhotonNearRay};
+use crate::map::box_tree::{BoxTree, LEAF};
+use crate::map::kernel;
+use crate::map::photon::PhotonPower;
+use crate::map::query_cone::QueryCone;
+use glam::{DVec3, Vec3};
+use wide::f32x8;
+
+/// A segment of a photon path in a medium.
+#[derive(Debug, Clone, Copy)]
+pub struct PhotonBeam {
+    start: [f32; 3],
+    end: [f32; 3],
+    medium: u16,
+    /// The power at the start.
+    power: PhotonPower,
+}
+
+/// The estimate is divided by the sine of the angle between a beam and a ray. This constant is the
+/// lower limit of the sine. Without a limit, the estimate would be infinite for a parallel ray. The
+/// light that the limit removes counts as bias.
+const LEAST_SINE: f64 = 1e-3;
+
+/// The lower limit of the sine in the estimate of the bias. The bias bars must stay finite.
+const LEAST_SINE_OF_BIAS: f64 = 1e-6;
+
+/// The number of pieces of the longest beam. Pieces of all beams have about the same length.
+const MOST_PIECES: f64 = 48.0;
+
+impl PhotonBeam {
+    /// Creates a beam in the medium number `medium`. The two positions are the start and the end of
+    /// the beam. They are in m, relative to the scene's centre. `power` is the power at the start.
+    pub fn new([start, end]: [DVec3; 2], medium: usize, power: PhotonPower) -> Self {
+        let point = |p: DVec3| p.as_vec3().to_array();
+        Self { start: point(start), end: point(end), medium: medium as u16, power }
+    }
+
+    fn ends(&self) -> (DVec3, DVec3) {
+        (Vec3::from(self.start).as_dvec3(), Vec3::from(self.end).as_dvec3())
+    }
+
+    fn length(&self) -> f64 {
+        let (start, end) = self.ends();
+        (end - start).length()
+    }
+
+    /// Returns the number of the medium if the kernel of the beam intersects the ray of the cone.
+    pub fn medium_near_ray(&self, cone: &QueryCone) -> Option<usize> {
+        self.near_ray((0.0, 1.0), cone).map(|near| near.medium)
+    }
+
+    /// Returns the beam if two conditions are true. First, the closest approach of the beam and the
+    /// ray must lie on the ray and on a part of the beam. The two numbers of `part` are the start
+    /// and the end of the part, as fractions of the beam's length. Second, the distance between the
+    /// beam and the ray must be less than the kernel radius at this place.
+    fn near_ray(&self, part: (f64, f64), cone: &QueryCone) -> Option<PhotonNearRay<'_>> {
+        let (start, end) = self.ends();
+        let along = end - start;
+        let length = along.length();
+        if length <= 0.0 {
+            return None;
+        }
+        let (incoming, direction) = (along / length, cone.ray.direction);
+        let across = direction.cross(incoming);
+        let sine2 = across.length_squared();
+        if sine2 <= 0.0 {
+            return None;
+        }
+        let offset = start - cone.ray.origin;
+        let t = offset.cross(incoming).dot(across) / sine2;
+        if !(t > 0.0 && t < cone.length_m) {
+            return None;
+        }
+        let s = offset.cross(direction).dot(across) / sine2;
+        if !(s >= part.0 * length && s < part.1 * length) {
+            return None;
+        }
+        let sine = sine2.sqrt();
+        let offset = offset.dot(across) / sine2 * across;
+        let (distance, radius) = (offset.length(), cone.radius_at(t));
+        (distance < radius).then(|| PhotonNearRay {
+            power: &self.power,
+            incoming,
+            medium: usize::from(self.medium),
+            t,
+            offset,
+            radius_m: radius,
+            kernels: kernel::on_line(distance, radius)
+                .limited(sine.max(LEAST_SINE).recip(), sine.max(LEAST_SINE_OF_BIAS).recip()),
+            beam: Some(BeamPath { start, distance_m: s }),
+        })
+    }
+}
+
+/// A part of a beam. Long beams are cut into pieces, so that the boxes of the pieces stay small.
+#[derive(Debug, Clone, Copy, Default)]
+struct BeamPiece {
+    beam: u32,
+    /// The number of this piece, counted from 0.
+    number: u16,
+    /// The number of pieces of the beam.
+    count: u16,
+}
+
+impl BeamPiece {
+    /// Returns the start and the end of the piece, as fractions of the beam's length.
+    fn span(self) -> (f64, f64) {
+        let count = f64::from(self.count);
+        (f64::from(self.number) / count, f64::from(self.number + 1) / count)
+    }
+
+    /// Returns the start and the end of the piece, in m.
+    fn ends(self, beams: &[PhotonBeam]) -> [DVec3; 2] {
+        let (start, end) = beams[self.beam as usize].ends();
+        let (from, to) = self.span();
+        [start.lerp(end, from), start.lerp(end, to)]
+    }
+}
+
+/// Cuts beams into pieces of about equal length.
+fn pieces(beams: &[PhotonBeam]) -> Vec<BeamPiece> {
+    let longest = beams.iter().map(PhotonBeam::length).fold(0.0, f64::max);
+    let mut pieces = Vec::with_capacity(beams.len() * 8);
+    for (number, beam) in beams.iter().enumerate() {
+        let count = (beam.length() / longest * MOST_PIECES).ceil().clamp(1.0, MOST_PIECES) as u16;
+        pieces.extend((0..count).map(|piece| BeamPiece { beam: number as u32, number: piece, count }));
+    }
+    pieces
+}
+
+/// The pieces in a leaf of the tree. Unused places have a negative length.
+#[derive(Debug, Clone, Copy)]
+struct PieceBlock {
+    /// The coordinates of the starts, in m: x of all pieces, then y, then z.
+    starts: [[f32; LEAF]; 3],
+    /// The unit directions.
+    directions: [[f32; LEAF]; 3],
+    /// The lengths in m.
+    lengths: [f32; LEAF],
+    pieces: [BeamPiece; LEAF],
+}
+
+impl PieceBlock {
+    fn new(beams: &[PhotonBeam], pieces: impl Iterator<Item = BeamPiece>) -> Self {
+        let mut block = Self {
+            starts: Default::default(),
+            directions: Default::default(),
+            lengths: [-1.0; LEAF],
+            pieces: Default::default(),
+        };
+        for (place, piece) in pieces.enumerate() {
+            let [start, end] = piece.ends(beams);
+            let direction = (end - start).normalize_or_zero();
+            (0..3).for_each(|axis| block.starts[axis][place] = start[axis] as f32);
+            (0..3).for_each(|axis| block.directions[axis][place] = direction[axis] as f32);
+            (block.lengths[place], block.pieces[place]) = ((end - start).length() as f32, piece);
+        }
+        block
+    }
+}
+
+/// A spatial index of beams.
+#[derive(Debug)]
+pub(super) struct BeamMap {
+    beams: Vec<PhotonBeam>,
+    blocks: Vec<PieceBlock>,
+    tree: BoxTree,
+}
+
+impl BeamMap {
+    pub(super) fn new(beams: Vec<PhotonBeam>) -> Self {
+        let pieces = pieces(&beams);
+        let corners = |piece: &BeamPiece| {
+            let [a, b] = piece.ends(&beams).map(DVec3::as_vec3);
+            (a.min(b), a.max(b))
+        };
+        let boxes: Vec<(Vec3, Vec3)> = pieces.iter().map(corners).collect();
+        let (tree, leaves) = BoxTree::build(&boxes);
+        let block = |leaf: &[u32]| PieceBlock::new(&beams, leaf.iter().map(|&number| pieces[number as usize]));
+        let blocks = leaves.iter().map(block).collect();
+        Self { beams, blocks, tree }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.beams.is_empty()
+    }
+
+    /// Calls `visit` for each beam whose kernel intersects the ray of the cone.
+    pub(super) fn along(&self, cone: &QueryCone, mut visit: impl FnMut(PhotonNearRay<'_>)) {
+        let approach = ClosestApproach::new(cone);
+        self.tree.visit(cone, |leaf| {
+            let block = &self.blocks[leaf];
+            let mut near = approach.candidates(block);
+            while near != 0 {
+                let piece = block.pieces[near.trailing_zeros() as usize];
+                near &= near - 1;
+                if let Some(found) = self.beams[piece.beam as usize].near_ray(piece.span(), cone) {
+                    visit(found);
+                }
+            }
+        });
+    }
+}
+
+/// The cone in single precision, prepared for tests against pieces of beams.
+struct ClosestApproach {
+    origin: [f32x8; 3],
+    direction: [f32x8; 3],
+    length: f32x8,
+    radius: f32x8,
+    slope: f32x8,
+    /// The largest coordinate of the ray's origin, in m.
+    largest: f32x8,
+}
+
+/// Lines with a smaller squared sine of their angle are too parallel for single precision.
+const LEAST_SINE2: f32 = 1e-6;
+
+impl ClosestApproach {
+    fn new(cone: &QueryCone) -> Self {
+        let splat = |values: DVec3| values.to_array().map(|value| f32x8::splat(value as f32));
+        Self {
+            origin: splat(cone.ray.origin),
+            direction: splat(cone.ray.direction),
+            length: f32x8::splat(cone.length_m as f32),
+            radius: f32x8::splat(cone.radius_m as f32),
+            slope: f32x8::splat(cone.slope as f32),
+            largest: f32x8::splat(cone.ray.origin.abs().max_element() as f32),
+        }
+    }
+
+    /// Returns the places of the pieces whose kernel may intersect the ray, as a set of bits.
+    /// Because of rounding, the set may contain a piece too many, but never one too few.
+    #[inline(always)]
+    fn candidates(&self, block: &PieceBlock) -> u32 {
+        let starts = block.starts.map(f32x8::from);
+        let [ux, uy, uz] = block.directions.map(f32x8::from);
+        let piece = f32x8::from(block.lengths);
+        let [dx, dy, dz] = self.direction;
+        let [wx, wy, wz] = [0, 1, 2].map(|axis| starts[axis] - self.origin[axis]);
+        let [nx, ny, nz] = [dy * uz - dz * uy, dz * ux - dx * uz, dx * uy - dy * ux];
+        let sine2 = nx * nx + ny * ny + nz * nz;
+        let inverse = f32x8::splat(1.0) / sine2;
+        let dot = |[x, y, z]: [f32x8; 3]| x * nx + y * ny + z * nz;
+        // w × u and w × d. Their products with n are the distances along the ray and the piece.
+        let t = dot([wy * uz - wz * uy, wz * ux - wx * uz, wx * uy - wy * ux]) * inverse;
+        let s = dot([wy * dz - wz * dy, wz * dx - wx * dz, wx * dy - wy * dx]) * inverse;
+        let across = dot([wx, wy, wz]);
+        let [ax, ay, az] = starts.map(f32x8::abs);
+        let rounding = f32x8::splat(32.0 * f32::EPSILON) * (ax.max(ay).max(az) + self.largest + piece) * inverse;
+        let radius = self.radius + self.slope * (t + rounding) + rounding;
+        let near = (t + rounding).simd_ge(f32x8::ZERO)
+            & (t - rounding).simd_le(self.length)
+            & (s + rounding).simd_ge(f32x8::ZERO)
+            & (s - rounding).simd_le(piece)
+            & (across * across * inverse).simd_le(radius * radius);
+        let parallel = sine2.simd_lt(f32x8::splat(LEAST_SINE2));
+        ((near | parallel) & piece.simd_ge(f32x8::ZERO)).to_bitmask()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{KernelWidth, WavelengthCode};
+    use abbe_scene::geometry::Ray;
+    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::warp;
+
+    /// The map finds the same beams as a test of each beam, also far from the scene's centre and
+    /// for beams that are almost parallel to the ray.
+    #[test]
+    fn a_query_finds_every_beam_once() {
+        let mut found_any = 0;
+        for (seed, centre) in [(5, DVec3::ZERO), (6, DVec3::new(3e3, -2e4, 10.0))] {
+            let mut stream = Stream::new(seed, Purpose::Pilot, 0, 0);
+            let mut place = || centre + DVec3::from(std::array::from_fn(|_| stream.uniform() - 0.5));
+            let power = PhotonPower::new(WavelengthCode::default(), [1.0; 4], None, 0.5);
+            let beams: Vec<PhotonBeam> =
+                (0..500).map(|number| PhotonBeam::new([place(), place()], number, power)).collect();
+            let map = BeamMap::new(beams.clone());
+            let mut stream = Stream::new(seed, Purpose::Pilot, 1, 0);
+            for query in 0..200 {
+                let origin = centre + DVec3::from(std::array::from_fn(|_| stream.uniform() - 0.5));
+                let mut direction = warp::sphere(stream.pair());
+                if query % 3 == 0 {
+                    let (start, end) = beams[query].ends();
+                    direction = ((end - start).normalize() + 1e-4 * direction).normalize();
+                }
+                let ray = Ray::new(origin, direction);
+                let cone = QueryCone::of_camera(ray, 0.8, 2.0, KernelWidth::PerDistance(0.01));
+                let mut found = Vec::new();
+                map.along(&cone, |near| found.push(near.medium));
+                found.sort_unstable();
+                let expected: Vec<usize> = beams.iter().filter_map(|beam| beam.medium_near_ray(&cone)).collect();
+                assert_eq!(found, expected);
+                found_any += found.len();
+            }
+        }
+        assert!(found_any > 2000, "{found_any}");
+    }
+}

@@ -1,0 +1,149 @@
+//! Learns the emission distributions of the lights. These distributions send more photons in
+//! directions that contribute to the picture.
+
+use super::context::{EmissionRequest, PassContext};
+use super::importance::{GridLayout, Importance};
+use super::targets::AimSpheres;
+use crate::emit::{EmissionStrata, WavelengthSampling, trace};
+use crate::walk::ledger::Ledger;
+use abbe_optics::bsdf::BsdfClass;
+use abbe_scene::Scene;
+use abbe_spectra::math::distribution::DiscreteDistribution;
+use abbe_spectra::math::random::Purpose;
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// The number of pilot paths per stratum in each round. Each round except the first emits photons
+/// according to the distributions that the preceding round learned. If it learned none, the rounds
+/// end.
+const PATHS_PER_STRATUM: [u64; 2] = [1 << 14, 1 << 15];
+
+/// The number of paths per round grows with the number of strata, up to this many strata.
+const MAX_STRATA: u64 = 4;
+
+/// The number of paths per round, divided by the number of photon paths of a pass, is at most this
+/// value. Both rounds together then take at most a tenth of the time of eight passes.
+const LARGEST_ROUND: f64 = 0.4;
+
+/// The pass number of the first round's random streams. This number is larger than the pass numbers
+/// of the pilot's other photons, which begin at 0. The streams therefore differ.
+const FIRST_STREAM_PASS: u64 = 100;
+
+/// The number of photon paths in one parallel task. This number fixes the order in which the
+/// results of the paths are added.
+const PATHS_PER_TASK: u64 = 4096;
+
+/// The share of the photons that strata receive in proportion to their contributions.
+const BY_CONTRIBUTION: f64 = 0.5;
+
+/// The share of the photons that all contributing strata receive in equal parts. A small caustic
+/// contributes little to the whole picture, but it is bright.
+const BY_STRATUM: f64 = 0.3;
+
+/// The results of the aiming rounds.
+pub(super) struct LearnedAims {
+    /// The strata of the emitted rays, with their emission distributions.
+    pub(super) strata: EmissionStrata,
+    /// The names of the specular objects that no photon reached.
+    pub(super) unlit: Vec<String>,
+}
+
+impl LearnedAims {
+    /// Returns strata that follow the emission distributions of the lights.
+    pub(super) fn plain(context: &PassContext<'_>) -> Self {
+        Self { strata: EmissionStrata::plain(&context.lights.lights), unlit: Vec::new() }
+    }
+}
+
+/// Learns the emission distribution of each light from photons traced in the scene at several
+/// times.
+pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
+    let (spheres, lights) = (AimSpheres::new(scenes, &context.openings.all()), &context.lights.lights);
+    let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
+    // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.
+    let probability = |light: usize| 0.5 * (lights.probability(light) + 1.0 / count);
+    let spheres = [&spheres.targets[..], &spheres.surroundings];
+    let strata = EmissionStrata::new(&context.scene.lights, extent, spheres, probability);
+    let Some(mut strata) = strata else { return LearnedAims::plain(context) };
+    let counted = (strata.list.len() as u64).min(MAX_STRATA);
+    let affordable = (LARGEST_ROUND * context.budget.photons as f64) as u64;
+    let mut reached = Vec::new();
+    let mut contributions = Vec::new();
+    for (round, per_stratum) in (0..).zip(PATHS_PER_STRATUM) {
+        // The paths of one stratum take a fraction of a second.
+        let paths = (counted * per_stratum).min(affordable.max(per_stratum));
+        let layout = GridLayout::new(&strata, paths);
+        let found = trace_round(context, scenes, &strata, &layout, (round, paths));
+        contributions.clear();
+        for (number, stratum) in strata.list.iter_mut().enumerate() {
+            let (aim, mean_score) = found.aim(number);
+            stratum.aim = aim;
+            contributions.push(stratum.share * lights.probability(stratum.light) * mean_score);
+        }
+        reached = found.reached;
+        if strata.list.iter().all(|stratum| stratum.aim.is_plain()) {
+            // The next round would emit its photons as this one.
+            break;
+        }
+    }
+    let sum: f64 = contributions.iter().sum();
+    let contributing = contributions.iter().filter(|&&contribution| contribution > 0.0).count();
+    if sum > 0.0 {
+        let shares = strata.list.iter().zip(&contributions).map(|(stratum, &contribution)| {
+            let unlearned = stratum.share * lights.probability(stratum.light);
+            let equal = if contribution > 0.0 { BY_STRATUM / contributing as f64 } else { 0.0 };
+            BY_CONTRIBUTION * contribution / sum + equal + (1.0 - BY_CONTRIBUTION - BY_STRATUM) * unlearned
+        });
+        strata.choice = DiscreteDistribution::new(shares).unwrap_or(strata.choice);
+    }
+    LearnedAims { strata, unlit: unlit_objects(context.scene, &reached) }
+}
+
+/// Returns the names of the specular objects that no photon reached.
+fn unlit_objects(scene: &Scene, reached: &[bool]) -> Vec<String> {
+    let enclosures = scene.enclosures();
+    let objects = (0..).zip(&scene.objects).zip(reached);
+    let unlit = objects.filter(|((number, _), reached)| {
+        let mut components = scene.material_of(*number).surface.components();
+        !**reached
+            && !enclosures.contains_key(number)
+            && components.any(|component| component.class() == BsdfClass::Specular)
+    });
+    unlit.map(|((_, object), _)| object.name.clone()).collect()
+}
+
+/// Traces the photons of a round. `round` contains the number of the round and of its paths.
+fn trace_round<'a>(
+    context: &PassContext<'a>,
+    scenes: &'a [Cow<'_, Scene>],
+    strata: &EmissionStrata,
+    layout: &'a GridLayout,
+    (round, count): (u64, u64),
+) -> Importance<'a> {
+    let tasks = count.div_ceil(PATHS_PER_TASK);
+    let request = EmissionRequest {
+        wavelengths: WavelengthSampling::Free,
+        count,
+        purpose: Purpose::Pilot,
+        pass: FIRST_STREAM_PASS + round,
+    };
+    let parts = (0..tasks)
+        .into_par_iter()
+        .map(|task: u64| {
+            // Each shutter time gets an equal share of the tasks.
+            let scene = &scenes[(task * scenes.len() as u64 / tasks) as usize];
+            let source = context.photon_source(scene, strata, request);
+            let points = source.points();
+            let mut part = Importance::new(scene, layout, task);
+            let mut ledger = Ledger::new(context.scene.materials.len());
+            for index in task * PATHS_PER_TASK..((task + 1) * PATHS_PER_TASK).min(count) {
+                trace(&source, &points, index..index + 1, &mut part, &mut ledger);
+                part.end_path();
+            }
+            part
+        })
+        .collect::<Vec<_>>();
+    let mut whole = Importance::new(context.scene, layout, 0);
+    parts.iter().for_each(|part| whole.add(part));
+    whole
+}

@@ -1,0 +1,312 @@
+//! The balance of a pass: the numbers of photon paths, of stored photons and of camera samples.
+//!
+//! A pass traces N photon paths and S camera samples per pixel. It stores the fraction q of the
+//! indirect photons on surfaces, and m times as many photons of each path in media as the pilot
+//! measured. The variance of a pixel in a pass is
+//!
+//! > V = `traced`/N + `surfaces`/(q N) + `media`/(m N) + `camera`/S.
+//!
+//! The work of a pass is
+//!
+//! > W = `pass` + (`trace` + q `store_on_surfaces` + m `store_in_media`) N
+//! >   + (`sample` + (q `gather_on_surfaces` + m `gather_in_media`) N) S,
+//!
+//! because the kernels of a camera sample contain more photons if a pass stores more of them. After
+//! n passes, the variance is V/n and the work is n W. The error at equal time is therefore least
+//! where V W is least.
+
+use super::camera_samples::SampleChoice;
+use super::work::Work;
+use crate::plan::{PHOTON_DOUBLINGS, PHOTON_HALVINGS};
+use abbe_spectra::math::elementary::powf;
+
+/// The division of the work of a pass between photons and camera samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Balance {
+    /// The number of photon paths.
+    pub(super) photons: u64,
+    /// The fraction of the indirect photons that the pass stores on surfaces.
+    pub(super) stored_share: f64,
+    /// The factor on the number of photons that a path stores in media.
+    pub(super) medium_factor: f64,
+    /// The number of camera samples per pixel.
+    pub(super) camera_samples: u64,
+}
+
+/// The numbers from which the pilot chooses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BalanceLimits {
+    /// The number of photon paths, if the scene states it, or the number of the plain division.
+    pub(super) photons: u64,
+    /// True if the scene states the number of photon paths.
+    pub(super) photons_stated: bool,
+    /// The number of camera samples per pixel, if the scene states it.
+    pub(super) camera_samples: Option<u64>,
+    /// The largest factor that has an effect on the number of photons that a path stores in media.
+    pub(super) largest_medium_factor: f64,
+}
+
+/// The relative variance of the picture if a pass has one photon path, stores all photons, and has
+/// one camera sample per pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Variances {
+    /// The variance of the photons that are connected to the camera.
+    pub(super) traced: f64,
+    /// The variance of the photons that are stored on surfaces.
+    pub(super) surfaces: f64,
+    /// The variance of the photons that are stored in media.
+    pub(super) media: f64,
+    /// The variance of the camera samples.
+    pub(super) camera: f64,
+}
+
+/// The number of photon paths may be halved this many times. The number of stored photons may fall
+/// to the same fraction.
+const HALVINGS: i32 = PHOTON_HALVINGS as i32;
+
+/// The most camera samples per pixel are this power of two.
+const DOUBLINGS_OF_SAMPLES: i32 = 4;
+
+/// The work of a pass is at most this multiple of the work of the plain division.
+const LONGEST_PASS: f64 = 4.0;
+
+/// A longer pass shows its picture later. The error at equal time of a pass with more work than the
+/// plain division must be lower by this power of the ratio of the work.
+const IMPATIENCE: f64 = 0.25;
+
+/// Numbers of camera samples that depend on the noise are used only if they reduce the variance at
+/// equal time to this fraction.
+const WORTHWHILE: f64 = 0.9;
+
+/// Of the choices whose variance at equal time is at most this multiple of the least, the choice
+/// with the least variance per pass is taken.
+const TOLERANCE: f64 = 1.05;
+
+impl BalanceLimits {
+    /// The plain division, which is taken if there is nothing to choose.
+    pub(super) fn plain(self) -> Balance {
+        let Self { photons, camera_samples, .. } = self;
+        Balance { photons, stored_share: 1.0, medium_factor: 1.0, camera_samples: camera_samples.unwrap_or(1) }
+    }
+
+    /// Returns true if the limits leave no choice.
+    pub(super) fn is_fixed(self) -> bool {
+        self.photons_stated && self.camera_samples.is_some()
+    }
+
+    /// Returns the division with the least variance at equal time. Each entry of `variances` is a
+    /// measure of the variance of the picture. The choice minimises the product of all measures.
+    pub(super) fn choose<const MEASURES: usize>(self, variances: [Variances; MEASURES], work: Work) -> Balance {
+        let of_plain = self.plain().work(work);
+        let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
+        let cost_of = |choice: &Balance| cost(variance(choice), choice.work(work) / of_plain, MEASURES);
+        let choices = || self.choices().filter(|choice| choice.work(work) <= LONGEST_PASS * of_plain);
+        let least = choices().map(|choice| cost_of(&choice)).fold(f64::INFINITY, f64::min);
+        let most = TOLERANCE.powi(MEASURES as i32) * least;
+        choices()
+            .filter(|choice| cost_of(choice) <= most)
+            .min_by(|one, other| variance(one).total_cmp(&variance(other)))
+            .unwrap_or(self.plain())
+    }
+
+    /// Returns all divisions within the limits. A pass stores at most as many photons on surfaces
+    /// as the plain division, and at least as many as if it traced the least number of paths and
+    /// stored all photons.
+    fn choices(self) -> impl Iterator<Item = Balance> {
+        let Self { photons, photons_stated, camera_samples, largest_medium_factor } = self;
+        let of_photons = if photons_stated { 0..=0 } else { -HALVINGS..=PHOTON_DOUBLINGS as i32 };
+        let most_samples = if camera_samples.is_some() { 0 } else { DOUBLINGS_OF_SAMPLES };
+        let divisions = of_photons.flat_map(move |of_photons| {
+            let of_stored = of_photons.max(0)..=of_photons + HALVINGS;
+            of_stored.flat_map(move |of_stored| {
+                (0..=most_samples).map(move |of_samples| {
+                    (of_photons, 0.5_f64.powi(of_stored), camera_samples.unwrap_or(1 << of_samples))
+                })
+            })
+        });
+        divisions.flat_map(move |(of_photons, stored_share, camera_samples)| {
+            let factors = (-HALVINGS - of_photons..=HALVINGS - of_photons).map(|of_media| 2_f64.powi(of_media));
+            let effective = factors.filter(move |&factor| factor <= largest_medium_factor);
+            effective.map(move |medium_factor| Balance {
+                photons: ((photons as f64 * 2_f64.powi(of_photons)) as u64).max(1),
+                stored_share,
+                medium_factor,
+                camera_samples,
+            })
+        })
+    }
+}
+
+/// Returns the cost of a pass: its variance at equal time, with the share of [`IMPATIENCE`].
+/// `variance` is the product of several measures. `work` is the ratio of the work and the work of
+/// the plain division.
+fn cost(variance: f64, work: f64, measures: usize) -> f64 {
+    variance * (work * powf(work.max(1.0), IMPATIENCE)).powi(measures as i32)
+}
+
+impl Balance {
+    /// Returns the choice of camera samples with the least variance at equal time, for these
+    /// numbers of photons. Each entry of `variances` is a measure of the variance of the picture.
+    /// The choice minimises the product of all measures. It is the first choice unless another one
+    /// gains something.
+    pub(super) fn choose_samples(
+        self,
+        variances: [Variances; 3],
+        work: Work,
+        choices: &[SampleChoice],
+    ) -> &SampleChoice {
+        let first = &choices[0];
+        let work_of = |choice: &SampleChoice| self.work_of_photons(work) + choice.work * self.work_of_samples(work);
+        let cost_of = |choice: &SampleChoice| {
+            let variances = variances.iter().zip(choice.variances);
+            let variance = variances.map(|(one, of_samples)| self.variance_of_photons(one) + of_samples).product();
+            cost(variance, work_of(choice) / work_of(first), 3)
+        };
+        let best = choices.iter().min_by(|one, other| cost_of(one).total_cmp(&cost_of(other))).unwrap_or(first);
+        if cost_of(best) < WORTHWHILE.powi(3) * cost_of(first) { best } else { first }
+    }
+
+    /// Returns true if camera samples without noise would reduce the variance enough for
+    /// [`Self::choose_samples`] to gain something.
+    pub(super) fn has_noisy_samples(self, variances: [Variances; 3]) -> bool {
+        let noisy: f64 = variances.iter().map(|&of_one| self.variance(of_one)).product();
+        let exact: f64 = variances.iter().map(|of_one| self.variance_of_photons(of_one)).product();
+        exact < WORTHWHILE.powi(3) * noisy
+    }
+
+    fn variance(self, of_one: Variances) -> f64 {
+        self.variance_of_photons(&of_one) + of_one.camera / self.camera_samples as f64
+    }
+
+    fn variance_of_photons(self, of_one: &Variances) -> f64 {
+        let of_photons = of_one.traced + of_one.surfaces / self.stored_share + of_one.media / self.medium_factor;
+        of_photons / self.photons as f64
+    }
+
+    fn work(self, work: Work) -> f64 {
+        self.work_of_photons(work) + self.work_of_samples(work) * self.camera_samples as f64
+    }
+
+    /// Returns the work of a pass without camera samples.
+    fn work_of_photons(self, work: Work) -> f64 {
+        let Work { pass, trace, store_on_surfaces, store_in_media, .. } = work;
+        let stored = store_on_surfaces * self.stored_share + store_in_media * self.medium_factor;
+        pass + (trace + stored) * self.photons as f64
+    }
+
+    /// Returns the work of one camera sample in every pixel.
+    fn work_of_samples(self, work: Work) -> f64 {
+        let Work { sample, gather_on_surfaces, gather_in_media, .. } = work;
+        let gathered = gather_on_surfaces * self.stored_share + gather_in_media * self.medium_factor;
+        sample + gathered * self.photons as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::camera_samples::{CameraSamples, FilmNoise, ProbedPixel};
+    use super::*;
+
+    const FREE: BalanceLimits =
+        BalanceLimits { photons: 200_000, photons_stated: false, camera_samples: None, largest_medium_factor: 8.0 };
+
+    /// The work of a small film, on which photons take most of the time.
+    const SMALL_FILM: Work = Work {
+        pass: 1e6,
+        trace: 6_000.0,
+        store_on_surfaces: 500.0,
+        store_in_media: 0.0,
+        sample: 2e7,
+        gather_on_surfaces: 10.0,
+        gather_in_media: 0.0,
+    };
+
+    const NO_NOISE: Variances = Variances { traced: 0.0, surfaces: 0.0, media: 0.0, camera: 0.0 };
+
+    #[test]
+    fn noisy_camera_samples_get_more_of_a_pass() {
+        let noisy = Variances { traced: 1.0, surfaces: 100.0, camera: 1.0, ..NO_NOISE };
+        let Balance { camera_samples, photons, .. } = FREE.choose([noisy], SMALL_FILM);
+        assert_eq!((camera_samples, photons), (16, 25_000));
+        let exact = Variances { camera: 0.0, ..noisy };
+        assert_eq!(FREE.choose([exact], SMALL_FILM).camera_samples, 1);
+    }
+
+    /// If the noise comes from connections, a pass traces many photons but stores few.
+    #[test]
+    fn photons_that_only_add_work_are_not_stored() {
+        let large_film = Work { sample: 3e9, gather_on_surfaces: 30_000.0, ..SMALL_FILM };
+        let connected = Variances { traced: 3_000.0, surfaces: 100.0, ..NO_NOISE };
+        let Balance { photons, stored_share, .. } = FREE.choose([connected], large_film);
+        assert!(photons > 200_000, "{photons}");
+        assert!(stored_share <= 0.25, "{stored_share}");
+    }
+
+    /// For a grid of variances and works, no other division within the limits is much better.
+    #[test]
+    fn the_choice_has_almost_the_least_variance_at_equal_time() {
+        for traced in [0.0, 100.0, 10_000.0] {
+            for camera in [1e-6, 1e-2, 1.0] {
+                for gather_on_surfaces in [0.0, 3_000.0, 100_000.0] {
+                    let variances = Variances { traced, surfaces: 500.0, camera, ..NO_NOISE };
+                    let work = Work { gather_on_surfaces, ..SMALL_FILM };
+                    let cost = |choice: Balance| choice.variance(variances) * choice.work(work);
+                    let chosen = FREE.choose([variances], work);
+                    assert!(chosen.work(work) <= LONGEST_PASS * FREE.plain().work(work));
+                    let allowed = FREE.choices().filter(|choice| choice.work(work) <= chosen.work(work));
+                    assert!(allowed.into_iter().all(|other| cost(chosen) <= 1.0501 * cost(other)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn stated_numbers_are_kept() {
+        let variances = Variances { traced: 1.0, surfaces: 100.0, camera: 1.0, ..NO_NOISE };
+        let stated = BalanceLimits { photons: 77, photons_stated: true, ..FREE };
+        assert_eq!(stated.choose([variances], SMALL_FILM).photons, 77);
+        let samples = BalanceLimits { camera_samples: Some(3), ..FREE };
+        assert_eq!(samples.choose([variances], SMALL_FILM).camera_samples, 3);
+        assert!(BalanceLimits { camera_samples: Some(3), ..stated }.is_fixed());
+        assert!(!stated.is_fixed() && !samples.is_fixed());
+    }
+
+    /// Each path stores more photons in media if they are noisy and cheap to gather, but not if all
+    /// photons are stored already.
+    #[test]
+    fn noisy_media_store_more_photons_of_each_path() {
+        let work = Work { gather_in_media: 100.0, ..SMALL_FILM };
+        let noisy = Variances { media: 1e5, camera: 0.01, ..NO_NOISE };
+        assert_eq!(FREE.choose([noisy], work).medium_factor, 8.0);
+        let all_stored = BalanceLimits { largest_medium_factor: 1.0, ..FREE };
+        assert_eq!(all_stored.choose([noisy], work).medium_factor, 1.0);
+        let exact = Variances { surfaces: 1e5, media: 0.0, ..noisy };
+        assert!(FREE.choose([exact], work).medium_factor < 1.0);
+    }
+
+    #[test]
+    fn a_black_picture_gets_some_division() {
+        let Balance { photons, camera_samples, .. } = FREE.choose([Variances::default(); 2], SMALL_FILM);
+        assert!(photons >= 25_000 && camera_samples >= 1);
+    }
+
+    /// More samples where they are noisy are worth more than samples everywhere, but not if photons
+    /// cause the noise.
+    #[test]
+    fn samples_follow_the_noise_only_if_this_gains_something() {
+        let probe = |&pixel: &usize| {
+            // One pixel in eight is noisy.
+            let bright = if pixel % 64 < 8 { (pixel * 7 % 5) as f64 } else { 0.0 };
+            ProbedPixel { sample: [1.0 + bright; 3], splats: [0.0; 3], work: 1.0 }
+        };
+        let noise = FilmNoise::measure((64, 64), |pixels| pixels.iter().map(probe).collect()).unwrap();
+        let choices = noise.choices(1);
+        let choose = |of_photons: f64| {
+            let variances = Variances { traced: of_photons, ..NO_NOISE };
+            noise.samples(FREE.plain().choose_samples([variances; 3], SMALL_FILM, &choices))
+        };
+        let samples = choose(2e4);
+        assert!(samples.of(4) > 2 * samples.of(40), "{} and {}", samples.of(4), samples.of(40));
+        assert_eq!(choose(1e9), CameraSamples::Same(1));
+    }
+}

@@ -1,0 +1,121 @@
+//! A coarse picture of the scene before pass 0.
+//!
+//! The survey of the pilot takes as long as several passes. A coarse picture has few pixels and few
+//! photons, so it is ready much sooner. It is only shown: nothing in the render depends on it.
+
+use super::camera_samples::CameraSamples;
+use super::context::PassContext;
+use super::path_pass::path_pass;
+use super::photon_pass::photon_pass;
+use super::pilot::Pilot;
+use super::sums::{PassSums, StageSeconds};
+use crate::map::LightMaps;
+use crate::plan::{Budget, MotionPlan, Plan, Tally};
+use crate::sensor::{Film, Picture};
+use crate::walk::ledger::Ledger;
+use abbe_scene::Scene;
+use abbe_spectra::error::Result;
+use std::borrow::Cow;
+
+/// A coarse picture has about this number of pixels, or up to 1.8 times this number.
+const PIXELS: f64 = 3_500.0;
+
+/// The smallest side length of a coarse pixel, in pixels of the film. On smaller films, a pass
+/// takes little time.
+const LEAST_FACTOR: u32 = 3;
+
+/// The number of photon paths in a pass of a coarse picture.
+const PHOTONS: u64 = 5_000;
+
+/// The number of camera samples per pixel of a coarse picture.
+const CAMERA_SAMPLES: u64 = 2;
+
+/// The number of light map cells along the longest side of a medium's box.
+const LIGHT_MAP_CELLS: u32 = 12;
+
+/// A scene with a film of few pixels.
+#[derive(Debug)]
+pub(super) struct CoarseScene {
+    scene: Scene,
+    plan: Plan,
+    budget: Budget,
+    /// The side length of a coarse pixel in pixels of the film.
+    factor: u32,
+}
+
+/// Renders a coarse picture by path tracing. Returns `None` if the film has few pixels.
+///
+/// # Errors
+/// See [`path_pass`].
+pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
+    let Some(coarse) = CoarseScene::of(context, context.scene) else { return Ok(None) };
+    let passes = |context: PassContext<'_>, sums: &mut PassSums| {
+        (0..CAMERA_SAMPLES).try_for_each(|pass| path_pass(context, pass, sums))
+    };
+    coarse.picture(context, passes).map(Some)
+}
+
+/// Renders a coarse picture with the emission distributions of a pilot. `scene` is the scene at one
+/// of the pilot's times. Returns `None` if the film has few pixels. Afterwards, the pilot must
+/// measure the scene.
+///
+/// # Errors
+/// See [`photon_pass`].
+pub(super) fn coarse_photon_picture(
+    context: &PassContext<'_>,
+    scene: &Scene,
+    pilot: &mut Pilot,
+) -> Result<Option<Picture>> {
+    let Some(coarse) = CoarseScene::of(context, scene) else { return Ok(None) };
+    let pass = |context: PassContext<'_>, sums: &mut PassSums| {
+        let visible = pilot.measure(&context, &[Cow::Borrowed(context.scene)]);
+        pilot.measure_outlines(&context, context.scene, &visible);
+        pilot.camera_samples = CameraSamples::Same(CAMERA_SAMPLES);
+        photon_pass(context, pilot, &mut LightMaps::default(), 0, sums)
+    };
+    coarse.picture(context, pass).map(Some)
+}
+
+impl CoarseScene {
+    /// Reduces the film of a scene. Returns `None` if the film has few pixels. `scene` is the scene
+    /// of the context, or a posed copy of this scene.
+    fn of(context: &PassContext<'_>, scene: &Scene) -> Option<Self> {
+        let factor = (scene.camera.pixel_count() as f64 / PIXELS).sqrt() as u32;
+        let few_pixels = || {
+            let mut scene = scene.clone();
+            scene.stop();
+            scene.camera = scene.camera.coarser(factor);
+            scene
+        };
+        (factor >= LEAST_FACTOR).then(|| Self {
+            scene: few_pixels(),
+            plan: Plan { motion: MotionPlan::Still, ..context.plan.clone() },
+            budget: Budget {
+                photons: PHOTONS.min(context.budget.photons),
+                light_map_cells: LIGHT_MAP_CELLS.min(context.budget.light_map_cells),
+                ..context.budget.clone()
+            },
+            factor,
+        })
+    }
+
+    /// Renders passes, and enlarges their picture to the size of the film.
+    fn picture(
+        &self,
+        full: &PassContext<'_>,
+        passes: impl FnOnce(PassContext<'_>, &mut PassSums) -> Result<()>,
+    ) -> Result<Picture> {
+        let Self { scene, plan, budget, factor } = self;
+        let (width, count) = (scene.camera.width(), scene.camera.pixel_count());
+        let mut sums = PassSums {
+            film: Film::new(width, count / width, scene.film.observer, 0),
+            ledger: Ledger::new(scene.materials.len()),
+            tally: Tally::default(),
+            seconds: StageSeconds::default(),
+        };
+        let selector = full.light_selector(scene);
+        passes(PassContext { scene, plan, budget, selector: &selector, ..*full }, &mut sums)?;
+        let (width, height) = (scene.film.width as usize, scene.film.height as usize);
+        Ok(sums.film.picture().enlarged(*factor as usize, (width, height)))
+    }
+}

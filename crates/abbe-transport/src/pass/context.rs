@@ -1,0 +1,191 @@
+//! The inputs of a pass.
+
+use super::sums::PassSums;
+use crate::emit::{EmissionStrata, LightSampler, PhotonSource, SpectrumCoverage, WavelengthSampling};
+use crate::gather::{CameraPass, DirectLighting, LightSelector, Openings, Outlines, SensorResponses};
+use crate::map::radius::PerKernel;
+use crate::map::{LightMaps, PhotonSpectra, SetMaps};
+use crate::plan::partition::{PerSet, PhotonSet};
+use crate::plan::{Budget, MotionPlan, Plan};
+use crate::walk::DepthLimit;
+use abbe_scene::Scene;
+use abbe_spectra::error::Result;
+use abbe_spectra::math::kronecker::{golden_ratio, sqrt3};
+use abbe_spectra::math::random::{Purpose, REPLICATES, hash64};
+use abbe_spectra::spectrum::{LANES, Lanes};
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// The inputs common to all passes of a render.
+#[derive(Debug, Clone, Copy)]
+pub struct PassContext<'a> {
+    /// The scene at the time when the shutter opens.
+    pub scene: &'a Scene,
+    /// The plan of the scene.
+    pub plan: &'a Plan,
+    /// The numbers that fix the render.
+    pub budget: &'a Budget,
+    /// The lights of the scene, as one distribution.
+    pub lights: &'a LightSampler,
+    /// Selects the lights that a point samples, in the scene at this time.
+    pub selector: &'a LightSelector,
+    /// The spectra of the lights.
+    pub spectra: &'a PhotonSpectra,
+    /// The responses of the sensor to photons at diffuse surfaces. `None` if the sensor needs the
+    /// wavelengths.
+    pub responses: Option<&'a SensorResponses>,
+    /// The openings of the scene.
+    pub openings: &'a Openings,
+}
+
+/// The shared wavelengths of a pass, and their densities.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SharedWavelengths {
+    /// The wavelengths in nm.
+    pub(super) nm: Lanes,
+    /// The probability densities of the wavelengths, per nm.
+    pub(super) pdf: Lanes,
+}
+
+impl SharedWavelengths {
+    /// Returns how the photons of a set sample their wavelengths.
+    pub(super) fn sampling(self, set: PhotonSet) -> WavelengthSampling {
+        let Self { nm, pdf } = self;
+        match set {
+            PhotonSet::Free => WavelengthSampling::Free,
+            PhotonSet::Shared => WavelengthSampling::Shared { nm, pdf },
+        }
+    }
+}
+
+/// The emission of a photon set: the number of photons, their wavelengths and their random streams.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EmissionRequest {
+    pub(super) wavelengths: WavelengthSampling,
+    /// The number of photon paths.
+    pub(super) count: u64,
+    pub(super) purpose: Purpose,
+    /// The pass number of the random streams.
+    pub(super) pass: u64,
+}
+
+impl<'a> PassContext<'a> {
+    /// Returns a source of photons in `scene`. `scene` is the scene of this context, or a posed
+    /// copy of this scene.
+    pub(super) fn photon_source<'s>(
+        &self,
+        scene: &'s Scene,
+        strata: &'s EmissionStrata,
+        request: EmissionRequest,
+    ) -> PhotonSource<'s>
+    where
+        'a: 's,
+    {
+        let EmissionRequest { wavelengths, count, purpose, pass } = request;
+        PhotonSource {
+            scene,
+            strata,
+            spectra: self.spectra,
+            ray_densities: None,
+            wavelengths,
+            fluorescent: self.plan.fluorescence,
+            count,
+            depth_limit: self.depth_limit(),
+            seed: self.budget.seed,
+            purpose,
+            pass,
+            media_plan: self.plan.media_plan,
+        }
+    }
+
+    /// Returns the inputs of camera paths in `scene` with the first kernel radii. No light is
+    /// missing, and no photon competes with camera paths. `scene` is the scene of this context, or
+    /// a posed copy of this scene. `photons_per_sample` is the number of photon paths of each set,
+    /// divided by the number of camera samples per pixel.
+    pub(super) fn camera_pass<'s>(
+        &self,
+        (scene, selector): (&'s Scene, &'s LightSelector),
+        (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
+        SharedWavelengths { nm, pdf }: SharedWavelengths,
+        (outlines, photons_per_sample): (&'s Outlines, PerSet<f64>),
+    ) -> CameraPass<'s>
+    where
+        'a: 's,
+    {
+        CameraPass {
+            scene,
+            plan: self.plan,
+            direct: DirectLighting::new(scene, selector, self.plan.media_plan).with_openings(self.openings),
+            maps: maps.as_ref(),
+            photons_per_sample,
+            missing: None,
+            light_maps,
+            shared_nm: nm,
+            shared_pdf: pdf,
+            scales: PerKernel::splat(1.0),
+            stated_radius_m: self.budget.radius_m,
+            lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
+            spectra: self.spectra,
+            responses: self.responses,
+            outlines,
+            receptors: &[],
+            depth_limit: self.depth_limit(),
+        }
+    }
+
+    /// Returns the number of surface events after which paths end.
+    pub(super) fn depth_limit(&self) -> DepthLimit {
+        DepthLimit { stated: self.budget.max_depth }
+    }
+
+    /// Samples the shared wavelengths of a pass.
+    ///
+    /// The wavelength distribution of the lights is divided into four strata of equal probability.
+    /// Each stratum gives one wavelength. A golden-ratio sequence shifts the samples from pass to
+    /// pass. Each replicate has a sequence of its own.
+    pub(super) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
+        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
+        let shift = golden_ratio(index as u32, hash64([self.budget.seed, Purpose::Pass as u64, replicate]));
+        let samples: [(f64, f64); LANES] =
+            std::array::from_fn(|k| self.lights.wavelengths.sample((shift + k as f64) / LANES as f64));
+        SharedWavelengths { nm: samples.map(|(nm, _)| nm), pdf: samples.map(|(_, pdf)| pdf) }
+    }
+
+    /// Removes the spectra that the shared wavelengths of a pass sample from the missing ones.
+    pub fn add_wavelengths(&self, pass: u64, coverage: &mut SpectrumCoverage) {
+        let SharedWavelengths { nm, pdf } = self.shared_wavelengths(pass);
+        coverage.add_pass(&nm, &pdf);
+    }
+
+    /// Returns the selector of the lights in `scene`. `scene` is the scene of this context, or a
+    /// posed copy of this scene.
+    pub(super) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
+        match self.plan.motion {
+            MotionPlan::Still => Cow::Borrowed(self.selector),
+            MotionPlan::PosedPerPass => {
+                Cow::Owned(LightSelector::new(scene, &self.lights.lights).with_learned_of(self.selector))
+            }
+        }
+    }
+
+    /// Poses the scene at the shutter time of a pass. Adds the duration of this step to `sums`.
+    ///
+    /// A low-discrepancy sequence samples the shutter times in proportion to the shutter's
+    /// transmission. Each replicate has a sequence of its own. This sequence is independent of the
+    /// wavelengths.
+    ///
+    /// # Errors
+    /// Returns an error if the scene cannot be posed at this time.
+    pub(super) fn scene_of_pass(&self, pass: u64, sums: &mut PassSums) -> Result<Cow<'a, Scene>> {
+        if self.plan.motion == MotionPlan::Still {
+            return Ok(Cow::Borrowed(self.scene));
+        }
+        let start = Instant::now();
+        let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
+        let u = sqrt3(index as u32, hash64([self.budget.seed, Purpose::Moment as u64, replicate]));
+        let scene = self.scene.at(self.scene.shutter.time_s(u));
+        sums.tally.moments += 1;
+        sums.seconds.pose += start.elapsed().as_secs_f64();
+        scene
+    }
+}

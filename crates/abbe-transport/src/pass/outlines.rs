@@ -1,0 +1,159 @@
+//! The outlines of surfaces around directly visible points.
+
+use super::context::PassContext;
+use super::survey::MAX_SURFACE_RADIUS_PX;
+use crate::gather::{Outline, OutlineSurvey, Outlines, VisiblePoint};
+use crate::map::FirstRadii;
+use crate::plan::WavelengthPlan;
+use crate::plan::partition::PhotonSet;
+use abbe_scene::Scene;
+use abbe_scene::geometry::Geometry;
+use abbe_scene::sweep::Bounds;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// If a kernel's radius is below this number of pixels, its outline varies within a pixel.
+const PIXELS_PER_OUTLINE: f64 = 3.0;
+
+/// The test for edges looks at pixels at these fractions of the kernel radius.
+const EDGE_DISTANCES: [f64; 3] = [0.25, 0.5, 1.0];
+
+/// The side length of a block of pixels, in pixels. The pixels of a block that see the same plane
+/// share a measurement.
+const BLOCK: usize = 4;
+
+/// Neighbouring pixels of the same plane share a measurement if it reaches at most this number of
+/// times as far as the measurement of one pixel.
+const WIDEST_SHARED: f64 = 1.5;
+
+/// Returns the outlines around visible points. A visible point has an outline if its kernel for
+/// indirect light may extend over an edge of the surface.
+///
+/// `visible` and `radii` contain one entry per pixel. `scale` is the factor on the radii. `swept`
+/// contains the bounding boxes of moving objects. A point near such a box gets no outline, because
+/// the edges near this point may move.
+pub(super) fn outlines(
+    context: &PassContext<'_>,
+    scene: &Scene,
+    visible: &[Option<VisiblePoint>],
+    swept: &[Bounds],
+    (radii, scale): (&FirstRadii, f64),
+) -> Outlines {
+    let set = PhotonSet::of_path(context.plan.wavelengths == WavelengthPlan::Shared);
+    let width = scene.camera.width();
+    let farthest_px = scale.max(1.0) * MAX_SURFACE_RADIUS_PX.indirect;
+    let survey = |pixel: usize| {
+        let radius_m = scale * f64::from(radii.of(pixel).surface[set].indirect);
+        let crossing =
+            visible[pixel].as_ref().filter(|_| may_cross_edge(visible, pixel, (radius_m, farthest_px), width));
+        let Some(point) = crossing else { return Need::Nothing };
+        let moves = |bounds: &Bounds| distance_to_box(point.position, bounds) <= 2.0 * radius_m;
+        if swept.iter().any(moves) {
+            Need::Nothing
+        } else if radius_m < PIXELS_PER_OUTLINE * point.footprint_m {
+            Need::PerSample
+        } else {
+            Need::Outline(point, radius_m)
+        }
+    };
+    let rows: Vec<usize> = (0..visible.len() / width).step_by(BLOCK).collect();
+    let of_band = |row: usize| {
+        let rows = row..(row + BLOCK).min(visible.len() / width);
+        let mut of_pixels = vec![OutlineSurvey::Absent; rows.len() * width];
+        for column in (0..width).step_by(BLOCK) {
+            let columns = column..(column + BLOCK).min(width);
+            let block = rows.clone().flat_map(|y| columns.clone().map(move |x| y * width + x));
+            let needs: Vec<(usize, Need<'_>)> = block.map(|pixel| (pixel - row * width, survey(pixel))).collect();
+            measure_block(&scene.geometry, &needs, &mut of_pixels);
+        }
+        Outlines::new(width, of_pixels)
+    };
+    Outlines::of_bands(width, rows.into_par_iter().map(of_band).collect::<Vec<_>>())
+}
+
+/// The outline that a pixel needs for the correction of its kernel.
+#[derive(Clone, Copy)]
+enum Need<'v> {
+    /// No outline.
+    Nothing,
+    /// An outline for each camera sample.
+    PerSample,
+    /// An outline around this point, with this reach in m.
+    Outline(&'v VisiblePoint, f64),
+}
+
+/// Measures the outlines of a block of pixels. Pixels that see the same plane share a measurement.
+/// `needs` contains the place of each pixel in `of_pixels`.
+fn measure_block(geometry: &Geometry, needs: &[(usize, Need<'_>)], of_pixels: &mut [OutlineSurvey]) {
+    let mut measured: Vec<Outline> = Vec::new();
+    for (nth, &(place, need)) in needs.iter().enumerate() {
+        let (point, radius_m) = match need {
+            Need::Nothing => continue,
+            Need::PerSample => {
+                of_pixels[place] = OutlineSurvey::Varies;
+                continue;
+            }
+            Need::Outline(point, radius_m) => (point, radius_m),
+        };
+        let shared = measured.iter().find_map(|outline| outline.moved_to(point, radius_m));
+        let outline = shared.unwrap_or_else(|| {
+            let reach = shared_reach(point, radius_m, &needs[nth + 1..]);
+            let wide = Outline::around(geometry, point, reach);
+            let own = wide.moved_to(point, radius_m);
+            measured.push(wide.clone());
+            own.unwrap_or(wide)
+        });
+        if outline.is_limited() {
+            of_pixels[place] = OutlineSurvey::Measured(outline);
+        }
+    }
+}
+
+/// Returns the reach (m) of a measurement that other pixels of a block share, or the reach of this
+/// pixel alone if no other pixel can share it.
+fn shared_reach(point: &VisiblePoint, radius_m: f64, others: &[(usize, Need<'_>)]) -> f64 {
+    let reach_for = |&(_, need): &(usize, Need<'_>)| match need {
+        Need::Outline(other, radius_m) if other.facing == point.facing => {
+            Some(Outline::reach_to_move(other.position.distance(point.position) + radius_m))
+        }
+        Need::Nothing | Need::PerSample | Need::Outline(..) => None,
+    };
+    let near = others.iter().filter_map(reach_for).filter(|&reach| reach <= WIDEST_SHARED * radius_m);
+    near.reduce(f64::max).map_or(radius_m, |reach| reach.max(Outline::reach_to_move(radius_m)))
+}
+
+/// Returns the distance of a point from a box, or 0 inside the box.
+fn distance_to_box(point: DVec3, (low, high): &Bounds) -> f64 {
+    point.distance(point.clamp(*low, *high))
+}
+
+/// Returns true if the kernel of a pixel's visible point may cross an edge of the visible surface.
+///
+/// The function tests pixels in eight directions around this pixel, at several distances up to the
+/// kernel radius, but at most `farthest_px` pixels away. The kernel may cross an edge if one of
+/// these pixels is outside the picture, sees no surface, or sees a surface that does not continue
+/// the surface of this pixel.
+fn may_cross_edge(
+    visible: &[Option<VisiblePoint>],
+    pixel: usize,
+    (radius_m, farthest_px): (f64, f64),
+    width: usize,
+) -> bool {
+    let Some(here) = &visible[pixel] else { return false };
+    let height = visible.len() / width;
+    let (x, y) = ((pixel % width) as isize, (pixel / width) as isize);
+    let steps = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+    let ends_at = |(dx, dy): (isize, isize), distance_px: isize| {
+        let (i, j) = (x + dx * distance_px, y + dy * distance_px);
+        if i < 0 || j < 0 || i >= width as isize || j >= height as isize {
+            return true;
+        }
+        visible[j as usize * width + i as usize]
+            .as_ref()
+            .is_none_or(|there| !here.continues_to(there.position, there.facing))
+    };
+    EDGE_DISTANCES.iter().any(|fraction| {
+        let distance_px = (fraction * radius_m / here.footprint_m).ceil().clamp(1.0, farthest_px);
+        steps.into_iter().any(|step| ends_at(step, distance_px as isize))
+    })
+}

@@ -1,0 +1,49 @@
+//! One pass of the reference path tracer.
+
+use super::context::PassContext;
+use super::exposure::expose_rows;
+use super::first_surface::first_surface;
+use super::sums::PassSums;
+use crate::gather::{DirectLighting, PathTracer, PixelSampler};
+use abbe_spectra::error::Result;
+use std::time::Instant;
+
+/// Traces one pass with the path tracer and adds it to `sums`.
+///
+/// # Errors
+/// Returns an error if the scene cannot be posed at the pass's time.
+pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Result<()> {
+    let PassContext { plan, budget, lights, .. } = context;
+    let scene = context.scene_of_pass(pass, sums)?;
+    let start = Instant::now();
+    let selector = context.light_selector(&scene);
+    let direct = DirectLighting::tracked(&scene, &selector, plan.media_plan);
+    let without_glass = direct.passes_panes().then(|| context.openings.without_glass());
+    let tracer = PathTracer {
+        scene: &scene,
+        direct: direct.with_openings(without_glass.as_ref().unwrap_or(context.openings)),
+        media_plan: plan.media_plan,
+        wavelengths: &lights.wavelengths,
+        spectra: context.spectra,
+        excitation: &lights.excitation,
+        depth_limit: context.depth_limit(),
+    };
+    let records_surfaces = sums.film.records_surfaces();
+    // A picture has one sample per pixel and pass, so that the first picture appears early.
+    let samples = if sums.film.measures() { budget.camera_samples.unwrap_or(1) } else { 1 };
+    expose_rows(sums, |row, tally| {
+        row.expose(pass, |pixel, sink| {
+            for nth in 0..samples {
+                let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
+                tracer.sample(pixel as u64, sampler(), tally, sink);
+                if records_surfaces {
+                    sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
+                }
+            }
+            samples
+        })
+    });
+    sums.film.count_pass(pass);
+    sums.seconds.gather += start.elapsed().as_secs_f64();
+    Ok(())
+}

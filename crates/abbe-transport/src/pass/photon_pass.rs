@@ -1,0 +1,173 @@
+//! One pass of photon mapping: trace photons, build maps, trace camera paths.
+
+use super::context::{EmissionRequest, PassContext};
+use super::exposure::expose_rows;
+use super::first_surface::first_surface;
+use super::pilot::Pilot;
+use super::receptors::ReceptorKernels;
+use super::recorder::RecordingOptions;
+use super::sums::PassSums;
+use super::trace::trace_photons;
+use crate::gather::{CameraPass, MissingLight, PathBuffers, PixelSampler};
+use crate::map::radius::{scale, scales};
+use crate::map::{LightMaps, SetMaps};
+use crate::plan::partition::{PerSet, PhotonSet};
+use crate::walk::ledger::Ledger;
+use abbe_scene::Scene;
+use abbe_spectra::error::Result;
+use abbe_spectra::math::random::Purpose;
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// Traces one pass of photon mapping and adds it to `sums`.
+///
+/// `light_maps` holds the light maps of earlier passes. If the scene is still, the pass reuses or
+/// updates them.
+///
+/// # Errors
+/// Returns an error if the scene cannot be posed at the pass's time.
+pub fn photon_pass<'a>(
+    context: PassContext<'a>,
+    pilot: &Pilot,
+    light_maps: &mut LightMaps<'a>,
+    pass: u64,
+    sums: &mut PassSums,
+) -> Result<()> {
+    let PassContext { plan, budget, .. } = context;
+    let scene = context.scene_of_pass(pass, sums)?;
+
+    let start = Instant::now();
+    let shared = context.shared_wavelengths(pass);
+    let film = &sums.film;
+    let scales = scales(pass, pilot.stored_photons);
+    let first = (pilot.receptor_radii.as_slice(), scale(pass, 2));
+    let receptors = ReceptorKernels::of_pass(&context, &scene, first, pilot.photons_per_sample().free);
+    let traced = PerSet::from_fn(|set| {
+        let purpose = match set {
+            PhotonSet::Free => Purpose::FreePhoton,
+            PhotonSet::Shared => Purpose::SharedPhoton,
+        };
+        let request = EmissionRequest { wavelengths: shared.sampling(set), count: pilot.photons[set], purpose, pass };
+        let source = pilot.photon_source(&context, &scene, request);
+        // Only free photons have wavelengths of their own, which are all the wavelengths of the
+        // lights.
+        let received = receptors.as_ref().filter(|_| set == PhotonSet::Free);
+        let recording = RecordingOptions { receptors: received, ..pilot.recording(set) };
+        trace_photons(&source, plan, set, recording, || film.splat_sink())
+    });
+    sums.seconds.emit += start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let PerSet { free, shared: on_shared } = traced;
+    let maps = PerSet { free: free.deposits.into_maps(), shared: on_shared.deposits.into_maps() };
+    let lost = PerSet { free: free.lost.into_maps(), shared: on_shared.lost.into_maps() };
+    let mut own_light_maps = LightMaps::default();
+    let light_maps = match &scene {
+        Cow::Borrowed(still) => updated(light_maps, &context, still, pass),
+        Cow::Owned(posed) => updated(&mut own_light_maps, &context, posed, pass),
+    };
+    sums.seconds.map += start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    let selector = context.light_selector(&scene);
+    let camera_pass = CameraPass {
+        missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
+        scales,
+        receptors: receptors.as_ref().map_or(&[], ReceptorKernels::weights),
+        ..pilot.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
+    };
+    let records_surfaces = sums.film.records_surfaces();
+    expose_rows(sums, |row, tally| {
+        let mut buffers = PathBuffers::default();
+        row.expose(pass, |pixel, sink| {
+            let samples = pilot.camera_samples.of(pixel);
+            for nth in 0..samples {
+                let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
+                camera_pass.sample(pixel as u64, sampler(), &pilot.radii.of(pixel), &mut buffers, tally, sink);
+                if records_surfaces {
+                    sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
+                }
+            }
+            samples
+        })
+    });
+    for (splats, tally) in [(&free.splats, &free.tally), (&on_shared.splats, &on_shared.tally)] {
+        for splats in splats {
+            sums.tally.rejected += sums.film.add_splats(pass, splats);
+        }
+        sums.tally.add(tally);
+    }
+    for splats in free.lost_splats.iter().chain(&on_shared.lost_splats) {
+        sums.film.add_lost_splats(pass, splats);
+    }
+    sums.film.count_pass(pass);
+    sums.seconds.gather += start.elapsed().as_secs_f64();
+
+    // Each photon set alone represents the whole emission. The ledger of the pass is the mean of
+    // both sets, weighted by their numbers of photons.
+    let total = (pilot.photons.free + pilot.photons.shared) as f64;
+    for (mut ledger, count) in [(free.ledger, pilot.photons.free), (on_shared.ledger, pilot.photons.shared)] {
+        ledger.scale(count as f64 / total);
+        sums.ledger.add(&ledger);
+    }
+    Ok(())
+}
+
+/// Returns the light that is missing because photon paths ended at a limit. `maps` contains the
+/// photons within the limit, and `lost` contains the photons beyond a limit that the scene states.
+///
+/// At the cap, scattered photons have been in the same cavity for thousands of events, so their
+/// power falls by the same ratio from event to event. The power of the missing photons, divided by
+/// the power of the stored photons, is then c/(1 − c), where c is the share of the emitted power
+/// that reaches the cap. Photons that were never scattered are trapped in glass by total
+/// reflection, and do not leave it.
+fn missing_light<'m>(
+    context: &PassContext<'_>,
+    ledgers: [&Ledger; 2],
+    maps: &'m PerSet<SetMaps>,
+    lost: &'m PerSet<SetMaps>,
+) -> Option<MissingLight<'m>> {
+    if context.depth_limit().is_stated() {
+        return Some(MissingLight { maps: lost.as_ref(), factor: 1.0 });
+    }
+    let sum = |power: fn(&Ledger) -> f64| ledgers.iter().map(|ledger| power(ledger)).sum::<f64>();
+    let (capped, emitted) = (sum(|ledger| ledger.depth_limit_indirect), sum(|ledger| ledger.emitted));
+    (capped > 0.0).then(|| MissingLight { maps: maps.as_ref(), factor: ratio_beyond_cap(capped, emitted) })
+}
+
+/// Returns the power of the photons beyond the cap, divided by the power of the photons before the
+/// cap. `capped` is the part of the power `emitted` that reaches the cap.
+fn ratio_beyond_cap(capped: f64, emitted: f64) -> f64 {
+    /// The largest ratio. In a lossless cavity, the ratio would be infinite.
+    const LARGEST: f64 = 1e6;
+    (capped / (emitted - capped)).clamp(0.0, LARGEST)
+}
+
+/// Updates the light maps for a pass, if the plan has any.
+fn updated<'m, 'a>(
+    maps: &'m mut LightMaps<'a>,
+    context: &PassContext<'_>,
+    scene: &'a Scene,
+    pass: u64,
+) -> &'m LightMaps<'a> {
+    if context.plan.media_plan.has_light_maps() {
+        maps.update(scene, context.budget.light_map_cells(pass), context.budget.seed, pass);
+    }
+    maps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If the share c reaches the cap, the light beyond the cap is c + c² + c³ + … times the light
+    /// before the cap.
+    #[test]
+    fn light_beyond_the_cap_is_a_geometric_series() {
+        for share in [0.01_f64, 0.3, 0.9] {
+            let series: f64 = (1..2000).map(|power| share.powi(power)).sum();
+            assert!((ratio_beyond_cap(2.0 * share, 2.0) / series - 1.0).abs() < 1e-12, "{share}");
+        }
+        assert_eq!([ratio_beyond_cap(0.0, 1.0), ratio_beyond_cap(1.0, 1.0)], [0.0, 1e6]);
+    }
+}

@@ -1,0 +1,324 @@
+//! Light that reaches the receptors of meters through glass or from mirrors.
+//!
+//! A path from a receptor finds a lamp behind glass only if the lamp has an extent. Photons find
+//! the light of every lamp, but no photon hits a point. At a point receptor, a kernel therefore
+//! averages over a small disk; this is the only biased estimate of a meter. A receptor that is a
+//! surface needs no kernel, because photons arrive at the surface itself. Both techniques are
+//! combined by multiple importance sampling ([`CausticWeights`]).
+//!
+//! No photon crosses the part of a disk behind a wall. Beside walls, each kernel is therefore
+//! divided by its mass on the line through the photon and the receptor, between the walls.
+
+use super::context::{EmissionRequest, PassContext};
+use crate::emit::{
+    EmissionStrata, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
+};
+use crate::gather::{Openings, receptor_pdf};
+use crate::map::SphereTree;
+use crate::map::kernel::{DiskKernel, KernelDomain, KernelValues};
+use crate::plan::partition::LightPath;
+use crate::plan::{CausticPlan, PathClass};
+use crate::sensor::SplatSink;
+use crate::walk::ledger::Ledger;
+use crate::walk::{CausticWeights, RayDensity, transmittance};
+use abbe_optics::bsdf::BsdfClass;
+use abbe_scene::Scene;
+use abbe_scene::geometry::Ray;
+use abbe_scene::meter::{ReceivingSide, Receptor, ReceptorShape, Response};
+use abbe_scene::view::RECEPTOR_MARGIN;
+use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::sphere::BoundingSphere;
+use abbe_spectra::spectrum::LANES;
+use glam::DVec3;
+use std::f64::consts::{FRAC_1_PI, PI};
+
+/// The number of photon paths that measure the first radii.
+const PILOT_PATHS: u64 = 1 << 16;
+
+/// The pass number of the random streams of these paths.
+const PILOT_PASS: u64 = 1 << 40;
+
+/// The largest first radius, as a fraction of the radius of the largest specular object.
+const LARGEST_RADIUS: f64 = 0.5;
+
+/// The kernels of the receptors in one pass.
+#[derive(Debug)]
+pub(super) struct ReceptorKernels<'a> {
+    scene: &'a Scene,
+    openings: &'a Openings,
+    /// The radius of each receptor in this pass, in m.
+    radii_m: Vec<f64>,
+    /// The weights of photons and of paths at each receptor.
+    weights: Vec<CausticWeights>,
+    /// The number of rows of each receptor.
+    rows: usize,
+    /// The index of the disks of point receptors.
+    disks: PointDisks,
+    /// The receptors that are surfaces, as pairs of the object and the number of the receptor. They
+    /// are sorted.
+    surfaces: Vec<(u32, u32)>,
+}
+
+/// An index of the disks of point receptors.
+#[derive(Debug)]
+struct PointDisks {
+    tree: SphereTree,
+    /// The numbers of the receptors, in the order of the spheres of the tree.
+    receptors: Vec<u32>,
+}
+
+impl PointDisks {
+    /// Creates the index. `radius_m` returns the radius of the disk of a receptor in m.
+    fn new(receptors: &[Receptor], radius_m: impl Fn(usize) -> f64) -> Self {
+        let points = || {
+            let numbered = receptors.iter().enumerate();
+            numbered.filter_map(|(number, receptor)| Some((number, receptor.position()?)))
+        };
+        let tree = SphereTree::build(points().map(|(number, position)| (position, radius_m(number))));
+        Self { tree, receptors: points().map(|(number, _)| number as u32).collect() }
+    }
+
+    /// Calls `visit` with the number of each receptor whose disk the flight may cross.
+    fn visit(&self, flight: &PhotonFlight<'_>, mut visit: impl FnMut(usize)) {
+        self.tree.visit(flight.ray, flight.length_m, |sphere| visit(self.receptors[sphere] as usize));
+    }
+}
+
+/// The part of a photon's power that a receptor receives.
+struct Received {
+    /// The factor from the photon's power to the mean radiance of the receptor.
+    estimate: f64,
+    /// The factor from the photon's power to the bias of the mean radiance.
+    bias: f64,
+}
+
+/// Returns the first kernel radii of all receptors in m. Returns no radii if there are no
+/// receptors, or if the plan has no caustics.
+pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &EmissionStrata, photons: u64) -> Vec<f64> {
+    let receptors = scene.camera.receptors();
+    if receptors.is_empty() || context.plan.caustics == CausticPlan::Absent {
+        return Vec::new();
+    }
+    let specular = |object: u32| {
+        let mut components = scene.material_of(object).surface.components();
+        components.any(|component| component.class() == BsdfClass::Specular)
+    };
+    let bounds = scene.geometry.object_bounds();
+    let radius = |(low, high): &(DVec3, DVec3)| 0.5 * (*high - *low).length();
+    let largest = bounds.iter().filter(|(object, _)| specular(**object)).map(|(_, around)| radius(around));
+    let most_m = LARGEST_RADIUS * largest.fold(0.0, f64::max).min(scene.radius_m.max(f64::MIN_POSITIVE));
+    let paths = PILOT_PATHS.min(photons.max(1));
+    let wavelengths = WavelengthSampling::Free;
+    let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::Pilot, pass: PILOT_PASS };
+    let source = context.photon_source(scene, strata, request);
+    let disks = PointDisks::new(receptors, |_| most_m);
+    let mut survey = ReceptorSurvey { receptors, disks, most_m, distances2: vec![Vec::new(); receptors.len()] };
+    let mut ledger = Ledger::new(scene.materials.len());
+    trace(&source, &source.points(), 0..paths, &mut survey, &mut ledger);
+    // A pass has more photon paths than the survey.
+    let nearest = (context.budget.nearest as f64 * paths as f64 / photons.max(1) as f64).max(1.0) as usize;
+    let view = scene.visible_sphere();
+    let radius_m = |(receptor, mut distances2): (&Receptor, Vec<f64>)| {
+        let enough = distances2.len() >= nearest;
+        let found_m =
+            if enough { distances2.select_nth_unstable_by(nearest - 1, f64::total_cmp).1.sqrt() } else { most_m };
+        receptor.position().map_or(found_m, |position| found_m.min(largest_radius_m(view, position)))
+    };
+    receptors.iter().zip(survey.distances2).map(radius_m).collect()
+}
+
+/// Returns the largest radius of the kernel of a receptor at a position, in m. `view` is the sphere
+/// around the receptors. Photons are denser inside of it, and a kernel lies on one side of its
+/// edge.
+fn largest_radius_m(view: Option<BoundingSphere>, position: DVec3) -> f64 {
+    let Some(view) = view else { return f64::INFINITY };
+    let inner_m = view.radius_m / RECEPTOR_MARGIN;
+    if position.distance(view.centre) <= inner_m { view.radius_m - inner_m } else { f64::INFINITY }
+}
+
+impl<'a> ReceptorKernels<'a> {
+    /// Creates the kernels of a pass. Returns `None` if there are no first radii.
+    pub(super) fn of_pass(
+        context: &PassContext<'a>,
+        scene: &'a Scene,
+        (first_m, scale): (&[f64], f64),
+        photons_per_sample: f64,
+    ) -> Option<Self> {
+        if first_m.is_empty() {
+            return None;
+        }
+        let receptors = scene.camera.receptors();
+        let radii_m: Vec<f64> = first_m.iter().map(|radius| radius * scale).collect();
+        let weights = |(receptor, radius_m): (&Receptor, &f64)| {
+            let area_m2 = match receptor.shape {
+                ReceptorShape::Point(..) => PI * radius_m.powi(2),
+                ReceptorShape::Surface(object, _) => scene.geometry.area(object),
+            };
+            CausticWeights { photons_m2: photons_per_sample * area_m2 }
+        };
+        let weights = receptors.iter().zip(&radii_m).map(weights).collect();
+        let rows = scene.camera.pixel_count() / receptors.len();
+        let disks = PointDisks::new(receptors, |number| radii_m[number]);
+        let surface = |(number, receptor): (usize, &Receptor)| match receptor.shape {
+            ReceptorShape::Point(..) => None,
+            ReceptorShape::Surface(object, _) => Some((object, number as u32)),
+        };
+        let mut surfaces: Vec<(u32, u32)> = receptors.iter().enumerate().filter_map(surface).collect();
+        surfaces.sort_unstable();
+        Some(Self { scene, openings: context.openings, radii_m, weights, rows, disks, surfaces })
+    }
+
+    /// Returns the weights of photons and of paths at each receptor.
+    pub(super) fn weights(&self) -> &[CausticWeights] {
+        &self.weights
+    }
+
+    /// Adds the light that a photon brings to the point receptors along a straight line.
+    pub(super) fn add_flight(&self, flight: &PhotonFlight<'_>, light: usize, splats: &mut SplatSink) {
+        if flight.photon.light_path != LightPath::Caustic {
+            return;
+        }
+        let receptors = self.scene.camera.receptors();
+        self.disks.visit(flight, |number| {
+            let ReceptorShape::Point(position, response) = receptors[number].shape else { return };
+            let Some((t, d2)) = crossing(flight, position, response, self.radii_m[number]) else { return };
+            let kernels = DiskKernel::new(self.radii_m[number].powi(2)).at(d2);
+            let offset = flight.ray.at(t) - position;
+            let Some(kernels) = self.between_walls(kernels, position, offset, self.radii_m[number]) else { return };
+            let to_light = -flight.ray.direction;
+            // The disk of a plane lies in the plane, so it catches the flux through the plane. The
+            // other disks are perpendicular to the ray, so they catch the fluence.
+            let per_flux = match response {
+                Response::Plane(_) => FRAC_1_PI,
+                Response::Sphere | Response::Cylinder(_) | Response::Cone(..) => response.pdf(to_light),
+            };
+            let weight = per_flux * self.mis_weight(number, (position, response), flight.photon.ray_density, to_light);
+            let received = Received { estimate: weight * kernels.estimate, bias: weight * kernels.bias() };
+            self.splat(number, &received, flight.photon, (t, Some(flight)), light, splats);
+        });
+    }
+
+    /// Corrects the kernels of a photon beside walls. `offset` leads from the receptor to the
+    /// photon. Returns `None` if a wall is between them.
+    fn between_walls(
+        &self,
+        kernels: KernelValues,
+        position: DVec3,
+        offset: DVec3,
+        radius_m: f64,
+    ) -> Option<KernelValues> {
+        let distance_m = offset.length();
+        let towards = if distance_m > 0.0 { offset / distance_m } else { return Some(kernels) };
+        let extent_m = |direction: DVec3| {
+            let hit = self.scene.geometry.intersect(&Ray::new(position, direction), None, radius_m);
+            hit.map_or(radius_m, |hit| hit.t)
+        };
+        let ahead_m = extent_m(towards);
+        if ahead_m < distance_m {
+            return None;
+        }
+        let extents = [ahead_m, extent_m(-towards)].map(|extent_m| extent_m / radius_m);
+        Some(kernels.between_faces(KernelDomain::Disk, extents))
+    }
+
+    /// Adds the light that a photon brings to the receptors on the surface where it arrives.
+    pub(super) fn add_arrival(&self, arrival: &SurfaceArrival<'_>, light: usize, splats: &mut SplatSink) {
+        if arrival.photon.light_path != LightPath::Caustic {
+            return;
+        }
+        let hit = &arrival.interaction.hit;
+        let first = self.surfaces.partition_point(|(object, _)| *object < hit.object);
+        let on_object = self.surfaces[first..].iter().take_while(|(object, _)| *object == hit.object);
+        for number in on_object.map(|(_, number)| *number as usize) {
+            let ReceptorShape::Surface(object, side) = self.scene.camera.receptors()[number].shape else { continue };
+            let to_light = arrival.to_light();
+            let front = to_light.dot(hit.normal) > 0.0;
+            let (counts, sides) = match side {
+                ReceivingSide::Front => (front, 1.0),
+                ReceivingSide::Back => (!front, 1.0),
+                ReceivingSide::Both => (true, 2.0),
+            };
+            if !counts {
+                continue;
+            }
+            let facing = if front { hit.normal } else { -hit.normal };
+            let response = Response::Plane(facing);
+            let weight = self.mis_weight(number, (hit.position, response), arrival.photon.ray_density, to_light);
+            let estimate = weight * FRAC_1_PI / (sides * self.scene.geometry.area(object));
+            let received = Received { estimate, bias: 0.0 };
+            self.splat(number, &received, arrival.photon, (0.0, None), light, splats);
+        }
+    }
+
+    fn mis_weight(&self, number: usize, point: (DVec3, Response), density: RayDensity, to_light: DVec3) -> f64 {
+        self.weights[number].of_photon(density, receptor_pdf(point, self.openings, to_light))
+    }
+
+    fn splat(
+        &self,
+        number: usize,
+        received: &Received,
+        photon: &PhotonState,
+        (t, flight): (f64, Option<&PhotonFlight<'_>>),
+        light: usize,
+        splats: &mut SplatSink,
+    ) {
+        let along = flight.map(|flight| flight.transmittance(t));
+        // The reading is the mean of its rows, and only the first row gets the splat.
+        let rows = self.rows as f64;
+        let pixel = (number * self.rows) as u32;
+        let mut lanes = [(0.0, 0.0); LANES];
+        for (k, &nm) in photon.wavelengths.active().iter().enumerate() {
+            let passed = along.as_ref().map_or(1.0, |along| transmittance(along, nm));
+            lanes[k] = (nm, photon.power[k] * passed * rows);
+        }
+        let lanes = &lanes[..photon.wavelengths.count];
+        let of = |factor: f64| lanes.iter().map(move |&(nm, power)| (nm, power * factor));
+        splats.splat((PathClass::Caustic.number(), light), pixel, of(received.estimate));
+        splats.bias(pixel, of(received.bias));
+    }
+}
+
+/// Returns the distance along the flight at which the photon crosses the disk of a receptor, and
+/// the squared distance from the middle of the disk in m². `None` if the photon misses the disk.
+fn crossing(flight: &PhotonFlight<'_>, position: DVec3, response: Response, radius_m: f64) -> Option<(f64, f64)> {
+    let (ray, offset) = (flight.ray, position - flight.ray.origin);
+    let t = match response {
+        Response::Plane(normal) => {
+            let cosine = ray.direction.dot(normal);
+            if cosine >= 0.0 {
+                return None;
+            }
+            offset.dot(normal) / cosine
+        }
+        Response::Sphere | Response::Cylinder(_) | Response::Cone(..) => offset.dot(ray.direction),
+    };
+    let d2 = ray.at(t).distance_squared(position);
+    (t >= 0.0 && t <= flight.length_m && d2 < radius_m * radius_m).then_some((t, d2))
+}
+
+/// Collects the distances of caustic photons from the receptors.
+struct ReceptorSurvey<'a> {
+    receptors: &'a [Receptor],
+    disks: PointDisks,
+    most_m: f64,
+    distances2: Vec<Vec<f64>>,
+}
+
+impl PhotonVisitor for ReceptorSurvey<'_> {
+    fn on_emission(&mut self, _stratum: usize, _aim: [f64; 2]) {}
+
+    fn on_surface(&mut self, _arrival: &SurfaceArrival<'_>, _stream: &mut Stream) {}
+
+    fn on_flight(&mut self, flight: &PhotonFlight<'_>) {
+        if flight.photon.light_path != LightPath::Caustic {
+            return;
+        }
+        let (receptors, most_m, distances2) = (self.receptors, self.most_m, &mut self.distances2);
+        self.disks.visit(flight, |number| {
+            let ReceptorShape::Point(position, response) = receptors[number].shape else { return };
+            let found = crossing(flight, position, response, most_m);
+            distances2[number].extend(found.map(|(_, d2)| d2));
+        });
+    }
+}

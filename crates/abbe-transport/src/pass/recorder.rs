@@ -1,0 +1,228 @@
+//! Records photons: connects some to the camera, and stores some for the maps.
+
+use super::deposits::PhotonDeposits;
+use super::keep_probability::KeepProbability;
+use super::receptors::ReceptorKernels;
+use crate::emit::{
+    MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival,
+    connect::CameraConnection,
+};
+use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
+use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, estimator, kept_in_map};
+use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, PathClass, Plan, Tally, WavelengthPlan};
+use crate::sensor::SplatSink;
+use crate::walk::{LONG_PATH, NumberedMedium};
+use abbe_scene::Scene;
+use abbe_scene::geometry::Ray;
+use abbe_spectra::math::random::Stream;
+use abbe_spectra::spectrum::BAND_NM;
+
+/// The number of surface events of a photon path after which only some of its photons are recorded.
+/// The photons of one path are alike, so a long path needs only some of them.
+const EVENTS_RECORDED_ALWAYS: u32 = 8;
+
+/// How the photons of a set are recorded.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RecordingOptions<'r> {
+    /// The probabilities of storing photons.
+    pub(super) keep: PerClass<KeepProbability>,
+    /// The number of photon paths in the set, divided by the number of camera samples per pixel.
+    pub(super) photons_per_sample: f64,
+    /// The kernels of the receptors of meters. `None` if the set has no receptors.
+    pub(super) receptors: Option<&'r ReceptorKernels<'r>>,
+}
+
+/// Records the photons of one parallel task.
+#[derive(Debug)]
+pub(super) struct PhotonRecorder<'a> {
+    scene: &'a Scene,
+    spectra: &'a PhotonSpectra,
+    plan: &'a Plan,
+    set: PhotonSet,
+    options: RecordingOptions<'a>,
+    /// The photons for the maps.
+    pub(super) deposits: PhotonDeposits,
+    /// The contributions of connections to the camera.
+    pub(super) splats: SplatSink,
+    /// The photons beyond the depth limit of the scene.
+    pub(super) lost: PhotonDeposits,
+    /// The connections of photons beyond the depth limit of the scene.
+    pub(super) lost_splats: SplatSink,
+    pub(super) tally: Tally,
+}
+
+impl<'a> PhotonRecorder<'a> {
+    pub(super) fn new(
+        (scene, spectra): (&'a Scene, &'a PhotonSpectra),
+        plan: &'a Plan,
+        set: PhotonSet,
+        options: RecordingOptions<'a>,
+        splat_sink: impl Fn() -> SplatSink,
+    ) -> Self {
+        Self {
+            scene,
+            spectra,
+            plan,
+            set,
+            options,
+            deposits: PhotonDeposits::default(),
+            splats: splat_sink(),
+            lost: PhotonDeposits::default(),
+            lost_splats: splat_sink(),
+            tally: Tally::default(),
+        }
+    }
+
+    /// Returns the store for a photon.
+    #[inline]
+    fn deposits_for(&mut self, photon: &PhotonState) -> &mut PhotonDeposits {
+        if photon.lost { &mut self.lost } else { &mut self.deposits }
+    }
+
+    /// Connects the photon to the camera if the plan uses connections for the class of the photon's
+    /// path. The power of the photon is multiplied by `factor`.
+    fn connect(&mut self, arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) {
+        let class = arrival.interaction.bsdf.class();
+        let connects = estimator(arrival.photon.light_path, class, View::Direct) == Estimator::Connection;
+        // If camera paths carry shared wavelengths from the camera on, all views count as indirect.
+        // Camera paths then read the photon map, and no photon is connected.
+        let free = self.set == PhotonSet::Free && self.plan.wavelengths != WavelengthPlan::Shared;
+        if !(free && connects) {
+            return;
+        }
+        let lens = match self.plan.aperture {
+            AperturePlan::Pinhole | AperturePlan::LensSystem(_) => [0.5; 2],
+            AperturePlan::ThinLens(_) => stream.pair(),
+        };
+        let media_plan = self.plan.media_plan;
+        let photons_per_sample = self.options.photons_per_sample;
+        let camera = CameraConnection { scene: self.scene, media_plan, photons_per_sample };
+        let emission = arrival.interaction.bsdf.model.as_fluorescent().map_or(0.0, |_| stream.uniform());
+        if let Some(splat) = camera.connect(arrival, lens, emission) {
+            self.tally.connections += 1;
+            let lanes = splat.lanes().map(|(nm, radiance)| (nm, radiance * factor));
+            let splats = if arrival.photon.lost { &mut self.lost_splats } else { &mut self.splats };
+            // Only caustic photons on directly visible surfaces are connected.
+            let light = self.spectra.light_of(arrival.photon.wavelength_code);
+            splats.splat((PathClass::Caustic.number(), light), splat.pixel, lanes);
+        }
+    }
+}
+
+impl PhotonVisitor for PhotonRecorder<'_> {
+    fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream) {
+        let Some(class) = arrival.photon.light_path.photon_class() else { return };
+        let wanted = match class {
+            PhotonClass::Caustic => self.plan.caustics != CausticPlan::Absent,
+            PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,
+        };
+        if !wanted {
+            return;
+        }
+        let Some(factor) = recorded_factor(arrival.depth, stream) else { return };
+        // A photon starts with several wavelengths. After a dispersive refraction it keeps only
+        // one.
+        self.tally.dispersions += u64::from(arrival.photon.wavelengths.count == 1);
+        self.connect(arrival, factor, stream);
+        let mut components = self.scene.materials[arrival.interaction.material].surface.components();
+        if components.any(|surface| kept_in_map(arrival.photon.light_path, surface.class())) {
+            let probability = self.options.keep[class].surface;
+            if probability < 1.0 && stream.uniform() >= probability {
+                return;
+            }
+            self.tally.stored += 1;
+            let position = arrival.interaction.hit.position.as_vec3().to_array();
+            let photon = surface_photon(arrival, factor / probability, stream);
+            self.deposits_for(arrival.photon).surface[class].push((photon, position));
+        }
+    }
+
+    fn on_arrival(&mut self, arrival: &SurfaceArrival<'_>) {
+        self.tally.photon_segments += 1;
+        if let Some(receptors) = self.options.receptors {
+            let light = self.spectra.light_of(arrival.photon.wavelength_code);
+            let splats = if arrival.photon.lost { &mut self.lost_splats } else { &mut self.splats };
+            receptors.add_arrival(arrival, light, splats);
+        }
+    }
+
+    #[inline]
+    fn on_flight(&mut self, flight: &PhotonFlight<'_>) {
+        if let Some(receptors) = self.options.receptors {
+            let light = self.spectra.light_of(flight.photon.wavelength_code);
+            let splats = if flight.photon.lost { &mut self.lost_splats } else { &mut self.splats };
+            receptors.add_flight(flight, light, splats);
+        }
+    }
+
+    fn on_body_face(&mut self) {
+        self.tally.body_events += 1;
+    }
+
+    fn on_medium_crossing(&mut self, crossing: &MediumCrossing<'_>, stream: &mut Stream) {
+        let MediumCrossing { segment, medium: NumberedMedium { number, medium }, photon } = *crossing;
+        let Some(class) = photon.light_path.photon_class() else { return };
+        let wanted = self.plan.volume.keeps_beams(medium.dense) && medium.scatters() && segment.length_m.is_finite();
+        let probability = self.options.keep[class].beams;
+        if wanted && probability > 0.0 && stream.uniform() < probability {
+            self.tally.volume_beams += 1;
+            let ends = [segment.ray.origin, segment.ray.at(segment.length_m)];
+            let beam = PhotonBeam::new(ends, number, kept_power(photon, probability, stream));
+            self.deposits_for(photon).volume[class].beams.push(beam);
+        }
+    }
+
+    fn on_medium_collision(&mut self, collision: &MediumCollision, stream: &mut Stream) {
+        let MediumCollision { position, incoming, medium: NumberedMedium { number, medium }, photon } = *collision;
+        let Some(class) = photon.light_path.photon_class() else { return };
+        let wanted = self.plan.volume.keeps_points(medium.dense) && medium.scatters();
+        let probability = self.options.keep[class].points;
+        if wanted && probability > 0.0 && stream.uniform() < probability {
+            self.tally.volume_points += 1;
+            let power = kept_power(photon, probability, stream);
+            let point = VolumePhoton::new(position, incoming, number, power);
+            self.deposits_for(photon).volume[class].points.push(point);
+        }
+    }
+
+    fn on_emission(&mut self, _stratum: usize, _aim: [f64; 2]) {
+        self.tally.photons += 1;
+        self.tally.shared_photons += u64::from(self.set == PhotonSet::Shared);
+        self.tally.aimed += u64::from(self.plan.aim == AimPlan::Learned);
+    }
+
+    fn on_start(&mut self, _ray: &Ray, photon: &PhotonState) {
+        self.tally.ultraviolet_photons += u64::from(photon.wavelengths.nm[0] < BAND_NM.0);
+    }
+}
+
+/// Returns the power of a photon that is stored in a medium. `probability` is the probability that
+/// the medium stores this photon.
+fn kept_power(photon: &PhotonState, probability: f64, stream: &mut Stream) -> PhotonPower {
+    let power = photon.power.map(|power| power / probability);
+    PhotonPower::new(photon.wavelength_code, power, photon.lane, stream.uniform())
+}
+
+/// Decides whether the photon at surface event number `depth` is recorded. Returns the factor for
+/// its power, or `None` if the photon is not recorded. The probability of recording falls as
+/// 1/depth. On long paths it is constant, because the number of these paths falls as 1/depth. A
+/// path of n events without loss leaves only about 8 + 8 ln(n/8) photons.
+#[inline]
+fn recorded_factor(depth: u32, stream: &mut Stream) -> Option<f64> {
+    if depth <= EVENTS_RECORDED_ALWAYS {
+        return Some(1.0);
+    }
+    let factor = f64::from(depth.min(LONG_PATH)) / f64::from(EVENTS_RECORDED_ALWAYS);
+    (stream.uniform() * factor < 1.0).then_some(factor)
+}
+
+/// Converts the arrival of a photon at a surface to the photon that the map stores. The power of
+/// the photon is multiplied by `factor`.
+fn surface_photon(arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) -> Photon {
+    let hit = &arrival.interaction.hit;
+    let to_light = arrival.to_light();
+    let facing = if to_light.dot(hit.normal) >= 0.0 { hit.normal } else { -hit.normal };
+    let PhotonState { wavelength_code, power, lane, ray_density, .. } = *arrival.photon;
+    let power = PhotonPower::new(wavelength_code, power.map(|power| power * factor), lane, stream.uniform());
+    Photon::new(power, to_light, facing).with_ray_density(ray_density)
+}

@@ -1,0 +1,354 @@
+//! The pilot's trial: small passes that measure the variance and the work of photons and of camera
+//! samples.
+//!
+//! The trial traces the photons of two small passes, and two camera samples per pixel in each of
+//! them. The samples of a pixel in one pass differ by the noise of the camera samples. The passes
+//! differ by the noise of the photons (analysis of variance with nested groups). The means of tiles
+//! tell how much of the noise neighbouring pixels have in common.
+
+use super::balance::{Balance, BalanceLimits, Variances};
+use super::camera_samples::{CameraSamples, FilmNoise, ProbedPixel};
+use super::context::PassContext;
+use super::pilot::Pilot;
+use super::small_pass::{PixelLight, SmallPass, TILE, TRIALS, TracedPhotons, mean_of_components, sample_light, tiles};
+use super::work::{SampleWork, Work};
+use crate::gather::PathBuffers;
+use crate::map::LightMaps;
+use crate::plan::Tally;
+use crate::plan::partition::PerSet;
+use abbe_scene::Scene;
+
+/// The share of a pass's photon paths that one pass of the trial traces.
+const PHOTON_SHARE: f64 = 1.0 / 16.0;
+
+/// The least number of photon paths in one pass of the trial.
+const MIN_PHOTONS: f64 = 4_000.0;
+
+/// The largest contribution of one tile to the variance, as a multiple of the mean over the tiles.
+const LARGEST_TILE: f64 = 8.0;
+
+/// The number of light map cells along the longest side of a medium's box. The cells are coarser
+/// than those of a pass.
+const LIGHT_MAP_CELLS: u32 = 8;
+
+/// The least share of noise in the variance of neighbouring pixels.
+const LEAST_SHARE_OF_NOISE: f64 = 0.1;
+
+/// If the noise in the tiles is more than this multiple of the variance around their pixels, rare
+/// bright samples cause it.
+const RARE_SAMPLES: f64 = 4.0;
+
+/// The pass number of the camera samples that measure the noise of the pixels.
+const PROBE_PASS: u64 = (TRIALS * TRIALS) as u64;
+
+/// The mean of X, Y and Z in a tile, and their variances.
+struct TileVariance {
+    mean: [f64; 3],
+    /// The part of the mean that comes from camera samples.
+    mean_sampled: [f64; 3],
+    /// The variance of the light that the photons of a pass on surfaces give.
+    surfaces: [f64; 3],
+    /// The variance of the light that the photons of a pass in media give.
+    media: [f64; 3],
+    /// The variance of a camera sample.
+    camera: [f64; 3],
+}
+
+/// The mean of one part of the light of camera samples, and its variances.
+struct SampleVariance {
+    mean: [f64; 3],
+    /// The variance of the light that the maps of a pass give.
+    gathered: [f64; 3],
+    /// The variance of a camera sample.
+    camera: [f64; 3],
+}
+
+impl TileVariance {
+    /// Computes the variances of the pixels of each tile, and the variances of the mean of each
+    /// tile.
+    fn of_tiles([first, second]: [&[Vec<PixelLight>]; 2]) -> [Vec<Self>; 2] {
+        let pairs = || first.iter().zip(second);
+        let of_pixels = pairs().map(|(first, second)| Self::of(first, second));
+        let of_means = pairs().map(|(first, second)| Self::of(&[PixelLight::mean(first)], &[PixelLight::mean(second)]));
+        [of_pixels.collect(), of_means.collect()]
+    }
+
+    /// Computes the variances from the same pixels in both passes.
+    fn of(first: &[PixelLight], second: &[PixelLight]) -> Self {
+        let all = SampleVariance::of(first, second, |pixel| pixel.samples);
+        let media = SampleVariance::of(first, second, |pixel| pixel.media).gathered;
+        let mean_splats = mean_of_pixels(first, second, |a, b, c| 0.5 * (a.splats[c] + b.splats[c]));
+        Self {
+            mean: std::array::from_fn(|c| all.mean[c] + mean_splats[c]),
+            mean_sampled: all.mean,
+            surfaces: std::array::from_fn(|c| all.gathered[c] - media[c]),
+            media,
+            camera: all.camera,
+        }
+    }
+}
+
+impl SampleVariance {
+    /// Computes the variances of a part of the samples from the same pixels in both passes.
+    fn of(first: &[PixelLight], second: &[PixelLight], part: fn(&PixelLight) -> [[f64; 3]; TRIALS]) -> Self {
+        let mean = |[one, other]: [[f64; 3]; TRIALS], c: usize| 0.5 * (one[c] + other[c]);
+        let camera = mean_of_pixels(first, second, |a, b, c| variance_of_sample([part(a), part(b)], c));
+        let between = mean_of_pixels(first, second, |a, b, c| half_square(mean(part(a), c), mean(part(b), c)));
+        Self {
+            mean: mean_of_pixels(first, second, |a, b, c| 0.5 * (mean(part(a), c) + mean(part(b), c))),
+            // The mean of two camera samples has half of the variance of a sample.
+            gathered: std::array::from_fn(|c| between[c] - 0.5 * camera[c]),
+            camera,
+        }
+    }
+}
+
+/// Returns the variance of two values, estimated from their difference.
+fn half_square(one: f64, other: f64) -> f64 {
+    0.5 * (one - other).powi(2)
+}
+
+/// Returns the variance of a camera sample of a pixel in X, Y or Z. `passes` contains the samples of
+/// both passes.
+fn variance_of_sample(passes: [[[f64; 3]; TRIALS]; 2], c: usize) -> f64 {
+    let [first, second] = passes.map(|[one, other]| half_square(one[c], other[c]));
+    0.5 * (first + second)
+}
+
+/// Returns the mean of a value over pairs of equal pixels, for X, Y and Z.
+fn mean_of_pixels(
+    first: &[PixelLight],
+    second: &[PixelLight],
+    value: impl Fn(&PixelLight, &PixelLight, usize) -> f64,
+) -> [f64; 3] {
+    let sum = |c: usize| first.iter().zip(second).map(|(one, other)| value(one, other, c)).sum::<f64>();
+    std::array::from_fn(|c| sum(c) / first.len() as f64)
+}
+
+/// Divides the work of a pass between photons and camera samples. Returns the division, and the
+/// number of camera samples of each pixel. All pixels get the same number if different numbers
+/// would gain little.
+pub(super) fn balanced(
+    context: &PassContext<'_>,
+    scene: &Scene,
+    pilot: &Pilot,
+    limits: BalanceLimits,
+) -> (Balance, CameraSamples) {
+    let (width, pixels) = (scene.camera.width(), scene.camera.pixel_count());
+    let tiles = tiles((width, pixels / width));
+    let all = pilot.photons.free + pilot.photons.shared;
+    let share = PHOTON_SHARE.max(MIN_PHOTONS / all as f64).min(1.0);
+    let counts = PerSet::from_fn(|set| (pilot.photons[set] as f64 * share) as u64);
+    let mut light_maps = LightMaps::default();
+    if context.plan.media_plan.has_light_maps() {
+        light_maps.update(scene, LIGHT_MAP_CELLS, context.budget.seed, 0);
+    }
+    let selector = context.light_selector(scene);
+    let traced = [0, 1].map(|number| TracedPhotons::trace(context, scene, pilot, (number, counts)));
+    let camera_passes = traced.each_ref().map(|traced| {
+        let maps = (&traced.maps, &light_maps);
+        pilot.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
+    });
+    let passes = [0, 1].map(|n| SmallPass::run(context, pilot, (&traced[n], &camera_passes[n]), &tiles));
+    let of_tiles = TileVariance::of_tiles(passes.each_ref().map(|pass| pass.tiles.as_slice()));
+    let splats = traced.each_ref().map(|traced| traced.splats.as_slice());
+    let photons = traced.iter().map(|traced| traced.tally).sum();
+    let samples = passes.iter().map(|pass| pass.tally).sum();
+    let paths = (counts.free + counts.shared) as f64;
+    let variances = variances(&of_tiles, splats, width, paths);
+    let work = Work::of_trial(&photons, &samples, paths, pixels as f64);
+    let balance = limits.choose(variances, work);
+    let probe = |pixels: &[usize]| {
+        let mut buffers = PathBuffers::default();
+        let of_pixel = |&pixel: &usize| {
+            let mut tally = Tally::default();
+            let classes =
+                sample_light(context, pilot, &camera_passes[1], (PROBE_PASS, pixel), &mut buffers, &mut tally);
+            ProbedPixel {
+                sample: std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum()),
+                splats: std::array::from_fn(|c| 0.5 * (splats[0][pixel][c] + splats[1][pixel][c])),
+                work: SampleWork::of(&tally).with_photons(share.recip()),
+            }
+        };
+        pixels.iter().map(of_pixel).collect()
+    };
+    let is_free = limits.camera_samples.is_none() && balance.has_noisy_samples(variances);
+    let noise = is_free.then(|| film_noise((width, pixels / width), probe, (&passes, &tiles))).flatten();
+    let samples = noise.map_or(CameraSamples::Same(balance.camera_samples), |noise| {
+        let choices = noise.choices(balance.camera_samples);
+        noise.samples(balance.choose_samples(variances, work, &choices))
+    });
+    (balance, samples)
+}
+
+/// Measures the noise of camera samples on the film. `probe` takes a sample of each of some pixels,
+/// and `passes` contains the light of `tiles`.
+///
+/// The samples of neighbouring pixels differ by noise and by details of the picture. The tiles have
+/// several samples of the same pixel, so they tell which share of the variance is noise. If this
+/// share is much more than 1, rare bright samples cause most of the noise. The few samples around a
+/// pixel do not show them, so the result is `None`. It is also `None` if the film has few pixels.
+fn film_noise(
+    size: (usize, usize),
+    probe: impl Fn(&[usize]) -> Vec<ProbedPixel> + Sync,
+    (passes, tiles): (&[SmallPass; 2], &[Vec<usize>]),
+) -> Option<FilmNoise> {
+    let noise = FilmNoise::measure(size, probe)?;
+    let share = noise.ratio_of(sample_variances(passes, tiles));
+    (share <= RARE_SAMPLES).then(|| noise.scaled(share.max(LEAST_SHARE_OF_NOISE)))
+}
+
+/// The splats of a square block of pixels in both passes of the trial.
+#[derive(Debug, Clone, Copy, Default)]
+struct SplatBlock {
+    pixels: f64,
+    /// The sums over the pixels, for each pass.
+    sums: [[f64; 3]; TRIALS],
+    /// The sum of the variances of the pixels.
+    variances: [f64; 3],
+}
+
+impl SplatBlock {
+    /// Divides the film into blocks of [`TILE`] × [`TILE`] pixels.
+    fn of_film([first, second]: [&[[f64; 3]]; 2], width: usize) -> Vec<Self> {
+        let columns = width.div_ceil(TILE);
+        let mut blocks = vec![Self::default(); columns * (first.len() / width).div_ceil(TILE)];
+        for (pixel, (first, second)) in first.iter().zip(second).enumerate() {
+            let block = &mut blocks[pixel / width / TILE * columns + pixel % width / TILE];
+            block.pixels += 1.0;
+            for c in 0..3 {
+                block.sums[0][c] += first[c];
+                block.sums[1][c] += second[c];
+                block.variances[c] += half_square(first[c], second[c]);
+            }
+        }
+        blocks
+    }
+
+    /// Returns the mean of the pixels in a pass.
+    fn mean(&self, pass: usize, c: usize) -> f64 {
+        self.sums[pass][c] / self.pixels
+    }
+}
+
+/// The mean to which a variance is relative.
+#[derive(Debug, Clone, Copy)]
+enum Reference {
+    /// The mean of the block of pixels. The mean of the picture limits the weight of dark blocks.
+    Block,
+    /// The mean of the picture.
+    Picture,
+}
+
+impl Reference {
+    /// Returns the square by which a variance is divided.
+    fn square(self, of_block: f64, of_picture: f64) -> f64 {
+        let square = match self {
+            Self::Block => of_block.powi(2) + 0.01 * of_picture.powi(2),
+            Self::Picture => of_picture.powi(2),
+        };
+        square.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Returns three measures of the variance of the picture for one photon path and one camera sample:
+/// the mean of the relative variances of the pixels, their variance relative to the mean of the
+/// picture, and the mean of the relative variances of the means of square blocks. Camera samples
+/// are known in some blocks, and splats are known in all of them. `photons` is the number of photon
+/// paths in a pass of the trial.
+fn variances(
+    [of_pixels, of_means]: &[Vec<TileVariance>; 2],
+    splats: [&[[f64; 3]]; 2],
+    width: usize,
+    photons: f64,
+) -> [Variances; 3] {
+    let tiles = of_pixels.len() as f64;
+    let pixels = splats[0].len() as f64;
+    let blocks = SplatBlock::of_film(splats, width);
+    let mean_sampled: [f64; 3] =
+        std::array::from_fn(|c| of_pixels.iter().map(|tile| tile.mean_sampled[c]).sum::<f64>() / tiles);
+    let mean: [f64; 3] = std::array::from_fn(|c| {
+        let splats: f64 = blocks.iter().map(|block| 0.5 * (block.sums[0][c] + block.sums[1][c])).sum();
+        mean_sampled[c] + splats / pixels
+    });
+    let sampled = |variances: &[TileVariance], reference: Reference| {
+        let of_part = |part: fn(&TileVariance) -> [f64; 3]| {
+            let relative =
+                |tile: &TileVariance| mean_of_components(|c| part(tile)[c] / reference.square(tile.mean[c], mean[c]));
+            let values: Vec<f64> = variances.iter().map(relative).collect();
+            let limit = LARGEST_TILE * values.iter().map(|value| value.max(0.0)).sum::<f64>() / tiles;
+            (values.iter().map(|value| value.min(limit)).sum::<f64>() / tiles).max(0.0)
+        };
+        Variances {
+            traced: 0.0,
+            surfaces: of_part(|tile| tile.surfaces) * photons,
+            media: of_part(|tile| tile.media) * photons,
+            camera: of_part(|tile| tile.camera),
+        }
+    };
+    let traced = |variance: fn(&SplatBlock, usize) -> f64, reference: Reference| {
+        let of_block = |block: &SplatBlock, c: usize| 0.5 * (block.mean(0, c) + block.mean(1, c)) + mean_sampled[c];
+        let relative = |block: &SplatBlock| {
+            block.pixels * mean_of_components(|c| variance(block, c) / reference.square(of_block(block, c), mean[c]))
+        };
+        photons * blocks.iter().map(relative).sum::<f64>() / pixels
+    };
+    let of_pixel = |block: &SplatBlock, c: usize| block.variances[c] / block.pixels;
+    let of_mean = |block: &SplatBlock, c: usize| half_square(block.mean(0, c), block.mean(1, c));
+    [
+        Variances { traced: traced(of_pixel, Reference::Block), ..sampled(of_pixels, Reference::Block) },
+        Variances { traced: traced(of_pixel, Reference::Picture), ..sampled(of_pixels, Reference::Picture) },
+        Variances { traced: traced(of_mean, Reference::Block), ..sampled(of_means, Reference::Block) },
+    ]
+}
+
+/// Returns the pixels of the tiles and the variance of a camera sample in each of them.
+fn sample_variances<'p>(
+    [first, second]: &'p [SmallPass; 2],
+    tiles: &'p [Vec<usize>],
+) -> impl Iterator<Item = (usize, [f64; 3])> + use<'p> {
+    let light = first.tiles.iter().flatten().zip(second.tiles.iter().flatten());
+    tiles.iter().flatten().zip(light).map(|(&pixel, (first, second))| {
+        (pixel, std::array::from_fn(|c| variance_of_sample([first.samples, second.samples], c)))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abbe_spectra::math::random::{Purpose, Stream};
+
+    /// Two passes with noise of known variance give these variances.
+    #[test]
+    fn nested_samples_separate_photon_noise_from_camera_noise() {
+        const TILES: usize = 1000;
+        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        // A uniform number in [−1, 1) has the variance 1/3.
+        let mut noise = |amplitude: f64| amplitude * (2.0 * stream.uniform() - 1.0);
+        let mut pass = || {
+            let mut pixel = || {
+                let (on_surfaces, in_media) = (noise(0.6), noise(0.5));
+                let media = std::array::from_fn(|_| [0.5 + in_media; 3]);
+                let samples = std::array::from_fn(|_| [2.0 + on_surfaces + in_media + noise(0.6); 3]);
+                PixelLight { samples, media, splats: [1.0 + noise(0.9); 3] }
+            };
+            (0..TILES).map(|_| (0..16).map(|_| pixel()).collect()).collect()
+        };
+        let passes: [Vec<Vec<PixelLight>>; 2] = [pass(), pass()];
+        let splats =
+            passes.each_ref().map(|tiles| tiles.iter().flatten().map(|pixel| pixel.splats).collect::<Vec<_>>());
+        let of_tiles = TileVariance::of_tiles(passes.each_ref().map(Vec::as_slice));
+        let [_, of_picture, of_blocks] = variances(&of_tiles, splats.each_ref().map(Vec::as_slice), 100, 100.0);
+        let expected = |amplitude: f64| amplitude * amplitude / 3.0 / 9.0;
+        for (found, in_blocks, expected) in [
+            (of_picture.camera, of_blocks.camera, expected(0.6)),
+            (of_picture.surfaces / 100.0, of_blocks.surfaces / 100.0, expected(0.6)),
+            (of_picture.media / 100.0, of_blocks.media / 100.0, expected(0.5)),
+            (of_picture.traced / 100.0, of_blocks.traced / 100.0, expected(0.9)),
+        ] {
+            assert!((found / expected - 1.0).abs() < 0.1, "{found} instead of {expected}");
+            // The noise of the pixels is independent, so the mean of 16 pixels has a 16th of it.
+            assert!((16.0 * in_blocks / expected - 1.0).abs() < 0.3, "{in_blocks} instead of {expected}/16");
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Decides which effects are simulated, and builds the plan.
+
+use super::effect_table::EFFECTS;
+use super::effects::{Effect, listed};
+use super::fields::Plan;
+use super::negligible::NegligibleEffect;
+use abbe_scene::facts::Facts;
+use abbe_spectra::error::{Error, Result};
+
+/// The decision about an effect, and the reason for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EffectState {
+    /// The effect is simulated, because the scene needs it.
+    On,
+    /// The effect is not simulated, because no part of the scene needs it or because it is
+    /// negligible.
+    Off,
+    /// The effect is simulated only because the user requests it. No part of the scene needs the
+    /// effect, or the effect is negligible.
+    Forced,
+    /// The effect is not simulated, because the user forbids it. The scene needs the effect.
+    Forbidden,
+}
+
+impl EffectState {
+    /// Returns true if the effect is simulated.
+    pub fn is_on(self) -> bool {
+        matches!(self, Self::On | Self::Forced)
+    }
+
+    /// Returns the name of the state in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::On => "on",
+            Self::Off => "off",
+            Self::Forced => "forced",
+            Self::Forbidden => "forbidden",
+        }
+    }
+}
+
+/// The decision on one effect.
+#[derive(Debug, Clone)]
+pub struct EffectRow {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Its state.
+    pub state: EffectState,
+    /// The reason, in words.
+    pub because: String,
+}
+
+/// Decides all effects in the order of [`EFFECTS`]. Returns the plan and one row per effect.
+///
+/// A negligible effect is on only if it is forced. `force` and `forbid` contain names of effects.
+///
+/// # Errors
+/// Returns an input error if a name is not an effect, or is both forced and forbidden.
+pub(super) fn decide(
+    facts: &Facts,
+    negligible: &[NegligibleEffect],
+    force: &[String],
+    forbid: &[String],
+) -> Result<(Plan, Vec<EffectRow>)> {
+    for name in force.iter().chain(forbid) {
+        if !EFFECTS.iter().any(|effect| effect.name == name) {
+            let names: Vec<&str> = EFFECTS.iter().map(|effect| effect.name).collect();
+            return Err(Error::unknown_name("effect", name, names.iter().copied())
+                .expected(format!("one of {}", names.join(", "))));
+        }
+    }
+    if let Some(name) = force.iter().find(|name| forbid.contains(name)) {
+        return Err(Error::input(format!("the effect \"{name}\" is both forced and forbidden")));
+    }
+    let mut plan = Plan::EMPTY;
+    let mut rows = Vec::with_capacity(EFFECTS.len());
+    for effect in &EFFECTS {
+        let callers = (effect.calls)(facts);
+        let negligible = negligible.iter().find(|negligible| negligible.effect == effect.id);
+        let uncalled = negligible.map_or(effect.uncalled, |negligible| &negligible.because);
+        let named = |list: &[String]| list.iter().any(|name| name == effect.name);
+        let called = !callers.is_empty() && negligible.is_none();
+        let state = match (called, named(force), named(forbid)) {
+            (false, _, true) | (false, false, false) => EffectState::Off,
+            (true, _, true) => EffectState::Forbidden,
+            (true, _, false) => EffectState::On,
+            (false, true, false) => EffectState::Forced,
+        };
+        (effect.set)(&mut plan, facts, state.is_on());
+        let because = match state {
+            EffectState::On | EffectState::Forbidden => format!("{}: {}", effect.called_by, listed(&callers)),
+            EffectState::Off => uncalled.to_owned(),
+            EffectState::Forced => format!("forced by name; {uncalled}"),
+        };
+        rows.push(EffectRow { effect, state, because });
+    }
+    Ok((plan, rows))
+}

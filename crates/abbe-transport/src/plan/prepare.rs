@@ -1,0 +1,77 @@
+//! Plans a scene, and removes the parts that the plan does not simulate.
+//!
+//! The removal happens once, before rendering. The tracing of rays and photons then needs no checks
+//! for absent effects.
+
+use super::decide::{EffectRow, EffectState, decide};
+use super::effects::{EffectId, Removal, listed};
+use super::fields::Plan;
+use super::negligible::{light_centre_nm, negligible};
+use abbe_scene::Scene;
+use abbe_scene::facts::Facts;
+use abbe_spectra::error::{Error, Result};
+
+/// The wavelength of Fraunhofer's d line. If dispersion is forbidden, glass keeps its index at this
+/// wavelength for all wavelengths.
+const D_LINE_NM: f64 = 587.5618;
+
+/// Plans the scene according to its settings. Removes negligible and forbidden effects from the
+/// scene.
+///
+/// Returns the plan and one row per effect. Adds notes to the scene.
+///
+/// # Errors
+/// Returns an input error in three cases: the name of an effect is unknown, the scene forbids an
+/// effect that cannot be forbidden, or the plan contains diffraction without an aperture.
+pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
+    let negligible = negligible(scene);
+    let light_nm = light_centre_nm(scene);
+    for absent in &negligible {
+        let effect = absent.effect.effect();
+        if !scene.settings.force.iter().any(|name| name == effect.name)
+            && let Removal::FromScene(remove) = effect.removal
+        {
+            remove(scene, light_nm)?;
+        }
+    }
+    let facts = Facts::of(scene);
+    let (plan, rows) = decide(&facts, &negligible, &scene.settings.force, &scene.settings.forbid)?;
+    for row in rows.iter().filter(|row| row.state == EffectState::Forbidden) {
+        let EffectRow { effect, because, .. } = row;
+        match effect.removal {
+            Removal::FromPlan => {}
+            Removal::FromScene(remove) => remove(scene, D_LINE_NM)?,
+            Removal::Refused { alternative } => {
+                let what = format!("the effect \"{}\" cannot be forbidden", effect.name);
+                return Err(Error::input(what).expected(alternative));
+            }
+        }
+        scene.notes.push(format!("{} is forbidden ({because}): {}", effect.name, effect.absent));
+    }
+    if !plan.aperture.diffracts() && rows.iter().any(|row| row.effect.id == EffectId::Diffraction && row.state.is_on())
+    {
+        return Err(Error::input("diffraction is on, but the camera has no aperture")
+            .expected("a lens with an aperture, or \"diffraction\" forbidden too"));
+    }
+    if plan.ultraviolet {
+        scene.add_ultraviolet();
+    }
+    scene.notes.extend(upsampled_colours_note(&facts));
+    Ok((plan, rows))
+}
+
+/// Returns a warning if the scene contains both lights with spectral lines and spectra that come
+/// from RGB colours.
+///
+/// A spectrum from RGB is a smooth estimate. The estimate predicts little about the few wavelengths
+/// of spectral lines.
+fn upsampled_colours_note(facts: &Facts) -> Option<String> {
+    let Facts { upsampled, line_lights, .. } = facts;
+    if upsampled.is_empty() || line_lights.is_empty() {
+        return None;
+    }
+    let (colours, lights) = (listed(upsampled), listed(line_lights));
+    Some(format!(
+        "spectra reconstructed from RGB ({colours}) are estimates, and lights with spectral lines ({lights}) use them at few wavelengths: measured spectra may give quite different colours"
+    ))
+}

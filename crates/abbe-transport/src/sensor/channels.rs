@@ -1,0 +1,135 @@
+//! The additional channels of a film: spectral bands, slices of the spectrum, and layers. The
+//! slices have different diffraction patterns.
+
+use super::diffraction::DiffractionPsf;
+use super::layers::{COMPONENTS, LayerSet};
+use abbe_spectra::spectrum::BAND_NM;
+use std::sync::Arc;
+
+/// The number of components of a slice: X, Y and Z.
+const COMPONENTS_OF_SLICE: usize = 3;
+
+/// The additional channels of a pixel: radiance in each spectral band, then the first moment of
+/// each band if the film needs it, then X, Y and Z of each slice, then X, Y and Z of each path
+/// class and of each light group, and then the sums over first surfaces.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Channels {
+    pub(super) bands: usize,
+    /// True if each band also has the sum of its radiance times the distance from the band's centre
+    /// in nm. The bands then know where their light lies.
+    pub(super) moments: bool,
+    pub(super) diffraction: Option<Arc<DiffractionPsf>>,
+    /// The layers. `None` if the film records no layers.
+    pub(super) layers: Option<Arc<LayerSet>>,
+}
+
+impl Channels {
+    /// Returns X, Y and Z of each path class.
+    pub(super) fn of_path_classes(count: usize) -> Self {
+        let paths = vec![String::new(); count];
+        Self { layers: Some(Arc::new(LayerSet { paths, ..LayerSet::default() })), ..Self::default() }
+    }
+
+    /// Returns the number of channels.
+    pub(super) fn count(&self) -> usize {
+        self.first_surface_channel() + self.layers.as_ref().map_or(0, |layers| layers.surface_channels().len())
+    }
+
+    /// Returns the number of channels that need the wavelength of each contribution.
+    pub(super) fn spectral_count(&self) -> usize {
+        self.band_channels() + COMPONENTS_OF_SLICE * self.slices()
+    }
+
+    /// Returns the number of channels of the spectral bands.
+    pub(super) fn band_channels(&self) -> usize {
+        if self.moments { 2 * self.bands } else { self.bands }
+    }
+
+    /// Returns the number of channels that contain light. The sums over first surfaces follow them.
+    pub(super) fn first_surface_channel(&self) -> usize {
+        self.spectral_count() + self.layers.as_ref().map_or(0, |layers| layers.light_channels())
+    }
+
+    fn slices(&self) -> usize {
+        self.diffraction.as_ref().map_or(0, |diffraction| diffraction.slices())
+    }
+
+    /// Returns the index of the channel that stores one component of a slice.
+    pub(super) fn of_slice(&self, slice: usize, component: usize) -> usize {
+        self.band_channels() + COMPONENTS_OF_SLICE * slice + component
+    }
+
+    /// Returns the names of the channels in their order.
+    pub(super) fn names(&self) -> impl Iterator<Item = String> {
+        let slices = (0..self.slices()).flat_map(|slice| ["X", "Y", "Z"].map(|c| format!("slice{slice}{c}")));
+        let layers = self.layers.as_deref();
+        let paths = layers.map_or(0, |layers| layers.paths.len());
+        let groups = layers.map_or(0, |layers| layers.light_groups.len());
+        let xyz = |kind: &'static str, count| {
+            (0..count).flat_map(move |number| ["X", "Y", "Z"].map(|c| format!("{kind}{number}{c}")))
+        };
+        let surfaces = layers.map(LayerSet::surface_channels).unwrap_or_default().into_iter().map(String::from);
+        let bands = (0..self.bands).map(|band| format!("band{band}"));
+        let moments = (self.bands..self.band_channels()).map(|channel| format!("moment{}", channel - self.bands));
+        bands.chain(moments).chain(slices).chain(xyz("path", paths)).chain(xyz("light", groups)).chain(surfaces)
+    }
+
+    /// Returns true if the film separates the lights.
+    pub(super) fn separates_lights(&self) -> bool {
+        self.layers.as_ref().is_some_and(|layers| !layers.light_groups.is_empty())
+    }
+
+    /// Distributes light to the channels of its path class and of its light group: calls
+    /// `add(channel, value)` for each channel. `xyz` is the radiance times the colour-matching
+    /// functions. A class or a light that is `None` is left out.
+    pub(super) fn distribute_to_layers(
+        &self,
+        (class, light): (Option<usize>, Option<usize>),
+        xyz: [f64; 3],
+        mut add: impl FnMut(usize, f64),
+    ) {
+        let Some(layers) = self.layers.as_deref() else { return };
+        let of_class = class.and_then(|class| layers.channel_of_class(class));
+        let of_light = light.and_then(|light| layers.channel_of_light(light));
+        for channel in of_class.into_iter().chain(of_light) {
+            (0..COMPONENTS).for_each(|c| add(self.spectral_count() + channel + c, xyz[c]));
+        }
+    }
+
+    /// Distributes light of one wavelength to its spectral channels: calls `add(channel, value)`
+    /// for each channel. `weight` is the radiance. `xyz` is the radiance times the colour-matching
+    /// functions.
+    pub(super) fn distribute(&self, nm: f64, weight: f64, xyz: [f64; 3], mut add: impl FnMut(usize, f64)) {
+        // Light below the band only excites fluorophores.
+        if self.bands > 0 && nm >= BAND_NM.0 {
+            let band = band_of(nm, self.bands);
+            add(band, weight);
+            if self.moments {
+                add(self.bands + band, weight * (nm - band_centre_nm(band, self.bands)));
+            }
+        }
+        if let Some(diffraction) = &self.diffraction {
+            let slice = diffraction.slice_of(nm);
+            xyz.into_iter().enumerate().for_each(|(c, value)| add(self.of_slice(slice, c), value));
+        }
+    }
+}
+
+/// Returns the band of a wavelength. The simulated range is divided into `count` equal bands.
+fn band_of(nm: f64, count: usize) -> usize {
+    let share = (nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0);
+    ((share * count as f64) as usize).min(count - 1)
+}
+
+/// Returns the centre of a band in nm.
+pub(super) fn band_centre_nm(band: usize, count: usize) -> f64 {
+    let (from, to) = band_nm(band, count);
+    0.5 * (from + to)
+}
+
+/// Returns the lower and the upper wavelength of a band, in nm. The simulated range is divided into
+/// `count` equal bands.
+pub(super) fn band_nm(band: usize, count: usize) -> (f64, f64) {
+    let width_nm = (BAND_NM.1 - BAND_NM.0) / count as f64;
+    (BAND_NM.0 + band as f64 * width_nm, BAND_NM.0 + (band + 1) as f64 * width_nm)
+}

@@ -1,0 +1,254 @@
+//! Diffraction at the aperture stop: the picture of each slice of the spectrum is convolved with
+//! the point spread function of its wavelengths.
+//!
+//! The point spread function is the Fraunhofer pattern of the stop, integrated over the pixel
+//! squares. All light of a pixel is assumed to be at the pixel's centre. Reflection extends the
+//! picture beyond the edges of the film. Therefore, no light is lost at the edges, and a uniform
+//! picture stays uniform. Kernels are normalised to 1, so energy is conserved.
+
+use abbe_spectra::math::elementary::{exp, ln};
+use abbe_spectra::math::fourier::{self, Complex, Direction, FourierBuffers, FourierTransform};
+use abbe_spectra::spectrum::BAND_NM;
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// The number of slices of the whole band. The upper wavelength of a slice is about 5 % longer than
+/// its lower wavelength. The size of the pattern therefore hardly changes within a slice.
+const SLICES_OF_BAND: usize = 16;
+
+/// The largest number of wavelengths in the kernel of a slice. Each wavelength contributes a
+/// pattern.
+const WAVELENGTHS_PER_KERNEL: usize = 8;
+
+/// The largest radius of the pattern, in units of λN. The radius is smaller than this constant if
+/// the film is smaller. If the stop is round, 1/600 of the light is outside this radius. This light
+/// is distributed inside the radius, in proportion to the pattern.
+const PATTERN_RADIUS: f64 = 128.0;
+
+/// The largest number of samples of the pattern per λN. Patterns with a small radius have exactly
+/// this number of samples per λN.
+const MAX_SAMPLES_PER_UNIT: f64 = 24.0;
+
+/// The largest number of samples from the centre to an edge of the pattern. A pattern with the
+/// largest radius has 8 samples per λN.
+const MAX_SAMPLES_PER_RADIUS: f64 = 1024.0;
+
+/// The point spread function of the film as a function of wavelength.
+#[derive(Debug)]
+pub struct DiffractionPsf {
+    /// The diffraction length λN in pixels, divided by the wavelength λ in nm. N is the f-number.
+    spread_px_per_nm: f64,
+    /// The wavelengths of the light in nm, ascending. Each wavelength represents an equal share of
+    /// the light.
+    light_nm: Vec<f64>,
+    /// The lower ends of the slices in nm.
+    edges_nm: Vec<f64>,
+    /// The number of samples of the pattern per λN.
+    steps: f64,
+    /// The number of samples of the pattern from edge to edge.
+    across: usize,
+    /// The samples of the pattern, with rows from the bottom and columns from the left.
+    pattern: Vec<f32>,
+}
+
+impl DiffractionPsf {
+    /// Samples the pattern.
+    ///
+    /// `light_nm` contains at least one wavelength in nm, in ascending order. Each wavelength
+    /// represents an equal share of the light. The arguments of `pattern` are the positions to the
+    /// right and upwards in units of λN. For a wavelength of λ nm, the length λN is λ ×
+    /// `spread_px_per_nm` pixels. The longer side of the film has `longest_px` pixels.
+    pub fn new(
+        spread_px_per_nm: f64,
+        longest_px: usize,
+        light_nm: Vec<f64>,
+        pattern: impl Fn(DVec2) -> f64 + Sync,
+    ) -> Self {
+        let film = (longest_px as f64 + 1.0) / (light_nm[0] * spread_px_per_nm);
+        let reach = PATTERN_RADIUS.min(film);
+        let steps = MAX_SAMPLES_PER_UNIT.min(MAX_SAMPLES_PER_RADIUS / reach);
+        let half = (reach * steps).ceil();
+        let across = 2 * half as usize + 1;
+        let place = |sample: usize| (sample as f64 - half) / steps;
+        let sample = |i: usize| pattern(DVec2::new(place(i % across), place(i / across))) as f32;
+        // The Fraunhofer pattern of a stop is point-symmetric, so half of the samples are
+        // sufficient.
+        let middle = across * across / 2;
+        let mut pattern: Vec<_> = (0..middle + 1).into_par_iter().with_min_len(across).map(sample).collect();
+        pattern.extend_from_within(..middle);
+        pattern[middle + 1..].reverse();
+        let edges_nm = edges_nm(&light_nm);
+        Self { spread_px_per_nm, light_nm, edges_nm, steps, across, pattern }
+    }
+
+    /// Returns the number of slices that contain light of these wavelengths. `light_nm` is in nm
+    /// and in ascending order.
+    pub fn slices_of(light_nm: &[f64]) -> usize {
+        edges_nm(light_nm).len()
+    }
+
+    /// Returns the number of slices.
+    pub(super) fn slices(&self) -> usize {
+        self.edges_nm.len()
+    }
+
+    /// Returns the slice of a wavelength.
+    pub(super) fn slice_of(&self, nm: f64) -> usize {
+        self.edges_nm.partition_point(|&edge| edge <= nm).saturating_sub(1)
+    }
+
+    /// Returns the lower and upper wavelength of a slice in nm.
+    pub(super) fn slice_nm(&self, slice: usize) -> (f64, f64) {
+        (self.edges_nm[slice], self.edges_nm.get(slice + 1).copied().unwrap_or(f64::INFINITY))
+    }
+
+    /// Returns wavelengths that represent the light in a wavelength interval. The list is empty if
+    /// the light has no power in the interval.
+    fn between(&self, (from_nm, to_nm): (f64, f64)) -> Vec<f64> {
+        let [first, end] = [from_nm, to_nm].map(|nm| self.light_nm.partition_point(|&light| light < nm));
+        let light = &self.light_nm[first..end];
+        let count = light.len().min(WAVELENGTHS_PER_KERNEL);
+        (0..count).map(|i| light[(2 * i + 1) * light.len() / (2 * count)]).collect()
+    }
+}
+
+/// Returns the lower ends of the slices that contain light. If there is a gap between two slices,
+/// light in the gap belongs to the lower slice. Light below all slices belongs to the first slice.
+fn edges_nm(light_nm: &[f64]) -> Vec<f64> {
+    let ratio = ln(BAND_NM.1 / BAND_NM.0) / SLICES_OF_BAND as f64;
+    let mut cells: Vec<i64> = light_nm.iter().map(|nm| (ln(nm / BAND_NM.0) / ratio) as i64).collect();
+    cells.dedup();
+    cells.into_iter().map(|cell| BAND_NM.0 * exp(cell as f64 * ratio)).collect()
+}
+
+/// The Fourier transform of a plane. Reflection extends the plane beyond its edges.
+pub(super) type PlaneTransform = Vec<Complex>;
+
+/// Convolves the planes of films of one size.
+pub(super) struct Convolution<'a> {
+    diffraction: &'a DiffractionPsf,
+    width: usize,
+    height: usize,
+    rows: FourierTransform,
+    columns: FourierTransform,
+}
+
+impl<'a> Convolution<'a> {
+    pub(super) fn new(diffraction: &'a DiffractionPsf, (width, height): (usize, usize)) -> Self {
+        let [rows, columns] = [2 * width, 2 * height].map(FourierTransform::new);
+        Self { diffraction, width, height, rows, columns }
+    }
+
+    /// Transforms two real planes together. One plane is the real part, and the other plane is the
+    /// imaginary part.
+    pub(super) fn transform(&self, plane: impl Fn(usize) -> [f64; 2] + Sync) -> PlaneTransform {
+        let mirrored = |i: usize, length: usize| if i < length { i } else { 2 * length - 1 - i };
+        let value = |place: usize| {
+            let (x, y) = (place % (2 * self.width), place / (2 * self.width));
+            let [re, im] = plane(mirrored(y, self.height) * self.width + mirrored(x, self.width));
+            Complex { re, im }
+        };
+        self.forward((0..4 * self.width * self.height).into_par_iter().map(value).collect())
+    }
+
+    /// Returns the planes of a transform. This function is the inverse of `transform`.
+    pub(super) fn planes(&self, mut spectrum: PlaneTransform) -> Vec<[f64; 2]> {
+        let (width, height) = (2 * self.width, 2 * self.height);
+        each_line(&self.columns, &mut spectrum, Direction::Inverse);
+        let mut plane = transposed(&spectrum, height);
+        each_line(&self.rows, &mut plane, Direction::Inverse);
+        let scale = 1.0 / (width * height) as f64;
+        let pixel = |i: usize| plane[i / self.width * width + i % self.width] * scale;
+        (0..self.width * self.height).map(|i| [pixel(i).re, pixel(i).im]).collect()
+    }
+
+    /// Returns the transform of the kernel for light between two wavelengths in nm.
+    pub(super) fn kernel(&self, between_nm: (f64, f64)) -> PlaneTransform {
+        let (width, height) = (2 * self.width, 2 * self.height);
+        let mut kernel = vec![0.0; width * height];
+        for nm in self.diffraction.between(between_nm) {
+            let spread_px = nm * self.diffraction.spread_px_per_nm;
+            let step_px = spread_px / self.diffraction.steps;
+            let samples = self.diffraction.across;
+            let (across, down) = (overlaps(step_px, samples, width), overlaps(-step_px, samples, height));
+            let resampled = |(row, lines): (&[f32], &SampleOverlaps)| {
+                if lines.is_empty() {
+                    return Vec::new();
+                }
+                let mut pixels = vec![0.0; width];
+                for (&value, overlaps) in row.iter().zip(&across) {
+                    overlaps.iter().for_each(|&(pixel, share)| pixels[pixel] += f64::from(value) * share);
+                }
+                pixels
+            };
+            let rows = self.diffraction.pattern.par_chunks(samples).zip(&down).map(resampled);
+            let rows: Vec<Vec<f64>> = rows.collect();
+            for (row, overlaps) in rows.iter().zip(&down) {
+                for &(line, share) in overlaps {
+                    let pixels = &mut kernel[line * width..(line + 1) * width];
+                    pixels.iter_mut().zip(row).for_each(|(pixel, value)| *pixel += share * value);
+                }
+            }
+        }
+        let whole: f64 = kernel.iter().sum();
+        if whole > 0.0 {
+            kernel.iter_mut().for_each(|value| *value /= whole);
+        } else {
+            kernel[0] = 1.0;
+        }
+        self.forward(kernel.into_iter().map(Complex::from).collect())
+    }
+
+    /// Transforms rows and then columns. The result is stored column by column.
+    fn forward(&self, mut plane: PlaneTransform) -> PlaneTransform {
+        each_line(&self.rows, &mut plane, Direction::Forward);
+        let mut spectrum = transposed(&plane, 2 * self.width);
+        each_line(&self.columns, &mut spectrum, Direction::Forward);
+        spectrum
+    }
+}
+
+/// Adds the product of two transforms to a sum.
+pub(super) fn add_product(sum: &mut PlaneTransform, a: &PlaneTransform, b: &PlaneTransform) {
+    sum.par_iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += *a * *b);
+}
+
+/// Transforms each line of a plane.
+fn each_line(transform: &FourierTransform, plane: &mut PlaneTransform, direction: Direction) {
+    let lines = plane.par_chunks_mut(fourier::LINES * transform.line_length());
+    lines.for_each_init(FourierBuffers::default, |buffers, lines| transform.transform(lines, direction, buffers));
+}
+
+/// Transposes a plane whose rows have `length` values.
+fn transposed(lines: &PlaneTransform, length: usize) -> PlaneTransform {
+    let count = lines.len() / length;
+    (0..lines.len()).into_par_iter().map(|i| lines[i % count * length + i / count]).collect()
+}
+
+/// The pixels that overlap a sample of the pattern, and the share of the sample in each pixel.
+type SampleOverlaps = Vec<(usize, f64)>;
+
+/// Returns the overlaps of each sample along a line of the pattern. `step_px` is the distance
+/// between samples in pixels. It is negative if the order of the samples is opposite to the order
+/// of the pixels. The pattern is linear between samples. The index of a pixel counts from the
+/// centre, and is taken modulo `period`. Overlaps at a distance of more than half a period are
+/// ignored. Half a period is the width or height of the film, so no light moves farther than that.
+fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<SampleOverlaps> {
+    let half = step_px.abs();
+    // The integral of a triangle function from −∞ to x. The triangle has half-width 1 and area 1.
+    let below = |x: f64| {
+        let x = x.clamp(-1.0, 1.0);
+        if x < 0.0 { 0.5 * (1.0 + x) * (1.0 + x) } else { 1.0 - 0.5 * (1.0 - x) * (1.0 - x) }
+    };
+    let pixels = |sample: usize| {
+        let middle = (sample as f64 - (samples / 2) as f64) * step_px;
+        let [first, last] = [middle - half, middle + half].map(|edge| edge.round() as i64);
+        let share = |pixel: i64| {
+            let [from, to] = [-0.5, 0.5].map(|side| below((pixel as f64 + side - middle) / half));
+            (pixel.rem_euclid(period as i64) as usize, half * (to - from))
+        };
+        let farthest = period as i64 / 2;
+        (first.max(-farthest)..=last.min(farthest)).map(share).collect()
+    };
+    (0..samples).map(pixels).collect()
+}

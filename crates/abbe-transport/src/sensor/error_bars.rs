@@ -1,0 +1,354 @@
+//! Error bars of a film: noise and bias of each pixel, and their dependence on the number of
+//! passes.
+//!
+//! *Noise* is the standard error of Y, computed from the means of the replicates. Eight replicates
+//! give an uncertain estimate for pixels with rare bright samples. Therefore the seven degrees of
+//! freedom of a pixel are combined with two degrees of freedom of its neighbours (empirical Bayes:
+//! Smyth, "Linear models and empirical Bayes methods", 2004). This combination preserves the mean
+//! variance over the picture.
+//!
+//! *Bias* is the bias of the kernel density estimates, measured with two kernels in the same query.
+//! A single estimate of the bias is as noisy as the pixel value. The even and the odd replicates
+//! give two estimates with independent noise. The product of these two estimates is averaged over
+//! the neighbourhood of a pixel. This mean estimates the mean square bias, without a contribution
+//! of the noise. Where a kernel crosses an edge of the illumination, the bias changes its sign from
+//! pixel to pixel. At an edge, the estimate of the mean square bias is above zero, but lower than
+//! the true value. The two kernels have the same radius, so they measure only the curvature of the
+//! illumination. The true bias at an edge is larger. Pixels near an edge are marked.
+
+use abbe_spectra::math::random::REPLICATES;
+
+/// The measured means of a pixel over passes, in cd/m².
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PixelMeans {
+    /// Y of each replicate. The value is meaningless for replicates without passes.
+    pub(super) y: [f64; REPLICATES],
+    /// The bias of Y: the mean over the even replicates, and the mean over the odd replicates. A
+    /// mean is meaningless if its replicates have no passes.
+    pub(super) bias: [f64; 2],
+}
+
+/// The error bars of a picture, pixel by pixel. The unit is cd/m². Pixels without light have no
+/// error bars.
+#[derive(Debug)]
+pub(super) struct ErrorBars {
+    /// The standard error of Y, if it is known.
+    pub(super) noise: Vec<Option<f32>>,
+    /// The magnitude of the estimated bias of Y, if it is known.
+    pub(super) bias: Vec<Option<f32>>,
+    /// True if an edge of the illumination is within the reach of a kernel. In this case, the bias
+    /// is probably larger than estimated.
+    pub(super) edge: Vec<Option<bool>>,
+    /// The mean variance of the kernel estimates in (cd/m²)².
+    kernel_noise: f64,
+}
+
+/// The squared relative error of a picture. Each part depends in its own way on the number of
+/// passes n.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorSquares {
+    /// The squared bias. It falls as n^(−2/3) in smooth illumination, and more slowly at edges.
+    pub bias: f64,
+    /// The variance of the kernel estimates. It falls as n^(−2/3), because the kernels shrink.
+    pub kernel_noise: f64,
+    /// The variance of all other contributions. It falls as n⁻¹ for independent samples, and as
+    /// fast as n⁻² for stratified samples.
+    pub sampling: f64,
+}
+
+/// The number of degrees of freedom that the neighbours of a pixel contribute to its noise
+/// estimate.
+const NEIGHBOUR_DEGREES: f64 = 2.0;
+
+/// The largest distance (pixels) at which a neighbour contributes to a pixel's noise estimate.
+const NOISE_REACH: usize = 1;
+
+/// The largest distance (pixels) at which a neighbour contributes to a pixel's bias estimate.
+const BIAS_REACH: usize = 2;
+
+/// A pixel can be marked as an edge if its squared bias exceeds the threshold. The threshold is
+/// this factor times the variance of the kernel estimates. Under uniform light the squared bias
+/// seldom exceeds this threshold.
+const EDGE_THRESHOLD: f64 = 3.0;
+
+/// The largest distance (pixels) at which a neighbour contributes to any estimate.
+const REACH: usize = if NOISE_REACH > BIAS_REACH { NOISE_REACH } else { BIAS_REACH };
+
+/// Error bars are computed for this number of rows at a time, so that the estimates of single
+/// pixels need little memory.
+const ROWS_PER_BLOCK: usize = 64;
+
+/// The bias changes its sign at an edge. Therefore a pixel is marked as an edge only if the mean
+/// bias around the pixel is below this share of the root mean square bias.
+const EDGE_MEAN_SHARE: f64 = 0.5;
+
+impl ErrorBars {
+    /// Computes the error bars of a picture with a given width and number of pixels. `measured`
+    /// returns the means of a lit pixel. `passes` contains the number of passes of each replicate.
+    pub(super) fn new(
+        (width, count): (usize, usize),
+        measured: impl Fn(usize) -> Option<PixelMeans>,
+        passes: [u64; REPLICATES],
+    ) -> Self {
+        let replicates = passes.iter().filter(|&&passes| passes > 0).count();
+        let half = |parity: usize| passes.iter().skip(parity).step_by(2).any(|&passes| passes > 0);
+        let halves = [half(0), half(1)];
+        let degrees = replicates.saturating_sub(1) as f64;
+        let (noise, bias, edge) = (Vec::with_capacity(count), Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut bars = Self { noise, bias, edge, kernel_noise: 0.0 };
+        let (rows, mut lit) = (count / width.max(1), 0_usize);
+        for first in (0..rows).step_by(ROWS_PER_BLOCK) {
+            let own = first..(first + ROWS_PER_BLOCK).min(rows);
+            let around = own.start.saturating_sub(REACH)..(own.end + REACH).min(rows);
+            let estimates =
+                PixelEstimates::new(width, (around.start * width..around.end * width).map(&measured), |m| {
+                    (m.variance(passes), m.squared_bias(halves), m.kernel_variance(halves))
+                });
+            for pixel in (own.start - around.start) * width..(own.end - around.start) * width {
+                if let Some(variance) = estimates.noise_of_bias[pixel] {
+                    bars.kernel_noise += variance;
+                    lit += 1;
+                }
+                let bar = |square: f64| square.max(0.0).sqrt() as f32;
+                bars.noise.push(estimates.noise(pixel, degrees).map(bar));
+                let square = estimates.smooth_square(pixel);
+                bars.bias.push(square.map(bar));
+                bars.edge.push(square.map(|square| halves == [true; 2] && estimates.is_edge(pixel, square)));
+            }
+        }
+        bars.kernel_noise /= lit.max(1) as f64;
+        bars
+    }
+
+    /// Returns the parts of the picture's squared relative error. `mean_y` is the mean of Y over
+    /// the picture. Returns `None` if the error is unknown.
+    pub(super) fn squares(&self, mean_y: f64) -> Option<ErrorSquares> {
+        let known = self.noise.iter().flatten().count();
+        if known == 0 || mean_y <= 0.0 {
+            return None;
+        }
+        let mean_square = |bars: &[Option<f32>]| {
+            bars.iter().map(|bar| f64::from(bar.unwrap_or(0.0)).powi(2)).sum::<f64>() / known as f64 / (mean_y * mean_y)
+        };
+        let noise = mean_square(&self.noise);
+        let kernel_noise = (self.kernel_noise / (mean_y * mean_y)).min(noise);
+        let squares = ErrorSquares { bias: mean_square(&self.bias), kernel_noise, sampling: noise - kernel_noise };
+        // If all lit pixels have the error 0, they do not represent the pixels that no light has
+        // reached yet.
+        (squares.relative() > 0.0 || known == self.noise.len()).then_some(squares)
+    }
+}
+
+impl ErrorSquares {
+    /// Returns the relative error.
+    pub fn relative(&self) -> f64 {
+        (self.bias + self.kernel_noise + self.sampling).sqrt()
+    }
+}
+
+impl PixelMeans {
+    /// Returns the variance of the mean of Y. The variance is computed from the means of all
+    /// replicates that have at least one pass. Returns `None` if there are fewer than two such
+    /// replicates. The weight of a mean is its number of passes.
+    pub(super) fn variance(&self, passes: [u64; REPLICATES]) -> Option<f64> {
+        let means = || passes.into_iter().zip(self.y).filter(|(n, _)| *n > 0).map(|(n, mean)| (n as f64, mean));
+        let degrees = means().count().checked_sub(1).filter(|&degrees| degrees > 0)?;
+        let total: f64 = means().map(|(n, _)| n).sum();
+        let mean = means().map(|(n, m)| n * m).sum::<f64>() / total;
+        let spread: f64 = means().map(|(n, m)| n * (m - mean) * (m - mean)).sum();
+        // σ² is the variance of one pass. The mean m of a replicate with n passes has the variance
+        // σ²/n. For R replicates, the sum Σ n (m − mean)² estimates (R − 1) σ². The mean of all
+        // passes has the variance σ²/Σn.
+        Some(spread / degrees as f64 / total)
+    }
+
+    /// Returns an estimate of the squared bias. The estimate is unbiased if both halves have
+    /// passes. If only one half has passes (as in some parts of a picture), the estimate also
+    /// contains the variance of the measured bias.
+    pub(super) fn squared_bias(&self, halves: [bool; 2]) -> Option<f64> {
+        let [even, odd] = self.bias;
+        match halves {
+            [true, true] => Some(even * odd),
+            [true, false] => Some(even * even),
+            [false, true] => Some(odd * odd),
+            [false, false] => None,
+        }
+    }
+
+    /// Returns the variance of the kernel estimates of the pixel. The result is the variance of the
+    /// measured bias. In two dimensions, both variances are equal, because the integral ∫k² has the
+    /// same value 4/(3πr²) for the Epanechnikov kernel kₑ and for the bias kernel 2(kᵤ − kₑ). Here,
+    /// kᵤ is the uniform kernel. In one dimension, the variance of the bias is 3/8 of the variance
+    /// of the kernel estimate.
+    fn kernel_variance(&self, halves: [bool; 2]) -> f64 {
+        let [even, odd] = self.bias;
+        if halves == [true; 2] { (0.5 * (even - odd)).powi(2) } else { 0.0 }
+    }
+}
+
+/// The estimates of single pixels in some rows. Pixels without light have none.
+struct PixelEstimates {
+    width: usize,
+    /// The variance of the mean of Y.
+    variances: Vec<Option<f64>>,
+    /// The squared bias.
+    squares: Vec<Option<f64>>,
+    /// The bias with its sign.
+    signed: Vec<Option<f64>>,
+    /// The variance of the kernel estimates.
+    noise_of_bias: Vec<Option<f64>>,
+}
+
+impl PixelEstimates {
+    /// Collects the estimates of pixels. `estimates` returns the variance of the mean, the squared
+    /// bias and the variance of the kernel estimates.
+    fn new(
+        width: usize,
+        pixels: impl Iterator<Item = Option<PixelMeans>>,
+        estimates: impl Fn(&PixelMeans) -> (Option<f64>, Option<f64>, f64),
+    ) -> Self {
+        let [variances, squares, signed, noise_of_bias] = [(); 4].map(|()| Vec::new());
+        let mut all = Self { width, variances, squares, signed, noise_of_bias };
+        for measured in pixels {
+            let found = measured.as_ref().map(&estimates);
+            all.variances.push(found.and_then(|(variance, ..)| variance));
+            all.squares.push(found.and_then(|(_, square, _)| square));
+            all.noise_of_bias.push(found.map(|(.., variance)| variance));
+            all.signed.push(measured.map(|measured| 0.5 * (measured.bias[0] + measured.bias[1])));
+        }
+        all
+    }
+
+    /// Returns the squared noise of a pixel, whose own variance has some degrees of freedom.
+    fn noise(&self, pixel: usize, degrees: f64) -> Option<f64> {
+        let around = mean_around(&self.variances, self.width, pixel, NOISE_REACH);
+        self.variances[pixel]
+            .map(|variance| (degrees * variance + NEIGHBOUR_DEGREES * around) / (degrees + NEIGHBOUR_DEGREES))
+    }
+
+    /// Returns the mean squared bias around a pixel.
+    fn smooth_square(&self, pixel: usize) -> Option<f64> {
+        self.squares[pixel].map(|_| mean_around(&self.squares, self.width, pixel, BIAS_REACH))
+    }
+
+    /// Returns true if an edge of the illumination is within the reach of a kernel. `square` is the
+    /// mean squared bias around the pixel.
+    fn is_edge(&self, pixel: usize, square: f64) -> bool {
+        let around = |values: &[Option<f64>]| mean_around(values, self.width, pixel, BIAS_REACH);
+        square > EDGE_THRESHOLD * around(&self.noise_of_bias)
+            && around(&self.signed).powi(2) < EDGE_MEAN_SHARE * EDGE_MEAN_SHARE * square
+    }
+}
+
+/// Returns the mean of the known values around a pixel, up to `reach` pixels away in each
+/// direction. Returns 0 if no value is known.
+fn mean_around(values: &[Option<f64>], width: usize, pixel: usize, reach: usize) -> f64 {
+    let (x, y) = (pixel % width, pixel / width);
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for row in y.saturating_sub(reach)..(y + reach + 1).min(values.len() / width) {
+        let columns = x.saturating_sub(reach)..(x + reach + 1).min(width);
+        for value in values[row * width..][columns].iter().flatten() {
+            sum += value;
+            count += 1.0;
+        }
+    }
+    sum / count.max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EVEN: [u64; REPLICATES] = [2; REPLICATES];
+
+    fn steady(y: f64, bias: [f64; 2]) -> PixelMeans {
+        PixelMeans { y: [y; REPLICATES], bias }
+    }
+
+    /// Returns replicate means that alternate between `y` + `spread` and `y` − `spread`. The
+    /// standard error is `spread`/√7.
+    fn noisy(y: f64, spread: f64) -> PixelMeans {
+        let sign = |r: usize| if r.is_multiple_of(2) { 1.0 } else { -1.0 };
+        PixelMeans { y: std::array::from_fn(|r| y + sign(r) * spread), bias: [0.0; 2] }
+    }
+
+    #[test]
+    fn neighbours_moderate_noise_and_keep_its_mean_square() {
+        let pixels = [noisy(1.0, 0.1), noisy(1.0, 0.2), noisy(1.0, 0.3)];
+        let bars = ErrorBars::new((3, 3), |i| Some(pixels[i]), EVEN);
+        let own = |spread: f64| spread * spread / 7.0;
+        let middle = (7.0 * own(0.2) + 2.0 * (own(0.1) + own(0.2) + own(0.3)) / 3.0) / 9.0;
+        assert!((f64::from(bars.noise[1].unwrap()) - middle.sqrt()).abs() < 1e-7);
+        let flat = ErrorBars::new((4, 8), |_| Some(noisy(1.0, 0.2)), EVEN);
+        assert!(flat.noise.iter().flatten().all(|&noise| (f64::from(noise) - own(0.2).sqrt()).abs() < 1e-7));
+    }
+
+    /// The bars of a pixel do not depend on the block of rows that contains it.
+    #[test]
+    fn blocks_of_rows_have_no_seams() {
+        const WIDTH: usize = 3;
+        let rows = 2 * ROWS_PER_BLOCK + 20;
+        let value = |pixel: usize| ((pixel * 37 % 101) as f64 - 50.0) * 1e-3;
+        let pixel = |pixel: usize| {
+            let y = std::array::from_fn(|r| 1.0 + value(pixel + 7 * r));
+            (!pixel.is_multiple_of(11)).then(|| PixelMeans { y, bias: [value(pixel), value(pixel + 3)] })
+        };
+        let whole = ErrorBars::new((WIDTH, WIDTH * rows), pixel, EVEN);
+        let cut = ROWS_PER_BLOCK / 2;
+        let part = ErrorBars::new((WIDTH, WIDTH * (rows - cut)), |i| pixel(i + WIDTH * cut), EVEN);
+        // The rows at the cut lack neighbours.
+        for i in WIDTH * REACH..WIDTH * (rows - cut) {
+            let of = |bars: &ErrorBars, i: usize| (bars.noise[i], bars.bias[i], bars.edge[i]);
+            assert_eq!(of(&part, i), of(&whole, i + WIDTH * cut), "pixel {i}");
+        }
+        assert_eq!(whole.noise.len(), WIDTH * rows);
+    }
+
+    /// Checks that a measured bias is reported as bias if the even and the odd replicates agree. If
+    /// they do not agree, it is treated as noise.
+    #[test]
+    fn only_a_bias_whose_halves_agree_counts() {
+        let agree = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, 0.03])), EVEN);
+        assert!(agree.bias.iter().flatten().all(|&bias| (bias - 0.03).abs() < 1e-7));
+        assert_eq!(agree.kernel_noise, 0.0);
+        assert!(agree.edge.iter().all(|&edge| edge == Some(false)), "a uniform bias is not an edge");
+        let noise = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, -0.03])), EVEN);
+        assert!(noise.bias.iter().all(|&bias| bias == Some(0.0)));
+        assert!((noise.kernel_noise - 9e-4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_bias_that_changes_its_sign_at_an_edge_does_not_vanish() {
+        let side = |i: usize| if i % 6 < 3 { 0.1 } else { -0.1 };
+        let bars = ErrorBars::new((6, 36), |i| Some(steady(1.0, [side(i); 2])), EVEN);
+        assert!(bars.bias.iter().flatten().all(|&bias| (bias - 0.1).abs() < 1e-6), "{:?}", bars.bias);
+        let beside = |x: usize| bars.edge.iter().skip(x).step_by(6).all(|&edge| edge == Some(true));
+        assert!(beside(2) && beside(3) && !beside(0) && !beside(5), "{:?}", bars.edge);
+    }
+
+    /// Checks that pixels without light have unknown errors and do not influence their neighbours.
+    #[test]
+    fn unlit_pixels_are_unknown_and_do_not_influence_neighbours() {
+        let pixel = |i: usize| (i != 4).then(|| PixelMeans { bias: [0.05; 2], ..noisy(1.0, 0.1) });
+        let bars = ErrorBars::new((3, 9), pixel, EVEN);
+        assert_eq!((bars.noise[4], bars.bias[4], bars.edge[4]), (None, None, None));
+        let [noise, bias] =
+            [&bars.noise, &bars.bias].map(|layer| layer.iter().flatten().copied().collect::<Vec<f32>>());
+        assert_eq!((noise.len(), bias.len()), (8, 8));
+        assert!(noise.iter().all(|value| (value - noise[0]).abs() < 1e-7));
+        assert!(bias.iter().all(|value| (value - 0.05).abs() < 1e-7));
+        assert_eq!(ErrorBars::new((3, 9), |_| None, EVEN).squares(1.0), None);
+    }
+
+    /// Checks that the noise is unknown if only one replicate has passes, and that the bias is
+    /// still known if only the even replicates have passes.
+    #[test]
+    fn one_replicate_gives_no_noise_and_one_half_gives_bias() {
+        let first = |n: [usize; 2]| std::array::from_fn(|r| u64::from(n.contains(&r)));
+        let one = ErrorBars::new((1, 1), |_| Some(steady(1.0, [0.2, 0.0])), first([0, 0]));
+        assert_eq!((one.noise[0], one.bias[0]), (None, Some(0.2)));
+        assert_eq!(one.squares(1.0), None);
+        let both_even = ErrorBars::new((1, 1), |_| Some(steady(1.0, [0.2, 0.0])), first([0, 4]));
+        assert_eq!((both_even.noise[0], both_even.bias[0]), (Some(0.0), Some(0.2)));
+    }
+}

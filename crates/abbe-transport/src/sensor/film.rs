@@ -1,0 +1,491 @@
+//! The film: exact sums per pixel, separate for each replicate.
+
+use super::channels::{Channels, band_nm};
+use super::diffraction::{Convolution, DiffractionPsf, add_product};
+use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
+use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
+use super::readings::{Measurement, ReadingLayout};
+use super::sink::{FilmRow, SplatSink};
+use crate::sensor::picture::{Picture, SpectralBands};
+use abbe_spectra::colour::xyz_to_linear_srgb;
+use abbe_spectra::math::random::REPLICATES;
+use abbe_spectra::math::sum::ExactSum;
+use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// The sums of one pixel over all passes. They take 192 bytes. Each channel takes 16 more bytes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PixelSums {
+    pub(super) x: ExactSum,
+    pub(super) z: ExactSum,
+    /// Y of each replicate. The sum of the replicates is Y.
+    pub(super) y: [ExactSum; REPLICATES],
+    /// The bias of Y as two sums: over the even replicates, and over the odd replicates. The two
+    /// estimates have independent noise.
+    pub(super) bias: [ExactSum; 2],
+}
+
+/// The light of a pixel summed over all passes, in W/m²/sr. Each value is radiance times a
+/// colour-matching function. Y is also given for each replicate.
+#[derive(Debug, Clone, Copy)]
+struct PixelLight {
+    xyz: [f64; 3],
+    y: [f64; REPLICATES],
+    bias: [f64; 2],
+}
+
+impl PixelSums {
+    fn light(&self) -> PixelLight {
+        let y = self.y.map(|part| part.value());
+        PixelLight {
+            xyz: [self.x.value(), y.iter().sum(), self.z.value()],
+            y,
+            bias: self.bias.map(|half| half.value()),
+        }
+    }
+}
+
+/// The sums of all pixels. Adding passes in any order gives the same bits.
+///
+/// A film allocates the memory of its sums when light is added first. The pilot of a render runs
+/// before this, so the memory of the pilot and that of the film are not needed at the same time.
+#[derive(Debug)]
+pub struct Film {
+    width: usize,
+    height: usize,
+    observer: &'static Observer,
+    /// The sums of the pixels. Empty if the film is unexposed.
+    pixels: Vec<PixelSums>,
+    channels: Channels,
+    /// The sums of the channels, pixel by pixel. Empty if the film is unexposed.
+    by_channel: Vec<ExactSum>,
+    /// The names that camera samples hit: one layer for each requested kind of names.
+    names: Vec<NameLayer>,
+    /// The data of a measurement with meters. `None` if the film records a picture.
+    pub(super) measurement: Option<Measurement>,
+    pub(super) passes: [u64; REPLICATES],
+}
+
+/// The index of the first plane of the bias, after X and Z.
+const FIRST_BIAS: usize = 2;
+
+/// The index of the first plane of Y.
+const FIRST_Y: usize = FIRST_BIAS + 2;
+
+/// The index of the first plane of a channel.
+const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
+
+impl Film {
+    /// Returns an unexposed film with `bands` spectral bands.
+    pub fn new(width: usize, height: usize, observer: &'static Observer, bands: usize) -> Self {
+        Self {
+            width,
+            height,
+            observer,
+            pixels: Vec::new(),
+            channels: Channels { bands, ..Channels::default() },
+            by_channel: Vec::new(),
+            names: Vec::new(),
+            measurement: None,
+            passes: [0; REPLICATES],
+        }
+    }
+
+    /// Adds this diffraction to the film. The film must still be unexposed.
+    #[must_use]
+    pub fn with_diffraction(mut self, diffraction: Option<Arc<DiffractionPsf>>) -> Self {
+        self.channels.diffraction = diffraction;
+        self
+    }
+
+    /// Adds these layers to the film. The film must still be unexposed.
+    #[must_use]
+    pub fn with_layers(mut self, layers: &LayerSet) -> Self {
+        let pixels = self.pixel_count();
+        self.names = layers.name_tables().map(|(kind, names)| NameLayer::new(kind, names, pixels)).collect();
+        self.channels.layers = Some(layers.clone().into()).filter(|_| !layers.is_empty());
+        self
+    }
+
+    /// Turns the film into the film of a measurement. The film must still be unexposed. Its width
+    /// must be 1, and the layout must cover all its rows.
+    #[must_use]
+    pub fn with_readings(mut self, layout: Arc<ReadingLayout>) -> Self {
+        self.channels.moments = layout.moments;
+        let by_replicate = vec![0.0; self.pixel_count() * self.channels.band_channels() * REPLICATES];
+        self.measurement = Some(Measurement { layout, by_replicate, independent_rows: false });
+        self
+    }
+
+    /// Allocates the sums of an unexposed film.
+    fn allocate(&mut self) {
+        if self.pixels.is_empty() {
+            self.pixels = vec![PixelSums::default(); self.pixel_count()];
+            self.by_channel = vec![ExactSum::default(); self.pixel_count() * self.channels.count()];
+        }
+    }
+
+    fn pixel_count(&self) -> usize {
+        self.width * self.height
+    }
+
+    /// Returns the number of pixels per row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Returns the number of rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// Returns true if the film has spectral bands, slices for diffraction or readings. They need
+    /// the wavelength of each contribution.
+    pub fn needs_wavelengths(&self) -> bool {
+        self.channels.spectral_count() > 0 || self.measurement.is_some()
+    }
+
+    /// Returns true if the film records the first surfaces of camera rays.
+    pub fn records_surfaces(&self) -> bool {
+        self.channels.layers.as_ref().is_some_and(|layers| layers.has_surfaces())
+    }
+
+    /// Returns true if the film belongs to a measurement with meters.
+    pub fn measures(&self) -> bool {
+        self.measurement.is_some()
+    }
+
+    /// Returns the number of passes that the film has counted.
+    pub fn passes(&self) -> u64 {
+        self.passes.iter().sum()
+    }
+
+    /// Returns the memory of the sums of a film of `pixels` pixels in bytes, including spectral
+    /// bands, slices for diffraction, and layers.
+    pub fn memory_bytes(pixels: usize, bands: usize, slices: usize, layers: &LayerSet) -> usize {
+        let channels = bands + 3 * slices + layers.planes();
+        let names = layers.name_tables().count() * NameLayer::BYTES_PER_PIXEL;
+        pixels.saturating_mul(size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names)
+    }
+
+    /// Counts a pass. The light of the pass must already be added.
+    pub fn count_pass(&mut self, pass: u64) {
+        self.passes[replicate(pass)] += 1;
+    }
+
+    /// Returns the rows of the film. Each row can be exposed by a different thread with
+    /// [`FilmRow::expose`].
+    pub fn rows(&mut self) -> impl Iterator<Item = FilmRow<'_>> {
+        self.allocate();
+        let (observer, width, channels) = (self.observer, self.width, &self.channels);
+        let mut by_channel = self.by_channel.chunks_mut((width * channels.count()).max(1));
+        let mut names: Vec<_> = self.names.iter_mut().map(|layer| layer.rows(width)).collect();
+        let bands = self.channels.band_channels() * REPLICATES;
+        let (layout, mut by_replicate) = match &mut self.measurement {
+            Some(measurement) => (Some(&measurement.layout), measurement.by_replicate.chunks_mut(bands.max(1))),
+            None => (None, [].chunks_mut(1)),
+        };
+        self.pixels.chunks_mut(width).enumerate().map(move |(row, pixels)| FilmRow {
+            first_pixel: row * width,
+            observer: layout.map_or(observer, |layout| layout.observer(row)),
+            by_replicate: by_replicate.next().unwrap_or_default(),
+            pixels,
+            by_channel: by_channel.next().unwrap_or_default(),
+            channels,
+            names: names.iter_mut().filter_map(|rows| rows.next()).collect(),
+        })
+    }
+
+    /// Returns a sink for splats. A splat can contribute to any pixel of the film.
+    pub fn splat_sink(&self) -> SplatSink {
+        let layout = self.measurement.as_ref().map(|measurement| measurement.layout.clone());
+        SplatSink::new(self.observer, self.channels.clone()).with_layout(layout)
+    }
+
+    /// Adds the light of a sink. Returns the number of samples that were NaN, infinite or negative
+    /// and were discarded.
+    pub fn add_splats(&mut self, pass: u64, sink: &SplatSink) -> u64 {
+        self.allocate();
+        let replicate = replicate(pass);
+        for &(xyz, pixel) in &sink.splats {
+            let sums = &mut self.pixels[pixel as usize];
+            sums.x += f64::from(xyz[0]);
+            sums.y[replicate] += f64::from(xyz[1]);
+            sums.z += f64::from(xyz[2]);
+        }
+        let count = self.channels.count();
+        for &(value, pixel, channel) in &sink.channel_splats {
+            self.by_channel[pixel as usize * count + channel as usize] += f64::from(value);
+            let bands = self.channels.band_channels();
+            if let Some(measurement) = self.measurement.as_mut().filter(|_| (channel as usize) < bands) {
+                let place = (pixel as usize * REPLICATES + replicate) * bands + channel as usize;
+                measurement.by_replicate[place] += f64::from(value);
+            }
+        }
+        for &(bias, pixel) in &sink.bias_splats {
+            self.pixels[pixel as usize].bias[replicate % 2] += f64::from(bias);
+        }
+        sink.rejected
+    }
+
+    /// Adds the light of a sink to the estimated bias. The light is not part of the picture, so the
+    /// bias is negative.
+    pub fn add_lost_splats(&mut self, pass: u64, sink: &SplatSink) {
+        self.allocate();
+        let half = replicate(pass) % 2;
+        for &(xyz, pixel) in &sink.splats {
+            self.pixels[pixel as usize].bias[half] += -f64::from(xyz[1]);
+        }
+    }
+
+    /// Returns the names of the planes of sums: `X`, `Z`, the bias of both halves, Y of the
+    /// replicates, the channels, and the entries of the lists of names.
+    pub fn plane_names(&self) -> Vec<String> {
+        let names = self.names.iter().flat_map(|layer| (0..layer.ranks()).map(|place| layer.kind.plane_name(place)));
+        self.light_plane_names().into_iter().chain(names).collect()
+    }
+
+    /// Returns the names of the planes of sums without the entries of the lists of names. These
+    /// planes come first in [`Self::plane_names`], and they do not depend on the passes.
+    pub fn light_plane_names(&self) -> Vec<String> {
+        let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
+        let first = ["X", "Z", "bias0", "bias1"].map(String::from);
+        first.into_iter().chain(replicates).chain(self.channels.names()).collect()
+    }
+
+    /// Returns the sums of one plane, pixel by pixel. `plane` is an index into
+    /// [`Self::plane_names`].
+    pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
+        (0..self.pixel_count()).map(self.plane_sums(plane))
+    }
+
+    /// Returns a function that returns the sum of one plane at a pixel. `plane` is an index into
+    /// [`Self::plane_names`].
+    pub fn plane_sums(&self, plane: usize) -> impl Fn(usize) -> ExactSum {
+        let count = self.channels.count();
+        let names = plane.checked_sub(FIRST_CHANNEL + count).and_then(|plane| self.list_of_names(plane));
+        move |pixel| match plane {
+            _ if let Some((layer, place)) = names => layer.pixels[pixel].to_sum(place),
+            0 => self.sums_of(pixel).x,
+            1 => self.sums_of(pixel).z,
+            _ if plane < FIRST_Y => self.sums_of(pixel).bias[plane - FIRST_BIAS],
+            _ if plane < FIRST_CHANNEL => self.sums_of(pixel).y[plane - FIRST_Y],
+            _ => self.channel_sum(pixel, plane - FIRST_CHANNEL),
+        }
+    }
+
+    /// Returns the list of names of a plane, and the place of the plane's entries in the lists of
+    /// the pixels. `plane` counts the planes of names.
+    fn list_of_names(&self, mut plane: usize) -> Option<(&NameLayer, usize)> {
+        self.names.iter().find_map(|layer| {
+            let ranks = layer.ranks();
+            if plane < ranks {
+                return Some((layer, plane));
+            }
+            plane -= ranks;
+            None
+        })
+    }
+
+    /// Returns the kinds of the lists of names.
+    pub fn name_kinds(&self) -> Vec<NameKind> {
+        self.names.iter().map(|layer| layer.kind).collect()
+    }
+
+    /// Adds the entries of a plane of names, pixel by pixel from the pixel `first`.
+    pub fn add_names(&mut self, kind: NameKind, first: usize, entries: impl Iterator<Item = ExactSum>) {
+        if let Some(layer) = self.names.iter_mut().find(|layer| layer.kind == kind) {
+            layer.pixels.iter_mut().skip(first).zip(entries).for_each(|(names, entry)| names.add_sum(entry));
+        }
+    }
+
+    /// Adds sums to one plane, pixel by pixel from the pixel `first`. `plane` is an index into
+    /// [`Self::light_plane_names`]. [`Self::add_names`] adds the planes of names.
+    pub fn add_plane(&mut self, plane: usize, first: usize, sums: impl Iterator<Item = ExactSum>) {
+        self.allocate();
+        let count = self.channels.count();
+        for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().skip(first).zip(sums) {
+            *match plane {
+                0 => &mut own.x,
+                1 => &mut own.z,
+                _ if plane < FIRST_Y => &mut own.bias[plane - FIRST_BIAS],
+                _ if plane < FIRST_CHANNEL => &mut own.y[plane - FIRST_Y],
+                _ => &mut self.by_channel[pixel * count + plane - FIRST_CHANNEL],
+            } += sum;
+        }
+    }
+
+    /// Returns the picture so far: means over the passes, with error bars.
+    pub fn picture(&self) -> Picture {
+        self.picture_and_error().0
+    }
+
+    /// Returns the picture so far, and the parts of the squared relative error of the picture. The
+    /// parts are `None` if the error is unknown.
+    pub fn picture_and_error(&self) -> (Picture, Option<ErrorSquares>) {
+        let (picture, squares) = self.picture_without_layers();
+        (Picture { layers: self.layers(), ..picture }, squares)
+    }
+
+    /// Returns the parts of the squared relative error of the picture so far, or `None` if the
+    /// error is unknown.
+    pub fn error_squares(&self) -> Option<ErrorSquares> {
+        match &self.measurement {
+            Some(measurement) => measurement.layout.largest_error(&self.readings()),
+            None => self.picture_without_layers().1,
+        }
+    }
+
+    fn picture_without_layers(&self) -> (Picture, Option<ErrorSquares>) {
+        let passes = self.passes() as f64;
+        let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.diffracted_light(diffraction));
+        let light =
+            |pixel: usize| diffracted.as_ref().map_or_else(|| self.sums_of(pixel).light(), |(light, _)| light[pixel]);
+        let scale = LUMENS_PER_WATT / self.passes().max(1) as f64;
+        let xyz: Vec<_> = (0..self.pixel_count()).map(|pixel| light(pixel).xyz.map(|sum| sum * scale)).collect();
+        let (width, height) = (self.width, self.height);
+        let mut picture = Picture { width, height, xyz, ..Picture::black(0, 0) };
+        let bars = self.error_bars(light);
+        let squares = bars.squares(picture.mean_y());
+        (picture.noise, picture.bias, picture.edge) = (bars.noise, bars.bias, bars.edge);
+        let bands = self.channels.bands;
+        if bands > 0 {
+            let centres_nm = SpectralBands::centres_nm(bands);
+            let (from, to) = band_nm(0, bands);
+            let scale = if passes > 0.0 { 1.0 / (passes * (to - from)) } else { 0.0 };
+            let values = match diffracted {
+                Some((_, values)) => values.into_iter().map(|value| (value * scale) as f32).collect(),
+                None => (0..self.pixel_count() * bands)
+                    .into_par_iter()
+                    .map(|i| (self.channel(i / bands, i % bands) * scale) as f32)
+                    .collect(),
+            };
+            picture.bands = Some(SpectralBands { centres_nm, values });
+        }
+        (picture, squares)
+    }
+
+    /// Returns the value of a channel at a pixel.
+    fn channel(&self, pixel: usize, channel: usize) -> f64 {
+        self.channel_sum(pixel, channel).value()
+    }
+
+    /// Returns the sum of a channel at a pixel.
+    fn channel_sum(&self, pixel: usize, channel: usize) -> ExactSum {
+        self.by_channel.get(pixel * self.channels.count() + channel).copied().unwrap_or_default()
+    }
+
+    /// Returns the layers of the picture so far.
+    fn layers(&self) -> PictureLayers {
+        let mut layers = PictureLayers::default();
+        let Some(set) = self.channels.layers.as_deref() else { return layers };
+        let scale = LUMENS_PER_WATT / self.passes().max(1) as f64;
+        let (light, surfaces) = (self.channels.spectral_count(), self.channels.first_surface_channel());
+        let names = set.paths.iter().map(|name| format!("path.{name}"));
+        let names = names.chain(set.light_groups.iter().map(|name| format!("light.{name}")));
+        for (number, name) in names.enumerate() {
+            let xyz = |pixel: usize| [0, 1, 2].map(|c| self.channel(pixel, light + 3 * number + c) * scale);
+            let rgb: Vec<_> = (0..self.pixel_count()).map(|pixel| xyz_to_linear_srgb(xyz(pixel))).collect();
+            layers.add_colours(&name, &rgb);
+        }
+        layers.add_surfaces(set, self.pixel_count(), |pixel, channel| self.channel(pixel, surfaces + channel));
+        for names in &self.names {
+            layers.add_names(names, |pixel| self.channel(pixel, surfaces));
+        }
+        layers
+    }
+
+    /// Returns the sums of a pixel.
+    pub(super) fn sums_of(&self, pixel: usize) -> PixelSums {
+        self.pixels.get(pixel).copied().unwrap_or_default()
+    }
+
+    /// Returns the number of passes of the even replicates and of the odd replicates.
+    pub(super) fn passes_by_half(&self) -> [u64; 2] {
+        [0, 1].map(|parity| self.passes.iter().skip(parity).step_by(2).sum())
+    }
+
+    /// Returns the number of spectral bands, and the number of their channels.
+    pub(super) fn bands(&self) -> (usize, usize) {
+        (self.channels.bands, self.channels.band_channels())
+    }
+
+    fn error_bars(&self, light: impl Fn(usize) -> PixelLight) -> ErrorBars {
+        let passes_by_half = self.passes_by_half();
+        let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / passes.max(1) as f64;
+        let measured = |pixel: usize| {
+            let PixelLight { xyz, y, bias } = light(pixel);
+            (xyz[1] > 0.0).then(|| PixelMeans {
+                y: std::array::from_fn(|r| mean(y[r], self.passes[r])),
+                bias: [0, 1].map(|half| mean(bias[half], passes_by_half[half])),
+            })
+        };
+        ErrorBars::new((self.width, self.pixel_count()), measured, self.passes)
+    }
+
+    /// Returns the light of all pixels and their spectral bands after diffraction. Each slice and
+    /// each band has its own kernel. The film stores the replicates and the bias only as sums of Y
+    /// over all wavelengths. The function convolves these sums with a mean kernel: the mean of the
+    /// kernels of all slices, weighted by the Y of each slice.
+    fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelLight>, Vec<f64>) {
+        let convolution = Convolution::new(diffraction, (self.width, self.height));
+        let value = |pixel: usize, channel: usize| self.channel(pixel, channel);
+        let blank = || vec![Default::default(); 4 * self.pixel_count()];
+        let (mut xy, mut z, mut mean, mut whole) = (blank(), blank(), blank(), 0.0);
+        for slice in 0..diffraction.slices() {
+            let [of_x, of_y, of_z] = [0, 1, 2].map(|component| self.channels.of_slice(slice, component));
+            let kernel = convolution.kernel(diffraction.slice_nm(slice));
+            add_product(&mut xy, &kernel, &convolution.transform(|pixel| [value(pixel, of_x), value(pixel, of_y)]));
+            add_product(&mut z, &kernel, &convolution.transform(|pixel| [value(pixel, of_z), 0.0]));
+            let y = (0..self.pixel_count()).map(|pixel| value(pixel, of_y)).sum::<f64>().max(f64::MIN_POSITIVE);
+            mean.iter_mut().zip(kernel).for_each(|(mean, kernel)| *mean += kernel * y);
+            whole += y;
+        }
+        mean.iter_mut().for_each(|value| *value = *value * (1.0 / whole));
+        let (xy, z) = (convolution.planes(xy), convolution.planes(z));
+        let mut light: Vec<PixelLight> = (0..self.pixel_count()).map(|pixel| self.sums_of(pixel).light()).collect();
+        // Rounding may give values slightly below 0.
+        let positive = |value: f64| value.max(0.0);
+        for ((light, xy), z) in light.iter_mut().zip(xy).zip(z) {
+            light.xyz = [xy[0], xy[1], z[0]].map(positive);
+        }
+        let spread = |plane: &(dyn Fn(usize) -> [f64; 2] + Sync)| {
+            let mut sum = blank();
+            add_product(&mut sum, &mean, &convolution.transform(plane));
+            convolution.planes(sum)
+        };
+        for replicate in (0..REPLICATES).step_by(2) {
+            let both = spread(&|pixel| [0, 1].map(|next| self.sums_of(pixel).y[replicate + next].value()));
+            light
+                .iter_mut()
+                .zip(both)
+                .for_each(|(light, both)| light.y[replicate..replicate + 2].copy_from_slice(&both));
+        }
+        let bias = spread(&|pixel| self.sums_of(pixel).bias.map(|half| half.value()));
+        light.iter_mut().zip(bias).for_each(|(light, bias)| light.bias = bias);
+        let bands = self.channels.bands;
+        let mut values = vec![0.0; bands * self.pixel_count()];
+        for band in 0..bands {
+            let mut sum = blank();
+            let kernel = convolution.kernel(band_nm(band, bands));
+            add_product(&mut sum, &kernel, &convolution.transform(|pixel| [value(pixel, band), 0.0]));
+            let plane = convolution.planes(sum);
+            values.iter_mut().skip(band).step_by(bands).zip(plane).for_each(|(to, from)| *to = positive(from[0]));
+        }
+        (light, values)
+    }
+
+    /// Returns whether any sum of light has overflowed its range.
+    pub fn overflowed(&self) -> bool {
+        let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
+        self.pixels.iter().any(pixel) || self.by_channel.iter().any(|sum| sum.overflowed())
+    }
+}
+
+pub(super) fn replicate(pass: u64) -> usize {
+    (pass % REPLICATES as u64) as usize
+}
+
+#[cfg(test)]
+mod tests;

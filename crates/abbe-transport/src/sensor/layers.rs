@@ -1,0 +1,355 @@
+//! The layers of a film: quantities by pixel that are recorded on request.
+//!
+//! The light of path classes and of light groups is recorded as X, Y and Z, like the picture. The
+//! quantities of first surfaces are sums over camera samples. All sums are exact, so layers do not
+//! depend on the order of the passes.
+
+use super::cryptomatte::{NameCounts, hash_name, normal_hash};
+use super::sink::NameRow;
+use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum, library};
+use serde::{Deserialize, Serialize};
+use std::sync::LazyLock;
+
+/// The layers that a film records.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayerSet {
+    /// The quantities of first surfaces that the film records.
+    pub surfaces: Vec<SurfaceLayer>,
+    /// The names of the objects in the order of their numbers, if the film records objects.
+    pub objects: Option<Vec<String>>,
+    /// The names of the materials in the order of their numbers, if the film records materials.
+    pub materials: Option<Vec<String>>,
+    /// The names of the path classes in the order of their numbers. Empty if the film does not
+    /// separate path classes.
+    pub paths: Vec<String>,
+    /// The names of the light groups. Empty if the film does not separate lights.
+    pub light_groups: Vec<String>,
+    /// For each light, the number of its group. Empty if the film does not separate lights.
+    pub group_of_light: Vec<u16>,
+}
+
+/// A quantity of the first surfaces on camera rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SurfaceLayer {
+    /// The share of light that the surface reflects or transmits.
+    Albedo,
+    /// The normal.
+    Normal,
+    /// The distance.
+    Depth,
+    /// The texture coordinates.
+    Uv,
+    /// The number of camera samples, also of those that hit no surface.
+    Samples,
+}
+
+/// The first surface on a camera ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstSurface {
+    /// The share of light that the surface reflects or transmits, at each wavelength of
+    /// [`ALBEDO_NM`].
+    pub albedo: [f64; ALBEDO_NM.len()],
+    /// The unit normal in world space, on the visible side.
+    pub normal: [f64; 3],
+    /// The distance along the ray in m.
+    pub depth_m: f64,
+    /// The texture coordinates.
+    pub uv: [f64; 2],
+    /// The number of the object.
+    pub object: usize,
+    /// The number of the material.
+    pub material: usize,
+}
+
+/// The wavelengths (nm) at which the albedo of a surface is evaluated.
+pub const ALBEDO_NM: [f64; 32] = {
+    let mut nm = [0.0; 32];
+    let mut i = 0;
+    while i < nm.len() {
+        nm[i] = 395.0 + 10.0 * i as f64;
+        i += 1;
+    }
+    nm
+};
+
+/// For each wavelength of [`ALBEDO_NM`]: the contribution of an albedo of 1 to linear sRGB under
+/// D65. The sum over all wavelengths is white, (1, 1, 1).
+static ALBEDO_RGB: LazyLock<[[f64; 3]; ALBEDO_NM.len()]> = LazyLock::new(|| {
+    let (observer, d65) = (Observer::cie1931(), d65());
+    let mut rgb = [[0.0; 3]; ALBEDO_NM.len()];
+    let count = (BAND_NM.1 - BAND_NM.0) as usize;
+    for nm in (0..count).map(|i| BAND_NM.0 + i as f64 + 0.5) {
+        // Each nanometre belongs to the nearest wavelength.
+        let nearest = ((nm - ALBEDO_NM[0] + 5.0) / 10.0).clamp(0.0, (ALBEDO_NM.len() - 1) as f64) as usize;
+        let more = abbe_spectra::colour::xyz_to_linear_srgb(observer.xyz_bar(nm).map(|bar| bar * d65.at(nm)));
+        (0..3).for_each(|c| rgb[nearest][c] += more[c]);
+    }
+    let white: [f64; 3] = std::array::from_fn(|c| rgb.iter().map(|rgb| rgb[c]).sum());
+    rgb.map(|rgb| std::array::from_fn(|c| rgb[c] / white[c]))
+});
+
+fn d65() -> Spectrum {
+    let constant = || Spectrum::table(&[360.0, 830.0], &[1.0, 1.0], Outside::Hold).expect("a constant table is valid");
+    library::find("D65").map_or_else(|_| constant(), |found| found.spectrum)
+}
+
+/// The number of components of a colour.
+pub(super) const COMPONENTS: usize = 3;
+
+impl LayerSet {
+    /// Returns true if the film records no layers.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Returns true if the film records first surfaces or the number of samples.
+    pub fn has_surfaces(&self) -> bool {
+        !self.surfaces.is_empty() || self.objects.is_some() || self.materials.is_some()
+    }
+
+    fn has(&self, layer: SurfaceLayer) -> bool {
+        self.surfaces.contains(&layer)
+    }
+
+    /// Returns true if the film separates path classes or lights.
+    pub fn separates_light(&self) -> bool {
+        !(self.paths.is_empty() && self.light_groups.is_empty())
+    }
+
+    /// Returns the names of the layers, for messages.
+    pub fn words(&self) -> String {
+        let flags = [
+            (self.has(SurfaceLayer::Albedo), "albedo"),
+            (self.has(SurfaceLayer::Normal), "normal"),
+            (self.has(SurfaceLayer::Depth), "depth"),
+            (self.objects.is_some(), "object"),
+            (self.materials.is_some(), "material"),
+            (self.has(SurfaceLayer::Uv), "uv"),
+            (self.has(SurfaceLayer::Samples), "samples"),
+            (!self.paths.is_empty(), "paths"),
+            (!self.light_groups.is_empty(), "lights"),
+        ];
+        let words: Vec<&str> = flags.into_iter().filter(|(on, _)| *on).map(|(_, word)| word).collect();
+        if words.is_empty() { "no layers".to_string() } else { format!("the layers {}", words.join(", ")) }
+    }
+
+    /// Returns the number of planes of sums that the film has in any case. Lists of names may need
+    /// more.
+    pub fn planes(&self) -> usize {
+        self.light_channels() + self.surface_channels().len()
+    }
+
+    /// Returns the number of channels for the light of path classes and light groups.
+    pub(super) fn light_channels(&self) -> usize {
+        COMPONENTS * (self.paths.len() + self.light_groups.len())
+    }
+
+    /// Returns the first channel of a path class, if the film separates path classes.
+    pub(super) fn channel_of_class(&self, class: usize) -> Option<usize> {
+        (class < self.paths.len()).then_some(COMPONENTS * class)
+    }
+
+    /// Returns the first channel of a light's group, if the film separates lights.
+    pub(super) fn channel_of_light(&self, light: usize) -> Option<usize> {
+        let group = self.group_of_light.get(light)?;
+        Some(COMPONENTS * (self.paths.len() + usize::from(*group)))
+    }
+
+    /// Returns the names of the sums over first surfaces, in the order in which
+    /// [`Self::add_surface`] fills them.
+    pub(super) fn surface_channels(&self) -> Vec<&'static str> {
+        if !self.has_surfaces() {
+            return Vec::new();
+        }
+        let mut names = vec!["samples", "hits"];
+        let mut extend = |on: bool, more: &[&'static str]| names.extend_from_slice(if on { more } else { &[] });
+        extend(self.has(SurfaceLayer::Albedo), &["albedoR", "albedoG", "albedoB"]);
+        extend(self.has(SurfaceLayer::Normal), &["normalX", "normalY", "normalZ"]);
+        extend(self.has(SurfaceLayer::Depth), &["depth"]);
+        extend(self.has(SurfaceLayer::Uv), &["u", "v"]);
+        names
+    }
+
+    /// Adds a camera sample to the sums over first surfaces. `surface` is `None` if the camera ray
+    /// hits nothing.
+    pub(super) fn add_surface(&self, sums: &mut [f64], surface: Option<&FirstSurface>) {
+        let mut slots = sums.iter_mut();
+        let mut add = |values: &[f64]| values.iter().zip(&mut slots).for_each(|(value, slot)| *slot += value);
+        let Some(surface) = surface else { return add(&[1.0]) };
+        add(&[1.0, 1.0]);
+        if self.has(SurfaceLayer::Albedo) {
+            let lit = || surface.albedo.iter().zip(ALBEDO_RGB.iter());
+            add(&[0, 1, 2].map(|c| lit().map(|(albedo, rgb)| albedo * rgb[c]).sum()));
+        }
+        if self.has(SurfaceLayer::Normal) {
+            add(&surface.normal);
+        }
+        if self.has(SurfaceLayer::Depth) {
+            add(&[surface.depth_m]);
+        }
+        if self.has(SurfaceLayer::Uv) {
+            add(&surface.uv);
+        }
+    }
+
+    /// Returns the tables of names, in a fixed order: objects, then materials.
+    pub(super) fn name_tables(&self) -> impl Iterator<Item = (NameKind, &Vec<String>)> {
+        let objects = self.objects.iter().map(|names| (NameKind::Object, names));
+        objects.chain(self.materials.iter().map(|names| (NameKind::Material, names)))
+    }
+}
+
+/// The kinds of names that a film counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NameKind {
+    /// Objects.
+    Object,
+    /// Materials.
+    Material,
+}
+
+impl NameKind {
+    /// Returns the name of the Cryptomatte layer.
+    pub fn layer_name(self) -> &'static str {
+        match self {
+            Self::Object => "CryptoObject",
+            Self::Material => "CryptoMaterial",
+        }
+    }
+
+    /// Returns the name of the plane with the entries at a place of the pixels' lists.
+    pub fn plane_name(self, place: usize) -> String {
+        match self {
+            Self::Object => format!("object{place}"),
+            Self::Material => format!("material{place}"),
+        }
+    }
+}
+
+/// The names of one kind that camera samples hit, by pixel.
+#[derive(Debug)]
+pub(super) struct NameLayer {
+    pub(super) kind: NameKind,
+    names: Vec<String>,
+    /// The hash of each name.
+    hashes: Vec<u32>,
+    pub(super) pixels: Vec<NameCounts>,
+}
+
+impl NameLayer {
+    /// The expected memory of one pixel: its list, which usually has room for four entries.
+    pub(super) const BYTES_PER_PIXEL: usize = size_of::<NameCounts>() + 4 * size_of::<(u32, u32)>();
+
+    pub(super) fn new(kind: NameKind, names: &[String], pixels: usize) -> Self {
+        let hashes = names.iter().map(|name| normal_hash(hash_name(name))).collect();
+        Self { kind, names: names.to_vec(), hashes, pixels: vec![NameCounts::default(); pixels] }
+    }
+
+    /// Returns the largest number of names in a pixel.
+    pub(super) fn ranks(&self) -> usize {
+        self.pixels.iter().map(NameCounts::len).max().unwrap_or(0)
+    }
+
+    /// Returns the rows of the layer.
+    pub(super) fn rows(&mut self, width: usize) -> impl Iterator<Item = NameRow<'_>> {
+        let Self { kind, hashes, pixels, .. } = self;
+        pixels.chunks_mut(width).map(|pixels| NameRow { kind: *kind, hashes, pixels })
+    }
+}
+
+/// The layers of a picture.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PictureLayers {
+    /// The channels of all layers.
+    pub channels: Vec<LayerChannel>,
+    /// The names of the Cryptomatte layers.
+    pub mattes: Vec<MatteNames>,
+}
+
+/// One channel of a layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerChannel {
+    /// The name of the channel.
+    pub name: String,
+    /// The value of each pixel.
+    pub values: Vec<f32>,
+}
+
+/// The names of a Cryptomatte layer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MatteNames {
+    /// The name of the layer.
+    pub layer: String,
+    /// The names of the objects or materials, with their hashes.
+    pub names: Vec<(String, u32)>,
+}
+
+/// The largest number of names that a Cryptomatte layer shows in a pixel.
+const MOST_RANKS: usize = 16;
+
+impl PictureLayers {
+    /// Adds the red, green and blue channel of a layer.
+    pub(super) fn add_colours(&mut self, layer: &str, rgb: &[[f64; 3]]) {
+        for (c, colour) in ["R", "G", "B"].into_iter().enumerate() {
+            self.add(format!("{layer}.{colour}"), rgb.iter().map(|rgb| rgb[c] as f32));
+        }
+    }
+
+    fn add(&mut self, name: String, values: impl Iterator<Item = f32>) {
+        self.channels.push(LayerChannel { name, values: values.collect() });
+    }
+
+    /// Adds the layers of first surfaces. `sums` returns the sum of a channel of
+    /// [`LayerSet::surface_channels`] at a pixel.
+    pub(super) fn add_surfaces(&mut self, set: &LayerSet, pixels: usize, sums: impl Fn(usize, usize) -> f64) {
+        let mean = |channel: usize, by: usize, without: f64| {
+            let sums = &sums;
+            (0..pixels).map(move |pixel| {
+                let count = sums(pixel, by);
+                (if count > 0.0 { sums(pixel, channel) / count } else { without }) as f32
+            })
+        };
+        const SAMPLES: usize = 0;
+        const HITS: usize = 1;
+        for (channel, name) in set.surface_channels().into_iter().enumerate() {
+            match name {
+                "samples" if set.has(SurfaceLayer::Samples) => {
+                    self.add(name.to_string(), (0..pixels).map(|p| sums(p, SAMPLES) as f32))
+                }
+                "samples" | "hits" => {}
+                "depth" => self.add("depth.Z".to_string(), mean(channel, HITS, f64::INFINITY)),
+                "u" => self.add("uv.U".to_string(), mean(channel, HITS, 0.0)),
+                "v" => self.add("uv.V".to_string(), mean(channel, HITS, 0.0)),
+                _ => {
+                    let (layer, component) = name.split_at(name.len() - 1);
+                    self.add(format!("{layer}.{component}"), mean(channel, SAMPLES, 0.0));
+                }
+            }
+        }
+    }
+
+    /// Adds a Cryptomatte layer: pairs of identity and coverage, the largest coverage first.
+    /// `samples` returns the number of samples of a pixel.
+    pub(super) fn add_names(&mut self, layer: &NameLayer, samples: impl Fn(usize) -> f64) {
+        let levels = layer.ranks().clamp(1, MOST_RANKS).div_ceil(2);
+        let name = layer.kind.layer_name();
+        let ranked: Vec<Vec<(u32, u32)>> = layer.pixels.iter().map(NameCounts::ranked).collect();
+        for rank in 0..2 * levels {
+            let [identity, coverage] = if rank % 2 == 0 { ["R", "G"] } else { ["B", "A"] };
+            let channel = |component: &str| format!("{name}{:02}.{component}", rank / 2);
+            let entry = |pixel: usize| ranked[pixel].get(rank).copied().unwrap_or_default();
+            let pixels = 0..ranked.len();
+            self.add(channel(identity), pixels.clone().map(|pixel| f32::from_bits(entry(pixel).0)));
+            self.add(
+                channel(coverage),
+                pixels.map(|pixel| (f64::from(entry(pixel).1) / samples(pixel).max(1.0)) as f32),
+            );
+        }
+        let mut names: Vec<(String, u32)> = layer.names.iter().cloned().zip(layer.hashes.iter().copied()).collect();
+        names.sort_unstable();
+        names.dedup();
+        self.mattes.push(MatteNames { layer: name.to_string(), names });
+    }
+}

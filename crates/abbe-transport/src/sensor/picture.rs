@@ -1,0 +1,218 @@
+//! A picture: XYZ with error bars.
+
+use super::channels::band_nm;
+use super::layers::PictureLayers;
+use abbe_spectra::math::elementary::hypot;
+
+/// The observer's XYZ of every pixel, row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Pixels per row.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+    /// X, Y and Z of each pixel. Y is in cd/m².
+    pub xyz: Vec<[f64; 3]>,
+    /// The standard error of Y in cd/m², if it is known.
+    pub noise: Vec<Option<f32>>,
+    /// The magnitude of the estimated bias of Y in cd/m², if it is known.
+    pub bias: Vec<Option<f32>>,
+    /// True if kernels blur an edge of the illumination at the pixel. In this case, the bias is
+    /// probably larger than the estimate. `None` means that the edges are unknown.
+    pub edge: Vec<Option<bool>>,
+    /// Spectral radiance, if it was recorded.
+    pub bands: Option<SpectralBands>,
+    /// The layers that were recorded on request.
+    pub layers: PictureLayers,
+}
+
+/// Spectral radiance in bands of equal width.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpectralBands {
+    /// The centres of the bands in nm.
+    pub centres_nm: Vec<f64>,
+    /// Radiance in W/m²/sr/nm, pixel by pixel and band by band.
+    pub values: Vec<f32>,
+}
+
+impl SpectralBands {
+    /// Returns the centres of the bands in nm if the simulated range is divided into `count` bands.
+    pub fn centres_nm(count: usize) -> Vec<f64> {
+        let centre = |(from_nm, to_nm): (f64, f64)| 0.5 * (from_nm + to_nm);
+        (0..count).map(|band| centre(band_nm(band, count))).collect()
+    }
+}
+
+/// Means of the error layers over the pixels with known errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorMeans {
+    /// The mean standard error of Y in cd/m².
+    pub noise: f64,
+    /// The mean bias of Y in cd/m².
+    pub bias: f64,
+    /// The square root of the mean of noise² + bias², divided by the mean of Y. The value is `None`
+    /// if the noise is unknown in all pixels. A value of 0 is replaced by `None` if some pixels
+    /// have received no light.
+    pub relative: Option<f64>,
+    /// The number of pixels with unknown noise.
+    pub unknown_pixels: usize,
+    /// The number of pixels at an edge of the illumination, where the bias is probably larger than
+    /// estimated.
+    pub edge_pixels: usize,
+}
+
+/// Returns half the width of the 95 % interval around a value. `noise` is the standard error of the
+/// value. `bias` is the magnitude of its bias.
+///
+/// The interval is two-sided if the bias is negligible and one-sided otherwise. The factors are
+/// quantiles of Student's t with 9 degrees of freedom: 7 from the eight replicates of a pixel and 2
+/// from its neighbours. Therefore the factors are valid only after at least eight passes.
+pub fn half_interval_95(noise: f64, bias: f64) -> f64 {
+    const TWO_SIDED: f64 = 2.262;
+    const ONE_SIDED: f64 = 1.833;
+    (TWO_SIDED * noise).max(bias + ONE_SIDED * noise)
+}
+
+impl Picture {
+    /// Returns a picture without light. All errors are unknown.
+    pub fn black(width: usize, height: usize) -> Self {
+        let count = width * height;
+        Self {
+            width,
+            height,
+            xyz: vec![[0.0; 3]; count],
+            noise: vec![None; count],
+            bias: vec![None; count],
+            edge: vec![None; count],
+            bands: None,
+            layers: PictureLayers::default(),
+        }
+    }
+
+    /// Enlarges a picture by bilinear interpolation of X, Y and Z. A pixel of this picture becomes
+    /// `factor` × `factor` pixels. The centres of both pictures coincide. The errors are unknown.
+    #[must_use]
+    pub fn enlarged(&self, factor: usize, (width, height): (usize, usize)) -> Self {
+        // The two pixels of a row or column whose centres enclose a position, and the share of the
+        // second pixel.
+        let between = |position: usize, large: usize, small: usize| {
+            let centred = (position as f64 + 0.5 - 0.5 * large as f64) / factor as f64;
+            let position = (centred + 0.5 * small as f64 - 0.5).clamp(0.0, (small - 1) as f64);
+            (position as usize, (position as usize + 1).min(small - 1), position.fract())
+        };
+        let columns: Vec<_> = (0..width).map(|x| between(x, width, self.width)).collect();
+        let mut enlarged = Self::black(width, height);
+        for (y, row) in enlarged.xyz.chunks_exact_mut(width).enumerate() {
+            let (above, below, down) = between(y, height, self.height);
+            for (xyz, &(left, right, across)) in row.iter_mut().zip(&columns) {
+                let at = |x: usize, y: usize, c: usize| self.xyz[y * self.width + x][c];
+                let mix = |y: usize, c: usize| (1.0 - across) * at(left, y, c) + across * at(right, y, c);
+                *xyz = std::array::from_fn(|c| (1.0 - down) * mix(above, c) + down * mix(below, c));
+            }
+        }
+        enlarged
+    }
+
+    /// Returns the mean of Y (cd/m²) over all pixels.
+    pub fn mean_y(&self) -> f64 {
+        self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
+    }
+
+    /// Returns the error of a pixel in cd/m²: √(noise² + bias²). Returns `None` if the noise or the
+    /// bias is unknown.
+    pub fn error(&self, pixel: usize) -> Option<f64> {
+        self.bars(pixel).map(|(noise, bias)| hypot(noise, bias))
+    }
+
+    /// Returns half the width of a pixel's 95 % interval in cd/m², for a comparison with another
+    /// value. `other_noise` is the standard error of the other value. Returns `None` if the error
+    /// of the pixel is unknown.
+    pub fn half_interval_95(&self, pixel: usize, other_noise: f64) -> Option<f64> {
+        self.bars(pixel).map(|(noise, bias)| half_interval_95(hypot(noise, other_noise), bias))
+    }
+
+    /// Returns the noise and the bias of a pixel if both are known.
+    fn bars(&self, pixel: usize) -> Option<(f64, f64)> {
+        self.noise[pixel].zip(self.bias[pixel]).map(|(noise, bias)| (f64::from(noise), f64::from(bias)))
+    }
+
+    /// Returns the means of the error layers.
+    pub fn error_means(&self) -> ErrorMeans {
+        let (mut noise, mut bias, mut square, mut known) = (0.0, 0.0, 0.0, 0_usize);
+        for (&n, &b) in self.noise.iter().zip(&self.bias) {
+            if let Some(n) = n {
+                let (n, b) = (f64::from(n), f64::from(b.unwrap_or(0.0)));
+                noise += n;
+                bias += b;
+                square += n * n + b * b;
+                known += 1;
+            }
+        }
+        let count = known.max(1) as f64;
+        let mean_y = self.mean_y();
+        // If all lit pixels have the error 0, they do not represent the pixels that no light has
+        // reached yet.
+        let is_known = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
+        let relative = is_known.then(|| (square / count).sqrt() / mean_y);
+        ErrorMeans {
+            noise: noise / count,
+            bias: bias / count,
+            relative,
+            unknown_pixels: self.xyz.len() - known,
+            edge_pixels: self.edge.iter().filter(|edge| **edge == Some(true)).count(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A linear gradient stays the same gradient, also if the size is not a multiple of the factor.
+    #[test]
+    fn an_enlarged_gradient_keeps_its_values() {
+        let (small, factor, (width, height)) = ((5, 4), 3, (13, 11));
+        let mut picture = Picture::black(small.0, small.1);
+        for (i, xyz) in picture.xyz.iter_mut().enumerate() {
+            let (x, y) = ((i % small.0) as f64 + 0.5 - 2.5, (i / small.0) as f64 + 0.5 - 2.0);
+            *xyz = [x, y, 1.0];
+        }
+        let enlarged = picture.enlarged(factor, (width, height));
+        for (i, [x, y, z]) in enlarged.xyz.iter().enumerate() {
+            let wanted = [((i % width) as f64 + 0.5 - 6.5) / 3.0, ((i / width) as f64 + 0.5 - 5.5) / 3.0];
+            let inside = [wanted[0].clamp(-2.0, 2.0), wanted[1].clamp(-1.5, 1.5)];
+            assert!((x - inside[0]).abs() < 1e-12 && (y - inside[1]).abs() < 1e-12 && (z - 1.0).abs() < 1e-12);
+        }
+        assert!(enlarged.noise.iter().all(Option::is_none));
+    }
+
+    /// The quantiles of Student's t with 9 degrees of freedom are 2.262 (97.5 %) and 1.833 (95 %).
+    #[test]
+    fn intervals_take_students_quantiles_of_nine_degrees() {
+        assert!((half_interval_95(1.0, 0.0) - 2.262_157).abs() < 5e-4);
+        assert!((half_interval_95(1.0, 5.0) - (5.0 + 1.833_113)).abs() < 5e-4);
+        assert!((half_interval_95(0.0, 0.3) - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_relative_error_is_never_0_while_pixels_are_unlit() {
+        let mut picture = Picture::black(2, 1);
+        picture.xyz[0] = [1.0; 3];
+        (picture.noise[0], picture.bias[0]) = (Some(0.0), Some(0.0));
+        assert_eq!((picture.error_means().relative, picture.error_means().unknown_pixels), (None, 1));
+        picture.noise[0] = Some(0.1);
+        assert!((picture.error_means().relative.unwrap() - 0.2).abs() < 1e-7, "the mean Y is 1/2");
+        picture.xyz[1] = [1.0; 3];
+        (picture.noise, picture.bias) = (vec![Some(0.0); 2], vec![Some(0.0); 2]);
+        assert_eq!(picture.error_means().relative, Some(0.0), "all pixels are known exactly");
+    }
+
+    /// Checks that the error combines noise and bias, and is unknown if one of them is unknown.
+    #[test]
+    fn an_error_combines_noise_and_bias() {
+        let mut picture = Picture::black(3, 1);
+        (picture.noise, picture.bias) = (vec![Some(0.3), Some(0.3), None], vec![Some(0.4), None, Some(0.4)]);
+        assert!((picture.error(0).unwrap() - 0.5).abs() < 1e-6);
+        assert_eq!([1, 2].map(|pixel| picture.error(pixel)), [None; 2]);
+    }
+}

@@ -1,0 +1,282 @@
+//! The sinks of a film: they collect the light of camera samples and of splats.
+
+use super::channels::Channels;
+use super::cryptomatte::NameCounts;
+use super::film::{PixelSums, replicate};
+use super::layers::{FirstSurface, NameKind};
+use super::readings::ReadingLayout;
+use abbe_spectra::math::sum::ExactSum;
+use abbe_spectra::spectrum::Observer;
+use std::sync::Arc;
+
+/// Collects the light of one pixel in one pass.
+#[derive(Debug)]
+pub struct PixelSink<'f> {
+    observer: &'static Observer,
+    pub(super) xyz: [f64; 3],
+    bias_y: f64,
+    channels: &'f Channels,
+    by_channel: &'f mut [f64],
+    /// The objects and materials that the samples hit.
+    hits: Vec<[usize; 2]>,
+    rejected: u64,
+}
+
+/// Collects splats: the contributions of photons to pixels anywhere on the film.
+#[derive(Debug)]
+pub struct SplatSink {
+    observer: &'static Observer,
+    channels: Channels,
+    pub(super) splats: Vec<([f32; 3], u32)>,
+    pub(super) channel_splats: Vec<(f32, u32, u32)>,
+    /// The biases of Y, and their pixels.
+    pub(super) bias_splats: Vec<(f32, u32)>,
+    /// The readings of the film, if it belongs to a measurement.
+    layout: Option<Arc<ReadingLayout>>,
+    pub(super) rejected: u64,
+}
+
+/// One row of the film.
+#[derive(Debug)]
+pub struct FilmRow<'f> {
+    /// The index of the first pixel of the row.
+    pub first_pixel: usize,
+    pub(super) observer: &'static Observer,
+    pub(super) pixels: &'f mut [PixelSums],
+    pub(super) channels: &'f Channels,
+    pub(super) by_channel: &'f mut [ExactSum],
+    /// The bands of each replicate, if the film belongs to a measurement.
+    pub(super) by_replicate: &'f mut [f64],
+    pub(super) names: Vec<NameRow<'f>>,
+}
+
+/// The names of one kind in a row of the film.
+#[derive(Debug)]
+pub(super) struct NameRow<'f> {
+    pub(super) kind: NameKind,
+    /// The hash of each name.
+    pub(super) hashes: &'f [u32],
+    pub(super) pixels: &'f mut [NameCounts],
+}
+
+/// Returns whether a sample is finite and not negative. Other values indicate a bug. The caller
+/// counts and discards them.
+#[inline]
+fn is_valid_radiance(weight: f64) -> bool {
+    let is_valid_radiance = (0.0..f64::INFINITY).contains(&weight);
+    debug_assert!(is_valid_radiance, "a sample of {weight} W/m²/sr");
+    is_valid_radiance
+}
+
+impl FilmRow<'_> {
+    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel,
+    /// which returns the number of camera samples of the pixel. The light of the pixel is the light
+    /// in the sink, divided by this number. Returns the number of samples that were NaN, infinite
+    /// or negative and were discarded.
+    pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>) -> u64) -> u64 {
+        let replicate = replicate(pass);
+        let count = self.channels.count();
+        let surfaces = self.channels.first_surface_channel();
+        let mut values = vec![0.0; count];
+        let mut hits = Vec::new();
+        let mut rejected = 0;
+        for (column, sums) in self.pixels.iter_mut().enumerate() {
+            values.fill(0.0);
+            hits.clear();
+            let mut sink = PixelSink { hits, ..PixelSink::new(self.observer, self.channels, &mut values) };
+            let weight = 1.0 / expose(self.first_pixel + column, &mut sink) as f64;
+            sums.x += weight * sink.xyz[0];
+            sums.y[replicate] += weight * sink.xyz[1];
+            sums.z += weight * sink.xyz[2];
+            sums.bias[replicate % 2] += weight * sink.bias_y;
+            rejected += sink.rejected;
+            hits = sink.hits;
+            let (of_light, of_surfaces) = self.by_channel[column * count..(column + 1) * count].split_at_mut(surfaces);
+            of_light.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
+            let bands = self.channels.band_channels();
+            if let Some(sums) = self.by_replicate.get_mut(replicate * bands..(replicate + 1) * bands) {
+                sums.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
+            }
+            // The means over camera samples divide by the number of samples, so these sums have no
+            // weight.
+            of_surfaces.iter_mut().zip(&values[surfaces..]).for_each(|(sum, &value)| *sum += value);
+            for NameRow { kind, hashes, pixels } in &mut self.names {
+                for [object, material] in &hits {
+                    let number = match kind {
+                        NameKind::Object => *object,
+                        NameKind::Material => *material,
+                    };
+                    pixels[column].add(hashes[number], 1);
+                }
+            }
+        }
+        rejected
+    }
+}
+
+impl<'f> PixelSink<'f> {
+    pub(super) fn new(observer: &'static Observer, channels: &'f Channels, by_channel: &'f mut [f64]) -> Self {
+        Self { observer, xyz: [0.0; 3], bias_y: 0.0, channels, by_channel, hits: Vec::new(), rejected: 0 }
+    }
+
+    /// Returns X, Y and Z (W/m²/sr) of the light of each path class that `expose` adds to a pixel.
+    /// The classes have the numbers from 0 to `CLASSES` − 1.
+    pub fn measure_classes<const CLASSES: usize>(
+        observer: &'static Observer,
+        expose: impl FnOnce(&mut PixelSink<'_>),
+    ) -> [[f64; 3]; CLASSES] {
+        let channels = Channels::of_path_classes(CLASSES);
+        let mut xyz = [[0.0; 3]; CLASSES];
+        expose(&mut PixelSink::new(observer, &channels, xyz.as_flattened_mut()));
+        xyz
+    }
+
+    #[inline]
+    fn add(&mut self, origin: (usize, usize), nm: f64, weight: f64) -> [f64; 3] {
+        if !is_valid_radiance(weight) {
+            self.rejected += 1;
+            return [0.0; 3];
+        }
+        let bar = self.observer.xyz_bar(nm);
+        (0..3).for_each(|c| self.xyz[c] += weight * bar[c]);
+        if !self.by_channel.is_empty() {
+            self.add_to_channels(origin, nm, weight, bar);
+        }
+        bar
+    }
+
+    /// Adds light to the additional channels.
+    #[inline(never)]
+    fn add_to_channels(&mut self, (class, light): (usize, usize), nm: f64, weight: f64, bar: [f64; 3]) {
+        let (by_channel, xyz) = (&mut *self.by_channel, bar.map(|bar| weight * bar));
+        self.channels.distribute(nm, weight, xyz, |channel, value| by_channel[channel] += value);
+        let origin = (Some(class), Some(light));
+        self.channels.distribute_to_layers(origin, xyz, |channel, value| by_channel[channel] += value);
+    }
+
+    /// Adds radiance (W/m²/sr) at a wavelength in nm. `origin` consists of the number of the path
+    /// class and the number of the light.
+    pub fn radiance(&mut self, origin: (usize, usize), nm: f64, weight: f64) {
+        self.add(origin, nm, weight);
+    }
+
+    /// Adds a biased estimate of radiance at a wavelength (nm), and an estimate of the bias. Both
+    /// estimates are in W/m²/sr. See [`Self::radiance`] for `origin`.
+    pub fn biased(&mut self, origin: (usize, usize), nm: f64, weight: f64, bias: f64) {
+        let bar = self.add(origin, nm, weight);
+        if bias.is_finite() {
+            self.bias_y += bias * bar[1];
+        }
+    }
+
+    /// Adds the sum of many biased estimates of one path class. Each estimate of radiance (W/m²/sr)
+    /// and of its bias is already multiplied by x̄, ȳ and z̄. The film must not have spectral
+    /// channels, because these would need the wavelengths.
+    pub fn respond(&mut self, class: usize, xyz: [f64; 3], bias_xyz: [f64; 3]) {
+        debug_assert!(self.channels.spectral_count() == 0, "spectral channels need wavelengths");
+        if !xyz.into_iter().all(is_valid_radiance) {
+            self.rejected += 1;
+            return;
+        }
+        (0..3).for_each(|c| self.xyz[c] += xyz[c]);
+        if !self.by_channel.is_empty() {
+            self.respond_in_layers((Some(class), None), xyz);
+        }
+        if bias_xyz[1].is_finite() {
+            self.bias_y += bias_xyz[1];
+        }
+    }
+
+    /// Returns true if the film separates the lights.
+    #[inline]
+    pub fn separates_lights(&self) -> bool {
+        !self.by_channel.is_empty() && self.channels.separates_lights()
+    }
+
+    /// Adds a part of the next [`Self::respond`] to the layer of a light: the part of this light.
+    pub fn respond_of_light(&mut self, light: usize, xyz: [f64; 3]) {
+        self.respond_in_layers((None, Some(light)), xyz);
+    }
+
+    #[inline(never)]
+    fn respond_in_layers(&mut self, origin: (Option<usize>, Option<usize>), xyz: [f64; 3]) {
+        let by_channel = &mut *self.by_channel;
+        self.channels.distribute_to_layers(origin, xyz, |channel, value| by_channel[channel] += value);
+    }
+
+    /// Adds the first surface of a camera sample. `None` means that the camera ray hits nothing.
+    pub fn add_surface(&mut self, surface: Option<&FirstSurface>) {
+        let first = self.channels.first_surface_channel();
+        if let Some(layers) = &self.channels.layers {
+            layers.add_surface(&mut self.by_channel[first..], surface);
+        }
+        self.hits.extend(surface.map(|surface| [surface.object, surface.material]));
+    }
+}
+
+impl SplatSink {
+    pub(super) fn new(observer: &'static Observer, channels: Channels) -> Self {
+        let (splats, channel_splats, bias_splats) = (Vec::new(), Vec::new(), Vec::new());
+        Self { observer, channels, splats, channel_splats, bias_splats, layout: None, rejected: 0 }
+    }
+
+    /// Sets the readings of the film.
+    pub(super) fn with_layout(self, layout: Option<Arc<ReadingLayout>>) -> Self {
+        Self { layout, ..self }
+    }
+
+    /// Returns the observer of a pixel.
+    fn observer_of(&self, pixel: u32) -> &'static Observer {
+        self.layout.as_ref().map_or(self.observer, |layout| layout.observer(pixel as usize))
+    }
+
+    /// Adds the bias of a splat to a pixel. The iterator yields pairs of a wavelength (nm) and the
+    /// bias (W/m²/sr) at that wavelength.
+    pub fn bias(&mut self, pixel: u32, bias: impl Iterator<Item = (f64, f64)>) {
+        let observer = self.observer_of(pixel);
+        let sum: f64 = bias.map(|(nm, bias)| bias * observer.xyz_bar(nm)[1]).sum();
+        if sum.is_finite() {
+            self.bias_splats.push((sum as f32, pixel));
+        }
+    }
+
+    /// Adds radiance (W/m²/sr) at several wavelengths to a pixel. `origin` consists of the number
+    /// of the path class and the number of the light. The iterator yields pairs of a wavelength
+    /// (nm) and the radiance at that wavelength.
+    pub fn splat(&mut self, origin: (usize, usize), pixel: u32, light: impl Iterator<Item = (f64, f64)>) {
+        let mut xyz = [0.0; 3];
+        let observer = self.observer_of(pixel);
+        let splats = &mut self.channel_splats;
+        for (nm, weight) in light {
+            if !is_valid_radiance(weight) {
+                self.rejected += 1;
+                continue;
+            }
+            let bar = observer.xyz_bar(nm);
+            (0..3).for_each(|c| xyz[c] += weight * bar[c]);
+            self.channels.distribute(nm, weight, bar.map(|bar| weight * bar), |channel, value| {
+                splats.push((value as f32, pixel, channel as u32));
+            });
+        }
+        let (class, light) = origin;
+        self.channels.distribute_to_layers((Some(class), Some(light)), xyz, |channel, value| {
+            splats.push((value as f32, pixel, channel as u32));
+        });
+        self.splats.push((xyz.map(|c| c as f32), pixel));
+    }
+
+    /// Returns the pixel of each splat, and X, Y and Z in W/m²/sr.
+    pub fn splats(&self) -> impl Iterator<Item = (u32, [f32; 3])> {
+        self.splats.iter().map(|&(xyz, pixel)| (pixel, xyz))
+    }
+
+    /// Returns the number of collected splats.
+    pub fn len(&self) -> usize {
+        self.splats.len()
+    }
+
+    /// Returns whether no splats were collected.
+    pub fn is_empty(&self) -> bool {
+        self.splats.is_empty()
+    }
+}

@@ -1,0 +1,167 @@
+//! Multiple importance sampling of caustic light at glossy surfaces.
+//!
+//! Two techniques find the light that reaches a glossy surface through mirrors or clear glass. A
+//! photon arrives there, or a camera path continues from there by the BSDF and hits the light. The
+//! photons are the better technique for small lights and wide lobes. The camera paths are the
+//! better technique for large lights and narrow lobes. Each technique is weighted by the balance
+//! heuristic (Veach & Guibas 1995; Georgiev et al. 2012, "Light Transport Simulation with Vertex
+//! Connection and Merging").
+//!
+//! Both densities refer to the same measure. Specular events conserve the density of rays per area
+//! and solid angle (étendue). The density of photons around a surface point and a direction is
+//! therefore the density with which the light emits them. The weights sum to 1 for any densities,
+//! so the densities may be approximate: they do not contain the Fresnel factors, the refractive
+//! indices or the variation of the aim within a stratum.
+
+use abbe_spectra::math::sphere::BoundingSphere;
+use glam::DVec3;
+use std::ops::Range;
+
+/// The density of emitted rays, per m² and sr, for one photon path. The value 0 means that no
+/// camera path can hit the light.
+///
+/// The value has 12 bits, of which 8 are the exponent. It is rounded when it is created, so that a
+/// stored photon and a camera path have the same value.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RayDensity(u16);
+
+/// The number of bits of a number in single precision that a density lacks. The sign is not one of
+/// them, because it is 0.
+const DROPPED_BITS: u32 = 19;
+
+impl RayDensity {
+    /// The density of lights that no camera path can hit.
+    pub const NONE: Self = Self(0);
+
+    /// Rounds a density.
+    pub fn new(per_m2_sr: f64) -> Self {
+        Self(((per_m2_sr as f32).to_bits() >> DROPPED_BITS) as u16)
+    }
+
+    /// Returns the 12 bits of the value.
+    #[inline]
+    pub fn to_bits(self) -> u32 {
+        u32::from(self.0)
+    }
+
+    /// Returns the density with these 12 bits.
+    #[inline]
+    pub fn from_bits(bits: u32) -> Self {
+        Self(bits as u16)
+    }
+
+    fn get(self) -> f64 {
+        f64::from(f32::from_bits(u32::from(self.0) << DROPPED_BITS))
+    }
+}
+
+/// The densities of the emitted rays of all lights.
+#[derive(Debug, Clone, Default)]
+pub struct RayDensities {
+    strata: Vec<StratumDensity>,
+    /// For each light, its strata.
+    lights: Vec<Range<usize>>,
+}
+
+/// The mean density of the emitted rays in one stratum.
+#[derive(Debug, Clone, Copy)]
+pub struct StratumDensity {
+    /// The number of the light.
+    pub light: usize,
+    /// The stratum contains the rays through this sphere. `None` for the stratum of all other rays.
+    pub target: Option<BoundingSphere>,
+    /// The fraction of the photon paths in the stratum, divided by the power of the stratum, in
+    /// 1/W.
+    pub per_watt: f64,
+}
+
+impl RayDensities {
+    /// Creates the densities from those of the strata. The strata are ordered light by light. The
+    /// strata of a light are ordered by priority: a ray belongs to the first stratum that contains
+    /// it.
+    pub fn new(strata: Vec<StratumDensity>) -> Self {
+        let count = strata.last().map_or(0, |last| last.light + 1);
+        let first = |light: usize| strata.partition_point(|stratum| stratum.light < light);
+        let lights = (0..count).map(|light| first(light)..first(light + 1)).collect();
+        Self { strata, lights }
+    }
+
+    /// Returns the density of a light's rays in a stratum. `radiance` is the radiance of the ray in
+    /// W/m²/sr.
+    pub fn of_stratum(&self, number: usize, radiance: f64) -> RayDensity {
+        RayDensity::new(self.strata[number].per_watt * radiance)
+    }
+
+    /// Returns the density of a light's rays around the ray from `origin` along `direction`.
+    pub fn around(&self, light: usize, origin: DVec3, direction: DVec3, radiance: f64) -> RayDensity {
+        let contains = |&number: &usize| {
+            self.strata[number].target.is_none_or(|target| target.contains_part_of(origin, direction))
+        };
+        let number = self.lights.get(light).cloned().and_then(|mut strata| strata.find(contains));
+        number.map_or(RayDensity::NONE, |number| self.of_stratum(number, radiance))
+    }
+}
+
+/// Weights photons and camera paths at one glossy surface point.
+#[derive(Debug, Clone, Copy)]
+pub struct CausticWeights {
+    /// The number of photon paths, multiplied by the area (m²) over which a photon contributes and
+    /// divided by the number of camera paths in this area.
+    pub photons_m2: f64,
+}
+
+impl CausticWeights {
+    /// Returns the weight of a photon. `density` is the density of its light's rays. `pdf` is the
+    /// density per steradian with which the camera path would have continued along the photon's
+    /// path.
+    #[inline]
+    pub fn of_photon(self, density: RayDensity, pdf: f64) -> f64 {
+        if density == RayDensity::NONE {
+            return 1.0;
+        }
+        let photons = self.photons_m2 * density.get();
+        photons / (photons + pdf)
+    }
+
+    /// Returns the weight of a camera path; see [`Self::of_photon`].
+    pub fn of_camera_path(self, density: RayDensity, pdf: f64) -> f64 {
+        if density == RayDensity::NONE { 0.0 } else { 1.0 - self.of_photon(density, pdf) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_weights_of_both_techniques_sum_to_one() {
+        for density in [0.0, 1e-30, 0.3, 4e12] {
+            let density = RayDensity::new(density);
+            for (photons_m2, pdf) in [(1e-9, 1e4), (1.0, 0.1), (1e3, 1e-3)] {
+                let weights = CausticWeights { photons_m2 };
+                let sum = weights.of_photon(density, pdf) + weights.of_camera_path(density, pdf);
+                assert!((sum - 1.0).abs() < 1e-12, "{density:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn densities_are_rounded_to_5_significant_bits() {
+        for value in [1e-20, 0.7, 3.0, 5e17] {
+            assert!((RayDensity::new(value).get() / value - 1.0).abs() < 1.0 / 16.0, "{value}");
+        }
+        assert_eq!(RayDensity::new(0.0), RayDensity::NONE);
+    }
+
+    #[test]
+    fn a_ray_belongs_to_the_first_stratum_that_contains_it() {
+        let ball = BoundingSphere { centre: DVec3::X * 5.0, radius_m: 1.0 };
+        let stratum = |light, target, per_watt| StratumDensity { light, target, per_watt };
+        let densities =
+            RayDensities::new(vec![stratum(0, None, 1.0), stratum(1, Some(ball), 64.0), stratum(1, None, 2.0)]);
+        let density = |light, direction| densities.around(light, DVec3::ZERO, direction, 0.5).get();
+        assert_eq!(density(0, DVec3::X), 0.5);
+        assert_eq!(density(1, DVec3::X), 32.0);
+        assert_eq!(density(1, DVec3::Y), 1.0);
+    }
+}

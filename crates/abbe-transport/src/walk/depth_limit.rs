@@ -1,0 +1,82 @@
+//! The end of long paths.
+//!
+//! Russian roulette ends photon paths and camera paths. Roulette by weight alone would not end the
+//! paths of light that glass traps without loss, so a second factor of the survival probability
+//! falls with the length of the path. A scene may state a smaller number of
+//! surface events, and paths in almost lossless cavities end at a cap. The light that a stated
+//! limit removes from the picture is measured: a few paths continue beyond the limit, and their
+//! light becomes a part of the estimated bias.
+
+use super::sink::{SensorResponse, Sink};
+use crate::plan::{LightOrigin, PathClass};
+use abbe_spectra::math::random::Stream;
+
+/// The cap: the largest number of surface events on a path, and the largest number of collisions
+/// with media between two surfaces. Only paths in almost lossless cavities and media are so long.
+pub const MAX_EVENTS: u32 = 10_000;
+
+/// The number of surface events after which the survival probability falls with the length of the
+/// path.
+pub const LONG_PATH: u32 = 32;
+
+/// One of this many paths continues beyond a stated limit.
+const PATHS_PER_LOST_PATH: f64 = 8.0;
+
+/// The number of surface events after which a path ends.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct DepthLimit {
+    /// The limit that the scene states, or `None` if only the cap ends paths.
+    pub stated: Option<u32>,
+}
+
+impl DepthLimit {
+    /// Returns the largest number of surface events of a path whose light reaches the picture.
+    #[inline]
+    pub fn events(self) -> u32 {
+        self.stated.unwrap_or(MAX_EVENTS).min(MAX_EVENTS)
+    }
+
+    /// Returns true if the scene states a limit below the cap.
+    #[inline]
+    pub fn is_stated(self) -> bool {
+        self.events() < MAX_EVENTS
+    }
+
+    /// Decides whether a path at the limit continues as a lost path. Returns the factor for the
+    /// weight of the lost path, or `None` if the path ends.
+    pub fn sample_lost_path(self, stream: &mut Stream) -> Option<f64> {
+        let continues = self.is_stated() && stream.uniform() * PATHS_PER_LOST_PATH < 1.0;
+        continues.then_some(PATHS_PER_LOST_PATH)
+    }
+}
+
+/// Returns the factor of the survival probability of a path after surface event number `depth`.
+/// Without other losses, the share of the paths that survive event d is 32/d. The mean number of
+/// events is therefore only about 32 (1 + ln(d/32)), and no weight exceeds d/32.
+#[inline]
+pub fn long_path_survival(depth: u32) -> f64 {
+    if depth <= LONG_PATH { 1.0 } else { f64::from(depth - 1) / f64::from(depth) }
+}
+
+/// A sink for light that a limit removes from the picture. The light changes only the estimated
+/// bias. The bias is the estimate minus the exact value, so it is negative.
+pub struct LostLight<'s> {
+    /// The sink of the picture.
+    pub sink: &'s mut dyn Sink,
+    /// The factor for the light.
+    pub factor: f64,
+}
+
+impl Sink for LostLight<'_> {
+    fn radiance(&mut self, origin: LightOrigin, nm: f64, weight: f64) {
+        self.sink.biased(origin, nm, 0.0, -self.factor * weight);
+    }
+
+    fn biased(&mut self, origin: LightOrigin, nm: f64, weight: f64, _bias: f64) {
+        self.radiance(origin, nm, weight);
+    }
+
+    fn respond(&mut self, class: PathClass, radiance: SensorResponse, _bias: SensorResponse) {
+        self.sink.respond(class, SensorResponse::default(), radiance.scaled(-self.factor));
+    }
+}

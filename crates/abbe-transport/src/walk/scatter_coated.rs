@@ -1,0 +1,81 @@
+//! Scattering of a path at a polished interface under thin films.
+
+use super::scatter::{ScatteredRay, scatter_consistently, single_lane, transmitted_scale};
+use super::surface_interaction::SurfaceInteraction;
+use abbe_optics::bsdf::{CoatedDielectric, ScatterEvent, TransportMode};
+use abbe_optics::fresnel;
+use abbe_spectra::math::random::Stream;
+use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
+use glam::DVec3;
+
+/// Scatters a path at an interface under thin films.
+///
+/// The probability of reflection is ΣR / Σ(R + T) over the wavelengths. Therefore no weight exceeds
+/// the number of wavelengths, even if the films reflect only some of them. If a medium disperses,
+/// refraction keeps one wavelength, which is selected in proportion to its transmittance. The films
+/// absorb the fraction 1 − R − T of each wavelength. Returns `None` if they absorb all power.
+#[inline(never)]
+pub(super) fn scatter_at_coated_interface(
+    interaction: &SurfaceInteraction<'_>,
+    coated: &CoatedDielectric,
+    wavelengths: &Wavelengths,
+    transport: TransportMode,
+    stream: &mut Stream,
+) -> Option<ScatteredRay> {
+    let u = stream.uniform();
+    let (sides, thickness_nm) = (interaction.sides, interaction.bsdf.texels.thickness_nm);
+    let disperses = wavelengths.count > 1 && (sides.here.is_dispersive() || sides.there.is_dispersive());
+    scatter_consistently(interaction, |interaction| {
+        let wo = interaction.wo;
+        let (mut reflected, mut transmitted, mut absorbed) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for (k, &nm) in wavelengths.active().iter().enumerate() {
+            let powers = coated.powers(wo, sides, thickness_nm, nm);
+            (reflected[k], transmitted[k], absorbed[k]) = (powers.reflected, powers.transmitted, powers.absorbed());
+        }
+        let (reflected_sum, transmitted_sum) = (reflected.iter().sum::<f64>(), transmitted.iter().sum::<f64>());
+        let both = reflected_sum + transmitted_sum;
+        if both <= 0.0 {
+            return None;
+        }
+        let probability = reflected_sum / both;
+        let base = ScatteredRay {
+            direction: interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z)),
+            weight: reflected.map(|fraction| fraction / probability),
+            absorbed,
+            kept: None,
+            delta: true,
+            pdf: 0.0,
+            event: ScatterEvent::Reflection,
+        };
+        if u < probability {
+            return Some(base);
+        }
+        let lane = if disperses { sample_lane(&transmitted, u * both - reflected_sum)? } else { 0 };
+        let indices = |k: usize| (sides.here.n(wavelengths.nm[k]), sides.there.n(wavelengths.nm[k]));
+        let (n_here, n_there) = indices(lane);
+        let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
+        let weight = if disperses {
+            single_lane(lane, both * transmitted_scale(transport, n_here, n_there))
+        } else {
+            let scale = transmitted_scale(transport, n_here, n_there) / (1.0 - probability);
+            transmitted.map(|fraction| fraction * scale)
+        };
+        Some(ScatteredRay {
+            direction: interaction.frame.to_world(refracted),
+            weight,
+            kept: disperses.then_some(lane),
+            event: ScatterEvent::Transmission,
+            ..base
+        })
+    })
+}
+
+/// Selects a lane in proportion to its weight. `rest` is a random number, uniform between 0 and the
+/// sum of the weights.
+fn sample_lane(weights: &Lanes, mut rest: f64) -> Option<usize> {
+    let lane = weights.iter().position(|weight| {
+        rest -= weight;
+        rest < 0.0
+    });
+    lane.or_else(|| weights.iter().rposition(|&weight| weight > 0.0))
+}

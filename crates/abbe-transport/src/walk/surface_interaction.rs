@@ -1,0 +1,249 @@
+//! A point on a surface where a path scatters.
+
+use super::ray_state::RayState;
+use abbe_optics::bsdf::{DiffractionGrating, Grooves, InterfaceIors, LocalBsdf, ScatterEvent, Texels};
+use abbe_optics::texture::{LookupRandom, TexturePoint};
+use abbe_scene::camera::Camera;
+use abbe_scene::geometry::{Hit, Ray, SurfaceId};
+use abbe_scene::medium_stack::MediumStack;
+use abbe_scene::{Material, Scene};
+use abbe_spectra::math::elementary::atan2;
+use abbe_spectra::math::frame::Frame;
+use glam::DVec3;
+
+/// How a path looks up the material of the next surface.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceLookup {
+    /// A random number in [0, 1). It selects the component of a mixed material and the texels.
+    pub u: f64,
+    /// The diameter of the ray at its origin in m.
+    pub width_m: f64,
+    /// The angle (rad) by which the diameter of the ray grows with the distance. Photons have the
+    /// diameter 0 and the angle 0.
+    pub spread: f64,
+}
+
+impl SurfaceLookup {
+    /// Returns the lookup of a ray without extent.
+    #[inline]
+    pub fn of_line(u: f64) -> Self {
+        Self { u, width_m: 0.0, spread: 0.0 }
+    }
+
+    /// Returns the lookup of a camera path of this length in m. The footprint is smaller than the
+    /// pixel, because the samples of a pixel already average over the pixel.
+    #[inline(always)]
+    pub fn of_camera(camera: &Camera, path_m: f64, u: f64) -> Self {
+        const SHARE_OF_PIXEL: f64 = 0.5;
+        let spread = SHARE_OF_PIXEL * camera.pixel_angle();
+        Self { u, width_m: SHARE_OF_PIXEL * camera.pixel_width_m(path_m), spread }
+    }
+}
+
+/// A path vertex on a surface, and all data for scattering (`SurfaceInteraction` in pbrt-v4).
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceInteraction<'a> {
+    /// The intersection.
+    pub hit: Hit,
+    /// The distance from the previous path vertex, in m.
+    pub distance_m: f64,
+    /// The unit direction in which the path arrived.
+    pub incoming: DVec3,
+    /// The material's number.
+    pub material: usize,
+    /// The BSDF at this point. The component of a mixed material and the texels are selected.
+    pub bsdf: LocalBsdf<'a>,
+    /// True if a property of the material varies over the surface.
+    pub textured: bool,
+    /// The shading frame ([`Hit::frame`]).
+    pub frame: Frame,
+    /// The direction back along the path, in the shading frame.
+    pub wo: DVec3,
+    /// The bodies on the side from which the path arrived.
+    pub here: MediumStack,
+    /// The bodies on the other side.
+    pub there: MediumStack,
+    /// The refractive indices on both sides.
+    pub sides: InterfaceIors<'a>,
+    /// True if the path crossed hidden faces since its previous vertex. A face is hidden if it is
+    /// inside a body of higher priority. Shadow rays stop at hidden faces, so next-event estimation
+    /// does not count such a path.
+    pub crossed_hidden_face: bool,
+}
+
+impl<'a> SurfaceInteraction<'a> {
+    /// Creates the interaction at a hit. The two medium stacks contain the bodies on the side of
+    /// arrival and on the other side. `sides` contains the refractive indices there.
+    #[inline(always)]
+    pub(super) fn new(
+        scene: &'a Scene,
+        incoming: DVec3,
+        hit: Hit,
+        [here, there]: [MediumStack; 2],
+        sides: InterfaceIors<'a>,
+        lookup: SurfaceLookup,
+    ) -> Self {
+        let material = scene.objects[hit.object as usize].material;
+        let textured = scene.materials[material].is_textured();
+        let mut hit = hit;
+        let bsdf = if textured {
+            let (bsdf, shading_normal) = textured_bsdf(scene, material, incoming, &{ hit }, lookup);
+            hit.shading_normal = shading_normal;
+            bsdf
+        } else {
+            scene.materials[material].surface.at(lookup.u)
+        };
+        let frame = hit.frame(incoming);
+        let bsdf = match bsdf.model.grating() {
+            Some(grating) => with_grooves(scene, bsdf, grating, &hit, &frame),
+            None => bsdf,
+        };
+        Self {
+            distance_m: hit.t,
+            crossed_hidden_face: false,
+            incoming,
+            material,
+            bsdf,
+            textured,
+            wo: frame.to_local(-incoming),
+            frame,
+            here,
+            there,
+            sides,
+            hit,
+        }
+    }
+
+    /// Returns the frame of the geometric normal, and the direction back along the path in that
+    /// frame. This frame replaces the shading frame if an interpolated normal sends a scattered
+    /// direction to the wrong side of the surface.
+    #[inline(always)]
+    pub(super) fn geometric_frame(&self) -> (Frame, DVec3) {
+        let frame = Frame::new(self.hit.normal);
+        (frame, frame.to_local(-self.incoming))
+    }
+
+    /// Returns a ray that starts on the surface. `direction` is in world space. `medium_stack`
+    /// contains the bodies around the ray's origin.
+    #[inline]
+    pub fn spawn_ray(&self, direction: DVec3, medium_stack: MediumStack) -> RayState {
+        RayState { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), medium_stack }
+    }
+
+    /// Returns true if `direction` leads back to the side from which the path arrived.
+    #[inline]
+    pub fn leads_back(&self, direction: DVec3) -> bool {
+        self.hit.leads_back(self.incoming, direction)
+    }
+
+    /// Returns true if a scattered direction is on the correct side of the geometric surface. For
+    /// reflection, the correct side is the side from which the path arrived. For transmission, it
+    /// is the other side.
+    #[inline]
+    pub fn is_consistent(&self, direction: DVec3, event: ScatterEvent) -> bool {
+        self.leads_back(direction) == (event == ScatterEvent::Reflection)
+    }
+
+    /// Returns the bodies around the ray after a scattering event.
+    #[inline]
+    pub fn medium_stack_after(&self, event: ScatterEvent) -> MediumStack {
+        match event {
+            ScatterEvent::Reflection => self.here,
+            ScatterEvent::Transmission => self.there,
+        }
+    }
+
+    /// Returns the refractive indices as seen from the side of `direction`.
+    pub fn sides_towards(&self, direction: DVec3) -> InterfaceIors<'a> {
+        if self.leads_back(direction) {
+            self.sides
+        } else {
+            InterfaceIors { here: self.sides.there, there: self.sides.here }
+        }
+    }
+
+    /// Returns the bodies on the side of `direction`.
+    pub fn medium_stack_towards(&self, direction: DVec3) -> MediumStack {
+        if self.leads_back(direction) { self.here } else { self.there }
+    }
+
+    /// Casts a shadow ray. Returns true if no surface lies between this point and a light at
+    /// `distance` (m) along `direction`. `target` is the surface of the light. This surface does
+    /// not count as an obstacle.
+    #[inline(always)]
+    pub fn is_unoccluded(&self, scene: &Scene, direction: DVec3, distance: f64, target: Option<SurfaceId>) -> bool {
+        let ray = Ray { origin: self.hit.position, direction };
+        !scene.geometry.occluded(&ray, Some(self.hit.surface), target, distance)
+    }
+
+    /// Returns the correction for shading normals in particle tracing; see
+    /// [`Hit::adjoint_correction`].
+    #[inline]
+    pub fn adjoint_correction(&self, to_light: DVec3, to_camera: DVec3) -> f64 {
+        self.hit.adjoint_correction(&self.frame, to_light, to_camera)
+    }
+}
+
+/// Returns the BSDF of a grating with the direction of its grooves at a hit. If the texture
+/// coordinates do not determine the direction, it is that of the frame.
+#[inline(never)]
+fn with_grooves<'a>(
+    scene: &Scene,
+    bsdf: LocalBsdf<'a>,
+    grating: &DiffractionGrating,
+    hit: &Hit,
+    frame: &Frame,
+) -> LocalBsdf<'a> {
+    let Some([along_u, along_v]) = scene.geometry.uv_tangents(hit) else { return bsdf };
+    let (across, turn) = match grating.grooves() {
+        Grooves::Parallel(turn) => (along_u, turn),
+        Grooves::Circular => {
+            let [u, v] = scene.geometry.uv(hit);
+            ((u - 0.5) * along_u + (v - 0.5) * along_v, 0.0)
+        }
+    };
+    let local = frame.to_local(across);
+    // Seen from the outside, the angle runs from u towards −v, which points upwards in a picture.
+    let outwards = if frame.to_local(along_u.cross(along_v)).z > 0.0 { -turn } else { turn };
+    let groove_angle = (atan2(local.y, local.x) + outwards) as f32;
+    LocalBsdf { texels: Texels { groove_angle, ..bsdf.texels }, ..bsdf }
+}
+
+/// The smallest cosine of incidence for which the footprint of a ray is computed exactly. At
+/// smaller cosines, the footprint is limited, because the surface is seen at grazing incidence.
+const LEAST_FOOTPRINT_COSINE: f64 = 0.01;
+
+/// Separates the random numbers of normal maps from the random numbers of the other textures. If
+/// they were equal, the component of a mixture would depend on the texel of its normal.
+const NORMAL_MAP_SEED: u64 = 0x006e_6f72_6d61_6c00;
+
+/// Returns the BSDF and the shading normal at a hit of a surface with textures.
+#[inline(never)]
+fn textured_bsdf<'a>(
+    scene: &'a Scene,
+    material: usize,
+    incoming: DVec3,
+    hit: &Hit,
+    lookup: SurfaceLookup,
+) -> (LocalBsdf<'a>, DVec3) {
+    let Material { surface, normal_map, .. } = &scene.materials[material];
+    let mut point = TexturePoint::new(scene.geometry.uv(hit));
+    let width_m = lookup.width_m + hit.t * lookup.spread;
+    if width_m > 0.0 {
+        // The ray is a cone. Its section with the tangent plane is an ellipse, which is long in the
+        // plane of incidence.
+        let cosine = incoming.dot(hit.normal);
+        let along = (incoming - cosine * hit.normal).normalize_or(Frame::new(hit.normal).to_world(DVec3::X));
+        let across = hit.normal.cross(along);
+        let edges = [along * (width_m / cosine.abs().max(LEAST_FOOTPRINT_COSINE)), across * width_m];
+        point.footprint = edges.map(|edge| scene.geometry.uv_step(hit, edge));
+    }
+    let shading_normal = normal_map.as_ref().map_or(hit.shading_normal, |map| {
+        let mut random = LookupRandom::new(lookup.u).split(NORMAL_MAP_SEED);
+        let tangents = scene.geometry.uv_tangents(hit);
+        tangents.map_or(hit.shading_normal, |tangents| {
+            map.shading_normal(&point, &mut random, hit.shading_normal, tangents)
+        })
+    });
+    (surface.at_point(&point, lookup.u), shading_normal)
+}
