@@ -123,6 +123,7 @@
 pub mod api;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod reports;
 #[cfg(feature = "pages")]
 pub mod study;
 #[cfg(feature = "cli")]

@@ -5,10 +5,8 @@
 //! command line is wrong, and 3 if the limit of `compare --fail-above` was exceeded. The exit
 //! status is 130 if the user interrupted the command.
 
-pub mod bindings;
 mod check;
 mod checkpoint;
-mod colour;
 mod compare;
 mod completions;
 mod develop;
@@ -28,18 +26,14 @@ mod lens;
 mod luminaire;
 mod man;
 mod measure;
-mod memory;
 mod merge;
 mod metal;
-mod named;
 mod outputs;
 mod preview;
 mod print;
 mod probe;
 mod progress;
-mod readings;
 mod regress;
-mod regress_files;
 mod relight;
 mod render;
 mod scene_file;
