@@ -126,8 +126,6 @@ pub mod cli;
 pub mod reports;
 #[cfg(feature = "pages")]
 pub mod study;
-#[cfg(feature = "cli")]
-pub mod validate;
 #[cfg(feature = "view")]
 pub mod view;
 

@@ -41,7 +41,6 @@ mod schema;
 mod slurm;
 mod spectrum;
 mod study;
-mod validate;
 mod values;
 #[cfg(feature = "view")]
 mod view;
@@ -106,8 +105,6 @@ enum Command {
     Regress(regress::RegressArgs),
     /// Measure the light at the meters of a scene: illuminance, spectra, flux, and other quantities
     Measure(measure::MeasureArgs),
-    /// Measure public test cases with known results, and write a report
-    Validate(validate::ValidateArgs),
     /// Compare a picture with a reference
     Compare(compare::CompareArgs),
     /// Print the colour, the error bars and the spectrum of a pixel
@@ -224,7 +221,6 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Lamps(arguments) => lamps::run(arguments),
         Command::Regress(arguments) => regress::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),
-        Command::Validate(arguments) => validate::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),
         #[cfg(feature = "view")]
