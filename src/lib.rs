@@ -28,10 +28,10 @@
 //! # Ok::<(), abbe::Error>(())
 //! ```
 //!
-//! [`Scene`] loads a scene from a file, from text, or from the structs of [`mod@format`].
-//! [`RenderOptions`] contains the stop rules of the render, and overrides settings of the scene.
-//! [`Image`] contains the pixels and their error bars. The folder `examples/` of the source code
-//! shows more: progress and cancellation, scenes without JSON, colours of spectra, error bars, the
+//! [`Scene`] loads a scene from a file, from text, or from the structs of [`mod@format`], and
+//! [`RenderOptions`] says when the render stops and which settings of the scene it overrides. The
+//! resulting [`Image`] contains the pixels and their error bars. The programs in `examples/` show
+//! more: progress and cancellation, scenes without JSON, colours of spectra, error bars, and the
 //! path of a single photon.
 //!
 //! # How a picture is computed
@@ -50,59 +50,51 @@
 //! ```
 //!
 //! Photon mapping computes caustics and indirect light, and camera rays compute direct light
-//! (Jensen 1996). Passes are independent of each other, and their kernels shrink from pass to pass
-//! (Knaus & Zwicker 2011). Passes can therefore run on different machines in any order, and their
-//! results can be merged.
+//! (Jensen 1996). The passes are independent of each other, and their kernels shrink from pass to
+//! pass (Knaus & Zwicker 2011), so different machines can render passes in any order and merge the
+//! results.
 //!
-//! # Modules
+//! # Crates
 //!
-//! Each module may import only modules above it in this list. A test checks the exact order.
+//! The source is a workspace, and each crate of it may depend only on crates above it in this list.
+//! Programs that need only spectra, colour or optics can use the first two crates without the
+//! renderer.
 //!
-//! | module | content |
+//! | crate | content |
 //! | --- | --- |
-//! | `error` | the error type |
-//! | `math` | random streams, sampling, quadrature |
-//! | `spectrum` | functions of wavelength, observers, the library of spectra |
-//! | `colour` | XYZ, RGB, colour differences, colour rendering |
-//! | `optics` | glass, BSDFs, phase functions, lenses |
-//! | `geometry` | shapes, meshes, the bounding volume hierarchy |
-//! | `scene` | the resolved scene: cameras, lights, media, motion |
-//! | `json` | strict JSON with line, column and path of every value |
-//! | `format` | the scene file, and its resolution into a scene |
-//! | `plan` | the decision which effects are simulated, with reasons |
-//! | `walk` | path segments, scattering, transmittance |
-//! | `map` | photon maps, kernels, radii |
-//! | `emit` | photon emission and photon paths |
-//! | `gather` | camera paths, direct light, photon density estimates, the path tracer |
-//! | `sensor` | film sums, noise and bias, exposure, development |
-//! | `output` | EXR and PNG files, comparisons, plots, pages |
-//! | `pass` | the transport of one pass: the pilot, photon recording, camera samples |
-//! | `render` | a render of many passes: stop rules, forecasts, checkpoints, merging |
-//! | `study` | error against time (feature `pages`) |
-//! | `api` | the items of this page |
-//! | `view` | the live view in the browser (feature `view`) |
-//! | `cli` | the `abbe` program (feature `cli`) |
-//! | `python` | the native module of the Python package (feature `python`) |
+//! | [`abbe_spectra`] | the error type, random streams and quadrature, spectra and observers, colour |
+//! | [`abbe_optics`] | glasses, lenses, gratings, thin films, BSDFs and phase functions |
+//! | [`abbe_scene`] | the resolved scene: shapes, cameras, lights, media, motion |
+//! | [`abbe_transport`] | the plan, photon emission, photon maps, camera paths, film sums |
+//! | [`abbe_format`] | the scene file: strict JSON, the schema, and the resolution into a scene |
+//! | [`abbe_session`] | renders of many passes, checkpoints and merging; EXR, PNG and HTML files |
+//! | `abbe_import` | scenes of glTF, Mitsuba and pbrt |
+//! | `abbe` | this crate: the public interface, reports, studies, the live view, the `abbe` program |
+//! | `abbe_python` | the native module of the Python package, in `python/` |
 //!
-//! Only the items of this page are public interface. The modules are visible to the tests and
-//! benchmarks of this package, and they may change in every release.
+//! Only the items of this page are public interface. The modules of this crate, and those of the
+//! other crates as far as this page does not name them, are visible to the tests, the benchmarks
+//! and the Python package. They may change in every release.
 //!
 //! # Units and conventions
 //!
-//! Lengths in a scene file are in the file's `unit`. The default unit is the metre. Inside the
-//! program, positions are relative to the centre of the scene. Lengths are in m, wavelengths in nm,
-//! power in W and radiance in W/m²/sr. Power covers the band 360–830 nm. The Y of a picture is in
-//! cd/m². Stored directions point in the direction in which light travels. At a scattering event,
-//! `wo` and `wi` point away from the surface. Geometry is computed in `f64`, and photons are stored
-//! in `f32`.
+//! Lengths in a scene file are in the file's `unit`, which is the metre by default. Inside the
+//! program, positions are relative to the centre of the scene, lengths are in m, wavelengths in nm,
+//! power in W and radiance in W/m²/sr. Power covers the band 360–830 nm, and the Y of a picture is
+//! in cd/m². Stored directions point in the direction in which light travels, except that `wo` and
+//! `wi` point away from the surface at a scattering event. Geometry is computed in `f64`, and
+//! photons are stored in `f32`.
 //!
 //! # Scope and simplifications
 //!
-//! Abbe simulates the geometrical optics of unpolarised light. Diffraction is simulated only at the
-//! camera's aperture. Abbe does not simulate polarisation. Surfaces and media may be fluorescent,
-//! and light from 300 nm on excites them. Abbe simulates surfaces, homogeneous and heterogeneous
-//! scattering media, and glowing media. All rays and photons of a pass share one shutter time, so
-//! nothing moves during a pass. The mean over the passes contains the motion blur.
+//! Abbe simulates the geometrical optics of unpolarised light. Wave optics is simulated where it
+//! decides what a picture shows: as interference in thin films, and as diffraction at gratings and
+//! at the camera's aperture. Every surface treats the arriving light as unpolarised.
+//!
+//! Surfaces and media may be fluorescent, in which case light from 300 nm on excites them. Media
+//! may be homogeneous or heterogeneous, and they may glow. All rays and photons of a pass share one
+//! shutter time, so nothing moves during a pass, and the mean over the passes contains the motion
+//! blur.
 //!
 //! # Features
 //!
@@ -111,8 +103,7 @@
 //! | `cli` | yes | the `abbe` program; implies `pages` |
 //! | `pages` | | HTML pages that compare pictures or lamps, and studies of accuracy |
 //! | `view` | yes | the live view in the browser (`abbe view`); implies `cli` |
-//! | `meshes` | yes | OBJ, PLY, STL and glTF files |
-//! | `python` | | the native module of the Python package in `python/`; implies `cli` and `meshes` |
+//! | `meshes` | yes | OBJ, PLY, STL and glTF files, and scenes of other programs |
 //!
 //! To use the renderer without the command line, depend on it as
 //! `abbe = { version = "…", default-features = false }`.
@@ -123,10 +114,9 @@
 pub mod api;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod reports;
 #[cfg(feature = "pages")]
 pub mod study;
-#[cfg(feature = "cli")]
-pub mod validate;
 #[cfg(feature = "view")]
 pub mod view;
 

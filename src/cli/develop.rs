@@ -15,7 +15,8 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::Observer;
 use serde_json::Value;
 
-use super::{Outcome, named, print, values};
+use super::spectrum::light;
+use super::{Outcome, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct DevelopArgs {
@@ -113,7 +114,7 @@ fn white(name: &str, header: &Metadata, lights: Option<Xyz>) -> Result<Option<Xy
             let own = scene.pointer("/spectra").and_then(|spectra| spectra.get(name)).map(Value::to_string);
             let observer = scene.pointer("/film/observer").and_then(Value::as_str).map(Observer::by_name);
             let observer = observer.transpose()?.unwrap_or_else(Observer::cie1931);
-            observer.xyz(&named::light(own.as_deref().unwrap_or(name))?.spectrum)
+            observer.xyz(&light(own.as_deref().unwrap_or(name))?.spectrum)
         }
     };
     if !AdaptationTransform::Bradford.can_adapt_from(xyz) {

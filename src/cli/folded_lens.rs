@@ -1,86 +1,9 @@
-//! The report of `abbe lens` for a system with mirrors or coordinate breaks.
+//! The text of `abbe lens` for a system with mirrors or coordinate breaks.
 
-use abbe_optics::lens::LINES;
-use abbe_optics::lens::folded::{FoldedAnalysis, FoldedField, FoldedSystem};
-use abbe_spectra::error::Result;
-use serde::Serialize;
+use crate::reports::folded_lens::{FoldedFieldReport, FoldedLensReport};
 
-use super::{lens, print};
-
-/// The documentation of [`FoldedAnalysis`] defines the quantities. The focal length and the back
-/// focus are those along y.
-#[derive(Debug, Serialize)]
-struct FoldedReport<'a> {
-    name: &'a str,
-    surfaces: usize,
-    mirrors: usize,
-    efl_mm: f64,
-    efl_x_mm: f64,
-    bfd_mm: f64,
-    bfd_x_mm: f64,
-    image_distance_mm: f64,
-    f_number: f64,
-    entrance_diameter_mm: f64,
-    half_field_deg: f64,
-    fields: Vec<FoldedFieldReport>,
-}
-
-#[derive(Debug, Serialize)]
-struct FoldedFieldReport {
-    angle_deg: f64,
-    image_x_mm: f64,
-    image_height_mm: f64,
-    spots: Vec<FoldedSpotReport>,
-    passing: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct FoldedSpotReport {
-    line: &'static str,
-    rms_mm: f64,
-}
-
-/// Analyses the system and prints the figures.
-pub(super) fn report(system: &FoldedSystem, half_field_deg: Option<f64>, as_json: bool) -> Result<()> {
-    lens::notes(&system.notes);
-    let analysis = system.analysis(half_field_deg)?;
-    let report = figures(system, &analysis);
-    if as_json { print::json(&report) } else { print::result(&text(&report)) }
-}
-
-/// Analyses the system, and returns the figures as JSON.
-pub(super) fn json(system: &FoldedSystem, half_field_deg: Option<f64>) -> Result<String> {
-    let analysis = system.analysis(half_field_deg)?;
-    Ok(serde_json::to_string(&figures(system, &analysis)).expect("reports have text keys and no fallible values"))
-}
-
-fn figures<'a>(system: &'a FoldedSystem, analysis: &FoldedAnalysis) -> FoldedReport<'a> {
-    let spot = |(line, rms_mm): (&(&'static str, f64), f64)| FoldedSpotReport { line: line.0, rms_mm };
-    let field = |field: &FoldedField| FoldedFieldReport {
-        angle_deg: field.angle_deg,
-        image_x_mm: field.centroid_mm.x,
-        image_height_mm: field.centroid_mm.y,
-        spots: LINES.iter().zip(field.rms_mm).map(spot).collect(),
-        passing: field.passing,
-    };
-    FoldedReport {
-        name: &system.name,
-        surfaces: system.surfaces.len(),
-        mirrors: system.mirrors(),
-        efl_mm: analysis.efl_mm[0],
-        efl_x_mm: analysis.efl_mm[1],
-        bfd_mm: analysis.back_focus_mm[0],
-        bfd_x_mm: analysis.back_focus_mm[1],
-        image_distance_mm: analysis.image_distance_mm,
-        f_number: analysis.f_number,
-        entrance_diameter_mm: analysis.entrance_mm,
-        half_field_deg: analysis.half_field_deg,
-        fields: analysis.fields.iter().map(field).collect(),
-    }
-}
-
-fn text(report: &FoldedReport<'_>) -> String {
-    let FoldedReport { name, surfaces, mirrors, .. } = report;
+pub(super) fn text(report: &FoldedLensReport<'_>) -> String {
+    let FoldedLensReport { name, surfaces, mirrors, .. } = report;
     let mut text = format!("{name} ({surfaces} surfaces, {mirrors} of them mirrors)\n");
     let pair = |along_y: f64, along_x: f64| {
         if (along_y - along_x).abs() <= 1e-5 * along_y.abs() {

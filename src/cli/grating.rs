@@ -3,14 +3,11 @@
 use std::f64::consts::PI;
 
 use super::{Outcome, print, values};
-use abbe_optics::bsdf::ScatterEvent;
+use crate::reports::grating::{GratingReport, GratingSetup, OrderReport};
 use abbe_optics::glass::RefractiveIndex;
-use abbe_optics::grating::{DiffractedOrder, EfficiencyTable, Grating, GratingProfile};
+use abbe_optics::grating::{EfficiencyTable, Grating, GratingProfile};
 use abbe_spectra::error::{Error, Result};
-use abbe_spectra::math::elementary::{atan2, sin_cos};
 use abbe_spectra::spectrum::Spectrum;
-use glam::DVec3;
-use serde::Serialize;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct GratingArgs {
@@ -95,31 +92,6 @@ enum ProfileName {
     Slits,
 }
 
-/// An order. If the incidence is conical, `degrees` is the angle to the normal.
-#[derive(Debug, Serialize)]
-struct OrderReport {
-    order: i32,
-    side: &'static str,
-    degrees: f64,
-    /// The angle around the normal. Omitted if the orders lie in the plane of incidence.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    azimuth_degrees: Option<f64>,
-    efficiency: f64,
-    /// The resolving power mN/1.22 of N grooves in front of a round stop (Rayleigh's criterion).
-    /// Omitted without a stop.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    resolving_power: Option<f64>,
-    /// The difference of the wavelengths whose images of the slit are side by side, in nm. Omitted
-    /// without a slit, and for the order 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    slit_nm: Option<f64>,
-}
-
-#[derive(Debug, Serialize)]
-struct GratingReport {
-    orders: Vec<OrderReport>,
-}
-
 /// The amplitude in rad for which J₁ is largest.
 const BEST_AMPLITUDE: f64 = 1.8412;
 
@@ -161,79 +133,28 @@ fn profile(arguments: &GratingArgs) -> Result<GratingProfile> {
 }
 
 fn report(arguments: &GratingArgs) -> Result<GratingReport> {
-    let GratingArgs { lines_per_mm, wavelength, angle, azimuth, reflectance, substrate, .. } = arguments;
-    within("--angle", *angle, (-90.0, 90.0))?;
-    within("--azimuth", *azimuth, (-360.0, 360.0))?;
-    within("--reflectance", *reflectance, (0.0, 1.0))?;
-    let spectroscope = Spectroscope::new(arguments)?;
-    let grating = Grating::new(*lines_per_mm, profile(arguments)?)?;
+    let GratingArgs { lines_per_mm, angle, azimuth, reflectance, stop_mm, slit_deg, .. } = *arguments;
+    within("--angle", angle, (-90.0, 90.0))?;
+    within("--azimuth", azimuth, (-360.0, 360.0))?;
+    within("--reflectance", reflectance, (0.0, 1.0))?;
+    for (option, value, most) in [("--stop-mm", stop_mm, f64::MAX), ("--slit-deg", slit_deg, 90.0)] {
+        let Some(value) = value else { continue };
+        within(option, value, (f64::MIN_POSITIVE, most))?;
+        if azimuth != 0.0 {
+            return Err(Error::input(format!("{option} with --azimuth {azimuth}"))
+                .expected("incidence across the grooves, without --azimuth"));
+        }
+    }
+    let grating = Grating::new(lines_per_mm, profile(arguments)?)?;
+    let substrate = &arguments.substrate;
     let behind = match substrate.trim().parse() {
         Ok(n) => RefractiveIndex::constant(n)?,
         Err(_) if substrate.eq_ignore_ascii_case("air") => RefractiveIndex::constant(1.0)?,
         Err(_) => RefractiveIndex::catalogue(substrate)?,
     };
-    let ((sin, cos), (sin_azimuth, cos_azimuth)) = (sin_cos(angle.to_radians()), sin_cos(azimuth.to_radians()));
-    let incident = DVec3::new(sin * cos_azimuth, sin * sin_azimuth, -cos);
-    let sides = [
-        ("reflected", ScatterEvent::Reflection, 1.0, *reflectance),
-        ("transmitted", ScatterEvent::Transmission, behind.n(*wavelength), 1.0 - reflectance),
-    ];
-    let mut orders = Vec::new();
-    for (side, event, index, share) in sides.into_iter().filter(|side| side.3 > 0.0) {
-        for order in grating.orders(incident, event, [1.0, index], *wavelength) {
-            let (degrees, azimuth_degrees) = angles(&order, *azimuth != 0.0);
-            let efficiency = share * order.efficiency;
-            let (resolving_power, slit_nm) = (spectroscope.resolving_power(&order), spectroscope.slit_nm(&order));
-            let order = order.order;
-            orders.push(OrderReport { order, side, degrees, azimuth_degrees, efficiency, resolving_power, slit_nm });
-        }
-    }
-    Ok(GratingReport { orders })
-}
-
-/// A slit, a grating and a round stop behind it. All light travels across the grooves.
-struct Spectroscope {
-    lines_per_mm: f64,
-    cos_incidence: f64,
-    stop_mm: Option<f64>,
-    slit_rad: Option<f64>,
-}
-
-impl Spectroscope {
-    fn new(arguments: &GratingArgs) -> Result<Self> {
-        let GratingArgs { lines_per_mm, angle, azimuth, stop_mm, slit_deg, .. } = *arguments;
-        for (option, value, most) in [("--stop-mm", stop_mm, f64::MAX), ("--slit-deg", slit_deg, 90.0)] {
-            let Some(value) = value else { continue };
-            within(option, value, (f64::MIN_POSITIVE, most))?;
-            if azimuth != 0.0 {
-                return Err(Error::input(format!("{option} with --azimuth {azimuth}"))
-                    .expected("incidence across the grooves, without --azimuth"));
-            }
-        }
-        let (cos_incidence, slit_rad) = (sin_cos(angle.to_radians()).1, slit_deg.map(f64::to_radians));
-        Ok(Self { lines_per_mm, cos_incidence, stop_mm, slit_rad })
-    }
-
-    /// Returns the resolving power. The stop is across the light of the order, so the order
-    /// illuminates it through a longer part of the grating.
-    fn resolving_power(&self, order: &DiffractedOrder) -> Option<f64> {
-        let grooves = self.stop_mm? * self.lines_per_mm / order.direction.z.abs();
-        Some(f64::from(order.order.abs()) * grooves / 1.22)
-    }
-
-    fn slit_nm(&self, order: &DiffractedOrder) -> Option<f64> {
-        let per_nm = f64::from(order.order.abs()) * self.lines_per_mm * 1e-6;
-        self.slit_rad.filter(|_| order.order != 0).map(|slit| slit * self.cos_incidence / per_nm)
-    }
-}
-
-/// Returns the angles of an order in degrees.
-fn angles(order: &DiffractedOrder, conical: bool) -> (f64, Option<f64>) {
-    if conical {
-        (order.polar_deg(), Some(atan2(order.direction.y, order.direction.x).to_degrees()))
-    } else {
-        (order.signed_deg(), None)
-    }
+    let (angle_deg, azimuth_deg) = (angle, azimuth);
+    let setup = GratingSetup { lines_per_mm, angle_deg, azimuth_deg, reflectance, behind, stop_mm, slit_deg };
+    Ok(GratingReport::of(&grating, &setup, arguments.wavelength))
 }
 
 fn text(report: &GratingReport) -> String {

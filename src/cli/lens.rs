@@ -1,19 +1,16 @@
 //! `abbe lens`: analyses a lens of several elements.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use abbe_format::resolve;
-use abbe_optics::glass::AgfCatalogue;
-use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
-use abbe_optics::lens::section::{DrawnRay, FocusWindow, LensSection, section};
+use abbe_optics::lens::LensAnalysis;
+use abbe_optics::lens::image_quality::FAN_PUPIL;
 use abbe_optics::lens::zemax::ZmxSystem;
-use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, Pupil, catalogue};
-use abbe_session::output::drawing::{FocusInset, LensDrawing, RayStroke};
 use abbe_session::output::file;
 use abbe_spectra::error::{Error, Result};
-use serde::Serialize;
 
 use super::{Outcome, folded_lens, print, values};
+use crate::reports::folded_lens::FoldedLensReport;
+use crate::reports::lens::{FieldReport, LensList, LensListing, LensReport, LineReport, PupilReport, drawing, find};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct LensArgs {
@@ -40,91 +37,6 @@ pub(crate) struct LensArgs {
     list: bool,
 }
 
-/// The analysis of a lens. The documentation of [`LensAnalysis`] defines the quantities.
-#[derive(Debug, Serialize)]
-pub(super) struct LensReport<'a> {
-    name: &'a str,
-    source: Option<&'a str>,
-    surfaces: usize,
-    length_mm: f64,
-    efl_mm: f64,
-    bfd_mm: f64,
-    fc_shift_mm: f64,
-    /// Null if the entrance pupil lies at infinity.
-    f_number: Option<f64>,
-    entrance_pupil: Option<PupilReport>,
-    exit_pupil: Option<PupilReport>,
-    lines: Vec<LineReport>,
-    half_field_deg: f64,
-    fields: Vec<FieldReport>,
-}
-
-#[derive(Debug, Serialize)]
-struct PupilReport {
-    z_mm: f64,
-    diameter_mm: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct LineReport {
-    line: &'static str,
-    nm: f64,
-    efl_mm: f64,
-    bfd_mm: f64,
-    transmittance: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct FieldReport {
-    angle_deg: f64,
-    image_height_mm: f64,
-    /// Null for a field point on the axis.
-    distortion: Option<f64>,
-    lateral_colour_mm: f64,
-    spots: Vec<SpotReport>,
-    mtf: Vec<MtfReport>,
-    ray_fans: Vec<FanReport>,
-}
-
-/// The documentation of [`MtfPoint`] defines the quantities.
-#[derive(Debug, Serialize)]
-struct MtfReport {
-    cycles_per_mm: f64,
-    tangential: f64,
-    sagittal: f64,
-    diffraction_limit: f64,
-}
-
-/// The documentation of [`RayFan`] defines the quantities. Null stands for a vignetted ray.
-#[derive(Debug, Serialize)]
-struct FanReport {
-    line: &'static str,
-    pupil: [f64; FAN_PUPIL.len()],
-    tangential_mm: [Option<f64>; FAN_PUPIL.len()],
-    sagittal_mm: [Option<f64>; FAN_PUPIL.len()],
-}
-
-#[derive(Debug, Serialize)]
-struct SpotReport {
-    line: &'static str,
-    rms_mm: f64,
-}
-
-/// An entry of the list.
-#[derive(Debug, Serialize)]
-struct LensListing<'a> {
-    name: &'a str,
-    efl_mm: f64,
-    f_number: Option<f64>,
-    half_field_deg: f64,
-    surfaces: usize,
-}
-
-#[derive(Debug, Serialize)]
-struct LensList<'a> {
-    lenses: Vec<LensListing<'a>>,
-}
-
 pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
     match &arguments.lens {
         Some(name) => one(name, arguments)?,
@@ -134,121 +46,43 @@ pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
 }
 
 fn one(name: &str, arguments: &LensArgs) -> Result<()> {
-    let lens = match named(name, &arguments.glasses)? {
+    let lens = match find(name, &arguments.glasses)? {
         ZmxSystem::Lens(lens) => lens,
         ZmxSystem::Folded(system) => {
             if arguments.svg.is_some() {
                 let error = Error::input("a system with mirrors or coordinate breaks cannot be drawn yet");
                 return Err(error.expected("no --svg"));
             }
-            return folded_lens::report(&system, arguments.field, arguments.json);
+            notes(&system.notes);
+            let report = FoldedLensReport::of(&system, arguments.field)?;
+            return if arguments.json { print::json(&report) } else { print::result(&folded_lens::text(&report)) };
         }
     };
     notes(lens.notes());
     let analysis = LensAnalysis::of(&lens, arguments.field)?;
     if let Some(path) = &arguments.svg {
-        let drawing = drawing(&lens, &analysis, section(&lens, &analysis)?);
-        file::write_whole(path, drawing.svg().as_bytes())?;
+        file::write_whole(path, drawing(&lens, &analysis)?.svg().as_bytes())?;
     }
-    let report = report(&lens, &analysis, &ImageQuality::of(&lens, &analysis)?);
+    let report = LensReport::of(&lens, &analysis)?;
     if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
 }
 
 /// Prints the remarks of the reader of a lens file.
-pub(crate) fn notes(notes: &[String]) {
+fn notes(notes: &[String]) {
     notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
 }
 
-/// Returns the lens given by an argument. The catalogues in the files `glasses` are searched first.
-pub(super) fn named(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
-    let catalogues: Vec<AgfCatalogue> = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
-    let unknown = match catalogue::find(name) {
-        Ok(lens) => return Ok(ZmxSystem::Lens(lens.clone())),
-        Err(unknown) => unknown,
-    };
-    let path = Path::new(name);
-    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). An argument is a path only if
-    // the file exists, or if it has the extension of a lens file.
-    let is_lens_file =
-        |ending: &std::ffi::OsStr| ["json", "zmx"].iter().any(|known| ending.eq_ignore_ascii_case(known));
-    if path.exists() || path.extension().is_some_and(is_lens_file) {
-        return resolve::lens_system_file(path, &catalogues);
-    }
-    Err(unknown.expected("a name of `abbe lens --list`, or a file"))
-}
-
 fn list(json: bool) -> Result<()> {
-    let mut lenses = Vec::new();
-    for lens in catalogue::all() {
-        let paraxial = lens.at(LINES[1].1).paraxial()?;
-        lenses.push(LensListing {
-            name: lens.name(),
-            efl_mm: paraxial.efl_mm,
-            f_number: paraxial.f_number,
-            half_field_deg: lens.half_field_deg().unwrap_or_default(),
-            surfaces: lens.surfaces().len(),
-        });
-    }
+    let list = LensList::built_in()?;
     if json {
-        return print::json(&LensList { lenses });
+        return print::json(&list);
     }
     let line = |lens: &LensListing<'_>| {
         let LensListing { name, efl_mm, f_number, half_field_deg, surfaces } = lens;
         let f_number = f_number.unwrap_or(f64::INFINITY);
         format!("{name:<28} {efl_mm:>8.2} mm  f/{f_number:<5.2} ±{half_field_deg:<5} {surfaces:>2} surfaces\n")
     };
-    print::result(&lenses.iter().map(line).collect::<String>())
-}
-
-pub(super) fn report<'a>(lens: &'a Lens, analysis: &LensAnalysis, quality: &[ImageQuality]) -> LensReport<'a> {
-    let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
-    let pupil = |Pupil { z_mm, diameter_mm }| PupilReport { z_mm, diameter_mm };
-    let spot = |(line, rms_mm): (&(&'static str, f64), f64)| SpotReport { line: line.0, rms_mm };
-    let mtf = |MtfPoint { per_mm, tangential, sagittal, diffraction_limit }: &MtfPoint| MtfReport {
-        cycles_per_mm: *per_mm,
-        tangential: *tangential,
-        sagittal: *sagittal,
-        diffraction_limit: *diffraction_limit,
-    };
-    let fan = |RayFan { line, tangential_mm, sagittal_mm }: &RayFan| FanReport {
-        line,
-        pupil: FAN_PUPIL,
-        tangential_mm: *tangential_mm,
-        sagittal_mm: *sagittal_mm,
-    };
-    let field = |(field, quality): (&FieldPoint, &ImageQuality)| FieldReport {
-        angle_deg: field.angle_deg,
-        image_height_mm: field.image_height_mm,
-        distortion: field.distortion,
-        lateral_colour_mm: field.lateral_colour_mm,
-        spots: LINES.iter().zip(field.spots.map(|spot| spot.rms_mm)).map(spot).collect(),
-        mtf: quality.mtf.iter().map(mtf).collect(),
-        ray_fans: quality.fans.iter().map(fan).collect(),
-    };
-    LensReport {
-        name: lens.name(),
-        source: lens.source(),
-        surfaces: lens.surfaces().len(),
-        length_mm: lens.length_mm(),
-        efl_mm: paraxial.efl_mm,
-        bfd_mm: paraxial.bfd_mm,
-        fc_shift_mm: analysis.fc_shift_mm(),
-        f_number: paraxial.f_number,
-        entrance_pupil: paraxial.entrance_pupil.map(pupil),
-        exit_pupil: paraxial.exit_pupil.map(pupil),
-        lines: lines
-            .iter()
-            .map(|line| LineReport {
-                line: line.line,
-                nm: line.wavelength_nm,
-                efl_mm: line.efl_mm,
-                bfd_mm: line.bfd_mm,
-                transmittance: line.transmittance,
-            })
-            .collect(),
-        half_field_deg: *half_field_deg,
-        fields: fields.iter().zip(quality).map(field).collect(),
-    }
+    print::result(&list.lenses.iter().map(line).collect::<String>())
 }
 
 fn text(report: &LensReport<'_>) -> String {
@@ -311,37 +145,4 @@ fn quality_text(fields: &[FieldReport]) -> String {
         }
     }
     text + "\n"
-}
-
-pub(super) fn drawing(lens: &Lens, analysis: &LensAnalysis, section: LensSection) -> LensDrawing {
-    let LensSection { elements, stop, sensor, rays, foci } = section;
-    let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };
-    let window = |focus: &FocusWindow| FocusInset {
-        title: if focus.angle_deg == 0.0 {
-            "focus on the axis".to_string()
-        } else {
-            format!("focus at {}°, along the bundle", focus.angle_deg)
-        },
-        centre: focus.centre,
-        half_size: focus.half_size,
-        slope: focus.slope,
-    };
-    let colours = LINES.iter().zip(["#1f5fbf", "#d09a00", "#c0302a"]);
-    let f_number = analysis.paraxial.f_number.map_or(String::new(), |f_number| format!(", f/{f_number:.2}"));
-    LensDrawing {
-        title: lens.name().to_string(),
-        caption: format!(
-            "f = {:.2} mm{f_number}, back focus {:.2} mm, F′ − C′ {:+.4} mm",
-            analysis.paraxial.efl_mm,
-            analysis.paraxial.bfd_mm,
-            analysis.fc_shift_mm()
-        )
-        .replace('-', "−"),
-        glass: elements,
-        stop,
-        sensor,
-        strokes: rays.into_iter().map(stroke).collect(),
-        colours: colours.map(|((line, nm), colour)| (format!("{line}, {nm:.1} nm"), colour.to_string())).collect(),
-        windows: foci.iter().map(window).collect(),
-    }
 }

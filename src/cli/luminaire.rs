@@ -2,18 +2,13 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-
-use super::{Outcome, print};
 use abbe_format::FileAccess;
-use abbe_format::luminaire::{self, BeamAngles, LuminaireSummary, Photometry};
-use abbe_scene::light::{OpeningShape, PhotometricType};
-use abbe_session::output::polar::{PolarCurve, PolarDiagram};
+use abbe_format::luminaire::{self, LuminaireSummary};
 use abbe_session::output::{file, luminaire_page};
 use abbe_spectra::error::Result;
 
-/// The names of the two planes of the diagram, and their angles C in degrees.
-const PLANES: [(&str, f64); 2] = [("C0–C180", 0.0), ("C90–C270", 90.0)];
+use super::{Outcome, print};
+use crate::reports::luminaire::{LuminaireReport, diagram, rows};
 
 /// Prints the figures of a luminaire file, and writes the page if `html` is a path.
 pub(crate) fn run(path: &Path, html: Option<&Path>, json: bool) -> Result<Outcome> {
@@ -25,98 +20,10 @@ pub(crate) fn run(path: &Path, html: Option<&Path>, json: bool) -> Result<Outcom
         file::write_whole(page, luminaire_page::page(&name, &rows, &diagram(&summary)).as_bytes())?;
     }
     if json {
-        print::json(&LuminaireJson::new(&name, &photometry, &summary))?;
+        print::json(&LuminaireReport::new(&name, &photometry, &summary))?;
     } else {
         let table: String = rows.iter().map(|(name, value)| format!("{name:<15} {value}\n")).collect();
         print::result(&format!("{name}\n\n{table}"))?;
     }
     Ok(Outcome::Done)
-}
-
-fn diagram(summary: &LuminaireSummary) -> PolarDiagram {
-    let curve = |(name, c_deg): (&str, f64)| PolarCurve { name: name.to_string(), points: summary.polar_curve(c_deg) };
-    PolarDiagram { title: "Luminous intensity".to_string(), unit: "cd".to_string(), curves: PLANES.map(curve).to_vec() }
-}
-
-/// The figures as names and values.
-fn rows(photometry: &Photometry, summary: &LuminaireSummary) -> Vec<(&'static str, String)> {
-    let kind = match photometry.kind {
-        PhotometricType::C => "C",
-        PhotometricType::B => "B",
-        PhotometricType::A => "A",
-    };
-    let (verticals, horizontals) = (photometry.vertical_deg.len(), photometry.horizontal_deg.len());
-    let mut rows = vec![
-        ("format", format!("{}, type {kind}, {verticals} × {horizontals} angles", photometry.format)),
-        ("symmetry", photometry.symmetry.description().to_string()),
-        ("flux", format!("{:.1} lm, {:.1} % of it downwards", summary.flux_lm, 100.0 * summary.downward)),
-    ];
-    if let Some(lamps) = photometry.lamp_lumens {
-        rows.push(("lamps", format!("{lamps} lm, light output ratio {:.1} %", 100.0 * summary.flux_lm / lamps)));
-    }
-    let [gamma, c] = summary.peak_deg;
-    rows.push(("peak", format!("{:.1} cd at γ {gamma:.1}°, C {c:.1}°", summary.peak_cd)));
-    let angles = |angle: fn(&BeamAngles) -> f64| {
-        let planes = PLANES.iter().zip(&summary.beams);
-        let text = planes.map(|((name, _), beam)| {
-            beam.as_ref().map_or_else(|| format!("no light in {name}"), |beam| format!("{:.1}° in {name}", angle(beam)))
-        });
-        text.collect::<Vec<_>>().join(", ")
-    };
-    rows.push(("beam angle", angles(|beam| beam.half_deg)));
-    rows.push(("field angle", angles(|beam| beam.tenth_deg)));
-    if let Some((watts, efficacy)) = photometry.input_watts.zip(summary.efficacy) {
-        rows.push(("efficacy", format!("{efficacy:.1} lm/W at {watts} W")));
-    }
-    let opening = photometry.opening;
-    let shape = match opening.shape {
-        OpeningShape::Point => "a point".to_string(),
-        OpeningShape::Rectangle => format!("{:.3} m along C0 × {:.3} m", opening.along_c0_m, opening.along_c90_m),
-        OpeningShape::Ellipse => {
-            format!("an ellipse, {:.3} m along C0 × {:.3} m", opening.along_c0_m, opening.along_c90_m)
-        }
-    };
-    rows.push(("opening", shape));
-    rows
-}
-
-/// The JSON form of the figures. Angles are in degrees.
-#[derive(Debug, Serialize)]
-struct LuminaireJson<'a> {
-    name: &'a str,
-    format: &'a str,
-    symmetry: &'a str,
-    flux_lm: f64,
-    /// The fraction of the flux in the hemisphere around the photometric axis.
-    downward: f64,
-    lamp_lumens: Option<f64>,
-    peak_cd: f64,
-    peak_gamma_deg: f64,
-    peak_c_deg: f64,
-    /// The beam angles in the planes C0–C180 and C90–C270.
-    beam_deg: [Option<f64>; 2],
-    /// The field angles in the planes C0–C180 and C90–C270.
-    field_deg: [Option<f64>; 2],
-    input_watts: Option<f64>,
-    efficacy_lm_per_w: Option<f64>,
-}
-
-impl<'a> LuminaireJson<'a> {
-    fn new(name: &'a str, photometry: &'a Photometry, summary: &LuminaireSummary) -> Self {
-        Self {
-            name,
-            format: &photometry.format,
-            symmetry: photometry.symmetry.description(),
-            flux_lm: summary.flux_lm,
-            downward: summary.downward,
-            lamp_lumens: photometry.lamp_lumens,
-            peak_cd: summary.peak_cd,
-            peak_gamma_deg: summary.peak_deg[0],
-            peak_c_deg: summary.peak_deg[1],
-            beam_deg: summary.beams.map(|beam| beam.map(|beam| beam.half_deg)),
-            field_deg: summary.beams.map(|beam| beam.map(|beam| beam.tenth_deg)),
-            input_watts: photometry.input_watts,
-            efficacy_lm_per_w: summary.efficacy,
-        }
-    }
 }

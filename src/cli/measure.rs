@@ -5,14 +5,15 @@ use std::time::Duration;
 
 use abbe_format::resolve::resolve_meters;
 use abbe_session::output::file as files;
-use abbe_session::render::{Job, StopRules, on_threads};
+use abbe_session::render::{Job, StopRules};
 use abbe_spectra::error::{Error, Result};
 
 use super::progress::{ProgressDisplay, time};
-use super::readings::{csv, page, table};
 use super::render::IntegratorName;
 use super::scene_file::SceneFileArgs;
-use super::{Outcome, interrupt, memory, print, values};
+use super::{Outcome, interrupt, print, values};
+use crate::api::memory;
+use crate::reports::measurement::{csv, measure, page, table};
 
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct MeasureArgs {
@@ -91,7 +92,6 @@ fn target_error(text: &str) -> std::result::Result<TargetError, String> {
 pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     interrupt::watch()?;
     let job = plan(arguments)?;
-    memory::check(&job.budget)?;
     for path in [&arguments.csv, &arguments.html].into_iter().flatten() {
         files::check_writable(path)?;
     }
@@ -99,9 +99,9 @@ pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     let stop = StopRules { passes: arguments.passes, time: arguments.time, target_error };
     let integrator = arguments.integrator.map(IntegratorName::integrator);
     let mut display = ProgressDisplay::new(arguments.quiet, None);
-    let measured = on_threads(job.scene.settings.threads, || job.measure(integrator, stop, &mut display))?;
+    let measured = measure(&job, &arguments.scene, integrator, stop, &mut display);
     display.finish();
-    let (report, interrupted) = measured.map_err(|error| error.in_file(&arguments.scene))?;
+    let (report, interrupted) = measured?;
     if let Some(path) = &arguments.csv {
         files::write_whole(path, csv(&report).as_bytes())?;
     }
@@ -142,5 +142,5 @@ fn plan(arguments: &MeasureArgs) -> Result<Job> {
         }
         resolved.meters.iter_mut().for_each(|meter| meter.decides_stop = meter.name == *name);
     }
-    Job::new(resolved).map_err(|error| error.in_file(path))
+    memory::plan(resolved, path)
 }

@@ -1,11 +1,9 @@
 //! `abbe metal`: the complex refractive index of a metal.
 
 use super::{Outcome, print, values};
-use abbe_optics::fresnel;
-use abbe_spectra::error::{Error, Result};
-use abbe_spectra::spectrum::library::LibraryMetal;
-use abbe_spectra::spectrum::{BAND_NM, library};
-use serde::Serialize;
+use crate::reports::metal::{MetalIndex, MetalList, MetalReport};
+use abbe_spectra::error::Result;
+use abbe_spectra::spectrum::library::{self, LibraryMetal};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct MetalArgs {
@@ -24,29 +22,6 @@ pub(crate) struct MetalArgs {
     list: bool,
 }
 
-/// The complex index n + ik at a wavelength.
-#[derive(Debug, Serialize)]
-struct MetalIndex {
-    nm: f64,
-    n: f64,
-    k: f64,
-    /// Reflectance at normal incidence from air.
-    reflectance: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct MetalReport<'a> {
-    symbol: &'a str,
-    name: &'a str,
-    source: &'a str,
-    index: Vec<MetalIndex>,
-}
-
-#[derive(Debug, Serialize)]
-struct MetalList {
-    metals: Vec<LibraryMetal>,
-}
-
 pub(crate) fn run(arguments: &MetalArgs) -> Result<Outcome> {
     match &arguments.name {
         Some(name) => one(name, arguments)?,
@@ -56,28 +31,16 @@ pub(crate) fn run(arguments: &MetalArgs) -> Result<Outcome> {
 }
 
 fn list(json: bool) -> Result<()> {
-    let metals: Vec<LibraryMetal> = library::metals().collect();
+    let list = MetalList { metals: library::metals().collect() };
     if json {
-        return print::json(&MetalList { metals });
+        return print::json(&list);
     }
     let line = |metal: &LibraryMetal| format!("{:<4} {:<12} {}\n", metal.symbol, metal.name, metal.source);
-    print::result(&metals.iter().map(line).collect::<String>())
+    print::result(&list.metals.iter().map(line).collect::<String>())
 }
 
 fn one(name: &str, arguments: &MetalArgs) -> Result<()> {
-    let outside = |nm: &&f64| !(BAND_NM.0..=BAND_NM.1).contains(*nm);
-    if let Some(nm) = arguments.at.iter().find(outside) {
-        let expected = format!("wavelengths from {} to {} nm", BAND_NM.0, BAND_NM.1);
-        return Err(Error::input(format!("the index at {nm} nm")).expected(expected));
-    }
-    let metal = library::metal(name)?;
-    let (n, k) = metal.index();
-    let at = |&nm: &f64| {
-        let (n, k) = (n.at(nm), k.at(nm));
-        MetalIndex { nm, n, k, reflectance: fresnel::conductor(1.0, n, k, 1.0) }
-    };
-    let LibraryMetal { symbol, name, source, .. } = metal;
-    let report = MetalReport { symbol, name, source, index: arguments.at.iter().map(at).collect() };
+    let report = MetalReport::of(name, &arguments.at)?;
     if arguments.json {
         return print::json(&report);
     }

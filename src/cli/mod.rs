@@ -5,10 +5,8 @@
 //! command line is wrong, and 3 if the limit of `compare --fail-above` was exceeded. The exit
 //! status is 130 if the user interrupted the command.
 
-pub mod bindings;
 mod check;
 mod checkpoint;
-mod colour;
 mod compare;
 mod completions;
 mod develop;
@@ -28,18 +26,14 @@ mod lens;
 mod luminaire;
 mod man;
 mod measure;
-mod memory;
 mod merge;
 mod metal;
-mod named;
 mod outputs;
 mod preview;
 mod print;
 mod probe;
 mod progress;
-mod readings;
 mod regress;
-mod regress_files;
 mod relight;
 mod render;
 mod scene_file;
@@ -47,7 +41,6 @@ mod schema;
 mod slurm;
 mod spectrum;
 mod study;
-mod validate;
 mod values;
 #[cfg(feature = "view")]
 mod view;
@@ -112,8 +105,6 @@ enum Command {
     Regress(regress::RegressArgs),
     /// Measure the light at the meters of a scene: illuminance, spectra, flux, and other quantities
     Measure(measure::MeasureArgs),
-    /// Measure public test cases with known results, and write a report
-    Validate(validate::ValidateArgs),
     /// Compare a picture with a reference
     Compare(compare::CompareArgs),
     /// Print the colour, the error bars and the spectrum of a pixel
@@ -230,7 +221,6 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Lamps(arguments) => lamps::run(arguments),
         Command::Regress(arguments) => regress::run(arguments),
         Command::Measure(arguments) => measure::run(arguments),
-        Command::Validate(arguments) => validate::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Probe(arguments) => probe::run(arguments),
         #[cfg(feature = "view")]

@@ -7,8 +7,8 @@ use abbe_session::output::{file, regress_page};
 use abbe_spectra::colour::regress::{CaseGroup, RegressionReport, RegressionTolerances, judge};
 use abbe_spectra::error::Result;
 
-use super::regress_files::{read_colours, write_set};
 use super::{Outcome, print, values};
+use crate::reports::regression::{read_colours, write_set};
 
 #[derive(Debug, clap::Args)]
 #[command(override_usage = "abbe regress --export FOLDER\n       abbe regress COLOURS [OPTIONS]")]

@@ -21,8 +21,8 @@ use super::outputs::OutputFiles;
 use super::preview::Preview;
 use super::progress::{ProgressDisplay, time};
 use super::scene_file::SceneFileArgs;
-use super::{Outcome, interrupt, memory, print, values};
-use crate::api::provenance;
+use super::{Outcome, interrupt, print, values};
+use crate::api::{memory, provenance};
 
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct RenderArgs {

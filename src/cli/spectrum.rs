@@ -7,14 +7,13 @@ use abbe_session::output::figures::report_rows;
 use abbe_session::output::file;
 use abbe_session::output::plot::SpectralPlot;
 use abbe_spectra::colour::ColourReport;
-use abbe_spectra::error::{Error, Result};
+use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::Observer;
-use abbe_spectra::spectrum::library;
-use serde::Serialize;
 
-use super::colour::ColourJson;
 use super::expectation::{self, Expectation};
-use super::{Outcome, named, print};
+use super::{Outcome, print};
+use crate::reports::colour::{NamedColour, colour};
+use crate::reports::named::{NamedSpectrum, SpectrumList, SpectrumListing, light_remark, spectrum};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SpectrumArgs {
@@ -44,20 +43,6 @@ pub(crate) struct SpectrumArgs {
     list: bool,
 }
 
-/// An entry of the list.
-#[derive(Debug, Serialize)]
-struct SpectrumListing {
-    name: &'static str,
-    kind: &'static str,
-    description: &'static str,
-    source: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-struct SpectrumList {
-    spectra: Vec<SpectrumListing>,
-}
-
 pub(crate) fn run(arguments: &SpectrumArgs) -> Result<Outcome> {
     let observer = Observer::by_name(&arguments.observer)?;
     match &arguments.spectrum {
@@ -67,42 +52,27 @@ pub(crate) fn run(arguments: &SpectrumArgs) -> Result<Outcome> {
 }
 
 fn list(json: bool) -> Result<()> {
-    let entries = library::list().iter();
+    let list = SpectrumList::of_library();
     if json {
-        let listed = entries.map(|entry| SpectrumListing {
-            name: entry.name,
-            kind: entry.kind.name(),
-            description: entry.description,
-            source: entry.source,
-        });
-        return print::json(&SpectrumList { spectra: listed.collect() });
+        return print::json(&list);
     }
-    let line = |entry: &library::LibraryListing| {
-        format!("{:<34} {:<13} {}\n", entry.name, entry.kind.name(), entry.description)
+    let line = |SpectrumListing { name, kind, description, .. }: &SpectrumListing| {
+        format!("{name:<34} {kind:<13} {description}\n")
     };
-    print::result(&entries.map(line).collect::<String>())
+    print::result(&list.spectra.iter().map(line).collect::<String>())
 }
 
 fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Result<Outcome> {
     let under = arguments.reflectance_under.as_deref();
-    let (named, report) = match under {
-        Some(lamp) => {
-            let reflectance = named::spectrum(text, Role::Reflectance)?;
-            let lamp = named::spectrum(lamp, Role::Light)?;
-            let report = ColourReport::of_reflectance(&reflectance.spectrum, &lamp.spectrum, observer);
-            (reflectance, report)
-        }
-        None => {
-            let light = named::light(text)?;
-            let report = ColourReport::of_light(&light.spectrum, observer);
-            (light, report)
-        }
+    let (named, light) = match under {
+        Some(lamp) => (spectrum(text, Role::Reflectance)?, Some(spectrum(lamp, Role::Light)?)),
+        None => (light(text)?, None),
     };
-    let report = report.map_err(|error| Error { what: format!("{text}: {}", error.what), ..error })?;
+    let report = colour(text, &named.spectrum, light.as_ref().map(|light| &light.spectrum), observer)?;
     if let Some(path) = &arguments.svg {
         file::write_whole(path, SpectralPlot::of_spectrum(text, &named.spectrum, "value", None).svg().as_bytes())?;
     }
-    let json = serde_json::to_value(ColourJson::new(&named.name, &report, observer, under))
+    let json = serde_json::to_value(NamedColour::new(&named.name, &report, observer, under))
         .expect("a report has text keys and no fallible values");
     let failures = arguments.expect.iter().map(|expectation| expectation.failure(&json)).collect::<Result<Vec<_>>>()?;
     if arguments.json {
@@ -113,6 +83,14 @@ fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Res
     let failures: Vec<String> = failures.into_iter().flatten().collect();
     failures.iter().for_each(|failure| print::remark(&format!("failed: {failure}")));
     Ok(if failures.is_empty() { Outcome::Done } else { Outcome::Exceeded })
+}
+
+/// Returns the light given by an argument. If the library lists the spectrum but does not list it
+/// as a light, prints a note, and returns the spectrum anyway.
+pub(super) fn light(text: &str) -> Result<NamedSpectrum> {
+    let light = spectrum(text, Role::Light)?;
+    light_remark(text).iter().for_each(|remark| print::remark(&format!("note: {remark}")));
+    Ok(light)
 }
 
 /// Writes the report, one quantity per line.

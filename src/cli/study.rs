@@ -1,22 +1,18 @@
 //! `abbe study`: measures error against time.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::reports::study::{StudyFiles, study};
 use crate::study::report::{StudyReport, theory};
 use crate::study::study_scene::integrator_title;
-use crate::study::{self, PAGE, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
-use abbe_format::resolve::resolve;
-use abbe_format::{JsonSource, SceneFile};
-use abbe_session::output::exr::read;
-use abbe_session::output::metadata::names;
-use abbe_session::render::{Integrator, Job, Monitor, Progress, on_threads};
+use crate::study::{PAGE, StudyMonitor, StudyOutcome};
+use abbe_session::render::{Monitor, Progress};
 use abbe_spectra::error::Result;
 
 use super::progress::{ProgressDisplay, percent, time};
 use super::scene_file::SceneFileArgs;
-use super::{Outcome, interrupt, memory, print, values};
-use crate::api::provenance;
+use super::{Outcome, interrupt, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct StudyArgs {
@@ -67,45 +63,6 @@ impl StudyMonitor for StudyDisplay {
     }
 }
 
-/// The files of a study.
-pub(super) struct StudyFiles<'a> {
-    /// The scene file, which errors and the report name.
-    pub(super) scene: &'a Path,
-    /// The folder of the results.
-    pub(super) output: &'a Path,
-    /// The EXR file of the reference, if it is given.
-    pub(super) reference: Option<&'a Path>,
-}
-
-/// Runs a study of a scene. The number of threads is `threads`, or the one of the scene.
-///
-/// # Errors
-/// Returns an error if a file cannot be read or written, or if the scene cannot be rendered.
-pub(super) fn study_of(
-    scene: &SceneFile,
-    source: &JsonSource,
-    files: &StudyFiles<'_>,
-    budget: Duration,
-    threads: Option<u32>,
-    monitor: &mut (dyn StudyMonitor + Send),
-) -> Result<StudyOutcome> {
-    let reference = match files.reference {
-        Some(path) => Some((path.display().to_string(), read(path)?.picture)),
-        None => None,
-    };
-    let job = Job::new(resolve(scene, source)?).map_err(|error| error.in_file(files.scene))?;
-    memory::check(&job.budget)?;
-    let of_scene = provenance::of_scene(Some(source), &job, Integrator::Photon);
-    let study_scene = StudyScene {
-        path: files.scene.to_owned(),
-        text: source.text.clone(),
-        reach: source.file_access(),
-        hash: of_scene.get(names::SCENE_HASH).unwrap_or_default().to_string(),
-    };
-    let options = StudyOptions { folder: files.output.to_owned(), budget, reference };
-    on_threads(threads.or(job.scene.settings.threads), || study::run(&study_scene, &options, monitor))?
-}
-
 pub(crate) fn run(arguments: &StudyArgs) -> Result<Outcome> {
     interrupt::watch()?;
     let (scene, source) = arguments.scene_file.read(&arguments.scene, &[])?;
@@ -113,7 +70,7 @@ pub(crate) fn run(arguments: &StudyArgs) -> Result<Outcome> {
     let mut steps = StudyDisplay { display: ProgressDisplay::new(true, None), quiet };
     let StudyArgs { scene: path, output, budget, reference, threads, .. } = arguments;
     let files = StudyFiles { scene: path, output, reference: reference.as_deref() };
-    let ending = study_of(&scene, &source, &files, *budget, *threads, &mut steps);
+    let ending = study(&scene, &source, &files, *budget, *threads, &mut steps);
     steps.display.finish();
     let folder = arguments.output.display();
     match ending? {

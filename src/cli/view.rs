@@ -4,18 +4,18 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::api::provenance;
+use crate::api::{memory, provenance};
 use crate::view::{LiveView, LoadedScene, SessionEnd, ViewHost};
 use abbe_format::resolve;
 use abbe_session::output::exr::write as write_exr;
 use abbe_session::output::file as files;
-use abbe_session::render::{DisplaySettings, Integrator, Job, RenderIdentity, Rendered, StopRules};
+use abbe_session::render::{DisplaySettings, Integrator, RenderIdentity, Rendered, StopRules};
 use abbe_spectra::error::Result;
 
 use super::checkpoint::CheckpointFile;
 use super::outputs::OutputFiles;
 use super::scene_file::SceneFileArgs;
-use super::{Outcome, interrupt, memory, print, values};
+use super::{Outcome, interrupt, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ViewArgs {
@@ -142,8 +142,7 @@ impl ViewHost for ViewArgs {
             (scene, source) = self.scene_file.read(&self.scene, &patches)?;
         }
         let resolved = resolve::resolve(&scene, &source)?;
-        let job = Job::new(resolved).map_err(|error| error.in_file(&self.scene))?;
-        memory::check(&job.budget)?;
+        let job = memory::plan(resolved, &self.scene)?;
         let metadata = provenance::reproducible(provenance::of_scene(Some(&source), &job, Integrator::Photon));
         Ok(LoadedScene { source, job, metadata })
     }

@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::common::{example, render};
-use abbe::validate::{CaseResult, cie171, run};
 use abbe_format::resolve::resolve_meters;
 use abbe_format::{FileAccess, parse_with_access};
 use abbe_session::render::{Integrator, Job, MeasurementReport, NoMonitor, PointReport, StopRules, Value, on_threads};
@@ -77,44 +76,6 @@ fn planes_spheres_cylinders_and_spots_have_their_closed_forms() {
             assert!(noise <= 1e-3 * expected, "{form}: noise {noise}");
         }
     }
-}
-
-/// A quick selection of CIE 171's cases: lamps, panes, interreflection, skies and glazing.
-#[test]
-fn cie_171_cases_are_within_their_tolerances() {
-    let chosen = ["5.2/lambertian-3m", "5.3/square-ceiling", "5.5/pane", "5.6/s2-4m", "5.9/roof-4x4/type-12"];
-    check_cases(|id| chosen.contains(&id), StopRules::default());
-}
-
-/// All cases of CIE 171.
-#[test]
-#[ignore = "takes some minutes: all 130 cases of CIE 171"]
-fn all_cie_171_cases_are_within_their_tolerances() {
-    let results = check_cases(|_| true, StopRules::default());
-    let (covered, values) =
-        results.iter().fold((0, 0), |sum, result| (sum.0 + result.covered(), sum.1 + result.values.len()));
-    let share = covered as f64 / values as f64;
-    println!("{covered} of {values} values are inside their intervals");
-    assert!(share > 0.92, "{share}");
-}
-
-fn check_cases(chosen: impl Fn(&str) -> bool, stop: StopRules) -> Vec<CaseResult> {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in cie171::LAMPS {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
-    let cases = cie171::cases().unwrap();
-    let results: Vec<CaseResult> = cases
-        .iter()
-        .filter(|case| chosen(&case.id))
-        .map(|case| run(case, folder.path(), stop, &mut NoMonitor).unwrap())
-        .collect();
-    assert!(!results.is_empty());
-    for result in &results {
-        println!("{}: {:.2} of the tolerance", result.id, result.largest_deviation());
-        assert_eq!(result.failures(), 0, "{result:#?}");
-    }
-    results
 }
 
 /// The luminance of a diffuse plane times π, divided by its reflectance, is the illuminance that a

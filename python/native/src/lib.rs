@@ -5,6 +5,7 @@
 //! to Python as numpy arrays.
 
 mod errors;
+mod json;
 mod optics;
 mod picture;
 mod render;

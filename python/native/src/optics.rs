@@ -7,6 +7,8 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
 use super::errors::OrException;
+use super::json::json;
+use abbe::reports::glass::{GlassReport, indices};
 use abbe_format::resolve;
 use abbe_optics::glass::Glass;
 use abbe_optics::glass::catalogue;
@@ -31,13 +33,12 @@ impl NativeGlass {
 
     /// The index of refraction at wavelengths in nm.
     fn n<'py>(&self, py: Python<'py>, nm: Vec<f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        abbe::cli::check_glass_wavelengths(&self.glass, &nm).or_exception(py)?;
-        Ok(nm.iter().map(|&nm| self.glass.index.n(nm)).collect::<Vec<f64>>().into_pyarray(py))
+        Ok(indices(&self.glass, &nm).or_exception(py)?.into_pyarray(py))
     }
 
     /// The report of `abbe glass --json`.
-    fn report_json(&self) -> String {
-        abbe::cli::glass_json(&self.glass)
+    fn report_json(&self, py: Python<'_>) -> PyResult<String> {
+        GlassReport::of(&self.glass, &[]).map(|report| json(&report)).or_exception(py)
     }
 }
 

@@ -7,7 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use super::errors::OrException;
-use crate::Image;
+use super::json::json;
+use abbe::Image;
 
 /// A picture with error bars.
 #[pyclass(name = "Picture", module = "abbe._native", frozen)]
@@ -116,8 +117,7 @@ impl NativePicture {
 
     /// The statistics of the render as JSON, if there are any.
     fn stats_json(&self) -> Option<String> {
-        let text = |stats| serde_json::to_string(stats).expect("statistics have text keys");
-        self.image.stats().map(text)
+        self.image.stats().map(json)
     }
 
     /// The entries of the EXR file's header.

@@ -15,10 +15,9 @@ use pyo3::prelude::*;
 
 use super::errors::OrException;
 use super::picture::NativePicture;
-use crate::{Image, Integrator, Progress, RenderOptions, Scene};
-use abbe::api::{RenderObserver, UnfinishedRender};
-use abbe::cli::SceneRequest;
-use abbe_format::FileAccess;
+use abbe::api::{RenderObserver, UnfinishedRender, memory, read_scene_text};
+use abbe::{Image, Integrator, Progress, RenderOptions, Scene};
+use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::plan::Budget;
 
@@ -52,13 +51,14 @@ impl SceneArguments {
             None => Scene::load_with_changes(&self.path, &self.changes, access),
         }
     }
-}
 
-impl From<SceneArguments> for SceneRequest {
-    fn from(arguments: SceneArguments) -> Self {
-        let access = arguments.access();
-        let SceneArguments { text, path, changes, allow_outside: _ } = arguments;
-        Self { text, path, changes, access }
+    /// Reads the scene file, and applies the changes.
+    pub(super) fn file(&self) -> Result<(SceneFile, JsonSource)> {
+        let text = match &self.text {
+            Some(text) => text.clone(),
+            None => read_scene_text(&self.path, self.access(), None)?.text,
+        };
+        format::parse_with_access(text, &self.path, &self.changes, self.access())
     }
 }
 
@@ -156,7 +156,7 @@ struct EventSender {
 
 impl RenderObserver for EventSender {
     fn planned(&mut self, budget: &Budget) -> Result<()> {
-        abbe::cli::check_memory(budget)
+        memory::check(budget)
     }
 
     fn after_pass(&mut self, progress: &Progress) -> ControlFlow<()> {

@@ -10,14 +10,28 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use super::errors::OrException;
+use super::json::json;
 use super::render::{SIGNAL_INTERVAL, SceneArguments, integrator};
-use abbe::cli::{self, ComparedLamps, MeasureRequest, StudyRequest};
-use abbe::study::StudyMonitor;
-use abbe_optics::lens::catalogue;
+use abbe::api::memory;
+use abbe::reports::folded_lens::FoldedLensReport;
+use abbe::reports::lamps::{LampsCompared, LampsReport};
+use abbe::reports::lens::{self, LensPrescription, LensReport};
+use abbe::reports::measurement::measure;
+use abbe::reports::named::{light_remark, spectrum};
+use abbe::reports::regression::{colours_of_json, exported_set};
+use abbe::reports::study::{StudyFiles, study};
+use abbe::study::{StudyMonitor, StudyOutcome};
+use abbe_format::resolve::{Role, resolve_meters};
+use abbe_optics::lens::zemax::ZmxSystem;
+use abbe_optics::lens::{LensAnalysis, catalogue};
+use abbe_session::output::{file, regress_page};
 use abbe_session::render::{Monitor, Progress, StopRules};
+use abbe_spectra::colour::regress::{RegressionTolerances, judge_given};
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::Observer;
 
-/// Analyses a lens.
+/// Analyses a lens. `field` is half the field of view in degrees. Draws the cross-section to the
+/// file `svg`.
 #[pyfunction]
 pub(super) fn lens_report(
     py: Python<'_>,
@@ -26,13 +40,32 @@ pub(super) fn lens_report(
     glasses: Vec<PathBuf>,
     svg: Option<PathBuf>,
 ) -> PyResult<String> {
-    py.detach(|| cli::lens_json(name, field, &glasses, svg.as_deref())).or_exception(py)
+    let report = || match lens::find(name, &glasses)? {
+        ZmxSystem::Lens(lens) => {
+            let analysis = LensAnalysis::of(&lens, field)?;
+            if let Some(path) = &svg {
+                file::write_whole(path, lens::drawing(&lens, &analysis)?.svg().as_bytes())?;
+            }
+            Ok(json(&LensReport::of(&lens, &analysis)?))
+        }
+        ZmxSystem::Folded(_) if svg.is_some() => {
+            Err(Error::input("a system with mirrors or coordinate breaks cannot be drawn yet"))
+        }
+        ZmxSystem::Folded(system) => Ok(json(&FoldedLensReport::of(&system, field)?)),
+    };
+    py.detach(report).or_exception(py)
 }
 
 /// The surfaces of a lens, with their indices of refraction at wavelengths in nm.
 #[pyfunction]
 pub(super) fn lens_prescription(py: Python<'_>, name: &str, nm: Vec<f64>, glasses: Vec<PathBuf>) -> PyResult<String> {
-    py.detach(|| cli::prescription_json(name, &nm, &glasses)).or_exception(py)
+    let prescription = || match lens::find(name, &glasses)? {
+        ZmxSystem::Lens(lens) => Ok(json(&LensPrescription::of(&lens, &nm))),
+        ZmxSystem::Folded(_) => {
+            Err(Error::input("the system has mirrors or coordinate breaks").expected("a lens with one axis"))
+        }
+    };
+    py.detach(prescription).or_exception(py)
 }
 
 /// The names of the built-in lenses.
@@ -41,28 +74,42 @@ pub(super) fn lens_names() -> Vec<&'static str> {
     catalogue::all().iter().map(|lens| lens.name()).collect()
 }
 
-/// Compares two or three lamps.
+/// Compares two or three lamps, and writes the page of the comparison to the file `html`.
 #[pyfunction]
 pub(super) fn lamps_report(
     py: Python<'_>,
-    a: String,
+    a: &str,
     others: (Option<String>, Option<String>),
     primaries: Vec<String>,
-    observer: String,
+    observer: &str,
     html: Option<PathBuf>,
 ) -> PyResult<String> {
-    let (b, c) = others;
-    let lamps = ComparedLamps { a, b, c, primaries, observer };
-    py.detach(|| cli::lamps_json(lamps, html.as_deref())).or_exception(py)
+    let light = |text: &str| {
+        let light = spectrum(text, Role::Light)?;
+        light_remark(text).iter().for_each(|remark| eprintln!("note: {remark}"));
+        Ok(light)
+    };
+    let report = || {
+        let observer = Observer::by_name(observer)?;
+        let a = light(a)?;
+        let primaries = primaries.iter().map(|text| light(text)).collect::<Result<Vec<_>>>()?;
+        let other = |text: &Option<String>| text.as_deref().map(light).transpose();
+        let compared = LampsCompared::of(a, [other(&others.0)?, other(&others.1)?], primaries, observer)?;
+        if let Some(path) = &html {
+            file::write_whole(path, compared.html()?.as_bytes())?;
+        }
+        Ok(json(&LampsReport::of(&compared)))
+    };
+    py.detach(report).or_exception(py)
 }
 
 /// The regression set.
 #[pyfunction]
 pub(super) fn regression_set(py: Python<'_>) -> String {
-    py.detach(cli::regression_set_json)
+    py.detach(|| json(&exported_set()))
 }
 
-/// Judges the colours of a converter.
+/// Judges the colours of a converter, and writes the page of the judgement to the file `page`.
 #[pyfunction]
 pub(super) fn regression_report(
     py: Python<'_>,
@@ -71,7 +118,19 @@ pub(super) fn regression_report(
     component: Option<f64>,
     page: Option<PathBuf>,
 ) -> PyResult<String> {
-    py.detach(|| cli::regression_json(colours, delta_e, component, page.as_deref())).or_exception(py)
+    let defaults = RegressionTolerances::default();
+    let tolerances = RegressionTolerances {
+        delta_e_2000: delta_e.unwrap_or(defaults.delta_e_2000),
+        component: component.unwrap_or(defaults.component),
+    };
+    let report = || {
+        let report = judge_given(&colours_of_json(colours)?, tolerances)?;
+        if let Some(path) = &page {
+            file::write_whole(path, regress_page::page(&report, "converter").as_bytes())?;
+        }
+        Ok(json(&report))
+    };
+    py.detach(report).or_exception(py)
 }
 
 /// An event of a long computation that ends with a report.
@@ -164,8 +223,14 @@ impl ReportTask {
         threads: Option<u32>,
     ) -> PyResult<Self> {
         let budget = duration(seconds).or_exception(py)?;
-        let request = StudyRequest { scene: scene.into(), folder, budget, reference, threads };
-        Self::start(py, move |steps| cli::study_json(request, steps))
+        Self::start(py, move |steps| {
+            let (file, source) = scene.file()?;
+            let files = StudyFiles { scene: &scene.path, output: &folder, reference: reference.as_deref() };
+            Ok(match study(&file, &source, &files, budget, threads, steps)? {
+                StudyOutcome::Finished(report) => Some(json(&report)),
+                StudyOutcome::Interrupted => None,
+            })
+        })
     }
 
     /// Starts a measurement with the meters of a scene.
@@ -175,8 +240,13 @@ impl ReportTask {
         let integrator = name.map(|name| integrator(&name)).transpose().or_exception(py)?;
         let time = seconds.map(duration).transpose().or_exception(py)?;
         let stop = StopRules { passes, time, target_error };
-        let request = MeasureRequest { scene: scene.into(), meters, integrator, stop };
-        Self::start(py, move |steps| cli::measure_json(request, steps))
+        Self::start(py, move |steps| {
+            let (mut file, source) = scene.file()?;
+            file.select_meters(&meters).map_err(|error| error.in_file(&scene.path))?;
+            let job = memory::plan(resolve_meters(&file, &source)?, &scene.path)?;
+            let (report, interrupted) = measure(&job, &scene.path, integrator, stop, steps)?;
+            Ok((!interrupted).then(|| json(&report)))
+        })
     }
 
     /// Asks the task to stop after the current pass.

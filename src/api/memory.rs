@@ -1,11 +1,30 @@
 //! Refuses renders that need more memory than the machine has. Without this check, the system would
 //! kill the process.
 
+use std::path::Path;
+
+use abbe_scene::Scene;
+use abbe_session::render::Job;
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::plan::Budget;
 
-/// Refuses a render if it needs more memory than the machine has available.
-pub(crate) fn check(budget: &Budget) -> Result<()> {
+/// Plans a render, and checks that it fits into the available memory. Errors of the scene name the
+/// scene file `path`.
+///
+/// # Errors
+/// Returns an error if the scene cannot be planned, and the error of [`check`].
+pub fn plan(scene: Scene, path: &Path) -> Result<Job> {
+    let job = Job::new(scene).map_err(|error| error.in_file(path))?;
+    check(&job.budget)?;
+    Ok(job)
+}
+
+/// Checks that a render fits into the available memory.
+///
+/// # Errors
+/// Returns an error of the machine if the render needs more memory than is available. The error
+/// says which settings make the render fit.
+pub fn check(budget: &Budget) -> Result<()> {
     match available_bytes() {
         Some(available) if budget.memory_bytes > available => Err(refusal(budget, available)),
         Some(_) | None => Ok(()),

@@ -1,17 +1,37 @@
-//! The readings of meters as a table, as CSV, and as an HTML page.
+//! Measurements with the meters of a scene: their readings as a table, as CSV, and as an HTML page.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use glam::DVec3;
-
+#[cfg(feature = "pages")]
 use abbe_session::output::meters_page::{self, MeterSection};
+#[cfg(feature = "pages")]
 use abbe_session::output::plan_map::PlanMap;
-use abbe_session::render::{MeasurementReport, MeterReport, PointReport, Value};
+use abbe_session::render::{
+    Integrator, Job, MeasurementReport, MeterReport, Monitor, PointReport, StopRules, Value, on_threads,
+};
+use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::log10;
 
+/// Measures with the meters of a planned scene, on the number of threads that the scene states.
+/// Also returns true if the monitor stopped the measurement. Errors name the scene file `path`.
+/// `integrator` replaces the choice of the plan.
+///
+/// # Errors
+/// Returns an error if the integrator cannot measure the scene, or if threads cannot be started.
+pub fn measure(
+    job: &Job,
+    path: &Path,
+    integrator: Option<Integrator>,
+    stop: StopRules,
+    monitor: &mut (dyn Monitor + Send),
+) -> Result<(MeasurementReport, bool)> {
+    let measured = on_threads(job.scene.settings.threads, || job.measure(integrator, stop, monitor))?;
+    measured.map_err(|error| error.in_file(path))
+}
+
 /// Returns the readings as a table.
-pub(super) fn table(report: &MeasurementReport) -> String {
+pub fn table(report: &MeasurementReport) -> String {
     let mut text = String::new();
     for meter in &report.meters {
         let _ = writeln!(text, "{}", title(meter));
@@ -96,8 +116,8 @@ fn rounded(value: f64, count: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 
-/// Returns the readings as CSV.
-pub(super) fn csv(report: &MeasurementReport) -> String {
+/// Returns the readings as CSV, with one line for each reading and each wavelength.
+pub fn csv(report: &MeasurementReport) -> String {
     let mut text = "meter,quantity,unit,x,y,z,wavelength_nm,value,noise,bias,low_95,high_95\n".to_string();
     for meter in &report.meters {
         for point in &meter.points {
@@ -138,7 +158,8 @@ fn quoted(text: &str) -> String {
 }
 
 /// Returns the readings as an HTML page. `scene` is the scene file.
-pub(super) fn page(report: &MeasurementReport, scene: &Path) -> String {
+#[cfg(feature = "pages")]
+pub fn page(report: &MeasurementReport, scene: &Path) -> String {
     let name =
         scene.file_name().map_or_else(|| scene.display().to_string(), |name| name.to_string_lossy().into_owned());
     let sections: Vec<MeterSection> = report.meters.iter().map(section).collect();
@@ -146,6 +167,7 @@ pub(super) fn page(report: &MeasurementReport, scene: &Path) -> String {
 }
 
 /// Returns the section of a meter on the page.
+#[cfg(feature = "pages")]
 fn section(meter: &MeterReport) -> MeterSection {
     let bands = meter.wavelength_nm.as_deref();
     let mut columns: Vec<&str> = vec!["position"];
@@ -184,6 +206,7 @@ fn section(meter: &MeterReport) -> MeterSection {
 }
 
 /// Returns the plan of a grid. `None` for other meters and for spectra.
+#[cfg(feature = "pages")]
 fn plan(meter: &MeterReport) -> Option<PlanMap> {
     let grid = meter.grid.as_ref()?;
     let values = meter.points.iter().map(|point| match point.value {
@@ -192,7 +215,7 @@ fn plan(meter: &MeterReport) -> Option<PlanMap> {
     });
     let normal = meter.points.first()?.normal.unwrap_or([0.0, 1.0, 0.0]);
     Some(PlanMap {
-        frame: [grid.u, grid.v, normal].map(DVec3::from),
+        frame: [grid.u, grid.v, normal].map(glam::DVec3::from),
         count: grid.count.map(|count| count as usize),
         values: values.collect::<Option<_>>()?,
         unit: meter.unit,
@@ -201,6 +224,7 @@ fn plan(meter: &MeterReport) -> Option<PlanMap> {
 }
 
 /// Returns a number with three significant digits.
+#[cfg(feature = "pages")]
 fn three_digits(value: f64) -> String {
     rounded(value, 3.0)
 }

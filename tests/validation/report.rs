@@ -4,7 +4,7 @@ use super::CaseResult;
 use std::fmt::Write as _;
 
 /// Returns a Markdown page: a summary with one line for each case, and then all values.
-pub fn markdown(title: &str, introduction: &str, results: &[CaseResult]) -> String {
+pub(crate) fn markdown(title: &str, introduction: &str, results: &[CaseResult]) -> String {
     let count = |of: fn(&CaseResult) -> usize| results.iter().map(of).sum::<usize>();
     let (values, failures, covered) =
         (count(|result| result.values.len()), count(CaseResult::failures), count(CaseResult::covered));

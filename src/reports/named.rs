@@ -1,27 +1,31 @@
-//! Spectra given as arguments of the command line: JSON, a name of the library, or a file.
+//! Spectra given as text: JSON, a name of the library, or a file.
 
 use std::path::Path;
 
 use abbe_format::resolve::{self, Role};
 use abbe_format::{self as format, SpectrumFile, is_hex_colour};
 use abbe_spectra::error::{Error, Result};
-use abbe_spectra::spectrum::library::{self, SpectrumKind};
+use abbe_spectra::spectrum::library::{self, LibraryListing, SpectrumKind};
 use abbe_spectra::spectrum::{Spectrum, read};
-
-use super::print;
+use serde::Serialize;
 
 /// A spectrum, its name and its origin.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct NamedSpectrum {
-    /// The name in the library, a description of a simple JSON spectrum, or the argument itself.
-    pub(crate) name: String,
+pub struct NamedSpectrum {
+    /// The name in the library, a description of a simple JSON spectrum, or the text itself.
+    pub name: String,
     /// A description of the spectrum, and the source of its data.
-    pub(crate) origin: String,
-    pub(crate) spectrum: Spectrum,
+    pub origin: String,
+    /// A light, a reflectance or a coefficient.
+    pub spectrum: Spectrum,
 }
 
-/// Returns the spectrum given by an argument.
-pub(crate) fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
+/// Returns the spectrum that a text describes: a name of the library, the path of a file, or a
+/// spectrum in the JSON form of scenes.
+///
+/// # Errors
+/// Returns an error if the text is none of these, or if the file or the JSON is wrong.
+pub fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     let origin = Path::new("the command line");
     let is_colour = is_hex_colour(text);
     if is_colour || text.trim_start().starts_with(['{', '"']) || text.trim().parse::<f64>().is_ok() {
@@ -80,13 +84,43 @@ fn described(file: &SpectrumFile, text: &str) -> String {
     }
 }
 
-/// Returns the light given by an argument. If the library lists the spectrum but does not list it
-/// as a light, prints a note, and returns the spectrum anyway.
-pub(crate) fn light(text: &str) -> Result<NamedSpectrum> {
-    let light = spectrum(text, Role::Light)?;
-    if library::find(text).is_ok_and(|entry| entry.kind != SpectrumKind::Light) {
-        let hint = "`abbe spectrum --reflectance-under D65` shows it as a reflectance";
-        print::remark(&format!("note: {text} is not a light; {hint}"));
+/// Returns a remark on a light given as text, if the library lists the spectrum but does not list
+/// it as a light.
+pub fn light_remark(text: &str) -> Option<String> {
+    let is_other = library::find(text).is_ok_and(|entry| entry.kind != SpectrumKind::Light);
+    let hint = "`abbe spectrum --reflectance-under D65` shows it as a reflectance";
+    is_other.then(|| format!("{text} is not a light; {hint}"))
+}
+
+/// The spectra of the library.
+#[derive(Debug, Serialize)]
+pub struct SpectrumList {
+    /// The entries, in the order of the library.
+    pub spectra: Vec<SpectrumListing>,
+}
+
+/// An entry of the list.
+#[derive(Debug, Serialize)]
+pub struct SpectrumListing {
+    /// The name that [`spectrum`] accepts.
+    pub name: &'static str,
+    /// What the values are, such as `light` or `reflectance`.
+    pub kind: &'static str,
+    /// A few words about the spectrum.
+    pub description: &'static str,
+    /// The source of the data.
+    pub source: &'static str,
+}
+
+impl SpectrumList {
+    /// Lists the library.
+    pub fn of_library() -> Self {
+        let listed = |entry: &LibraryListing| SpectrumListing {
+            name: entry.name,
+            kind: entry.kind.name(),
+            description: entry.description,
+            source: entry.source,
+        };
+        Self { spectra: library::list().iter().map(listed).collect() }
     }
-    Ok(light)
 }

@@ -5,24 +5,20 @@
 //! expected values are computed from first principles; `data/SOURCES.md` names their source.
 
 use super::{Case, Expected};
-use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::sin_cos;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
 /// The lamps of case 5.2 that have a table of intensities: their names and the texts of their
 /// files.
-pub const LAMPS: [(&str, &str); 2] = [
-    ("lamp_axial.ies", include_str!("../../data/validation/lamp_axial.ies")),
-    ("lamp_asymmetric.ies", include_str!("../../data/validation/lamp_asymmetric.ies")),
-];
+pub(crate) const LAMPS: [(&str, &str); 2] =
+    [("lamp_axial.ies", include_str!("lamp_axial.ies")), ("lamp_asymmetric.ies", include_str!("lamp_asymmetric.ies"))];
 
 /// A scenario of the embedded file.
 #[derive(Debug, Deserialize)]
 struct Scenario {
     id: String,
     title: String,
-    quick: bool,
     unit: String,
     relative: f64,
     absolute: f64,
@@ -69,14 +65,9 @@ struct Wall {
 }
 
 /// Returns all cases.
-///
-/// # Errors
-/// Returns an error if the embedded file is damaged.
-pub fn cases() -> Result<Vec<Case>> {
-    let text = include_str!("../../data/validation/cie171.json");
-    let scenarios: Vec<Scenario> =
-        serde_json::from_str(text).map_err(|error| Error::machine(format!("the embedded cases: {error}")))?;
-    Ok(scenarios.iter().map(Scenario::case).collect())
+pub(crate) fn cases() -> Vec<Case> {
+    let scenarios: Vec<Scenario> = serde_json::from_str(include_str!("cie171.json")).expect("the cases are JSON");
+    scenarios.iter().map(Scenario::case).collect()
 }
 
 /// A scene under construction.
@@ -209,9 +200,9 @@ impl Scenario {
             Some("5.8") if self.points.is_empty() => self.cubes(),
             _ => vec![self.scene()],
         };
-        let Self { id, title, quick, unit, relative, absolute, .. } = self;
+        let Self { id, title, unit, relative, absolute, .. } = self;
         let (id, title, unit) = (id.clone(), title.clone(), unit.clone());
-        Case { id, title, quick: *quick, unit, scenes, relative: *relative, absolute: *absolute }
+        Case { id, title, unit, scenes, relative: *relative, absolute: *absolute }
     }
 
     fn number(&self, key: &str) -> f64 {

@@ -1,4 +1,5 @@
-//! The files of `abbe regress`: the exported set, and the colours of a converter.
+//! The regression set for code that converts spectra to colours: its export, and the colours of a
+//! converter.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -31,60 +32,74 @@ const CONVENTIONS: [&str; 6] = [
     "delta_e_2000 is computed with D65 as white",
 ];
 
-/// The set as JSON.
+/// The set with its conventions and all values, for converters in other languages.
 #[derive(Debug, Serialize)]
-pub(crate) struct SetJson {
-    set: &'static str,
-    conventions: [&'static str; 6],
-    tolerances: RegressionTolerances,
-    nm: Vec<f64>,
+pub struct ExportedSet {
+    /// The name of the set, with its version.
+    pub set: &'static str,
+    /// Sentences that define the expected values.
+    pub conventions: [&'static str; 6],
+    /// The default tolerances.
+    pub tolerances: RegressionTolerances,
+    /// The wavelengths of the samples in nm.
+    pub nm: Vec<f64>,
     /// x̄, ȳ and z̄ of the CIE 1931 observer at these wavelengths.
-    observer: Vec<[f64; 3]>,
-    spectra: Vec<SpectrumJson>,
-    cases: Vec<CaseJson>,
+    pub observer: Vec<[f64; 3]>,
+    /// The lights and the reflectances that the cases name.
+    pub spectra: Vec<ExportedSpectrum>,
+    /// The cases with their expected colours.
+    pub cases: Vec<ExportedCase>,
 }
 
+/// A spectrum of the set.
 #[derive(Debug, Serialize)]
-struct SpectrumJson {
-    name: &'static str,
-    kind: &'static str,
+pub struct ExportedSpectrum {
+    /// The name that the cases use.
+    pub name: &'static str,
+    /// `light` or `reflectance`.
+    pub kind: &'static str,
     /// The values at the wavelengths of the set, without the lines.
-    values: Vec<f64>,
-    lines: Vec<LineJson>,
+    pub values: Vec<f64>,
+    /// The spectral lines.
+    pub lines: Vec<ExportedLine>,
 }
 
+/// A spectral line.
 #[derive(Debug, Serialize)]
-struct LineJson {
-    nm: f64,
-    power: f64,
+pub struct ExportedLine {
+    /// The wavelength in nm.
+    pub nm: f64,
+    /// The power, in the unit of the samples times nm.
+    pub power: f64,
 }
 
+/// A case of the set.
 #[derive(Debug, Serialize)]
-struct CaseJson {
-    id: &'static str,
-    group: CaseGroup,
-    light: &'static str,
-    reflectance: Option<&'static str>,
+pub struct ExportedCase {
+    /// The name of the case.
+    pub id: &'static str,
+    /// The group of the case.
+    pub group: CaseGroup,
+    /// The name of the light.
+    pub light: &'static str,
+    /// The name of the reflectance. `None` for the colour of the light itself.
+    pub reflectance: Option<&'static str>,
+    /// The expected colour.
     #[serde(flatten)]
-    expected: CaseColour,
+    pub expected: CaseColour,
 }
 
-/// The wavelengths of the samples in nm.
-fn wavelengths() -> Vec<f64> {
-    (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect()
-}
-
-/// Returns the set as JSON.
-pub(crate) fn set_json() -> SetJson {
+/// Returns the set, with samples at each whole nm.
+pub fn exported_set() -> ExportedSet {
     let set = RegressionSet::get();
-    let nm = wavelengths();
-    let spectrum = |entry: &'static RegressionSpectrum| SpectrumJson {
+    let nm: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
+    let spectrum = |entry: &'static RegressionSpectrum| ExportedSpectrum {
         name: &entry.name,
         kind: if entry.is_reflectance { "reflectance" } else { "light" },
         values: nm.iter().map(|&nm| entry.spectrum.continuum_at(nm)).collect(),
         lines: lines(entry).collect(),
     };
-    SetJson {
+    ExportedSet {
         set: REGRESSION_SET,
         conventions: CONVENTIONS,
         tolerances: RegressionTolerances::default(),
@@ -93,7 +108,7 @@ pub(crate) fn set_json() -> SetJson {
         cases: set
             .cases
             .iter()
-            .map(|case| CaseJson {
+            .map(|case| ExportedCase {
                 id: &case.id,
                 group: case.group,
                 light: &case.light,
@@ -106,16 +121,23 @@ pub(crate) fn set_json() -> SetJson {
 }
 
 /// Returns the lines of a spectrum. The wavelength of a line has no rounding errors.
-fn lines(entry: &RegressionSpectrum) -> impl Iterator<Item = LineJson> {
+fn lines(entry: &RegressionSpectrum) -> impl Iterator<Item = ExportedLine> {
     let rounded = |nm: f64| (nm * 1e6).round() / 1e6;
-    entry.spectrum.line_segments().iter().map(move |line| LineJson { nm: rounded(line.centre()), power: line.power })
+    entry
+        .spectrum
+        .line_segments()
+        .iter()
+        .map(move |line| ExportedLine { nm: rounded(line.centre()), power: line.power })
 }
 
-/// Writes the set to a folder. Returns the number of cases.
-pub(crate) fn write_set(folder: &Path) -> Result<usize> {
+/// Writes the set to a folder, as JSON and as CSV files. Returns the number of cases.
+///
+/// # Errors
+/// Returns an error if the folder or a file cannot be written.
+pub fn write_set(folder: &Path) -> Result<usize> {
     std::fs::create_dir_all(folder)
         .map_err(|error| Error::machine(format!("cannot be created: {error}")).in_file(folder))?;
-    let set = set_json();
+    let set = exported_set();
     let write = |name: &str, text: String| file::write_whole(&folder.join(name), text.as_bytes());
     let row = |cells: Vec<String>| cells.join(",") + "\n";
     let names = set.spectra.iter().map(|spectrum| spectrum.name.to_string());
@@ -128,7 +150,7 @@ pub(crate) fn write_set(folder: &Path) -> Result<usize> {
     }
     let mut lines = "spectrum,nm,power\n".to_string();
     for spectrum in &set.spectra {
-        for LineJson { nm, power } in &spectrum.lines {
+        for ExportedLine { nm, power } in &spectrum.lines {
             let _ = writeln!(lines, "{},{nm},{power}", spectrum.name);
         }
     }
@@ -157,8 +179,11 @@ pub(crate) fn write_set(folder: &Path) -> Result<usize> {
 }
 
 /// Reads the colours of a converter. A file whose name ends in `.json` is JSON, and any other file
-/// is CSV.
-pub(crate) fn read_colours(path: &Path) -> Result<Vec<(String, ConvertedColour)>> {
+/// is CSV. Each colour has the name of its case.
+///
+/// # Errors
+/// Returns an error if the file cannot be read, or if it has another form.
+pub fn read_colours(path: &Path) -> Result<Vec<(String, ConvertedColour)>> {
     let text = std::fs::read_to_string(path).map_err(|error| Error::input(format!("cannot be read: {error}")))?;
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
         colours_of_json(&text)
@@ -220,8 +245,12 @@ fn columns(count: usize) -> String {
     if count == 1 { "1 column".to_string() } else { format!("{count} columns") }
 }
 
-/// Reads the colours of a converter from JSON.
-pub(crate) fn colours_of_json(text: &str) -> Result<Vec<(String, ConvertedColour)>> {
+/// Reads the colours of a converter from JSON: a list of cases, or an object with this list.
+///
+/// # Errors
+/// Returns an error if the text is not JSON, if it has another form, or if it belongs to another
+/// set.
+pub fn colours_of_json(text: &str) -> Result<Vec<(String, ConvertedColour)>> {
     let document: Value = serde_json::from_str(text).map_err(|error| {
         let what = format!("is not JSON: {error}");
         Error::input(what).expected("JSON, in which null stands for a value that is not a number")

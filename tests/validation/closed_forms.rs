@@ -3,8 +3,7 @@
 //! form, so it is measured apart from the cases ([`newtons_length`]).
 
 use super::{Case, Expected, measure_scene};
-use abbe_session::render::{Monitor, StopRules, Value};
-use abbe_spectra::error::Result;
+use abbe_session::render::{StopRules, Value};
 use abbe_spectra::math::elementary::{asin, exp, ln, sin, sin_cos, tan};
 use abbe_spectra::math::quadrature::gauss16;
 use glam::DVec2;
@@ -14,7 +13,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Returns all cases.
-pub fn cases() -> Vec<Case> {
+pub(crate) fn cases() -> Vec<Case> {
     vec![integrating_sphere(), slab(), half_space(), glass_half_space(), prism_width(), prism_deviation()]
 }
 
@@ -23,7 +22,7 @@ const LIGHT: f64 = 1000.0;
 
 fn case(id: &str, title: &str, unit: &str, scenes: Vec<(String, Vec<Expected>)>) -> Case {
     let (id, title, unit) = (id.to_string(), title.to_string(), unit.to_string());
-    Case { id, title, quick: true, unit, scenes, relative: 0.01, absolute: 1e-3 }
+    Case { id, title, unit, scenes, relative: 0.01, absolute: 1e-3 }
 }
 
 /// Returns an expected value of a reading that is divided by [`LIGHT`].
@@ -299,10 +298,7 @@ fn prism_deviation() -> Case {
 /// prisms of two glasses of about Newton's index. Returns a section for the page: the share of the
 /// largest illuminance at the ends of an image of 13¼ inches, for each glass. The folder `files`
 /// holds the scene.
-///
-/// # Errors
-/// Returns an error if the scene has a fault. This is a bug.
-pub fn newtons_length(files: &Path, monitor: &mut dyn Monitor) -> Result<String> {
+pub(crate) fn newtons_length(files: &Path) -> String {
     /// The number of strips along the image.
     const STRIPS: usize = 96;
     /// The number of passes with photons.
@@ -330,7 +326,7 @@ the largest illuminance.
     .to_string();
     for (glass, index, number) in [("LLF1", "1.548", "45.8"), ("N-BALF5", "1.547", "53.6")] {
         let scene = prism.scene([&json!(glass), &sun], &strips);
-        let report = measure_scene(&scene, files, stop, monitor)?;
+        let report = measure_scene(&scene, files, stop);
         let lumens = report.meters.iter().map(|meter| match meter.points[0].value {
             Value::Number(lumens) => lumens,
             Value::Spectrum(_) => 0.0,
@@ -339,7 +335,7 @@ the largest illuminance.
         let percent = threshold.map_or("–".to_string(), |share| format!("{:.3} %", 100.0 * share));
         let _ = writeln!(text, "| {glass} | {index} | {number} | {percent} |");
     }
-    Ok(text)
+    text
 }
 
 /// Returns the share of the largest value at which a peak has this length, in steps between values.
@@ -377,38 +373,33 @@ fn threshold_of_length(values: &[f64], length: f64) -> Option<f64> {
     Some(exp(low - top))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The values were computed in numpy with 200 Gauss points.
-    #[test]
-    fn the_h_function_agrees_with_another_quadrature() {
-        for (albedo, mu, expected) in [(0.9, 1.0, 1.850_098_52), (0.5, 1.0, 1.251_259_56), (0.9, 0.5, 1.556_033_80)] {
-            let found = h_function(albedo, mu);
-            assert!((found - expected).abs() < 2e-5, "{albedo} {mu}: {found} for {expected}");
-        }
+/// The values were computed in numpy with 200 Gauss points.
+#[test]
+fn the_h_function_agrees_with_another_quadrature() {
+    for (albedo, mu, expected) in [(0.9, 1.0, 1.850_098_52), (0.5, 1.0, 1.251_259_56), (0.9, 0.5, 1.556_033_80)] {
+        let found = h_function(albedo, mu);
+        assert!((found - expected).abs() < 2e-5, "{albedo} {mu}: {found} for {expected}");
     }
+}
 
-    /// An exponential peak with different slopes on both sides.
-    #[test]
-    fn thresholds_give_the_length_of_a_peak() {
-        let values: Vec<f64> =
-            (0..40).map(|i| if i < 10 { exp(f64::from(i - 10)) } else { exp(f64::from(10 - i) / 2.0) }).collect();
-        let share = threshold_of_length(&values, 9.0).unwrap();
-        assert!((share - exp(-3.0)).abs() < 1e-9, "{share}");
-        assert_eq!(threshold_of_length(&values, 60.0), None);
-    }
+/// An exponential peak with different slopes on both sides.
+#[test]
+fn thresholds_give_the_length_of_a_peak() {
+    let values: Vec<f64> =
+        (0..40).map(|i| if i < 10 { exp(f64::from(i - 10)) } else { exp(f64::from(10 - i) / 2.0) }).collect();
+    let share = threshold_of_length(&values, 9.0).unwrap();
+    assert!((share - exp(-3.0)).abs() < 1e-9, "{share}");
+    assert_eq!(threshold_of_length(&values, 60.0), None);
+}
 
-    /// The numbers of Newton's letter belong together: the index gives the mean deviation, and the
-    /// hole, the sun and the distance give the width.
-    #[test]
-    fn the_numbers_of_newtons_letter_agree() {
-        let deviation_deg = least_deviation().to_degrees();
-        assert!((deviation_deg - (44.0 + 56.0 / 60.0)).abs() < 0.5 / 60.0, "{deviation_deg}");
-        let prism = NewtonsPrism::new();
-        let width_m = HOLE_M + 2.0 * prism.length_m * tan(SUN_RADIUS_DEG.to_radians());
-        assert!((width_m / WIDTH_M - 1.0).abs() < 0.01, "{width_m}");
-        assert!((prism.share_within(width_m) - 0.5).abs() < 1e-12 && prism.share_within(0.0).abs() < 1e-12);
-    }
+/// The numbers of Newton's letter belong together: the index gives the mean deviation, and the
+/// hole, the sun and the distance give the width.
+#[test]
+fn the_numbers_of_newtons_letter_agree() {
+    let deviation_deg = least_deviation().to_degrees();
+    assert!((deviation_deg - (44.0 + 56.0 / 60.0)).abs() < 0.5 / 60.0, "{deviation_deg}");
+    let prism = NewtonsPrism::new();
+    let width_m = HOLE_M + 2.0 * prism.length_m * tan(SUN_RADIUS_DEG.to_radians());
+    assert!((width_m / WIDTH_M - 1.0).abs() < 0.01, "{width_m}");
+    assert!((prism.share_within(width_m) - 0.5).abs() < 1e-12 && prism.share_within(0.0).abs() < 1e-12);
 }

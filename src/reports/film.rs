@@ -1,0 +1,128 @@
+//! The reflectance, the transmittance and the colours of a stack of thin films.
+
+use abbe_format::resolve::FilmSystem;
+use abbe_optics::thin_film::{PolarisedResponse, StackResponse};
+use abbe_session::output::plot::{SpectralCurve, SpectralPlot};
+use abbe_spectra::colour::xy;
+use abbe_spectra::math::elementary::cos;
+use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum};
+use serde::Serialize;
+
+/// A value for s polarised, p polarised and unpolarised light, at each wavelength.
+#[derive(Debug, Default, Serialize)]
+pub struct Polarised {
+    /// Light that is polarised perpendicular to the plane of incidence.
+    pub s: Vec<f64>,
+    /// Light that is polarised in the plane of incidence.
+    pub p: Vec<f64>,
+    /// Unpolarised light.
+    pub mean: Vec<f64>,
+}
+
+impl Polarised {
+    /// Adds the values at one wavelength.
+    fn push(&mut self, found: &StackResponse, of: impl Fn(&PolarisedResponse) -> f64) {
+        let (s, p) = (of(&found.s), of(&found.p));
+        self.s.push(s);
+        self.p.push(p);
+        self.mean.push(0.5 * (s + p));
+    }
+}
+
+/// CIE 1931 chromaticities of unpolarised light. `None` if there is no light.
+#[derive(Debug, Serialize)]
+pub struct FilmColours {
+    /// The chromaticity of the reflected light.
+    pub reflected: Option<[f64; 2]>,
+    /// The chromaticity of the transmitted light.
+    pub transmitted: Option<[f64; 2]>,
+}
+
+/// The films at an angle of incidence. Powers are fractions of the incident power.
+#[derive(Debug, Serialize)]
+pub struct FilmAngle {
+    /// The angle of incidence.
+    pub degrees: f64,
+    /// The wavelengths of the values.
+    pub wavelength_nm: Vec<f64>,
+    /// The reflected power.
+    pub reflectance: Polarised,
+    /// The transmitted power.
+    pub transmittance: Polarised,
+    /// The colours under a lamp.
+    pub xy: FilmColours,
+}
+
+/// The powers and the colours of a stack of thin films.
+#[derive(Debug, Serialize)]
+pub struct FilmReport {
+    /// The requested angles.
+    pub angles: Vec<FilmAngle>,
+}
+
+impl FilmReport {
+    /// Computes the powers at angles of incidence in degrees and at wavelengths in nm, and the
+    /// colours under a lamp.
+    pub fn of(system: &FilmSystem, degrees: &[f64], wavelengths: &[f64], lamp: &Spectrum) -> Self {
+        Self { angles: degrees.iter().map(|&degrees| at_angle(system, degrees, wavelengths, lamp)).collect() }
+    }
+}
+
+fn response(system: &FilmSystem, degrees: f64, nm: f64) -> StackResponse {
+    // The cosine of 90 degrees is not exactly 0.
+    let cosine = if degrees == 90.0 { 0.0 } else { cos(degrees.to_radians()) };
+    system.films.response(cosine, system.incident.n(nm), system.substrate.at(nm), nm, 0.0)
+}
+
+fn at_angle(system: &FilmSystem, degrees: f64, wavelengths: &[f64], lamp: &Spectrum) -> FilmAngle {
+    let (mut reflectance, mut transmittance) = (Polarised::default(), Polarised::default());
+    for &nm in wavelengths {
+        let found = response(system, degrees, nm);
+        reflectance.push(&found, |it| it.reflectance);
+        transmittance.push(&found, |it| it.transmittance);
+    }
+    let colour = |of: fn(&StackResponse) -> f64| chromaticity(lamp, |nm| of(&response(system, degrees, nm)));
+    let xy = FilmColours {
+        reflected: colour(StackResponse::reflectance),
+        transmitted: colour(StackResponse::transmittance),
+    };
+    FilmAngle { degrees, wavelength_nm: wavelengths.to_vec(), reflectance, transmittance, xy }
+}
+
+/// Returns the CIE 1931 chromaticity of a light times a factor. The continuum is summed over whole
+/// nanometres, and the factor of a line is that at its centre. Returns `None` if there is no light.
+fn chromaticity(light: &Spectrum, factor: impl Fn(f64) -> f64) -> Option<[f64; 2]> {
+    let observer = Observer::cie1931();
+    let mut sum = [0.0; 3];
+    let mut add = |nm: f64, power: f64| {
+        let weight = power * factor(nm);
+        sum.iter_mut().zip(observer.xyz_bar(nm)).for_each(|(sum, bar)| *sum += weight * bar);
+    };
+    (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).for_each(|nm| add(nm, light.continuum_at(nm)));
+    light.line_segments().iter().for_each(|line| add(line.centre(), line.power));
+    (sum.iter().sum::<f64>() > 0.0).then(|| xy(sum))
+}
+
+/// Plots the powers of unpolarised light. If the substrate transmits nothing, only the reflectance
+/// is plotted.
+pub fn plot(system: &FilmSystem, angles: &[f64]) -> SpectralPlot {
+    let mut curves = Vec::new();
+    for &degrees in angles {
+        let mut add = |name: &str, of: fn(&StackResponse) -> f64| {
+            let nm = (0..=470).map(|i| BAND_NM.0 + f64::from(i));
+            let points: Vec<(f64, f64)> = nm.map(|nm| (nm, of(&response(system, degrees, nm)))).collect();
+            if points.iter().any(|point| point.1 > 0.0) {
+                curves.push(SpectralCurve { name: format!("{name} at {degrees}°"), points });
+            }
+        };
+        add("reflectance", StackResponse::reflectance);
+        add("transmittance", StackResponse::transmittance);
+    }
+    SpectralPlot {
+        title: "Thin films".to_string(),
+        values: "fraction of the power".to_string(),
+        curves,
+        lines: Vec::new(),
+        from_zero: true,
+    }
+}

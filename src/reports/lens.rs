@@ -1,0 +1,320 @@
+//! The analysis of a lens of several elements.
+
+use std::path::{Path, PathBuf};
+
+use abbe_format::resolve;
+use abbe_optics::glass::AgfCatalogue;
+use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
+use abbe_optics::lens::section::{DrawnRay, FocusWindow, LensSection, section};
+use abbe_optics::lens::zemax::ZmxSystem;
+use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, LensSurface, Pupil, catalogue};
+use abbe_session::output::drawing::{FocusInset, LensDrawing, RayStroke};
+use abbe_spectra::error::Result;
+use serde::Serialize;
+
+/// The analysis of a lens. [`LensAnalysis`] and [`abbe_optics::lens::Paraxial`] define the
+/// quantities.
+#[derive(Debug, Serialize)]
+pub struct LensReport<'a> {
+    /// The name of the design.
+    pub name: &'a str,
+    /// The source of the prescription.
+    pub source: Option<&'a str>,
+    /// The number of surfaces, with the stop.
+    pub surfaces: usize,
+    /// The distance from the first to the last surface.
+    pub length_mm: f64,
+    /// The focal length at the d line.
+    pub efl_mm: f64,
+    /// The back focus at the d line.
+    pub bfd_mm: f64,
+    /// The back focus of the F line minus that of the C line.
+    pub fc_shift_mm: f64,
+    /// `None` if the entrance pupil lies at infinity.
+    pub f_number: Option<f64>,
+    /// `None` if the pupil lies at infinity.
+    pub entrance_pupil: Option<PupilReport>,
+    /// `None` if the pupil lies at infinity.
+    pub exit_pupil: Option<PupilReport>,
+    /// The foci of the lines F, d and C.
+    pub lines: Vec<LineReport>,
+    /// Half the field of view.
+    pub half_field_deg: f64,
+    /// Three fields from the axis to the edge.
+    pub fields: Vec<FieldReport>,
+}
+
+/// A pupil. [`Pupil`] defines the quantities.
+#[derive(Debug, Serialize)]
+#[expect(missing_docs, reason = "Pupil has the same fields")]
+pub struct PupilReport {
+    pub z_mm: f64,
+    pub diameter_mm: f64,
+}
+
+/// The focus of a spectral line. [`abbe_optics::lens::LineFocus`] defines the quantities.
+#[derive(Debug, Serialize)]
+#[expect(missing_docs, reason = "LineFocus has the same fields")]
+pub struct LineReport {
+    pub line: &'static str,
+    pub nm: f64,
+    pub efl_mm: f64,
+    pub bfd_mm: f64,
+    pub transmittance: f64,
+}
+
+/// The image of a distant point. [`FieldPoint`] and [`ImageQuality`] define the quantities.
+#[derive(Debug, Serialize)]
+#[expect(missing_docs, reason = "FieldPoint and ImageQuality have the same fields")]
+pub struct FieldReport {
+    pub angle_deg: f64,
+    pub image_height_mm: f64,
+    pub distortion: Option<f64>,
+    pub lateral_colour_mm: f64,
+    pub spots: Vec<SpotReport>,
+    pub mtf: Vec<MtfReport>,
+    pub ray_fans: Vec<FanReport>,
+}
+
+/// The contrast at a spatial frequency. [`MtfPoint`] defines the quantities.
+#[derive(Debug, Serialize)]
+#[expect(missing_docs, reason = "MtfPoint has the same fields")]
+pub struct MtfReport {
+    pub cycles_per_mm: f64,
+    pub tangential: f64,
+    pub sagittal: f64,
+    pub diffraction_limit: f64,
+}
+
+/// The ray fans of a line at the heights `pupil`. [`RayFan`] defines the quantities.
+#[derive(Debug, Serialize)]
+#[expect(missing_docs, reason = "RayFan has the same fields")]
+pub struct FanReport {
+    pub line: &'static str,
+    pub pupil: [f64; FAN_PUPIL.len()],
+    pub tangential_mm: [Option<f64>; FAN_PUPIL.len()],
+    pub sagittal_mm: [Option<f64>; FAN_PUPIL.len()],
+}
+
+/// The spot of a line.
+#[derive(Debug, Serialize)]
+pub struct SpotReport {
+    /// `F`, `d` or `C`.
+    pub line: &'static str,
+    /// The root mean square distance of the rays from their centre.
+    pub rms_mm: f64,
+}
+
+impl SpotReport {
+    /// Names the spots at [`LINES`].
+    pub(super) fn of_lines(rms_mm: [f64; 3]) -> Vec<Self> {
+        LINES.iter().zip(rms_mm).map(|(line, rms_mm)| Self { line: line.0, rms_mm }).collect()
+    }
+}
+
+/// A list of lenses.
+#[derive(Debug, Serialize)]
+pub struct LensList<'a> {
+    /// The entries, in the order of the catalogue.
+    pub lenses: Vec<LensListing<'a>>,
+}
+
+/// An entry of the list. [`LensReport`] defines the quantities.
+#[derive(Debug, Serialize)]
+#[expect(missing_docs, reason = "LensReport has the same fields")]
+pub struct LensListing<'a> {
+    pub name: &'a str,
+    pub efl_mm: f64,
+    pub f_number: Option<f64>,
+    pub half_field_deg: f64,
+    pub surfaces: usize,
+}
+
+impl LensList<'static> {
+    /// Lists the built-in lenses.
+    ///
+    /// # Errors
+    /// Returns an error if a lens has no paraxial properties. This is a bug of the catalogue.
+    pub fn built_in() -> Result<Self> {
+        let listed = |lens: &'static Lens| {
+            let paraxial = lens.at(LINES[1].1).paraxial()?;
+            Ok(LensListing {
+                name: lens.name(),
+                efl_mm: paraxial.efl_mm,
+                f_number: paraxial.f_number,
+                half_field_deg: lens.half_field_deg().unwrap_or_default(),
+                surfaces: lens.surfaces().len(),
+            })
+        };
+        Ok(Self { lenses: catalogue::all().iter().map(listed).collect::<Result<_>>()? })
+    }
+}
+
+/// Returns the built-in lens with this name, or the system in this file: a prescription in JSON, or
+/// a Zemax file (`.zmx`). The catalogues in the files `glasses` are searched first.
+///
+/// # Errors
+/// Returns an error if the name is unknown, or if a file cannot be read or is wrong.
+pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
+    let catalogues: Vec<AgfCatalogue> = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
+    let unknown = match catalogue::find(name) {
+        Ok(lens) => return Ok(ZmxSystem::Lens(lens.clone())),
+        Err(unknown) => unknown,
+    };
+    let path = Path::new(name);
+    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if
+    // the file exists, or if it has the extension of a lens file.
+    let is_lens_file =
+        |ending: &std::ffi::OsStr| ["json", "zmx"].iter().any(|known| ending.eq_ignore_ascii_case(known));
+    if path.exists() || path.extension().is_some_and(is_lens_file) {
+        return resolve::lens_system_file(path, &catalogues);
+    }
+    Err(unknown.expected("a name of `abbe lens --list`, or a file"))
+}
+
+impl<'a> LensReport<'a> {
+    /// Reports an analysis, with the image quality at its fields.
+    ///
+    /// # Errors
+    /// Returns an error if no light passes at one of the fields.
+    pub fn of(lens: &'a Lens, analysis: &LensAnalysis) -> Result<Self> {
+        let quality = ImageQuality::of(lens, analysis)?;
+        let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
+        let pupil = |Pupil { z_mm, diameter_mm }| PupilReport { z_mm, diameter_mm };
+        let mtf = |MtfPoint { per_mm, tangential, sagittal, diffraction_limit }: &MtfPoint| MtfReport {
+            cycles_per_mm: *per_mm,
+            tangential: *tangential,
+            sagittal: *sagittal,
+            diffraction_limit: *diffraction_limit,
+        };
+        let fan = |RayFan { line, tangential_mm, sagittal_mm }: &RayFan| FanReport {
+            line,
+            pupil: FAN_PUPIL,
+            tangential_mm: *tangential_mm,
+            sagittal_mm: *sagittal_mm,
+        };
+        let field = |(field, quality): (&FieldPoint, &ImageQuality)| FieldReport {
+            angle_deg: field.angle_deg,
+            image_height_mm: field.image_height_mm,
+            distortion: field.distortion,
+            lateral_colour_mm: field.lateral_colour_mm,
+            spots: SpotReport::of_lines(field.spots.map(|spot| spot.rms_mm)),
+            mtf: quality.mtf.iter().map(mtf).collect(),
+            ray_fans: quality.fans.iter().map(fan).collect(),
+        };
+        Ok(Self {
+            name: lens.name(),
+            source: lens.source(),
+            surfaces: lens.surfaces().len(),
+            length_mm: lens.length_mm(),
+            efl_mm: paraxial.efl_mm,
+            bfd_mm: paraxial.bfd_mm,
+            fc_shift_mm: analysis.fc_shift_mm(),
+            f_number: paraxial.f_number,
+            entrance_pupil: paraxial.entrance_pupil.map(pupil),
+            exit_pupil: paraxial.exit_pupil.map(pupil),
+            lines: lines
+                .iter()
+                .map(|line| LineReport {
+                    line: line.line,
+                    nm: line.wavelength_nm,
+                    efl_mm: line.efl_mm,
+                    bfd_mm: line.bfd_mm,
+                    transmittance: line.transmittance,
+                })
+                .collect(),
+            half_field_deg: *half_field_deg,
+            fields: fields.iter().zip(&quality).map(field).collect(),
+        })
+    }
+}
+
+/// Draws the cross-section of a lens with rays of the F, d and C lines.
+///
+/// # Errors
+/// Returns an error if the lens has no cross-section, because no ray passes.
+pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
+    let LensSection { elements, stop, sensor, rays, foci } = section(lens, analysis)?;
+    let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };
+    let window = |focus: &FocusWindow| FocusInset {
+        title: if focus.angle_deg == 0.0 {
+            "focus on the axis".to_string()
+        } else {
+            format!("focus at {}°, along the bundle", focus.angle_deg)
+        },
+        centre: focus.centre,
+        half_size: focus.half_size,
+        slope: focus.slope,
+    };
+    let colours = LINES.iter().zip(["#1f5fbf", "#d09a00", "#c0302a"]);
+    let f_number = analysis.paraxial.f_number.map_or(String::new(), |f_number| format!(", f/{f_number:.2}"));
+    Ok(LensDrawing {
+        title: lens.name().to_string(),
+        caption: format!(
+            "f = {:.2} mm{f_number}, back focus {:.2} mm, F′ − C′ {:+.4} mm",
+            analysis.paraxial.efl_mm,
+            analysis.paraxial.bfd_mm,
+            analysis.fc_shift_mm()
+        )
+        .replace('-', "−"),
+        glass: elements,
+        stop,
+        sensor,
+        strokes: rays.into_iter().map(stroke).collect(),
+        colours: colours.map(|((line, nm), colour)| (format!("{line}, {nm:.1} nm"), colour.to_string())).collect(),
+        windows: foci.iter().map(window).collect(),
+    })
+}
+
+/// The surfaces of a lens, for other programs.
+#[derive(Debug, Serialize)]
+pub struct LensPrescription<'a> {
+    /// The name of the design.
+    pub name: &'a str,
+    /// Half the field of view of the design.
+    pub half_field_deg: Option<f64>,
+    /// The surfaces, from the scene to the sensor.
+    pub surfaces: Vec<SurfaceReport<'a>>,
+}
+
+/// A surface of a prescription.
+#[derive(Debug, Serialize)]
+pub struct SurfaceReport<'a> {
+    /// The radius of curvature. `None` for a plane.
+    pub radius_mm: Option<f64>,
+    /// The conic constant.
+    pub conic: f64,
+    /// Coefficients of h², h⁴, … in powers of mm.
+    pub even_terms: &'a [f64],
+    /// The distance to the next surface.
+    pub thickness_mm: f64,
+    /// The radius of the edge.
+    pub semi_aperture_mm: f64,
+    /// The radius of the opaque disc in the middle.
+    pub obscuration_mm: f64,
+    /// True for the aperture stop.
+    pub stop: bool,
+    /// The indices of refraction behind the surface at the requested wavelengths.
+    pub n: Vec<f64>,
+}
+
+impl<'a> LensPrescription<'a> {
+    /// Returns the surfaces of a lens with their indices of refraction at wavelengths in nm.
+    pub fn of(lens: &'a Lens, nm: &[f64]) -> Self {
+        let surface = |(i, surface): (usize, &'a LensSurface)| {
+            let LensSurface { profile, thickness_mm, index, semi_aperture_mm, obscuration_mm, coating: _ } = surface;
+            SurfaceReport {
+                radius_mm: (profile.curvature_per_mm != 0.0).then(|| 1.0 / profile.curvature_per_mm),
+                conic: profile.conic,
+                even_terms: &profile.even_terms,
+                thickness_mm: *thickness_mm,
+                semi_aperture_mm: *semi_aperture_mm,
+                obscuration_mm: *obscuration_mm,
+                stop: i == lens.stop(),
+                n: nm.iter().map(|nm| index.n(*nm)).collect(),
+            }
+        };
+        let surfaces = lens.surfaces().iter().enumerate().map(surface).collect();
+        Self { name: lens.name(), half_field_deg: lens.half_field_deg(), surfaces }
+    }
+}

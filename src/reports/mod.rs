@@ -1,0 +1,21 @@
+//! Reports: figures of glasses, lenses, films, gratings, spectra and lamps, and results of
+//! measurements and studies.
+//!
+//! The command line prints these reports as text or as JSON, and the Python package receives the
+//! same JSON. Therefore the names of the fields are public, and so is their order. `Option` fields
+//! are null in JSON unless their documentation says that they are left out.
+
+pub mod colour;
+pub mod film;
+pub mod folded_lens;
+pub mod glass;
+pub mod grating;
+pub mod lamps;
+pub mod lens;
+pub mod luminaire;
+pub mod measurement;
+pub mod metal;
+pub mod named;
+pub mod regression;
+#[cfg(feature = "pages")]
+pub mod study;

@@ -1,0 +1,53 @@
+//! Studies of the error against time for a scene file.
+
+use std::path::Path;
+use std::time::Duration;
+
+use abbe_format::resolve::resolve;
+use abbe_format::{JsonSource, SceneFile};
+use abbe_session::output::exr::read;
+use abbe_session::output::metadata::names;
+use abbe_session::render::{Integrator, on_threads};
+use abbe_spectra::error::Result;
+
+use crate::api::{memory, provenance};
+use crate::study::{self, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
+
+/// The files of a study.
+#[derive(Debug, Clone, Copy)]
+pub struct StudyFiles<'a> {
+    /// The scene file, which errors and the report name.
+    pub scene: &'a Path,
+    /// The folder of the results.
+    pub output: &'a Path,
+    /// The EXR file of the reference, if it is given.
+    pub reference: Option<&'a Path>,
+}
+
+/// Runs a study of a scene. The number of threads is `threads`, or the one of the scene.
+///
+/// # Errors
+/// Returns an error if a file cannot be read or written, or if the scene cannot be rendered.
+pub fn study(
+    scene: &SceneFile,
+    source: &JsonSource,
+    files: &StudyFiles<'_>,
+    budget: Duration,
+    threads: Option<u32>,
+    monitor: &mut (dyn StudyMonitor + Send),
+) -> Result<StudyOutcome> {
+    let reference = match files.reference {
+        Some(path) => Some((path.display().to_string(), read(path)?.picture)),
+        None => None,
+    };
+    let job = memory::plan(resolve(scene, source)?, files.scene)?;
+    let of_scene = provenance::of_scene(Some(source), &job, Integrator::Photon);
+    let study_scene = StudyScene {
+        path: files.scene.to_owned(),
+        text: source.text.clone(),
+        reach: source.file_access(),
+        hash: of_scene.get(names::SCENE_HASH).unwrap_or_default().to_string(),
+    };
+    let options = StudyOptions { folder: files.output.to_owned(), budget, reference };
+    on_threads(threads.or(job.scene.settings.threads), || study::run(&study_scene, &options, monitor))?
+}
