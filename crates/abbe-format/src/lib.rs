@@ -1,10 +1,51 @@
-//! The types of the scene file, its JSON Schema, and the functions that read the scene file.
+//! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution into a scene.
 //!
-//! [`read`] reads a file into a [`SceneFile`]. The module `json` parses the text and deserialises
-//! it into the types of this module. Then `validate` checks the ranges of single values. Finally,
-//! the module [`resolve`] looks up names, reads the other files that the scene names, and converts
-//! everything to SI units. [`JsonSource::error_at`] adds the position in the scene file to the
-//! errors of [`resolve`].
+//! [`read`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and deserialises it
+//! into the types of this crate, which check the ranges of single values. Then the module [`resolve`]
+//! looks up names, reads the other files that the scene names, and converts everything to SI units.
+//! Every error states its line, its column and its JSON path, and suggests a similar name if one
+//! exists.
+//!
+//! ```
+//! use abbe_format::{parse, resolve::resolve};
+//!
+//! let text = r#"{
+//!   "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
+//!   "film": {"width": 8, "height": 8},
+//!   "materials": {"glass": {"dielectric": {"ior": "N-BK8"}}},
+//!   "objects": [{"name": "ball", "shape": {"sphere": {"radius": 1}}, "material": "glass"}],
+//!   "lights": [{"environment": {"spectrum": "D65", "illuminance": 1000}}]
+//! }"#;
+//! let (file, source) = parse(text, "scene.json".as_ref(), &[])?;
+//! let error = resolve(&file, &source).expect_err("no glass has this name").to_string();
+//! assert!(error.starts_with("scene.json:4:"), "{error}");
+//! assert!(error.contains("did you mean \"N-BK7\"?"), "{error}");
+//! # Ok::<(), abbe_spectra::Error>(())
+//! ```
+//!
+//! `examples/find_a_mistake.rs` prints the errors of a scene.
+//!
+//! # Modules
+//!
+//! | module | content |
+//! | --- | --- |
+//! | [`json`] | strict JSON with the position of every value, patches, the folder that a scene may read |
+//! | [`light`] | the forms of lights |
+//! | [`luminaire`] | IES LM-63 and EULUMDAT files |
+//! | [`mesh`] | OBJ, PLY, STL, glTF and Mitsuba's serialized meshes (feature `meshes`) |
+//! | [`volume_file`] | volumes in `.npz` files |
+//! | [`resolve`] | the resolution of a scene file into a scene |
+//!
+//! The other forms are at the root: each type whose name ends with `File` mirrors a key of the file.
+//!
+//! # Units and conventions
+//!
+//! Lengths in a file are in the file's `unit`, which is the metre by default, and angles are in degrees.
+//! A resolved scene is in m, W and rad. Keys are in snake case, and unknown keys are errors.
+//!
+//! # Dependencies
+//!
+//! [`abbe_scene`] is the result, [`abbe_optics`] finds glasses and lenses, and [`abbe_spectra`] spectra.
 
 mod camera;
 mod check;

@@ -1,7 +1,43 @@
-//! Converts scenes of other programs to the text of a scene file.
+//! Converts scenes of other programs to scene files of the renderer Abbe: glTF, Mitsuba and pbrt.
 //!
-//! [`import`] selects the reader by the extension of the file. A reader hands the parts of the
-//! scene to a `SceneWriter`, and states what it leaves out.
+//! [`import`] selects the reader by the extension of the file. A reader hands the parts of the scene to
+//! a scene writer, and states what it leaves out or adds, so that no difference stays hidden.
+//!
+//! ```
+//! use abbe_format::FileAccess;
+//!
+//! let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/triangle.gltf");
+//! let imported = abbe_import::import(path.as_ref(), "", FileAccess::WithinFolder)?;
+//! assert!(imported.text.contains("triangle.gltf"));
+//! for note in imported.notes() {
+//!     println!("note: {note}");
+//! }
+//! # Ok::<(), abbe_spectra::Error>(())
+//! ```
+//!
+//! `examples/convert_gltf.rs` prints the scene file of a model.
+//!
+//! # Modules
+//!
+//! All modules are private, one for each program:
+//!
+//! | module | content |
+//! | --- | --- |
+//! | `gltf` | cameras, punctual lights and animations of glTF files; the meshes stay in their file |
+//! | `mitsuba` | scenes of Mitsuba 3 (`.xml`) |
+//! | `pbrt` | scenes of pbrt-v4 (`.pbrt`) |
+//! | `overlay` | changes that a small JSON file makes to a converted scene |
+//! | `scene_writer` | the parts of a scene, and their text |
+//!
+//! # Units and conventions
+//!
+//! A converted scene is in metres. glTF gives luminous quantities, which stay luminous; Mitsuba and pbrt
+//! give radiance without a unit, which becomes W/m²/sr over the band of these programs.
+//!
+//! # Dependencies
+//!
+//! [`abbe_format`] defines the scene file and reads meshes; [`abbe_scene`], [`abbe_optics`] and
+//! [`abbe_spectra`] supply the model and the names of spectra and glasses.
 
 mod gltf;
 mod mitsuba;

@@ -6,7 +6,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// Straight aperture blades that form a regular polygon. The corners lie on the circle of the open
+/// Straight aperture blades that form a regular polygon with its corners on the circle of the open
 /// aperture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,8 +24,7 @@ impl Blades {
         unit_vector(self.rotation + TAU * f64::from(number) / f64::from(self.count))
     }
 
-    /// Returns whether the polygon contains a point. The point is given in units of the circle's
-    /// radius.
+    /// Returns whether the polygon contains a point, given in units of the circle's radius.
     pub fn contains(self, place: DVec2) -> bool {
         let sector = TAU / f64::from(self.count);
         // The angle is measured from the middle of the nearest blade. The distance of this middle

@@ -24,10 +24,9 @@ pub struct DonaldsonMatrix {
 }
 
 impl DonaldsonMatrix {
-    /// Reads a file of comma-separated values. The first cell of the first row is ignored. The
-    /// other cells of this row are the excitation wavelengths. Each of the following rows contains
-    /// an emission wavelength, and a factor for each excitation wavelength. Lines that begin with
-    /// `#` are comments.
+    /// Reads a file of comma-separated values. The first row contains an ignored cell and the
+    /// excitation wavelengths; each following row contains an emission wavelength and a factor for
+    /// each excitation wavelength. Lines that begin with `#` are comments.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read, is too large, or has a malformed cell. The
@@ -52,13 +51,14 @@ impl DonaldsonMatrix {
             return Err(Error::input("an empty file").expected("a row of excitation wavelengths"));
         };
         let excitation_nm: Vec<f64> =
-            cells(header).skip(1).map(|cell| number(header_line, cell)).collect::<Result<_>>()?;
+            cells(header).skip(1).map(|(column, cell)| number(header_line, column, cell)).collect::<Result<_>>()?;
         check_wavelengths("excitation", &excitation_nm, header_line)?;
         let (mut emission_nm, mut last_line) = (Vec::new(), header_line);
         let mut factors = vec![Vec::new(); excitation_nm.len()];
         for (line, row) in rows {
             last_line = line;
-            let values: Vec<f64> = cells(row).map(|cell| number(line, cell)).collect::<Result<_>>()?;
+            let values: Vec<f64> =
+                cells(row).map(|(column, cell)| number(line, column, cell)).collect::<Result<_>>()?;
             if values.len() != excitation_nm.len() + 1 {
                 let expected = format!("{} cells, as in the first row", excitation_nm.len() + 1);
                 return Err(Error::input(format!("a row of {} cells", values.len())).expected(expected).at(line, 1));
@@ -82,13 +82,13 @@ fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// Parses a number of at least 0.
-fn number(line: usize, (column, cell): (usize, &str)) -> Result<f64> {
+fn number(line: usize, column: usize, cell: &str) -> Result<f64> {
     let value = cell.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
     value
         .ok_or_else(|| Error::input(format!("the cell \"{cell}\"")).expected("a number of at least 0").at(line, column))
 }
 
-/// Checks the number and the order of wavelengths. `line` is the line of the error.
+/// Checks the number and the order of wavelengths. An error names the line `line`.
 fn check_wavelengths(kind: &str, nm: &[f64], line: usize) -> Result<()> {
     let fault = if nm.len() < 2 || nm.len() > MOST_WAVELENGTHS {
         format!("{} {kind} wavelengths", nm.len())

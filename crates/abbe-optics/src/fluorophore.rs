@@ -21,7 +21,7 @@ pub struct FluorescentEmission {
     /// The emitted power per nm: e(λ)/λ, where e is the number of photons per nm with the integral
     /// 1.
     power: Spectrum,
-    /// The integral of `power` over the band, in 1/nm. It is the mean of 1/λ over the emitted
+    /// The integral of `power` over the band, in 1/nm, which is the mean of 1/λ over the emitted
     /// photons.
     mean_inverse_nm: f64,
     wavelengths: WavelengthDistribution,
@@ -126,8 +126,8 @@ impl Fluorophore {
         Self::with_absorption(absorptance, emission, quantum_yield)
     }
 
-    /// Creates the fluorophore of a medium. `absorption` is the absorption coefficient of the dye
-    /// in 1/m. It takes the place of the absorptance.
+    /// Creates the fluorophore of a medium. The absorption coefficient of the dye, in 1/m, takes
+    /// the place of the absorptance.
     ///
     /// # Errors
     /// Returns the errors of [`Self::new`], but the absorption coefficient has no upper limit.

@@ -9,9 +9,9 @@
 use abbe_spectra::math::elementary::{asin, atan2, hypot};
 use glam::DVec3;
 
-/// Returns n_t²·cos²θ_t by Snell's law. This is (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i. The value is
-/// negative beyond the critical angle. The functions for reflectance and for refraction both call
-/// this function, so they agree on the critical angle.
+/// Returns n_t²·cos²θ_t = (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i by Snell's law, which is negative
+/// beyond the critical angle. The functions for reflectance and for refraction both call this
+/// function, so they agree on the critical angle.
 fn squared_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     (n_t - n_i) * (n_t + n_i) + (n_i * cos_i) * (n_i * cos_i)
 }
@@ -20,8 +20,8 @@ fn squared_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
 /// index `n_i` to index `n_t`.
 ///
 /// Both indices must be positive. `cos_i` is the cosine of the angle of incidence; its sign is
-/// ignored. The reflectances lie in \[0, 1\]. Beyond the critical angle both are 1. If the indices
-/// are equal, both are 0 at every angle. Source: Born & Wolf, *Principles of Optics*, §1.5.2.
+/// ignored. The reflectances lie in \[0, 1\]: both are 1 beyond the critical angle, and 0 at every
+/// angle if the indices are equal. Source: Born & Wolf, *Principles of Optics*, §1.5.2.
 pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     let c = cos_i.abs().min(1.0);
     let step = (n_t - n_i) * (n_t + n_i);
@@ -39,22 +39,22 @@ pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     ((s * s).min(1.0), (p * p).min(1.0))
 }
 
-/// Returns the reflectance for unpolarised light. The result is the mean of the two values of
-/// [`dielectric_sp`]. It lies in \[0, 1\]. The transmittance is 1 minus the reflectance.
+/// Returns the reflectance for unpolarised light: the mean of the two values of [`dielectric_sp`],
+/// in \[0, 1\]. The transmittance is 1 minus the reflectance.
 pub fn dielectric(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     let (s, p) = dielectric_sp(cos_i, n_i, n_t);
     0.5 * (s + p)
 }
 
-/// Returns the cosine of the angle of refraction by Snell's law. Beyond the critical angle, returns
-/// 0. The sign of `cos_i` is ignored.
+/// Returns the cosine of the angle of refraction by Snell's law, or 0 beyond the critical angle.
+/// The sign of `cos_i` is ignored.
 pub fn cos_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     (squared_transmitted(cos_i, n_i, n_t).max(0.0).sqrt() / n_t).min(1.0)
 }
 
 /// Returns the reflectances of a smooth metal for s and p polarisation. Both lie in \[0, 1\].
 ///
-/// The metal has the complex index `n` + i·`k`. The surrounding medium has the positive index
+/// The metal has the complex index `n` + i·`k`, and the surrounding medium the positive index
 /// `n_outside`. The sign of `cos_i` is ignored, as in [`dielectric_sp`]. Source: Born & Wolf,
 /// *Principles of Optics*, §14.2.
 pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
@@ -81,8 +81,8 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     (s, (s * ratio).clamp(0.0, 1.0))
 }
 
-/// Returns the reflectance of a smooth metal for unpolarised light. The result is the mean of the
-/// two values of [`conductor_sp`]. It lies in \[0, 1\].
+/// Returns the reflectance of a smooth metal for unpolarised light: the mean of the two values of
+/// [`conductor_sp`], in \[0, 1\].
 pub fn conductor(cos_i: f64, n: f64, k: f64, n_outside: f64) -> f64 {
     let (s, p) = conductor_sp(cos_i, n, k, n_outside);
     0.5 * (s + p)
@@ -105,7 +105,7 @@ pub fn refract(w: DVec3, normal: DVec3, n_i: f64, n_t: f64) -> Option<DVec3> {
 
 /// Returns the number a of Snell's law in the form n_t·t = a·normal − n_i·w, or `None` under total
 /// reflection. The refracted direction is t. `cos_i` is the cosine between `w` and the normal, ≥ 0.
-pub fn refraction_along_normal(cos_i: f64, n_i: f64, n_t: f64) -> Option<f64> {
+pub(crate) fn refraction_along_normal(cos_i: f64, n_i: f64, n_t: f64) -> Option<f64> {
     let squared = squared_transmitted(cos_i, n_i, n_t);
     if squared < 0.0 {
         return None;
@@ -125,7 +125,7 @@ pub fn critical_angle_deg(n_i: f64, n_t: f64) -> Option<f64> {
     (n_i > n_t).then(|| asin(n_t / n_i).to_degrees())
 }
 
-/// Returns Brewster's angle in degrees. At this angle the reflectance for p polarisation is 0.
+/// Returns Brewster's angle in degrees, at which the reflectance for p polarisation is 0.
 pub fn brewster_angle_deg(n_i: f64, n_t: f64) -> f64 {
     atan2(n_t, n_i).to_degrees()
 }

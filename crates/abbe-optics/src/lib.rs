@@ -1,19 +1,58 @@
-//! Optics of surfaces, media and lenses. The functions depend only on angle, refractive index and
-//! wavelength. They do not depend on the scene.
+//! Optics of surfaces, media and lenses, by wavelength: glasses, thin films, gratings, lens designs,
+//! BSDFs and phase functions.
 //!
-//! - [`fresnel`]: reflectance and refraction at a smooth interface.
-//! - [`glass`]: the refractive index n(λ) and the catalogue of glasses.
-//! - [`microfacet`]: the GGX distribution of rough interfaces.
-//! - [`grating`]: directions and efficiencies of diffraction gratings.
-//! - [`thin_film`]: interference in stacks of thin films.
-//! - [`fluorophore`]: absorption and emission of fluorescent materials.
-//! - [`donaldson`]: measured bispectral matrices.
-//! - [`fluorescent_samples`]: fluorescent surfaces for the comparison of lamps.
-//! - [`bsdf`]: the scattering functions of surfaces.
-//! - [`phase`]: the phase functions of media.
-//! - [`aperture`]: polygonal apertures and their Fraunhofer diffraction.
-//! - [`lens`]: ray tracing through lenses of several elements.
-//! - [`prism`]: exact formulas for a prism, used as a reference in tests.
+//! All functions depend on angle, refractive index and wavelength alone, and none on a scene. The crate
+//! therefore also serves as a calculator: for the index of a glass, the reflectance of a coating, the
+//! efficiencies of a grating, or the spot sizes of a Zemax lens.
+//!
+//! ```
+//! use abbe_optics::glass::{RefractiveIndex, lines};
+//! use abbe_optics::{fresnel, lens};
+//!
+//! let crown = RefractiveIndex::catalogue("N-BK7")?;
+//! assert!((crown.n(lines::D_NM) - 1.5168).abs() < 1e-4);
+//! let reflected = fresnel::dielectric(1.0, 1.0, crown.n(550.0));
+//! assert!((reflected - 0.0424).abs() < 1e-4);
+//!
+//! let design = lens::catalogue::find("double-gauss")?;
+//! let paraxial = design.at(lines::D_NM).paraxial()?;
+//! assert!((paraxial.efl_mm - 100.0).abs() < 1.0);
+//! # Ok::<(), abbe_spectra::Error>(())
+//! ```
+//!
+//! The folder `examples/` prints the dispersion of a glass (`index_of_a_glass`), the colours of soap and
+//! oil films (`film_colours`), and the figures of a Zemax file (`zemax_lens`).
+//!
+//! # Modules
+//!
+//! | module | content |
+//! | --- | --- |
+//! | [`glass`] | the refractive index n(λ), dispersion formulas, the catalogue, AGF and refractiveindex.info files |
+//! | [`fresnel`] | reflectance and refraction at a smooth interface |
+//! | [`thin_film`] | interference in stacks of thin films |
+//! | [`grating`] | directions and efficiencies of diffraction gratings |
+//! | [`lens`] | ray tracing through lenses of several elements, the lens catalogue, Zemax files |
+//! | [`aperture`] | polygonal apertures and their Fraunhofer diffraction |
+//! | [`microfacet`] | the GGX distribution of rough interfaces |
+//! | [`fluorophore`] | absorption and emission of fluorescent materials |
+//! | [`donaldson`] | measured bispectral matrices |
+//! | [`fluorescent_samples`] | fluorescent surfaces for the comparison of lamps |
+//! | [`texture`] | spectra and numbers that vary over a surface |
+//! | [`bsdf`] | the scattering functions of surfaces |
+//! | [`phase`] | the phase functions of media, Mie scattering |
+//! | [`prism`] | exact formulas of a prism, as a reference for tests |
+//!
+//! # Units and conventions
+//!
+//! Wavelengths are in nm, in air; lens prescriptions are in mm and scenes in m. The complex index is
+//! n + ik, and k > 0 absorbs. In the local frame of a surface, z is the outward normal, and `wo` and
+//! `wi` both point away from the surface. The cosine of a phase function is that between the directions
+//! of propagation, so forward scattering has +1. A roughness α is that of the GGX distribution.
+//!
+//! # Dependencies
+//!
+//! The crate depends on [`abbe_spectra`], whose [`Spectrum`](abbe_spectra::Spectrum) and
+//! [`Error`](abbe_spectra::Error) appear in its interface.
 
 pub mod aperture;
 pub mod bsdf;
@@ -30,3 +69,8 @@ pub mod prism;
 pub mod texture;
 pub mod thin_film;
 mod zemax_text;
+
+pub use bsdf::Bsdf;
+pub use glass::RefractiveIndex;
+pub use lens::Lens;
+pub use phase::PhaseFunction;

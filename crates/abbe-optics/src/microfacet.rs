@@ -33,13 +33,13 @@ impl Ggx {
         Self { alpha: alpha.clamp(MIN_ALPHA, 1.0) }
     }
 
-    /// Returns the roughness α. The root mean square slope of the surface is of the order of α.
+    /// Returns the roughness α, which is of the order of the root mean square slope of the surface.
     pub fn alpha(&self) -> f64 {
         self.alpha
     }
 
-    /// Returns the density D(m) of microfacet normals in 1/sr. Its normalisation is ∫ D(m)·cosθ_m
-    /// dω_m = 1.
+    /// Returns the density D(m) of microfacet normals in 1/sr, normalised to ∫ D(m)·cosθ_m dω_m =
+    /// 1.
     pub fn eval(&self, m: DVec3) -> f64 {
         if m.z <= 0.0 {
             return 0.0;
@@ -56,19 +56,19 @@ impl Ggx {
     }
 
     /// Returns G₁(w)/cosθ: Smith's masking function divided by the cosine.
-    pub fn g1_per_cos(&self, cos: f64) -> f64 {
+    pub(crate) fn g1_per_cos(&self, cos: f64) -> f64 {
         2.0 / (cos + self.smith_root(cos))
     }
 
     /// Returns G₂(o, i)/(cosθ_o·cosθ_i): the height-correlated masking-shadowing function divided
     /// by both cosines.
-    pub fn g2_per_cos(&self, cos_o: f64, cos_i: f64) -> f64 {
+    pub(crate) fn g2_per_cos(&self, cos_o: f64, cos_i: f64) -> f64 {
         2.0 / (cos_o * self.smith_root(cos_i) + cos_i * self.smith_root(cos_o))
     }
 
     /// Returns D·G₂/(4·cosθ_o·cosθ_i) in 1/sr for the half vector `m`. This is the reflection lobe
     /// without the Fresnel factor (Walter et al. 2007, equation 20).
-    pub fn reflection_lobe(&self, m: DVec3, cos_o: f64, cos_i: f64) -> f64 {
+    pub(crate) fn reflection_lobe(&self, m: DVec3, cos_o: f64, cos_i: f64) -> f64 {
         0.25 * self.eval(m) * self.g2_per_cos(cos_o, cos_i)
     }
 
@@ -81,7 +81,7 @@ impl Ggx {
 
     /// Returns 1 − G₂(o, i)/G₁(o) without cancellation. A model that considers only single
     /// scattering loses this fraction of the light.
-    pub fn shadowed_fraction(&self, cos_o: f64, cos_i: f64) -> f64 {
+    pub(crate) fn shadowed_fraction(&self, cos_o: f64, cos_i: f64) -> f64 {
         let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         let sin2 = (1.0 - cos_i) * (1.0 + cos_i);
         cos_o * self.alpha * self.alpha * sin2 / ((i + cos_i) * (cos_o * i + cos_i * o))
@@ -93,7 +93,7 @@ impl Ggx {
         self.g1_per_cos(w.z) * self.eval(m) * w.dot(m).max(0.0)
     }
 
-    /// Samples a visible microfacet normal. The view direction is `w`, and w.z must be ≥ 0.
+    /// Samples a microfacet normal that is visible from the direction `w` with w.z ≥ 0.
     ///
     /// The method stretches the GGX ellipsoid into a hemisphere and samples the projection of the
     /// hemisphere along the view direction. It then transforms the sampled normal back (Heitz,

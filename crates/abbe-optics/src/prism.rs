@@ -1,4 +1,4 @@
-//! Exact formulas for the principal section of a prism. They are used as a reference in tests.
+//! Exact formulas for the principal section of a prism, as a reference for tests.
 //!
 //! All angles are in degrees. `n` is the prism's refractive index relative to the surrounding
 //! medium. `apex_deg` lies in (0, 180). `incidence_deg` is measured from the normal of the first
@@ -18,8 +18,8 @@ pub fn deviation_deg(n: f64, apex_deg: f64, incidence_deg: f64) -> Option<f64> {
     (sin_out.abs() <= 1.0).then(|| incidence_deg + asin(sin_out).to_degrees() - apex_deg)
 }
 
-/// Returns the angle of incidence asin(n·sin(α/2)), at which the deviation is smallest. At this
-/// angle the path of the ray is symmetric. Returns `None` if no ray passes the prism.
+/// Returns the angle of incidence asin(n·sin(α/2)), at which the path of the ray is symmetric and
+/// the deviation smallest. Returns `None` if no ray passes the prism.
 pub fn minimum_deviation_incidence_deg(n: f64, apex_deg: f64) -> Option<f64> {
     let sin_in = n * sin(0.5 * apex_deg.to_radians());
     (sin_in <= 1.0).then(|| asin(sin_in).to_degrees())

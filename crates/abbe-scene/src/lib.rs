@@ -1,8 +1,49 @@
-//! The scene model: surfaces, lights, materials, media and a camera, in metres and watts.
+//! The scene model of the renderer Abbe: shapes, lights, materials, media and a camera, in metres and
+//! watts.
 //!
-//! The model is independent of files. [`builder::SceneBuilder`] builds and checks a scene from its
-//! parts; [`format::resolve`](abbe_format::resolve) translates a scene file into these parts.
-//! Once a scene is built, errors in the scene cannot make rendering fail.
+//! The model is independent of files: [`builder::SceneBuilder`] builds and checks a [`Scene`] from its
+//! parts, and the crate `abbe-format` translates a scene file into these parts. Once a scene is built,
+//! errors in the scene cannot make rendering fail.
+//!
+//! ```
+//! use abbe_scene::geometry::shape::{PlacedShape, Shape};
+//! use abbe_scene::geometry::{Geometry, Ray};
+//! use glam::{DAffine3, DVec3};
+//!
+//! let ball = PlacedShape { shape: Shape::Sphere { radius: 0.5 }, to_world: DAffine3::IDENTITY, object: 0 };
+//! let geometry = Geometry::build(vec![ball], DVec3::ZERO)?;
+//! let ray = Ray::new(DVec3::new(0.0, 0.0, 2.0), DVec3::NEG_Z);
+//! let hit = geometry.intersect(&ray, None, f64::INFINITY).expect("the ray meets the ball");
+//! assert_eq!(hit.t, 1.5);
+//! # Ok::<(), abbe_spectra::Error>(())
+//! ```
+//!
+//! The docs of [`builder`] show a whole scene, and `examples/intersect_a_ray.rs` follows a ray.
+//!
+//! # Modules
+//!
+//! | module | content |
+//! | --- | --- |
+//! | [`builder`] | builds a scene from its parts, and checks it |
+//! | [`geometry`] | shapes, meshes, the bounding volume hierarchy, ray intersection |
+//! | [`camera`] | lenses, apertures, the shutter |
+//! | [`light`] | point, area, beam, sky and volume lights, and their sampling |
+//! | [`medium`] | scattering and glowing media, homogeneous and heterogeneous |
+//! | [`medium_stack`] | the bodies that overlap at a point, by priority |
+//! | [`meter`] | receivers of irradiance and other quantities |
+//! | [`motion`], [`sweep`] | moving shapes, and the volumes that they sweep |
+//! | [`facts`] | the properties of a scene on which the plan of a render depends |
+//! | [`view`] | whether the camera sees an object |
+//!
+//! # Units and conventions
+//!
+//! Lengths are in m, wavelengths in nm and power in W. Power covers the band 360–830 nm. Positions are
+//! relative to the centre of the scene. Geometry is computed in `f64`, and no intersection test uses a
+//! fixed epsilon. Stored directions point in the direction in which light travels.
+//!
+//! # Dependencies
+//!
+//! [`abbe_spectra`] supplies spectra, and [`abbe_optics`] the scattering functions of materials.
 
 mod animation;
 mod body_ranks;

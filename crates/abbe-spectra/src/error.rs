@@ -1,8 +1,8 @@
 //! The error type of the library.
 //!
-//! An [`Error`] is created where the fault is detected. Callers add the location of the fault. For
-//! example, a spectrum detects a negative value, and the reader of the scene file adds the line,
-//! the column and the JSON path.
+//! An [`Error`] is created where the fault is detected, and callers add its location. For example,
+//! a spectrum detects a negative value, and the reader of the scene file adds the line, the column
+//! and the JSON path.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The result of a function that can fail.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// The cause of an error. It determines the exit status of the program.
+/// The cause of an error, which determines the exit status of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The input or the command line is wrong (exit status 2).
@@ -69,9 +69,9 @@ impl Error {
         Self { kind: ErrorKind::Machine, ..Self::input(what) }
     }
 
-    /// Creates an error for an unknown name. `kind` says what the name stands for, such as "glass".
-    /// `known` contains the existing names. If one of these names is similar to `name`, the error
-    /// suggests it.
+    /// Creates an error for an unknown name. `kind` says what the name stands for, such as "glass",
+    /// and `known` contains the existing names, of which the error suggests one that is similar to
+    /// `name`.
     pub fn unknown_name<'a>(kind: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let suggestion = nearest_name(name, known);
         Self { suggestion, ..Self::input(format!("unknown {kind} \"{name}\"")) }
@@ -106,10 +106,10 @@ impl Error {
         self
     }
 
-    /// Combines the faults of one input to one error. Returns `None` if there are no faults.
+    /// Combines the faults of one input to one error, or returns `None` if there are no faults.
     ///
-    /// A fault that occurs several times is reported once. At most [`MAX_FAULTS`] faults are
-    /// reported. The faults of a file are in the order of their positions.
+    /// A fault that occurs several times is reported once, and at most [`MAX_FAULTS`] faults are
+    /// reported, those of a file in the order of their positions.
     pub fn all(faults: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut single: Vec<Self> = faults.into_iter().flat_map(Self::into_faults).collect();
         single.sort_by_key(|fault| fault.location.line_column);
@@ -231,10 +231,9 @@ const SYNONYMS: [(&str, &str); 34] = [
     ("lookat", "at"),
 ];
 
-/// Returns the candidate most similar to `name`. Letter case does not matter. A candidate that
-/// differs only by a prefix is the most similar one, such as N-BK7 for BK7. Next come words with
-/// the same meaning in other programs. Returns `None` if `name` is probably not a misspelling of any
-/// candidate.
+/// Returns the candidate most similar to `name`, whatever the letter case. A candidate that differs
+/// only by a prefix comes first, such as N-BK7 for BK7, and then a word with the same meaning in
+/// another program. Returns `None` if `name` is probably not a misspelling of any candidate.
 pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let letters = |name: &str| name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
     let wanted: String = name.to_lowercase();

@@ -27,7 +27,7 @@ struct AlbedoColumn {
 }
 
 impl CoatAlbedo {
-    /// Computes the table for relative indices from `lowest` to `highest`. Both must be ≥ 1.
+    /// Computes the table for relative indices from `lowest` ≥ 1 to `highest`.
     pub(super) fn new(facets: &Ggx, lowest: f64, highest: f64) -> Self {
         let (grid, quadrature) = (AngleGrid::new(facets), FacetQuadrature::new(*facets));
         let indices = if lowest == highest { vec![lowest] } else { vec![lowest, 0.5 * (lowest + highest), highest] };

@@ -4,8 +4,7 @@ use crate::texture::SurfaceSpectrum;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::{BAND_NM, Spectrum};
 
-/// Iterates over the whole nanometres of the band. Material spectra are checked at these
-/// wavelengths.
+/// Iterates over the whole nanometres of the band, at which material spectra are checked.
 pub(super) fn whole_nm() -> impl Iterator<Item = f64> {
     (0..=(BAND_NM.1 - BAND_NM.0) as usize).map(|step| BAND_NM.0 + step as f64)
 }

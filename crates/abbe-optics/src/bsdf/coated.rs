@@ -4,11 +4,12 @@ use glam::DVec3;
 
 use super::check::check_alpha;
 use super::compensation::FilmMean;
-use super::dielectric::{Dielectric, radiance_scale};
+use super::dielectric::Dielectric;
+use super::facet::FacetResponse;
 use super::hemisphere::{flip_z, z_sign};
 use super::power::PowerFractions;
-use super::rough_interface::{FacetResponse, FacetScattering, RoughInterface};
-use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
+use super::rough_interface::{FacetScattering, RoughInterface};
+use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode, radiance_scale};
 use crate::fresnel;
 use crate::glass::RefractiveIndex;
 use crate::microfacet::MIN_ALPHA;
@@ -19,8 +20,8 @@ use abbe_spectra::spectrum::BAND_NM;
 
 /// An interface between two dielectrics under thin films.
 ///
-/// The films interfere coherently, and light is refracted as at the bare interface. The first film
-/// is on the outside of the body. [`InterfaceIors`] contains the two refractive indices. If the
+/// The films interfere coherently, the first being on the outside of the body, and light is
+/// refracted as at the bare interface between the two indices of [`InterfaceIors`]. If the
 /// interface is rough, each microfacet has the films; see [`Dielectric`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoatedDielectric {
@@ -76,7 +77,7 @@ impl CoatedDielectric {
     /// thickness of the film that varies over the surface.
     pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
         let (here, there) = (iors.here.n(nm), Complex::from(iors.there.n(nm)));
-        powers_of(&oriented(&self.films, (wo.z >= 0.0, wo.z), here, there, thickness_nm, nm), self.films.absorbs())
+        powers_of(&oriented(&self.films, wo.z >= 0.0, wo.z, here, there, thickness_nm, nm), self.films.absorbs())
     }
 
     pub(super) fn sample(
@@ -113,10 +114,11 @@ impl CoatedDielectric {
         wi: DVec3,
         iors: InterfaceIors<'_>,
         thickness_nm: f32,
-        (mode, nm): (TransportMode, f64),
+        mode: TransportMode,
+        nm: f64,
     ) -> f64 {
         let facets = self.facets_at(wo, iors, thickness_nm, nm);
-        facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, (mode, nm)))
+        facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, mode, nm))
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> f64 {
@@ -129,7 +131,8 @@ impl CoatedDielectric {
         event: ScatterEvent,
         iors: InterfaceIors<'_>,
         thickness_nm: f32,
-        (mode, nm): (TransportMode, f64),
+        mode: TransportMode,
+        nm: f64,
     ) -> f64 {
         let fraction = self.powers(wo, iors, thickness_nm, nm).of_event(event);
         match event {
@@ -228,7 +231,7 @@ struct CoatedFacet<'a> {
 impl FacetResponse for CoatedFacet<'_> {
     fn powers(&self, cos: f64) -> PowerFractions {
         let Self { films, outside, indices: [here, there], thickness_nm, nm } = *self;
-        powers_of(&oriented(films, (outside, cos), here, there.into(), thickness_nm, nm), films.absorbs())
+        powers_of(&oriented(films, outside, cos, here, there.into(), thickness_nm, nm), films.absorbs())
     }
 
     /// Beyond the critical angle, the probability is 1.
@@ -245,7 +248,7 @@ pub struct ThinFilm {
 }
 
 impl ThinFilm {
-    /// Creates a film from its layers. The first layer is on the outside of the surface.
+    /// Creates a film from its layers, the first of which is on the outside of the surface.
     pub fn new(films: FilmStack) -> Self {
         Self { films }
     }
@@ -253,7 +256,7 @@ impl ThinFilm {
     /// Returns R and T at the wavelength `nm`; see [`CoatedDielectric::powers`].
     pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
         let outside = iors.here.n(nm);
-        let response = oriented(&self.films, (wo.z >= 0.0, wo.z), outside, outside.into(), thickness_nm, nm);
+        let response = oriented(&self.films, wo.z >= 0.0, wo.z, outside, outside.into(), thickness_nm, nm);
         powers_of(&response, self.films.absorbs())
     }
 
@@ -305,7 +308,8 @@ pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> Po
 /// true, the light meets the first film first.
 fn oriented(
     films: &FilmStack,
-    (outside, cos): (bool, f64),
+    outside: bool,
+    cos: f64,
     here: f64,
     there: Complex,
     thickness_nm: f32,
@@ -373,7 +377,7 @@ mod tests {
             let Some(sample) = coated.sample(wo, iors, 0.0, nm, u).filter(|sample| sample.on_event_side(wo)) else {
                 continue;
             };
-            let weight = coated.eval(wo, sample.wi, iors, 0.0, (TransportMode::Importance, nm)) * sample.wi.z.abs();
+            let weight = coated.eval(wo, sample.wi, iors, 0.0, TransportMode::Importance, nm) * sample.wi.z.abs();
             sums[usize::from(sample.event == ScatterEvent::Transmission)] +=
                 weight / sample.probability / f64::from(SAMPLES);
         }
@@ -396,7 +400,7 @@ mod tests {
             for (here, there, sign) in [(&air, &glass, 1.0), (&glass, &air, -1.0)] {
                 let iors = InterfaceIors { here, there };
                 let (wo, wi) = (DVec3::new(0.6, 0.0, 0.8 * sign), DVec3::new(0.0, 0.6, 0.8 * sign));
-                let value = |coated: &CoatedDielectric| coated.eval(wo, wi, iors, 0.0, (TransportMode::Radiance, nm));
+                let value = |coated: &CoatedDielectric| coated.eval(wo, wi, iors, 0.0, TransportMode::Radiance, nm);
                 let (found, known) = (value(&coated), value(&direct));
                 assert!((found / known - 1.0).abs() < 1e-4, "{nm} nm: {found} for {known}");
             }

@@ -11,11 +11,11 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 
 use super::angle_grid::{AngleGrid, GridPoint};
+use super::facet::FacetResponse;
 use super::facet_quadrature::{FacetKind, FacetQuadrature};
-use super::film_moments::{CosineFit, FilmMoments, MOMENTS, NODES, SideMoments};
+use super::film_moments::{CosineFit, FilmMoments, FilmSideMoments, MOMENTS, NODES};
 use super::missing_energy::MissingEnergy;
 use super::power::PowerFractions;
-use super::rough_interface::FacetResponse;
 use super::sample::ScatterEvent;
 use crate::fresnel;
 use crate::microfacet::Ggx;
@@ -24,7 +24,7 @@ use abbe_spectra::math::elementary::{exp, exp_m1, ln, ln_1p, sin_cos};
 /// There are tables for the relative indices exp(±(k·STEP)²). The nodes are dense near index
 /// 1, where the critical angle of total reflection changes fast.
 const STEP: f64 = 0.0075;
-/// The largest k. The last relative index is above 100. Beyond it, the last table is used.
+/// The largest k. The last relative index is above 100, and its table is used beyond it.
 const LAST: usize = 288;
 
 /// The missing energy of facets with films is lowered by this factor. The factor exceeds the error
@@ -37,8 +37,7 @@ const LEAST_CHANGE: f64 = 0.1;
 
 /// The missing energy of a rough dielectric of one roughness, at every relative index.
 ///
-/// A table is computed when it is first used. Its values depend only on the roughness and the
-/// index.
+/// A table is computed when it is first used, from the roughness and the index alone.
 #[derive(Debug, Clone)]
 pub(super) struct DielectricCompensation(Arc<Tables>);
 
@@ -84,7 +83,7 @@ impl DielectricCompensation {
         self.lobe([side(n_t > n_i), side(n_t < n_i)], [n_i, n_t], [1.0; 2])
     }
 
-    /// Returns the lobe at an interface whose facets have thin films. The indices differ.
+    /// Returns the lobe at an interface between different indices whose facets have thin films.
     pub(super) fn between_films<'a>(&'a self, [n_i, n_t]: [f64; 2], films: &FilmMean) -> MultipleScattering<'a> {
         let tables = &self.0;
         let position = Position::between(n_i, n_t);
@@ -106,8 +105,8 @@ impl DielectricCompensation {
     }
 
     /// Returns the mean properties of facets with thin films. `facets` contains the facets for
-    /// light in the medium of index `n_i` and for light in the medium of index `n_t`. The indices
-    /// differ. `absorbs` is true if the films absorb light.
+    /// light in the medium of index `n_i` and in that of index `n_t`, which differs. `absorbs` is
+    /// true if the films absorb light.
     pub(super) fn film_mean(&self, [n_i, n_t]: [f64; 2], facets: [&impl FacetResponse; 2], absorbs: bool) -> FilmMean {
         let fit = &self.0.fit;
         let [rare, dense] = if n_i < n_t { facets } else { [facets[1], facets[0]] };
@@ -139,7 +138,7 @@ impl DielectricCompensation {
         MultipleScattering {
             grid: &self.0.grid,
             sampling: self.0.sampling,
-            transmitted: transmitted_share([(&here, n_i), (&there, n_t)]),
+            transmitted: transmitted_share([&here, &there], [n_i, n_t]),
             here,
             there,
             kept,
@@ -222,21 +221,22 @@ fn relative_index(number: usize) -> f64 {
     exp(k * STEP * (k * STEP).abs())
 }
 
-/// Returns the fraction x of the lobe that is transmitted, for light on the first of two sides.
+/// Returns the fraction x of the lobe that is transmitted, for light on the first of two sides. The
+/// second argument contains the indices of both sides.
 ///
 /// Reciprocity requires that n²·l̄·x has the same value Y on both sides. In each single scattering
 /// event, the transmitted fraction is τ = T̄/(1 − l̄), where T̄ is the mean transmittance and n²·T̄ has
 /// the same value on both sides. The lobe follows τ on the side on which n²·l̄·τ is lower, which
 /// gives Y. Compared with the random walk on microfacets of Heitz et al. 2016, the mean
 /// transmittance of the interface then differs by less than 0.02.
-fn transmitted_share([here, there]: [(&OneSide<'_>, f64); 2]) -> f64 {
+fn transmitted_share([here, there]: [&OneSide<'_>; 2], [n_here, n_there]: [f64; 2]) -> f64 {
     let odds = |side: &OneSide<'_>| side.mean() / (1.0 - side.mean());
-    let flux = |(side, n): (&OneSide<'_>, f64)| n * n * side.transmitted();
+    let flux = |side: &OneSide<'_>, n: f64| n * n * side.transmitted();
     // The tabulated flux differs slightly between the sides, so both sides use the mean.
-    let both = 0.5 * (flux(here) + flux(there)) * odds(here.0).min(odds(there.0));
-    let largest = |(side, n): (&OneSide<'_>, f64)| n * n * side.mean();
-    let common = both.min(largest(here)).min(largest(there));
-    common / largest(here)
+    let both = 0.5 * (flux(here, n_here) + flux(there, n_there)) * odds(here).min(odds(there));
+    let largest = |side: &OneSide<'_>, n: f64| n * n * side.mean();
+    let common = both.min(largest(here, n_here)).min(largest(there, n_there));
+    common / largest(here, n_here)
 }
 
 /// The missing energy at a relative index between two tables.
@@ -252,8 +252,8 @@ struct OneSide<'a> {
 /// The change of the missing energy by films.
 #[derive(Debug, Clone, Copy)]
 struct FilmChange<'a> {
-    low: &'a SideMoments,
-    high: &'a SideMoments,
+    low: &'a FilmSideMoments,
+    high: &'a FilmSideMoments,
     /// The coefficients of the moments; see `film_moments.rs`.
     coefficients: [f64; MOMENTS],
     /// The change of the mean transmittance of single scattering.
@@ -266,7 +266,7 @@ impl OneSide<'_> {
     }
 
     /// Adds the change by films to a value without films.
-    fn with_films(&self, bare: f64, change: impl Fn(&SideMoments, &[f64; MOMENTS]) -> f64) -> f64 {
+    fn with_films(&self, bare: f64, change: impl Fn(&FilmSideMoments, &[f64; MOMENTS]) -> f64) -> f64 {
         let Some(FilmChange { low, high, coefficients, .. }) = &self.films else { return bare };
         let change = (1.0 - self.share) * change(low, coefficients) + self.share * change(high, coefficients);
         // On nearly smooth surfaces, the sum may be negative, because the moments are not exact.
@@ -305,8 +305,8 @@ pub(super) struct MultipleScattering<'a> {
 }
 
 impl MultipleScattering<'_> {
-    /// Returns the albedo of the lobe at the cosine of `wo`. The sampling selects the lobe with this
-    /// probability.
+    /// Returns the albedo of the lobe at the cosine of `wo`, with which the sampling selects the
+    /// lobe.
     pub(super) fn albedo(&self, cos_o: f64) -> f64 {
         self.here.at(self.grid.locate(cos_o))
     }
@@ -331,8 +331,8 @@ impl MultipleScattering<'_> {
         FRAC_1_PI * share * kept * self.albedo(cos_o) * side.at(self.grid.locate(cos_i)) / side.mean()
     }
 
-    /// Samples an event and a direction. The z component of the direction is positive for both
-    /// events. All random numbers lie in \[0, 1).
+    /// Samples an event and a direction, whose z component is positive for both events. All random
+    /// numbers lie in \[0, 1).
     pub(super) fn sample(&self, u: [f64; 3]) -> (DVec3, ScatterEvent) {
         let event = if u[2] < self.transmitted { ScatterEvent::Transmission } else { ScatterEvent::Reflection };
         (self.sampling.sample([u[0], u[1]]), event)

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::Texels;
 use super::check::{check_alpha, check_fraction, check_within};
 use super::compensation::ConductorCompensation;
 use super::hemisphere::{flip_z, same_side, z_sign};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent};
+use super::texels::Texels;
 use crate::fresnel;
 use crate::glass::RefractiveIndex;
 use crate::microfacet::{Ggx, MIN_ALPHA};

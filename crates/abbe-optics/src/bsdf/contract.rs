@@ -1,8 +1,7 @@
 //! The contract test of all BSDFs.
 //!
-//! A case is a BSDF between two media. Each case is tested from both sides, at several angles and
-//! wavelengths. The random numbers have fixed seeds. With random seeds, the χ² tests and the mean
-//! tests would have about 10⁻⁵ false alarms per comparison.
+//! A case is a BSDF between two media, tested from both sides at several angles and wavelengths. The
+//! seeds are fixed, because the χ² tests and the mean tests have about 10⁻⁵ false alarms each.
 
 mod films;
 mod grid;
@@ -12,8 +11,9 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use self::grid::{Histogram, chi_square_deviations};
 use super::*;
 use crate::fluorophore::Fluorophore;
+use crate::glass::RefractiveIndex;
 use abbe_spectra::math::random::{Purpose, Stream};
-use abbe_spectra::spectrum::Outside;
+use abbe_spectra::spectrum::{Outside, Spectrum};
 use glam::DVec3;
 
 /// A BSDF and the media in front of it and behind it.
@@ -261,8 +261,8 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// For each sample, returns the sum of its weight and its absorbed fraction. The sum is computed at
-/// the wavelength `nm`. The hero wavelength of the path is `hero_nm`.
+/// For each sample, returns the sum of its weight and its absorbed fraction at the wavelength `nm`,
+/// for a path with the hero wavelength `hero_nm`.
 fn balance(case: &BsdfCase, wo: DVec3, hero_nm: f64, nm: f64, seed: u64) -> Vec<f64> {
     let mut random = random(seed);
     (0..20_000)

@@ -3,9 +3,10 @@
 use glam::DVec3;
 
 use super::check::check_alpha;
+use super::facet::BareFacet;
 use super::hemisphere::{flip_z, z_sign};
-use super::rough_interface::{BareFacet, FacetScattering, RoughInterface};
-use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
+use super::rough_interface::{FacetScattering, RoughInterface};
+use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode, radiance_scale};
 use crate::fresnel;
 use crate::microfacet::MIN_ALPHA;
 use abbe_spectra::error::Result;
@@ -23,8 +24,8 @@ pub struct Dielectric {
 }
 
 impl Dielectric {
-    /// Creates an interface of GGX roughness `alpha`. If `alpha` is below [`MIN_ALPHA`], the
-    /// interface is smooth. Returns an error if `alpha` lies outside \[0, 1\].
+    /// Creates an interface of GGX roughness `alpha`, which is smooth if `alpha` is below
+    /// [`MIN_ALPHA`]. Returns an error if `alpha` lies outside \[0, 1\].
     pub fn new(alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
         Ok(Self { facets: (alpha >= MIN_ALPHA).then(|| RoughInterface::new(alpha)) })
@@ -58,7 +59,7 @@ impl Dielectric {
 
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
         let facets = self.facets_between([iors.here.n(nm), iors.there.n(nm)]);
-        facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, (mode, nm)))
+        facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, mode, nm))
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
@@ -76,8 +77,8 @@ impl Dielectric {
     }
 }
 
-/// Returns the coefficient of a smooth interface. For reflection, it is the reflectance. For
-/// transmission, it is the transmittance times [`radiance_scale`].
+/// Returns the coefficient of a smooth interface: the reflectance, or the transmittance times
+/// [`radiance_scale`].
 pub(super) fn coefficient(
     wo: DVec3,
     event: ScatterEvent,
@@ -89,18 +90,6 @@ pub(super) fn coefficient(
     match event {
         ScatterEvent::Reflection => reflected,
         ScatterEvent::Transmission => (1.0 - reflected) * radiance_scale(iors, mode, nm),
-    }
-}
-
-/// Returns the factor by which the change of index scales transmitted light. The factor is
-/// (n_i/n_t)² for radiance and 1 for power (Veach 1997, §5.2).
-pub(super) fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
-    match mode {
-        TransportMode::Radiance => {
-            let ratio = iors.here.n(nm) / iors.there.n(nm);
-            ratio * ratio
-        }
-        TransportMode::Importance => 1.0,
     }
 }
 

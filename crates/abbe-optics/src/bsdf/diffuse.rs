@@ -12,8 +12,8 @@ use abbe_spectra::error::Result;
 
 /// A Lambertian reflector with f = ρ(λ)/π.
 ///
-/// The fraction ρ(λ) of the arriving power is reflected. On the side where the light arrived, the
-/// reflected radiance is equal in all directions. Both sides behave alike.
+/// The fraction ρ(λ) of the arriving power is reflected, with equal radiance in all directions on
+/// the side where the light arrived. Both sides behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diffuse {
     pub(super) reflectance: SurfaceSpectrum,

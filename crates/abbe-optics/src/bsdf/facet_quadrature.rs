@@ -47,8 +47,8 @@ impl FacetKind {
     }
 }
 
-/// The visible facets at one angle θ. The quadrature visits several bands. The sum of `visible`
-/// over all bands is 1.
+/// The visible facets at one angle θ. The quadrature visits several bands, over which `visible`
+/// sums to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FacetBand {
     /// cosθ.
@@ -57,8 +57,8 @@ pub(super) struct FacetBand {
     pub(super) visible: f64,
     /// The part of `visible` from which reflected light hits another facet.
     pub(super) reflected_shadowed: f64,
-    /// The part of `visible` from which refracted light hits another facet. Under total reflection,
-    /// it is 0.
+    /// The part of `visible` from which refracted light hits another facet, or 0 under total
+    /// reflection.
     pub(super) refracted_shadowed: f64,
 }
 
@@ -89,7 +89,7 @@ impl FacetQuadrature {
     /// Calls `visit` for every band of facets that are visible from a direction of cosine `cos_o`,
     /// in \[0, 1\].
     pub(super) fn each_band(&self, kind: FacetKind, cos_o: f64, mut visit: impl FnMut(FacetBand)) {
-        let view = View::new(self.facets, kind, cos_o);
+        let view = FacetView::new(self.facets, kind, cos_o);
         let alpha = self.facets.alpha();
         // Most visible facets have an angle θ within a few α of θ_o, but the distribution has a
         // long tail. With θ = θ_o + α·sinh t, the integrand is smooth in t.
@@ -110,7 +110,7 @@ impl FacetQuadrature {
 }
 
 /// The direction from which the facets are seen.
-struct View {
+struct FacetView {
     facets: Ggx,
     kind: FacetKind,
     cos_o: f64,
@@ -118,7 +118,7 @@ struct View {
     theta_o: f64,
 }
 
-impl View {
+impl FacetView {
     fn new(facets: Ggx, kind: FacetKind, cos_o: f64) -> Self {
         let sin_o = ((1.0 - cos_o) * (1.0 + cos_o)).sqrt();
         Self { facets, kind, cos_o, sin_o, theta_o: atan2(sin_o, cos_o) }

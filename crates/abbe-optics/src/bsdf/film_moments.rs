@@ -19,7 +19,8 @@ use abbe_spectra::math::quadrature::gauss_legendre;
 /// Number of polynomials. The i-th polynomial has the degree i.
 pub(super) const MOMENTS: usize = 7;
 
-/// Number of points at which w is computed. Integrals of polynomials of degree 17 are exact.
+/// Number of points at which w is computed, so that integrals of polynomials of degree 17 are
+/// exact.
 pub(super) const NODES: usize = 9;
 
 /// The projection of functions of a cosine to polynomials.
@@ -63,8 +64,8 @@ impl CosineFit {
     }
 }
 
-/// Returns the polynomials at x. They are orthogonal on \[0, 1\] with the weight x. These are
-/// Jacobi's polynomials, scaled so that the first coefficient is 1 (Abramowitz & Stegun, §22.7).
+/// Returns the polynomials at x: Jacobi's polynomials, orthogonal on \[0, 1\] with the weight x and
+/// scaled so that the first coefficient is 1 (Abramowitz & Stegun, §22.7).
 fn polynomials(x: f64) -> [f64; MOMENTS] {
     let mut values = [1.0; MOMENTS];
     let (mut last, mut before) = (1.0, 0.0);
@@ -82,9 +83,9 @@ fn polynomials(x: f64) -> [f64; MOMENTS] {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FilmMoments {
     /// The moments for light in the medium of lower index.
-    pub(super) from_rare: SideMoments,
+    pub(super) from_rare: FilmSideMoments,
     /// The moments for light in the medium of higher index.
-    pub(super) from_dense: SideMoments,
+    pub(super) from_dense: FilmSideMoments,
     /// The means of ⟨p·T·(1 − λ_t)⟩ for light in the medium of lower index: the loss of the energy
     /// that single scattering transmits.
     pub(super) transmitted: [f64; MOMENTS],
@@ -92,7 +93,7 @@ pub(super) struct FilmMoments {
 
 /// The change of the missing energy by each moment, for light from one side.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct SideMoments {
+pub(super) struct FilmSideMoments {
     /// The moments at the cosines of the grid.
     by_angle: Vec<[f64; MOMENTS]>,
     /// The means ∫ 2μ·f(μ) dμ of the moments.
@@ -102,13 +103,13 @@ pub(super) struct SideMoments {
 impl FilmMoments {
     /// Computes the moments at a relative index above 1.
     pub(super) fn new(quadrature: &FacetQuadrature, grid: &AngleGrid, index: f64) -> Self {
-        let (from_rare, transmitted) = SideMoments::new(quadrature, grid, index);
-        let (from_dense, _) = SideMoments::new(quadrature, grid, index.recip());
+        let (from_rare, transmitted) = FilmSideMoments::new(quadrature, grid, index);
+        let (from_dense, _) = FilmSideMoments::new(quadrature, grid, index.recip());
         Self { from_rare, from_dense, transmitted }
     }
 }
 
-impl SideMoments {
+impl FilmSideMoments {
     /// Computes the moments, and the means of the loss of transmitted energy. `index` is the index
     /// of the far medium relative to the near medium.
     fn new(quadrature: &FacetQuadrature, grid: &AngleGrid, index: f64) -> (Self, [f64; MOMENTS]) {

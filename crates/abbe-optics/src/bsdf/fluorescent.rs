@@ -3,9 +3,9 @@
 use glam::DVec3;
 
 use super::check::check_within;
+use super::diffuse::{self, Diffuse};
 use super::hemisphere::{cosine_pdf, same_side};
 use super::sample::BsdfSample;
-use super::{Diffuse, diffuse};
 use crate::fluorophore::Fluorophore;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::Spectrum;

@@ -46,9 +46,8 @@ pub struct Glossy {
 }
 
 impl Glossy {
-    /// Creates a base under a coat. `reflectance` belongs to the base. The refractive index and the
-    /// GGX roughness `alpha` belong to the coat. If `alpha` is below
-    /// [`crate::microfacet::MIN_ALPHA`], it is raised to that value.
+    /// Creates a base of a `reflectance` under a coat with a refractive index and the GGX roughness
+    /// `alpha`. If `alpha` is below [`crate::microfacet::MIN_ALPHA`], it is raised to that value.
     ///
     /// # Errors
     /// Returns an error if the reflectance or `alpha` lies outside \[0, 1\].
@@ -95,8 +94,8 @@ impl Glossy {
         Self { reflectance: self.reflectance.without_texture(), ..self }
     }
 
-    /// Returns two directional albedos at the cosine of `wo`. The first is the albedo of coat and
-    /// base together. The second is the albedo of the coat alone.
+    /// Returns two directional albedos at the cosine of `wo`: that of coat and base together, and
+    /// that of the coat alone.
     fn albedo(&self, wo: DVec3, texel: Texel, nm: f64) -> (f64, f64) {
         let coat = self.coat.at(wo.z.abs(), self.index.n(nm));
         (coat + self.base(texel, nm) * (1.0 - coat), coat)

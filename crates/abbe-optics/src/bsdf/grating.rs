@@ -20,7 +20,7 @@ pub enum Grooves {
     Circular,
 }
 
-/// A thin diffraction grating that reflects, transmits or both. The same medium is on both sides.
+/// A thin diffraction grating that reflects, transmits or both, with the same medium on both sides.
 ///
 /// Light of each wavelength leaves in the directions of the orders. Their efficiencies are those of
 /// the direction in which the light travels; they are not reciprocal ([`Grating::orders`]). Camera
@@ -131,7 +131,8 @@ impl DiffractionGrating {
         sample: &BsdfSample,
         iors: InterfaceIors<'_>,
         angle: f32,
-        (mode, nm): (TransportMode, f64),
+        mode: TransportMode,
+        nm: f64,
     ) -> f64 {
         let (frame, sign) = (GrooveFrame::new(angle), z_sign(wo));
         let arriving = -frame.to_grooves(flip_z(wo, sign));
@@ -178,7 +179,7 @@ mod tests {
         let (lamp, out) = (at(-5.0), at(-43.855_680_335));
         let coefficient = |wo: DVec3, wi: DVec3, mode| {
             let sample = BsdfSample::delta(wi, ScatterEvent::Reflection, 1.0);
-            grating.coefficient(wo, &sample, iors, 0.0, (mode, 650.0))
+            grating.coefficient(wo, &sample, iors, 0.0, mode, 650.0)
         };
         let (forward, reverse) = (0.006_677_335_687_88, 0.161_784_138_71);
         let close = |found: f64, known: f64| assert!((found - known).abs() < 1e-9, "{found} for {known}");

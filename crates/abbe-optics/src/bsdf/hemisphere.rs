@@ -21,8 +21,8 @@ pub(super) fn same_side(wo: DVec3, wi: DVec3) -> bool {
     wi.z * z_sign(wo) > 0.0
 }
 
-/// Samples a direction on the side given by `sign`. The density is |cosθ|/π. A uniform point of the
-/// unit disk is projected onto the hemisphere (Malley's method).
+/// Samples a direction on the side given by `sign`, with the density |cosθ|/π, by the projection of
+/// a uniform point of the unit disk onto the hemisphere (Malley's method).
 pub(super) fn sample_cosine(sign: f64, u: f64, v: f64) -> DVec3 {
     let (sin, cos) = sin_cos(2.0 * PI * v);
     let radius = u.sqrt();

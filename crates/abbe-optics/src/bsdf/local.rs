@@ -2,49 +2,69 @@
 
 use glam::DVec3;
 
+use super::model::{Bsdf, MixBsdf};
 use super::sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
-use super::{Bsdf, MixBsdf, coated, dielectric, diffuse};
-use crate::texture::Texel;
+use super::texels::Texels;
+use super::{coated, dielectric, diffuse};
+use crate::texture::{LookupRandom, SurfaceSpectrum, TexturePoint};
 use abbe_spectra::spectrum::{LANES, Lanes};
-
-/// The texels that a path selected at a point.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Texels {
-    /// The texel of the reflectance.
-    pub reflectance: Texel,
-    /// The texel of the transmittance.
-    pub transmittance: Texel,
-    /// The thickness in nm of the thin film that varies over the surface.
-    pub thickness_nm: f32,
-    /// The angle in rad from the first axis of the local frame to the direction across the grooves
-    /// of a grating.
-    pub groove_angle: f32,
-}
-
-impl Texels {
-    /// The texels of a surface without textures.
-    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, groove_angle: 0.0 };
-
-    pub(super) fn of_reflectance(reflectance: Texel) -> Self {
-        Self { reflectance, ..Self::NONE }
-    }
-
-    pub(super) fn of_thickness(thickness_nm: f64) -> Self {
-        Self { thickness_nm: thickness_nm as f32, ..Self::NONE }
-    }
-}
 
 /// A BSDF at one point of a surface.
 ///
-/// At a point of a surface, the component of a mixture and the texels of textures are selected.
-/// Paths therefore never scatter at a mixture. The methods still accept a mixture without textures,
-/// and treat it as a whole.
+/// At a point of a surface, the component of a mixture and the texels of textures are selected, so
+/// paths never scatter at a mixture. The methods still accept a mixture without textures, and treat
+/// it as a whole.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalBsdf<'a> {
     /// The BSDF of the material, or the selected component of a mixture.
     pub model: &'a Bsdf,
     /// The selected texels.
     pub texels: Texels,
+}
+
+impl Bsdf {
+    /// Returns the BSDF at any point of a surface without textures. The random number `u` in \[0,
+    /// 1) selects the component of a mixture by its normalised weight.
+    #[inline(always)]
+    pub fn at(&self, u: f64) -> LocalBsdf<'_> {
+        LocalBsdf {
+            model: if let Bsdf::Mix(mix) = self { mix.sample_component(u) } else { self },
+            texels: Texels::NONE,
+        }
+    }
+
+    /// Returns the BSDF at a point of a surface with textures. The random number `u` in \[0, 1)
+    /// selects the component of a mixture and the texels.
+    pub fn at_point(&self, point: &TexturePoint, u: f64) -> LocalBsdf<'_> {
+        let mut random = LookupRandom::new(u);
+        let model = if let Bsdf::Mix(mix) = self { mix.component_at(point, &mut random) } else { self };
+        if let Some(films) = model.films()
+            && films.is_textured()
+        {
+            return LocalBsdf { model, texels: Texels::of_thickness(films.thickness_at(point, &mut random)) };
+        }
+        let mut texel = |spectrum: &SurfaceSpectrum| spectrum.texel(point, &mut random);
+        let texels = match model {
+            Bsdf::Diffuse(diffuse) => Texels::of_reflectance(texel(&diffuse.reflectance)),
+            Bsdf::Translucent(sheet) => Texels {
+                reflectance: texel(&sheet.reflectance),
+                transmittance: texel(&sheet.transmittance),
+                ..Texels::NONE
+            },
+            Bsdf::Mirror(mirror) => Texels::of_reflectance(texel(&mirror.reflectance)),
+            Bsdf::Conductor(metal) => Texels::of_reflectance(metal.reflectance().map_or(0, &mut texel)),
+            Bsdf::Glossy(glossy) => Texels::of_reflectance(texel(&glossy.reflectance)),
+            Bsdf::Absorber
+            | Bsdf::Fluorescent(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::CoatedDielectric(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::ThinFilm(_)
+            | Bsdf::Grating(_)
+            | Bsdf::Mix(_) => Texels::NONE,
+        };
+        LocalBsdf { model, texels }
+    }
 }
 
 impl<'a> LocalBsdf<'a> {
@@ -98,8 +118,8 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Evaluates a sample at the wavelength `nm`. The weight of the path is the result divided by
-    /// `sample.probability`.
+    /// Evaluates a sample at the wavelength `nm`. Divided by `sample.probability`, the result is
+    /// the weight of the path.
     ///
     /// If the sample is a delta sample, the result is the reflectance or the transmittance. The
     /// transmittance includes the n² factor of [`TransportMode::Radiance`]. The result does not
@@ -117,7 +137,7 @@ impl<'a> LocalBsdf<'a> {
             return self.component(mix, sample.component).eval_sample(wo, sample, iors, mode, nm);
         }
         if let Bsdf::Grating(grating) = self.model {
-            return grating.coefficient(wo, sample, iors, self.texels.groove_angle, (mode, nm));
+            return grating.coefficient(wo, sample, iors, self.texels.groove_angle, mode, nm);
         }
         if sample.delta {
             return self.coefficient(wo, sample.event, iors, mode, nm);
@@ -196,7 +216,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::Translucent(translucent) => translucent.eval(wo, wi, self.texels, nm),
             Bsdf::Conductor(conductor) => conductor.eval(wo, wi, iors, self.texels, nm),
             Bsdf::Dielectric(dielectric) => dielectric.eval(wo, wi, iors, mode, nm),
-            Bsdf::CoatedDielectric(coated) => coated.eval(wo, wi, iors, self.texels.thickness_nm, (mode, nm)),
+            Bsdf::CoatedDielectric(coated) => coated.eval(wo, wi, iors, self.texels.thickness_nm, mode, nm),
             Bsdf::Glossy(glossy) => glossy.eval(wo, wi, reflectance, nm),
             Bsdf::Mix(mix) => mix
                 .weighted_components()
@@ -251,15 +271,14 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Returns the coefficient of the delta distribution at `nm`. If the BSDF has no delta
-    /// distribution, returns 0.
+    /// Returns the coefficient of the delta distribution at `nm`, or 0 if the BSDF has none.
     fn coefficient(self, wo: DVec3, event: ScatterEvent, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
             Bsdf::Mirror(mirror) => mirror.coefficient(reflectance, nm),
             Bsdf::Conductor(conductor) => conductor.coefficient(wo, iors, self.texels, nm),
             Bsdf::Dielectric(_) => dielectric::coefficient(wo, event, iors, mode, nm),
-            Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, (mode, nm)),
+            Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, mode, nm),
             Bsdf::ThinDielectric(thin) => thin.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
             Bsdf::Absorber

@@ -8,7 +8,7 @@ use super::sample::{BsdfSample, ScatterEvent};
 /// the hero may be reflected or transmitted.
 const MIN_PROBABILITY: f64 = 0.1;
 
-/// The reflected and the transmitted fraction of the power. The surface absorbs the rest.
+/// The reflected and the transmitted fraction of the power, of which the surface absorbs the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerFractions {
     /// The reflectance R for unpolarised light.

@@ -3,17 +3,17 @@
 use glam::DVec3;
 
 use super::compensation::{DielectricCompensation, MultipleScattering};
-use super::dielectric::radiance_scale;
+use super::facet::FacetResponse;
 use super::hemisphere::{flip_z, z_sign};
 use super::power::PowerFractions;
-use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
+use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode, radiance_scale};
 use crate::fresnel;
 use crate::microfacet::Ggx;
 
 /// The microfacets of a rough interface.
 ///
-/// The GGX model of Walter et al. 2007 describes the light that hits one facet. A wide lobe
-/// contains the light that hits several facets (`compensation.rs`).
+/// The GGX model of Walter et al. 2007 describes the light that hits one facet, and a wide lobe
+/// contains the light that hits several (`compensation.rs`).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RoughInterface {
     pub(super) ggx: Ggx,
@@ -24,32 +24,6 @@ impl RoughInterface {
     pub(super) fn new(alpha: f64) -> Self {
         let ggx = Ggx::new(alpha);
         Self { ggx, compensation: DielectricCompensation::new(ggx) }
-    }
-}
-
-/// The response of a facet to light at one wavelength.
-pub(super) trait FacetResponse {
-    /// Returns the reflected and the transmitted fraction for an angle of incidence of this cosine.
-    fn powers(&self, cos: f64) -> PowerFractions;
-
-    /// Returns the probability with which a sample is reflected by a facet of these powers.
-    fn reflection_probability(&self, powers: PowerFractions) -> f64;
-}
-
-/// A facet without films. It reflects by Fresnel's equations.
-pub(super) struct BareFacet {
-    /// The indices of the medium on the side of `wo` and of the other medium.
-    pub(super) indices: [f64; 2],
-}
-
-impl FacetResponse for BareFacet {
-    fn powers(&self, cos: f64) -> PowerFractions {
-        let reflected = fresnel::dielectric(cos, self.indices[0], self.indices[1]);
-        PowerFractions { reflected, transmitted: 1.0 - reflected }
-    }
-
-    fn reflection_probability(&self, powers: PowerFractions) -> f64 {
-        powers.reflected
     }
 }
 
@@ -65,8 +39,8 @@ pub(super) struct FacetScattering<'a, R> {
 }
 
 impl<R: FacetResponse> FacetScattering<'_, R> {
-    /// Samples a direction. The probability of the sample is the density per solid angle. Returns
-    /// `None` if the density is 0.
+    /// Samples a direction, whose probability is the density per solid angle. Returns `None` if the
+    /// density is 0.
     pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, u: [f64; 3]) -> Option<BsdfSample> {
         let sample = self.sample_upper(flip_z(wo, z_sign(wo)), u)?;
         let disperses =
@@ -75,7 +49,7 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
     }
 
     /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`.
-    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, (mode, nm): (TransportMode, f64)) -> f64 {
+    pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
         let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
         if wi.z == 0.0 {
             return 0.0;

@@ -18,14 +18,25 @@ pub enum TransportMode {
     Importance,
 }
 
-/// The refractive indices on the two sides of a surface. The sides are named relative to the
-/// direction `wo`.
+/// The refractive indices on the two sides of a surface, named relative to the direction `wo`.
 #[derive(Debug, Clone, Copy)]
 pub struct InterfaceIors<'a> {
     /// Index of the medium on the side of `wo`.
     pub here: &'a RefractiveIndex,
     /// Index of the medium on the other side.
     pub there: &'a RefractiveIndex,
+}
+
+/// Returns the factor by which the change of index scales transmitted light: (n_i/n_t)² for
+/// radiance and 1 for power (Veach 1997, §5.2).
+pub(super) fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
+    match mode {
+        TransportMode::Radiance => {
+            let ratio = iors.here.n(nm) / iors.there.n(nm);
+            ratio * ratio
+        }
+        TransportMode::Importance => 1.0,
+    }
 }
 
 /// The classes of BSDFs, in the order of increasing lobe width. The integrators choose their
@@ -36,9 +47,9 @@ pub enum BsdfClass {
     Absorbing,
     /// Discrete directions only (delta distributions).
     Specular,
-    /// A lobe that may be narrow. Camera paths sample a direction of this lobe and continue.
+    /// A lobe that may be narrow, so camera paths sample a direction of it and continue.
     Glossy,
-    /// A wide lobe. Photons are stored and gathered at surfaces of this class.
+    /// A wide lobe, so photons are stored and gathered at surfaces of this class.
     Diffuse,
 }
 

@@ -25,8 +25,8 @@ pub struct ThinDielectric {
     pub(super) index: RefractiveIndex,
     /// The optical depth of a passage along the normal: absorption coefficient times thickness.
     pub(super) optical_depth: Option<Spectrum>,
-    /// The measured transmittance as a function of the angle of incidence. It replaces the
-    /// computed transmittance.
+    /// The measured transmittance as a function of the angle of incidence, which replaces the
+    /// computed one.
     pub(super) transmittance: Option<CosinePolynomial>,
     /// The thin films on both faces, from the outside to the slab.
     pub(super) coating: Option<FilmStack>,
@@ -49,7 +49,7 @@ impl CosinePolynomial {
 }
 
 impl ThinDielectric {
-    /// Creates a pane from its refractive index. An absorbing pane has an optical depth: the
+    /// Creates a pane from its refractive index and, if it absorbs, its optical depth: the
     /// absorption coefficient times the thickness. Returns an error if the optical depth is
     /// negative.
     pub fn new(index: RefractiveIndex, optical_depth: Option<Spectrum>) -> Result<Self> {
@@ -57,7 +57,7 @@ impl ThinDielectric {
         Ok(Self { index, optical_depth, transmittance: None, coating: None })
     }
 
-    /// Returns the pane with thin films on both faces. The list of films starts at the outside.
+    /// Returns the pane with thin films on both faces, listed from the outside.
     #[must_use]
     pub fn with_coating(self, films: FilmStack) -> Self {
         Self { coating: Some(films), ..self }

@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::check::{check_fraction, whole_nm};
 use super::hemisphere::{cosine_pdf, same_side, sample_cosine, z_sign};
-use super::local::Texels;
 use super::sample::{BsdfSample, ScatterEvent};
+use super::texels::Texels;
 use crate::texture::SurfaceSpectrum;
 use abbe_spectra::error::{Error, Result};
 

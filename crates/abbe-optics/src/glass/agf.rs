@@ -1,5 +1,5 @@
-//! Zemax glass catalogues (`.agf`). A catalogue is a list of operands. Each operand has its own
-//! line. The operands of a glass follow its `NM` line.
+//! Zemax glass catalogues (`.agf`). A catalogue is a list of operands, one per line, and the
+//! operands of a glass follow its `NM` line.
 //!
 //! The reader uses `NM` (name and formula number), `CD` (coefficients for λ in µm) and `LD`
 //! (wavelength range in µm). The indices are relative to air. All other operands are ignored,
@@ -120,8 +120,8 @@ fn numbers(words: &[&str]) -> Result<Vec<f64>> {
     words.iter().map(number).collect()
 }
 
-/// Converts the coefficients of a glass to a dispersion formula. The formula numbers are those of
-/// the Zemax manual. Missing coefficients are 0.
+/// Converts the coefficients of a glass to a dispersion formula, numbered as in the Zemax manual.
+/// Missing coefficients are 0.
 fn dispersion(row: &AgfRow) -> Result<Dispersion> {
     let c: [f64; 10] = std::array::from_fn(|i| row.coefficients.get(i).copied().unwrap_or(0.0));
     let poles = |count: usize| (0..count).map(|i| SellmeierTerm { b: c[2 * i], c: c[2 * i + 1] }).collect();

@@ -1,4 +1,5 @@
-//! The catalogue of transparent materials. The first lookup parses `data/glass/glasses.json`.
+//! The catalogue of transparent materials, which the first lookup parses from
+//! `data/glass/glasses.json`.
 
 use std::sync::LazyLock;
 
@@ -111,14 +112,14 @@ impl Glass {
         Ok(index)
     }
 
-    /// Returns the absorption coefficient in 1/m. Returns `None` if the source contains no
-    /// extinction coefficient.
+    /// Returns the absorption coefficient in 1/m, or `None` if the source contains no extinction
+    /// coefficient.
     pub fn absorption_per_m(&self, wavelength_nm: f64) -> Option<f64> {
         self.extinction.as_ref().map(|extinction| extinction.absorption_per_m(wavelength_nm))
     }
 
-    /// Returns the internal transmittance of a piece of the length `length_m` metres. Reflection
-    /// losses at the faces are not included. Returns `None` if the source contains no extinction
+    /// Returns the internal transmittance, without the reflection losses at the faces, of a piece
+    /// of the length `length_m` metres. Returns `None` if the source contains no extinction
     /// coefficient.
     pub fn internal_transmittance(&self, wavelength_nm: f64, length_m: f64) -> Option<f64> {
         self.extinction.as_ref().map(|extinction| extinction.internal_transmittance(wavelength_nm, length_m))
@@ -126,13 +127,13 @@ impl Glass {
 }
 
 impl RefractiveIndex {
-    /// Returns the index of the material `name` from the catalogue. Case is ignored. Returns an
-    /// error if the name is unknown.
+    /// Returns the index of the material `name` from the catalogue, whatever the case of the name.
+    /// Returns an error if the name is unknown.
     pub fn catalogue(name: &str) -> Result<Self> {
         Ok(find(name)?.index.clone())
     }
 
-    /// Returns the Cauchy fit of the material `name` from the catalogue. The error of the fit is
+    /// Returns the Cauchy fit of the material `name` from the catalogue, whose error is
     /// [`CauchyFit::max_error`]. Returns an error if the name is unknown.
     pub fn catalogue_cauchy(name: &str) -> Result<Self> {
         find(name)?.cauchy_index()

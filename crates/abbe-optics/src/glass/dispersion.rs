@@ -22,8 +22,8 @@ pub struct PowerTerm {
     pub p: i32,
 }
 
-/// A dispersion formula. In the formulas, λ is in µm. In contrast, the argument of
-/// [`Dispersion::n`] is in nm.
+/// A dispersion formula. λ is in µm in the formulas, whereas the argument of [`Dispersion::n`] is
+/// in nm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dispersion {
     /// The same index at every wavelength.
@@ -39,7 +39,7 @@ pub enum Dispersion {
     },
     /// Sellmeier 1871: n² = 1 + c0 + Σ b λ²/(λ² − c).
     Sellmeier {
-        /// Contribution of resonances far in the ultraviolet. It is the same at every wavelength.
+        /// Contribution of resonances far in the ultraviolet, the same at every wavelength.
         c0: f64,
         /// Resonance terms.
         poles: Box<[SellmeierTerm]>,
@@ -78,9 +78,9 @@ pub enum Dispersion {
     },
     /// Herzberger 1959: n = c₀ + c₁L + c₂L² + c₃λ² + c₄λ⁴ + c₅λ⁶ with L = 1/(λ² − 0.028 µm²).
     Herzberger(Box<[f64; 6]>),
-    /// Linear interpolation of measured points. Outside the table, the first or last value is used.
+    /// Linear interpolation of measured points, which continues the first and the last value.
     Table {
-        /// At least one wavelength in nm. The wavelengths are strictly increasing.
+        /// At least one wavelength in nm, strictly increasing.
         nm: Box<[f64]>,
         /// Index at each wavelength.
         n: Box<[f64]>,
@@ -88,9 +88,9 @@ pub enum Dispersion {
 }
 
 impl Dispersion {
-    /// Returns the index at a wavelength in nm. The range of validity is not checked here.
-    /// [`super::RefractiveIndex::n`] clamps the wavelength to that range. If the formula gives a
-    /// negative n², the result is NaN.
+    /// Returns the index at a wavelength in nm. The range of validity is not checked here, because
+    /// [`super::RefractiveIndex::n`] clamps the wavelength to it. If the formula gives a negative
+    /// n², the result is NaN.
     pub fn n(&self, wavelength_nm: f64) -> f64 {
         let um = wavelength_nm * 1e-3;
         match self {
@@ -130,9 +130,9 @@ fn sum_of_powers(powers: &[PowerTerm], um: f64) -> f64 {
     powers.iter().map(|power| power.c * um.powi(power.p)).sum()
 }
 
-/// Interpolates linearly between the points (`xs`, `ys`). Returns the value at `x`. `xs` must be
-/// strictly increasing and not empty. Below the first value of `xs`, the result is the first value
-/// of `ys`. Above the last value of `xs`, the result is the last value of `ys`.
+/// Interpolates linearly between the points (`xs`, `ys`), and returns the value at `x`. `xs` must
+/// be strictly increasing and not empty. Beyond the ends of `xs`, the first or the last value of
+/// `ys` is returned.
 pub(super) fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     let next = xs.partition_point(|&knot| knot <= x);
     if next == 0 {

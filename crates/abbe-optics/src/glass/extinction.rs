@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use super::dispersion::interpolate;
 use abbe_spectra::math::elementary::exp;
 
-/// The extinction coefficient k at tabulated wavelengths. It is the imaginary part of the complex
-/// index n + ik. Values are interpolated linearly. Outside the table, the first or last value is
-/// used.
+/// The extinction coefficient k, the imaginary part of the complex index n + ik, at tabulated
+/// wavelengths. Values are interpolated linearly, and the first or last value is used outside the
+/// table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extinction {
     /// Wavelengths in nm, strictly increasing.
@@ -22,7 +22,7 @@ impl Extinction {
         interpolate(&self.nm, &self.k, wavelength_nm)
     }
 
-    /// Returns the absorption coefficient 4πk/λ in 1/m. The argument is the wavelength in nm.
+    /// Returns the absorption coefficient 4πk/λ, in 1/m, at a wavelength in nm.
     pub fn absorption_per_m(&self, wavelength_nm: f64) -> f64 {
         4.0 * PI * self.k(wavelength_nm) / (wavelength_nm * 1e-9)
     }

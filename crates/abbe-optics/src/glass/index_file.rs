@@ -29,13 +29,13 @@ struct Columns {
 
 /// A function of wavelength as a table.
 #[derive(Debug, Clone, PartialEq)]
-struct Table {
+struct IndexTable {
     /// Wavelengths in nm, in rising order.
     nm: Vec<f64>,
     values: Vec<f64>,
 }
 
-impl Table {
+impl IndexTable {
     /// Creates a table from points in any order. Files with rounded wavelengths contain several
     /// points of equal wavelength. The table contains the mean of their values. It contains the
     /// points from 300 to 830 nm, and the nearest point on each side.
@@ -70,8 +70,8 @@ fn check_range(first: f64, last: f64) -> Result<()> {
 /// The contents of a file with indices of refraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IndexFileData {
-    n: Option<Table>,
-    k: Option<Table>,
+    n: Option<IndexTable>,
+    k: Option<IndexTable>,
 }
 
 impl IndexFileData {
@@ -87,7 +87,7 @@ impl IndexFileData {
         let is_yaml = ["yml", "yaml"].iter().any(|known| extension.eq_ignore_ascii_case(known));
         let columns = if is_yaml { of_yaml(text) } else { of_csv(text) };
         let data = columns.and_then(|Columns { n, k }| {
-            Ok(Self { n: n.map(Table::new).transpose()?, k: k.map(Table::new).transpose()? })
+            Ok(Self { n: n.map(IndexTable::new).transpose()?, k: k.map(IndexTable::new).transpose()? })
         });
         data.map_err(|error| error.in_file(path))
     }
@@ -108,7 +108,7 @@ impl IndexFileData {
         Ok(index)
     }
 
-    /// Returns n and k of a metal. Outside the data, the values at the nearest end are used.
+    /// Returns n and k of a metal, which continue the values at both ends of the data.
     ///
     /// # Errors
     /// Returns an error if the file does not contain both.
@@ -116,7 +116,7 @@ impl IndexFileData {
         let (Some(n), Some(k)) = (&self.n, &self.k) else {
             return Err(Error::input("the file does not contain both n and k").expected("the data of a metal"));
         };
-        let spectrum = |table: &Table| Spectrum::table(&table.nm, &table.values, Outside::Hold);
+        let spectrum = |table: &IndexTable| Spectrum::table(&table.nm, &table.values, Outside::Hold);
         Ok((spectrum(n)?, spectrum(k)?))
     }
 }
@@ -242,8 +242,8 @@ fn formula(number: &str, c: &[f64], um: f64) -> Result<f64> {
     Ok(n)
 }
 
-/// Reads a table. A header row names the columns. Another header row starts another table, as in
-/// the CSV files of refractiveindex.info.
+/// Reads a table whose columns are named by a header row. Another header row starts another table,
+/// as in the CSV files of refractiveindex.info.
 fn of_csv(text: &str) -> Result<Columns> {
     let mut data = Columns::default();
     let mut header: Vec<String> = Vec::new();

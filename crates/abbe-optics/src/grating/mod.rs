@@ -47,7 +47,7 @@ impl DiffractedOrder {
     }
 }
 
-/// The largest number of lines per mm. The period is then 100 nm.
+/// The largest number of lines per mm, at which the period is 100 nm.
 const MOST_LINES_PER_MM: f64 = 1e4;
 
 impl Grating {
@@ -110,8 +110,8 @@ impl Grating {
         self.propagating(incident, [index; 2], nm).map(|order| self.profile.efficiency(order, nm)).sum()
     }
 
-    /// Returns the efficiency of one order; see [`Self::orders`]. The medium of the index `index`
-    /// is on both sides. The order must propagate.
+    /// Returns the efficiency of one order, which must propagate; see [`Self::orders`]. The medium
+    /// of the index `index` is on both sides.
     pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
         let sum = self.scalar_sum(incident, index, nm);
         let share = if sum > 0.0 { self.profile.efficiency(order, nm) / sum } else { f64::from(u8::from(order == 0)) };

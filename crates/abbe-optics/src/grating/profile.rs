@@ -49,7 +49,7 @@ pub enum GratingProfile {
     Table(EfficiencyTable),
 }
 
-/// The measured efficiencies of some orders. All other orders have the efficiency 0.
+/// The measured efficiencies of some orders, beside which all others have the efficiency 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EfficiencyTable(Vec<(i32, Spectrum)>);
 

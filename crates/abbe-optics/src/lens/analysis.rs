@@ -49,7 +49,7 @@ pub struct FieldPoint {
     pub spots: [LensSpot; 3],
 }
 
-/// The analysis of a lens. The sensor lies at the focus of the d line for a distant object.
+/// The analysis of a lens with the sensor at the focus of the d line for a distant object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LensAnalysis {
     /// Paraxial properties at the d line.
@@ -63,7 +63,7 @@ pub struct LensAnalysis {
 }
 
 impl LensAnalysis {
-    /// Analyses a lens. If `half_field_deg` is given, it replaces the half field of the lens. It
+    /// Analyses a lens. If `half_field_deg` is given, it replaces the half field of the lens, and
     /// must lie between 0 and 90 degrees.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! The built-in lenses. The first lookup parses `data/lenses/lenses.json`.
+//! The built-in lenses, which the first lookup parses from `data/lenses/lenses.json`.
 
 use std::sync::LazyLock;
 
@@ -13,7 +13,7 @@ pub fn all() -> &'static [Lens] {
     &LENSES
 }
 
-/// Returns the lens `name`. Case is ignored, and `-` and `_` count as spaces. The first words of a
+/// Returns the lens `name`. Case is ignored, `-` and `_` count as spaces, and the first words of a
 /// name are sufficient (`double-gauss` for `double Gauss f/2 f100`). If the name is unknown, the
 /// error suggests the most similar name.
 pub fn find(name: &str) -> Result<&'static Lens> {

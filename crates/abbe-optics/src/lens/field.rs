@@ -35,9 +35,9 @@ const BUNDLE_WIDTH: f64 = 2.0;
 impl MonochromaticLens<'_> {
     /// Returns the chief ray at a field angle in degrees, |angle| < 90.
     ///
-    /// The ray travels from the scene through the centre of the stop. The origin of the ray lies on
-    /// the axis. For positive angles the ray rises towards the sensor. Apertures are ignored.
-    /// Returns an error if no such ray is found.
+    /// The ray starts on the axis, travels from the scene through the centre of the stop, and rises
+    /// towards the sensor for positive angles. Apertures are ignored. Returns an error if no such
+    /// ray is found.
     pub fn chief_ray(&self, field_deg: f64) -> Result<LensRay> {
         let Some(pupil) = self.paraxial()?.entrance_pupil else {
             return Err(Error::input("the entrance pupil lies at infinity: parallel light has no chief ray"));
@@ -61,8 +61,8 @@ impl MonochromaticLens<'_> {
         Ok(ray_at(end, z_mm))
     }
 
-    /// Finds the point where the line of the incoming chief ray crosses the axis. Returns z of this
-    /// point in mm. Newton's method starts at `start_mm`.
+    /// Returns z, in mm, of the point where the line of the incoming chief ray crosses the axis.
+    /// Newton's method starts at `start_mm`.
     fn pupil_z_mm(&self, field: f64, start_mm: f64, diameter_mm: f64) -> Option<f64> {
         let height = |z_mm: f64| self.stop_height_mm(ray_at(field, z_mm));
         let tolerance_mm = 1e-12 * self.lens().surfaces()[self.lens().stop()].semi_aperture_mm;
@@ -149,8 +149,8 @@ impl MonochromaticLens<'_> {
     }
 }
 
-/// Returns a ray in the meridional plane. The ray crosses the axis at `z_mm`. The field angle is
-/// given in radians.
+/// Returns a ray in the meridional plane that crosses the axis at `z_mm`. The field angle is in
+/// radians.
 fn ray_at(field: f64, z_mm: f64) -> LensRay {
     LensRay { origin: DVec3::new(0.0, 0.0, z_mm), direction: DVec3::new(0.0, sin(field), cos(field)) }
 }

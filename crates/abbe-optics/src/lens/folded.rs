@@ -1,8 +1,8 @@
-//! Sequential systems with mirrors and tilted or decentred surfaces. Rays are traced exactly. The
-//! figures follow from traced rays, because such a system may have no axis of symmetry.
+//! Sequential systems with mirrors and tilted or decentred surfaces. Such a system may have no axis
+//! of symmetry, so all figures follow from exactly traced rays.
 //!
-//! The axes are right-handed. The light enters towards +z. Each surface has its own frame. Lengths
-//! are in mm.
+//! The axes are right-handed, and the light enters towards +z. Each surface has its own frame, and
+//! lengths are in mm.
 
 use glam::{DAffine3, DVec2, DVec3};
 

@@ -1,16 +1,16 @@
 //! Lenses of several elements: prescriptions, exact ray tracing, paraxial properties, and
 //! properties computed from traced rays.
 //!
-//! The optical axis is z. The first vertex lies at z = 0. The scene lies towards −z and the sensor
+//! The optical axis is z, with the first vertex at z = 0, the scene towards −z and the sensor
 //! towards +z. Lengths are in mm. The surrounding medium is air, n = 1.
 //!
-//! A [`Prescription`] comes from the built-in [`catalogue`] or from a Zemax file ([`zemax`]).
-//! [`Lens::new`] validates the prescription. [`Lens::at`] evaluates the lens at one wavelength and
-//! returns a [`MonochromaticLens`]. [`MonochromaticLens::trace`] traces rays without allocation.
-//! [`MonochromaticLens::paraxial`] computes the focal length, the foci and the pupils
-//! ([`Paraxial`]). [`LensAnalysis`] computes the usual figures of a lens design. [`section`]
-//! computes a drawing of the cross-section. [`MonochromaticLens::trace_with_losses`] traces rays
-//! with the losses at coated and uncoated surfaces, and ghosts.
+//! A [`Prescription`] comes from the built-in [`catalogue`] or from a Zemax file ([`zemax`]), and
+//! [`Lens::new`] validates it. [`Lens::at`] evaluates the lens at one wavelength: the resulting
+//! [`MonochromaticLens`] traces rays without allocation ([`MonochromaticLens::trace`]), also with
+//! the losses at coated and uncoated surfaces and with ghosts
+//! ([`MonochromaticLens::trace_with_losses`]), and computes the focal length, the foci and the
+//! pupils ([`Paraxial`]). [`LensAnalysis`] computes the usual figures of a lens design, and
+//! [`section`] a drawing of the cross-section.
 
 mod analysis;
 pub mod catalogue;

@@ -20,8 +20,8 @@ pub struct Paraxial {
     pub efl_mm: f64,
     /// Back focal distance in mm, from the last vertex to the rear focus.
     pub bfd_mm: f64,
-    /// Position of the front focus on the axis. It is measured in mm from the first vertex. The
-    /// value is negative if this focus lies in front of the lens.
+    /// Position of the front focus on the axis, in mm from the first vertex. It is negative if this
+    /// focus lies in front of the lens.
     pub front_focus_z_mm: f64,
     /// Image of the stop seen from the scene, or `None` if the image lies at infinity.
     pub entrance_pupil: Option<Pupil>,
@@ -80,14 +80,15 @@ impl MonochromaticLens<'_> {
         self.matrix(0, self.lens().stop()).a
     }
 
-    /// Returns the z coordinate of the entrance pupil in mm. It does not depend on the size of the
-    /// stop. If the pupil lies at infinity, the result is not finite.
+    /// Returns the z coordinate of the entrance pupil in mm, which does not depend on the size of
+    /// the stop. If the pupil lies at infinity, the result is not finite.
     pub(super) fn entrance_pupil_z_mm(&self) -> f64 {
         let front = self.matrix(0, self.lens().stop());
         front.b / front.a
     }
 
-    /// Computes focal length, focal points and pupils. Returns an error for a lens without power.
+    /// Computes focal length, focal points and pupils, or returns an error for a lens without
+    /// power.
     pub fn paraxial(&self) -> Result<Paraxial> {
         let lens = self.lens();
         let (count, stop) = (lens.surfaces().len(), lens.stop());
@@ -119,9 +120,9 @@ impl MonochromaticLens<'_> {
         })
     }
 
-    /// Returns the distance in mm from the last vertex to the image behind it. A sensor at this
-    /// distance is in focus. `object_mm` is the distance of the object in front of the first
-    /// vertex. It may be infinite.
+    /// Returns the distance in mm from the last vertex to the image behind it, at which a sensor is
+    /// in focus. `object_mm` is the distance of the object in front of the first vertex, and may be
+    /// infinite.
     ///
     /// # Errors
     /// Returns an error if there is no real image behind the lens, because the object is too near

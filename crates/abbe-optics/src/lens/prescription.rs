@@ -22,7 +22,7 @@ pub struct LensSurface {
     pub index: RefractiveIndex,
     /// Half of the clear diameter in mm.
     pub semi_aperture_mm: f64,
-    /// Radius of the central obscuration in mm, or 0. Rays nearer to the axis are blocked.
+    /// Radius, in mm, of the central obscuration, which blocks rays nearer to the axis, or 0.
     pub obscuration_mm: f64,
     /// Thin films on the surface, from the side of the scene to the side of the sensor.
     pub coating: Option<FilmStack>,
@@ -68,8 +68,8 @@ pub struct Prescription {
     pub notes: Vec<String>,
 }
 
-/// A validated lens. Every surface is defined up to its semi-aperture. The surfaces do not cross.
-/// One surface is the stop.
+/// A validated lens. Every surface is defined up to its semi-aperture, the surfaces do not cross,
+/// and one of them is the stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
     name: String,
@@ -82,9 +82,8 @@ pub struct Lens {
     notes: Vec<String>,
 }
 
-/// Returns the refractive index of a medium by name. The name is `air` or a name of the glass
-/// catalogue. The index of `air` is 1, because all indices are relative to air. Returns an error if
-/// the name is unknown.
+/// Returns the refractive index of a medium by name: `air`, whose index is 1 because all indices
+/// are relative to air, or a name of the glass catalogue. Returns an error if the name is unknown.
 pub fn medium(name: &str) -> Result<RefractiveIndex> {
     if name.eq_ignore_ascii_case("air") { RefractiveIndex::constant(1.0) } else { RefractiveIndex::catalogue(name) }
 }

@@ -20,7 +20,6 @@ impl TraceDirection {
         }
     }
 
-    /// Returns the opposite direction.
     pub(super) fn reversed(self) -> Self {
         match self {
             Self::ToSensor => Self::ToScene,
@@ -44,13 +43,11 @@ impl TraceDirection {
 /// extends over i ≥ 1. Source: Welford, *Aberrations of Optical Systems*, §2.3.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SurfaceProfile {
-    /// Curvature c in 1/mm. It is positive if the centre of curvature lies towards +z. It is 0 for
-    /// a plane.
+    /// Curvature c in 1/mm: positive if the centre of curvature lies towards +z, and 0 for a plane.
     pub curvature_per_mm: f64,
     /// Conic constant k: 0 for a sphere, −1 for a paraboloid.
     pub conic: f64,
-    /// Coefficients a₁, a₂, … of h², h⁴, …. The unit of aᵢ is mm^(1 − 2i). The list is empty for a
-    /// conic.
+    /// Coefficients a₁, a₂, … of h², h⁴, …, where the unit of aᵢ is mm^(1 − 2i). Empty for a conic.
     pub even_terms: Box<[f64]>,
 }
 
@@ -65,14 +62,14 @@ impl SurfaceProfile {
         Self { curvature_per_mm, ..Self::default() }
     }
 
-    /// Returns the sag z in mm. The argument is the squared height in mm². Returns NaN if the conic
-    /// does not extend to this height.
+    /// Returns the sag z in mm at a squared height in mm², or NaN if the conic does not extend to
+    /// this height.
     pub fn sag_mm(&self, height2_mm2: f64) -> f64 {
         let conic = self.curvature_per_mm * height2_mm2 / (1.0 + self.root(height2_mm2));
         conic + height2_mm2 * self.even_terms.iter().rev().fold(0.0, |sum, term| sum * height2_mm2 + term)
     }
 
-    /// Returns the curvature at the vertex in 1/mm. This curvature determines the paraxial power.
+    /// Returns the curvature at the vertex in 1/mm, which determines the paraxial power.
     pub fn vertex_curvature_per_mm(&self) -> f64 {
         self.curvature_per_mm + 2.0 * self.even_terms.first().copied().unwrap_or(0.0)
     }
@@ -108,8 +105,8 @@ impl SurfaceProfile {
         DVec3::new(slope * point.x, slope * point.y, 1.0)
     }
 
-    /// Intersects a line with the surface. The line passes through `origin` along the unit vector
-    /// `direction`. Only the sheet of the surface that contains the vertex is considered.
+    /// Intersects the surface with a line through `origin` along the unit vector `direction`. Only
+    /// the sheet of the surface that contains the vertex is considered.
     ///
     /// The function returns the point where the light crosses the surface in the direction
     /// `travel`. `ToSensor` means a crossing from the scene side to the sensor side. `ToScene`

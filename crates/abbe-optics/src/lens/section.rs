@@ -52,7 +52,6 @@ pub struct LensSection {
 
 /// Number of segments along a surface.
 const CURVE_POINTS: u32 = 48;
-/// Number of rays per bundle.
 const RAYS_PER_BUNDLE: u32 = 5;
 /// Ratio of two widths. The first is the width of the bundle of drawn rays. The second is the width
 /// of the bundle that passes the lens at the wavelength of the d line. The ratio is less than 1,

@@ -31,8 +31,8 @@ impl LensRay {
 pub enum ApertureCheck {
     /// Rays outside a semi-aperture or the stop are blocked.
     Enforced,
-    /// Apertures do not block rays. Every surface extends as far as its shape is defined. This mode
-    /// is used to search for rays through a given point.
+    /// Apertures do not block rays, so every surface extends as far as its shape is defined. This
+    /// mode serves to search for rays through a given point.
     Ignored,
 }
 
@@ -53,7 +53,7 @@ pub enum RayLoss {
 pub struct MonochromaticLens<'a> {
     lens: &'a Lens,
     wavelength_nm: f64,
-    /// Refractive indices. Entry i is the index in front of surface i. One further entry is the
+    /// Refractive indices: entry i is the index in front of surface i, and one further entry is the
     /// index behind the last surface.
     n: [f64; MAX_SURFACES + 1],
 }
@@ -96,8 +96,8 @@ impl<'a> MonochromaticLens<'a> {
         self.trace_through(ray, travel, limits, |_, _| ())
     }
 
-    /// Traces a ray like [`Self::trace`]. Calls `visit` for each surface. The arguments of `visit`
-    /// are the index of the surface and the intersection point in mm.
+    /// Traces a ray like [`Self::trace`], and calls `visit` for each surface with its index and the
+    /// intersection point in mm.
     pub fn trace_through(
         &self,
         mut ray: LensRay,
@@ -120,7 +120,8 @@ impl<'a> MonochromaticLens<'a> {
         Ok(ray)
     }
 
-    /// Intersects a ray with surface `i`. Returns the point in mm and the unit normal towards +z.
+    /// Intersects a ray with surface `i`, and returns the point in mm and the unit normal towards
+    /// +z.
     #[inline]
     pub(super) fn meet(
         &self,

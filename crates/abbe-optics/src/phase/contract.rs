@@ -4,7 +4,10 @@
 use super::*;
 use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Stream};
 use abbe_spectra::spectrum::Outside;
-use std::f64::consts::TAU;
+use abbe_spectra::spectrum::Spectrum;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 /// Test wavelengths in nm: the two ends of the band, and two wavelengths between them.
 const PHASE_TEST_NM: [f64; 4] = [360.0, 475.0, 550.0, 830.0];
@@ -52,9 +55,8 @@ fn cases() -> Vec<PhaseCase> {
     cases
 }
 
-/// Integrates f(cos θ)·p dω over the sphere. Integration steps never extend across a kink, because
-/// every kink is the end of a step. The steps become smaller towards both poles. Each step uses
-/// five-point Gauss quadrature.
+/// Integrates f(cos θ)·p dω over the sphere by five-point Gauss quadrature in steps that become
+/// smaller towards both poles. Every kink is the end of a step, so no step extends across one.
 fn integral(case: &PhaseCase, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
     const GAUSS_5: [(f64, f64); 5] = [
         (-0.906_179_845_938_664, 0.236_926_885_056_189_1),

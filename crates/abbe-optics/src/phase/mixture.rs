@@ -1,6 +1,6 @@
 //! The mixture of a phase function over the wavelengths of a path.
 
-use super::PhaseFunction;
+use super::function::PhaseFunction;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
@@ -31,7 +31,7 @@ impl<'a> PhaseMixture<'a> {
         Self { phase, nm: wavelengths.nm, shares, count }
     }
 
-    /// Returns the density per steradian. The argument is the cosine of the scattering angle.
+    /// Returns the density per steradian at the cosine of the scattering angle.
     pub fn eval(&self, cos_theta: f64) -> f64 {
         if self.count == 1 {
             return self.phase.eval(cos_theta, self.nm[0]);

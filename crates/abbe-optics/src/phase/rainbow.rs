@@ -1,5 +1,5 @@
-//! The phase function of rain, read from `data/media/rainbow.csv`. The table was computed by the
-//! series of [`mie`](super::mie).
+//! The phase function of rain, read from `data/media/rainbow.csv`, which was computed by the series
+//! of [`mie`](super::mie).
 //!
 //! The radii of the drops lie between 0.16 and 1 mm. The radii follow a lognormal distribution with
 //! a median of 0.4 mm. The logarithm of the radius has a standard deviation of 0.26, and the
@@ -43,8 +43,8 @@ mod tests {
     }
 
     /// Returns one column of the table. Between 5° and 179° each value is the mean over five angles
-    /// within 0.1°. The mean removes the ripples that remain after the average over the drop sizes.
-    /// These ripples are narrower than 0.1°.
+    /// within 0.1°, which removes the narrower ripples that remain after the average over the drop
+    /// sizes.
     fn column(nm: f64) -> Vec<f64> {
         let angles = angles();
         let places = angles.iter().flat_map(|&angle| {

@@ -1,10 +1,9 @@
 //! Phase functions that are tabulated over angles and wavelengths. A table may be measured, or it
 //! may be computed from particle sizes.
 //!
-//! The table is linear in cos θ between angles and linear in λ between wavelengths. Below the first
-//! wavelength, the first column is used. Above the last wavelength, the last column is used. The
-//! phase function is therefore a mixture of columns. Each column is integrated, normalised and
-//! sampled exactly.
+//! The table is linear in cos θ between angles and linear in λ between wavelengths, and the first
+//! and the last column continue beyond their wavelengths. The phase function is therefore a mixture
+//! of columns, each of which is integrated, normalised and sampled exactly.
 //!
 //! Angles are stored as the versine 1 − cos θ, in [0, 2]. Unlike the cosine, the versine keeps full
 //! precision near the forward peak.
@@ -44,8 +43,8 @@ struct PhaseColumn {
 
 impl PhaseTable {
     /// Creates a table from angles, wavelengths and one list of values per wavelength. The angles
-    /// are in degrees and ascend from 0 to 180. The wavelengths are in nm and ascend. The values
-    /// may have any scale. Each list is normalised, so that its integral over the sphere is 1.
+    /// are in degrees and ascend from 0 to 180; the wavelengths are in nm and ascend. The values
+    /// may have any scale, because each list is normalised to an integral of 1 over the sphere.
     ///
     /// # Errors
     /// Returns an error in these cases: angles or wavelengths do not ascend; the angles do not

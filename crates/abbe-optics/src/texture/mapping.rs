@@ -1,6 +1,6 @@
 //! Affine maps of texture coordinates.
 
-use super::TexturePoint;
+use super::point::TexturePoint;
 use abbe_spectra::math::elementary::sin_cos;
 
 /// An affine map of texture coordinates: scale, then rotation, then translation (as in glTF's

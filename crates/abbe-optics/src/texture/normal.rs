@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use super::point::{LookupRandom, TexturePoint};
 use super::pyramid::ImagePattern;
-use super::{LookupRandom, TexturePoint};
 use glam::{DVec3, Vec3};
 
-/// A picture of shading normals. Copies of a map share their texels.
+/// A picture of shading normals, whose copies share their texels.
 ///
 /// The map has no reduced copies. A lookup selects a texel of the picture within the footprint, so
 /// a distant surface shows the mean radiance of its texels, not the radiance of their mean normal.

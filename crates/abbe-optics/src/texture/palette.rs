@@ -1,22 +1,19 @@
-//! The spectra of texels.
+//! The spectra of the texels of a picture.
 
-use super::value::SurfaceSpectrum;
 use abbe_spectra::spectrum::SmoothReflectance;
 use rayon::prelude::*;
 
-/// The spectra of the texels of a texture.
+/// The spectra of the texels of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Palette {
     /// Coefficients of smooth reflectances, 12 bytes for each texel.
     Smooth(Vec<[f32; 3]>),
     /// Values in bands of wavelengths, 4 bytes for each band and texel.
     Bands(BandValues),
-    /// The texels of the first part, then the texels of the second part.
-    Parts(Box<[SurfaceSpectrum; 2]>),
 }
 
-/// Values at a few wavelengths, with linear interpolation. Outside these wavelengths, the first and
-/// the last value continue.
+/// Values at a few wavelengths, interpolated linearly. The first and the last value continue beyond
+/// them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BandValues {
     /// The wavelengths in nm, in rising order.
@@ -57,20 +54,13 @@ impl Palette {
                 SmoothReflectance::from_coefficients(coefficients[texel as usize].map(f64::from)).at(nm)
             }
             Self::Bands(bands) => bands.at(texel, nm),
-            Self::Parts(parts) => {
-                let [first, second] = &**parts;
-                let count = first.texel_count();
-                if texel < count { first.at(texel, nm) } else { second.at(texel - count, nm) }
-            }
         }
     }
 
-    /// Returns the memory in bytes.
     pub(super) fn memory_bytes(&self) -> usize {
         match self {
             Self::Smooth(coefficients) => size_of_val(coefficients.as_slice()),
             Self::Bands(bands) => size_of_val(bands.values.as_slice()),
-            Self::Parts(parts) => parts.iter().map(SurfaceSpectrum::memory_bytes).sum(),
         }
     }
 }

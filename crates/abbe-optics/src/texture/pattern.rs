@@ -1,8 +1,8 @@
 //! Patterns: maps from texture coordinates to texels.
 
 use super::mapping::UvTransform;
+use super::point::{LookupRandom, TexturePoint};
 use super::pyramid::ImagePattern;
-use super::{LookupRandom, TexturePoint};
 use abbe_spectra::math::elementary::{hypot, powf};
 use abbe_spectra::math::noise::gradient_noise;
 use glam::DVec3;
@@ -26,7 +26,7 @@ pub enum Pattern {
     Gradient(GradientPattern, UvTransform),
 }
 
-/// A gradient t^`power`. The coordinate t is limited to the range from 0 to 1.
+/// A gradient t^`power`, whose coordinate t is limited to the range from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GradientPattern {
     /// True if t is the distance from the centre (0.5, 0.5) of the unit square, and 1 at a distance
@@ -45,8 +45,8 @@ impl GradientPattern {
     }
 }
 
-/// Fractal gradient noise (Perlin 2002). The wavelength of the first octave is about 1 in uv. Each
-/// octave has half the wavelength and half the weight of the octave before.
+/// Fractal gradient noise (Perlin 2002). The wavelength of the first octave is about 1 in uv, and
+/// each octave has half the wavelength and half the weight of the octave before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoisePattern {
     /// The number of octaves, at least 1.
@@ -115,7 +115,7 @@ impl Pattern {
     }
 
     /// Returns the number of texels.
-    pub fn texel_count(&self) -> usize {
+    pub(super) fn texel_count(&self) -> usize {
         match self {
             Self::Image(image) => image.texel_count(),
             Self::Checker(_) | Self::Stripes(_) | Self::Noise(..) | Self::Gradient(..) => 2,

@@ -1,7 +1,7 @@
 //! Pictures over uv, with reduced copies for minification (MIP map).
 
 use super::mapping::UvTransform;
-use super::{LookupRandom, TexturePoint};
+use super::point::{LookupRandom, TexturePoint};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{hypot, log2};
 
@@ -36,9 +36,8 @@ pub enum Filter {
     Nearest,
 }
 
-/// One level of a pyramid.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Level {
+struct MipLevel {
     size: ImageSize,
     /// The number of the upper left texel.
     first: usize,
@@ -51,7 +50,7 @@ struct Level {
 /// by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImagePattern {
-    levels: Vec<Level>,
+    levels: Vec<MipLevel>,
     wrap: [Wrap; 2],
     filter: Filter,
     transform: UvTransform,
@@ -75,7 +74,7 @@ impl ImagePattern {
             return Err(Error::input("the picture has no pixels"));
         }
         loop {
-            levels.push(Level { size, first });
+            levels.push(MipLevel { size, first });
             let count = size.width.checked_mul(size.height).and_then(|count| count.checked_add(first));
             first = count.filter(|&count| count <= MOST_TEXELS).ok_or_else(|| {
                 Error::input(format!("a texture of {} × {} pixels", levels[0].size.width, levels[0].size.height))
@@ -88,15 +87,16 @@ impl ImagePattern {
         }
     }
 
-    /// Returns the pattern without its reduced copies. A lookup then samples the whole footprint.
+    /// Returns the pattern without its reduced copies, so that a lookup samples the whole
+    /// footprint.
     #[must_use]
-    pub fn without_copies(mut self) -> Self {
+    pub(super) fn without_copies(mut self) -> Self {
         self.levels.truncate(1);
         self
     }
 
     /// Returns the number of texels of all levels.
-    pub fn texel_count(&self) -> usize {
+    pub(super) fn texel_count(&self) -> usize {
         let last = self.levels[self.levels.len() - 1];
         last.first + last.size.width * last.size.height
     }
@@ -109,7 +109,7 @@ impl ImagePattern {
     /// Returns the values of all texels. `values` contains the values of the texels of level 0.
     /// Each texel has `count` adjacent values. A texel of another level is the mean of the area
     /// that it covers in the level before, so all levels have the same mean.
-    pub fn reduced(&self, mut values: Vec<f32>, count: usize) -> Vec<f32> {
+    pub(super) fn reduced(&self, mut values: Vec<f32>, count: usize) -> Vec<f32> {
         values.reserve_exact(count * self.texel_count() - values.len());
         let mut mean = vec![0.0_f64; count];
         for pair in self.levels.windows(2) {
@@ -157,14 +157,14 @@ impl ImagePattern {
                 number = (random.round(level.floor(), level.fract()) as usize).min(self.levels.len() - 1);
             }
         }
-        let Level { size, first } = self.levels[number];
+        let MipLevel { size, first } = self.levels[number];
         let x = self.index(uv[0], size.width, self.wrap[0], random);
         let y = self.index(uv[1], size.height, self.wrap[1], random);
         (first + y * size.width + x) as u32
     }
 
-    /// Returns the interpolated value at a point. `value` returns the value of a texel. The point
-    /// is selected at random within the footprint.
+    /// Returns the interpolated value at a point that is selected at random within the footprint.
+    /// `value` returns the value of a texel.
     pub(super) fn interpolated(
         &self,
         point: &TexturePoint,
@@ -215,8 +215,8 @@ fn wrapped(index: f64, count: usize, wrap: Wrap) -> usize {
     (inside.max(0.0) as usize).min(count - 1)
 }
 
-/// Divides `from` cells evenly into `to` parts. Returns the cells of each part, with their shares
-/// of the part.
+/// Divides `from` cells evenly into `to` parts, and returns the cells of each part, with their
+/// shares of the part.
 fn shares(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     let step = from as f64 / to as f64;
     let part = |i: usize| {
@@ -243,7 +243,7 @@ mod tests {
         let values: Vec<f32> = (0..78).map(|i| ((i * 37) % 78) as f32).collect();
         let all = image.reduced(values, 1);
         assert_eq!(all.len(), image.texel_count());
-        for Level { size, first } in &image.levels {
+        for MipLevel { size, first } in &image.levels {
             let count = size.width * size.height;
             let mean = all[*first..first + count].iter().map(|value| f64::from(*value)).sum::<f64>() / count as f64;
             assert!((mean - 38.5).abs() < 1e-4, "{size:?}: {mean}");

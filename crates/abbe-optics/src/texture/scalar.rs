@@ -1,12 +1,12 @@
-//! Textures whose texels have numbers.
+//! Numbers that are uniform or vary over a surface.
 
 use std::sync::Arc;
 
 use super::pattern::Pattern;
+use super::point::{LookupRandom, TexturePoint};
 use super::pyramid::ImagePattern;
-use super::{LookupRandom, TexturePoint};
 
-/// A number that varies over a surface. Copies of a texture share their texels.
+/// A number that varies over a surface. Copies share their texels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarTexture {
     pattern: Pattern,
@@ -20,7 +20,7 @@ impl ScalarTexture {
         Self { pattern: Pattern::Image(pattern), values }
     }
 
-    /// Creates a texture with two values. The texel 0 has the first one.
+    /// Creates a texture with two values, the first of which belongs to the texel 0.
     pub fn from_pair(pattern: Pattern, values: [f64; 2]) -> Self {
         Self { pattern, values: values.map(|value| value as f32).into() }
     }
@@ -55,5 +55,53 @@ impl ScalarTexture {
     /// Returns the memory of the texels in bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.values)
+    }
+}
+
+/// A number that is uniform or varies over a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SurfaceScalar {
+    /// The same number at every point.
+    Uniform(f64),
+    /// A number for each texel.
+    Textured(ScalarTexture),
+}
+
+impl SurfaceScalar {
+    /// Returns the value of a texel that is selected at a point.
+    pub fn sample(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
+        match self {
+            Self::Uniform(value) => *value,
+            Self::Textured(texture) => texture.sample(point, random),
+        }
+    }
+
+    /// Returns the interpolated value at a point. A footprint is sampled at one point of it.
+    pub fn value_at(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
+        match self {
+            Self::Uniform(value) => *value,
+            Self::Textured(texture) => texture.value_at(point, random),
+        }
+    }
+
+    /// Returns the smallest and the largest value.
+    pub fn range(&self) -> (f64, f64) {
+        match self {
+            Self::Uniform(value) => (*value, *value),
+            Self::Textured(texture) => texture.range(),
+        }
+    }
+
+    /// Returns the mean value.
+    pub fn mean(&self) -> f64 {
+        match self {
+            Self::Uniform(value) => *value,
+            Self::Textured(texture) => texture.mean(),
+        }
+    }
+
+    /// Returns true if the number varies over the surface.
+    pub fn is_textured(&self) -> bool {
+        matches!(self, Self::Textured(_))
     }
 }

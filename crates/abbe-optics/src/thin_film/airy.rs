@@ -61,7 +61,7 @@ impl StackResponse {
 
 /// A medium or a layer at one wavelength and one angle.
 #[derive(Debug, Clone, Copy)]
-struct Level {
+struct FilmLevel {
     /// The squared complex index.
     squared: Complex,
     index: Complex,
@@ -69,7 +69,7 @@ struct Level {
     normal: Complex,
 }
 
-impl Level {
+impl FilmLevel {
     /// `transverse` is n₀·sin θ₀, which is the same in all layers.
     fn new(index: Complex, transverse: f64) -> Self {
         let squared = index * index;
@@ -112,7 +112,7 @@ impl Amplitudes {
 
 /// Returns Fresnel's amplitudes of the interface from `a` to `b`. The result contains the reflected
 /// and the transmitted amplitude for s, and then for p.
-fn interface(a: &Level, b: &Level) -> [(Complex, Complex); 2] {
+fn interface(a: &FilmLevel, b: &FilmLevel) -> [(Complex, Complex); 2] {
     let pair = |from: Complex, to: Complex, product: Complex| {
         let sum = from + to;
         if sum == Complex::default() {
@@ -149,11 +149,11 @@ pub fn response(
         return StackResponse { s: mirror(-1.0), p: mirror(-1.0) };
     }
     let transverse = incident * ((1.0 - cos) * (1.0 + cos)).sqrt();
-    let last = Level::new(substrate, transverse);
+    let last = FilmLevel::new(substrate, transverse);
     let (mut below, mut parts) = (last, [Amplitudes::NOTHING; 2]);
     let per_nm = TAU / nm;
     for (index, thickness_nm) in layers.rev() {
-        let layer = Level::of_layer(index, transverse);
+        let layer = FilmLevel::of_layer(index, transverse);
         let passage = (layer.normal * (per_nm * thickness_nm)).exp_i();
         for (part, (reflected, transmitted)) in parts.iter_mut().zip(interface(&layer, &below)) {
             *part = part.below(reflected, transmitted).through(passage);
@@ -161,7 +161,7 @@ pub fn response(
         below = layer;
     }
     let squared = Complex::from(incident * incident);
-    let first = Level { squared, index: Complex::from(incident), normal: Complex::from(incident * cos) };
+    let first = FilmLevel { squared, index: Complex::from(incident), normal: Complex::from(incident * cos) };
     for (part, (reflected, transmitted)) in parts.iter_mut().zip(interface(&first, &below)) {
         *part = part.below(reflected, transmitted);
     }

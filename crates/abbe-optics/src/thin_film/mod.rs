@@ -4,9 +4,9 @@
 //! recursion; Macleod, *Thin-Film Optical Filters*). All phase factors of the recursion are at most
 //! 1, so thick absorbing layers do not overflow.
 //!
-//! Fields vary as exp(−iωt). The complex index is n + ik, and k > 0 absorbs. The amplitudes are
-//! ratios of electric fields at the outer faces of the stack. At normal incidence, the reflected
-//! amplitudes of s and p have opposite signs.
+//! Fields vary as exp(−iωt), so the complex index is n + ik, and k > 0 absorbs. The amplitudes are
+//! ratios of electric fields at the outer faces of the stack, and the reflected ones of s and p
+//! have opposite signs at normal incidence.
 
 mod airy;
 mod plate;

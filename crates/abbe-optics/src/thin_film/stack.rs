@@ -68,7 +68,8 @@ pub struct FilmLayer {
     pub thickness_nm: SurfaceScalar,
 }
 
-/// Thin films on top of each other. At most one film has a thickness that varies over the surface.
+/// Thin films on top of each other, of which at most one has a thickness that varies over the
+/// surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmStack {
     layers: Vec<FilmLayer>,
@@ -82,8 +83,8 @@ pub struct FilmStack {
 const MOST_THICKNESS_NM: f64 = 1e6;
 
 impl FilmStack {
-    /// Creates a stack. The first layer is on the side of the incident light. The list may be
-    /// empty.
+    /// Creates a stack from a list that may be empty. The first layer is on the side of the
+    /// incident light.
     ///
     /// # Errors
     /// Returns an error if a thickness is negative or above 1 mm, or if the thickness of several
@@ -134,7 +135,7 @@ impl FilmStack {
         self.varying.map_or(0.0, |number| self.layers[number].thickness_nm.value_at(point, random))
     }
 
-    /// Returns the mean thickness in nm of the layer that varies. If no layer varies, returns 0.
+    /// Returns the mean thickness in nm of the layer that varies, or 0 if no layer varies.
     pub fn mean_thickness(&self) -> f64 {
         self.varying.map_or(0.0, |number| self.layers[number].thickness_nm.mean())
     }

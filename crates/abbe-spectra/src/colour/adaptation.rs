@@ -1,10 +1,10 @@
 //! Chromatic adaptation: corresponding colours under different white points.
 
-use super::Xyz;
 use super::matrix::{Matrix3, apply, diagonal, inverse, product};
+use super::tristimulus::Xyz;
 
-/// A von Kries chromatic adaptation transform. It converts XYZ to a linear space whose components
-/// are similar to cone responses. It then scales each of the three components.
+/// A von Kries chromatic adaptation transform, which converts XYZ to a linear space whose
+/// components are similar to cone responses, and scales each of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationTransform {
     /// Bradford (Lam 1985), which ICC profiles use.

@@ -1,17 +1,17 @@
 //! Conversion of XYZ to chromaticities and colour coordinates, and back.
 
-use super::Xyz;
 use super::matrix::{Matrix3, apply, inverse};
 use super::space::{RgbSpace, xyz_to_linear_srgb};
+use super::tristimulus::Xyz;
 use crate::math::elementary::cbrt;
 
-/// Returns the CIE 1931 chromaticity x, y. Black has the chromaticity of the equal-energy white.
+/// Returns the CIE 1931 chromaticity x, y, which is that of the equal-energy white for black.
 pub fn xy(xyz: Xyz) -> [f64; 2] {
     let sum = xyz[0] + xyz[1] + xyz[2];
     if sum == 0.0 { [1.0 / 3.0; 2] } else { [xyz[0] / sum, xyz[1] / sum] }
 }
 
-/// Returns the XYZ of a chromaticity and a luminance Y. The result is black if y is 0.
+/// Returns the XYZ of a chromaticity and a luminance Y, or black if y is 0.
 pub fn from_xy(xy: [f64; 2], y: f64) -> Xyz {
     if xy[1] == 0.0 {
         return [0.0; 3];
@@ -25,7 +25,7 @@ pub fn uv1976(xyz: Xyz) -> [f64; 2] {
     if sum == 0.0 { [0.0; 2] } else { [4.0 * xyz[0] / sum, 9.0 * xyz[1] / sum] }
 }
 
-/// Returns the CIE 1960 chromaticity u, v. Correlated colour temperature is defined in this plane.
+/// Returns the CIE 1960 chromaticity u, v, in whose plane correlated colour temperature is defined.
 pub fn uv1960(xyz: Xyz) -> [f64; 2] {
     let [u, v] = uv1976(xyz);
     [u, v * 2.0 / 3.0]
@@ -54,7 +54,7 @@ pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Returns the XYZ of L*, a*, b*. This function is the inverse of [`lab`].
+/// Returns the XYZ of L*, a*, b*, as the inverse of [`lab`].
 pub fn from_lab(lab: [f64; 3], white: Xyz) -> Xyz {
     let y = (lab[0] + 16.0) / 116.0;
     let curve = [y + lab[1] / 500.0, y, y - lab[2] / 200.0];
@@ -68,8 +68,7 @@ pub fn luv(xyz: Xyz, white: Xyz) -> [f64; 3] {
     [lightness, 13.0 * lightness * (u - white_u), 13.0 * lightness * (v - white_v)]
 }
 
-/// Returns the XYZ of L*, u*, v*. This function is the inverse of [`luv`]. The result is black if
-/// L* is 0.
+/// Returns the XYZ of L*, u*, v*, as the inverse of [`luv`]. The result is black if L* is 0.
 pub fn from_luv(luv: [f64; 3], white: Xyz) -> Xyz {
     if luv[0] == 0.0 {
         return [0.0; 3];
@@ -95,13 +94,13 @@ const OKLAB: Matrix3 = [
 const OKLAB_CONES_INVERSE: Matrix3 = inverse(&OKLAB_CONES);
 const OKLAB_INVERSE: Matrix3 = inverse(&OKLAB);
 
-/// Returns Oklab L, a, b of XYZ. The white of sRGB has Y = 1. Oklab is defined in Björn Ottosson,
-/// "A perceptual color space for image processing", 2020.
+/// Returns Oklab L, a, b of XYZ, where the white of sRGB has Y = 1 (Björn Ottosson, "A perceptual
+/// color space for image processing", 2020).
 pub fn oklab(xyz: Xyz) -> [f64; 3] {
     apply(&OKLAB, apply(&OKLAB_CONES, xyz_to_linear_srgb(xyz)).map(cbrt))
 }
 
-/// Returns the XYZ of Oklab L, a, b. This function is the inverse of [`oklab`].
+/// Returns the XYZ of Oklab L, a, b, as the inverse of [`oklab`].
 pub fn from_oklab(oklab: [f64; 3]) -> Xyz {
     let cones = apply(&OKLAB_INVERSE, oklab).map(|root| root * root * root);
     RgbSpace::Srgb.to_xyz(apply(&OKLAB_CONES_INVERSE, cones))

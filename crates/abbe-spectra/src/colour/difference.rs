@@ -1,8 +1,8 @@
 //! Colour differences: between L*, a*, b* values, and between lights.
 
-use super::Xyz;
 use super::coordinates::{lab, xy};
 use super::space::RgbSpace;
+use super::tristimulus::Xyz;
 use crate::math::elementary::{atan2, cos, exp, hypot, sin};
 
 /// Returns ΔE*ab (CIE 1976), the Euclidean distance of two L*, a*, b* values.
@@ -54,8 +54,8 @@ pub struct LightDifference {
     pub delta_e_2000: f64,
 }
 
-/// Returns the colour difference between two lights. The XYZ of both lights must have the same
-/// scale. The luminance of the first light must not be 0.
+/// Returns the colour difference between two lights, whose XYZ must have the same scale. The
+/// luminance of the first light must not be 0.
 pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
     let seen = |xyz: Xyz| lab(xyz.map(|value| value / light[1]), RgbSpace::Srgb.white());
     let (from, to) = (xy(light), xy(other));

@@ -12,7 +12,7 @@ const NEUTRAL: f64 = 1e-4;
 /// spectral colour of this wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DominantWavelength {
-    /// The wavelength in nm. For purples it is the wavelength of the complementary colour.
+    /// The wavelength in nm, which for purples is that of the complementary colour.
     pub nm: f64,
     /// True if `nm` is the complementary wavelength, because the colour is a purple.
     pub complementary: bool,
@@ -21,8 +21,8 @@ pub struct DominantWavelength {
     pub purity: f64,
 }
 
-/// Returns the dominant wavelength of a chromaticity x, y relative to the white's chromaticity.
-/// Returns `None` for neutral colours.
+/// Returns the dominant wavelength of a chromaticity x, y relative to the white's chromaticity, or
+/// `None` for neutral colours.
 pub fn dominant(colour: [f64; 2], white: [f64; 2], observer: &Observer) -> Option<DominantWavelength> {
     let direction = [colour[0] - white[0], colour[1] - white[1]];
     let distance = hypot(direction[0], direction[1]);

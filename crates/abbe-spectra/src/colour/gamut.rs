@@ -3,7 +3,7 @@
 
 use super::coordinates;
 use super::space::RgbSpace;
-use super::{Rgb, Xyz};
+use super::tristimulus::{Rgb, Xyz};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -57,9 +57,8 @@ impl GamutMapping {
     }
 }
 
-/// Returns the brightest sRGB colour that has the chromaticity of `linear_srgb`. If this
-/// chromaticity is outside sRGB, the colour is desaturated. Returns black if no component is
-/// positive.
+/// Returns the brightest sRGB colour that has the chromaticity of `linear_srgb`, desaturated if
+/// this chromaticity is outside sRGB. Returns black if no component is positive.
 pub fn brightest(linear_srgb: Rgb) -> Rgb {
     let most = linear_srgb.into_iter().fold(0.0, f64::max);
     if most > 0.0 { desaturate(linear_srgb.map(|component| component / most), RgbSpace::Srgb) } else { [0.0; 3] }

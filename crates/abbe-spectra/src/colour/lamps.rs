@@ -7,17 +7,17 @@
 //! a difference of the surfaces. The difference of the lights is reported separately as a
 //! [`LightDifference`] at equal luminance.
 
-use super::Xyz;
 use super::coordinates::lab;
 use super::difference::{LightDifference, delta_e_2000, light_difference};
 use super::report::{self, ColourReport};
+use super::tristimulus::Xyz;
 use crate::error::Result;
 use crate::math::sort::sort_by_number;
 use crate::spectrum::library::{self, SpectrumKind};
 use crate::spectrum::{Observer, Spectrum};
 
-/// Two surfaces look alike if their ΔE2000 is at most this value. Such a difference is hardly
-/// visible.
+/// Two surfaces look alike if their ΔE2000 is at most this value, because such a difference is
+/// hardly visible.
 pub const ALIKE: f64 = 2.0;
 
 /// Two surfaces look clearly different if their ΔE2000 is at least this value.
@@ -33,8 +33,7 @@ const FURTHER: [&str; 2] = ["TCS", "leaf/"];
 pub struct LampComparison {
     /// The colour values of the two lights.
     pub reports: [ColourReport; 2],
-    /// The colour difference between the first and the second light. Both lights have the luminance
-    /// Y = 1.
+    /// The colour difference between the two lights at the same luminance Y = 1.
     pub lights: LightDifference,
     /// The 24 patches of the ColorChecker, in the order of the chart.
     pub patches: Vec<PatchDifference>,
@@ -126,7 +125,7 @@ fn surfaces(beginnings: &[&str]) -> Vec<(&'static str, Spectrum)> {
     library::list().iter().filter(wanted).map(had).collect()
 }
 
-/// A surface under two lights. For each light, the white point is the light itself.
+/// A surface under two lights, each of which is its own white point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PatchDifference {
     /// The name of the surface.
@@ -156,8 +155,7 @@ impl PatchDifference {
     }
 }
 
-/// Computes the colours of each surface under two lights. For each light, the white point is the
-/// light itself.
+/// Computes the colours of each surface under two lights, each of which is its own white point.
 pub fn compare_lights(
     lights: [&Spectrum; 2],
     surfaces: &[(&str, Spectrum)],
@@ -196,7 +194,7 @@ pub struct SplitPair {
 /// Returns all pairs of surfaces whose ΔE2000 is at most `alike` under one light and at least
 /// `different` under the other light. The pairs are sorted by decreasing difference between their
 /// two ΔE2000 values.
-pub fn split_pairs(patches: &[PatchDifference], alike: f64, different: f64) -> Vec<SplitPair> {
+fn split_pairs(patches: &[PatchDifference], alike: f64, different: f64) -> Vec<SplitPair> {
     let mut pairs = Vec::new();
     for i in 0..patches.len() {
         for j in 0..i {

@@ -1,8 +1,8 @@
 //! Colour matching: the mix of primaries that is closest to a target colour.
 
-use super::Xyz;
 use super::difference::{LightDifference, light_difference};
 use super::matrix::{Matrix3, dot};
+use super::tristimulus::Xyz;
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;
 

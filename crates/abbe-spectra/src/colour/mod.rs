@@ -2,7 +2,7 @@
 //!
 //! The XYZ values of a spectrum Φ are the integrals ∫ Φ x̄ dλ, ∫ Φ ȳ dλ and ∫ Φ z̄ dλ. The factor
 //! 683 is left out, so XYZ values have a radiometric unit, like Φ. RGB values are linear unless a
-//! name contains `encode`. RGB values may be negative or above 1 until [`gamut`] maps them.
+//! name contains `encode`, and they may be negative or above 1 until [`gamut`] maps them.
 
 pub mod adaptation;
 pub mod coordinates;
@@ -19,6 +19,7 @@ pub mod report;
 pub mod space;
 pub mod temperature;
 pub mod tone;
+mod tristimulus;
 
 pub use adaptation::{AdaptationTransform, adapt, adaptation};
 pub use coordinates::{from_lab, from_luv, from_oklab, from_xy, lab, luv, oklab, uv1960, uv1976, xy};
@@ -31,9 +32,4 @@ pub use rendition::{ColourRendition, rendition, rendition_in_steps};
 pub use report::ColourReport;
 pub use space::{RgbSpace, decode_srgb, encode_srgb, encode_srgb_u8, linear_srgb_to_xyz, srgb_hex, xyz_to_linear_srgb};
 pub use temperature::{CorrelatedTemperature, cct_duv};
-
-/// Tristimulus values X, Y, Z.
-pub type Xyz = [f64; 3];
-
-/// Linear red, green and blue components.
-pub type Rgb = [f64; 3];
+pub use tristimulus::{Rgb, Xyz};

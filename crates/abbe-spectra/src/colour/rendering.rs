@@ -1,12 +1,13 @@
 //! Colour rendering indices of CIE 13.3-1995.
 
-use super::Xyz;
 use super::coordinates::uv1960;
+use super::difference::delta_e_76;
 use super::temperature::CorrelatedTemperature;
+use super::tristimulus::Xyz;
 use crate::math::elementary::cbrt;
 use crate::spectrum::{Observer, Spectrum, daylight_extended, library};
 
-/// The number of test colours. The first eight test colours determine Ra.
+/// The number of test colours, of which the first eight determine Ra.
 const TEST_COLOURS: usize = 14;
 
 /// The range of colour temperatures in K for which the index is computed.
@@ -19,8 +20,8 @@ const DAYLIGHT_FROM_K: f64 = 5000.0;
 /// The step of the sums over wavelengths in CIE 13.3, in nm.
 const CIE_STEP_NM: u32 = 5;
 
-/// The colour rendering indices of a light. The reference illuminant has the same colour
-/// temperature as the light.
+/// The colour rendering indices of a light, relative to a reference illuminant of the same colour
+/// temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColourRendering {
     /// The general index, the mean of R1–R8.
@@ -56,13 +57,12 @@ pub fn cri_in_steps(lamp: &Spectrum, temperature: CorrelatedTemperature, step_nm
         let under_reference = xyz(&colour, &reference).map(|value| 100.0 * value / reference_white[1]);
         let shown = uniform(under_lamp[1], adaptation.adapted(uv1960(under_lamp)), uv1960(reference_white));
         let wanted = uniform(under_reference[1], uv1960(under_reference), uv1960(reference_white));
-        100.0 - 4.6 * super::delta_e_76(shown, wanted)
+        100.0 - 4.6 * delta_e_76(shown, wanted)
     });
     Some(ColourRendering { ra: special[..8].iter().sum::<f64>() / 8.0, special })
 }
 
-/// Returns the XYZ of a reflectance under a light. The XYZ are sums over samples that are `step_nm`
-/// apart.
+/// Returns the XYZ of a reflectance under a light, as sums over samples that are `step_nm` apart.
 fn xyz(reflectance: &Spectrum, light: &Spectrum, step_nm: u32) -> Xyz {
     let observer = Observer::cie1931();
     let narrow = light.narrow_part();

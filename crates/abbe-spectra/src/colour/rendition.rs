@@ -1,16 +1,17 @@
-//! Colour rendition of ANSI/IES TM-30-20. Its fidelity index is the index Rf of CIE 224:2017.
+//! Colour rendition of ANSI/IES TM-30-20, whose fidelity index is the index Rf of CIE 224:2017.
 //!
-//! The 99 colour evaluation samples are tabulated every 5 nm. Between these nodes, a cubic
-//! polynomial through four nodes interpolates a reflectance. The interpolated reflectance is a
-//! linear function of the reflectances at the nodes. Therefore a light is first distributed over
-//! the nodes, and then all samples are evaluated at the nodes alone.
+//! The 99 colour evaluation samples are tabulated every 5 nm, and a cubic polynomial through four
+//! of these nodes interpolates a reflectance between them. Because the result is linear in the
+//! reflectances at the nodes, a light is first distributed over the nodes, and then all samples are
+//! evaluated at the nodes alone.
 
 use std::sync::OnceLock;
 
-use super::Xyz;
+use super::difference::delta_e_76;
 use super::matrix::{Matrix3, apply, diagonal, inverse, product};
 use super::rendering::RANGE_K;
 use super::temperature::{CorrelatedTemperature, cct_duv};
+use super::tristimulus::Xyz;
 use crate::math::elementary::{atan2, cbrt, exp, hypot, ln_1p, powf, sin_cos};
 use crate::spectrum::{Observer, Outside, Spectrum, daylight_extended, library};
 use serde::Serialize;
@@ -18,7 +19,7 @@ use serde::Serialize;
 /// The number of colour evaluation samples.
 const SAMPLES: usize = 99;
 
-/// The number of hue bins. They have equal angles, and the first bin begins at the hue angle 0.
+/// The number of hue bins, which have equal angles and begin at the hue angle 0.
 const HUE_BINS: usize = 16;
 
 /// The range of wavelengths in nm, and the distance of the nodes.
@@ -33,19 +34,19 @@ const MIX_K: (f64, f64) = (4000.0, 5000.0);
 /// The fidelity index decreases by this number for a colour difference of 1 in CAM02-UCS.
 const FIDELITY_SLOPE: f64 = 6.73;
 
-/// The colour rendition of a light. The reference illuminant has the same colour temperature as the
-/// light.
+/// The colour rendition of a light, relative to a reference illuminant of the same colour
+/// temperature.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColourRendition {
-    /// The fidelity index Rf. It is 100 if all samples look the same as under the reference.
+    /// The fidelity index Rf, which is 100 if all samples look the same as under the reference.
     pub rf: f64,
-    /// The gamut index Rg. It is above 100 if the samples look more saturated on average.
+    /// The gamut index Rg, which is above 100 if the samples look more saturated on average.
     pub rg: f64,
     /// The local fidelity index Rf,h of each hue bin.
     pub rf_bins: [f64; HUE_BINS],
     /// The local chroma shift Rcs,h of each hue bin, in percent.
     pub chroma_shift_percent: [f64; HUE_BINS],
-    /// The local hue shift Rhs,h of each hue bin. A positive shift is counterclockwise.
+    /// The local hue shift Rhs,h of each hue bin, positive if it is counterclockwise.
     pub hue_shift: [f64; HUE_BINS],
     /// The fidelity index of each sample.
     #[serde(skip)]
@@ -93,7 +94,7 @@ impl ColourRendition {
         let mut samples = [0.0; SAMPLES];
         let mut sum = 0.0;
         for ((sample, light), reference) in samples.iter_mut().zip(light).zip(reference) {
-            let shift = super::delta_e_76(*light, *reference);
+            let shift = delta_e_76(*light, *reference);
             (*sample, sum) = (fidelity(shift), sum + shift);
             bins[hue_bin(*reference)].add(*light, *reference, shift);
         }
@@ -203,7 +204,7 @@ fn sum_step_nm(light: &Spectrum) -> u32 {
     if linear { STEP_NM } else { 1 }
 }
 
-/// Distributes a light over the nodes. The light is summed in steps of `step_nm`.
+/// Distributes a light, summed in steps of `step_nm`, over the nodes.
 fn node_weights(light: &Spectrum, observer: &Observer, step_nm: u32) -> NodeWeights {
     let mut nodes = [[0.0; 3]; NODES];
     let narrow = light.narrow_part();
@@ -227,8 +228,8 @@ fn node_weights(light: &Spectrum, observer: &Observer, step_nm: u32) -> NodeWeig
     nodes
 }
 
-/// Distributes the XYZ of light at one wavelength over four nodes. The weights of the nodes are
-/// those of Lagrange's cubic interpolation. Light outside the range is left out.
+/// Distributes the XYZ of light at one wavelength over four nodes, by the weights of Lagrange's
+/// cubic interpolation. Light outside the range is left out.
 fn distribute(nodes: &mut NodeWeights, nm: f64, xyz: Xyz) {
     let place = (nm - f64::from(RANGE_NM.0)) / f64::from(STEP_NM);
     if !(0.0..=(NODES - 1) as f64).contains(&place) {
@@ -361,7 +362,6 @@ fn induction() -> f64 {
     0.725 * powf(1.0 / BACKGROUND, 0.2)
 }
 
-/// Returns the achromatic response.
 fn achromatic([red, green, blue]: [f64; 3]) -> f64 {
     (2.0 * red + green + blue / 20.0 - 0.305) * induction()
 }

@@ -1,10 +1,10 @@
 //! The colour values of a spectrum, computed in the same way as in published tables.
 //!
-//! Smooth spectra and tables are sampled every nm from 360 to 830 nm, and the samples are summed.
-//! This is the convention of published reference values. Each line is multiplied by the
-//! colour-matching functions at the wavelength of the line. Peaks of the continuum that are
-//! narrower than 5 nm are integrated exactly. Rendering uses exact integrals instead of sums. The
-//! results of the sums and of the exact integrals agree to within 3·10⁻⁴.
+//! By the convention of published reference values, smooth spectra and tables are sampled every nm
+//! from 360 to 830 nm, and the samples are summed. Each line is multiplied by the colour-matching
+//! functions at its wavelength, and peaks of the continuum that are narrower than 5 nm are
+//! integrated exactly. Rendering uses exact integrals instead, which agree with these sums to
+//! within 3·10⁻⁴.
 
 use super::adaptation::{AdaptationTransform, adapt};
 use super::dominant::{DominantWavelength, dominant};
@@ -12,11 +12,12 @@ use super::rendering::{ColourRendering, cri};
 use super::rendition::{ColourRendition, rendition};
 use super::space::{RgbSpace, srgb_hex, xyz_to_linear_srgb};
 use super::temperature::{CorrelatedTemperature, cct_duv};
-use super::{Rgb, Xyz, coordinates, gamut};
+use super::tristimulus::{Rgb, Xyz};
+use super::{coordinates, gamut};
 use crate::error::{Error, Result};
 use crate::spectrum::{BAND_NM, LUMENS_PER_WATT, LineSegment, Observer, Spectrum};
 
-/// Lines wider than this value in nm are integrated exactly. Narrower lines are evaluated at their
+/// Lines wider than this value in nm are integrated exactly, and narrower ones evaluated at their
 /// centre.
 const WIDE_LINE_NM: f64 = 5.0;
 
@@ -72,7 +73,8 @@ fn xyz_of_line(line: &LineSegment, reflectance: &Spectrum, observer: &Observer) 
 /// The colour of a light, or of a reflectance under a light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourReport {
-    /// XYZ. A light has Y = 100. For a reflectance under a light, the perfect diffuser has Y = 100.
+    /// XYZ, in which a light has Y = 100. For a reflectance under a light, the perfect diffuser has
+    /// Y = 100.
     pub xyz: Xyz,
     /// Chromaticity x, y.
     pub xy: [f64; 2],
@@ -82,8 +84,8 @@ pub struct ColourReport {
     /// The colour mapped into sRGB, for a colour swatch. The swatch of a light has the largest
     /// brightness that its chromaticity allows.
     pub srgb_hex: String,
-    /// Dominant wavelength and excitation purity, or `None` for neutral colours. For a light, the
-    /// white is the equal-energy white. For a reflectance, the white is the illuminant.
+    /// Dominant wavelength and excitation purity, or `None` for neutral colours. The white is the
+    /// equal-energy white for a light, and the illuminant for a reflectance.
     pub dominant: Option<DominantWavelength>,
     /// Correlated colour temperature of a light, if this temperature is defined. The observer is
     /// always CIE 1931.
@@ -94,8 +96,8 @@ pub struct ColourReport {
     pub rendition: Option<ColourRendition>,
     /// The melanopic daylight efficacy ratio of a light (CIE S 026). `None` for a reflectance.
     pub melanopic_ratio: Option<f64>,
-    /// The luminous efficacy of the radiation, in lumens per watt. Only radiation within the band
-    /// is counted. `None` for a reflectance.
+    /// The luminous efficacy of the radiation within the band, in lumens per watt. `None` for a
+    /// reflectance.
     pub efficacy_lm_per_w: Option<f64>,
 }
 

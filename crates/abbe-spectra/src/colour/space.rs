@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::adaptation::{AdaptationTransform, adaptation};
 use super::matrix::{Matrix3, apply, diagonal, inverse, product, transposed};
-use super::{Rgb, Xyz};
+use super::tristimulus::{Rgb, Xyz};
 use crate::error::{Error, Result};
 use crate::math::elementary::powf;
 use serde::{Deserialize, Serialize};
@@ -117,10 +117,9 @@ impl RgbSpace {
         apply(&self.matrices().from_xyz, xyz)
     }
 
-    /// Returns the matrix from XYZ to linear components. The matrix includes Bradford's transform,
-    /// which adapts the white of sRGB (D65) to the white of this space. Pictures are developed with
-    /// this matrix. This matrix and the matrix of [`from_xyz`](Self::from_xyz) differ only for
-    /// ACEScg.
+    /// Returns the matrix from XYZ to linear components with which pictures are developed. It
+    /// includes Bradford's transform from the white of sRGB (D65) to the white of this space, so it
+    /// differs from the matrix of [`from_xyz`](Self::from_xyz) only for ACEScg.
     pub fn picture_matrix(self) -> [[f64; 3]; 3] {
         match self {
             Self::Srgb | Self::DisplayP3 | Self::Rec2020 => self.matrices().from_xyz,
@@ -128,9 +127,8 @@ impl RgbSpace {
         }
     }
 
-    /// Returns the matrix from XYZ to linear components. The matrix includes Bradford's transform,
-    /// which adapts the colour `white` to the white of this space. The scale of `white` has no
-    /// influence on the matrix.
+    /// Returns the matrix from XYZ to linear components that includes Bradford's transform from the
+    /// colour `white` to the white of this space. The scale of `white` has no influence on it.
     pub fn balanced_matrix(self, white: Xyz) -> [[f64; 3]; 3] {
         product(&self.matrices().from_xyz, &adaptation(white, self.white(), AdaptationTransform::Bradford))
     }
@@ -141,9 +139,9 @@ impl RgbSpace {
         self.matrices().to_xyz[1]
     }
 
-    /// Encodes a linear component as a non-linear signal. sRGB and Display P3 use the sRGB curve.
-    /// Rec. 2020 has its own curve. ACEScg is linear. The function is odd, so negative components
-    /// are preserved.
+    /// Encodes a linear component as a non-linear signal. sRGB and Display P3 use the sRGB curve,
+    /// Rec. 2020 has its own, and ACEScg is linear. The function is odd, so negative components are
+    /// preserved.
     pub fn encode(self, component: f64) -> f64 {
         match self {
             Self::Srgb | Self::DisplayP3 => encode_srgb(component),
@@ -157,8 +155,7 @@ impl RgbSpace {
         }
     }
 
-    /// Decodes a signal to a linear component. This function is the inverse of
-    /// [`encode`](Self::encode).
+    /// Decodes a signal to a linear component, as the inverse of [`encode`](Self::encode).
     pub fn decode(self, signal: f64) -> f64 {
         match self {
             Self::Srgb | Self::DisplayP3 => decode_srgb(signal),
@@ -198,14 +195,14 @@ pub fn linear_srgb_to_xyz(rgb: Rgb) -> Xyz {
 /// be inexact.
 const SRGB_JUNCTION: f64 = 0.003_130_668_442_500_6;
 
-/// Encodes a linear component as an sRGB signal (IEC 61966-2-1). The function is odd.
+/// Encodes a linear component as an sRGB signal (IEC 61966-2-1) by an odd function.
 pub fn encode_srgb(component: f64) -> f64 {
     let x = component.abs();
     let signal = if x <= SRGB_JUNCTION { 12.92 * x } else { 1.055 * powf(x, 1.0 / 2.4) - 0.055 };
     signal.copysign(component)
 }
 
-/// Decodes an sRGB signal to a linear component. This function is the inverse of [`encode_srgb`].
+/// Decodes an sRGB signal to a linear component, as the inverse of [`encode_srgb`].
 pub fn decode_srgb(signal: f64) -> f64 {
     let x = signal.abs();
     let component = if x <= 12.92 * SRGB_JUNCTION { x / 12.92 } else { powf((x + 0.055) / 1.055, 2.4) };
@@ -222,19 +219,19 @@ const CODE_TABLE_SIZE: usize = 4096;
 /// function uses a table.
 #[inline]
 pub fn encode_srgb_u8(component: f64) -> u8 {
-    struct Table {
+    struct CodeTable {
         guess: Vec<u8>,
         /// The smallest linear component of each code. The last entry is NaN, so no component is
         /// ever at or above that entry.
         least: [f64; 257],
     }
-    static TABLE: OnceLock<Table> = OnceLock::new();
+    static TABLE: OnceLock<CodeTable> = OnceLock::new();
     let table = TABLE.get_or_init(|| {
         let mut least = [f64::NAN; 257];
         least[0] = f64::NEG_INFINITY;
         (1..256_u16).for_each(|code| least[usize::from(code)] = decode_srgb((f64::from(code) - 0.5) / 255.0));
         let code_of = |i: usize| least.partition_point(|&least| least <= i as f64 / CODE_TABLE_SIZE as f64) - 1;
-        Table { guess: (0..=CODE_TABLE_SIZE).map(|i| code_of(i) as u8).collect(), least }
+        CodeTable { guess: (0..=CODE_TABLE_SIZE).map(|i| code_of(i) as u8).collect(), least }
     });
     // The conversion to an integer turns NaN into 0.
     let code = table.guess[((component * CODE_TABLE_SIZE as f64) as usize).min(CODE_TABLE_SIZE)];

@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use super::Xyz;
 use super::coordinates::uv1960;
+use super::tristimulus::Xyz;
 use crate::math::elementary::hypot;
 use crate::spectrum::{BAND_NM, Observer, planck};
 
@@ -62,7 +62,7 @@ fn locus_table() -> &'static [[f64; 2]] {
     TABLE.get_or_init(|| (0..=LOCUS_STEPS).map(|step| locus(mired_of(step))).collect())
 }
 
-/// Returns u, v of a black body. The argument is the reciprocal temperature in 1/MK.
+/// Returns u, v of a black body with a reciprocal temperature in 1/MK.
 fn locus(mired: f64) -> [f64; 2] {
     let observer = Observer::cie1931();
     let mut xyz = [0.0; 3];
@@ -73,8 +73,7 @@ fn locus(mired: f64) -> [f64; 2] {
     uv1960(xyz)
 }
 
-/// Finds the minimum of a function in an interval by golden-section search. Returns the position of
-/// the minimum.
+/// Returns the position of the minimum of a function in an interval, by golden-section search.
 fn minimum(function: impl Fn(f64) -> f64, mut lower: f64, mut upper: f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let mut inner = [upper - ratio * (upper - lower), lower + ratio * (upper - lower)];

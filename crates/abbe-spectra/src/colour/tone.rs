@@ -1,7 +1,8 @@
 //! Tone curves: the treatment of colours that are brighter than a display can show.
 
 use super::matrix::{Matrix3, apply};
-use super::{Rgb, RgbSpace};
+use super::space::RgbSpace;
+use super::tristimulus::Rgb;
 use crate::error::{Error, Result};
 use crate::math::elementary::{log2, powf};
 use serde::{Deserialize, Serialize};

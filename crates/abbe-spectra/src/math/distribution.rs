@@ -1,6 +1,6 @@
 //! Discrete and piecewise-constant distributions with exact densities.
 
-/// A distribution over indices. The probability of an index is proportional to its weight.
+/// A distribution over indices whose probabilities are proportional to their weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscreteDistribution {
     /// Cumulative probabilities. Entry i is the sum of the probabilities below index i; the last
@@ -60,16 +60,16 @@ pub struct PiecewiseConstant2d {
 }
 
 impl PiecewiseConstant2d {
-    /// Builds the density from the weights of the cells. The weights are listed row by row, and
-    /// each row has `columns` cells. The rows follow each other along the second coordinate.
-    /// Returns `None` if all weights are 0.
+    /// Builds the density from the weights of the cells, listed row by row with `columns` cells
+    /// each. The rows follow each other along the second coordinate. Returns `None` if all weights
+    /// are 0.
     pub fn new(columns: usize, weights: &[f64]) -> Option<Self> {
         let rows = DiscreteDistribution::new(weights.chunks(columns).map(|row| row.iter().sum()))?;
         let within_row = weights.chunks(columns).map(|row| DiscreteDistribution::new(row.iter().copied())).collect();
         Some(Self { columns, rows, within_row })
     }
 
-    /// Samples a point of the unit square. Returns the point and its density per unit area.
+    /// Samples a point of the unit square, and returns it with its density per unit area.
     pub fn sample(&self, u: [f64; 2]) -> ([f64; 2], f64) {
         let [mut a, mut b] = u;
         let row = self.rows.sample(&mut b);

@@ -28,18 +28,18 @@ pub use libm::{
     log2, log10, pow as powf, sinh, tan,
 };
 
-/// 1.5·2⁵². The sum of this number and a smaller number is rounded to an integer. The lowest bits
-/// of the sum contain this integer in two's complement.
+/// 1.5·2⁵². The sum of this number and a smaller number is rounded to an integer, which the lowest
+/// bits of the sum contain in two's complement.
 const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 
-/// The high part of ln 2. Its product with an integer below 2²¹ is exact.
+/// The high part of ln 2, whose product with an integer below 2²¹ is exact.
 const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
 /// ln 2 minus its high part.
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// The coefficients of the powers from r² to r¹¹ of a polynomial that approximates exp(r) for
-/// |r| ≤ ln(2)/2. The coefficients of 1 and r are 1. The largest relative error of the polynomial
-/// is nearly minimal. It is 1.1·10⁻¹⁷.
+/// The coefficients of the powers from r² to r¹¹ of a polynomial that approximates exp(r) for |r| ≤
+/// ln(2)/2. The coefficients of 1 and r are 1, and the largest relative error of the polynomial is
+/// nearly minimal: 1.1·10⁻¹⁷.
 const EXP: [f64; 10] = [
     0.500_000_000_000_001_1,
     0.166_666_666_666_664_13,
@@ -53,7 +53,7 @@ const EXP: [f64; 10] = [
     2.500_005_286_105_610_3e-8,
 ];
 
-/// Returns eˣ. The error is below 1 unit in the last place.
+/// Returns eˣ with an error below 1 unit in the last place.
 #[inline]
 pub fn exp(x: f64) -> f64 {
     // The powers of 2 beyond this limit are not normal numbers. The condition is false for NaN.

@@ -89,7 +89,7 @@ pub enum Direction {
     Inverse,
 }
 
-/// Buffers of a transform. Their contents between two transforms do not matter.
+/// Buffers of a transform, whose contents between two transforms do not matter.
 #[derive(Debug, Default)]
 pub struct FourierBuffers {
     columns: Vec<Column>,
@@ -111,7 +111,7 @@ enum Method {
 }
 
 impl FourierTransform {
-    /// Prepares the transform of lines of `length` numbers. `length` is at least 1.
+    /// Prepares the transform of lines of `length` ≥ 1 numbers.
     pub fn new(length: usize) -> Self {
         let radices = radices(length);
         let method = if radices.iter().any(|&radix| radix > LARGEST_RADIX) {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// A right-handed orthonormal frame. Its third axis is the surface normal.
+/// A right-handed orthonormal frame whose third axis is the surface normal.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame {
     s: DVec3,
@@ -37,7 +37,7 @@ impl Frame {
         DVec3::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
-    /// Returns a vector in world coordinates. `v` contains its components along the axes of the
+    /// Returns the vector, in world coordinates, with the components `v` along the axes of the
     /// frame.
     #[inline]
     pub fn to_world(&self, v: DVec3) -> DVec3 {

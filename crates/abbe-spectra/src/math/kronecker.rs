@@ -23,7 +23,7 @@ pub fn sqrt3(index: u32, shift: u64) -> f64 {
 }
 
 /// Returns `index` × `step` + `shift`, converted to a number in [0, 1). The unit of the integers is
-/// 2⁻⁶⁴. The integer product wraps around. This wrapping is the reduction modulo 1.
+/// 2⁻⁶⁴, so the wrapping of the integer product is the reduction modulo 1.
 fn kronecker_point(step: u64, index: u32, shift: u64) -> f64 {
     let turned = u64::from(index).wrapping_mul(step).wrapping_add(shift);
     unit_interval(turned)

@@ -3,7 +3,7 @@
 use super::elementary::cos;
 use std::f64::consts::PI;
 
-/// The positive nodes in (0, 1) with their weights. The negative nodes are their mirror images.
+/// The positive nodes in (0, 1) with their weights, of which the negative nodes are mirror images.
 const TWO: [(f64, f64); 1] = [(0.577_350_269_189_625_8, 1.0)];
 const FOUR: [(f64, f64); 2] =
     [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
@@ -18,20 +18,17 @@ const SIXTEEN: [(f64, f64); 8] = [
     (0.9894009349916499, 0.027152459411754176),
 ];
 
-/// Integrates `f` over an interval by the two-point rule. The result is exact for cubic
-/// polynomials.
+/// Integrates `f` over an interval by the two-point rule, which is exact for cubic polynomials.
 pub fn gauss2((from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     symmetric(&TWO, (from, to), f)
 }
 
-/// Integrates `f` over an interval with four points. The result is exact for polynomials of degree
-/// 7.
+/// Integrates `f` over an interval with four points, exactly for polynomials of degree 7.
 pub fn gauss4((from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     symmetric(&FOUR, (from, to), f)
 }
 
-/// Integrates `f` over an interval with sixteen points. The result is exact for polynomials of
-/// degree 31.
+/// Integrates `f` over an interval with sixteen points, exactly for polynomials of degree 31.
 pub fn gauss16((from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     symmetric(&SIXTEEN, (from, to), f)
 }

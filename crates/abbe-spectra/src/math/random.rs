@@ -8,7 +8,7 @@
 use rand::Rng;
 use rand_pcg::Pcg32;
 
-/// The largest `f64` below 1. It is the largest value of a sampling argument `u` in [0, 1).
+/// The largest `f64` below 1, and thus the largest value of a sampling argument `u` in [0, 1).
 pub const ONE_MINUS_ULP: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// The number of replicates. A replicate is one of eight independent subsets of the passes: pass i
@@ -38,7 +38,7 @@ pub enum Purpose {
 }
 
 /// Mixes the bits of a 64-bit word (the finaliser of SplitMix64, Steele, Lea & Flood 2014).
-pub fn mix64(mut x: u64) -> u64 {
+pub(crate) fn mix64(mut x: u64) -> u64 {
     x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

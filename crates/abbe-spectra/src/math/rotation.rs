@@ -11,7 +11,7 @@ pub fn unit_vector(angle: f64) -> DVec2 {
     DVec2::new(cos, sin)
 }
 
-/// Returns the rotation about a unit vector by an angle in radians. The rotation is right-handed.
+/// Returns the right-handed rotation about a unit vector by an angle in radians.
 pub fn quaternion(axis: DVec3, angle: f64) -> DQuat {
     let (sin, cos) = sin_cos(0.5 * angle);
     let vector = axis * sin;

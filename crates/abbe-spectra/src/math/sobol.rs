@@ -22,7 +22,7 @@ const JOE_KUO: [(u32, u32, [u32; 5]); DIMENSIONS - 1] = [
 ];
 
 /// The columns of the generator matrices, side by side for all dimensions. The most significant
-/// digit is in bit 0. The scrambling needs this order.
+/// digit is in bit 0, because the scrambling needs this order.
 static DIRECTIONS: [[u32; DIMENSIONS]; 32] = directions();
 
 const fn directions() -> [[u32; DIMENSIONS]; 32] {
@@ -102,7 +102,7 @@ impl Sobol {
     }
 }
 
-/// Applies nested uniform scrambling to digits. The most significant digit is in bit 0. For each
+/// Applies nested uniform scrambling to digits, the most significant of which is in bit 0. For each
 /// bit, a hash of the lower bits decides whether the bit is flipped.
 #[inline]
 fn owen(digits: u32, seed: u32) -> u32 {

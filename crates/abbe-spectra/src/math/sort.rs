@@ -3,8 +3,8 @@
 //! The sort of the standard library is compiled once for each type of element, with about 8 kB of
 //! machine code. This sort is compiled once.
 
-/// Sorts items by a number, in ascending order. Items with equal numbers keep their order. NaN is
-/// above or below all other numbers, by its sign.
+/// Sorts items by a number, in ascending order. Items with equal numbers keep their order, and NaN
+/// is above or below all other numbers, by its sign.
 ///
 /// The number of an item is computed once.
 pub fn sort_by_number<T>(items: &mut [T], number: impl Fn(&T) -> f64) {

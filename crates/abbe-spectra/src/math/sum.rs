@@ -2,14 +2,13 @@
 
 use std::ops::AddAssign;
 
-/// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴. The magnitude of the sum can reach
-/// 9·10¹⁸. The bits of the sum do not depend on the order of addition. Each term is rounded once to
-/// the quantum. If the magnitude would be larger, the sum saturates, and
-/// [`overflowed`](Self::overflowed) returns true.
+/// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴. Each term is rounded once to the
+/// quantum, so the bits of the sum do not depend on the order of addition. If the magnitude would
+/// exceed 9·10¹⁸, the sum saturates, and [`overflowed`](Self::overflowed) returns true.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExactSum(i128);
 
-/// The reciprocal of the quantum. Its value is 2⁶⁴.
+/// The reciprocal of the quantum, 2⁶⁴.
 const SCALE: f64 = 18_446_744_073_709_551_616.0;
 
 impl ExactSum {
@@ -34,8 +33,8 @@ impl ExactSum {
     }
 }
 
-/// Converts a term to quanta. The cast saturates. NaN would become 0 in the cast, so NaN is marked
-/// as out of range instead.
+/// Converts a term to quanta. The cast saturates, but it would turn NaN into 0, so NaN is marked as
+/// out of range instead.
 fn quanta(term: f64) -> i128 {
     if term.is_nan() { i128::MAX } else { (term * SCALE) as i128 }
 }

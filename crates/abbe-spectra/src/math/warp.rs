@@ -17,8 +17,7 @@ pub fn disk(u: [f64; 2]) -> DVec2 {
     radius * unit_vector(angle)
 }
 
-/// Maps the unit square uniformly onto a regular polygon. The polygon has circumradius 1 and a
-/// corner at (1, 0).
+/// Maps the unit square uniformly onto a regular polygon of circumradius 1 with a corner at (1, 0).
 pub fn regular_polygon(corners: u32, u: [f64; 2]) -> DVec2 {
     let place = u[0] * f64::from(corners);
     let (triangle, across) = (place.floor(), place.fract());
@@ -42,32 +41,31 @@ pub fn sphere(u: [f64; 2]) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
-/// Returns 1 − cos θ for the half-angle θ of a cone. The half-angle is in radians. The result is
-/// accurate even for narrow cones.
+/// Returns 1 − cos θ for the half-angle θ of a cone in radians, accurate even for narrow cones.
 pub fn one_minus_cos(half_angle: f64) -> f64 {
     let s = sin(0.5 * half_angle);
     2.0 * s * s
 }
 
-/// Returns the half-angle of a cone in radians. This is the inverse of [`one_minus_cos`].
+/// Returns the half-angle of a cone in radians, as the inverse of [`one_minus_cos`].
 pub fn half_angle(one_minus_cos: f64) -> f64 {
     2.0 * asin((0.5 * one_minus_cos).sqrt().min(1.0))
 }
 
-/// Returns the solid angle of a cone in steradians. The argument is the half-angle in radians.
+/// Returns the solid angle, in steradians, of a cone with a half-angle in radians.
 pub fn cone_solid_angle(half_angle: f64) -> f64 {
     TAU * one_minus_cos(half_angle)
 }
 
-/// Samples a direction uniformly over the solid angle of a cone around +z. `one_minus_cos` is 1 −
-/// cos θ, where θ is the half-angle of the cone. The density is 1/(2π·`one_minus_cos`). The result
-/// is accurate even for very narrow cones.
+/// Samples a direction uniformly over the solid angle of a cone around +z, with the density
+/// 1/(2π·`one_minus_cos`). `one_minus_cos` is 1 − cos θ for the half-angle θ, so the result is
+/// accurate even for very narrow cones.
 pub fn cone(one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
     spherical_direction(u[0] * one_minus_cos, u[1])
 }
 
 /// Returns the direction at the angle θ from +z and at the azimuth 2π·`u`. `one_minus_cos` is 1 −
-/// cos θ. The result is accurate even for very small angles.
+/// cos θ, so the result is accurate even for very small angles.
 pub fn spherical_direction(one_minus_cos: f64, u: f64) -> DVec3 {
     let (sin, cos) = sin_cos(TAU * u);
     let r = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();

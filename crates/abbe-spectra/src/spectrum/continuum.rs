@@ -1,7 +1,7 @@
 //! The smooth part of a spectrum: a piecewise-linear function over the band, which may be
 //! discontinuous between its pieces.
 
-use super::BAND_NM;
+use super::band::BAND_NM;
 use super::index::BandIndex;
 
 /// An interval of wavelengths on which a function is linear.
@@ -14,7 +14,7 @@ pub struct LinearPiece {
 }
 
 impl LinearPiece {
-    /// Returns the integral over the piece. Its unit is the unit of the value, multiplied by nm.
+    /// Returns the integral over the piece, in the unit of the value multiplied by nm.
     pub fn integral(&self) -> f64 {
         (self.nm.1 - self.nm.0) * (0.5 * self.values.0 + 0.5 * self.values.1)
     }
@@ -26,8 +26,7 @@ impl LinearPiece {
     }
 }
 
-/// A piece, stored in a form for fast evaluation. The upper end of the piece is the lower end of
-/// the next cell.
+/// A piece, stored in a form for fast evaluation. Its upper end is the lower end of the next cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ContinuumCell {
     lower: f64,
@@ -49,8 +48,8 @@ impl Continuum {
         Self::from_pieces(&[LinearPiece { nm: BAND_NM, values: (value, value) }])
     }
 
-    /// Builds a function from pieces. The pieces must be in ascending order and must cover the band
-    /// without gaps. Empty pieces are dropped. A constant function becomes one piece.
+    /// Builds a function from pieces, which must be in ascending order and cover the band without
+    /// gaps. Empty pieces are dropped, and a constant function becomes one piece.
     pub(crate) fn from_pieces(pieces: &[LinearPiece]) -> Self {
         let first = pieces.first().map_or(0.0, |piece| piece.values.0);
         let flat = pieces.iter().all(|piece| piece.values == (first, first));
@@ -132,7 +131,7 @@ impl Continuum {
     }
 }
 
-/// A position in a continuum. The position moves towards longer wavelengths only.
+/// A position in a continuum that moves towards longer wavelengths only.
 #[derive(Debug, Clone)]
 pub(crate) struct ContinuumCursor<'a> {
     continuum: &'a Continuum,
@@ -150,9 +149,8 @@ impl ContinuumCursor<'_> {
         self.piece.nm.1
     }
 
-    /// Returns the values at both ends of an interval. The values are limits from inside the
-    /// interval. The interval must contain no knot. It must begin at the wavelength that was last
-    /// passed to `knot_after`.
+    /// Returns the values at both ends of an interval, as limits from its inside. The interval must
+    /// contain no knot, and it must begin at the wavelength that was last passed to `knot_after`.
     pub(crate) fn values_on(&self, lower: f64, upper: f64) -> (f64, f64) {
         (self.piece.at(lower), self.piece.at(upper))
     }

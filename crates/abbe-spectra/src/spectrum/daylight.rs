@@ -25,10 +25,9 @@ fn components() -> &'static Components {
 }
 
 impl Spectrum {
-    /// Returns the spectrum of daylight by CIE 15. The argument is the correlated colour
-    /// temperature in K. The power is relative. At 560 nm it is 100. The factors M₁ and M₂ are not
-    /// rounded here. The published tables of D50, D55, D65 and D75 use rounded factors and
-    /// therefore differ slightly.
+    /// Returns the spectrum of daylight of a correlated colour temperature in K by CIE 15. The
+    /// power is relative, and it is 100 at 560 nm. The factors M₁ and M₂ are not rounded here, so
+    /// the published tables of D50, D55, D65 and D75, whose factors are rounded, differ slightly.
     ///
     /// # Errors
     /// Returns an error if the temperature is outside 4000–25,000 K.

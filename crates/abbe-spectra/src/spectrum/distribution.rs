@@ -1,11 +1,12 @@
 //! Wavelength sampling: probability densities that follow a spectrum.
 
+use super::band::BAND_NM;
 use super::continuum::Continuum;
 use super::index::BandIndex;
 use super::observer::Observer;
 use super::sweep::sweep;
 use super::ultraviolet::WeightedPiece;
-use super::{BAND_NM, Spectrum};
+use super::value::Spectrum;
 
 /// This share of the density of [`WavelengthDistribution::visually_weighted`] follows the product
 /// of the power and the visual response. The other part of the density follows the power alone.
@@ -15,16 +16,16 @@ const VISUAL_WEIGHT: f64 = 0.85;
 /// distance from both ends. The distance is a fraction of the width of the segment.
 const END_GUARD: f64 = 1e-6;
 
-/// The distance, in nm, between adjacent samples of the tabulated visual response. The distance is
-/// small enough for importance sampling, and the table stays in the first-level cache.
+/// The distance, in nm, between adjacent samples of the tabulated visual response. It is small
+/// enough for importance sampling, and large enough for the table to stay in the first-level cache.
 const VISUAL_STEP_NM: u32 = 5;
 
 /// The guide table has at least this number of steps per segment. With four steps per segment, most
 /// samples find their segment without a search.
 const GUIDE_STEPS_PER_SEGMENT: usize = 4;
 
-/// A segment of the band. Within the segment, the density is a linear function of the wavelength.
-/// Reciprocals are stored, so sampling needs no divisions.
+/// A segment of the band in which the density is a linear function of the wavelength. Reciprocals
+/// are stored, so that sampling needs no divisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct DensitySegment {
     lower: f64,
@@ -73,8 +74,7 @@ impl DensitySegment {
         self.density + ((nm - self.lower) * self.per_width).min(1.0) * self.rise
     }
 
-    /// Returns a wavelength of the segment. The fraction `v` of the segment's mass lies below this
-    /// wavelength.
+    /// Returns the wavelength below which the fraction `v` of the segment's mass lies.
     #[inline]
     fn quantile(&self, v: f64) -> f64 {
         let (from, to) = (self.density, self.density + self.rise);
@@ -88,10 +88,23 @@ impl DensitySegment {
     }
 }
 
-/// A piecewise-linear density over wavelength. Its unit is 1/nm. The density has a knot at each
-/// knot of the spectrum. The visual response is tabulated every 5 nm. A visually weighted density
-/// also has a knot at each of these samples. A spectral line becomes a narrow segment, which has
-/// exactly the probability of the line.
+/// A weight of wavelengths: a linear function of a spectrum.
+struct LinearWeight<'a> {
+    function: &'a Spectrum,
+    factor: f64,
+    offset: f64,
+}
+
+impl LinearWeight<'_> {
+    /// Returns the weight at a value of the spectrum.
+    fn of(&self, value: f64) -> f64 {
+        self.factor * value + self.offset
+    }
+}
+
+/// A piecewise-linear density over wavelength, in 1/nm. It has a knot at each knot of the spectrum
+/// and, if it is visually weighted, at each sample of the visual response, every 5 nm. A spectral
+/// line becomes a narrow segment, which has exactly the probability of the line.
 ///
 /// The density is linear between knots, so it is not exactly the product of the spectrum and the
 /// observer. Nevertheless, an estimator that divides by the density is unbiased, because the
@@ -103,16 +116,17 @@ pub struct WavelengthDistribution {
     by_wavelength: BandIndex,
     /// The total probability below each segment. The last entry is infinity.
     before: Vec<f64>,
-    /// The guide table. The interval [0, 1] of total probability is divided into equal steps. The
-    /// number of steps is a power of two. The table lists the segment that contains the lower end
-    /// of each step.
+    /// The guide table: the segment that contains the lower end of each of the equal steps into
+    /// which the interval [0, 1] of total probability is divided. The number of steps is a power of
+    /// two.
     guide: Vec<u32>,
 }
 
 impl WavelengthDistribution {
     /// Returns a density proportional to the spectrum, or `None` if the spectrum has no power.
     pub fn new(spectrum: &Spectrum) -> Option<Self> {
-        Self::weighted(spectrum, None)
+        let one = Spectrum::constant(1.0);
+        Self::weighted(spectrum, &LinearWeight { function: &one, factor: 1.0, offset: 0.0 })
     }
 
     /// Returns a mixed density, or `None` if the spectrum has no power. A share of 85 % is
@@ -126,25 +140,27 @@ impl WavelengthDistribution {
         let (all, visible) = (spectrum.integral(), spectrum.product_integral(&visible_weight));
         let ratio = all / visible;
         if ratio.is_finite() {
-            return Self::weighted(spectrum, Some((&visible_weight, VISUAL_WEIGHT * ratio, 1.0 - VISUAL_WEIGHT)));
+            let factor = VISUAL_WEIGHT * ratio;
+            return Self::weighted(
+                spectrum,
+                &LinearWeight { function: &visible_weight, factor, offset: 1.0 - VISUAL_WEIGHT },
+            );
         }
-        Self::weighted(spectrum, None)
+        Self::new(spectrum)
     }
 
-    /// Returns a density proportional to the spectrum Φ if `weight` is `None`. Otherwise `weight`
-    /// is `(w, a, b)`, and the density at the knots of Φ and w is proportional to Φ·(a·w + b).
-    fn weighted(spectrum: &Spectrum, weight: Option<(&Spectrum, f64, f64)>) -> Option<Self> {
+    /// Returns a density that is proportional to spectrum · weight at the knots of the spectrum and
+    /// of the weight.
+    fn weighted(spectrum: &Spectrum, weight: &LinearWeight<'_>) -> Option<Self> {
         let peak = spectrum.max();
         if !(peak.is_finite() && peak > 0.0) {
             return None;
         }
-        let one = Spectrum::constant(1.0);
-        let (weight, a, b) = weight.unwrap_or((&one, 1.0, 0.0));
         let mut parts = Vec::new();
         let mut total = 0.0;
-        sweep([spectrum.parts(), weight.parts()], |(lower, upper), [power, weight]| {
-            let from = power.0 / peak * (a * weight.0 + b);
-            let to = power.1 / peak * (a * weight.1 + b);
+        sweep([spectrum.parts(), weight.function.parts()], |(lower, upper), [power, function]| {
+            let from = power.0 / peak * weight.of(function.0);
+            let to = power.1 / peak * weight.of(function.1);
             let mass = (upper - lower) * (0.5 * from + 0.5 * to);
             if mass > 0.0 {
                 parts.push(UnscaledSegment { ends: (lower, upper), weights: (from, to), before: total, mass });
@@ -172,13 +188,15 @@ impl WavelengthDistribution {
         let ultraviolet: f64 = pieces.iter().map(mass).sum();
         let Some(band) = band.filter(|_| ultraviolet > 0.0) else {
             let share = f64::from(u8::from(ultraviolet > 0.0));
-            return if share > 0.0 { Self::of_pieces(pieces, &[], (ultraviolet, share)) } else { band.cloned() };
+            return if share > 0.0 { Self::of_pieces(pieces, &[], ultraviolet, share) } else { band.cloned() };
         };
         let share = ((SHARES * ultraviolet / (ultraviolet + band_mass)).ceil() / SHARES).min(most);
-        Self::of_pieces(pieces, &band.segments, (ultraviolet, share))
+        Self::of_pieces(pieces, &band.segments, ultraviolet, share)
     }
 
-    fn of_pieces(pieces: &[WeightedPiece], band: &[DensitySegment], (ultraviolet, share): (f64, f64)) -> Option<Self> {
+    /// Joins the pieces below the band, whose integral is `ultraviolet` and whose share of the density
+    /// is `share`, with the segments of a density within the band.
+    fn of_pieces(pieces: &[WeightedPiece], band: &[DensitySegment], ultraviolet: f64, share: f64) -> Option<Self> {
         let scale = share / ultraviolet;
         let below = pieces.iter().map(|&(ends, values)| (ends, (scale * values.0, scale * values.1)));
         let within = band.iter().map(|segment| {
@@ -230,8 +248,7 @@ impl WavelengthDistribution {
         (nm, segment.at(nm))
     }
 
-    /// Returns the density in 1/nm. The argument is the wavelength in nm. The density is 0 outside
-    /// the band.
+    /// Returns the density in 1/nm at a wavelength in nm, which is 0 outside the band.
     #[inline]
     pub fn pdf(&self, nm: f64) -> f64 {
         let first = self.segments[0].lower;

@@ -1,9 +1,9 @@
 //! Constant-time search for the segment of the band that contains a wavelength.
 
-use super::BAND_NM;
+use super::band::BAND_NM;
 
 /// The largest number of buckets of an index. If there are more segments than buckets, some buckets
-/// contain several segments. A bucket with many segments is searched by bisection.
+/// contain several segments, and one with many is searched by bisection.
 const MAX_BUCKETS: usize = 1 << 17;
 
 /// A bucket with at most this number of segments is searched segment by segment. If a bucket has
@@ -22,8 +22,8 @@ pub(crate) struct BandIndex {
 }
 
 impl BandIndex {
-    /// Builds an index over segments. `lower` lists the lower ends of the segments in nm, in
-    /// ascending order. Wavelengths below the first lower end belong to the first segment.
+    /// Builds an index over segments from their lower ends in nm, in ascending order. Wavelengths
+    /// below the first lower end belong to the first segment.
     pub(crate) fn new(lower: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let count = lower.len();
         let buckets = count.clamp(1, MAX_BUCKETS);
@@ -50,8 +50,8 @@ impl BandIndex {
         Self { buckets_per_nm, first }
     }
 
-    /// Returns the number of the last segment whose lower end is ≤ `nm`. `nm` must be in the band.
-    /// The function `lower` returns the lower end of a segment.
+    /// Returns the number of the last segment whose lower end, which the function `lower` returns,
+    /// is ≤ `nm`. `nm` must be in the band.
     #[inline]
     pub(crate) fn find(&self, nm: f64, lower: impl Fn(usize) -> f64) -> usize {
         let buckets = self.first.len() - 1;

@@ -1,25 +1,25 @@
 //! The wavelengths of one light path, and the values at these wavelengths.
 
-/// The number of wavelengths of a new path. Four stratified wavelengths cost little more than one.
-/// If no glass disperses the light, four wavelengths remove most of the colour noise. The
-/// improvement from eight wavelengths would be small.
+/// The number of wavelengths of a new path. Four stratified wavelengths cost little more than one,
+/// and they remove most of the colour noise if no glass disperses the light. Eight would improve
+/// little further.
 pub const LANES: usize = 4;
 
 /// One value for each wavelength of a path. Unused lanes are 0.
 pub type Lanes = [f64; LANES];
 
-/// The wavelengths of a path. A path starts with [`LANES`] wavelengths. After the first dispersive
-/// refraction only the hero wavelength remains.
+/// The wavelengths of a path. It starts with [`LANES`] of them, and only the hero wavelength
+/// remains after the first dispersive refraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wavelengths {
-    /// Wavelengths in nm. Only the first `count` wavelengths are in use.
+    /// Wavelengths in nm, of which the first `count` are in use.
     pub nm: Lanes,
     /// The number of wavelengths in use, from 1 to [`LANES`].
     pub count: usize,
 }
 
 impl Wavelengths {
-    /// Returns the wavelengths of a new path. All values of `nm` are in use.
+    /// Returns the wavelengths of a new path, all of which are in use.
     pub fn new(nm: Lanes) -> Self {
         Self { nm, count: LANES }
     }

@@ -1,9 +1,9 @@
-//! The built-in library of named spectra and of refractive indices of metals. The spectra are light
-//! sources (illuminants and lamps), reflectances, transmittances and coefficients.
+//! The built-in library of named spectra (illuminants, lamps, reflectances, transmittances and
+//! coefficients) and of refractive indices of metals.
 //!
 //! The catalogue `data/library.csv` names the file and the column of every entry. The files are
-//! part of the program. An entry is parsed when it is requested. Only the column of the entry is
-//! read.
+//! part of the compiled crate, and only the column of an entry is parsed, when the entry is
+//! requested.
 
 use std::sync::OnceLock;
 
@@ -16,11 +16,11 @@ use serde::Serialize;
 /// The physical quantity of a library spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpectrumKind {
-    /// Power per nm. Each entry has a different scale, so the powers of two entries are not
-    /// comparable. The power is 0 outside the table.
+    /// Power per nm, which is 0 outside the table. Each entry has its own scale, so the powers of
+    /// two entries are not comparable.
     Light,
-    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used. The same
-    /// rule applies to transmittances, absorption coefficients and scattering coefficients.
+    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used, as for
+    /// all following kinds.
     Reflectance,
     /// A transmittance from 0 to 1.
     Transmittance,
@@ -287,7 +287,7 @@ pub(crate) fn columns<const N: usize>(text: &str) -> [Vec<f64>; N] {
     columns
 }
 
-/// Parses one column of a table. The first column of the table contains the wavelengths.
+/// Parses one column of a table whose first column contains the wavelengths.
 fn table(text: &str, column: &str, outside: Outside) -> Spectrum {
     let header = text.lines().next().expect("a built-in table has a header");
     let place = header.split(',').position(|title| title == column).expect("the catalogue names an existing column");

@@ -1,7 +1,7 @@
-//! Spectral lines: narrow segments of the band. Each line has an exact power.
+//! Spectral lines: narrow segments of the band with an exact power.
 
+use super::band::{BAND_NM, ULTRAVIOLET_FROM_NM};
 use super::index::BandIndex;
-use super::{BAND_NM, ULTRAVIOLET_FROM_NM};
 use crate::error::{Error, Result};
 use crate::math::sort::sort_by_number;
 
@@ -9,7 +9,7 @@ use crate::math::sort::sort_by_number;
 pub const DEFAULT_LINE_WIDTH_NM: f64 = 0.001;
 
 /// The least width of a line or peak, in nm. It is 10⁷ times the rounding error of a wavelength.
-pub const MIN_WIDTH_NM: f64 = 1e-6;
+pub(crate) const MIN_WIDTH_NM: f64 = 1e-6;
 
 /// A spectral line as given in a scene or a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +19,7 @@ pub struct SpectralLine {
     /// The power in W. If the unit of the spectrum is not W/nm, this number is the integral of the
     /// spectrum over the line. Its unit is then the unit of the spectrum, multiplied by nm.
     pub power: f64,
-    /// The full width in nm. If it is absent, the width is [`DEFAULT_LINE_WIDTH_NM`].
+    /// The full width in nm, by default [`DEFAULT_LINE_WIDTH_NM`].
     pub fwhm_nm: Option<f64>,
 }
 
@@ -43,9 +43,9 @@ impl SpectralLine {
         }
     }
 
-    /// Returns the line as a segment of constant density, clipped to the band. The power outside
-    /// the band is lost. Returns `None` if no part of the line is left.
-    /// Returns the part of the line within an interval of wavelengths.
+    /// Returns the line as a segment of constant density, clipped to the band, so that its power
+    /// outside the band is lost. Returns `None` if no part of the line is left. Returns the part of
+    /// the line within an interval of wavelengths.
     fn segment(&self, (from, to): (f64, f64)) -> Option<LineSegment> {
         let half = 0.5 * self.fwhm_nm.unwrap_or(DEFAULT_LINE_WIDTH_NM);
         let (lower, upper) = (self.nm - half, self.nm + half);
@@ -85,7 +85,6 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// Returns an empty list.
     pub(crate) fn none() -> Self {
         Self::from_segments(Vec::new())
     }
@@ -105,7 +104,7 @@ impl Lines {
         lines.iter().filter_map(|line| line.segment((ULTRAVIOLET_FROM_NM, BAND_NM.0))).collect()
     }
 
-    /// Builds the list from any segments. The densities of overlapping segments are added.
+    /// Builds the list from any segments, adding the densities of overlapping ones.
     pub(crate) fn from_segments(mut segments: Vec<LineSegment>) -> Self {
         segments.retain(|segment| segment.power > 0.0);
         sort_by_number(&mut segments, |segment| segment.nm.0);
@@ -154,7 +153,7 @@ fn disjoint(segments: &[LineSegment]) -> Vec<LineSegment> {
     parts
 }
 
-/// A position in a list of lines. The position moves towards longer wavelengths only.
+/// A position in a list of lines that moves towards longer wavelengths only.
 #[derive(Debug, Clone)]
 pub(crate) struct LineCursor<'a> {
     rest: &'a [LineSegment],

@@ -2,8 +2,10 @@
 
 use std::sync::OnceLock;
 
+use super::band::BAND_NM;
 use super::continuum::Continuum;
-use super::{BAND_NM, Spectrum, library, sweep};
+use super::value::Spectrum;
+use super::{library, sweep};
 use crate::error::{Error, Result};
 
 /// The maximum luminous efficacy of radiation (at ȳ = 1), in lm/W.
@@ -15,8 +17,8 @@ pub const MELANOPIC_W_PER_LM_OF_D65: f64 = 1.3262e-3;
 /// The names of the observers.
 pub const OBSERVER_NAMES: [&str; 4] = ["cie1931", "cie1964", "cie2015_2", "cie2015_10"];
 
-/// A standard observer: the colour-matching functions x̄, ȳ and z̄. They are tabulated from 360 to
-/// 830 nm, in steps of 1 nm. The functions are linear between the samples and 0 outside the table.
+/// A standard observer: the colour-matching functions x̄, ȳ and z̄, tabulated from 360 to 830 nm in
+/// steps of 1 nm. They are linear between the samples and 0 outside the table.
 #[derive(Debug)]
 pub struct Observer {
     name: &'static str,
@@ -41,15 +43,15 @@ impl Observer {
         OBSERVER.get_or_init(|| Self::parse("cie1964", include_str!("../../data/cie/cie1964_10deg_1nm.csv")))
     }
 
-    /// Returns the observer of CIE 170-2:2015 for a field of 2°. This observer is derived from cone
+    /// Returns the observer of CIE 170-2:2015 for a field of 2°, which is derived from cone
     /// fundamentals. Its table starts at 390 nm.
     pub fn cie2015_2() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie2015_2", include_str!("../../data/cie/cie2015_2deg_1nm.csv")))
     }
 
-    /// Returns the observer of CIE 170-2:2015 for a field of 10°. This observer is derived from
-    /// cone fundamentals. Its table starts at 390 nm.
+    /// Returns the observer of CIE 170-2:2015 for a field of 10°, which is derived from cone
+    /// fundamentals. Its table starts at 390 nm.
     pub fn cie2015_10() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie2015_10", include_str!("../../data/cie/cie2015_10deg_1nm.csv")))
@@ -85,8 +87,8 @@ impl Observer {
         (luminous > 0.0).then(|| melanopic / (LUMENS_PER_WATT * luminous * MELANOPIC_W_PER_LM_OF_D65))
     }
 
-    /// Returns the CIE 1931 observer with another function ȳ. `luminosity` returns its value at a
-    /// whole number of nm.
+    /// Returns the CIE 1931 observer with another function ȳ, whose value at a whole number of nm
+    /// `luminosity` returns.
     pub fn with_luminosity(name: &'static str, luminosity: impl Fn(f64) -> f64) -> Self {
         let mut every_nm = Self::cie1931().every_nm.clone();
         let last = every_nm.len() - 1;
@@ -113,7 +115,7 @@ impl Observer {
         self.name
     }
 
-    /// Returns x̄, ȳ and z̄ at a wavelength in nm. The functions are 0 outside the band.
+    /// Returns x̄, ȳ and z̄ at a wavelength in nm. They are 0 outside the band.
     #[inline]
     pub fn xyz_bar(&self, nm: f64) -> [f64; 3] {
         if !(nm >= BAND_NM.0 && nm <= BAND_NM.1) {
@@ -142,8 +144,8 @@ impl Observer {
         &self.bars
     }
 
-    /// Returns x̄ + ȳ + z̄. This sum measures the importance of a wavelength for a picture.
-    pub fn sum_bar(&self) -> &Spectrum {
+    /// Returns x̄ + ȳ + z̄, which measures the importance of a wavelength for a picture.
+    pub(crate) fn sum_bar(&self) -> &Spectrum {
         &self.sum
     }
 
@@ -157,7 +159,7 @@ impl Observer {
         Self::from_table(name, every_nm)
     }
 
-    /// Creates an observer from its table. The last entry of the table has no meaning.
+    /// Creates an observer from its table, whose last entry has no meaning.
     fn from_table(name: &'static str, mut every_nm: Vec<[f64; 3]>) -> Self {
         let last = every_nm.len() - 1;
         every_nm[last] = every_nm[last - 1];

@@ -2,18 +2,17 @@
 
 use crate::math::elementary::{exp, exp_m1};
 
-/// The first radiation constant for spectral radiance. It equals 2hc², in W m² sr⁻¹, and is exact
-/// in the SI of 2019.
+/// The first radiation constant for spectral radiance, 2hc² in W m² sr⁻¹, exact in the SI of 2019.
 const C1_RADIANCE: f64 = 1.191_042_972_397_188e-16;
-/// The second radiation constant. It equals hc/k, in m K, and is exact in the SI of 2019.
+/// The second radiation constant, hc/k in m K, exact in the SI of 2019.
 pub(crate) const C2_M_K: f64 = 0.014_387_768_775_039_337;
 
 /// The largest exponent that is evaluated. Above this exponent, the radiance is below the smallest
 /// positive `f64` at every wavelength of the band.
 const LAST_EXPONENT: f64 = 1600.0;
 
-/// Returns the spectral radiance of a black body by Planck's law. The unit is W m⁻² sr⁻¹ m⁻¹. The
-/// wavelength in nm and the temperature in K must be positive.
+/// Returns the spectral radiance of a black body by Planck's law, in W m⁻² sr⁻¹ m⁻¹. The wavelength
+/// in nm and the temperature in K must be positive.
 ///
 /// The exponential is split into two equal factors, so that very small radiances keep their
 /// precision.

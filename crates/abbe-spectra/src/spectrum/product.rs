@@ -1,18 +1,18 @@
-//! Products of spectra, and sums of black-body spectra. Each result is a new spectrum.
+//! Spectra that are products of spectra, or sums of black-body spectra.
 
 use super::continuum::{Continuum, LinearPiece};
 use super::line::LineSegment;
+use super::planck::planck;
 use super::sweep::sweep;
-use super::{Spectrum, planck};
+use super::value::Spectrum;
 
 /// The largest relative error of the linear pieces of a product. The error is relative to the
 /// product of the maxima of the two spectra.
 const PRODUCT_TOLERANCE: f64 = 1e-7;
 
 impl Spectrum {
-    /// Multiplies two spectra. Where both spectra are smooth, the error is at most 10⁻⁷ times the
-    /// product of their maxima. Where at least one spectrum has a line, the power of the product is
-    /// exact.
+    /// Multiplies two spectra. The error is at most 10⁻⁷ times the product of their maxima where
+    /// both are smooth, and the power of the product is exact where at least one has a line.
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {
         let tolerance = PRODUCT_TOLERANCE * self.continuum_only().max() * other.continuum_only().max();
@@ -29,7 +29,7 @@ impl Spectrum {
         });
         let lines = Self::from_segments(&lines);
         let product = Self::mix(&[(1.0, &Self::from_continuum(Continuum::from_pieces(&pieces))), (1.0, &lines)]);
-        product.with_part_below(self.ultraviolet_of_product(other))
+        product.with_part_below(self.below_band().product(other.below_band()))
     }
 
     /// Returns 1 minus the continuum of the spectrum: the transmittance of an absorptance.
@@ -39,7 +39,7 @@ impl Spectrum {
             |piece: LinearPiece| LinearPiece { values: (1.0 - piece.values.0, 1.0 - piece.values.1), ..piece };
         let pieces: Vec<LinearPiece> = self.continuum().map(complement).collect();
         let complement = Self::from_continuum(Continuum::from_pieces(&pieces));
-        complement.with_part_below(self.ultraviolet_of_complement())
+        complement.with_part_below(self.below_band().complement())
     }
 
     /// Returns the sum of weighted black-body radiances in W m⁻² sr⁻¹ nm⁻¹. `bodies` lists pairs of

@@ -6,9 +6,9 @@ use super::value::Spectrum;
 use crate::error::{Error, Result};
 
 impl Spectrum {
-    /// Returns a smooth reflectance within [0, 1]. Under D65 and for the CIE 1931 observer, the
-    /// reflectance has the given linear sRGB colour. The error is at most 10⁻³ for every colour of
-    /// the RGB cube. Greys are constant.
+    /// Returns a smooth reflectance within [0, 1] that has the given linear sRGB colour under D65
+    /// and for the CIE 1931 observer. The error is at most 10⁻³ for every colour of the RGB cube,
+    /// and greys are constant.
     ///
     /// # Errors
     /// Returns an error if a component is outside [0, 1].
@@ -26,9 +26,8 @@ impl Spectrum {
     }
 
     /// Returns a light of the given linear sRGB colour: D65 times a smooth filter. Its XYZ values,
-    /// computed without the factor 683, match the colour. The error is at most 10⁻³ times the
-    /// largest component of the colour. A colour says nothing about the ultraviolet, so the light
-    /// has none.
+    /// computed without the factor 683, match the colour up to 10⁻³ of its largest component. A
+    /// colour says nothing about the ultraviolet, so the light has none.
     ///
     /// # Errors
     /// Returns an error if a component is negative or not finite.
@@ -54,10 +53,8 @@ impl Spectrum {
 #[cfg(test)]
 mod tests {
     use super::super::observer::Observer;
-    use super::super::smooth_reflectance::{XYZ_TO_LINEAR_SRGB, dot};
+    use super::super::smooth_reflectance::{Vec3, XYZ_TO_LINEAR_SRGB, dot};
     use super::*;
-
-    type Vec3 = [f64; 3];
 
     fn linear_srgb_under_d65(reflectance: &Spectrum) -> Vec3 {
         let xyz = Observer::cie1931().xyz_under(reflectance, &basis().d65);

@@ -1,6 +1,6 @@
 //! Conversion of formulas to piecewise-linear functions.
 
-use super::BAND_NM;
+use super::band::BAND_NM;
 use super::continuum::Continuum;
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ pub(crate) fn sampled(function: &(dyn Fn(f64) -> f64 + Sync), extra: &[f64]) -> 
     let refined = |i: usize| {
         let (from, to) = ((knots[i - 1], values[i - 1]), (knots[i], values[i]));
         let mut pieces = Vec::new();
-        refine(function, [from, to], (tolerance, MAX_DIVISIONS), &mut pieces);
+        refine(function, [from, to], tolerance, MAX_DIVISIONS, &mut pieces);
         pieces
     };
     let added: Vec<_> = (1..knots.len()).into_par_iter().with_min_len(SHARE).map(refined).collect();
@@ -43,7 +43,8 @@ pub(crate) fn sampled(function: &(dyn Fn(f64) -> f64 + Sync), extra: &[f64]) -> 
 fn refine(
     function: &dyn Fn(f64) -> f64,
     [from, to]: [(f64, f64); 2],
-    (tolerance, divisions): (f64, u32),
+    tolerance: f64,
+    divisions: u32,
     knots: &mut Vec<(f64, f64)>,
 ) {
     let at = |t: f64| from.0 + t * (to.0 - from.0);
@@ -60,14 +61,14 @@ fn refine(
         let nm = at(f64::from(part) / parts);
         let upper = if nm < to.0 { (nm, function(nm)) } else { to };
         if upper.0 > lower.0 {
-            refine(function, [lower, upper], (tolerance, divisions - 1), knots);
+            refine(function, [lower, upper], tolerance, divisions - 1, knots);
         }
         lower = upper;
     }
 }
 
-/// Integrates the function itself, not its linear pieces, over the band. Simpson's rule is applied
-/// on each piece.
+/// Integrates the function itself, not its linear pieces, over the band by Simpson's rule on each
+/// piece.
 pub(crate) fn integral_of(function: impl Fn(f64) -> f64, pieces: &Continuum) -> f64 {
     pieces
         .pieces()

@@ -7,9 +7,10 @@
 
 use std::sync::OnceLock;
 
+use super::band::BAND_NM;
+use super::library;
 use super::observer::Observer;
 use super::value::Spectrum;
-use super::{BAND_NM, library};
 use wide::f32x4;
 
 /// The matrix that converts XYZ to linear sRGB (IEC 61966-2-1). The white point is x = 0.3127, y =
@@ -38,7 +39,7 @@ const NEAR_STEPS: usize = 30;
 /// The size of the first coefficient of white. The reflectance differs from 1 by less than 10⁻¹⁶.
 const BLACK_OR_WHITE: f64 = 1e9;
 
-type Vec3 = [f64; 3];
+pub(super) type Vec3 = [f64; 3];
 
 /// The illuminant and observer of the fit: D65 and CIE 1931.
 pub(super) struct FitBasis {
@@ -78,7 +79,8 @@ pub struct SmoothReflectance(Vec3);
 
 impl SmoothReflectance {
     /// Returns the reflectance that has the given linear sRGB colour under D65 and for the CIE 1931
-    /// observer. The components must lie in [0, 1]. The error is at most 10⁻³. Greys are constant.
+    /// observer. The components must lie in [0, 1]. The error is at most 10⁻³, and greys are
+    /// constant.
     pub fn of_rgb(rgb: [f64; 3]) -> Self {
         if rgb == [rgb[0]; 3] { Self([grey(rgb[0]), 0.0, 0.0]) } else { Self(fit(rgb)) }
     }
@@ -225,7 +227,8 @@ fn fast_basis() -> &'static FastBasis {
     })
 }
 
-/// Returns the same as [`residual`] in single precision. The error of the sums is about 10⁻⁶.
+/// Returns the same as [`residual`] in single precision, in which the error of the sums is about
+/// 10⁻⁶.
 fn fast_residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
     let [c0, c1, c2] = c.map(|coefficient| f32x4::splat(coefficient as f32));
     let (one, half) = (f32x4::splat(1.0), f32x4::splat(0.5));

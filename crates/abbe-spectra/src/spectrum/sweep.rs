@@ -1,7 +1,7 @@
 //! Simultaneous traversal of several spectra, interval by interval. Sums and products of spectra,
 //! and the integrals of products, use this traversal.
 
-use super::BAND_NM;
+use super::band::BAND_NM;
 use super::continuum::{Continuum, ContinuumCursor};
 use super::line::{LineCursor, Lines};
 
@@ -17,9 +17,9 @@ struct SpectrumCursor<'a> {
     lines: LineCursor<'a>,
 }
 
-/// Divides the band at every knot of every spectrum. Calls `visit` for each interval. The arguments
-/// of `visit` are the ends of the interval in nm, and the values of every spectrum at both ends.
-/// All spectra are linear within the interval. Lines contribute their power per nm.
+/// Divides the band at every knot of every spectrum, so that all spectra are linear within each
+/// interval, and calls `visit` with the ends of the interval in nm and the values of every spectrum
+/// at both ends. Lines contribute their power per nm.
 pub(crate) fn sweep<const N: usize>(
     spectra: [SpectrumParts<'_>; N],
     mut visit: impl FnMut((f64, f64), [(f64, f64); N]),

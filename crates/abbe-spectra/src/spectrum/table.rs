@@ -1,13 +1,13 @@
 //! Tables of samples: validation, and conversion to a function over the band.
 
-use super::BAND_NM;
+use super::band::BAND_NM;
 use super::continuum::{Continuum, LinearPiece};
 use crate::error::{Error, Result};
 
 /// The rule for the values of a table beyond its ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outside {
-    /// The value is 0 outside the table. This is the rule for lights.
+    /// The value is 0 outside the table, as for lights.
     Zero,
     /// Outside the table, the value at the nearest end is used. This is the rule for reflectances
     /// and optical constants.
@@ -77,7 +77,7 @@ pub(crate) fn continuum(nm: &[f64], values: &[f64], outside: Outside) -> Result<
 }
 
 /// Converts at least two samples to pieces. `below` contains the first wavelength and the value
-/// below it. `above` contains the last wavelength and the value above it.
+/// below it, and `above` the last wavelength and the value above it.
 fn pieces(nm: &[f64], values: &[f64], [below, above]: [(f64, f64); 2]) -> Vec<LinearPiece> {
     let mut pieces = Vec::with_capacity(nm.len() + 1);
     if below.0 > BAND_NM.0 {

@@ -1,11 +1,13 @@
 //! A spectrum over the band: the sum of a piecewise-linear continuum and narrow lines.
 
+use super::band::BAND_NM;
 use super::continuum::{Continuum, LinearPiece};
 use super::line::{LineSegment, Lines, MIN_WIDTH_NM, SpectralLine};
+use super::planck::planck;
+use super::smooth;
 use super::sweep::{self, SpectrumParts};
 use super::table::{self, Outside};
-use super::ultraviolet::Ultraviolet;
-use super::{BAND_NM, planck, smooth};
+use super::ultraviolet::{BelowBand, Ultraviolet};
 use crate::error::{Error, Result};
 use crate::math::elementary::{exp, ln, powf};
 
@@ -16,12 +18,11 @@ const NARROW_NM: f64 = 5.0;
 /// extinction.
 ///
 /// A spectrum is the sum of a piecewise-linear continuum, which may be discontinuous, and narrow
-/// lines of exact power. Every integral is exact for this function. [`at`](Self::at) takes constant
-/// time.
+/// lines of exact power. Every integral is exact for this function, and [`at`](Self::at) takes
+/// constant time.
 ///
-/// A spectrum also has values from 300 to 360 nm. Only fluorophores absorb light of these
-/// wavelengths. Integrals, extremes and products with colour-matching functions cover the band
-/// alone.
+/// A spectrum also has values from 300 to 360 nm, which matter only to fluorophores. Integrals,
+/// extremes and products with colour-matching functions cover the band alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
     /// The spectrum without its lines.
@@ -32,7 +33,7 @@ pub struct Spectrum {
     /// True if a part of the spectrum was made from an RGB colour.
     upsampled: bool,
     /// The part below the band. `None` if the value at the lower end of the band is held.
-    pub(super) ultraviolet: Option<Box<Ultraviolet>>,
+    ultraviolet: Option<Box<Ultraviolet>>,
 }
 
 impl Spectrum {
@@ -41,9 +42,8 @@ impl Spectrum {
         Self::from_continuum(Continuum::constant(value))
     }
 
-    /// Builds a spectrum by linear interpolation of samples. `nm` lists the wavelengths, and
-    /// `values` lists the values. Samples outside the band are used to interpolate the values at
-    /// the ends of the band.
+    /// Builds a spectrum by linear interpolation of samples at the wavelengths `nm`. Samples
+    /// outside the band serve to interpolate the values at its ends.
     ///
     /// # Errors
     /// Returns an error if the lists have different lengths or are empty; if wavelengths do not
@@ -57,9 +57,9 @@ impl Spectrum {
         Ok(Self { narrow, ultraviolet, ..Self::from_continuum(continuum) })
     }
 
-    /// Builds a spectrum from lines of exact power. Each line is a box of constant density. If the
-    /// width of a line is not given, it is 0.001 nm. The densities of overlapping boxes are added.
-    /// Parts of a box outside the band are cut off, and their power is lost.
+    /// Builds a spectrum from lines of exact power. Each line is a box of constant density, 0.001
+    /// nm wide unless its width is given. The densities of overlapping boxes are added, and parts
+    /// of a box outside the band are cut off with their power.
     ///
     /// # Errors
     /// Returns an error if a wavelength is not positive, a power is negative or not finite, or a
@@ -69,7 +69,7 @@ impl Spectrum {
         Ok(Self { lines: Lines::new(lines)?, ultraviolet, ..Self::constant(0.0) })
     }
 
-    /// Returns the spectral radiance of a black body. The unit is W m⁻² sr⁻¹ nm⁻¹.
+    /// Returns the spectral radiance of a black body in W m⁻² sr⁻¹ nm⁻¹.
     ///
     /// # Errors
     /// Returns an error if the temperature (in K) is not positive and finite.
@@ -78,11 +78,11 @@ impl Spectrum {
             let what = format!("a black body at {temperature_k} K");
             return Err(Error::input(what).expected("a positive temperature in K"));
         }
-        Ok(Self::of_formula(|nm| planck::planck(nm, temperature_k) * 1e-9))
+        Ok(Self::of_formula(|nm| planck(nm, temperature_k) * 1e-9))
     }
 
-    /// Returns a Gaussian peak of height 1. `peak_nm` is its centre. `fwhm_nm` is its full width at
-    /// half maximum.
+    /// Returns a Gaussian peak of height 1 with the centre `peak_nm` and the full width at half
+    /// maximum `fwhm_nm`.
     ///
     /// # Errors
     /// Returns an error if the centre is not positive and finite, or the width is below 10⁻⁶ nm.
@@ -131,7 +131,7 @@ impl Spectrum {
         Ok(Self::of_formula(law))
     }
 
-    /// Returns the weighted sum of spectra. Weights must be finite and not negative.
+    /// Returns the sum of spectra with weights that must be finite and not negative.
     pub fn mix(parts: &[(f64, &Self)]) -> Self {
         let mut sum = Self::constant(0.0);
         for (weight, part) in parts {
@@ -146,7 +146,8 @@ impl Spectrum {
             let upsampled = sum.upsampled || (part.upsampled && *weight > 0.0);
             sum = Self { continuum, narrow, lines: Lines::from_segments(segments), upsampled, ultraviolet: None };
         }
-        Self { ultraviolet: Self::ultraviolet_of_mix(parts), ..sum }
+        let below: Vec<_> = parts.iter().map(|(weight, part)| (*weight, part.below_band())).collect();
+        Self { ultraviolet: Ultraviolet::of_mix(&below), ..sum }
     }
 
     /// Returns the spectrum multiplied by a factor.
@@ -161,20 +162,18 @@ impl Spectrum {
         }
     }
 
-    /// Returns the value at a wavelength in nm. Within a line, the value is the sum of the
-    /// continuum and the line's power per nm. Below 300 nm and above the band, the value is 0. At a
-    /// discontinuity,
-    /// the value is the limit from the side of longer wavelengths. The end of a table is an
-    /// exception: the value there is the last sample of the table.
+    /// Returns the value at a wavelength in nm, which within a line includes the line's power per
+    /// nm. The value is 0 below 300 nm and above the band. At a discontinuity, it is the limit from
+    /// the side of longer wavelengths, except at the end of a table, where it is the last sample.
     #[inline]
     pub fn at(&self, nm: f64) -> f64 {
         if !(nm >= BAND_NM.0 && nm <= BAND_NM.1) {
-            return self.ultraviolet_at(nm);
+            return self.below_band().at(nm);
         }
         self.continuum.at(nm) + self.lines.at(nm)
     }
 
-    /// Returns the integral over the band. Its unit is the unit of the value, multiplied by nm.
+    /// Returns the integral over the band, in the unit of the value multiplied by nm.
     pub fn integral(&self) -> f64 {
         self.continuum.integral() + self.lines.segments().iter().map(|line| line.power).sum::<f64>()
     }
@@ -184,7 +183,7 @@ impl Spectrum {
         sweep::product_integral([self.parts(), other.parts()])
     }
 
-    /// Returns the largest value in the band. Lines contribute their power per nm.
+    /// Returns the largest value in the band, to which lines contribute their power per nm.
     pub fn max(&self) -> f64 {
         self.extreme(f64::max)
     }
@@ -222,10 +221,10 @@ impl Spectrum {
         self.lines.segments()
     }
 
-    /// Returns the narrow part of the continuum. It consists of peaks narrower than 5 nm, and of
-    /// tables whose samples are closer than half a nm. A sum with one sample per nm must exclude
-    /// this part. The caller must integrate this part exactly instead.
-    pub fn narrow_part(&self) -> Option<Self> {
+    /// Returns the narrow part of the continuum: peaks narrower than 5 nm, and tables whose samples
+    /// are closer than half a nm. A sum with one sample per nm must exclude this part, and the
+    /// caller must integrate it exactly instead.
+    pub(crate) fn narrow_part(&self) -> Option<Self> {
         self.narrow
             .as_ref()
             .map(|narrow| Self { narrow: self.narrow.clone(), ..Self::from_continuum((**narrow).clone()) })
@@ -266,10 +265,10 @@ impl Spectrum {
     /// Returns the spectrum without its lines.
     #[must_use]
     pub fn continuum_only(&self) -> Self {
-        Self { lines: Lines::none(), ultraviolet: self.ultraviolet_continuum(), ..self.clone() }
+        Self { lines: Lines::none(), ultraviolet: self.below_band().continuum_only(), ..self.clone() }
     }
 
-    /// Builds a spectrum from line segments. The densities of overlapping segments are added.
+    /// Builds a spectrum from line segments, adding the densities of overlapping ones.
     pub fn from_segments(segments: &[LineSegment]) -> Self {
         Self { lines: Lines::from_segments(segments.to_vec()), ..Self::constant(0.0) }
     }
@@ -279,7 +278,7 @@ impl Spectrum {
         Self { upsampled: true, ..Self::from_continuum(continuum) }
     }
 
-    /// Creates a spectrum from a continuum. It has no lines and no narrow part.
+    /// Creates a spectrum without lines and without a narrow part.
     pub(crate) fn from_continuum(continuum: Continuum) -> Self {
         Self { continuum, lines: Lines::none(), narrow: None, upsampled: false, ultraviolet: None }
     }
@@ -293,6 +292,12 @@ impl Spectrum {
     pub(super) fn of_formula(function: impl Fn(f64) -> f64 + Sync) -> Self {
         let ultraviolet = Ultraviolet::sampled(&function, false);
         Self { ultraviolet, ..Self::from_continuum(smooth::sampled(&function, &[])) }
+    }
+
+    /// Returns the values below the band.
+    #[inline]
+    pub(super) fn below_band(&self) -> BelowBand<'_> {
+        BelowBand { part: self.ultraviolet.as_deref(), within: &self.continuum }
     }
 
     /// Returns references to the continuum and the lines.

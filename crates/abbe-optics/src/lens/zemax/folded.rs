@@ -2,9 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::reader::{FieldKind, ZmxReader};
 use super::surface::{SurfaceKind, ZmxSurface};
-use super::{ApertureSpec, FieldKind, ZmxReader, unsupported};
+use super::words::unsupported;
 use crate::lens::folded::{FoldedAperture, FoldedSurface, FoldedSystem};
+use crate::lens::prescription::ApertureSpec;
 use crate::lens::prescription::medium;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::rotation;

@@ -1,6 +1,6 @@
 //! The surfaces of a Zemax file: their operands, glasses and apertures.
 
-use super::{number, unsupported};
+use super::words::{number, unsupported};
 use crate::glass::{AgfCatalogue, RefractiveIndex};
 use crate::lens::prescription::{LensSurface, medium};
 use crate::lens::profile::SurfaceProfile;
@@ -133,7 +133,6 @@ impl ZmxSurface {
         (self.clear, self.obscuration)
     }
 
-    /// Converts the profile to mm.
     pub(super) fn profile_mm(&self, unit_mm: f64) -> SurfaceProfile {
         let SurfaceProfile { curvature_per_mm, conic, even_terms } = &self.profile;
         let scaled = |(i, term): (usize, &f64)| term * unit_mm.powi(1 - 2 * (i as i32 + 1));

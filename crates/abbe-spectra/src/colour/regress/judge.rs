@@ -1,6 +1,6 @@
 //! Judges the colours that a converter computed for the regression set.
 
-use super::{CaseColour, CaseGroup, RegressionCase, RegressionSet};
+use super::set::{CaseColour, CaseGroup, REGRESSION_SET, RegressionCase, RegressionSet};
 use crate::colour::{RgbSpace, Xyz, decode_srgb, delta_e_2000, lab, linear_srgb_to_xyz};
 use crate::error::{Error, Result};
 use serde::Serialize;
@@ -14,8 +14,8 @@ use serde::Serialize;
 /// 0.011) nor lines that are moved to a whole number of nm (0.49 and 0.011).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RegressionTolerances {
-    /// The largest ΔE2000. The white is D65 for all cases. If the light were the white, b* would
-    /// exaggerate differences under lights with almost no Z, such as sodium light.
+    /// The largest ΔE2000. The white is D65 for all cases, because b* would exaggerate differences
+    /// under lights with almost no Z, such as sodium light, if the light itself were the white.
     pub delta_e_2000: f64,
     /// The largest difference of a component. The difference is relative to the largest component
     /// of the expected colour, or to white if white is larger.
@@ -75,7 +75,6 @@ impl ColourForm {
         }
     }
 
-    /// Returns the value of white.
     fn white(self) -> f64 {
         match self {
             Self::Xyz => 100.0,
@@ -231,7 +230,7 @@ fn report(pairs: &[CaseOfConverter<'_>], tolerances: RegressionTolerances) -> Re
             .partial_cmp(&(b.passed, a.delta_e_2000(), a.component()))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
-    RegressionReport { set: super::REGRESSION_SET, tolerances, judged: cases.len(), failed, hint, cases }
+    RegressionReport { set: REGRESSION_SET, tolerances, judged: cases.len(), failed, hint, cases }
 }
 
 fn judge_case(case: &RegressionCase, colour: &ConvertedColour, tolerances: &RegressionTolerances) -> CaseJudgement {

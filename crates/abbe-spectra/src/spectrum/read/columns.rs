@@ -1,6 +1,6 @@
 //! Text files with two columns of numbers and various separators.
 
-use super::SpectrumSamples;
+use super::spectrum_samples::SpectrumSamples;
 use crate::error::{Error, Result};
 
 /// The separator of the cells of a row, and the decimal sign of the numbers.
@@ -17,7 +17,7 @@ enum Separator {
     Blank,
 }
 
-/// The formats of a row. The parser tries them in this order until one fits the row.
+/// The formats of a row, in the order in which the parser tries them.
 const FORMATS: [ColumnFormat; 8] = [
     ColumnFormat { separator: Separator::Character(';'), decimal_comma: false },
     ColumnFormat { separator: Separator::Character('\t'), decimal_comma: false },

@@ -1,13 +1,13 @@
 //! IES TM-27: spectral data as XML.
 //!
 //! ANSI/IES TM-27-14 and TM-27-20, *Standard Format for the Electronic Transfer of Spectral Data*.
-//! The element `SpectralDistribution` contains one element `SpectralData` per sample. The attribute
-//! `wavelength` of this element gives the wavelength in nm. The text of the element gives the
-//! value. `SpectralQuantity` names the measured quantity.
+//! The element `SpectralDistribution` contains one element `SpectralData` per sample, whose
+//! attribute `wavelength` is in nm and whose text is the value. `SpectralQuantity` names the
+//! measured quantity.
 
 use roxmltree::{Document, Node};
 
-use super::{PlacedNumber, SpectrumSamples};
+use super::spectrum_samples::{PlacedNumber, SpectrumSamples};
 use crate::error::{Error, Result};
 use crate::spectrum::library::SpectrumKind;
 

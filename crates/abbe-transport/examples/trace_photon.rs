@@ -1,11 +1,8 @@
 //! Traces one photon of sodium light through a glass ball, and prints every surface that it hits.
 //!
 //! ```text
-//! cargo run --release --example trace_photon
+//! cargo run --release -p abbe-transport --example trace_photon
 //! ```
-//!
-//! The example uses internal modules of the renderer. They are not part of the public interface and
-//! may change in every release.
 
 use abbe_format::{self as format, resolve::resolve};
 use abbe_optics::bsdf::TransportMode;
@@ -27,7 +24,7 @@ const SCENE: &str = r#"{
                        "spectrum": "sodium-low-pressure", "power": 1}}]
 }"#;
 
-fn main() -> abbe::Result<()> {
+fn main() -> abbe_spectra::Result<()> {
     let (file, source) = format::parse(SCENE, "ball.json".as_ref(), &[])?;
     let scene = resolve(&file, &source)?;
 

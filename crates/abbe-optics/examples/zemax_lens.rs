@@ -1,0 +1,41 @@
+//! Reads a Zemax file, and prints the focal length, the back focus and the spots of the system.
+//!
+//! ```text
+//! cargo run --release -p abbe-optics --example zemax_lens -- LENS.zmx
+//! ```
+//!
+//! Without an argument, the example reads `cooke_triplet.zmx` beside its source.
+
+use abbe_optics::lens::LensAnalysis;
+use abbe_optics::lens::zemax::{ZmxSystem, parse_system};
+use abbe_spectra::{Error, Result};
+use std::path::PathBuf;
+
+fn main() -> Result<()> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/cooke_triplet.zmx");
+    let path = std::env::args_os().nth(1).map_or_else(|| PathBuf::from(default), PathBuf::from);
+    let bytes = std::fs::read(&path).map_err(|error| Error::input(error.to_string()).in_file(&path))?;
+    match parse_system(&bytes, &path, &[])? {
+        ZmxSystem::Lens(lens) => {
+            let analysis = LensAnalysis::of(&lens, None)?;
+            println!("{}: {} surfaces, {:.2} mm long", lens.name(), lens.surfaces().len(), lens.length_mm());
+            for line in &analysis.lines {
+                println!("line {}: f = {:.3} mm, back focus {:.3} mm", line.line, line.efl_mm, line.bfd_mm);
+            }
+            println!("longitudinal colour F − C: {:.3} mm", analysis.fc_shift_mm());
+            for field in &analysis.fields {
+                let [f, d, c] = field.spots.map(|spot| 1000.0 * spot.rms_mm);
+                let (angle, height) = (field.angle_deg, field.image_height_mm);
+                println!("{angle:5.1}°: image at {height:7.3} mm, RMS spots F {f:.1}, d {d:.1}, C {c:.1} µm");
+            }
+            lens.notes().iter().for_each(|note| println!("note: {note}"));
+        }
+        ZmxSystem::Folded(system) => {
+            let analysis = system.analysis(None)?;
+            println!("{}: {} mirrors", system.name, system.mirrors());
+            println!("f = {:.3} mm along y and {:.3} mm along x", analysis.efl_mm[0], analysis.efl_mm[1]);
+            println!("back focus {:.3} mm along y", analysis.back_focus_mm[0]);
+        }
+    }
+    Ok(())
+}

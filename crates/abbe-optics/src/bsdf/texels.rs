@@ -1,0 +1,30 @@
+//! The texels at one point of a surface.
+
+use crate::texture::Texel;
+
+/// The texels that a path selected at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Texels {
+    /// The texel of the reflectance.
+    pub reflectance: Texel,
+    /// The texel of the transmittance.
+    pub transmittance: Texel,
+    /// The thickness in nm of the thin film that varies over the surface.
+    pub thickness_nm: f32,
+    /// The angle in rad from the first axis of the local frame to the direction across the grooves
+    /// of a grating.
+    pub groove_angle: f32,
+}
+
+impl Texels {
+    /// The texels of a surface without textures.
+    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, groove_angle: 0.0 };
+
+    pub(super) fn of_reflectance(reflectance: Texel) -> Self {
+        Self { reflectance, ..Self::NONE }
+    }
+
+    pub(super) fn of_thickness(thickness_nm: f64) -> Self {
+        Self { thickness_nm: thickness_nm as f32, ..Self::NONE }
+    }
+}
