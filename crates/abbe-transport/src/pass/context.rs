@@ -40,16 +40,16 @@ pub struct PassContext<'a> {
 
 /// The shared wavelengths of a pass, and their densities.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SharedWavelengths {
+pub(crate) struct SharedWavelengths {
     /// The wavelengths in nm.
-    pub(super) nm: Lanes,
+    pub(crate) nm: Lanes,
     /// The probability densities of the wavelengths, per nm.
-    pub(super) pdf: Lanes,
+    pub(crate) pdf: Lanes,
 }
 
 impl SharedWavelengths {
     /// Returns how the photons of a set sample their wavelengths.
-    pub(super) fn sampling(self, set: PhotonSet) -> WavelengthSampling {
+    pub(crate) fn sampling(self, set: PhotonSet) -> WavelengthSampling {
         let Self { nm, pdf } = self;
         match set {
             PhotonSet::Free => WavelengthSampling::Free,
@@ -60,19 +60,19 @@ impl SharedWavelengths {
 
 /// The emission of a photon set: the number of photons, their wavelengths and their random streams.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EmissionRequest {
-    pub(super) wavelengths: WavelengthSampling,
+pub(crate) struct EmissionRequest {
+    pub(crate) wavelengths: WavelengthSampling,
     /// The number of photon paths.
-    pub(super) count: u64,
-    pub(super) purpose: Purpose,
+    pub(crate) count: u64,
+    pub(crate) purpose: Purpose,
     /// The pass number of the random streams.
-    pub(super) pass: u64,
+    pub(crate) pass: u64,
 }
 
 impl<'a> PassContext<'a> {
     /// Returns a source of photons in `scene`. `scene` is the scene of this context, or a posed
     /// copy of this scene.
-    pub(super) fn photon_source<'s>(
+    pub(crate) fn photon_source<'s>(
         &self,
         scene: &'s Scene,
         strata: &'s EmissionStrata,
@@ -102,7 +102,7 @@ impl<'a> PassContext<'a> {
     /// missing, and no photon competes with camera paths. `scene` is the scene of this context, or
     /// a posed copy of this scene. `photons_per_sample` is the number of photon paths of each set,
     /// divided by the number of camera samples per pixel.
-    pub(super) fn camera_pass<'s>(
+    pub(crate) fn camera_pass<'s>(
         &self,
         (scene, selector): (&'s Scene, &'s LightSelector),
         (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
@@ -143,7 +143,7 @@ impl<'a> PassContext<'a> {
     /// The wavelength distribution of the lights is divided into four strata of equal probability.
     /// Each stratum gives one wavelength. A golden-ratio sequence shifts the samples from pass to
     /// pass. Each replicate has a sequence of its own.
-    pub(super) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
+    pub(crate) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
         let shift = golden_ratio(index as u32, hash64([self.budget.seed, Purpose::Pass as u64, replicate]));
         let samples: [(f64, f64); LANES] =
@@ -159,7 +159,7 @@ impl<'a> PassContext<'a> {
 
     /// Returns the selector of the lights in `scene`. `scene` is the scene of this context, or a
     /// posed copy of this scene.
-    pub(super) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
+    pub(crate) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
         match self.plan.motion {
             MotionPlan::Still => Cow::Borrowed(self.selector),
             MotionPlan::PosedPerPass => {

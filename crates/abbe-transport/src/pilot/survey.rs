@@ -1,16 +1,13 @@
 //! The pilot's survey: one camera path per pixel, and the pilot photons around it.
 
-use super::context::{EmissionRequest, PassContext};
-use super::deposits::PhotonDeposits;
-use super::keep_probability::{DepositCounts, KEEP_ALL};
-use super::recorder::RecordingOptions;
-use super::trace::trace_photons;
+use super::keep_probability::DepositCounts;
 use super::volume_radii::{PixelVolumeCounts, VolumeKernelWidths};
 use super::volume_samples::VolumeSamples;
 use crate::emit::EmissionStrata;
 use crate::gather::{CameraPass, CameraSegment, Outlines, PathBuffers, PixelSampler, VisiblePoint};
 use crate::map::radius;
 use crate::map::{LightMaps, PhotonMap, PixelRadii};
+use crate::pass::{EmissionRequest, KEEP_ALL, PassContext, PhotonDeposits, RecordingOptions, trace_photons};
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet, View};
 use crate::plan::{DirectPlan, LightOrigin, PathClass, Plan, Tally};
 use crate::sensor::Film;

@@ -1,10 +1,10 @@
 //! Learns the emission distributions of the lights. These distributions send more photons in
 //! directions that contribute to the picture.
 
-use super::context::{EmissionRequest, PassContext};
 use super::importance::{GridLayout, Importance};
 use super::targets::AimSpheres;
 use crate::emit::{EmissionStrata, WavelengthSampling, trace};
+use crate::pass::{EmissionRequest, PassContext};
 use crate::walk::ledger::Ledger;
 use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::Scene;
@@ -41,23 +41,23 @@ const BY_CONTRIBUTION: f64 = 0.5;
 const BY_STRATUM: f64 = 0.3;
 
 /// The results of the aiming rounds.
-pub(super) struct LearnedAims {
+pub(crate) struct LearnedAims {
     /// The strata of the emitted rays, with their emission distributions.
-    pub(super) strata: EmissionStrata,
+    pub(crate) strata: EmissionStrata,
     /// The names of the specular objects that no photon reached.
-    pub(super) unlit: Vec<String>,
+    pub(crate) unlit: Vec<String>,
 }
 
 impl LearnedAims {
     /// Returns strata that follow the emission distributions of the lights.
-    pub(super) fn plain(context: &PassContext<'_>) -> Self {
+    pub(crate) fn plain(context: &PassContext<'_>) -> Self {
         Self { strata: EmissionStrata::plain(&context.lights.lights), unlit: Vec::new() }
     }
 }
 
 /// Learns the emission distribution of each light from photons traced in the scene at several
 /// times.
-pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
+pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
     let (spheres, lights) = (AimSpheres::new(scenes, &context.openings.all()), &context.lights.lights);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
     // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.

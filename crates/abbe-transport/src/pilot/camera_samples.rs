@@ -9,6 +9,7 @@
 //! for Image Synthesis").
 
 use super::small_pass::{TILE, mean_of_components};
+use crate::pass::CameraSamples;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -38,15 +39,6 @@ const THRESHOLDS: i32 = 16;
 /// The largest variance of a square relative to the mean of the picture, as a multiple of the mean
 /// over the film. A rare bright sample would otherwise decide alone.
 const LARGEST_SQUARE: f64 = 64.0;
-
-/// The number of camera samples of each pixel in a pass.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum CameraSamples {
-    /// The same number in all pixels.
-    Same(u64),
-    /// A number for each pixel, and the mean over the pixels.
-    Each(Vec<u8>, f64),
-}
 
 /// A choice of the numbers of camera samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,25 +93,6 @@ struct SampleNoise {
     squares: [f64; 3],
     /// The work of the sample, divided by the mean work of a sample.
     work: f64,
-}
-
-impl CameraSamples {
-    /// Returns the number of samples of a pixel.
-    #[inline]
-    pub(super) fn of(&self, pixel: usize) -> u64 {
-        match self {
-            Self::Same(count) => *count,
-            Self::Each(counts, _) => u64::from(counts[pixel]),
-        }
-    }
-
-    /// Returns the mean number of samples per pixel.
-    pub(super) fn mean(&self) -> f64 {
-        match self {
-            Self::Same(count) => *count as f64,
-            Self::Each(_, mean) => *mean,
-        }
-    }
 }
 
 impl FilmNoise {

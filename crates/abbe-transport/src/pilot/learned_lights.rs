@@ -1,8 +1,7 @@
 //! The pilot's trials of the lights of a scene with many lights.
 
-use super::context::PassContext;
-use super::sums::StageSeconds;
 use crate::gather::{DirectLighting, LightSelector};
+use crate::pass::{PassContext, StageSeconds};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::time::Instant;

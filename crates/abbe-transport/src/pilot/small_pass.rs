@@ -1,10 +1,8 @@
 //! The small passes of the trial: few photons, and camera samples in tiles of the film.
 
-use super::context::{EmissionRequest, PassContext};
-use super::pilot::Pilot;
-use super::trace::trace_photons;
 use crate::gather::{CameraPass, PathBuffers, PixelSampler};
 use crate::map::SetMaps;
+use crate::pass::{EmissionRequest, PassContext, PassParameters, trace_photons};
 use crate::plan::partition::PerSet;
 use crate::plan::{PathClass, Tally};
 use crate::sensor::{Film, PixelSink, SplatSink};
@@ -87,7 +85,7 @@ impl TracedPhotons {
     pub(super) fn trace(
         context: &PassContext<'_>,
         scene: &Scene,
-        pilot: &Pilot,
+        parameters: &PassParameters,
         (number, counts): (u64, PerSet<u64>),
     ) -> Self {
         let shared = context.shared_wavelengths(0);
@@ -96,8 +94,8 @@ impl TracedPhotons {
             let pass = FIRST_PHOTON_PASS + 2 * number + set as u64;
             let (wavelengths, count) = (shared.sampling(set), counts[set]);
             let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
-            let source = pilot.photon_source(context, scene, request);
-            trace_photons(&source, context.plan, set, pilot.recording(set), || blank.splat_sink())
+            let source = parameters.photon_source(context, scene, request);
+            trace_photons(&source, context.plan, set, parameters.recording(set), || blank.splat_sink())
         });
         let mut splats = vec![[0.0; 3]; scene.camera.pixel_count()];
         let mut tally = Tally::default();
@@ -115,7 +113,7 @@ impl TracedPhotons {
 /// Takes a camera sample of a pixel. Returns X, Y and Z of each path class.
 pub(super) fn sample_light<'a>(
     context: &PassContext<'_>,
-    pilot: &Pilot,
+    parameters: &PassParameters,
     camera_pass: &CameraPass<'a>,
     (pass, pixel): (u64, usize),
     buffers: &mut PathBuffers<'a>,
@@ -123,7 +121,7 @@ pub(super) fn sample_light<'a>(
 ) -> [[f64; 3]; PathClass::NAMES.len()] {
     let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, pass, pixel as u64);
     PixelSink::measure_classes(camera_pass.scene.film.observer, |sink| {
-        camera_pass.sample(pixel as u64, sampler, &pilot.radii.of(pixel), buffers, tally, sink);
+        camera_pass.sample(pixel as u64, sampler, &parameters.radii.of(pixel), buffers, tally, sink);
     })
 }
 
@@ -132,7 +130,7 @@ impl SmallPass {
     #[inline(never)]
     pub(super) fn run(
         context: &PassContext<'_>,
-        pilot: &Pilot,
+        parameters: &PassParameters,
         (traced, camera_pass): (&TracedPhotons, &CameraPass<'_>),
         tiles: &[Vec<usize>],
     ) -> Self {
@@ -143,7 +141,7 @@ impl SmallPass {
                 let mut light = |pixel: usize| {
                     let samples: [_; TRIALS] = std::array::from_fn(|nth| {
                         let pass = traced.number * TRIALS as u64 + nth as u64;
-                        sample_light(context, pilot, camera_pass, (pass, pixel), &mut buffers, &mut tally)
+                        sample_light(context, parameters, camera_pass, (pass, pixel), &mut buffers, &mut tally)
                     });
                     let sum = |classes: [[f64; 3]; PathClass::NAMES.len()]| {
                         std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum::<f64>())

@@ -7,9 +7,8 @@
 //! through. It maximises the likelihood of the lines: a line that a sphere explains has the density
 //! 1/Ω, where Ω is the solid angle of the sphere seen from the surface.
 
-use super::context::PassContext;
-use super::sums::StageSeconds;
 use crate::gather::{OPENINGS_SHARE, OpeningSpheres, Openings, PixelSampler};
+use crate::pass::{PassContext, StageSeconds};
 use crate::walk::SurfaceLookup;
 use crate::walk::{BodyMode, WithBodies, scatter};
 use abbe_optics::bsdf::TransportMode;

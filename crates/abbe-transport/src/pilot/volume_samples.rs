@@ -3,10 +3,10 @@
 //! The cost of a count must not depend on the number of photons. Therefore a segment counts in
 //! small samples, and it stops when it has found enough photons.
 
-use super::deposits::VolumeDeposits;
-use super::keep_probability::{DepositCounts, KeepProbability};
+use super::keep_probability::DepositCounts;
 use crate::gather::CameraSegment;
 use crate::map::{KernelWidth, PhotonBeam, QueryCone, VolumeMap};
+use crate::pass::{KeepProbability, VolumeDeposits};
 use crate::plan::VolumePlan;
 use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::exp;
