@@ -1,6 +1,5 @@
 //! The emission of a set of photons.
 
-use super::fluorescence::EXCITATION_SHARE;
 use super::photon_path::{PhotonPath, PhotonState};
 use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
@@ -14,6 +13,9 @@ use abbe_scene::light::{LeRandoms, LeSample, Light};
 use abbe_spectra::math::random::{Purpose, Stream, hash64};
 use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
+
+/// The share of the photons of the shared set that are excitation photons.
+const EXCITATION_SHARE: f64 = 0.5;
 
 /// The wavelengths of the photons of a set.
 #[derive(Debug, Clone, Copy)]

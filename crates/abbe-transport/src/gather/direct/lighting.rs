@@ -23,7 +23,7 @@ use glam::DVec3;
 /// Next-event estimation in one scene.
 #[derive(Debug)]
 pub struct DirectLighting<'a> {
-    pub(super) scene: &'a Scene,
+    pub(in crate::gather) scene: &'a Scene,
     pub(super) selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
     /// The openings of the scene.

@@ -3,7 +3,7 @@
 //! photon path. The kernel is one-dimensional: it lies on the line perpendicular to the beam and to
 //! the camera ray.
 
-use super::{BeamPath, PhotonNearRay};
+use super::near_ray::{BeamPath, PhotonNearRay};
 use crate::map::box_tree::{BoxTree, LEAF};
 use crate::map::kernel;
 use crate::map::photon::PhotonPower;

@@ -1,7 +1,7 @@
 //! Tests of the light tree with random emitters.
 
 use super::bounds::{LightBounds, OrientationCone, Receiver, ReceivingPoint, ReceivingSegment};
-use super::{LEAF, LightTree};
+use super::tree::{LEAF, LightTree};
 use abbe_spectra::math::random::{Purpose, Stream};
 use abbe_spectra::math::warp;
 use glam::DVec3;
