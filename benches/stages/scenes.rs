@@ -12,7 +12,7 @@ use abbe_transport::plan::partition::PerSet;
 use abbe_transport::plan::partition::{LightPath, kept_in_map};
 use abbe_transport::plan::{LightOrigin, PathClass, Plan, prepare};
 use abbe_transport::walk::ledger::Ledger;
-use abbe_transport::walk::{DepthLimit, SensorResponse, Sink};
+use abbe_transport::walk::{SensorResponse, Sink};
 use std::path::Path;
 
 /// A scene with what transport needs to know of it.
@@ -53,7 +53,6 @@ impl Prepared {
             wavelengths: WavelengthSampling::Free,
             fluorescent: false,
             count,
-            depth_limit: DepthLimit::default(),
             seed: 1,
             purpose: Purpose::FreePhoton,
             pass: 0,
@@ -148,7 +147,6 @@ pub(crate) fn camera_pass<'a>(
         responses: None,
         scales: PerKernel::splat(1.0),
         stated_radius_m: None,
-        depth_limit: DepthLimit::default(),
         photons_per_sample: PerSet { free: 1.0, shared: 1.0 },
         missing: None,
     }

@@ -17,7 +17,6 @@ use abbe_transport::emit::{
     WavelengthSampling, trace,
 };
 use abbe_transport::map::PhotonSpectra;
-use abbe_transport::walk::DepthLimit;
 use abbe_transport::walk::ledger::Ledger;
 use serde_json::{Value, json};
 
@@ -110,7 +109,6 @@ fn no_photon_grows_heavier_than_it_set_out() {
         wavelengths: WavelengthSampling::Free,
         fluorescent: false,
         count: PHOTONS,
-        depth_limit: DepthLimit::default(),
         seed: 1,
         purpose: Purpose::FreePhoton,
         pass: 0,

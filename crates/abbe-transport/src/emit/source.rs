@@ -6,7 +6,7 @@ use super::visitor::PhotonVisitor;
 use crate::map::PhotonSpectra;
 use crate::plan::MediumPlan;
 use crate::plan::partition::LightPath;
-use crate::walk::{BodyMode, DepthLimit, RayDensities, RayDensity, RayState};
+use crate::walk::{BodyMode, RayDensities, RayDensity, RayState};
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::{LeRandoms, LeSample, Light};
@@ -49,8 +49,6 @@ pub struct PhotonSource<'a> {
     pub fluorescent: bool,
     /// The number of photon paths in the set.
     pub count: u64,
-    /// The number of surface events after which a path ends.
-    pub depth_limit: DepthLimit,
     /// The seed of the render.
     pub seed: u64,
     /// The purpose of the set's random streams.

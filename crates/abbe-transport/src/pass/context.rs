@@ -7,7 +7,6 @@ use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, SetMaps};
 use crate::plan::partition::{PerSet, PhotonSet};
 use crate::plan::{Budget, MotionPlan, Plan};
-use crate::walk::DepthLimit;
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::kronecker::{golden_ratio, sqrt3};
@@ -90,7 +89,6 @@ impl<'a> PassContext<'a> {
             wavelengths,
             fluorescent: self.plan.fluorescence,
             count,
-            depth_limit: self.depth_limit(),
             seed: self.budget.seed,
             purpose,
             pass,
@@ -129,13 +127,7 @@ impl<'a> PassContext<'a> {
             responses: self.responses,
             outlines,
             receptors: &[],
-            depth_limit: self.depth_limit(),
         }
-    }
-
-    /// Returns the number of surface events after which paths end.
-    pub(super) fn depth_limit(&self) -> DepthLimit {
-        DepthLimit { stated: self.budget.max_depth }
     }
 
     /// Samples the shared wavelengths of a pass.

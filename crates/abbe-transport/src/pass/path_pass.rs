@@ -26,7 +26,6 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         wavelengths: &lights.wavelengths,
         spectra: context.spectra,
         excitation: &lights.excitation,
-        depth_limit: context.depth_limit(),
     };
     let records_surfaces = sums.film.records_surfaces();
     // A picture has one sample per pixel and pass, so that the first picture appears early.

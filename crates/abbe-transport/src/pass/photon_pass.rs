@@ -12,6 +12,7 @@ use crate::gather::{CameraPass, MissingLight, PathBuffers, PixelSampler};
 use crate::map::radius::{scale, scales};
 use crate::map::{LightMaps, SetMaps};
 use crate::plan::partition::{PerSet, PhotonSet};
+use crate::walk::DepthLimit;
 use crate::walk::ledger::Ledger;
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
@@ -128,7 +129,7 @@ fn missing_light<'m>(
     maps: &'m PerSet<SetMaps>,
     lost: &'m PerSet<SetMaps>,
 ) -> Option<MissingLight<'m>> {
-    if context.depth_limit().is_stated() {
+    if DepthLimit::of(context.scene).is_stated() {
         return Some(MissingLight { maps: lost.as_ref(), factor: 1.0 });
     }
     let sum = |power: fn(&Ledger) -> f64| ledgers.iter().map(|ledger| power(ledger)).sum::<f64>();

@@ -67,8 +67,6 @@ pub struct Budget {
     /// The number of camera samples per pixel and pass, if the scene states it. Otherwise, the
     /// pilot chooses the number.
     pub camera_samples: Option<u64>,
-    /// The number of surface events after which a path ends, if the scene states it.
-    pub max_depth: Option<u32>,
     /// The number of photons within the first kernel radius.
     pub nearest: u32,
     /// The first kernel radius in m, if the scene fixes it.
@@ -159,7 +157,6 @@ impl Budget {
             // The balance of photons and camera samples is measured on pictures.
             photons_stated: settings.photons.is_some() || measures,
             camera_samples: settings.camera_samples.map(u64::from).or(measures.then(|| receptor_samples(pixels))),
-            max_depth: settings.max_depth,
             nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
             radius_m: settings.radius_m,
             light_map_cells,

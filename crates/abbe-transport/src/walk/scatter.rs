@@ -218,6 +218,7 @@ pub fn sample_consistently(
 mod tests {
     use super::*;
     use crate::walk::next_interaction::next_interaction;
+    use crate::walk::ray_state::RayState;
     use crate::walk::surface_interaction::SurfaceLookup;
     use abbe_format::{self as format, resolve::resolve};
     use abbe_scene::Scene;
