@@ -1,6 +1,7 @@
 //! Camera samples: the specular chain, lamps, and photons around the end.
 
 use super::scenes::{Prepared, Total, camera_pass, load};
+use abbe_spectra::math::random::{Purpose, Seed};
 use abbe_transport::gather::{DirectLighting, Outlines, PathBuffers, PathTracer, PixelSampler};
 use abbe_transport::map::{LightMaps, PixelRadii};
 use abbe_transport::plan::Tally;
@@ -24,7 +25,7 @@ pub(crate) fn benches(c: &mut Criterion) {
             b.iter(|| {
                 let (mut buffers, mut tally, mut total) = (PathBuffers::default(), Tally::default(), Total(0.0));
                 for &pixel in &pixels {
-                    let sampler = PixelSampler::new(1, 0, pixel);
+                    let sampler = PixelSampler::new(Seed::new(1).streams(Purpose::Camera), 0, pixel);
                     camera_pass.sample(pixel, sampler, &radii, &mut buffers, &mut tally, &mut total);
                 }
                 total.0
@@ -43,7 +44,12 @@ pub(crate) fn benches(c: &mut Criterion) {
         b.iter(|| {
             let (mut tally, mut total) = (Tally::default(), Total(0.0));
             pixels.iter().for_each(|&pixel| {
-                tracer.sample(pixel, PixelSampler::new(1, 0, pixel), &mut tally, &mut total);
+                tracer.sample(
+                    pixel,
+                    PixelSampler::new(Seed::new(1).streams(Purpose::Camera), 0, pixel),
+                    &mut tally,
+                    &mut total,
+                );
             });
             total.0
         });

@@ -1,7 +1,7 @@
 //! The benchmark scenes, and what the stages make of them.
 
 use abbe_scene::Scene;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_transport::emit::{
     EmissionStrata, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
 };
@@ -53,9 +53,7 @@ impl Prepared {
             wavelengths: WavelengthSampling::Free,
             fluorescent: false,
             count,
-            seed: 1,
-            purpose: Purpose::FreePhoton,
-            pass: 0,
+            streams: Seed::new(1).streams(Purpose::FreePhoton).pass(0),
             media_plan: self.plan.media_plan,
         })
     }

@@ -6,6 +6,7 @@ use super::direct::light_tree::ReceivingPoint;
 use super::direct::lighting::DirectLighting;
 use crate::walk::{BodyMode, SurfaceLookup, WithBodies, scatter};
 use abbe_optics::bsdf::TransportMode;
+use abbe_spectra::math::random::Streams;
 use abbe_spectra::spectrum::{REFERENCE_NM, Wavelengths};
 use std::ops::Range;
 
@@ -18,13 +19,13 @@ const MAX_TRIALS: usize = 3;
 impl DirectLighting<'_> {
     /// Traces camera paths with these numbers, and makes trials at the surfaces that they reach.
     /// The numbers are distributed evenly over the pixels. `paths` is the number of all paths.
-    pub fn light_trials(&self, seed: u64, range: Range<u64>, paths: u64) -> Vec<LightTrial> {
+    pub fn light_trials(&self, streams: Streams, range: Range<u64>, paths: u64) -> Vec<LightTrial> {
         let (scene, wavelengths) = (self.scene, Wavelengths::single(REFERENCE_NM));
         let pixels = scene.camera.pixel_count() as u64;
         let mut trials = Vec::new();
         for path in range {
             let pixel = if pixels < paths { path % pixels } else { path * pixels / paths };
-            let mut sampler = PixelSampler::new(seed, path, pixel);
+            let mut sampler = PixelSampler::new(streams, path, pixel);
             let last = trials.len() + MAX_TRIALS;
             if let Some((_, receptor)) = scene.camera.receptor(pixel) {
                 let start = sampler.receptor_sample(scene, receptor, self.openings);

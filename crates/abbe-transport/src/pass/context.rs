@@ -10,7 +10,7 @@ use crate::plan::{Budget, MotionPlan, Plan};
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::kronecker::{golden_ratio, sqrt3};
-use abbe_spectra::math::random::{Purpose, REPLICATES, hash64};
+use abbe_spectra::math::random::{Purpose, REPLICATES};
 use abbe_spectra::spectrum::{LANES, Lanes};
 use std::borrow::Cow;
 use std::time::Instant;
@@ -64,7 +64,7 @@ pub(crate) struct EmissionRequest {
     /// The number of photon paths.
     pub(crate) count: u64,
     pub(crate) purpose: Purpose,
-    /// The pass number of the random streams.
+    /// The pass of the random streams.
     pub(crate) pass: u64,
 }
 
@@ -89,9 +89,7 @@ impl<'a> PassContext<'a> {
             wavelengths,
             fluorescent: self.plan.fluorescence,
             count,
-            seed: self.budget.seed,
-            purpose,
-            pass,
+            streams: self.budget.seed.streams(purpose).pass(pass),
             media_plan: self.plan.media_plan,
         }
     }
@@ -137,7 +135,7 @@ impl<'a> PassContext<'a> {
     /// pass. Each replicate has a sequence of its own.
     pub(crate) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
-        let shift = golden_ratio(index as u32, hash64([self.budget.seed, Purpose::Pass as u64, replicate]));
+        let shift = golden_ratio(index as u32, self.budget.seed.streams(Purpose::Pass).pass(replicate).hash());
         let samples: [(f64, f64); LANES] =
             std::array::from_fn(|k| self.lights.wavelengths.sample((shift + k as f64) / LANES as f64));
         SharedWavelengths { nm: samples.map(|(nm, _)| nm), pdf: samples.map(|(_, pdf)| pdf) }
@@ -174,7 +172,7 @@ impl<'a> PassContext<'a> {
         }
         let start = Instant::now();
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
-        let u = sqrt3(index as u32, hash64([self.budget.seed, Purpose::Moment as u64, replicate]));
+        let u = sqrt3(index as u32, self.budget.seed.streams(Purpose::Moment).pass(replicate).hash());
         let scene = self.scene.at(self.scene.shutter.time_s(u));
         sums.tally.moments += 1;
         sums.seconds.pose += start.elapsed().as_secs_f64();

@@ -79,12 +79,13 @@ pub fn photon_pass<'a>(
         ..parameters.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
     let records_surfaces = sums.film.records_surfaces();
+    let streams = budget.seed.streams(Purpose::Camera);
     expose_rows(sums, |row, tally| {
         let mut buffers = PathBuffers::default();
         row.expose(pass, |pixel, sink| {
             let samples = parameters.camera_samples.of(pixel);
             for nth in 0..samples {
-                let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
+                let sampler = || PixelSampler::nth(streams, pass, pixel as u64, (nth, samples));
                 camera_pass.sample(pixel as u64, sampler(), &parameters.radii.of(pixel), &mut buffers, tally, sink);
                 if records_surfaces {
                     sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());

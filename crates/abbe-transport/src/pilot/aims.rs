@@ -25,10 +25,6 @@ const MAX_STRATA: u64 = 4;
 /// value. Both rounds together then take at most a tenth of the time of eight passes.
 const LARGEST_ROUND: f64 = 0.4;
 
-/// The pass number of the first round's random streams. This number is larger than the pass numbers
-/// of the pilot's other photons, which begin at 0. The streams therefore differ.
-const FIRST_STREAM_PASS: u64 = 100;
-
 /// The number of photon paths in one parallel task. This number fixes the order in which the
 /// results of the paths are added.
 const PATHS_PER_TASK: u64 = 4096;
@@ -121,12 +117,8 @@ fn trace_round<'a>(
     (round, count): (u64, u64),
 ) -> Importance<'a> {
     let tasks = count.div_ceil(PATHS_PER_TASK);
-    let request = EmissionRequest {
-        wavelengths: WavelengthSampling::Free,
-        count,
-        purpose: Purpose::Pilot,
-        pass: FIRST_STREAM_PASS + round,
-    };
+    let request =
+        EmissionRequest { wavelengths: WavelengthSampling::Free, count, purpose: Purpose::AimPhoton, pass: round };
     let parts = (0..tasks)
         .into_par_iter()
         .map(|task: u64| {

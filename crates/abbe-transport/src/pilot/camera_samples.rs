@@ -130,7 +130,6 @@ impl FilmNoise {
         Some(Self { size: (width, height), squares }.with_share_of_mean())
     }
 
-    /// Returns the square of a pixel.
     fn square_of(&self, pixel: usize) -> &SampleNoise {
         let (width, _) = self.size;
         &self.squares[pixel / width / SQUARE * width.div_ceil(SQUARE) + pixel % width / SQUARE]
@@ -270,7 +269,7 @@ impl ProbeSums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
     const SIDE: usize = 64;
 
@@ -278,7 +277,7 @@ mod tests {
     /// with this amplitude. `work` is the work of a sample of the pixel.
     fn noise(amplitude: impl Fn(usize) -> f64 + Sync, work: impl Fn(usize) -> f64 + Sync) -> FilmNoise {
         let probe = |&pixel: &usize| {
-            let mut stream = Stream::new(7, Purpose::Pilot, 0, pixel as u64);
+            let mut stream = Stream::new(Seed::new(7), Purpose::SurveyPhoton, 0, pixel as u64);
             let light = 1.0 + amplitude(pixel) * (2.0 * stream.uniform() - 1.0);
             ProbedPixel { sample: [light - 0.5; 3], splats: [0.5; 3], work: work(pixel) }
         };

@@ -16,9 +16,6 @@ use glam::DVec3;
 /// The number of photon paths that measure the first radii.
 const PILOT_PATHS: u64 = 1 << 16;
 
-/// The pass number of the random streams of these paths.
-const PILOT_PASS: u64 = 1 << 40;
-
 /// The largest first radius, as a fraction of the radius of the largest specular object.
 const LARGEST_RADIUS: f64 = 0.5;
 
@@ -39,7 +36,7 @@ pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &Emi
     let most_m = LARGEST_RADIUS * largest.fold(0.0, f64::max).min(scene.radius_m.max(f64::MIN_POSITIVE));
     let paths = PILOT_PATHS.min(photons.max(1));
     let wavelengths = WavelengthSampling::Free;
-    let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::Pilot, pass: PILOT_PASS };
+    let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::ReceptorPhoton, pass: 0 };
     let source = context.photon_source(scene, strata, request);
     let disks = PointDisks::new(receptors, |_| most_m);
     let mut survey = ReceptorSurvey { receptors, disks, most_m, distances2: vec![Vec::new(); receptors.len()] };

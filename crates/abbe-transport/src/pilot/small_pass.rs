@@ -20,13 +20,6 @@ pub(super) const TILE: usize = 4;
 /// The largest number of tiles.
 const MOST_TILES: usize = 128;
 
-/// The first pass number of the photons of the trial. The survey uses smaller numbers.
-const FIRST_PHOTON_PASS: u64 = 1 << 32;
-
-/// Separates the camera samples of the trial from all other camera samples. The bytes of this
-/// number are the word "trial" in ASCII.
-const CAMERA_SEED_MASK: u64 = 0x0074_7269_616c;
-
 /// X, Y and Z of a pixel in one pass of the trial, in W/m²/sr.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct PixelLight {
@@ -62,7 +55,6 @@ pub(super) fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
 }
 
 impl PixelLight {
-    /// Returns the mean of pixels.
     pub(super) fn mean(pixels: &[Self]) -> Self {
         let share = 1.0 / pixels.len() as f64;
         let mut mean = Self::default();
@@ -91,9 +83,9 @@ impl TracedPhotons {
         let shared = context.shared_wavelengths(0);
         let blank = Film::new(1, 1, scene.film.observer, 0);
         let traced = PerSet::from_fn(|set| {
-            let pass = FIRST_PHOTON_PASS + 2 * number + set as u64;
+            let pass = 2 * number + set as u64;
             let (wavelengths, count) = (shared.sampling(set), counts[set]);
-            let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
+            let request = EmissionRequest { wavelengths, count, purpose: Purpose::TrialPhoton, pass };
             let source = parameters.photon_source(context, scene, request);
             trace_photons(&source, context.plan, set, parameters.recording(set), || blank.splat_sink())
         });
@@ -119,7 +111,7 @@ pub(super) fn sample_light<'a>(
     buffers: &mut PathBuffers<'a>,
     tally: &mut Tally,
 ) -> [[f64; 3]; PathClass::NAMES.len()] {
-    let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, pass, pixel as u64);
+    let sampler = PixelSampler::new(context.budget.seed.streams(Purpose::TrialCamera), pass, pixel as u64);
     PixelSink::measure_classes(camera_pass.scene.film.observer, |sink| {
         camera_pass.sample(pixel as u64, sampler, &parameters.radii.of(pixel), buffers, tally, sink);
     })

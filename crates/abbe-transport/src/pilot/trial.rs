@@ -315,13 +315,13 @@ fn sample_variances<'p>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
     /// Two passes with noise of known variance give these variances.
     #[test]
     fn nested_samples_separate_photon_noise_from_camera_noise() {
         const TILES: usize = 1000;
-        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         // A uniform number in [−1, 1) has the variance 1/3.
         let mut noise = |amplitude: f64| amplitude * (2.0 * stream.uniform() - 1.0);
         let mut pass = || {

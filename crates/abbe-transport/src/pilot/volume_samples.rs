@@ -198,14 +198,14 @@ mod tests {
     use abbe_optics::phase::PhaseFunction;
     use abbe_scene::geometry::Ray;
     use abbe_scene::medium::Density;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use abbe_spectra::spectrum::Spectrum;
     use glam::DVec3;
     use std::iter;
 
     /// Returns photons in a cube of fog. Each photon has a point and a beam.
     fn deposits(count: usize) -> VolumeDeposits {
-        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         let mut place = || DVec3::new(stream.uniform(), stream.uniform(), stream.uniform());
         let power = PhotonPower::new(WavelengthCode::default(), [1.0; 4], None, 0.0);
         let ends: Vec<[DVec3; 2]> = (0..count).map(|_| [place(), place()]).collect();

@@ -365,7 +365,6 @@ impl Film {
         layers
     }
 
-    /// Returns the sums of a pixel.
     pub(super) fn sums_of(&self, pixel: usize) -> PixelSums {
         self.pixels.get(pixel).copied().unwrap_or_default()
     }

@@ -88,7 +88,6 @@ impl ReadingLayout {
         channels * (1 + REPLICATES / 2)
     }
 
-    /// Returns the observer of a row.
     pub(super) fn observer(&self, row: usize) -> &'static Observer {
         self.readings[row / self.rows].observer
     }

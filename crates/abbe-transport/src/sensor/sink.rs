@@ -215,7 +215,6 @@ impl SplatSink {
         Self { layout, ..self }
     }
 
-    /// Returns the observer of a pixel.
     fn observer_of(&self, pixel: u32) -> &'static Observer {
         self.layout.as_ref().map_or(self.observer, |layout| layout.observer(pixel as usize))
     }

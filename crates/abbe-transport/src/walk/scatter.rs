@@ -224,7 +224,7 @@ mod tests {
     use abbe_scene::Scene;
     use abbe_scene::geometry::Ray;
     use abbe_scene::medium_stack::MediumStack;
-    use abbe_spectra::math::random::Purpose;
+    use abbe_spectra::math::random::{Purpose, Seed};
 
     /// Returns the reflectance from the amplitudes of Fresnel's equations in their usual form.
     fn textbook_reflectance(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
@@ -273,7 +273,7 @@ mod tests {
             (50.0, TransportMode::Radiance),
         ] {
             let interaction = at_top_of_box(&scene, angle);
-            let mut streams = [0, 1].map(|_| Stream::new(1, Purpose::Pilot, 0, 0));
+            let mut streams = [0, 1].map(|_| Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0));
             for _ in 0..200 {
                 let found = scatter(&interaction, &one, transport, &mut streams[0]).unwrap();
                 let known = scatter_all_wavelengths(&interaction, &one, transport, &mut streams[1]).unwrap();
@@ -296,7 +296,7 @@ mod tests {
             let cos = angle.to_radians().cos();
             let interaction = at_top_of_box(&scene, angle);
             let (glass, air) = (interaction.sides.here, interaction.sides.there);
-            let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+            let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
             let (mut reflected, mut transmitted, count) = ([0.0; LANES], [0.0; LANES], 100_000);
             for _ in 0..count {
                 let scattered = scatter(&interaction, &wavelengths, TransportMode::Radiance, &mut stream);

@@ -29,7 +29,6 @@ fn photon_view(path: &CameraPath) -> View {
 /// The photons that a camera path gathers at a surface, and their effect.
 #[derive(Clone, Copy)]
 struct Gathered<'l, 'a> {
-    /// The photon set.
     set: PhotonSet,
     /// The emission that the photons excite. `None` if the surface scatters the photons.
     luminescence: Option<&'l Luminescence<'a>>,

@@ -2,7 +2,7 @@
 
 use super::bounds::{LightBounds, OrientationCone, Receiver, ReceivingPoint, ReceivingSegment};
 use super::tree::{LEAF, LightTree};
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -65,7 +65,7 @@ fn tree_over(emitters: &[TestEmitter]) -> LightTree {
 }
 
 fn stream() -> Stream {
-    Stream::new(1, Purpose::Pilot, 0, 0)
+    Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0)
 }
 
 fn receivers(count: usize, stream: &mut Stream) -> Vec<ReceivingPoint> {
