@@ -4,6 +4,7 @@ use super::scenes::{Prepared, Total, camera_pass};
 use abbe_optics::bsdf::{BsdfClass, InterfaceIors, TransportMode};
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::{EmittedSpd, Light};
+use abbe_spectra::math::random::{Purpose, Seed};
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
 use abbe_transport::gather::{NORMAL_TOLERANCE, Outlines, PLANE_TOLERANCE, PathBuffers, PixelSampler, power_heuristic};
 use abbe_transport::map::kernel::DiskKernel;
@@ -25,7 +26,7 @@ pub(crate) fn general(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
     let camera_pass = camera_pass(prepared, (maps, &outlines, &light_maps));
     let (mut buffers, mut tally, mut total) = (PathBuffers::default(), Tally::default(), Total(0.0));
     for pixel in pixels(prepared, count) {
-        let sampler = PixelSampler::new(1, 0, pixel);
+        let sampler = PixelSampler::new(Seed::new(1).streams(Purpose::Camera), 0, pixel);
         camera_pass.sample(pixel, sampler, &PixelRadii::splat(RADIUS_M), &mut buffers, &mut tally, &mut total);
     }
     total.0
@@ -44,7 +45,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
     let (world, light) = (scene.extent(), &scene.lights[0]);
     let sides = InterfaceIors { here: &scene.air, there: &scene.air };
     for pixel in pixels(prepared, count) {
-        let mut sampler = PixelSampler::new(1, 0, pixel);
+        let mut sampler = PixelSampler::new(Seed::new(1).streams(Purpose::Camera), 0, pixel);
         let ray = sampler.ray(&scene.camera, pixel);
         sampler.stream.uniform();
         let Some(hit) = scene.geometry.intersect(&ray, None, f64::INFINITY) else { continue };

@@ -29,7 +29,7 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> StoredPhotons {
         let aim = Aim::plain();
         let sides = InterfaceIors { here: &scene.air, there: &scene.air };
         for index in 0..count {
-            let mut stream = Stream::new(source.seed, Purpose::FreePhoton, source.pass, index);
+            let mut stream = source.streams.path(index);
             let u = points.point(index as u32);
             let mut u_light = u[1];
             let number = source.strata.choice.sample(&mut u_light);

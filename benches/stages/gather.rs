@@ -1,10 +1,10 @@
 //! Camera samples: the specular chain, lamps, and photons around the end.
 
 use super::scenes::{Prepared, Total, camera_pass, load};
+use abbe_spectra::math::random::{Purpose, Seed};
 use abbe_transport::gather::{DirectLighting, Outlines, PathBuffers, PathTracer, PixelSampler};
 use abbe_transport::map::{LightMaps, PixelRadii};
 use abbe_transport::plan::Tally;
-use abbe_transport::walk::DepthLimit;
 use criterion::{Criterion, Throughput};
 
 /// Every this many pixels one is sampled.
@@ -25,7 +25,7 @@ pub(crate) fn benches(c: &mut Criterion) {
             b.iter(|| {
                 let (mut buffers, mut tally, mut total) = (PathBuffers::default(), Tally::default(), Total(0.0));
                 for &pixel in &pixels {
-                    let sampler = PixelSampler::new(1, 0, pixel);
+                    let sampler = PixelSampler::new(Seed::new(1).streams(Purpose::Camera), 0, pixel);
                     camera_pass.sample(pixel, sampler, &radii, &mut buffers, &mut tally, &mut total);
                 }
                 total.0
@@ -36,22 +36,20 @@ pub(crate) fn benches(c: &mut Criterion) {
     let scene = load("s3_box.json", &[]);
     let direct = DirectLighting::new(&scene, &prepared.selector, prepared.plan.media_plan);
     let (wavelengths, media_plan) = (&prepared.choice.wavelengths, prepared.plan.media_plan);
-    let tracer = PathTracer {
-        scene: &scene,
-        direct,
-        wavelengths,
-        spectra: &prepared.spectra,
-        excitation: &[],
-        depth_limit: DepthLimit::default(),
-        media_plan,
-    };
+    let tracer =
+        PathTracer { scene: &scene, direct, wavelengths, spectra: &prepared.spectra, excitation: &[], media_plan };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();
     group.throughput(Throughput::Elements(pixels.len() as u64));
     group.bench_function("path tracer/s3_box", |b| {
         b.iter(|| {
             let (mut tally, mut total) = (Tally::default(), Total(0.0));
             pixels.iter().for_each(|&pixel| {
-                tracer.sample(pixel, PixelSampler::new(1, 0, pixel), &mut tally, &mut total);
+                tracer.sample(
+                    pixel,
+                    PixelSampler::new(Seed::new(1).streams(Purpose::Camera), 0, pixel),
+                    &mut tally,
+                    &mut total,
+                );
             });
             total.0
         });

@@ -3,7 +3,7 @@
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_scene::geometry::shape::{PlacedShape, Shape};
 use abbe_scene::geometry::{Geometry, Ray};
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use criterion::{Criterion, Throughput};
 use glam::{DAffine3, DVec3};
@@ -45,7 +45,7 @@ fn cube() -> TriangleMesh {
 
 /// Rays from a sphere of radius 3 towards places near the origin, most of which meet something.
 fn rays() -> Vec<Ray> {
-    let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+    let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
     let mut ray = || {
         let from = 3.0 * warp::sphere(stream.pair());
         Ray::new(from, (1.2 * warp::sphere(stream.pair()) * stream.uniform() - from).normalize())

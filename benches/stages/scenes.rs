@@ -1,7 +1,7 @@
 //! The benchmark scenes, and what the stages make of them.
 
 use abbe_scene::Scene;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_transport::emit::{
     EmissionStrata, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
 };
@@ -12,7 +12,7 @@ use abbe_transport::plan::partition::PerSet;
 use abbe_transport::plan::partition::{LightPath, kept_in_map};
 use abbe_transport::plan::{LightOrigin, PathClass, Plan, prepare};
 use abbe_transport::walk::ledger::Ledger;
-use abbe_transport::walk::{DepthLimit, SensorResponse, Sink};
+use abbe_transport::walk::{SensorResponse, Sink};
 use std::path::Path;
 
 /// A scene with what transport needs to know of it.
@@ -53,10 +53,7 @@ impl Prepared {
             wavelengths: WavelengthSampling::Free,
             fluorescent: false,
             count,
-            depth_limit: DepthLimit::default(),
-            seed: 1,
-            purpose: Purpose::FreePhoton,
-            pass: 0,
+            streams: Seed::new(1).streams(Purpose::FreePhoton).pass(0),
             media_plan: self.plan.media_plan,
         })
     }
@@ -148,7 +145,6 @@ pub(crate) fn camera_pass<'a>(
         responses: None,
         scales: PerKernel::splat(1.0),
         stated_radius_m: None,
-        depth_limit: DepthLimit::default(),
         photons_per_sample: PerSet { free: 1.0, shared: 1.0 },
         missing: None,
     }

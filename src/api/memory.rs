@@ -56,6 +56,7 @@ fn available_bytes() -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use abbe_spectra::math::random::Seed;
 
     fn budget(memory_bytes: u64, photons: u64) -> Budget {
         let fixed = Budget {
@@ -63,11 +64,10 @@ mod tests {
             photons,
             photons_stated: true,
             camera_samples: None,
-            max_depth: None,
             nearest: 1,
             radius_m: None,
             light_map_cells: 2,
-            seed: 0,
+            seed: Seed::new(0),
             memory_bytes,
             motion_px: 0.0,
         };

@@ -25,7 +25,7 @@ pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) 
         .with_json(names::PLAN, &PlanReport::of(job))
         .with_json(names::DISPLAY, &DisplaySettings::of(job))
         .with(names::INTEGRATOR, integrator.word())
-        .with(names::SEED, &job.budget.seed.to_string())
+        .with(names::SEED, &job.budget.seed.number().to_string())
         .with(names::PHOTONS, &job.budget.photons.to_string())
         .with_json(names::NOTES, &job.scene.notes)
 }

@@ -133,12 +133,12 @@ const LEAST_SMOOTH: f64 = 0.02;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
     /// A grey picture with uniform noise of standard deviation `sigma`.
     fn noisy(level: f64, sigma: f64, seed: u64) -> Picture {
         let mut picture = Picture::black(64, 64);
-        let mut stream = Stream::new(seed, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(seed), Purpose::SurveyPhoton, 0, 0);
         for xyz in &mut picture.xyz {
             *xyz = [0; 3].map(|_| level + sigma * 12.0_f64.sqrt() * (stream.uniform() - 0.5));
         }

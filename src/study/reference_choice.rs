@@ -85,7 +85,7 @@ pub(super) fn steps(job: &Job, given: Option<&(String, Picture)>) -> usize {
 
 /// Returns a change of the scene that adds `offset` to the seed.
 pub(super) fn seed(job: &Job, offset: u64) -> String {
-    format!("render.seed={}", job.budget.seed.wrapping_add(offset) % (1 << 53))
+    format!("render.seed={}", job.budget.seed.number().wrapping_add(offset) % (1 << 53))
 }
 
 impl ChosenReference {

@@ -87,8 +87,9 @@ pub(super) fn changes(scene_file: &SceneFile, job: &Job) -> Vec<SettingChange> {
             Some(radius) => shares(Setting::Radius, radius, &RADII),
             None => shares(Setting::Nearest, f64::from(budget.nearest), &NEAREST),
         });
-        let depths =
-            DEPTHS.into_iter().filter(|&depth| budget.max_depth.is_none_or(|stated| depth < f64::from(stated)));
+        let depths = DEPTHS
+            .into_iter()
+            .filter(|&depth| job.scene.settings.max_depth.is_none_or(|stated| depth < f64::from(stated)));
         changes.extend(depths.map(|value| SettingChange { setting: Setting::MaxDepth, value }));
     }
     if marches(scene_file) {

@@ -1,7 +1,7 @@
 //! Random changes of files: bits, lengths and numbers of any file; words, lines and numbers of a
 //! text; values, keys and branches of JSON.
 
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use serde_json::{Map, Number, Value};
 
 /// Numbers at the limits of common types, in text form.
@@ -55,7 +55,7 @@ pub(crate) struct Mutator(Stream);
 impl Mutator {
     pub(crate) fn new(seed: u64, target: &str, case: u64) -> Self {
         let name = target.bytes().fold(seed, |hash, byte| hash.wrapping_mul(257).wrapping_add(u64::from(byte)));
-        Self(Stream::new(name, Purpose::Pilot, case, seed))
+        Self(Stream::new(Seed::new(name), Purpose::SurveyPhoton, case, seed))
     }
 
     /// Returns a number below `count`.

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::num::NonZero;
 
 use abbe_session::render::Integrator;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::sum::ExactSum;
 use abbe_transport::map::kernel::DiskKernel;
 use abbe_transport::map::{Photon, PhotonMap, PhotonPower, WavelengthCode, radius};
@@ -218,7 +218,7 @@ fn corner(of_wall: bool) -> Value {
 /// kernel radius of 1 mm.
 fn far_from_the_middle() -> f64 {
     const FAR: f64 = 1e5;
-    let mut stream = Stream::new(5, Purpose::FreePhoton, 0, 0);
+    let mut stream = Stream::new(Seed::new(5), Purpose::FreePhoton, 0, 0);
     let mut place = |side: f64| [FAR + side * (stream.uniform() - 0.5), side * (stream.uniform() - 0.5)];
     let photons = (0..200_000).map(|_| place(1.0)).collect();
     let plane = Plane::new(photons, [FAR, 0.0]);

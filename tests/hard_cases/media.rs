@@ -8,7 +8,7 @@ use abbe_scene::geometry::Ray;
 use abbe_scene::medium::field::{FieldGrid, FieldShape, ScalarField};
 use abbe_scene::medium::{Density, Medium, TransmittanceEstimator};
 use abbe_session::render::Integrator;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::spectrum::Spectrum;
 use abbe_transport::walk::SegmentTransmittance;
 use glam::{DAffine3, DVec3};
@@ -208,7 +208,7 @@ fn spike() -> f64 {
     let tracked = Medium { transmittance: TransmittanceEstimator::Ratio, ..exact.clone() };
     let ray = Ray::new(DVec3::new(0.1, 0.2, 0.0), DVec3::new(0.4, 0.3, 0.5).normalize());
     let truth = through(&exact, &ray, 2.0);
-    let mut stream = Stream::new(5, Purpose::Camera, 0, 0);
+    let mut stream = Stream::new(Seed::new(5), Purpose::Camera, 0, 0);
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..SEEDS {
         let seed = (stream.uniform() * 2.0_f64.powi(53)) as u64;
@@ -223,7 +223,7 @@ fn spike() -> f64 {
 }
 
 fn grazing() -> f64 {
-    let mut stream = Stream::new(6, Purpose::Camera, 0, 0);
+    let mut stream = Stream::new(Seed::new(6), Purpose::Camera, 0, 0);
     let values: Vec<f64> = (0..8 * 8 * 8).map(|_| stream.uniform()).collect();
     let medium = medium(1.0, cells([8; 3], values.into_iter()));
     let mut worst = 0.0_f64;

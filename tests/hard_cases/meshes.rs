@@ -12,7 +12,7 @@ use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_scene::geometry::shape::{PlacedShape, Shape};
 use abbe_scene::geometry::{Geometry, Ray};
 use abbe_scene::medium_stack::MediumStack;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Wavelengths;
 use abbe_transport::walk::{RayState, SurfaceLookup, next_interaction, scatter};
@@ -89,7 +89,7 @@ pub(crate) fn leaks(raw: &Raw, at: At, rays: u64) -> f64 {
     let corners: Vec<DVec3> = raw.0.iter().map(|corner| *corner - scene.centre).collect();
     let reach = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
     let leaky = |index: u64| {
-        let mut stream = Stream::new(3, Purpose::Camera, 0, index);
+        let mut stream = Stream::new(Seed::new(3), Purpose::Camera, 0, index);
         let mut triangle =
             || raw.1[(stream.uniform() * raw.1.len() as f64) as usize].map(|corner| corners[corner as usize]);
         let ([a, b, c], [from, ..]) = (triangle(), triangle());

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use abbe_optics::bsdf::TransportMode;
 use abbe_scene::geometry::Ray;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Wavelengths;
 use abbe_transport::walk::{RayState, SurfaceLookup, next_interaction, scatter};
@@ -76,7 +76,7 @@ pub(crate) fn wrong_sides(bodies: &[NamedBody], paths: u64) -> f64 {
     let sodium = Wavelengths::single(589.3);
     let mut wrong = 0_u64;
     for path in 0..paths {
-        let mut stream = Stream::new(11, Purpose::FreePhoton, 0, path);
+        let mut stream = Stream::new(Seed::new(11), Purpose::FreePhoton, 0, path);
         let from = warp::sphere(stream.pair()) * 3.0;
         let at = warp::sphere(stream.pair()) * (FARTHEST * 0.5 * stream.uniform());
         let ray = Ray::new(from - scene.centre, (at - from).normalize());

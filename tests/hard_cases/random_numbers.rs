@@ -11,7 +11,7 @@ use abbe_optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
 use abbe_scene::Scene;
 use abbe_scene::light::LeRandoms;
 use abbe_spectra::math::distribution::{DiscreteDistribution, PiecewiseConstant2d};
-use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Stream};
+use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Spectrum;
 use abbe_transport::emit::{Aim, CELLS, LightSampler};
@@ -60,7 +60,7 @@ pub(crate) const CASES: &[Case] = &[
         measure: || {
             let bits = |u: f64| (u * 4_294_967_296.0) as u64;
             let first = |purpose, pass| {
-                let [a, b] = Stream::new(0, purpose, pass, 0).pair();
+                let [a, b] = Stream::new(Seed::new(0), purpose, pass, 0).pair();
                 bits(a) << 32 | bits(b)
             };
             let mut all: Vec<u64> =
@@ -80,7 +80,7 @@ pub(crate) const CASES: &[Case] = &[
     },
 ];
 
-const PURPOSES: [Purpose; 4] = [Purpose::FreePhoton, Purpose::SharedPhoton, Purpose::Camera, Purpose::Pilot];
+const PURPOSES: [Purpose; 4] = [Purpose::FreePhoton, Purpose::SharedPhoton, Purpose::Camera, Purpose::SurveyPhoton];
 
 fn pairs() -> impl Iterator<Item = [f64; 2]> {
     ENDS.into_iter().flat_map(|a| ENDS.into_iter().map(move |b| [a, b]))
@@ -246,7 +246,7 @@ fn lamps_and_cameras() -> f64 {
 /// centred uniform numbers, relative to their variance.
 fn correlation() -> f64 {
     const PASSES: u64 = 250_000;
-    let first = |purpose, pass| Stream::new(0, purpose, pass, 7).uniform() - 0.5;
+    let first = |purpose, pass| Stream::new(Seed::new(0), purpose, pass, 7).uniform() - 0.5;
     let correlate = |a: &dyn Fn(u64) -> f64, b: &dyn Fn(u64) -> f64| {
         let sum: f64 = (0..PASSES).map(|pass| 12.0 * a(pass) * b(pass)).sum();
         (sum / (PASSES as f64).sqrt()).abs()

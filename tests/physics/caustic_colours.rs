@@ -5,7 +5,7 @@
 use crate::common::{job, render, with_setting};
 use crate::free_and_shared::{beside_the_ball, s1};
 use abbe_session::render::Integrator;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::spectrum::{BAND_NM, Observer};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -79,7 +79,7 @@ fn through_the_ball(from: DVec3, direction: DVec3, n: f64) -> f64 {
 /// Returns the XYZ that a patch of floor reflects: `count` rays from random points of the patch
 /// into the cone that the ball fills.
 fn xyz(patch: impl Fn([f64; 2]) -> DVec3, count: usize, seed: u64) -> [f64; 3] {
-    let mut stream = Stream::new(seed, Purpose::Camera, 0, 0);
+    let mut stream = Stream::new(Seed::new(seed), Purpose::Camera, 0, 0);
     let observer = Observer::cie1931();
     let width = BAND_NM.1 - BAND_NM.0;
     let mut sum = [0.0; 3];

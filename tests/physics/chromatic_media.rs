@@ -10,14 +10,13 @@
 use crate::common::{all_y, job, render};
 use crate::furnace::surroundings;
 use abbe_session::render::Integrator;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use abbe_transport::emit::{
     EmissionStrata, LightSampler, MediumCollision, MediumCrossing, PhotonSource, PhotonVisitor, SurfaceArrival,
     WavelengthSampling, trace,
 };
 use abbe_transport::map::PhotonSpectra;
-use abbe_transport::walk::DepthLimit;
 use abbe_transport::walk::ledger::Ledger;
 use serde_json::{Value, json};
 
@@ -70,7 +69,7 @@ impl PhotonVisitor for Heaviest {
 fn heaviest_by_one_wavelength(count: u64) -> f64 {
     let mut heaviest = 0.0_f64;
     for index in 0..count {
-        let mut stream = Stream::new(7, Purpose::Pilot, 0, index);
+        let mut stream = Stream::new(Seed::new(7), Purpose::SurveyPhoton, 0, index);
         let shift = stream.uniform();
         let sigma: [f64; 4] = std::array::from_fn(|k| SIGMA[0] + (SIGMA[1] - SIGMA[0]) * 0.25 * (k as f64 + shift));
         let hero = sigma[(4.0 * stream.uniform()) as usize];
@@ -110,10 +109,7 @@ fn no_photon_grows_heavier_than_it_set_out() {
         wavelengths: WavelengthSampling::Free,
         fluorescent: false,
         count: PHOTONS,
-        depth_limit: DepthLimit::default(),
-        seed: 1,
-        purpose: Purpose::FreePhoton,
-        pass: 0,
+        streams: Seed::new(1).streams(Purpose::FreePhoton).pass(0),
         media_plan: job.plan.media_plan,
     };
     let (points, mut heaviest, mut ledger) = (emitters.points(), Heaviest::default(), Ledger::new(1));

@@ -4,7 +4,7 @@
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{all_y, block_means, diffuse, mean_y, render, with_setting};
 use abbe_session::render::Integrator;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
@@ -100,7 +100,7 @@ fn photon_blocks(scene: &Value) -> Vec<f64> {
 #[test]
 fn fog_is_as_bright_beside_its_faces_as_inside() {
     let photon = photon_blocks(&scene(&[whole_box()]));
-    let mut stream = Stream::new(7, Purpose::Camera, 0, 0);
+    let mut stream = Stream::new(Seed::new(7), Purpose::Camera, 0, 0);
     let side = FILM / BLOCK;
     let truth: Vec<f64> = (0..side * side).map(|i| walked([i % side, i / side], &mut stream)).collect();
     let ratios: Vec<f64> = photon.iter().zip(&truth).map(|(photon, truth)| photon / truth).collect();

@@ -2,7 +2,7 @@
 
 use crate::common::compare::two_sided;
 use abbe_session::render::{Integrator, Job, Monitor, Progress, Rendered, Request, Run, StopRules};
-use abbe_spectra::math::random::hash64;
+use abbe_spectra::math::random::{Seed, hash64};
 
 /// Renders per integrator. They differ in their seeds.
 const RUNS: u64 = 4;
@@ -86,7 +86,8 @@ fn measure(job: &mut Job, integrator: Integrator, passes: u64, stage: u64) -> Me
     let mut measured = Measured { replicates: Vec::new(), bias: Vec::new(), ledger: Vec::new() };
     for run in 0..RUNS {
         // The tables of the materials are kept from render to render.
-        job.budget.seed = hash64([job.scene.settings.seed.unwrap_or(0), integrator as u64, stage, run]);
+        let words = [job.scene.settings.seed.unwrap_or(0), integrator as u64, stage, run];
+        job.budget.seed = Seed::new(hash64(words));
         let request = Request { integrator, stop: StopRules { passes: Some(passes), ..StopRules::default() } };
         let mut snapshots = Snapshots::default();
         let rendered = job.render(request, &mut snapshots).expect("the scene renders");

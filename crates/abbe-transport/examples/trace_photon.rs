@@ -8,7 +8,7 @@ use abbe_format::{self as format, resolve::resolve};
 use abbe_optics::bsdf::TransportMode;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium_stack::MediumStack;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::spectrum::Wavelengths;
 use abbe_transport::walk::{RayState, SurfaceLookup, next_interaction, scatter};
 use glam::DVec3;
@@ -32,7 +32,7 @@ fn main() -> abbe_spectra::Result<()> {
     let origin = DVec3::new(0.5, 5.0, 0.0) - scene.centre;
     let mut state = RayState { ray: Ray::new(origin, DVec3::NEG_Y), from: None, medium_stack: MediumStack::AIR };
     let sodium = Wavelengths::single(589.3);
-    let mut stream = Stream::new(7, Purpose::FreePhoton, 0, 0);
+    let mut stream = Stream::new(Seed::new(7), Purpose::FreePhoton, 0, 0);
 
     let mut hits = Vec::new();
     while let Some(interaction) = next_interaction(&scene, state, SurfaceLookup::of_line(0.0)) {

@@ -51,6 +51,8 @@ pub mod emit;
 pub mod gather;
 pub mod map;
 pub mod pass;
+pub mod photon_paths;
+pub mod pilot;
 pub mod plan;
 pub mod sensor;
 pub mod walk;

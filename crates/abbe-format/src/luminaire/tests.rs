@@ -1,5 +1,5 @@
 use super::*;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -35,7 +35,7 @@ fn ldt(isym: u8, all_c: &[f64], gamma: &[f64], values: &[f64]) -> String {
 /// Asserts that two luminaires have the same intensity in random directions.
 fn assert_same(a: &Photometry, b: &Photometry) {
     let (a, b) = (a.table().unwrap(), b.table().unwrap());
-    let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+    let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
     for _ in 0..2000 {
         let direction = warp::sphere(stream.pair());
         let (left, right) = (a.at(direction), b.at(direction));

@@ -12,7 +12,7 @@ use self::grid::{Histogram, chi_square_deviations};
 use super::*;
 use crate::fluorophore::Fluorophore;
 use crate::glass::RefractiveIndex;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::spectrum::{Outside, Spectrum};
 use glam::DVec3;
 
@@ -141,7 +141,7 @@ fn views() -> Vec<DVec3> {
 const BSDF_TEST_NM: [f64; 2] = [430.0, 690.0];
 
 fn random(seed: u64) -> impl FnMut() -> [f64; 3] {
-    let mut stream = Stream::new(seed, Purpose::Camera, 0, 0);
+    let mut stream = Stream::new(Seed::new(seed), Purpose::Camera, 0, 0);
     move || stream.triple()
 }
 

@@ -2,7 +2,7 @@
 //! the density.
 
 use super::*;
-use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Stream};
+use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Seed, Stream};
 use abbe_spectra::spectrum::Outside;
 use abbe_spectra::spectrum::Spectrum;
 use glam::DVec3;
@@ -132,7 +132,7 @@ fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u6
     let edges = equal_shares(expected_of, nm, shares);
     let incoming = DVec3::new(0.36, -0.48, 0.8);
     let (across, up) = incoming.any_orthonormal_pair();
-    let mut stream = Stream::new(5, Purpose::Pilot, 1, number);
+    let mut stream = Stream::new(Seed::new(5), Purpose::SurveyPhoton, 1, number);
     let mut counts = vec![0; 4 * shares];
     for _ in 0..60_000 {
         let out = phase.sample(incoming, nm, stream.pair());

@@ -58,7 +58,7 @@ const _: () = assert!(LANES == 4, "the shares of a single wavelength list four l
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use abbe_spectra::spectrum::{Outside, Spectrum};
 
     fn chromatic() -> PhaseFunction {
@@ -73,7 +73,7 @@ mod tests {
         let phase = chromatic();
         let wavelengths = Wavelengths::new([420.0, 500.0, 600.0, 690.0]);
         let mixture = PhaseMixture::new(&phase, &wavelengths, &[1.0, 2.0, 4.0, 3.0]);
-        let mut stream = Stream::new(5, Purpose::Camera, 0, 0);
+        let mut stream = Stream::new(Seed::new(5), Purpose::Camera, 0, 0);
         let n = 40_000;
         let mut sums = [0.0; LANES];
         for _ in 0..n {

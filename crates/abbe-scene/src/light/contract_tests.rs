@@ -16,7 +16,7 @@ use crate::geometry::Ray;
 use crate::geometry::mesh::TriangleMesh;
 use crate::geometry::shape::{PlacedShape, Shape};
 use abbe_spectra::math::frame::Frame;
-use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Stream};
+use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Seed, Stream};
 use abbe_spectra::math::sphere::BoundingSphere;
 use abbe_spectra::math::warp;
 use distant::distant_cases;
@@ -198,7 +198,7 @@ fn exactly(value: f64) -> SampleMean {
 }
 
 fn stream(number: u64) -> Stream {
-    Stream::new(11, Purpose::Pilot, 7, number)
+    Stream::new(Seed::new(11), Purpose::SurveyPhoton, 7, number)
 }
 
 #[test]

@@ -37,7 +37,7 @@ impl RenderIdentity {
         let film = &job.scene.film;
         Self {
             integrator: integrator.word().to_string(),
-            seed: job.budget.seed,
+            seed: job.budget.seed.number(),
             photons: job.budget.photons,
             size: (film.width, film.height),
             spectral_bands: film.spectral_bands,

@@ -192,7 +192,7 @@ impl Job {
     fn glare_at(&self, number: usize) -> [Glare; REPLICATES] {
         let scene = &self.scene;
         let eye = scene.receptor_point(&scene.camera.receptors()[number], [0.0; 4]);
-        DirectLighting::tracked(scene, self.selector(), self.plan.media_plan).glare(scene, &eye)
+        DirectLighting::tracked(scene, self.selector(), self.plan.media_plan).glare(scene, &eye, self.budget.seed)
     }
 
     /// Measures with all meters of the scene, on the current thread pool. `integrator` is the

@@ -25,7 +25,8 @@ mod stats;
 mod stop;
 mod threads;
 
-pub use abbe_transport::pass::{PathQuery, PhotonPaths, RecordedPath, RecordedSegment, StageSeconds};
+pub use abbe_transport::pass::StageSeconds;
+pub use abbe_transport::photon_paths::{PathQuery, PhotonPaths, RecordedPath, RecordedSegment};
 pub use diffraction::DiffractionSetup;
 pub use display::DisplaySettings;
 pub use forecast::{ErrorMilestone, Forecast, RunTimes};

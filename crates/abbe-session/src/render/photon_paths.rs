@@ -5,7 +5,9 @@ use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::Scene;
 use abbe_scene::camera::Camera;
 use abbe_scene::geometry::{Ray, SurfaceId};
-use abbe_transport::pass::{self, PassContext, PathQuery, PhotonPaths, StageSeconds};
+use abbe_transport::pass::{PassContext, StageSeconds};
+use abbe_transport::photon_paths::{PathQuery, PhotonPaths, photon_paths};
+use abbe_transport::pilot::find_openings;
 use glam::{DVec2, DVec3};
 
 /// The lengths of visible parts are found to this number of pixels.
@@ -21,8 +23,8 @@ impl Job {
     /// Traces photons and records their paths on the current thread pool.
     pub fn photon_paths(&self, query: &PathQuery) -> PhotonPaths {
         let context = self.pass_context();
-        let openings = pass::find_openings(&context, &mut StageSeconds::default());
-        pass::photon_paths(&PassContext { openings: &openings, ..context }, query)
+        let openings = find_openings(&context, &mut StageSeconds::default());
+        photon_paths(&PassContext { openings: &openings, ..context }, query)
     }
 
     /// Returns the first surface under a film position in pixels, and the width of a pixel there in

@@ -11,9 +11,8 @@ use abbe_spectra::error::{Error, Result};
 use abbe_transport::emit::SpectrumCoverage;
 use abbe_transport::gather::Openings;
 use abbe_transport::map::LightMaps;
-use abbe_transport::pass::{
-    PassContext, Pilot, StageSeconds, coarse_path_picture, find_openings, learn_lights, path_pass, photon_pass,
-};
+use abbe_transport::pass::{PassContext, StageSeconds, path_pass, photon_pass};
+use abbe_transport::pilot::{Pilot, coarse_path_picture, find_openings, learn_lights};
 use abbe_transport::plan::{MotionPlan, WavelengthPlan};
 use abbe_transport::sensor::Picture;
 use abbe_transport::walk::ledger::Ledger;
@@ -114,7 +113,7 @@ impl Job {
         while !(stopped || interrupted) {
             let pass = run.part.pass(run.done);
             match &pilot {
-                Some(pilot) => photon_pass(context, pilot, &mut light_maps, pass, &mut run.sums)?,
+                Some(pilot) => photon_pass(context, &pilot.parameters, &mut light_maps, pass, &mut run.sums)?,
                 None => path_pass(context, pass, &mut run.sums)?,
             }
             run.done += 1;

@@ -251,13 +251,13 @@ fn named(all: &[String]) -> String {
 /// parts of a picture have the same notes.
 fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
     let PassSums { ledger, tally, .. } = &run.sums;
-    let limited = job.budget.max_depth.map(|depth| {
+    let limited = job.scene.settings.max_depth.map(|depth| {
         format!(
             "paths end after {depth} surface events (render.max_depth); the light beyond is not in the picture, but it \
              is in the bias bars, and ledger_w.depth_limit states its power"
         )
     });
-    let capped = job.budget.max_depth.is_none() && (ledger.depth_limit > 0.0 || tally.capped_paths > 0);
+    let capped = job.scene.settings.max_depth.is_none() && (ledger.depth_limit > 0.0 || tally.capped_paths > 0);
     let capped = capped.then(|| {
         format!(
             "some paths end at the cap of {MAX_EVENTS} events, because the scene absorbs almost no light; ledger_w.depth_limit \

@@ -191,7 +191,7 @@ pub fn bessel_j(order: i32, x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::{Purpose, Stream};
+    use crate::math::random::{Purpose, Seed, Stream};
     use std::f64::consts::{FRAC_PI_2, PI};
 
     /// Returns the difference of two numbers in units in the last place of the second number.
@@ -204,7 +204,7 @@ mod tests {
 
     /// Returns numbers that are uniform between two limits.
     fn between(from: f64, to: f64) -> impl Iterator<Item = f64> {
-        let mut stream = Stream::new(7, Purpose::Pass, 0, from.to_bits() ^ to.to_bits());
+        let mut stream = Stream::new(Seed::new(7), Purpose::Pass, 0, from.to_bits() ^ to.to_bits());
         (0..40_000).map(move |_| from + (to - from) * stream.uniform())
     }
 

@@ -313,10 +313,10 @@ impl Chirp {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::{Purpose, Stream};
+    use crate::math::random::{Purpose, Seed, Stream};
 
     fn line(length: usize, seed: u64) -> Vec<Complex> {
-        let mut stream = Stream::new(seed, Purpose::Pass, 0, length as u64);
+        let mut stream = Stream::new(Seed::new(seed), Purpose::Pass, 0, length as u64);
         (0..length).map(|_| Complex { re: stream.uniform() - 0.5, im: stream.uniform() - 0.5 }).collect()
     }
 

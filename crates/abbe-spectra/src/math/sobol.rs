@@ -6,6 +6,8 @@
 //! introduced this method, and Burley 2020 gives its present form. The hash function comes from
 //! Vegdahl 2021. Numbers have 32 bits, so the sequence repeats after 2³² points.
 
+use super::random::{StreamKey, mix64};
+
 /// The number of dimensions.
 pub const DIMENSIONS: usize = 8;
 
@@ -72,13 +74,15 @@ pub struct Sobol {
 }
 
 impl Sobol {
-    /// Returns the point set scrambled by the seed.
+    /// Returns the point set of a key. Different keys give independent scramblings.
+    #[inline]
+    pub fn of(key: StreamKey) -> Self {
+        Self::new(key.hash())
+    }
+
+    /// Returns the point set with a fixed scrambling, for integrals that belong to no render.
     pub fn new(seed: u64) -> Self {
-        Self {
-            scrambles: std::array::from_fn(|dimension| {
-                super::random::mix64(seed ^ ((dimension as u64 + 1) << 56)) as u32
-            }),
-        }
+        Self { scrambles: std::array::from_fn(|dimension| mix64(seed ^ ((dimension as u64 + 1) << 56)) as u32) }
     }
 
     /// Returns point `index`; all coordinates are in [0, 1).

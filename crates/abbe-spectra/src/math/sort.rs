@@ -34,13 +34,13 @@ fn ascending_order(numbers: Vec<f64>) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::{Purpose, Stream};
+    use crate::math::random::{Purpose, Seed, Stream};
 
     /// Compares the sort with the stable sort of the standard library, for lists with many equal
     /// numbers.
     #[test]
     fn items_are_sorted_as_by_a_stable_sort() {
-        let mut stream = Stream::new(0, Purpose::Pass, 0, 0);
+        let mut stream = Stream::new(Seed::new(0), Purpose::Pass, 0, 0);
         for count in 0..200 {
             let mut items: Vec<(f64, usize)> =
                 (0..count).map(|index| ((stream.uniform() * 10.0).floor() - 5.0, index)).collect();

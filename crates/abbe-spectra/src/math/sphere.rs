@@ -86,13 +86,13 @@ impl BoundingSphere {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::{Purpose, Stream};
+    use crate::math::random::{Purpose, Seed, Stream};
 
     /// Every sampled ray passes through the sphere, even if the sphere is small and far away. The
     /// fraction of uniform directions through a sphere equals its solid angle.
     #[test]
     fn sampled_rays_pass_through_the_sphere() {
-        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         for scale in [1.0, 1e-3, 1e-6] {
             let sphere = BoundingSphere { centre: DVec3::new(3e3, -2e3, 5e3), radius_m: 2e3 * scale };
             for _ in 0..1000 {

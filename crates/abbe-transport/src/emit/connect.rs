@@ -8,7 +8,7 @@ use crate::walk::{CausticWeights, RayDensity, path_transmittance, transmittance}
 use abbe_optics::bsdf::{BsdfClass, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_scene::Scene;
-use abbe_spectra::math::random::hash64;
+use abbe_spectra::math::random::Seed;
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
 use std::f64::consts::FRAC_1_PI;
 
@@ -85,7 +85,8 @@ impl CameraConnection<'_> {
         if !media_plan.is_clear() {
             let medium_stack = interaction.medium_stack_towards(sighting.direction);
             let ray_state = interaction.spawn_ray(sighting.direction, medium_stack);
-            let seed = hash64([u64::from(sighting.pixel), lens[0].to_bits()]);
+            // A pinhole has one point, so the numbers of the lens would not separate the photons.
+            let seed = Seed::of_pixel(u64::from(sighting.pixel), interaction.hit.position.to_array());
             let along = path_transmittance(scene, ray_state, sighting.distance, seed);
             lanes[..count].iter_mut().for_each(|(nm, radiance)| *radiance *= transmittance(&along, *nm));
         }

@@ -147,7 +147,7 @@ mod tests {
     use abbe_format::resolve::resolve;
     use abbe_scene::geometry::Ray;
     use abbe_scene::medium_stack::MediumStack;
-    use abbe_spectra::math::random::Purpose;
+    use abbe_spectra::math::random::{Purpose, Seed};
     use abbe_spectra::spectrum::Wavelengths;
 
     /// A sphere of radius r at the distance d from a Lambertian surface, at the angle θ from the
@@ -184,7 +184,7 @@ mod tests {
                 radius_m: 1.0,
             };
             let targets = [target(0.75_f64.sqrt(), 0.5, 10.0), target(-0.6, 0.8, 2.5)];
-            let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+            let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
             let (mut on_targets, mut elsewhere, count) = ([0.0; 2], 0.0, 100_000);
             for _ in 0..count {
                 let mut path = PhotonPath { ray_state: start, photon, watts: [1.0; LANES] };

@@ -28,9 +28,6 @@ use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Wavelengths};
 
-/// The share of the photons of the shared set that are excitation photons.
-pub(super) const EXCITATION_SHARE: f64 = 0.5;
-
 /// The probability with which the emitted photon of an excitation photon gets the shared
 /// wavelengths.
 const SHARED_EMISSION: f64 = 0.5;

@@ -1,19 +1,21 @@
 //! The emission of a set of photons.
 
-use super::fluorescence::EXCITATION_SHARE;
 use super::photon_path::{PhotonPath, PhotonState};
 use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
 use crate::map::PhotonSpectra;
 use crate::plan::MediumPlan;
 use crate::plan::partition::LightPath;
-use crate::walk::{BodyMode, DepthLimit, RayDensities, RayDensity, RayState};
+use crate::walk::{BodyMode, RayDensities, RayDensity, RayState};
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::{LeRandoms, LeSample, Light};
-use abbe_spectra::math::random::{Purpose, Stream, hash64};
+use abbe_spectra::math::random::{Stream, StreamKey};
 use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
+
+/// The share of the photons of the shared set that are excitation photons.
+const EXCITATION_SHARE: f64 = 0.5;
 
 /// The wavelengths of the photons of a set.
 #[derive(Debug, Clone, Copy)]
@@ -47,14 +49,8 @@ pub struct PhotonSource<'a> {
     pub fluorescent: bool,
     /// The number of photon paths in the set.
     pub count: u64,
-    /// The number of surface events after which a path ends.
-    pub depth_limit: DepthLimit,
-    /// The seed of the render.
-    pub seed: u64,
-    /// The purpose of the set's random streams.
-    pub purpose: Purpose,
-    /// The number of the pass.
-    pub pass: u64,
+    /// The streams of the set in a pass, one per path.
+    pub streams: StreamKey,
     /// The plan for bodies and media. If the scene contains any, paths need a medium stack.
     pub media_plan: MediumPlan,
 }
@@ -62,12 +58,12 @@ pub struct PhotonSource<'a> {
 impl PhotonSource<'_> {
     /// Returns the set's low-discrepancy points. The points are scrambled differently in each pass.
     pub fn points(&self) -> Sobol {
-        Sobol::new(hash64([self.seed, self.purpose as u64, self.pass]))
+        Sobol::of(self.streams)
     }
 
     /// Returns the random stream of the photon with this index.
     pub(super) fn stream(&self, index: u64) -> Stream {
-        Stream::new(self.seed, self.purpose, self.pass, index)
+        self.streams.path(index)
     }
 
     /// Emits the photon with this index and reports its emission to the visitor.

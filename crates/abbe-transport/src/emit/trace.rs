@@ -11,7 +11,7 @@ use crate::plan::partition::LightPath;
 use crate::walk::SurfaceLookup;
 use crate::walk::ledger::Ledger;
 use crate::walk::{
-    BodyMode, MAX_EVENTS, ScatteredRay, SurfaceInteraction, WithBodies, WithoutBodies, long_path_survival,
+    BodyMode, DepthLimit, MAX_EVENTS, ScatteredRay, SurfaceInteraction, WithBodies, WithoutBodies, long_path_survival,
 };
 use abbe_optics::bsdf::{BsdfClass, TransportMode};
 use abbe_spectra::math::random::Stream;
@@ -28,14 +28,16 @@ pub fn trace<V: PhotonVisitor>(
     visitor: &mut V,
     ledger: &mut Ledger,
 ) {
+    let limit = DepthLimit::of(source.scene);
     // The energy balance does not contain lost paths.
-    let mut lost = source.depth_limit.is_stated().then(|| Ledger::new(ledger.absorbed.len()));
+    let mut lost = limit.is_stated().then(|| Ledger::new(ledger.absorbed.len()));
     match source.media_plan {
-        MediumPlan::Air => indices
-            .for_each(|index| trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger, lost.as_mut())),
-        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
-            indices.for_each(|index| trace_one::<WithBodies, V>(source, points, index, visitor, ledger, lost.as_mut()))
-        }
+        MediumPlan::Air => indices.for_each(|index| {
+            trace_one::<WithoutBodies, V>(source, points, (index, limit), visitor, ledger, lost.as_mut())
+        }),
+        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => indices.for_each(|index| {
+            trace_one::<WithBodies, V>(source, points, (index, limit), visitor, ledger, lost.as_mut())
+        }),
     }
 }
 
@@ -44,7 +46,7 @@ pub fn trace<V: PhotonVisitor>(
 fn trace_one<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     points: &Sobol,
-    index: u64,
+    (index, limit): (u64, DepthLimit),
     visitor: &mut V,
     ledger: &mut Ledger,
     lost: Option<&mut Ledger>,
@@ -61,7 +63,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
         ledger.ultraviolet += path.ultraviolet_w();
     }
     visitor.on_start(&path.ray_state.ray, &path.photon);
-    if !follow::<M, V>(source, &mut path, 1..source.depth_limit.events() + 1, &mut stream, visitor, ledger) {
+    if !follow::<M, V>(source, &mut path, 1..limit.events() + 1, &mut stream, visitor, ledger) {
         return;
     }
     ledger.depth_limit += path.total_w();
@@ -69,7 +71,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
         ledger.depth_limit_indirect += path.total_w();
     }
     if let Some(lost) = lost {
-        follow_lost::<M, V>(source, &mut path, &mut stream, visitor, lost);
+        follow_lost::<M, V>(source, limit, &mut path, &mut stream, visitor, lost);
     }
 }
 
@@ -78,14 +80,15 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
 #[inline(never)]
 fn follow_lost<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
+    limit: DepthLimit,
     path: &mut PhotonPath,
     stream: &mut Stream,
     visitor: &mut V,
     ledger: &mut Ledger,
 ) {
-    let Some(factor) = source.depth_limit.sample_lost_path(stream) else { return };
+    let Some(factor) = limit.sample_lost_path(stream) else { return };
     path.lose(factor);
-    follow::<M, V>(source, path, source.depth_limit.events() + 1..MAX_EVENTS + 1, stream, visitor, ledger);
+    follow::<M, V>(source, path, limit.events() + 1..MAX_EVENTS + 1, stream, visitor, ledger);
 }
 
 /// Follows a photon through surface events with these numbers. The number of a path's first event

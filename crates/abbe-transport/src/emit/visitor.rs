@@ -3,7 +3,7 @@
 use super::photon_path::PhotonState;
 use crate::walk::{MediumSegment, NumberedMedium, PathTransmittance, SurfaceInteraction};
 use abbe_scene::geometry::Ray;
-use abbe_spectra::math::random::Stream;
+use abbe_spectra::math::random::{Seed, Stream};
 use glam::DVec3;
 
 /// A photon that arrives at a surface.
@@ -33,8 +33,10 @@ pub struct PhotonFlight<'a> {
 impl<'a> PhotonFlight<'a> {
     /// Returns the transmittance along the first `length_m` metres.
     pub fn transmittance(&self, length_m: f64) -> PathTransmittance<'a> {
-        let seed = length_m.to_bits();
-        self.segment.map_or_else(PathTransmittance::new, |segment| segment.path_transmittance(length_m, seed))
+        let Some(segment) = self.segment else { return PathTransmittance::new() };
+        // Parallel light has the same length to all points of a plane.
+        let [x, y, z] = self.ray.origin.to_array();
+        segment.path_transmittance(length_m, Seed::of_numbers([x, y, z, length_m]))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, PixelRadii, SetMaps};
 use crate::plan::partition::PerSet;
 use crate::plan::{Plan, Tally};
-use crate::walk::{CausticWeights, DepthLimit, LostLight, MAX_EVENTS, Sink};
+use crate::walk::{CausticWeights, LostLight, MAX_EVENTS, Sink};
 use abbe_scene::Scene;
 use abbe_scene::camera::SystemAt;
 use abbe_spectra::spectrum::{LANES, Lanes};
@@ -53,8 +53,6 @@ pub struct CameraPass<'a> {
     /// The first kernel radius (m) from the scene file. If the value is `None`, each pixel has its
     /// own first radius.
     pub stated_radius_m: Option<f64>,
-    /// The number of surface events after which a path ends.
-    pub depth_limit: DepthLimit,
 }
 
 /// The light of photon paths beyond the limit of their number of events. The light is not part of

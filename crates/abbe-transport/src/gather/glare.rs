@@ -13,7 +13,7 @@ use abbe_scene::Scene;
 use abbe_scene::light::{EmittedSpd, Light};
 use abbe_scene::meter::{ReceptorPoint, Response};
 use abbe_spectra::math::elementary::{acos, atan2, exp, hypot, log10};
-use abbe_spectra::math::random::{REPLICATES, hash64};
+use abbe_spectra::math::random::{Purpose, REPLICATES, Seed, StreamKey};
 use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use glam::DVec3;
@@ -45,11 +45,12 @@ impl Glare {
 impl DirectLighting<'_> {
     /// Estimates the glare of the luminaires for an eye at a point. The view is the normal of the
     /// point's response. Each replicate is an independent estimate.
-    pub fn glare(&self, scene: &Scene, eye: &ReceptorPoint) -> [Glare; REPLICATES] {
+    pub fn glare(&self, scene: &Scene, eye: &ReceptorPoint, seed: Seed) -> [Glare; REPLICATES] {
         std::array::from_fn(|replicate| {
+            let key = seed.streams(Purpose::Glare).pass(replicate as u64);
             let sources = scene.lights.iter().enumerate().filter(|(_, light)| light.is_luminaire());
             sources.fold(Glare::default(), |total, (number, light)| {
-                let of_light = self.glare_of_light(scene, eye, (number, light), replicate as u64);
+                let of_light = self.glare_of_light(scene, eye, (number, light), key.part(number as u64));
                 Glare { sum: total.sum + of_light.sum, direct_lx: total.direct_lx + of_light.direct_lx }
             })
         })
@@ -60,17 +61,15 @@ impl DirectLighting<'_> {
         scene: &Scene,
         eye: &ReceptorPoint,
         (number, light): (usize, &Light),
-        replicate: u64,
+        key: StreamKey,
     ) -> Glare {
         /// The number of points of a luminaire that each replicate samples.
         const SAMPLES: u32 = 256;
-        /// Separates these random numbers from the others. The bytes are the word "glare" in ASCII.
-        const GLARE_SEQUENCE: u64 = 0x67_6c61_7265;
         let view = eye.response.normal();
         // A sphere receives light from all directions alike.
         let all_directions = ReceptorPoint { response: Response::Sphere, ..*eye };
         let photometric = LUMENS_PER_WATT * Observer::cie1931().xyz(&light.spectrum)[1];
-        let sobol = Sobol::new(hash64([GLARE_SEQUENCE, replicate, number as u64]));
+        let sobol = Sobol::of(key);
         let mut tally = Tally::default();
         // Integrals over the luminous parts: of the solid angle, of the luminance, of the luminance
         // divided by p², and of the luminance times the cosine.

@@ -14,6 +14,7 @@ mod camera_pass;
 mod density;
 mod direct;
 mod glare;
+mod light_trials;
 mod luminescence;
 mod media;
 mod path_tracer;

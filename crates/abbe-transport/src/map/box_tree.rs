@@ -208,19 +208,19 @@ impl Slabs {
 mod tests {
     use super::*;
     use abbe_scene::geometry::Ray;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use abbe_spectra::math::warp;
 
     /// Compares the result of a query with a brute-force search.
     #[test]
     fn cone_query_finds_every_touched_box() {
-        let mut stream = Stream::new(3, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(3), Purpose::SurveyPhoton, 0, 0);
         let mut point = || DVec3::new(stream.uniform(), stream.uniform(), stream.uniform()) - 0.5;
         let places: Vec<DVec3> = (0..3000).map(|_| point()).collect();
         let boxes: Vec<(Vec3, Vec3)> = places.iter().map(|p| (p.as_vec3(), p.as_vec3())).collect();
         let (index, leaves) = BoxTree::build(&boxes);
         let leaves: Vec<&[u32]> = leaves.iter().collect();
-        let mut stream = Stream::new(4, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(4), Purpose::SurveyPhoton, 0, 0);
         let mut found_any = 0;
         for i in 0..200 {
             let direction = if i % 4 == 0 { DVec3::X } else { warp::sphere(stream.pair()) };

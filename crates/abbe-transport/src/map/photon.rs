@@ -131,7 +131,7 @@ impl Photon {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
     /// A photon with its position takes 32 bytes.
     #[test]
@@ -142,7 +142,7 @@ mod tests {
     /// The error of each stored power is at most 1/256, and the mean of stored powers is exact.
     #[test]
     fn stored_powers_keep_their_mean() {
-        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         for power in [1e-30, 0.37, 1.0, 1.0039, 2.5e7] {
             let (mut sum, count) = (0.0, 10_000);
             for _ in 0..count {

@@ -67,7 +67,7 @@ impl PhotonMap {
 mod tests {
     use super::*;
     use crate::map::{PhotonPower, WavelengthCode};
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use glam::DVec3;
     use kiddo::leaf_strategies::VecOfArenas;
     use kiddo::stem_strategies::Eytzinger;
@@ -93,7 +93,7 @@ mod tests {
     /// a cube, on a line, and around one point, and for all sizes of a map.
     #[test]
     fn queries_find_the_photons_that_another_tree_finds() {
-        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         for (count, shape) in [
             (100_000, [1.0, 0.0, 1.0]),
             (20_000, [1.0, 0.7, 1.3]),

@@ -38,17 +38,17 @@ impl SphereTree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use abbe_spectra::math::warp;
 
     /// The index finds every sphere that a segment touches, and each of them once.
     #[test]
     fn a_query_finds_every_touched_sphere() {
-        let mut stream = Stream::new(5, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(5), Purpose::SurveyPhoton, 0, 0);
         let mut point = || 1000.0 * (DVec3::new(stream.uniform(), stream.uniform(), stream.uniform()) - 0.5);
         let spheres: Vec<(DVec3, f64)> = (0..500).map(|i| (point(), f64::from(i % 7) * 20.0)).collect();
         let tree = SphereTree::build(spheres.iter().copied());
-        let mut stream = Stream::new(6, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(6), Purpose::SurveyPhoton, 0, 0);
         let mut touched = 0;
         for _ in 0..200 {
             let origin = 1000.0 * (DVec3::new(stream.uniform(), stream.uniform(), stream.uniform()) - 0.5);

@@ -7,11 +7,10 @@ use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, SetMaps};
 use crate::plan::partition::{PerSet, PhotonSet};
 use crate::plan::{Budget, MotionPlan, Plan};
-use crate::walk::DepthLimit;
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::kronecker::{golden_ratio, sqrt3};
-use abbe_spectra::math::random::{Purpose, REPLICATES, hash64};
+use abbe_spectra::math::random::{Purpose, REPLICATES};
 use abbe_spectra::spectrum::{LANES, Lanes};
 use std::borrow::Cow;
 use std::time::Instant;
@@ -40,16 +39,16 @@ pub struct PassContext<'a> {
 
 /// The shared wavelengths of a pass, and their densities.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SharedWavelengths {
+pub(crate) struct SharedWavelengths {
     /// The wavelengths in nm.
-    pub(super) nm: Lanes,
+    pub(crate) nm: Lanes,
     /// The probability densities of the wavelengths, per nm.
-    pub(super) pdf: Lanes,
+    pub(crate) pdf: Lanes,
 }
 
 impl SharedWavelengths {
     /// Returns how the photons of a set sample their wavelengths.
-    pub(super) fn sampling(self, set: PhotonSet) -> WavelengthSampling {
+    pub(crate) fn sampling(self, set: PhotonSet) -> WavelengthSampling {
         let Self { nm, pdf } = self;
         match set {
             PhotonSet::Free => WavelengthSampling::Free,
@@ -60,19 +59,19 @@ impl SharedWavelengths {
 
 /// The emission of a photon set: the number of photons, their wavelengths and their random streams.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EmissionRequest {
-    pub(super) wavelengths: WavelengthSampling,
+pub(crate) struct EmissionRequest {
+    pub(crate) wavelengths: WavelengthSampling,
     /// The number of photon paths.
-    pub(super) count: u64,
-    pub(super) purpose: Purpose,
-    /// The pass number of the random streams.
-    pub(super) pass: u64,
+    pub(crate) count: u64,
+    pub(crate) purpose: Purpose,
+    /// The pass of the random streams.
+    pub(crate) pass: u64,
 }
 
 impl<'a> PassContext<'a> {
     /// Returns a source of photons in `scene`. `scene` is the scene of this context, or a posed
     /// copy of this scene.
-    pub(super) fn photon_source<'s>(
+    pub(crate) fn photon_source<'s>(
         &self,
         scene: &'s Scene,
         strata: &'s EmissionStrata,
@@ -90,10 +89,7 @@ impl<'a> PassContext<'a> {
             wavelengths,
             fluorescent: self.plan.fluorescence,
             count,
-            depth_limit: self.depth_limit(),
-            seed: self.budget.seed,
-            purpose,
-            pass,
+            streams: self.budget.seed.streams(purpose).pass(pass),
             media_plan: self.plan.media_plan,
         }
     }
@@ -102,7 +98,7 @@ impl<'a> PassContext<'a> {
     /// missing, and no photon competes with camera paths. `scene` is the scene of this context, or
     /// a posed copy of this scene. `photons_per_sample` is the number of photon paths of each set,
     /// divided by the number of camera samples per pixel.
-    pub(super) fn camera_pass<'s>(
+    pub(crate) fn camera_pass<'s>(
         &self,
         (scene, selector): (&'s Scene, &'s LightSelector),
         (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
@@ -129,13 +125,7 @@ impl<'a> PassContext<'a> {
             responses: self.responses,
             outlines,
             receptors: &[],
-            depth_limit: self.depth_limit(),
         }
-    }
-
-    /// Returns the number of surface events after which paths end.
-    pub(super) fn depth_limit(&self) -> DepthLimit {
-        DepthLimit { stated: self.budget.max_depth }
     }
 
     /// Samples the shared wavelengths of a pass.
@@ -143,9 +133,9 @@ impl<'a> PassContext<'a> {
     /// The wavelength distribution of the lights is divided into four strata of equal probability.
     /// Each stratum gives one wavelength. A golden-ratio sequence shifts the samples from pass to
     /// pass. Each replicate has a sequence of its own.
-    pub(super) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
+    pub(crate) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
-        let shift = golden_ratio(index as u32, hash64([self.budget.seed, Purpose::Pass as u64, replicate]));
+        let shift = golden_ratio(index as u32, self.budget.seed.streams(Purpose::Pass).pass(replicate).hash());
         let samples: [(f64, f64); LANES] =
             std::array::from_fn(|k| self.lights.wavelengths.sample((shift + k as f64) / LANES as f64));
         SharedWavelengths { nm: samples.map(|(nm, _)| nm), pdf: samples.map(|(_, pdf)| pdf) }
@@ -159,7 +149,7 @@ impl<'a> PassContext<'a> {
 
     /// Returns the selector of the lights in `scene`. `scene` is the scene of this context, or a
     /// posed copy of this scene.
-    pub(super) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
+    pub(crate) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
         match self.plan.motion {
             MotionPlan::Still => Cow::Borrowed(self.selector),
             MotionPlan::PosedPerPass => {
@@ -182,7 +172,7 @@ impl<'a> PassContext<'a> {
         }
         let start = Instant::now();
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
-        let u = sqrt3(index as u32, hash64([self.budget.seed, Purpose::Moment as u64, replicate]));
+        let u = sqrt3(index as u32, self.budget.seed.streams(Purpose::Moment).pass(replicate).hash());
         let scene = self.scene.at(self.scene.shutter.time_s(u));
         sums.tally.moments += 1;
         sums.seconds.pose += start.elapsed().as_secs_f64();

@@ -4,22 +4,22 @@ use crate::map::{ClassMaps, Photon, PhotonBeam, PhotonMap, SetMaps, VolumeMap, V
 use crate::plan::partition::{PerClass, PhotonClass};
 
 /// A photon and its position in m, relative to the scene's centre.
-pub(super) type PositionedPhoton = (Photon, [f32; 3]);
+pub(crate) type PositionedPhoton = (Photon, [f32; 3]);
 
 /// The photons of one class stored in media.
 #[derive(Debug, Default)]
-pub(super) struct VolumeDeposits {
+pub(crate) struct VolumeDeposits {
     /// Photon points: one for each stored scattering event.
-    pub(super) points: Vec<VolumePhoton>,
+    pub(crate) points: Vec<VolumePhoton>,
     /// Photon beams: one for each stored path segment.
-    pub(super) beams: Vec<PhotonBeam>,
+    pub(crate) beams: Vec<PhotonBeam>,
 }
 
 /// The stored photons of a set, or of a part of it.
 #[derive(Debug, Default)]
-pub(super) struct PhotonDeposits {
-    pub(super) surface: PerClass<Vec<PositionedPhoton>>,
-    pub(super) volume: PerClass<VolumeDeposits>,
+pub(crate) struct PhotonDeposits {
+    pub(crate) surface: PerClass<Vec<PositionedPhoton>>,
+    pub(crate) volume: PerClass<VolumeDeposits>,
 }
 
 impl VolumeDeposits {
@@ -37,7 +37,7 @@ impl VolumeDeposits {
 impl PhotonDeposits {
     /// Appends photons. The order of the photons decides the layout of the maps, so callers append
     /// the parts of a set in a fixed order.
-    pub(super) fn append(&mut self, other: &Self) {
+    pub(crate) fn append(&mut self, other: &Self) {
         for class in PhotonClass::ALL {
             self.surface[class].extend_from_slice(&other.surface[class]);
             self.volume[class].append(&other.volume[class]);
@@ -45,7 +45,7 @@ impl PhotonDeposits {
     }
 
     /// Moves the photons into maps.
-    pub(super) fn into_maps(self) -> SetMaps {
+    pub(crate) fn into_maps(self) -> SetMaps {
         self.surface.zip_with(self.volume, |surface, volume| ClassMaps {
             surface: PhotonMap::build(&surface),
             volume: volume.into_maps(),

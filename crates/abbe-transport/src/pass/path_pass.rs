@@ -6,6 +6,7 @@ use super::first_surface::first_surface;
 use super::sums::PassSums;
 use crate::gather::{DirectLighting, PathTracer, PixelSampler};
 use abbe_spectra::error::Result;
+use abbe_spectra::math::random::Purpose;
 use std::time::Instant;
 
 /// Traces one pass with the path tracer and adds it to `sums`.
@@ -26,15 +27,15 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         wavelengths: &lights.wavelengths,
         spectra: context.spectra,
         excitation: &lights.excitation,
-        depth_limit: context.depth_limit(),
     };
     let records_surfaces = sums.film.records_surfaces();
+    let streams = budget.seed.streams(Purpose::Camera);
     // A picture has one sample per pixel and pass, so that the first picture appears early.
     let samples = if sums.film.measures() { budget.camera_samples.unwrap_or(1) } else { 1 };
     expose_rows(sums, |row, tally| {
         row.expose(pass, |pixel, sink| {
             for nth in 0..samples {
-                let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
+                let sampler = || PixelSampler::nth(streams, pass, pixel as u64, (nth, samples));
                 tracer.sample(pixel as u64, sampler(), tally, sink);
                 if records_surfaces {
                     sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());

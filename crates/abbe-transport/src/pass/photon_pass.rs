@@ -3,7 +3,7 @@
 use super::context::{EmissionRequest, PassContext};
 use super::exposure::expose_rows;
 use super::first_surface::first_surface;
-use super::pilot::Pilot;
+use super::parameters::PassParameters;
 use super::receptors::ReceptorKernels;
 use super::recorder::RecordingOptions;
 use super::sums::PassSums;
@@ -12,6 +12,7 @@ use crate::gather::{CameraPass, MissingLight, PathBuffers, PixelSampler};
 use crate::map::radius::{scale, scales};
 use crate::map::{LightMaps, SetMaps};
 use crate::plan::partition::{PerSet, PhotonSet};
+use crate::walk::DepthLimit;
 use crate::walk::ledger::Ledger;
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
@@ -28,7 +29,7 @@ use std::time::Instant;
 /// Returns an error if the scene cannot be posed at the pass's time.
 pub fn photon_pass<'a>(
     context: PassContext<'a>,
-    pilot: &Pilot,
+    parameters: &PassParameters,
     light_maps: &mut LightMaps<'a>,
     pass: u64,
     sums: &mut PassSums,
@@ -39,20 +40,21 @@ pub fn photon_pass<'a>(
     let start = Instant::now();
     let shared = context.shared_wavelengths(pass);
     let film = &sums.film;
-    let scales = scales(pass, pilot.stored_photons);
-    let first = (pilot.receptor_radii.as_slice(), scale(pass, 2));
-    let receptors = ReceptorKernels::of_pass(&context, &scene, first, pilot.photons_per_sample().free);
+    let scales = scales(pass, parameters.stored_photons);
+    let first = (parameters.receptor_radii.as_slice(), scale(pass, 2));
+    let receptors = ReceptorKernels::of_pass(&context, &scene, first, parameters.photons_per_sample().free);
     let traced = PerSet::from_fn(|set| {
         let purpose = match set {
             PhotonSet::Free => Purpose::FreePhoton,
             PhotonSet::Shared => Purpose::SharedPhoton,
         };
-        let request = EmissionRequest { wavelengths: shared.sampling(set), count: pilot.photons[set], purpose, pass };
-        let source = pilot.photon_source(&context, &scene, request);
+        let request =
+            EmissionRequest { wavelengths: shared.sampling(set), count: parameters.photons[set], purpose, pass };
+        let source = parameters.photon_source(&context, &scene, request);
         // Only free photons have wavelengths of their own, which are all the wavelengths of the
         // lights.
         let received = receptors.as_ref().filter(|_| set == PhotonSet::Free);
-        let recording = RecordingOptions { receptors: received, ..pilot.recording(set) };
+        let recording = RecordingOptions { receptors: received, ..parameters.recording(set) };
         trace_photons(&source, plan, set, recording, || film.splat_sink())
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
@@ -74,16 +76,17 @@ pub fn photon_pass<'a>(
         missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
         scales,
         receptors: receptors.as_ref().map_or(&[], ReceptorKernels::weights),
-        ..pilot.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
+        ..parameters.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
     let records_surfaces = sums.film.records_surfaces();
+    let streams = budget.seed.streams(Purpose::Camera);
     expose_rows(sums, |row, tally| {
         let mut buffers = PathBuffers::default();
         row.expose(pass, |pixel, sink| {
-            let samples = pilot.camera_samples.of(pixel);
+            let samples = parameters.camera_samples.of(pixel);
             for nth in 0..samples {
-                let sampler = || PixelSampler::nth(budget.seed, pass, pixel as u64, (nth, samples));
-                camera_pass.sample(pixel as u64, sampler(), &pilot.radii.of(pixel), &mut buffers, tally, sink);
+                let sampler = || PixelSampler::nth(streams, pass, pixel as u64, (nth, samples));
+                camera_pass.sample(pixel as u64, sampler(), &parameters.radii.of(pixel), &mut buffers, tally, sink);
                 if records_surfaces {
                     sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
                 }
@@ -105,8 +108,8 @@ pub fn photon_pass<'a>(
 
     // Each photon set alone represents the whole emission. The ledger of the pass is the mean of
     // both sets, weighted by their numbers of photons.
-    let total = (pilot.photons.free + pilot.photons.shared) as f64;
-    for (mut ledger, count) in [(free.ledger, pilot.photons.free), (on_shared.ledger, pilot.photons.shared)] {
+    let total = (parameters.photons.free + parameters.photons.shared) as f64;
+    for (mut ledger, count) in [(free.ledger, parameters.photons.free), (on_shared.ledger, parameters.photons.shared)] {
         ledger.scale(count as f64 / total);
         sums.ledger.add(&ledger);
     }
@@ -127,7 +130,7 @@ fn missing_light<'m>(
     maps: &'m PerSet<SetMaps>,
     lost: &'m PerSet<SetMaps>,
 ) -> Option<MissingLight<'m>> {
-    if context.depth_limit().is_stated() {
+    if DepthLimit::of(context.scene).is_stated() {
         return Some(MissingLight { maps: lost.as_ref(), factor: 1.0 });
     }
     let sum = |power: fn(&Ledger) -> f64| ledgers.iter().map(|ledger| power(ledger)).sum::<f64>();

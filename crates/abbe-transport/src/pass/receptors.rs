@@ -9,41 +9,25 @@
 //! No photon crosses the part of a disk behind a wall. Beside walls, each kernel is therefore
 //! divided by its mass on the line through the photon and the receptor, between the walls.
 
-use super::context::{EmissionRequest, PassContext};
-use crate::emit::{
-    EmissionStrata, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
-};
+use super::context::PassContext;
+use crate::emit::{PhotonFlight, PhotonState, SurfaceArrival};
 use crate::gather::{Openings, receptor_pdf};
 use crate::map::SphereTree;
 use crate::map::kernel::{DiskKernel, KernelDomain, KernelValues};
+use crate::plan::PathClass;
 use crate::plan::partition::LightPath;
-use crate::plan::{CausticPlan, PathClass};
 use crate::sensor::SplatSink;
-use crate::walk::ledger::Ledger;
 use crate::walk::{CausticWeights, RayDensity, transmittance};
-use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::meter::{ReceivingSide, Receptor, ReceptorShape, Response};
-use abbe_scene::view::RECEPTOR_MARGIN;
-use abbe_spectra::math::random::{Purpose, Stream};
-use abbe_spectra::math::sphere::BoundingSphere;
 use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// The number of photon paths that measure the first radii.
-const PILOT_PATHS: u64 = 1 << 16;
-
-/// The pass number of the random streams of these paths.
-const PILOT_PASS: u64 = 1 << 40;
-
-/// The largest first radius, as a fraction of the radius of the largest specular object.
-const LARGEST_RADIUS: f64 = 0.5;
-
 /// The kernels of the receptors in one pass.
 #[derive(Debug)]
-pub(super) struct ReceptorKernels<'a> {
+pub(crate) struct ReceptorKernels<'a> {
     scene: &'a Scene,
     openings: &'a Openings,
     /// The radius of each receptor in this pass, in m.
@@ -61,7 +45,7 @@ pub(super) struct ReceptorKernels<'a> {
 
 /// An index of the disks of point receptors.
 #[derive(Debug)]
-struct PointDisks {
+pub(crate) struct PointDisks {
     tree: SphereTree,
     /// The numbers of the receptors, in the order of the spheres of the tree.
     receptors: Vec<u32>,
@@ -69,7 +53,7 @@ struct PointDisks {
 
 impl PointDisks {
     /// Creates the index. `radius_m` returns the radius of the disk of a receptor in m.
-    fn new(receptors: &[Receptor], radius_m: impl Fn(usize) -> f64) -> Self {
+    pub(crate) fn new(receptors: &[Receptor], radius_m: impl Fn(usize) -> f64) -> Self {
         let points = || {
             let numbered = receptors.iter().enumerate();
             numbered.filter_map(|(number, receptor)| Some((number, receptor.position()?)))
@@ -79,7 +63,7 @@ impl PointDisks {
     }
 
     /// Calls `visit` with the number of each receptor whose disk the flight may cross.
-    fn visit(&self, flight: &PhotonFlight<'_>, mut visit: impl FnMut(usize)) {
+    pub(crate) fn visit(&self, flight: &PhotonFlight<'_>, mut visit: impl FnMut(usize)) {
         self.tree.visit(flight.ray, flight.length_m, |sphere| visit(self.receptors[sphere] as usize));
     }
 }
@@ -90,50 +74,6 @@ struct Received {
     estimate: f64,
     /// The factor from the photon's power to the bias of the mean radiance.
     bias: f64,
-}
-
-/// Returns the first kernel radii of all receptors in m. Returns no radii if there are no
-/// receptors, or if the plan has no caustics.
-pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &EmissionStrata, photons: u64) -> Vec<f64> {
-    let receptors = scene.camera.receptors();
-    if receptors.is_empty() || context.plan.caustics == CausticPlan::Absent {
-        return Vec::new();
-    }
-    let specular = |object: u32| {
-        let mut components = scene.material_of(object).surface.components();
-        components.any(|component| component.class() == BsdfClass::Specular)
-    };
-    let bounds = scene.geometry.object_bounds();
-    let radius = |(low, high): &(DVec3, DVec3)| 0.5 * (*high - *low).length();
-    let largest = bounds.iter().filter(|(object, _)| specular(**object)).map(|(_, around)| radius(around));
-    let most_m = LARGEST_RADIUS * largest.fold(0.0, f64::max).min(scene.radius_m.max(f64::MIN_POSITIVE));
-    let paths = PILOT_PATHS.min(photons.max(1));
-    let wavelengths = WavelengthSampling::Free;
-    let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::Pilot, pass: PILOT_PASS };
-    let source = context.photon_source(scene, strata, request);
-    let disks = PointDisks::new(receptors, |_| most_m);
-    let mut survey = ReceptorSurvey { receptors, disks, most_m, distances2: vec![Vec::new(); receptors.len()] };
-    let mut ledger = Ledger::new(scene.materials.len());
-    trace(&source, &source.points(), 0..paths, &mut survey, &mut ledger);
-    // A pass has more photon paths than the survey.
-    let nearest = (context.budget.nearest as f64 * paths as f64 / photons.max(1) as f64).max(1.0) as usize;
-    let view = scene.visible_sphere();
-    let radius_m = |(receptor, mut distances2): (&Receptor, Vec<f64>)| {
-        let enough = distances2.len() >= nearest;
-        let found_m =
-            if enough { distances2.select_nth_unstable_by(nearest - 1, f64::total_cmp).1.sqrt() } else { most_m };
-        receptor.position().map_or(found_m, |position| found_m.min(largest_radius_m(view, position)))
-    };
-    receptors.iter().zip(survey.distances2).map(radius_m).collect()
-}
-
-/// Returns the largest radius of the kernel of a receptor at a position, in m. `view` is the sphere
-/// around the receptors. Photons are denser inside of it, and a kernel lies on one side of its
-/// edge.
-fn largest_radius_m(view: Option<BoundingSphere>, position: DVec3) -> f64 {
-    let Some(view) = view else { return f64::INFINITY };
-    let inner_m = view.radius_m / RECEPTOR_MARGIN;
-    if position.distance(view.centre) <= inner_m { view.radius_m - inner_m } else { f64::INFINITY }
 }
 
 impl<'a> ReceptorKernels<'a> {
@@ -281,7 +221,12 @@ impl<'a> ReceptorKernels<'a> {
 
 /// Returns the distance along the flight at which the photon crosses the disk of a receptor, and
 /// the squared distance from the middle of the disk in m². `None` if the photon misses the disk.
-fn crossing(flight: &PhotonFlight<'_>, position: DVec3, response: Response, radius_m: f64) -> Option<(f64, f64)> {
+pub(crate) fn crossing(
+    flight: &PhotonFlight<'_>,
+    position: DVec3,
+    response: Response,
+    radius_m: f64,
+) -> Option<(f64, f64)> {
     let (ray, offset) = (flight.ray, position - flight.ray.origin);
     let t = match response {
         Response::Plane(normal) => {
@@ -295,30 +240,4 @@ fn crossing(flight: &PhotonFlight<'_>, position: DVec3, response: Response, radi
     };
     let d2 = ray.at(t).distance_squared(position);
     (t >= 0.0 && t <= flight.length_m && d2 < radius_m * radius_m).then_some((t, d2))
-}
-
-/// Collects the distances of caustic photons from the receptors.
-struct ReceptorSurvey<'a> {
-    receptors: &'a [Receptor],
-    disks: PointDisks,
-    most_m: f64,
-    distances2: Vec<Vec<f64>>,
-}
-
-impl PhotonVisitor for ReceptorSurvey<'_> {
-    fn on_emission(&mut self, _stratum: usize, _aim: [f64; 2]) {}
-
-    fn on_surface(&mut self, _arrival: &SurfaceArrival<'_>, _stream: &mut Stream) {}
-
-    fn on_flight(&mut self, flight: &PhotonFlight<'_>) {
-        if flight.photon.light_path != LightPath::Caustic {
-            return;
-        }
-        let (receptors, most_m, distances2) = (self.receptors, self.most_m, &mut self.distances2);
-        self.disks.visit(flight, |number| {
-            let ReceptorShape::Point(position, response) = receptors[number].shape else { return };
-            let found = crossing(flight, position, response, most_m);
-            distances2[number].extend(found.map(|(_, d2)| d2));
-        });
-    }
 }

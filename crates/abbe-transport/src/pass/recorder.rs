@@ -23,36 +23,36 @@ const EVENTS_RECORDED_ALWAYS: u32 = 8;
 
 /// How the photons of a set are recorded.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RecordingOptions<'r> {
+pub(crate) struct RecordingOptions<'r> {
     /// The probabilities of storing photons.
-    pub(super) keep: PerClass<KeepProbability>,
+    pub(crate) keep: PerClass<KeepProbability>,
     /// The number of photon paths in the set, divided by the number of camera samples per pixel.
-    pub(super) photons_per_sample: f64,
+    pub(crate) photons_per_sample: f64,
     /// The kernels of the receptors of meters. `None` if the set has no receptors.
-    pub(super) receptors: Option<&'r ReceptorKernels<'r>>,
+    pub(crate) receptors: Option<&'r ReceptorKernels<'r>>,
 }
 
 /// Records the photons of one parallel task.
 #[derive(Debug)]
-pub(super) struct PhotonRecorder<'a> {
+pub(crate) struct PhotonRecorder<'a> {
     scene: &'a Scene,
     spectra: &'a PhotonSpectra,
     plan: &'a Plan,
     set: PhotonSet,
     options: RecordingOptions<'a>,
     /// The photons for the maps.
-    pub(super) deposits: PhotonDeposits,
+    pub(crate) deposits: PhotonDeposits,
     /// The contributions of connections to the camera.
-    pub(super) splats: SplatSink,
+    pub(crate) splats: SplatSink,
     /// The photons beyond the depth limit of the scene.
-    pub(super) lost: PhotonDeposits,
+    pub(crate) lost: PhotonDeposits,
     /// The connections of photons beyond the depth limit of the scene.
-    pub(super) lost_splats: SplatSink,
-    pub(super) tally: Tally,
+    pub(crate) lost_splats: SplatSink,
+    pub(crate) tally: Tally,
 }
 
 impl<'a> PhotonRecorder<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         (scene, spectra): (&'a Scene, &'a PhotonSpectra),
         plan: &'a Plan,
         set: PhotonSet,

@@ -15,26 +15,26 @@ const PHOTONS_PER_TASK: u64 = 2048;
 
 /// The photons of one set, traced and recorded.
 #[derive(Debug, Default)]
-pub(super) struct TracedPhotons {
+pub(crate) struct TracedPhotons {
     /// The photons for the maps.
-    pub(super) deposits: PhotonDeposits,
+    pub(crate) deposits: PhotonDeposits,
     /// The contributions of connections to the camera, one sink per task.
-    pub(super) splats: Vec<SplatSink>,
+    pub(crate) splats: Vec<SplatSink>,
     /// The photons beyond the depth limit of the scene, for the estimated bias.
-    pub(super) lost: PhotonDeposits,
+    pub(crate) lost: PhotonDeposits,
     /// The connections of the photons beyond the depth limit of the scene.
-    pub(super) lost_splats: Vec<SplatSink>,
+    pub(crate) lost_splats: Vec<SplatSink>,
     /// The energy balance in W.
-    pub(super) ledger: Ledger,
+    pub(crate) ledger: Ledger,
     /// The event counters.
-    pub(super) tally: Tally,
+    pub(crate) tally: Tally,
 }
 
 /// Traces all photons of a source on the current thread pool. The result does not depend on the
 /// number of threads.
 ///
 /// `splat_sink` creates an empty sink for connections to the camera.
-pub(super) fn trace_photons(
+pub(crate) fn trace_photons(
     source: &PhotonSource<'_>,
     plan: &Plan,
     set: PhotonSet,

@@ -3,7 +3,7 @@
 use super::fields::Plan;
 use abbe_scene::Scene;
 use abbe_spectra::math::elementary::exp2;
-use abbe_spectra::math::random::REPLICATES;
+use abbe_spectra::math::random::{REPLICATES, Seed};
 
 /// The number of passes if the request contains no stop rule.
 pub const DEFAULT_PASSES: u64 = 64;
@@ -67,8 +67,6 @@ pub struct Budget {
     /// The number of camera samples per pixel and pass, if the scene states it. Otherwise, the
     /// pilot chooses the number.
     pub camera_samples: Option<u64>,
-    /// The number of surface events after which a path ends, if the scene states it.
-    pub max_depth: Option<u32>,
     /// The number of photons within the first kernel radius.
     pub nearest: u32,
     /// The first kernel radius in m, if the scene fixes it.
@@ -76,7 +74,7 @@ pub struct Budget {
     /// The number of light map cells in the first pass, along the longest side of a medium's box.
     pub light_map_cells: u32,
     /// The seed of all random streams.
-    pub seed: u64,
+    pub seed: Seed,
     /// The estimated memory of the film, the photons, the geometry and the light maps, in bytes.
     pub memory_bytes: u64,
     /// The largest distance (pixels) that an object moves over the picture while the shutter is
@@ -159,11 +157,10 @@ impl Budget {
             // The balance of photons and camera samples is measured on pictures.
             photons_stated: settings.photons.is_some() || measures,
             camera_samples: settings.camera_samples.map(u64::from).or(measures.then(|| receptor_samples(pixels))),
-            max_depth: settings.max_depth,
             nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
             radius_m: settings.radius_m,
             light_map_cells,
-            seed: settings.seed.unwrap_or(0),
+            seed: Seed::new(settings.seed.unwrap_or(0)),
             memory_bytes,
             motion_px,
         }

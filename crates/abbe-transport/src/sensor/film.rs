@@ -4,47 +4,16 @@ use super::channels::{Channels, band_nm};
 use super::diffraction::{Convolution, DiffractionPsf, add_product};
 use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
 use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
-use super::readings::{Measurement, ReadingLayout};
+use super::picture::{Picture, SpectralBands};
+use super::pixel_sums::{PixelLight, PixelSums, passes_by_half, replicate};
+use super::readings::{Measurement, Reading, ReadingLayout};
 use super::sink::{FilmRow, SplatSink};
-use crate::sensor::picture::{Picture, SpectralBands};
 use abbe_spectra::colour::xyz_to_linear_srgb;
 use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::math::sum::ExactSum;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// The sums of one pixel over all passes. They take 192 bytes. Each channel takes 16 more bytes.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct PixelSums {
-    pub(super) x: ExactSum,
-    pub(super) z: ExactSum,
-    /// Y of each replicate. The sum of the replicates is Y.
-    pub(super) y: [ExactSum; REPLICATES],
-    /// The bias of Y as two sums: over the even replicates, and over the odd replicates. The two
-    /// estimates have independent noise.
-    pub(super) bias: [ExactSum; 2],
-}
-
-/// The light of a pixel summed over all passes, in W/m²/sr. Each value is radiance times a
-/// colour-matching function. Y is also given for each replicate.
-#[derive(Debug, Clone, Copy)]
-struct PixelLight {
-    xyz: [f64; 3],
-    y: [f64; REPLICATES],
-    bias: [f64; 2],
-}
-
-impl PixelSums {
-    fn light(&self) -> PixelLight {
-        let y = self.y.map(|part| part.value());
-        PixelLight {
-            xyz: [self.x.value(), y.iter().sum(), self.z.value()],
-            y,
-            bias: self.bias.map(|half| half.value()),
-        }
-    }
-}
 
 /// The sums of all pixels. Adding passes in any order gives the same bits.
 ///
@@ -396,14 +365,27 @@ impl Film {
         layers
     }
 
-    /// Returns the sums of a pixel.
     pub(super) fn sums_of(&self, pixel: usize) -> PixelSums {
         self.pixels.get(pixel).copied().unwrap_or_default()
     }
 
+    /// Returns the readings of a measurement so far. Returns none if the film records a picture.
+    pub fn readings(&self) -> Vec<Reading> {
+        let Some(measurement) = &self.measurement else { return Vec::new() };
+        let rows = measurement.layout.rows;
+        let sums = |number: usize| (number * rows..(number + 1) * rows).map(|row| self.sums_of(row));
+        let of_reading = |number| Reading::of_rows(sums(number), self.passes, measurement.independent_rows);
+        (0..measurement.layout.readings.len()).map(of_reading).collect()
+    }
+
+    /// States that the rows of a reading share no random numbers. A film without meters ignores it.
+    pub fn assume_independent_rows(&mut self) {
+        self.measurement.iter_mut().for_each(|measurement| measurement.independent_rows = true);
+    }
+
     /// Returns the number of passes of the even replicates and of the odd replicates.
     pub(super) fn passes_by_half(&self) -> [u64; 2] {
-        [0, 1].map(|parity| self.passes.iter().skip(parity).step_by(2).sum())
+        passes_by_half(self.passes)
     }
 
     /// Returns the number of spectral bands, and the number of their channels.
@@ -481,10 +463,6 @@ impl Film {
         let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
         self.pixels.iter().any(pixel) || self.by_channel.iter().any(|sum| sum.overflowed())
     }
-}
-
-pub(super) fn replicate(pass: u64) -> usize {
-    (pass % REPLICATES as u64) as usize
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@
 //! depend on the order of the passes.
 
 use super::cryptomatte::{NameCounts, hash_name, normal_hash};
-use super::sink::NameRow;
 use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum, library};
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
@@ -257,6 +256,15 @@ impl NameLayer {
         let Self { kind, hashes, pixels, .. } = self;
         pixels.chunks_mut(width).map(|pixels| NameRow { kind: *kind, hashes, pixels })
     }
+}
+
+/// The names of one kind in a row of the film.
+#[derive(Debug)]
+pub(super) struct NameRow<'f> {
+    pub(super) kind: NameKind,
+    /// The hash of each name.
+    pub(super) hashes: &'f [u32],
+    pub(super) pixels: &'f mut [NameCounts],
 }
 
 /// The layers of a picture.

@@ -13,6 +13,7 @@ pub mod exposure;
 pub mod film;
 pub mod layers;
 pub mod picture;
+mod pixel_sums;
 mod reading_spectrum;
 mod readings;
 mod sink;

@@ -11,7 +11,7 @@
 //! would often be too small.
 
 use super::error_bars::{ErrorSquares, PixelMeans};
-use super::film::Film;
+use super::pixel_sums::{PixelSums, passes_by_half};
 use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
@@ -88,7 +88,6 @@ impl ReadingLayout {
         channels * (1 + REPLICATES / 2)
     }
 
-    /// Returns the observer of a row.
     pub(super) fn observer(&self, row: usize) -> &'static Observer {
         self.readings[row / self.rows].observer
     }
@@ -124,6 +123,49 @@ impl Reading {
     pub fn half_interval_95(&self) -> Option<f64> {
         Some(half_interval_with_degrees(self.noise?, self.bias.unwrap_or(0.0), self.degrees))
     }
+
+    /// Computes the reading from the sums of its rows. `passes` is the number of passes of each
+    /// replicate. `independent` is true if the rows share no random numbers.
+    pub(super) fn of_rows(
+        rows: impl ExactSizeIterator<Item = PixelSums>,
+        passes: [u64; REPLICATES],
+        independent: bool,
+    ) -> Self {
+        let count = rows.len() as f64;
+        let blank = PixelMeans { y: [0.0; REPLICATES], bias: [0.0; 2] };
+        let mut means = blank;
+        let (all, halves) = (passes.iter().sum::<u64>(), passes_by_half(passes));
+        let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / (passes.max(1) as f64 * count);
+        let (mut total, mut xz) = (0.0, [0.0; 2]);
+        // The sum of the variances of independent rows, and the sum of their squares.
+        let mut variances = [0.0; 2];
+        for sums in rows {
+            xz = [xz[0] + sums.x.value(), xz[1] + sums.z.value()];
+            let y = sums.y.map(|sum| sum.value());
+            total += y.iter().sum::<f64>();
+            let mut of_row = blank;
+            (0..REPLICATES).for_each(|r| of_row.y[r] = mean(y[r], passes[r]));
+            (0..REPLICATES).for_each(|r| means.y[r] += of_row.y[r]);
+            (0..2).for_each(|h| means.bias[h] += mean(sums.bias[h].value(), halves[h]));
+            let variance = of_row.variance(passes).unwrap_or(0.0);
+            variances = [variances[0] + variance, variances[1] + variance * variance];
+        }
+        let known = halves.map(|passes| passes > 0);
+        let (mut variance, mut degrees) =
+            (means.variance(passes), passes.iter().filter(|&&passes| passes > 0).count().saturating_sub(1) as f64);
+        if independent && variance.is_some() && variances[1] > 0.0 {
+            // The degrees of freedom of a sum of variances (Welch 1947).
+            degrees *= variances[0] * variances[0] / variances[1];
+            variance = Some(variances[0]);
+        }
+        Self {
+            value: mean(total, all),
+            xyz: [xz[0], total, xz[1]].map(|sum| mean(sum, all) / LUMENS_PER_WATT),
+            noise: variance.map(f64::sqrt),
+            bias: means.squared_bias(known).map(|square| square.max(0.0).sqrt()),
+            degrees,
+        }
+    }
 }
 
 /// Returns half the width of a 95 % interval. `noise` is the standard error, and `degrees` is the
@@ -147,63 +189,6 @@ fn student(z: f64, degrees: f64) -> f64 {
         (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0,
     ];
     z * (1.0 + (terms[0] + (terms[1] + terms[2] / degrees) / degrees) / degrees)
-}
-
-impl Film {
-    /// Returns the readings of a measurement so far. Returns none if the film records a picture.
-    pub fn readings(&self) -> Vec<Reading> {
-        let Some(measurement) = &self.measurement else { return Vec::new() };
-        let rows = measurement.layout.rows;
-        let independent = measurement.independent_rows;
-        let of_reading = |number: usize| self.reading(number * rows..(number + 1) * rows, independent);
-        (0..measurement.layout.readings.len()).map(of_reading).collect()
-    }
-
-    /// States that the rows of a reading share no random numbers. A film without meters ignores it.
-    pub fn assume_independent_rows(&mut self) {
-        self.measurement.iter_mut().for_each(|measurement| measurement.independent_rows = true);
-    }
-
-    /// Returns the reading of these rows.
-    fn reading(&self, rows: std::ops::Range<usize>, independent: bool) -> Reading {
-        let count = rows.len() as f64;
-        let blank = PixelMeans { y: [0.0; REPLICATES], bias: [0.0; 2] };
-        let mut means = blank;
-        let (all, halves) = (self.passes(), self.passes_by_half());
-        let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / (passes.max(1) as f64 * count);
-        let (mut total, mut xz) = (0.0, [0.0; 2]);
-        // The sum of the variances of independent rows, and the sum of their squares.
-        let mut variances = [0.0; 2];
-        for row in rows.clone() {
-            let sums = self.sums_of(row);
-            xz = [xz[0] + sums.x.value(), xz[1] + sums.z.value()];
-            let y = sums.y.map(|sum| sum.value());
-            total += y.iter().sum::<f64>();
-            let mut of_row = blank;
-            (0..REPLICATES).for_each(|r| of_row.y[r] = mean(y[r], self.passes[r]));
-            (0..REPLICATES).for_each(|r| means.y[r] += of_row.y[r]);
-            (0..2).for_each(|h| means.bias[h] += mean(sums.bias[h].value(), halves[h]));
-            let variance = of_row.variance(self.passes).unwrap_or(0.0);
-            variances = [variances[0] + variance, variances[1] + variance * variance];
-        }
-        let known = halves.map(|passes| passes > 0);
-        let (mut variance, mut degrees) = (
-            means.variance(self.passes),
-            self.passes.iter().filter(|&&passes| passes > 0).count().saturating_sub(1) as f64,
-        );
-        if independent && variance.is_some() && variances[1] > 0.0 {
-            // The degrees of freedom of a sum of variances (Welch 1947).
-            degrees *= variances[0] * variances[0] / variances[1];
-            variance = Some(variances[0]);
-        }
-        Reading {
-            value: mean(total, all),
-            xyz: [xz[0], total, xz[1]].map(|sum| mean(sum, all) / LUMENS_PER_WATT),
-            noise: variance.map(f64::sqrt),
-            bias: means.squared_bias(known).map(|square| square.max(0.0).sqrt()),
-            degrees,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! The sinks of a film: they collect the light of camera samples and of splats.
 
 use super::channels::Channels;
-use super::cryptomatte::NameCounts;
-use super::film::{PixelSums, replicate};
-use super::layers::{FirstSurface, NameKind};
+use super::layers::{FirstSurface, NameKind, NameRow};
+use super::pixel_sums::{PixelSums, replicate};
 use super::readings::ReadingLayout;
 use abbe_spectra::math::sum::ExactSum;
 use abbe_spectra::spectrum::Observer;
@@ -48,15 +47,6 @@ pub struct FilmRow<'f> {
     /// The bands of each replicate, if the film belongs to a measurement.
     pub(super) by_replicate: &'f mut [f64],
     pub(super) names: Vec<NameRow<'f>>,
-}
-
-/// The names of one kind in a row of the film.
-#[derive(Debug)]
-pub(super) struct NameRow<'f> {
-    pub(super) kind: NameKind,
-    /// The hash of each name.
-    pub(super) hashes: &'f [u32],
-    pub(super) pixels: &'f mut [NameCounts],
 }
 
 /// Returns whether a sample is finite and not negative. Other values indicate a bug. The caller
@@ -225,7 +215,6 @@ impl SplatSink {
         Self { layout, ..self }
     }
 
-    /// Returns the observer of a pixel.
     fn observer_of(&self, pixel: u32) -> &'static Observer {
         self.layout.as_ref().map_or(self.observer, |layout| layout.observer(pixel as usize))
     }

@@ -10,7 +10,8 @@
 
 use super::next_interaction::{next_interaction, next_interaction_in_air};
 use super::ray_state::RayState;
-use super::scatter::{ScatteredRay, scatter, scatter_all_wavelengths};
+use super::scatter::{scatter, scatter_all_wavelengths};
+use super::scattered_ray::ScatteredRay;
 use super::surface_interaction::{SurfaceInteraction, SurfaceLookup};
 use abbe_optics::bsdf::TransportMode;
 use abbe_scene::Scene;

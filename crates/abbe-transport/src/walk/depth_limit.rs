@@ -9,6 +9,7 @@
 
 use super::sink::{SensorResponse, Sink};
 use crate::plan::{LightOrigin, PathClass};
+use abbe_scene::Scene;
 use abbe_spectra::math::random::Stream;
 
 /// The cap: the largest number of surface events on a path, and the largest number of collisions
@@ -26,10 +27,16 @@ const PATHS_PER_LOST_PATH: f64 = 8.0;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DepthLimit {
     /// The limit that the scene states, or `None` if only the cap ends paths.
-    pub stated: Option<u32>,
+    stated: Option<u32>,
 }
 
 impl DepthLimit {
+    /// Returns the limit of the paths of a scene.
+    #[inline]
+    pub fn of(scene: &Scene) -> Self {
+        Self { stated: scene.settings.max_depth }
+    }
+
     /// Returns the largest number of surface events of a path whose light reaches the picture.
     #[inline]
     pub fn events(self) -> u32 {

@@ -10,6 +10,7 @@ mod next_interaction;
 mod ray_state;
 mod scatter;
 mod scatter_coated;
+mod scattered_ray;
 mod sink;
 mod surface_interaction;
 mod transmittance;
@@ -20,7 +21,8 @@ pub use depth_limit::{DepthLimit, LONG_PATH, LostLight, MAX_EVENTS, long_path_su
 pub use medium_segment::{MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};
 pub use ray_state::RayState;
-pub use scatter::{ConsistentBsdfSample, ScatteredRay, sample_consistently, scatter, scatter_all_wavelengths};
+pub use scatter::{ConsistentBsdfSample, sample_consistently, scatter, scatter_all_wavelengths};
+pub use scattered_ray::ScatteredRay;
 pub use sink::{SensorResponse, Sink};
 pub use surface_interaction::{SurfaceInteraction, SurfaceLookup};
 pub use transmittance::{

@@ -3,44 +3,15 @@
 //! All wavelengths of a path share one direction until a dispersive refraction. At a dispersive
 //! refraction, the path keeps one wavelength.
 
-use super::ray_state::RayState;
 use super::scatter_coated::scatter_at_coated_interface;
+use super::scattered_ray::{ScatteredRay, scatter_consistently, single_lane, transmitted_scale};
 use super::surface_interaction::SurfaceInteraction;
 use abbe_optics::bsdf::{Bsdf, BsdfSample, ScatterEvent, TransportMode};
 use abbe_optics::fresnel;
 use abbe_spectra::math::frame::Frame;
 use abbe_spectra::math::random::Stream;
-use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
+use abbe_spectra::spectrum::{LANES, Wavelengths};
 use glam::DVec3;
-
-/// The result of scattering a path at a surface.
-#[derive(Debug, Clone, Copy)]
-pub struct ScatteredRay {
-    /// The new unit direction in world space.
-    pub direction: DVec3,
-    /// The factor by which the event changes the power or radiance of each wavelength. The factor
-    /// is 0 if the path no longer carries the wavelength.
-    pub weight: Lanes,
-    /// For each wavelength, the fraction of the power that the surface absorbs.
-    pub absorbed: Lanes,
-    /// The lane of the only remaining wavelength, if the event was dispersive.
-    pub kept: Option<usize>,
-    /// True if the BSDF is a delta distribution in this direction.
-    pub delta: bool,
-    /// The probability density (1/sr) of the direction at the hero wavelength. It is 0 for a delta
-    /// distribution.
-    pub pdf: f64,
-    /// Reflection or transmission.
-    pub event: ScatterEvent,
-}
-
-impl SurfaceInteraction<'_> {
-    /// Returns the ray that leaves the surface after scattering.
-    #[inline]
-    pub fn spawn_scattered(&self, scattered: &ScatteredRay) -> RayState {
-        self.spawn_ray(scattered.direction, self.medium_stack_after(scattered.event))
-    }
-}
 
 /// Scatters a path with these wavelengths. Returns `None` if the surface absorbs the path.
 #[inline]
@@ -155,14 +126,6 @@ fn scatter_at_smooth_interface(
     })
 }
 
-/// Returns the factor by which refraction scales the transported quantity.
-pub(super) fn transmitted_scale(transport: TransportMode, n_here: f64, n_there: f64) -> f64 {
-    match transport {
-        TransportMode::Radiance => (n_here / n_there) * (n_here / n_there),
-        TransportMode::Importance => 1.0,
-    }
-}
-
 /// Scatters at a smooth interface of dispersive media.
 ///
 /// Reflection keeps all wavelengths. The probability of reflection is the mean reflectance F̄ of
@@ -251,38 +214,17 @@ pub fn sample_consistently(
     Some(ConsistentBsdfSample { frame, wo, sample })
 }
 
-/// Scatters all wavelengths in the shading frame. If the direction is on the wrong side of the
-/// geometric surface, scatters again in the frame of the geometric normal.
-pub(super) fn scatter_consistently<'a>(
-    interaction: &SurfaceInteraction<'a>,
-    scatter: impl Fn(&SurfaceInteraction<'a>) -> Option<ScatteredRay>,
-) -> Option<ScatteredRay> {
-    let scattered = scatter(interaction)?;
-    if interaction.is_consistent(scattered.direction, scattered.event) {
-        Some(scattered)
-    } else {
-        let (frame, wo) = interaction.geometric_frame();
-        scatter(&SurfaceInteraction { frame, wo, ..*interaction })
-    }
-}
-
-/// Returns lanes with `value` in one lane and 0 in the others.
-pub(super) fn single_lane(lane: usize, value: f64) -> Lanes {
-    let mut lanes = [0.0; LANES];
-    lanes[lane] = value;
-    lanes
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::walk::next_interaction::next_interaction;
+    use crate::walk::ray_state::RayState;
     use crate::walk::surface_interaction::SurfaceLookup;
     use abbe_format::{self as format, resolve::resolve};
     use abbe_scene::Scene;
     use abbe_scene::geometry::Ray;
     use abbe_scene::medium_stack::MediumStack;
-    use abbe_spectra::math::random::Purpose;
+    use abbe_spectra::math::random::{Purpose, Seed};
 
     /// Returns the reflectance from the amplitudes of Fresnel's equations in their usual form.
     fn textbook_reflectance(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
@@ -331,7 +273,7 @@ mod tests {
             (50.0, TransportMode::Radiance),
         ] {
             let interaction = at_top_of_box(&scene, angle);
-            let mut streams = [0, 1].map(|_| Stream::new(1, Purpose::Pilot, 0, 0));
+            let mut streams = [0, 1].map(|_| Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0));
             for _ in 0..200 {
                 let found = scatter(&interaction, &one, transport, &mut streams[0]).unwrap();
                 let known = scatter_all_wavelengths(&interaction, &one, transport, &mut streams[1]).unwrap();
@@ -354,7 +296,7 @@ mod tests {
             let cos = angle.to_radians().cos();
             let interaction = at_top_of_box(&scene, angle);
             let (glass, air) = (interaction.sides.here, interaction.sides.there);
-            let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+            let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
             let (mut reflected, mut transmitted, count) = ([0.0; LANES], [0.0; LANES], 100_000);
             for _ in 0..count {
                 let scattered = scatter(&interaction, &wavelengths, TransportMode::Radiance, &mut stream);

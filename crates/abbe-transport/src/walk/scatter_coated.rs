@@ -1,6 +1,6 @@
 //! Scattering of a path at a polished interface under thin films.
 
-use super::scatter::{ScatteredRay, scatter_consistently, single_lane, transmitted_scale};
+use super::scattered_ray::{ScatteredRay, scatter_consistently, single_lane, transmitted_scale};
 use super::surface_interaction::SurfaceInteraction;
 use abbe_optics::bsdf::{CoatedDielectric, ScatterEvent, TransportMode};
 use abbe_optics::fresnel;

@@ -8,15 +8,10 @@ use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::{Medium, TransmittanceEstimator};
 use abbe_spectra::math::elementary::{exp, exp_m1, ln_1p};
-use abbe_spectra::math::random::{Purpose, Stream, hash64};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::spectrum::Spectrum;
 use smallvec::SmallVec;
 use std::ops::ControlFlow;
-
-/// The purpose of the random streams of ratio tracking. These streams have the same purpose as the
-/// streams of camera paths. However, their seed is a hash of the sample, so that the two kinds of
-/// streams differ.
-const RATIO_TRACKING: Purpose = Purpose::Camera;
 
 /// The transmittance of one segment as a function of wavelength.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +44,7 @@ pub enum SegmentTransmittance<'a> {
         /// The length in m.
         length_m: f64,
         /// The seed of the random positions.
-        seed: u64,
+        seed: Seed,
     },
     /// A thin pane that the path crosses in a straight line.
     Pane {
@@ -68,7 +63,7 @@ pub type PathTransmittance<'a> = SmallVec<[SegmentTransmittance<'a>; 3]>;
 impl<'a> SegmentTransmittance<'a> {
     /// Creates the transmittance of `medium` along the first `length_m` metres of the ray. The
     /// medium determines the method. Only ratio tracking uses `seed`.
-    pub fn new(medium: &'a Medium, ray: Ray, length_m: f64, seed: u64) -> Self {
+    pub fn new(medium: &'a Medium, ray: Ray, length_m: f64, seed: Seed) -> Self {
         match medium.transmittance {
             TransmittanceEstimator::Exact => {
                 Self::Column { medium, column_m: medium.column_m(&ray, length_m), excess_m: 0.0 }
@@ -129,13 +124,13 @@ pub fn transmittance(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -
 impl<'a> MediumSegment<'a> {
     /// Returns the transmittances along the first `length_m` metres of the segment. Only ratio
     /// tracking uses `seed`.
-    pub fn path_transmittance(&self, length_m: f64, seed: u64) -> PathTransmittance<'a> {
+    pub fn path_transmittance(&self, length_m: f64, seed: Seed) -> PathTransmittance<'a> {
         self.transmittance_by(length_m, |medium| SegmentTransmittance::new(medium, self.ray, length_m, seed))
     }
 
     /// Returns the transmittances along the first `length_m` metres by ratio tracking. The
     /// reference path tracer uses this function, because it must not depend on column densities.
-    pub fn path_transmittance_tracked(&self, length_m: f64, seed: u64) -> PathTransmittance<'a> {
+    pub fn path_transmittance_tracked(&self, length_m: f64, seed: Seed) -> PathTransmittance<'a> {
         self.transmittance_by(length_m, |medium| SegmentTransmittance::Tracked {
             medium,
             ray: self.ray,
@@ -161,7 +156,7 @@ pub fn path_transmittance<'a>(
     scene: &'a Scene,
     ray_state: RayState,
     length_m: f64,
-    seed: u64,
+    seed: Seed,
 ) -> PathTransmittance<'a> {
     collect_segments(scene, ray_state, length_m, seed, MediumSegment::path_transmittance)
 }
@@ -171,7 +166,7 @@ pub fn path_transmittance_tracked<'a>(
     scene: &'a Scene,
     ray_state: RayState,
     length_m: f64,
-    seed: u64,
+    seed: Seed,
 ) -> PathTransmittance<'a> {
     collect_segments(scene, ray_state, length_m, seed, MediumSegment::path_transmittance_tracked)
 }
@@ -185,13 +180,13 @@ fn collect_segments<'a>(
     scene: &'a Scene,
     ray_state: RayState,
     length_m: f64,
-    seed: u64,
-    of_segment: impl Fn(&MediumSegment<'a>, f64, u64) -> PathTransmittance<'a>,
+    seed: Seed,
+    of_segment: impl Fn(&MediumSegment<'a>, f64, Seed) -> PathTransmittance<'a>,
 ) -> PathTransmittance<'a> {
     let mut path_transmittance = PathTransmittance::new();
     let mut number = 0;
     let mut add = |segment: &MediumSegment<'a>| {
-        path_transmittance.extend(of_segment(segment, segment.length_m, hash64([seed, number])));
+        path_transmittance.extend(of_segment(segment, segment.length_m, seed.part(number)));
         number += 1;
         ControlFlow::Continue(())
     };
@@ -203,7 +198,7 @@ fn collect_segments<'a>(
 /// along the ray gives the positions x_j. The rate of the process is σ̄. This rate is the product
 /// of two numbers: the largest extinction coefficient over the band, and the upper bound of the
 /// density.
-fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: u64) -> f64 {
+fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: Seed) -> f64 {
     let Some((begin, end)) = medium.window(ray, length_m) else {
         return 1.0;
     };
@@ -212,7 +207,7 @@ fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: 
     if rate <= 0.0 {
         return 1.0;
     }
-    let mut stream = Stream::new(seed, RATIO_TRACKING, 0, 0);
+    let mut stream = Stream::new(seed, Purpose::RatioTracking, 0, 0);
     let (mut t, mut transmittance) = (begin, 1.0);
     loop {
         t -= ln_1p(-stream.uniform()) / rate;
@@ -247,10 +242,14 @@ mod tests {
         let scene = resolve(&written, &source).unwrap();
         let ray = Ray::new(DVec3::new(-4.0, 0.1, 0.2) - scene.centre, DVec3::X);
         let ray_state = RayState { ray, from: None, medium_stack: MediumStack::AIR };
-        let of_seed = |seed| transmittance(&path_transmittance_tracked(&scene, ray_state, 10.0, seed), 550.0);
+        let of_seed =
+            |seed| transmittance(&path_transmittance_tracked(&scene, ray_state, 10.0, Seed::new(seed)), 550.0);
         let mean = (0..10_000).map(of_seed).sum::<f64>() / 10_000.0;
         let exact = (-2.0_f64).exp();
         assert!((mean / exact - 1.0).abs() < 0.08, "{mean} for {exact}");
-        assert!((transmittance(&path_transmittance(&scene, ray_state, 10.0, 0), 550.0) / exact - 1.0).abs() < 1e-9);
+        assert!(
+            (transmittance(&path_transmittance(&scene, ray_state, 10.0, Seed::new(0)), 550.0) / exact - 1.0).abs()
+                < 1e-9
+        );
     }
 }

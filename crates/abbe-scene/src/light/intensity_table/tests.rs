@@ -1,5 +1,5 @@
 use super::*;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 
 fn radians(degrees: &[f64]) -> Vec<f64> {
@@ -62,7 +62,7 @@ fn tables_of_types_a_and_b_follow_the_conversion_formulas() {
 #[test]
 fn the_density_integrates_to_one() {
     for table in uneven() {
-        let mut stream = Stream::new(3, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(3), Purpose::SurveyPhoton, 0, 0);
         let n = 400_000;
         let mean: f64 = (0..n).map(|_| 4.0 * PI * table.pdf(warp::sphere(stream.pair())) / f64::from(n)).sum();
         assert!((mean - 1.0).abs() < 0.01, "{mean}");
@@ -78,7 +78,7 @@ fn samples_follow_the_stated_density() {
         octant * 12 + ((d.z + 1.0) * 6.0).min(11.0) as usize
     };
     for table in uneven() {
-        let mut stream = Stream::new(4, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(4), Purpose::SurveyPhoton, 0, 0);
         let n = 1_000_000;
         let (mut sampled, mut expected, mut squares) = ([0.0; 96], [0.0; 96], [0.0; 96]);
         for _ in 0..n {
@@ -101,7 +101,7 @@ fn samples_follow_the_stated_density() {
 #[test]
 fn light_stays_within_the_bounding_cosines() {
     for table in uneven() {
-        let mut stream = Stream::new(5, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(5), Purpose::SurveyPhoton, 0, 0);
         let [least, most] = table.cosines();
         let (mut low, mut high) = (1.0_f64, -1.0_f64);
         for _ in 0..20_000 {

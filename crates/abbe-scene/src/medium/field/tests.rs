@@ -1,14 +1,14 @@
 //! Compares fields with numerical integration, with closed forms and with each other.
 
 use super::*;
-use abbe_spectra::math::random::{Purpose, Stream};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use std::f64::consts::PI;
 
 /// A box with unequal sides, away from the origin.
 const BOUNDS: (DVec3, DVec3) = (DVec3::new(-1.0, 0.5, -2.0), DVec3::new(1.5, 2.0, 1.0));
 
 fn random(number: u64) -> Stream {
-    Stream::new(3, Purpose::Pilot, 0, number)
+    Stream::new(Seed::new(3), Purpose::SurveyPhoton, 0, number)
 }
 
 /// A map from scene coordinates to field coordinates. The map consists of a rotation, an uneven

@@ -1,6 +1,7 @@
 //! The camera walk: follows camera paths over mirrors, glass and glossy surfaces to the first
 //! diffuse surface.
 
+mod direct;
 pub(super) mod path;
 mod receptor;
 pub(super) mod sampler;

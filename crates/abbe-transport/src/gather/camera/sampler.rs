@@ -7,21 +7,12 @@ use abbe_scene::camera::{Aperture, Camera, SystemAt};
 use abbe_scene::geometry::Ray;
 use abbe_scene::meter::{Receptor, ReceptorPoint, Response};
 use abbe_spectra::math::kronecker::golden_ratio;
-use abbe_spectra::math::random::{Purpose, REPLICATES, Stream, hash64, unit_interval};
+use abbe_spectra::math::random::{Purpose, REPLICATES, Seed, Stream, Streams};
 use abbe_spectra::math::sobol::{DIMENSIONS, Sobol};
 use glam::{DVec2, DVec3};
 
-/// The shift of a pixel's wavelength sequence is a hash. This constant is one of the hashed values,
-/// so that the wavelength sequence is independent of the pixel's Sobol points.
-const WAVELENGTH_SEQUENCE: u64 = 0x5eed;
-
-/// Separates the random numbers of receptors from the others. The bytes of this number are the word
-/// "meter" in ASCII.
-const RECEPTOR_SEQUENCE: u64 = 0x6d_6574_6572;
-
 /// The start of a path at a receptor.
 pub(in crate::gather) struct ReceptorSample {
-    /// The point of the receptor.
     pub(in crate::gather) point: ReceptorPoint,
     /// The ray from the point.
     pub(in crate::gather) ray_state: RayState,
@@ -45,19 +36,19 @@ pub struct PixelSampler {
 
 impl PixelSampler {
     /// Creates the sampler of the only camera sample of `pixel` in `pass`.
-    pub fn new(seed: u64, pass: u64, pixel: u64) -> Self {
-        Self::nth(seed, pass, pixel, (0, 1))
+    pub fn new(streams: Streams, pass: u64, pixel: u64) -> Self {
+        Self::nth(streams, pass, pixel, (0, 1))
     }
 
     /// Creates the sampler of one camera sample of `pixel` in `pass`. `nth` is the index of the
     /// sample in the pass, and `samples` is the number of samples of the pixel in each pass.
-    pub fn nth(seed: u64, pass: u64, pixel: u64, (nth, samples): (u64, u64)) -> Self {
+    pub fn nth(streams: Streams, pass: u64, pixel: u64, (nth, samples): (u64, u64)) -> Self {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64 * samples + nth);
-        let key = hash64([seed, Purpose::Camera as u64, replicate, pixel]);
+        let key = streams.pass(replicate).part(pixel);
         Self {
-            point: Sobol::new(key).point(index as u32),
-            stream: Stream::new(seed, Purpose::Camera, pass * samples + nth, pixel),
-            wavelength: golden_ratio(index as u32, hash64([key, WAVELENGTH_SEQUENCE])),
+            point: Sobol::of(key).point(index as u32),
+            stream: streams.pass(pass * samples + nth).path(pixel),
+            wavelength: golden_ratio(index as u32, key.second_sequence().hash()),
         }
     }
 
@@ -85,8 +76,8 @@ impl PixelSampler {
         receptor: &Receptor,
         openings: &Openings,
     ) -> ReceptorSample {
-        let more =
-            |number: u64| unit_interval(hash64([hash64(self.point.map(f64::to_bits)), RECEPTOR_SEQUENCE, number]));
+        let streams = Seed::of_numbers(self.point).streams(Purpose::Receptor);
+        let more = |number: u64| streams.pass(number).uniform();
         let ([u, v], [across, along]) = (self.film(), self.lens());
         let point = scene.receptor_point(receptor, [more(0), across, along, more(1)]);
         let (response, choice) = (point.response, more(2));
@@ -175,7 +166,7 @@ mod tests {
     #[test]
     fn samples_of_pixels_and_passes_are_uncorrelated() {
         let numbers = |seed: u64, pass: u64, pixel: u64| {
-            let sampler = PixelSampler::new(seed, pass, pixel);
+            let sampler = PixelSampler::new(Seed::new(seed).streams(Purpose::Camera), pass, pixel);
             let [x, y] = sampler.film();
             let [u, v, w] = sampler.light();
             [x, y, u, v, w, sampler.wavelength]

@@ -14,7 +14,9 @@ use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::map::PixelRadii;
 use crate::plan::partition::View;
 use crate::plan::{MediumPlan, Tally, WavelengthPlan};
-use crate::walk::{BodyMode, MAX_EVENTS, Sink, SurfaceInteraction, SurfaceLookup, WithBodies, WithoutBodies};
+use crate::walk::{
+    BodyMode, DepthLimit, MAX_EVENTS, Sink, SurfaceInteraction, SurfaceLookup, WithBodies, WithoutBodies,
+};
 use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::camera::SystemAt;
 use abbe_spectra::spectrum::LANES;
@@ -37,7 +39,7 @@ impl<'a> CameraPass<'a> {
         tally.camera_samples += 1;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
         let path = |ray| CameraPath::new(ray, camera.medium_stack);
-        let events = self.depth_limit.events();
+        let events = DepthLimit::of(self.scene).events();
         let mut context = PathContext { pixel, events, sampler: &mut sampler, radii, buffers, sink, tally };
         if let Some(receptor) = camera.receptor(pixel) {
             self.sample_receptor(receptor, &mut context);
@@ -182,7 +184,7 @@ impl<'a> CameraPass<'a> {
             context.tally.capped_paths += 1;
             return;
         }
-        let factor = self.depth_limit.sample_lost_path(&mut context.sampler.stream);
+        let factor = DepthLimit::of(self.scene).sample_lost_path(&mut context.sampler.stream);
         let Some(factor) = factor.filter(|_| !context.buffers.records) else { return };
         let mut path = *path;
         path.multiply(Factor::Grey(factor), context.buffers);

@@ -2,14 +2,15 @@
 
 use super::gather_point::{GatherPoint, ResponseSums};
 use super::outline::{Outline, PixelOutline};
+use super::responses::SurfaceResponses;
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
 use crate::gather::luminescence::Luminescence;
 use crate::map::kernel::BoundaryCorrection;
-use crate::map::{SetMaps, radius};
-use crate::plan::IndirectPlan;
+use crate::map::{NearbyPhoton, PhotonMap, PhotonSpectra, SetMaps, radius};
 use crate::plan::partition::{Estimator, LightPath, PhotonClass, PhotonSet, View, estimator};
+use crate::plan::{IndirectPlan, PathClass};
 use crate::walk::{CausticWeights, Sink, SurfaceInteraction};
 use abbe_optics::bsdf::BsdfClass;
 use std::f64::consts::PI;
@@ -28,7 +29,6 @@ fn photon_view(path: &CameraPath) -> View {
 /// The photons that a camera path gathers at a surface, and their effect.
 #[derive(Clone, Copy)]
 struct Gathered<'l, 'a> {
-    /// The photon set.
     set: PhotonSet,
     /// The emission that the photons excite. `None` if the surface scatters the photons.
     luminescence: Option<&'l Luminescence<'a>>,
@@ -110,6 +110,36 @@ impl<'a> CameraPass<'a> {
         Some(CausticWeights { photons_m2: self.photons_per_sample[set] * area_m2 })
     }
 
+    /// Returns true if the camera paths of the plan gather this class from the photon map.
+    #[inline(always)]
+    fn gathers(&self, class: PhotonClass, bsdf_class: BsdfClass, view: View) -> bool {
+        let planned = match class {
+            PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,
+            PhotonClass::Caustic => true,
+        };
+        planned && estimator(class.light_path(), bsdf_class, view) == Estimator::PhotonMap
+    }
+
+    /// Returns the outline of the surface within the kernel radius (m) around a surface point.
+    #[inline(always)]
+    fn outline_around(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        radius: f64,
+        pixel: u64,
+    ) -> KernelOutline<'_> {
+        if self.outlines.is_empty() || path.view == View::Indirect {
+            return KernelOutline::Absent;
+        }
+        let point = self.visible_point(path, interaction);
+        match self.outlines.find(pixel as usize, &point) {
+            PixelOutline::Absent => KernelOutline::Absent,
+            PixelOutline::Stored(outline) => KernelOutline::Stored(outline),
+            PixelOutline::Varies => KernelOutline::Measured(Outline::around(&self.scene.geometry, &point, radius)),
+        }
+    }
+
     /// Gathers the photons of one set around a surface point.
     #[inline(always)]
     fn gather_set<S: Sink>(
@@ -123,32 +153,14 @@ impl<'a> CameraPass<'a> {
     ) {
         let view = photon_view(path);
         for class in PhotonClass::ALL {
-            let planned = match class {
-                PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,
-                PhotonClass::Caustic => true,
-            };
             let map = &maps[class].surface;
-            if map.is_empty() || !planned || estimator(class.light_path(), bsdf_class, view) != Estimator::PhotonMap {
+            if map.is_empty() || !self.gathers(class, bsdf_class, view) {
                 continue;
             }
             context.tally.map_queries += 1;
             let radius = self.kernel_radius(set, class, interaction, context);
-            let measured;
-            let outline = match path.view {
-                _ if self.outlines.is_empty() => None,
-                View::Direct => {
-                    let point = self.visible_point(path, interaction);
-                    match self.outlines.find(context.pixel as usize, &point) {
-                        PixelOutline::Stored(outline) => Some(outline),
-                        PixelOutline::Varies => {
-                            measured = Outline::around(&self.scene.geometry, &point, radius);
-                            Some(&measured).filter(|outline| outline.is_limited())
-                        }
-                        PixelOutline::Absent => None,
-                    }
-                }
-                View::Indirect => None,
-            };
+            let outline = self.outline_around(path, interaction, radius, context.pixel);
+            let outline = outline.limiting();
             let correction = outline.map_or(BoundaryCorrection::WHOLE, |outline| outline.correction(radius));
             let weights = match class {
                 PhotonClass::Caustic => self.caustic_weights(path, interaction, bsdf_class, context),
@@ -156,63 +168,98 @@ impl<'a> CameraPass<'a> {
             };
             let gather_point =
                 GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
-            let (centre, radius) = (interaction.hit.position.as_vec3().to_array(), radius as f32);
-            let contains = |position| outline.is_none_or(|outline| outline.contains(position));
+            let centre = interaction.hit.position.as_vec3().to_array();
+            let photons = PhotonsAround { map, centre, radius: radius as f32, outline };
+            let light = (self.spectra, path.events.class_at_surface(class.light_path()));
             let responses = if gather_point.is_plain() { self.responses } else { None };
-            let path_class = path.events.class_at_surface(class.light_path());
+            let sink = &mut *context.sink;
             match (responses.and_then(|responses| responses.of_surface(interaction)), luminescence) {
                 // The tabulated responses contain the emission.
                 (Some(_), Some(_)) => {}
                 (None, Some(luminescence)) => {
-                    let mut gathered = 0;
-                    map.within(centre, radius, |nearby| {
-                        gathered += 1;
-                        if contains(nearby.position) {
-                            gather_point.add_excitation(
-                                &nearby,
-                                (self.spectra, path_class),
-                                luminescence,
-                                context.sink,
-                            );
-                        }
-                    });
-                    context.tally.gathered += gathered;
+                    context.tally.gathered +=
+                        photons.visit(|nearby| gather_point.add_excitation(nearby, light, luminescence, sink));
                 }
                 (Some(surface), None) => {
-                    let mut sums = ResponseSums::default();
-                    let mut tabulated = 0;
-                    if context.sink.separates_lights() {
-                        map.within(centre, radius, |nearby| {
-                            tabulated += 1;
-                            if contains(nearby.position)
-                                && let Some(response) = gather_point.add_response(&nearby, surface, &mut sums)
-                            {
-                                let light = self.spectra.light_of(nearby.photon.power.wavelength_code());
-                                context.sink.respond_of_light(light, response);
-                            }
-                        });
-                    } else {
-                        map.within(centre, radius, |nearby| {
-                            tabulated += 1;
-                            if contains(nearby.position) {
-                                let _response = gather_point.add_response(&nearby, surface, &mut sums);
-                            }
-                        });
-                    }
-                    context.sink.respond(path_class, sums.estimate, sums.bias);
-                    context.tally.tabulated += tabulated;
+                    context.tally.tabulated += add_responses(&photons, &gather_point, surface, light, sink);
                 }
                 (None, None) => {
-                    let mut gathered = 0;
-                    map.within(centre, radius, |nearby| {
-                        gathered += 1;
-                        if contains(nearby.position) {
-                            gather_point.add(&nearby, (self.spectra, path_class), context.sink);
-                        }
-                    });
-                    context.tally.gathered += gathered;
+                    context.tally.gathered += photons.visit(|nearby| gather_point.add(nearby, light, sink));
                 }
             }
         }
     }
+}
+
+/// The outline of the surface around a gather point.
+enum KernelOutline<'o> {
+    /// The kernel does not reach over an edge.
+    Absent,
+    Stored(&'o Outline),
+    /// Measured for this gather point.
+    Measured(Outline),
+}
+
+impl KernelOutline<'_> {
+    /// Returns the outline if it may limit the kernel.
+    #[inline(always)]
+    fn limiting(&self) -> Option<&Outline> {
+        match self {
+            Self::Absent => None,
+            Self::Stored(outline) => Some(outline),
+            Self::Measured(outline) => Some(outline).filter(|outline| outline.is_limited()),
+        }
+    }
+}
+
+/// The photons around a gather point.
+struct PhotonsAround<'m> {
+    map: &'m PhotonMap,
+    centre: [f32; 3],
+    /// The kernel radius in m.
+    radius: f32,
+    /// The edge of the surface. Photons beyond it are on another surface.
+    outline: Option<&'m Outline>,
+}
+
+impl PhotonsAround<'_> {
+    /// Calls `add` for each photon within the outline. Returns the number of photons within the
+    /// radius.
+    #[inline(always)]
+    fn visit(&self, mut add: impl FnMut(&NearbyPhoton<'_>)) -> u64 {
+        let mut count = 0;
+        self.map.within(self.centre, self.radius, |nearby| {
+            count += 1;
+            if self.outline.is_none_or(|outline| outline.contains(nearby.position)) {
+                add(&nearby);
+            }
+        });
+        count
+    }
+}
+
+/// Adds the responses of the sensor to the photons around a gather point. Returns the number of
+/// photons within the radius.
+#[inline(always)]
+fn add_responses<S: Sink>(
+    photons: &PhotonsAround<'_>,
+    gather_point: &GatherPoint<'_>,
+    surface: SurfaceResponses<'_>,
+    (spectra, class): (&PhotonSpectra, PathClass),
+    sink: &mut S,
+) -> u64 {
+    let mut sums = ResponseSums::default();
+    let count = if sink.separates_lights() {
+        photons.visit(|nearby| {
+            if let Some(response) = gather_point.add_response(nearby, surface, &mut sums) {
+                sink.respond_of_light(spectra.light_of(nearby.photon.power.wavelength_code()), response);
+            }
+        })
+    } else {
+        photons.visit(|nearby| {
+            let _response = gather_point.add_response(nearby, surface, &mut sums);
+        })
+    };
+    sink.respond(class, sums.estimate, sums.bias);
+    count
 }

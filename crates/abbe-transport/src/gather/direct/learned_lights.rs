@@ -260,7 +260,7 @@ fn direction_of(normal: DVec3) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
     /// The importance of emitter 5 at a point with x = 0.2.
     fn importance(emitter: u32, x: f64) -> f64 {
@@ -270,7 +270,7 @@ mod tests {
     /// Trials on a floor. Emitter 3 lights the half below x = 0, and emitters 5 and 8 light the
     /// other half.
     fn learned() -> LearnedLights {
-        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         let trials: Vec<LightTrial> = (0..8192)
             .map(|_| {
                 let [u, v, choice] = stream.triple();

@@ -17,13 +17,13 @@ use abbe_scene::Scene;
 use abbe_scene::geometry::{Hit, Ray, SurfaceId};
 use abbe_scene::light::{EmittedSpd, LiSample, Light};
 use abbe_scene::meter::ReceptorPoint;
-use abbe_spectra::math::random::hash64;
+use abbe_spectra::math::random::Seed;
 use glam::DVec3;
 
 /// Next-event estimation in one scene.
 #[derive(Debug)]
 pub struct DirectLighting<'a> {
-    pub(super) scene: &'a Scene,
+    pub(in crate::gather) scene: &'a Scene,
     pub(super) selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
     /// The openings of the scene.
@@ -264,7 +264,7 @@ impl<'a> DirectLighting<'a> {
         length_m: f64,
         u: [f64; 3],
     ) -> PathTransmittance<'a> {
-        let seed = || hash64(u.map(f64::to_bits));
+        let seed = || Seed::of_numbers(u);
         match self.attenuation {
             ShadowAttenuation::Absent => PathTransmittance::new(),
             ShadowAttenuation::AsStated => path_transmittance(self.scene, ray_state, length_m, seed()),

@@ -6,4 +6,3 @@ mod light_trials;
 pub(super) mod lighting;
 pub(super) mod openings;
 pub(super) mod selection;
-mod surface;

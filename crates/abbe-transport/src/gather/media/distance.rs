@@ -226,7 +226,7 @@ mod tests {
     use super::*;
     use abbe_optics::phase::PhaseFunction;
     use abbe_scene::medium::Density;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use abbe_spectra::spectrum::{Outside, Spectrum};
     use glam::DVec3;
 
@@ -249,7 +249,7 @@ mod tests {
                 let n = 200_000;
                 let exact: f64 = (0..n).map(|i| f(0.5 + 2.5 * (f64::from(i) + 0.5) / f64::from(n))).sum::<f64>() * 2.5
                     / f64::from(n);
-                let mut stream = Stream::new(7, Purpose::Camera, 0, 0);
+                let mut stream = Stream::new(Seed::new(7), Purpose::Camera, 0, 0);
                 let mean = (0..n)
                     .filter_map(|_| sample(&medium, &ray, &reach, stream.pair()))
                     .map(|distance| f(distance.t_m) / distance.pdf_per_m)

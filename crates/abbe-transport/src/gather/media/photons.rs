@@ -18,7 +18,6 @@ use crate::walk::{
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::Medium;
-use abbe_spectra::math::random::hash64;
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
 use glam::DVec3;
 
@@ -143,7 +142,7 @@ impl<'a> CameraPass<'a> {
             let along_beam = photon.beam.map(|BeamPath { start, distance_m }| {
                 let ray = Ray { origin: start, direction: photon.incoming };
                 let beam = MediumSegment { ray, ..*segment };
-                let along = beam.path_transmittance(distance_m, hash64([seed, distance_m.to_bits()]));
+                let along = beam.path_transmittance(distance_m, seed.part(distance_m.to_bits()));
                 (along, medium.density_at(ray.at(distance_m)))
             });
             let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());

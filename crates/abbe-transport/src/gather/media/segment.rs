@@ -9,7 +9,7 @@ use crate::walk::{
     MediumSegment, NumberedMedium, Sink, SurfaceInteraction, bias_of_excess, excess_optical_depth,
     next_interaction_through_media, transmittance,
 };
-use abbe_spectra::math::random::hash64;
+use abbe_spectra::math::random::Seed;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -98,7 +98,7 @@ impl<'a> CameraPass<'a> {
 
 /// Returns the seed of ratio tracking along a segment that starts at `origin`. Successive segments
 /// of a path need independent seeds.
-pub(super) fn segment_seed<S>(context: &PathContext<'_, '_, S>, origin: DVec3) -> u64 {
-    let [x, y, z] = origin.to_array().map(f64::to_bits);
-    hash64([context.pixel, context.sampler.wavelength.to_bits(), x, y, z])
+pub(super) fn segment_seed<S>(context: &PathContext<'_, '_, S>, origin: DVec3) -> Seed {
+    let [x, y, z] = origin.to_array();
+    Seed::of_pixel(context.pixel, [context.sampler.wavelength, x, y, z])
 }

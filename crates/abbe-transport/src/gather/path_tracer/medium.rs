@@ -18,6 +18,7 @@ use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::{exp, ln_1p};
+use abbe_spectra::math::random::Seed;
 use abbe_spectra::spectrum::{LANES, WavelengthDistribution};
 use std::ops::ControlFlow;
 
@@ -153,7 +154,7 @@ impl TracedPath {
         }
         let t = from + sampler.stream.uniform() * (to - from);
         let position = segment.ray.at(t);
-        let along = segment.path_transmittance_tracked(t, position.x.to_bits());
+        let along = segment.path_transmittance_tracked(t, Seed::of_numbers(position.to_array()));
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
             let emitted = medium.emission_per_m(position, nm) * transmittance(&along, nm) * (to - from);
             sink.radiance(origin, self.observed[k], self.throughput[k] * emitted);

@@ -48,8 +48,6 @@ pub struct PathTracer<'a> {
     /// For each fluorophore, the distribution of the wavelengths that excite it in the light of all
     /// lights and fluorophores together.
     pub excitation: &'a [Option<WavelengthDistribution>],
-    /// The number of surface events after which a path ends.
-    pub depth_limit: DepthLimit,
     /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
     pub media_plan: MediumPlan,
 }
@@ -100,16 +98,16 @@ impl<'a> PathTracer<'a> {
         tally: &mut Tally,
         sink: &mut S,
     ) {
-        let limit = self.depth_limit.events();
-        if !self.follow(&mut path, 0..limit, sampler, tally, sink) {
+        let limit = DepthLimit::of(self.scene);
+        if !self.follow(&mut path, 0..limit.events(), sampler, tally, sink) {
             return;
         }
-        if !self.depth_limit.is_stated() {
+        if !limit.is_stated() {
             tally.capped_paths += 1;
-        } else if let Some(factor) = self.depth_limit.sample_lost_path(&mut sampler.stream) {
+        } else if let Some(factor) = limit.sample_lost_path(&mut sampler.stream) {
             path.throughput.iter_mut().for_each(|throughput| *throughput *= factor);
             path.initial_throughput.iter_mut().for_each(|throughput| *throughput *= factor);
-            self.follow(&mut path, limit..MAX_EVENTS, sampler, tally, &mut LostLight { sink, factor: 1.0 });
+            self.follow(&mut path, limit.events()..MAX_EVENTS, sampler, tally, &mut LostLight { sink, factor: 1.0 });
         }
     }
 

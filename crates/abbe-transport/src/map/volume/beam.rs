@@ -3,7 +3,7 @@
 //! photon path. The kernel is one-dimensional: it lies on the line perpendicular to the beam and to
 //! the camera ray.
 
-use super::{BeamPath, PhotonNearRay};
+use super::near_ray::{BeamPath, PhotonNearRay};
 use crate::map::box_tree::{BoxTree, LEAF};
 use crate::map::kernel;
 use crate::map::photon::PhotonPower;
@@ -269,7 +269,7 @@ mod tests {
     use super::*;
     use crate::map::{KernelWidth, WavelengthCode};
     use abbe_scene::geometry::Ray;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use abbe_spectra::math::warp;
 
     /// The map finds the same beams as a test of each beam, also far from the scene's centre and
@@ -278,13 +278,13 @@ mod tests {
     fn a_query_finds_every_beam_once() {
         let mut found_any = 0;
         for (seed, centre) in [(5, DVec3::ZERO), (6, DVec3::new(3e3, -2e4, 10.0))] {
-            let mut stream = Stream::new(seed, Purpose::Pilot, 0, 0);
+            let mut stream = Stream::new(Seed::new(seed), Purpose::SurveyPhoton, 0, 0);
             let mut place = || centre + DVec3::from(std::array::from_fn(|_| stream.uniform() - 0.5));
             let power = PhotonPower::new(WavelengthCode::default(), [1.0; 4], None, 0.5);
             let beams: Vec<PhotonBeam> =
                 (0..500).map(|number| PhotonBeam::new([place(), place()], number, power)).collect();
             let map = BeamMap::new(beams.clone());
-            let mut stream = Stream::new(seed, Purpose::Pilot, 1, 0);
+            let mut stream = Stream::new(Seed::new(seed), Purpose::SurveyPhoton, 1, 0);
             for query in 0..200 {
                 let origin = centre + DVec3::from(std::array::from_fn(|_| stream.uniform() - 0.5));
                 let mut direction = warp::sphere(stream.pair());

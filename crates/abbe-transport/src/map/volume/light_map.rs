@@ -22,7 +22,7 @@ use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::{LightConnection, VirtualLight};
 use abbe_scene::medium::Medium;
-use abbe_spectra::math::random::{Purpose, REPLICATES, hash64};
+use abbe_spectra::math::random::{Purpose, REPLICATES, Seed};
 use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{LANES, Lanes, Spectrum, Wavelengths};
 use glam::{DAffine3, DVec3};
@@ -101,14 +101,14 @@ impl<'a> LightMaps<'a> {
     /// different position represents an extended light. If `cells` is unchanged and no light with a
     /// map has an extent, the maps stay valid and are kept. Lights without extent are points and
     /// sources of parallel light.
-    pub fn update(&mut self, scene: &'a Scene, cells: u32, seed: u64, pass: u64) {
+    pub fn update(&mut self, scene: &'a Scene, cells: u32, seed: Seed, pass: u64) {
         if self.cells == cells && !self.maps.iter().any(|map| !scene.lights[map.light].is_delta()) {
             return;
         }
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
         let numbers = |light: usize| {
-            let key = hash64([seed, Purpose::LightMap as u64, replicate, light as u64]);
-            let point = Sobol::new(key).point(index as u32);
+            let key = seed.streams(Purpose::LightMap).pass(replicate).part(light as u64);
+            let point = Sobol::of(key).point(index as u32);
             [point[0], point[1], point[2]]
         };
         let lights = scene.lights.iter().enumerate();
@@ -279,7 +279,6 @@ impl Attenuator<'_> {
     }
 }
 
-/// Returns all attenuators of a scene.
 fn attenuators(scene: &Scene) -> Vec<Attenuator<'_>> {
     let bodies = || scene.materials.iter().filter_map(|material| material.body.as_ref());
     let fills = |number: &usize| bodies().any(|body| body.medium == Some(*number));
@@ -359,7 +358,7 @@ mod tests {
     /// transmittance, and the map's own estimate of this error.
     fn transmittance_errors(scene: &Scene, cells: u32) -> [f64; 2] {
         let mut maps = LightMaps::default();
-        maps.update(scene, cells, 0, 0);
+        maps.update(scene, cells, Seed::new(0), 0);
         let (map, medium) = (maps.of(0, 0).unwrap(), &scene.media[0]);
         let sigma: Vec<Lanes> = map.coefficients(&Wavelengths::single(550.0)).collect();
         let (mut error, mut estimated, mut count) = (0.0, 0.0, 0.0);
@@ -399,7 +398,7 @@ mod tests {
     fn positions_between_dark_nodes_are_nearly_all_dark() {
         let scene = scene(POINT);
         let mut maps = LightMaps::default();
-        maps.update(&scene, 32, 0, 0);
+        maps.update(&scene, 32, Seed::new(0), 0);
         let map = maps.of(0, 0).unwrap();
         let (mut dark, mut lit_in_the_dark, mut dark_in_the_light) = (0, 0, 0);
         for place in places() {
@@ -422,20 +421,20 @@ mod tests {
     fn maps_of_point_lights_last_until_cells_change() {
         let still = scene(POINT);
         let mut maps = LightMaps::default();
-        maps.update(&still, 8, 0, 0);
+        maps.update(&still, 8, Seed::new(0), 0);
         let first = maps.maps[0].means.as_ptr();
-        maps.update(&still, 8, 0, 1);
+        maps.update(&still, 8, Seed::new(0), 1);
         assert_eq!(maps.maps[0].means.as_ptr(), first);
-        maps.update(&still, 10, 0, 2);
+        maps.update(&still, 10, Seed::new(0), 2);
         assert_eq!(maps.maps[0].cells, [10; 3]);
         let wide = scene(
             r#"{"directional": {"toward": [-1, 0, 0], "angular_diameter": 5, "spectrum": "E", "irradiance": 1}}"#,
         );
         let direction = |maps: &LightMaps<'_>| maps.maps[0].virtual_light.connection_from(DVec3::ZERO).direction;
         let mut maps = LightMaps::default();
-        maps.update(&wide, 8, 0, 0);
+        maps.update(&wide, 8, Seed::new(0), 0);
         let before = direction(&maps);
-        maps.update(&wide, 8, 0, 1);
+        maps.update(&wide, 8, Seed::new(0), 1);
         assert_ne!(direction(&maps), before);
     }
 }

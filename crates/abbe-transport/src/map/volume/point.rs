@@ -2,7 +2,7 @@
 //! "The Beam Radiance Estimate for Volumetric Photon Mapping"): the kernel is a disk perpendicular
 //! to the camera ray.
 
-use super::PhotonNearRay;
+use super::near_ray::PhotonNearRay;
 use crate::map::box_tree::BoxTree;
 use crate::map::kernel::DiskKernel;
 use crate::map::octahedral::Octahedral;

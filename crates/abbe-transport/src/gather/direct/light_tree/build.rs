@@ -1,7 +1,7 @@
 //! Construction of the light tree.
 
 use super::bounds::{Cluster, LightBounds};
-use super::{LEAF, LightNode, LightTree};
+use super::tree::{LEAF, LightNode, LightTree};
 use abbe_spectra::math::elementary::cbrt;
 use abbe_spectra::math::sort::sort_by_number;
 use glam::DVec3;
@@ -16,9 +16,21 @@ const BALANCED_DEPTH: u32 = 30;
 /// The margin around boxes, as a share of the largest extent of the cluster that is split.
 const MARGIN: f64 = 0.01;
 
+impl LightTree {
+    /// Adds a tree over the emitters that follow the emitters of earlier trees. Returns the root of
+    /// the new tree.
+    pub(super) fn add(&mut self, bounds: &[LightBounds]) -> usize {
+        let (root, first) = (self.nodes.len(), self.trails.len());
+        self.trails.resize(first + bounds.len(), 0);
+        self.leaves.resize(first + bounds.len(), 0);
+        build(self, bounds, first);
+        root
+    }
+}
+
 /// Appends the nodes of a tree to the list, and stores the trails of its emitters. `first` is the
 /// number of the first emitter of the tree, and `bounds` holds the bounds of its emitters.
-pub(super) fn build(tree: &mut LightTree, bounds: &[LightBounds], first: usize) {
+fn build(tree: &mut LightTree, bounds: &[LightBounds], first: usize) {
     let mut numbers: Vec<u32> = (0..bounds.len() as u32).collect();
     tree.nodes.reserve(2 * bounds.len());
     Builder { tree, bounds, first }.cluster(&mut numbers, 0, 0);

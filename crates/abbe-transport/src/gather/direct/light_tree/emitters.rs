@@ -1,7 +1,7 @@
 //! The emitters of a scene: what a light tree can select.
 
-use super::LightTree;
 use super::bounds::{LightBounds, OrientationCone};
+use super::tree::LightTree;
 use abbe_scene::Scene;
 use abbe_scene::light::IntensityBounds;
 use abbe_spectra::math::distribution::DiscreteDistribution;

@@ -1,8 +1,8 @@
 //! Tests of the light tree with random emitters.
 
 use super::bounds::{LightBounds, OrientationCone, Receiver, ReceivingPoint, ReceivingSegment};
-use super::{LEAF, LightTree};
-use abbe_spectra::math::random::{Purpose, Stream};
+use super::tree::{LEAF, LightTree};
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -65,7 +65,7 @@ fn tree_over(emitters: &[TestEmitter]) -> LightTree {
 }
 
 fn stream() -> Stream {
-    Stream::new(1, Purpose::Pilot, 0, 0)
+    Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0)
 }
 
 fn receivers(count: usize, stream: &mut Stream) -> Vec<ReceivingPoint> {

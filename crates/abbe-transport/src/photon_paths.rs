@@ -3,10 +3,10 @@
 //! These paths have their own random streams, so they change no picture. They are traced by the
 //! code that traces the photons of a pass.
 
-use super::aims::{LearnedAims, learn_aims};
-use super::context::{EmissionRequest, PassContext};
 use crate::emit::{EmissionStrata, MediumCollision, PhotonState, PhotonVisitor, SurfaceArrival};
 use crate::emit::{WavelengthSampling, trace};
+use crate::pass::{EmissionRequest, PassContext};
+use crate::pilot::{LearnedAims, learn_aims};
 use crate::plan::AimPlan;
 use crate::walk::ledger::Ledger;
 use abbe_scene::Scene;

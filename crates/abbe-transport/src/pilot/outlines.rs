@@ -1,9 +1,9 @@
 //! The outlines of surfaces around directly visible points.
 
-use super::context::PassContext;
 use super::survey::MAX_SURFACE_RADIUS_PX;
 use crate::gather::{Outline, OutlineSurvey, Outlines, VisiblePoint};
 use crate::map::FirstRadii;
+use crate::pass::PassContext;
 use crate::plan::WavelengthPlan;
 use crate::plan::partition::PhotonSet;
 use abbe_scene::Scene;

@@ -2,11 +2,11 @@
 //!
 //! Both follow from the number of pilot photons near each camera ray.
 
-use super::context::PassContext;
-use super::keep_probability::{DepositCounts, KeepProbability};
+use super::keep_probability::DepositCounts;
 use super::volume_samples::{NearbyPhotons, VolumeSamples};
 use crate::gather::CameraSegment;
 use crate::map::{KernelWidth, PixelRadii};
+use crate::pass::{KeepProbability, PassContext};
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet};
 use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::powf;

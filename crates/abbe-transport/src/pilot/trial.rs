@@ -7,13 +7,12 @@
 //! tell how much of the noise neighbouring pixels have in common.
 
 use super::balance::{Balance, BalanceLimits, Variances};
-use super::camera_samples::{CameraSamples, FilmNoise, ProbedPixel};
-use super::context::PassContext;
-use super::pilot::Pilot;
+use super::camera_samples::{FilmNoise, ProbedPixel};
 use super::small_pass::{PixelLight, SmallPass, TILE, TRIALS, TracedPhotons, mean_of_components, sample_light, tiles};
 use super::work::{SampleWork, Work};
 use crate::gather::PathBuffers;
 use crate::map::LightMaps;
+use crate::pass::{CameraSamples, PassContext, PassParameters};
 use crate::plan::Tally;
 use crate::plan::partition::PerSet;
 use abbe_scene::Scene;
@@ -131,25 +130,25 @@ fn mean_of_pixels(
 pub(super) fn balanced(
     context: &PassContext<'_>,
     scene: &Scene,
-    pilot: &Pilot,
+    parameters: &PassParameters,
     limits: BalanceLimits,
 ) -> (Balance, CameraSamples) {
     let (width, pixels) = (scene.camera.width(), scene.camera.pixel_count());
     let tiles = tiles((width, pixels / width));
-    let all = pilot.photons.free + pilot.photons.shared;
+    let all = parameters.photons.free + parameters.photons.shared;
     let share = PHOTON_SHARE.max(MIN_PHOTONS / all as f64).min(1.0);
-    let counts = PerSet::from_fn(|set| (pilot.photons[set] as f64 * share) as u64);
+    let counts = PerSet::from_fn(|set| (parameters.photons[set] as f64 * share) as u64);
     let mut light_maps = LightMaps::default();
     if context.plan.media_plan.has_light_maps() {
         light_maps.update(scene, LIGHT_MAP_CELLS, context.budget.seed, 0);
     }
     let selector = context.light_selector(scene);
-    let traced = [0, 1].map(|number| TracedPhotons::trace(context, scene, pilot, (number, counts)));
+    let traced = [0, 1].map(|number| TracedPhotons::trace(context, scene, parameters, (number, counts)));
     let camera_passes = traced.each_ref().map(|traced| {
         let maps = (&traced.maps, &light_maps);
-        pilot.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
+        parameters.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
     });
-    let passes = [0, 1].map(|n| SmallPass::run(context, pilot, (&traced[n], &camera_passes[n]), &tiles));
+    let passes = [0, 1].map(|n| SmallPass::run(context, parameters, (&traced[n], &camera_passes[n]), &tiles));
     let of_tiles = TileVariance::of_tiles(passes.each_ref().map(|pass| pass.tiles.as_slice()));
     let splats = traced.each_ref().map(|traced| traced.splats.as_slice());
     let photons = traced.iter().map(|traced| traced.tally).sum();
@@ -163,7 +162,7 @@ pub(super) fn balanced(
         let of_pixel = |&pixel: &usize| {
             let mut tally = Tally::default();
             let classes =
-                sample_light(context, pilot, &camera_passes[1], (PROBE_PASS, pixel), &mut buffers, &mut tally);
+                sample_light(context, parameters, &camera_passes[1], (PROBE_PASS, pixel), &mut buffers, &mut tally);
             ProbedPixel {
                 sample: std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum()),
                 splats: std::array::from_fn(|c| 0.5 * (splats[0][pixel][c] + splats[1][pixel][c])),
@@ -316,13 +315,13 @@ fn sample_variances<'p>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
     /// Two passes with noise of known variance give these variances.
     #[test]
     fn nested_samples_separate_photon_noise_from_camera_noise() {
         const TILES: usize = 1000;
-        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         // A uniform number in [−1, 1) has the variance 1/3.
         let mut noise = |amplitude: f64| amplitude * (2.0 * stream.uniform() - 1.0);
         let mut pass = || {

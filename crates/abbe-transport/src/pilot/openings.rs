@@ -7,16 +7,15 @@
 //! through. It maximises the likelihood of the lines: a line that a sphere explains has the density
 //! 1/Ω, where Ω is the solid angle of the sphere seen from the surface.
 
-use super::context::PassContext;
-use super::sums::StageSeconds;
 use crate::gather::{OPENINGS_SHARE, OpeningSpheres, Openings, PixelSampler};
+use crate::pass::{PassContext, StageSeconds};
 use crate::walk::SurfaceLookup;
 use crate::walk::{BodyMode, WithBodies, scatter};
 use abbe_optics::bsdf::TransportMode;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_spectra::math::elementary::ln;
-use abbe_spectra::math::random::hash64;
+use abbe_spectra::math::random::{Purpose, Seed, StreamKey, Streams};
 use abbe_spectra::math::sphere::BoundingSphere;
 use abbe_spectra::spectrum::{REFERENCE_NM, Wavelengths};
 use glam::{DMat3, DVec3};
@@ -71,10 +70,6 @@ const MIN_GAIN: f64 = 0.15;
 /// that a typical line is three times as likely.
 const MIN_TOTAL_GAIN: f64 = 1.1;
 
-/// Separates the random numbers of the search from those of the passes. The bytes of this number
-/// are the word "window" in ASCII.
-const SEED_MASK: u64 = 0x7769_6e64_6f77;
-
 /// The end of a path that left the scene.
 #[derive(Debug, Clone, Copy)]
 struct EscapedLine {
@@ -90,9 +85,9 @@ struct EscapedLine {
 /// paths leave the scene. Adds the duration to `seconds`.
 pub fn find_openings(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Openings {
     let start = Instant::now();
-    let (scene, seed) = (context.scene, context.budget.seed ^ SEED_MASK);
+    let (scene, seed) = (context.scene, context.budget.seed);
     let Some(sky) = scene.lights.iter().find(|light| light.surrounds()) else { return Openings::default() };
-    let lines = escaped_lines(scene, seed, |direction| sky.pdf_li_escaped(direction));
+    let lines = escaped_lines(scene, seed.streams(Purpose::OpeningSearch), |direction| sky.pdf_li_escaped(direction));
     let (open, glazed): (Vec<_>, Vec<_>) = lines.into_iter().partition(|line| !line.glazed);
     let fit = |lines: &[EscapedLine]| {
         let mut spheres = fit_spheres(&thinned(lines), seed);
@@ -113,12 +108,12 @@ fn thinned(lines: &[EscapedLine]) -> Vec<EscapedLine> {
 
 /// Traces paths from the camera, and returns the lines along which they leave the scene. `density`
 /// is the density with which shadow rays find a direction.
-fn escaped_lines(scene: &Scene, seed: u64, density: impl Fn(DVec3) -> f64 + Sync) -> Vec<EscapedLine> {
+fn escaped_lines(scene: &Scene, streams: Streams, density: impl Fn(DVec3) -> f64 + Sync) -> Vec<EscapedLine> {
     let mut lines: Vec<EscapedLine> = Vec::new();
     let batches = if scene.measures() { MAX_BATCHES_OF_MEASUREMENT } else { MAX_BATCHES };
     for batch in 0..batches {
         let first = |task: u64| batch * BATCH + task * TASK;
-        let trace = |task: u64| trace_lines(scene, seed, first(task)..first(task + 1), &density);
+        let trace = |task: u64| trace_lines(scene, streams, first(task)..first(task + 1), &density);
         lines.extend((0..BATCH / TASK).into_par_iter().map(trace).collect::<Vec<_>>().into_iter().flatten());
         if lines.len() >= MAX_LINES || (batch + 1 >= MAX_BATCHES && lines.len() >= FEW_LINES) {
             break;
@@ -128,7 +123,7 @@ fn escaped_lines(scene: &Scene, seed: u64, density: impl Fn(DVec3) -> f64 + Sync
 }
 
 /// Traces the paths with these indices, and returns the lines along which they leave the scene.
-fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVec3) -> f64) -> Vec<EscapedLine> {
+fn trace_lines(scene: &Scene, streams: Streams, paths: Range<u64>, density: impl Fn(DVec3) -> f64) -> Vec<EscapedLine> {
     /// The largest squared distance of the directions before and after glass that does not bend a
     /// ray.
     const UNBENT: f64 = 1e-20;
@@ -139,7 +134,7 @@ fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVe
     for path in paths {
         // The paths of a batch are distributed evenly over the pixels.
         let pixel = if pixels < BATCH { path % pixels } else { path % BATCH * pixels / BATCH };
-        let mut sampler = PixelSampler::new(seed, path, pixel);
+        let mut sampler = PixelSampler::new(streams, path, pixel);
         let Some((mut ray_state, pdf)) = sampler.ray_at(scene, pixel, REFERENCE_NM) else { continue };
         // The last vertex that scatters into many directions, and the density of the direction
         // there. A receptor is such a vertex.
@@ -169,13 +164,13 @@ fn trace_lines(scene: &Scene, seed: u64, paths: Range<u64>, density: impl Fn(DVe
 }
 
 /// Finds spheres that explain the lines. Returns no spheres if they do not help.
-fn fit_spheres(lines: &[EscapedLine], seed: u64) -> Vec<BoundingSphere> {
+fn fit_spheres(lines: &[EscapedLine], seed: Seed) -> Vec<BoundingSphere> {
     if lines.len() < MIN_LINES {
         return Vec::new();
     }
     let mut mixture = Mixture { spheres: Vec::new(), sums: vec![0.0; lines.len()] };
     while mixture.spheres.len() < MAX_OPENINGS {
-        let key = [seed, mixture.spheres.len() as u64];
+        let key = seed.streams(Purpose::OpeningFit).pass(mixture.spheres.len() as u64);
         let Some((sphere, gain)) = best_sphere(lines, &mixture, key) else { break };
         if gain < MIN_GAIN * lines.len() as f64 {
             break;
@@ -211,9 +206,9 @@ impl Mixture {
 }
 
 /// Returns the sphere that raises the likelihood most, and the rise of its logarithm.
-fn best_sphere(lines: &[EscapedLine], mixture: &Mixture, key: [u64; 2]) -> Option<(BoundingSphere, f64)> {
+fn best_sphere(lines: &[EscapedLine], mixture: &Mixture, key: StreamKey) -> Option<(BoundingSphere, f64)> {
     let count = lines.len() as u64;
-    let line = |pair: u64, side: u64| &lines[(hash64([key[0], key[1], pair, side]) % count) as usize].ray;
+    let line = |pair: u64, side: u64| &lines[key.part(pair).part(side).index(count) as usize].ray;
     let centres = (0..PAIRS).filter_map(|pair| nearest_point(line(pair, 0), line(pair, 1)));
     let rated = |sphere: BoundingSphere| (sphere, mixture.gain_of(lines, &sphere));
     let best_around = |centre: DVec3| spheres_around(lines, centre).map(rated).max_by(|a, b| a.1.total_cmp(&b.1));
@@ -314,7 +309,7 @@ mod tests {
             vec![(DVec3::new(0.5, 3.0, 0.2), 1.0)],
             vec![(DVec3::new(-2.0, 3.0, 0.2), 0.5), (DVec3::new(1.0, 3.0, -2.0), 0.8)],
         ] {
-            let spheres = fit_spheres(&lines_through(&windows), 1);
+            let spheres = fit_spheres(&lines_through(&windows), Seed::new(1));
             for (centre, size) in &windows {
                 let around = |sphere: &&BoundingSphere| {
                     sphere.centre.distance(*centre) < 0.3 * size && sphere.radius_m < 1.1 * size
@@ -326,6 +321,6 @@ mod tests {
 
     #[test]
     fn an_open_roof_is_no_opening() {
-        assert_eq!(fit_spheres(&lines_through(&[(DVec3::new(0.0, 3.0, 0.0), 12.0)]), 1), []);
+        assert_eq!(fit_spheres(&lines_through(&[(DVec3::new(0.0, 3.0, 0.0), 12.0)]), Seed::new(1)), []);
     }
 }

@@ -3,10 +3,10 @@
 //! The cost of a count must not depend on the number of photons. Therefore a segment counts in
 //! small samples, and it stops when it has found enough photons.
 
-use super::deposits::VolumeDeposits;
-use super::keep_probability::{DepositCounts, KeepProbability};
+use super::keep_probability::DepositCounts;
 use crate::gather::CameraSegment;
 use crate::map::{KernelWidth, PhotonBeam, QueryCone, VolumeMap};
+use crate::pass::{KeepProbability, VolumeDeposits};
 use crate::plan::VolumePlan;
 use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::exp;
@@ -198,14 +198,14 @@ mod tests {
     use abbe_optics::phase::PhaseFunction;
     use abbe_scene::geometry::Ray;
     use abbe_scene::medium::Density;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use abbe_spectra::spectrum::Spectrum;
     use glam::DVec3;
     use std::iter;
 
     /// Returns photons in a cube of fog. Each photon has a point and a beam.
     fn deposits(count: usize) -> VolumeDeposits {
-        let mut stream = Stream::new(1, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         let mut place = || DVec3::new(stream.uniform(), stream.uniform(), stream.uniform());
         let power = PhotonPower::new(WavelengthCode::default(), [1.0; 4], None, 0.0);
         let ends: Vec<[DVec3; 2]> = (0..count).map(|_| [place(), place()]).collect();

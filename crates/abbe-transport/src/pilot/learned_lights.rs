@@ -1,8 +1,8 @@
 //! The pilot's trials of the lights of a scene with many lights.
 
-use super::context::PassContext;
-use super::sums::StageSeconds;
 use crate::gather::{DirectLighting, LightSelector};
+use crate::pass::{PassContext, StageSeconds};
+use abbe_spectra::math::random::Purpose;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::time::Instant;
@@ -16,10 +16,6 @@ const FEWEST_PATHS: u64 = 1 << 12;
 /// The number of paths in one parallel task.
 const TASK: u64 = 256;
 
-/// Separates the random numbers of the trials from those of the passes. The bytes of this number
-/// are the word "lights" in ASCII.
-const SEED_MASK: u64 = 0x6c69_6768_7473;
-
 /// Returns the selector of the lights with learned weights, if the scene has many local
 /// lights. The number of camera paths is half the number of pixels, so that the trials take a small
 /// part of the time of the first eight passes. Adds the duration to `seconds`.
@@ -29,10 +25,10 @@ pub fn learn_lights<'a>(context: &PassContext<'a>, seconds: &mut StageSeconds) -
         return Cow::Borrowed(selector);
     }
     let start = Instant::now();
-    let seed = context.budget.seed ^ SEED_MASK;
+    let streams = context.budget.seed.streams(Purpose::LightTrial);
     let direct = DirectLighting::new(scene, selector, plan.media_plan).with_openings(context.openings);
     let paths = (scene.camera.pixel_count() as u64 / 2).clamp(FEWEST_PATHS, MOST_PATHS) / TASK * TASK;
-    let trials = |task: u64| direct.light_trials(seed, task * TASK..(task + 1) * TASK, paths);
+    let trials = |task: u64| direct.light_trials(streams, task * TASK..(task + 1) * TASK, paths);
     let trials = (0..paths / TASK).into_par_iter().map(trials).collect::<Vec<_>>().concat();
     let taught = selector.taught_by(&trials);
     seconds.pilot += start.elapsed().as_secs_f64();

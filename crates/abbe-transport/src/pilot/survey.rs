@@ -1,16 +1,13 @@
 //! The pilot's survey: one camera path per pixel, and the pilot photons around it.
 
-use super::context::{EmissionRequest, PassContext};
-use super::deposits::PhotonDeposits;
-use super::keep_probability::{DepositCounts, KEEP_ALL};
-use super::recorder::RecordingOptions;
-use super::trace::trace_photons;
+use super::keep_probability::DepositCounts;
 use super::volume_radii::{PixelVolumeCounts, VolumeKernelWidths};
 use super::volume_samples::VolumeSamples;
 use crate::emit::EmissionStrata;
 use crate::gather::{CameraPass, CameraSegment, Outlines, PathBuffers, PixelSampler, VisiblePoint};
 use crate::map::radius;
 use crate::map::{LightMaps, PhotonMap, PixelRadii};
+use crate::pass::{EmissionRequest, KEEP_ALL, PassContext, PhotonDeposits, RecordingOptions, trace_photons};
 use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet, View};
 use crate::plan::{DirectPlan, LightOrigin, PathClass, Plan, Tally};
 use crate::sensor::Film;
@@ -61,11 +58,6 @@ const BLOCK: usize = 2;
 /// them.
 const SIMILAR_LENGTH: f64 = 0.9;
 
-/// Separates the camera samples of the pilot from the camera samples of the passes. The samples are
-/// hashes of the seed, the replicate and the pixel. The bytes of this number are the word "pilot"
-/// in ASCII.
-const CAMERA_SEED_MASK: u64 = 0x0070_696c_6f74;
-
 /// The measurements of the pilot in all pixels, or in some of them.
 #[derive(Default)]
 pub(super) struct PixelSurvey {
@@ -103,7 +95,7 @@ impl PixelSurvey {
             let (wavelengths, pass) = (shared.sampling(set), 2 * moment + set as u64);
             let share = photon_share(photons[set], moments);
             let count = (share * photons[set] as f64) as u64;
-            let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
+            let request = EmissionRequest { wavelengths, count, purpose: Purpose::SurveyPhoton, pass };
             let source = context.photon_source(scene, strata, request);
             let recording =
                 RecordingOptions { keep: KEEP_ALL, photons_per_sample: photons[set] as f64, receptors: None };
@@ -207,13 +199,14 @@ impl BandSurvey<'_> {
         let (width, count) = (camera_pass.scene.camera.width(), self.radii.len());
         let largest_px = largest_surface_radii_px(width, camera_pass.scene.camera.pixel_count());
         let mut buffers = PathBuffers::recording();
+        let streams = context.budget.seed.streams(Purpose::SurveyCamera);
         let widths = VolumeKernelWidths::of(context);
         for first_column in (0..width).step_by(BLOCK) {
             let columns = first_column..(first_column + BLOCK).min(width);
             let mut block = BlockSurvey::default();
             for index in (0..count / width).flat_map(|row| columns.clone().map(move |column| row * width + column)) {
                 let pixel = (self.first_pixel + index) as u64;
-                let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, moment, pixel);
+                let sampler = PixelSampler::new(streams, moment, pixel);
                 let (no_radii, mut tally) = (PixelRadii::splat(0.0), Tally::default());
                 camera_pass.sample(pixel, sampler, &no_radii, &mut buffers, &mut tally, &mut NullSink);
                 self.radii[index] = block.surface_radii(context, maps, (extents, largest_px), &buffers.visible_points);

@@ -46,7 +46,6 @@ impl GridLayout {
         layout
     }
 
-    /// Returns the cells of a stratum.
     fn cells_of(&self, stratum: usize) -> Range<usize> {
         let first = self.first_cells[stratum];
         first..first + self.sides[stratum] * self.sides[stratum]
@@ -267,14 +266,14 @@ impl PhotonVisitor for Importance<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::Purpose;
+    use abbe_spectra::math::random::{Purpose, Seed};
 
     const SIDE: usize = 64;
 
     /// Returns the two halves of the mean squared scores of a grid whose cells have 16 paths each.
     /// `probability` is the probability that a path of a cell contributes to the picture.
     fn halves(probability: impl Fn(usize) -> f64) -> [Vec<Option<f64>>; 2] {
-        let mut stream = Stream::new(3, Purpose::Pilot, 0, 0);
+        let mut stream = Stream::new(Seed::new(3), Purpose::SurveyPhoton, 0, 0);
         let mut half = || {
             let mut mean = |cell| (0..8).filter(|_| stream.uniform() < probability(cell)).count() as f64 / 8.0;
             (0..SIDE * SIDE).map(|cell| Some(mean(cell))).collect()

@@ -9,6 +9,7 @@
 //! for Image Synthesis").
 
 use super::small_pass::{TILE, mean_of_components};
+use crate::pass::CameraSamples;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -38,15 +39,6 @@ const THRESHOLDS: i32 = 16;
 /// The largest variance of a square relative to the mean of the picture, as a multiple of the mean
 /// over the film. A rare bright sample would otherwise decide alone.
 const LARGEST_SQUARE: f64 = 64.0;
-
-/// The number of camera samples of each pixel in a pass.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum CameraSamples {
-    /// The same number in all pixels.
-    Same(u64),
-    /// A number for each pixel, and the mean over the pixels.
-    Each(Vec<u8>, f64),
-}
 
 /// A choice of the numbers of camera samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,25 +95,6 @@ struct SampleNoise {
     work: f64,
 }
 
-impl CameraSamples {
-    /// Returns the number of samples of a pixel.
-    #[inline]
-    pub(super) fn of(&self, pixel: usize) -> u64 {
-        match self {
-            Self::Same(count) => *count,
-            Self::Each(counts, _) => u64::from(counts[pixel]),
-        }
-    }
-
-    /// Returns the mean number of samples per pixel.
-    pub(super) fn mean(&self) -> f64 {
-        match self {
-            Self::Same(count) => *count as f64,
-            Self::Each(_, mean) => *mean,
-        }
-    }
-}
-
 impl FilmNoise {
     /// Measures the noise with a sample in each square. `probe` takes a sample of each of some
     /// pixels. Returns `None` if the film has few pixels.
@@ -157,7 +130,6 @@ impl FilmNoise {
         Some(Self { size: (width, height), squares }.with_share_of_mean())
     }
 
-    /// Returns the square of a pixel.
     fn square_of(&self, pixel: usize) -> &SampleNoise {
         let (width, _) = self.size;
         &self.squares[pixel / width / SQUARE * width.div_ceil(SQUARE) + pixel % width / SQUARE]
@@ -297,7 +269,7 @@ impl ProbeSums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use abbe_spectra::math::random::{Purpose, Stream};
+    use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
     const SIDE: usize = 64;
 
@@ -305,7 +277,7 @@ mod tests {
     /// with this amplitude. `work` is the work of a sample of the pixel.
     fn noise(amplitude: impl Fn(usize) -> f64 + Sync, work: impl Fn(usize) -> f64 + Sync) -> FilmNoise {
         let probe = |&pixel: &usize| {
-            let mut stream = Stream::new(7, Purpose::Pilot, 0, pixel as u64);
+            let mut stream = Stream::new(Seed::new(7), Purpose::SurveyPhoton, 0, pixel as u64);
             let light = 1.0 + amplitude(pixel) * (2.0 * stream.uniform() - 1.0);
             ProbedPixel { sample: [light - 0.5; 3], splats: [0.5; 3], work: work(pixel) }
         };

@@ -3,13 +3,9 @@
 //! The survey of the pilot takes as long as several passes. A coarse picture has few pixels and few
 //! photons, so it is ready much sooner. It is only shown: nothing in the render depends on it.
 
-use super::camera_samples::CameraSamples;
-use super::context::PassContext;
-use super::path_pass::path_pass;
-use super::photon_pass::photon_pass;
-use super::pilot::Pilot;
-use super::sums::{PassSums, StageSeconds};
+use super::measure::{measure, measure_outlines};
 use crate::map::LightMaps;
+use crate::pass::{CameraSamples, PassContext, PassParameters, PassSums, StageSeconds, path_pass, photon_pass};
 use crate::plan::{Budget, MotionPlan, Plan, Tally};
 use crate::sensor::{Film, Picture};
 use crate::walk::ledger::Ledger;
@@ -64,14 +60,14 @@ pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>>
 pub(super) fn coarse_photon_picture(
     context: &PassContext<'_>,
     scene: &Scene,
-    pilot: &mut Pilot,
+    parameters: &mut PassParameters,
 ) -> Result<Option<Picture>> {
     let Some(coarse) = CoarseScene::of(context, scene) else { return Ok(None) };
     let pass = |context: PassContext<'_>, sums: &mut PassSums| {
-        let visible = pilot.measure(&context, &[Cow::Borrowed(context.scene)]);
-        pilot.measure_outlines(&context, context.scene, &visible);
-        pilot.camera_samples = CameraSamples::Same(CAMERA_SAMPLES);
-        photon_pass(context, pilot, &mut LightMaps::default(), 0, sums)
+        let visible = measure(parameters, &context, &[Cow::Borrowed(context.scene)]);
+        measure_outlines(parameters, &context, context.scene, &visible);
+        parameters.camera_samples = CameraSamples::Same(CAMERA_SAMPLES);
+        photon_pass(context, parameters, &mut LightMaps::default(), 0, sums)
     };
     coarse.picture(context, pass).map(Some)
 }

@@ -1,10 +1,8 @@
 //! The small passes of the trial: few photons, and camera samples in tiles of the film.
 
-use super::context::{EmissionRequest, PassContext};
-use super::pilot::Pilot;
-use super::trace::trace_photons;
 use crate::gather::{CameraPass, PathBuffers, PixelSampler};
 use crate::map::SetMaps;
+use crate::pass::{EmissionRequest, PassContext, PassParameters, trace_photons};
 use crate::plan::partition::PerSet;
 use crate::plan::{PathClass, Tally};
 use crate::sensor::{Film, PixelSink, SplatSink};
@@ -21,13 +19,6 @@ pub(super) const TILE: usize = 4;
 
 /// The largest number of tiles.
 const MOST_TILES: usize = 128;
-
-/// The first pass number of the photons of the trial. The survey uses smaller numbers.
-const FIRST_PHOTON_PASS: u64 = 1 << 32;
-
-/// Separates the camera samples of the trial from all other camera samples. The bytes of this
-/// number are the word "trial" in ASCII.
-const CAMERA_SEED_MASK: u64 = 0x0074_7269_616c;
 
 /// X, Y and Z of a pixel in one pass of the trial, in W/m²/sr.
 #[derive(Debug, Clone, Copy, Default)]
@@ -64,7 +55,6 @@ pub(super) fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
 }
 
 impl PixelLight {
-    /// Returns the mean of pixels.
     pub(super) fn mean(pixels: &[Self]) -> Self {
         let share = 1.0 / pixels.len() as f64;
         let mut mean = Self::default();
@@ -87,17 +77,17 @@ impl TracedPhotons {
     pub(super) fn trace(
         context: &PassContext<'_>,
         scene: &Scene,
-        pilot: &Pilot,
+        parameters: &PassParameters,
         (number, counts): (u64, PerSet<u64>),
     ) -> Self {
         let shared = context.shared_wavelengths(0);
         let blank = Film::new(1, 1, scene.film.observer, 0);
         let traced = PerSet::from_fn(|set| {
-            let pass = FIRST_PHOTON_PASS + 2 * number + set as u64;
+            let pass = 2 * number + set as u64;
             let (wavelengths, count) = (shared.sampling(set), counts[set]);
-            let request = EmissionRequest { wavelengths, count, purpose: Purpose::Pilot, pass };
-            let source = pilot.photon_source(context, scene, request);
-            trace_photons(&source, context.plan, set, pilot.recording(set), || blank.splat_sink())
+            let request = EmissionRequest { wavelengths, count, purpose: Purpose::TrialPhoton, pass };
+            let source = parameters.photon_source(context, scene, request);
+            trace_photons(&source, context.plan, set, parameters.recording(set), || blank.splat_sink())
         });
         let mut splats = vec![[0.0; 3]; scene.camera.pixel_count()];
         let mut tally = Tally::default();
@@ -115,15 +105,15 @@ impl TracedPhotons {
 /// Takes a camera sample of a pixel. Returns X, Y and Z of each path class.
 pub(super) fn sample_light<'a>(
     context: &PassContext<'_>,
-    pilot: &Pilot,
+    parameters: &PassParameters,
     camera_pass: &CameraPass<'a>,
     (pass, pixel): (u64, usize),
     buffers: &mut PathBuffers<'a>,
     tally: &mut Tally,
 ) -> [[f64; 3]; PathClass::NAMES.len()] {
-    let sampler = PixelSampler::new(context.budget.seed ^ CAMERA_SEED_MASK, pass, pixel as u64);
+    let sampler = PixelSampler::new(context.budget.seed.streams(Purpose::TrialCamera), pass, pixel as u64);
     PixelSink::measure_classes(camera_pass.scene.film.observer, |sink| {
-        camera_pass.sample(pixel as u64, sampler, &pilot.radii.of(pixel), buffers, tally, sink);
+        camera_pass.sample(pixel as u64, sampler, &parameters.radii.of(pixel), buffers, tally, sink);
     })
 }
 
@@ -132,7 +122,7 @@ impl SmallPass {
     #[inline(never)]
     pub(super) fn run(
         context: &PassContext<'_>,
-        pilot: &Pilot,
+        parameters: &PassParameters,
         (traced, camera_pass): (&TracedPhotons, &CameraPass<'_>),
         tiles: &[Vec<usize>],
     ) -> Self {
@@ -143,7 +133,7 @@ impl SmallPass {
                 let mut light = |pixel: usize| {
                     let samples: [_; TRIALS] = std::array::from_fn(|nth| {
                         let pass = traced.number * TRIALS as u64 + nth as u64;
-                        sample_light(context, pilot, camera_pass, (pass, pixel), &mut buffers, &mut tally)
+                        sample_light(context, parameters, camera_pass, (pass, pixel), &mut buffers, &mut tally)
                     });
                     let sum = |classes: [[f64; 3]; PathClass::NAMES.len()]| {
                         std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum::<f64>())

@@ -204,8 +204,9 @@ impl Balance {
 
 #[cfg(test)]
 mod tests {
-    use super::super::camera_samples::{CameraSamples, FilmNoise, ProbedPixel};
+    use super::super::camera_samples::{FilmNoise, ProbedPixel};
     use super::*;
+    use crate::pass::CameraSamples;
 
     const FREE: BalanceLimits =
         BalanceLimits { photons: 200_000, photons_stated: false, camera_samples: None, largest_medium_factor: 8.0 };

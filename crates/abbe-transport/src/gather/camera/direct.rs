@@ -1,10 +1,10 @@
 //! Direct light at surfaces on a camera path.
 
-use super::light_tree::ReceivingPoint;
-use super::lighting::{EmitterHit, HitWeighting, LightSampleContext, ShadowLine};
-use crate::gather::camera::path::CameraPath;
-use crate::gather::camera::throughput::each_wavelength;
+use super::path::CameraPath;
+use super::throughput::each_wavelength;
 use crate::gather::camera_pass::{CameraPass, PathContext};
+use crate::gather::direct::light_tree::ReceivingPoint;
+use crate::gather::direct::lighting::{EmitterHit, HitWeighting, LightSampleContext, ShadowLine};
 use crate::gather::luminescence::{ExcitingLight, Luminescence};
 use crate::plan::LightOrigin;
 use crate::plan::partition::LightPath;
@@ -17,7 +17,7 @@ impl<'a> CameraPass<'a> {
     /// Adds the radiance of the lights at the end of a path segment. These lights are on a surface
     /// or at infinity.
     #[inline(always)]
-    pub(in crate::gather) fn add_emitters_hit<S: Sink>(
+    pub(super) fn add_emitters_hit<S: Sink>(
         &self,
         path: &CameraPath,
         direction: DVec3,
@@ -35,7 +35,7 @@ impl<'a> CameraPass<'a> {
 
     /// Gathers direct light by shadow rays.
     #[inline(always)]
-    pub(in crate::gather) fn gather_direct<M: BodyMode, S: Sink>(
+    pub(super) fn gather_direct<M: BodyMode, S: Sink>(
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
@@ -70,7 +70,7 @@ impl<'a> CameraPass<'a> {
 
     /// Gathers direct light by a ray that is sampled from the BSDF and may hit a light.
     #[inline(always)]
-    pub(in crate::gather) fn gather_direct_by_bsdf<M: BodyMode, S: Sink>(
+    pub(super) fn gather_direct_by_bsdf<M: BodyMode, S: Sink>(
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,

@@ -1,10 +1,10 @@
 //! Learns the emission distributions of the lights. These distributions send more photons in
 //! directions that contribute to the picture.
 
-use super::context::{EmissionRequest, PassContext};
 use super::importance::{GridLayout, Importance};
 use super::targets::AimSpheres;
 use crate::emit::{EmissionStrata, WavelengthSampling, trace};
+use crate::pass::{EmissionRequest, PassContext};
 use crate::walk::ledger::Ledger;
 use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::Scene;
@@ -25,10 +25,6 @@ const MAX_STRATA: u64 = 4;
 /// value. Both rounds together then take at most a tenth of the time of eight passes.
 const LARGEST_ROUND: f64 = 0.4;
 
-/// The pass number of the first round's random streams. This number is larger than the pass numbers
-/// of the pilot's other photons, which begin at 0. The streams therefore differ.
-const FIRST_STREAM_PASS: u64 = 100;
-
 /// The number of photon paths in one parallel task. This number fixes the order in which the
 /// results of the paths are added.
 const PATHS_PER_TASK: u64 = 4096;
@@ -41,23 +37,23 @@ const BY_CONTRIBUTION: f64 = 0.5;
 const BY_STRATUM: f64 = 0.3;
 
 /// The results of the aiming rounds.
-pub(super) struct LearnedAims {
+pub(crate) struct LearnedAims {
     /// The strata of the emitted rays, with their emission distributions.
-    pub(super) strata: EmissionStrata,
+    pub(crate) strata: EmissionStrata,
     /// The names of the specular objects that no photon reached.
-    pub(super) unlit: Vec<String>,
+    pub(crate) unlit: Vec<String>,
 }
 
 impl LearnedAims {
     /// Returns strata that follow the emission distributions of the lights.
-    pub(super) fn plain(context: &PassContext<'_>) -> Self {
+    pub(crate) fn plain(context: &PassContext<'_>) -> Self {
         Self { strata: EmissionStrata::plain(&context.lights.lights), unlit: Vec::new() }
     }
 }
 
 /// Learns the emission distribution of each light from photons traced in the scene at several
 /// times.
-pub(super) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
+pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
     let (spheres, lights) = (AimSpheres::new(scenes, &context.openings.all()), &context.lights.lights);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
     // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.
@@ -121,12 +117,8 @@ fn trace_round<'a>(
     (round, count): (u64, u64),
 ) -> Importance<'a> {
     let tasks = count.div_ceil(PATHS_PER_TASK);
-    let request = EmissionRequest {
-        wavelengths: WavelengthSampling::Free,
-        count,
-        purpose: Purpose::Pilot,
-        pass: FIRST_STREAM_PASS + round,
-    };
+    let request =
+        EmissionRequest { wavelengths: WavelengthSampling::Free, count, purpose: Purpose::AimPhoton, pass: round };
     let parts = (0..tasks)
         .into_par_iter()
         .map(|task: u64| {

@@ -1,0 +1,104 @@
+//! What the pilot fixes for all passes.
+
+use super::context::{EmissionRequest, PassContext, SharedWavelengths};
+use super::keep_probability::KeepProbability;
+use super::recorder::RecordingOptions;
+use crate::emit::{EmissionStrata, PhotonSource};
+use crate::gather::{CameraPass, LightSelector, Outlines};
+use crate::map::radius::PerKernel;
+use crate::map::{FirstRadii, LightMaps, SetMaps};
+use crate::plan::partition::{PerClass, PerSet, PhotonSet};
+use crate::walk::RayDensities;
+use abbe_scene::Scene;
+
+/// The numbers and distributions that are the same in all passes. A pass must not learn them from
+/// another pass, so the pilot chooses them before pass 0.
+#[derive(Debug)]
+pub struct PassParameters {
+    /// The strata of the emitted rays, with their emission distributions.
+    pub(crate) strata: EmissionStrata,
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
+    pub(crate) ray_densities: Option<RayDensities>,
+    /// The first kernel radii of each pixel.
+    pub(crate) radii: FirstRadii,
+    /// The first kernel radius of each receptor in m. Empty if there are no receptors or caustics.
+    pub(crate) receptor_radii: Vec<f64>,
+    /// The outlines of directly visible surfaces.
+    pub(crate) outlines: Outlines,
+    /// The number of photon paths of each set.
+    pub(crate) photons: PerSet<u64>,
+    pub(crate) camera_samples: CameraSamples,
+    /// The number of photons that a pass stores, divided by the number for which the first radii
+    /// are chosen. Always 1 if the scene states the first radius.
+    pub(crate) stored_photons: PerKernel<f64>,
+    /// The probabilities of storing photons.
+    pub(crate) keep: PerClass<KeepProbability>,
+}
+
+/// The number of camera samples of each pixel in a pass.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum CameraSamples {
+    /// The same number in all pixels.
+    Same(u64),
+    /// A number for each pixel, and the mean over the pixels.
+    Each(Vec<u8>, f64),
+}
+
+impl PassParameters {
+    /// Returns the number of photon paths of each set, divided by the mean number of camera
+    /// samples per pixel.
+    pub(crate) fn photons_per_sample(&self) -> PerSet<f64> {
+        PerSet::from_fn(|set| self.photons[set] as f64 / self.camera_samples.mean())
+    }
+
+    /// Returns how the photons of a set are recorded.
+    pub(crate) fn recording(&self, set: PhotonSet) -> RecordingOptions<'static> {
+        RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set], receptors: None }
+    }
+
+    /// Returns a source of the photons of a pass.
+    pub(crate) fn photon_source<'s>(
+        &'s self,
+        context: &PassContext<'s>,
+        scene: &'s Scene,
+        request: EmissionRequest,
+    ) -> PhotonSource<'s> {
+        PhotonSource {
+            ray_densities: self.ray_densities.as_ref(),
+            ..context.photon_source(scene, &self.strata, request)
+        }
+    }
+
+    /// Returns the inputs of the camera paths of a pass with the first kernel radii, in which no
+    /// light is missing.
+    pub(crate) fn camera_pass<'s>(
+        &'s self,
+        context: &PassContext<'s>,
+        (scene, selector): (&'s Scene, &'s LightSelector),
+        (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
+        shared: SharedWavelengths,
+    ) -> CameraPass<'s> {
+        let kernels = (&self.outlines, self.photons_per_sample());
+        let plain = context.camera_pass((scene, selector), (maps, light_maps), shared, kernels);
+        CameraPass { direct: plain.direct.with_ray_densities(self.ray_densities.as_ref()), ..plain }
+    }
+}
+
+impl CameraSamples {
+    /// Returns the number of samples of a pixel.
+    #[inline]
+    pub(crate) fn of(&self, pixel: usize) -> u64 {
+        match self {
+            Self::Same(count) => *count,
+            Self::Each(counts, _) => u64::from(counts[pixel]),
+        }
+    }
+
+    /// Returns the mean number of samples per pixel.
+    pub(crate) fn mean(&self) -> f64 {
+        match self {
+            Self::Same(count) => *count as f64,
+            Self::Each(_, mean) => *mean,
+        }
+    }
+}

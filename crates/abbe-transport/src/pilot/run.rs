@@ -1,0 +1,201 @@
+//! The pilot: a small render before pass 0. It has its own random streams.
+//!
+//! The pilot fixes all data that passes must not learn from each other: the emission distributions
+//! of the lights, the first kernel radii and the number of camera samples of each pixel, and the
+//! division of the photons between the two sets.
+//!
+//! If anything in the scene moves, the pilot surveys the scene at several times. The pilot learns
+//! the emission distributions from the photons of all these times. Each pixel gets the smallest of
+//! its radii at these times. This radius suits the time with the highest photon density, which
+//! needs the sharpest kernel. At the other times, the radius adds noise, but these times contribute
+//! less light. Outlines are stored only where nothing moves.
+
+use super::aims::{LearnedAims, learn_aims};
+use super::balance::{Balance, BalanceLimits};
+use super::coarse::coarse_photon_picture;
+use super::measure::{measure, measure_outlines};
+use super::receptor_radii::first_radii;
+use super::trial::balanced;
+use crate::gather::Outlines;
+use crate::map::FirstRadii;
+use crate::map::radius::PerKernel;
+use crate::pass::{CameraSamples, KEEP_ALL, KeepProbability, PassContext, PassParameters, StageSeconds};
+use crate::plan::partition::{PerClass, PerSet, PhotonClass};
+use crate::plan::{AimPlan, Budget, CausticPlan, MotionPlan};
+use crate::sensor::Picture;
+use abbe_optics::bsdf::BsdfClass;
+use abbe_scene::Scene;
+use abbe_spectra::error::Result;
+use std::borrow::Cow;
+use std::time::Instant;
+
+/// The emission distributions of a single coarse picture are learned as if a pass had this number
+/// of photon paths.
+const COARSE_AIM_PHOTONS: u64 = 40_000;
+
+/// The number of shutter times in the pilot's survey of a moving scene.
+const MOMENTS: usize = 4;
+
+/// The results of the pilot.
+#[derive(Debug)]
+pub struct Pilot {
+    /// What all passes use.
+    pub parameters: PassParameters,
+    /// The names of the specular objects that no pilot photon reached.
+    pub unlit: Vec<String>,
+}
+
+/// Returns the scene at the pilot's times. The open time of the shutter is divided into intervals
+/// that transmit equal amounts of light. Each interval gives one time: half of the interval's light
+/// passes before this time.
+fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
+    let scene = context.scene;
+    match context.plan.motion {
+        MotionPlan::PosedPerPass if scene.moves() => {
+            let share = |i: usize| (i as f64 + 0.5) / MOMENTS as f64;
+            (0..MOMENTS).map(|i| scene.at(scene.shutter.time_s(share(i)))).collect()
+        }
+        MotionPlan::PosedPerPass | MotionPlan::Still => Ok(vec![Cow::Borrowed(scene)]),
+    }
+}
+
+impl Pilot {
+    /// Runs the pilot. Adds the duration of the pilot to `seconds`. If `show` is given and the film
+    /// is not small, the function calls `show` with a coarse picture of the scene as soon as
+    /// possible.
+    ///
+    /// # Errors
+    /// Returns an error if the scene cannot be posed at one of the pilot's times.
+    pub fn run(
+        context: &PassContext<'_>,
+        seconds: &mut StageSeconds,
+        show: Option<impl FnOnce(&Picture)>,
+    ) -> Result<Self> {
+        let start = Instant::now();
+        let scenes = posed_scenes(context)?;
+        let mut pilot = Self::with_plain_aims(context);
+        // Few photons reach glass and mirrors if they are not aimed.
+        let needs_aims = context.plan.caustics != CausticPlan::Absent;
+        let (before, after) = if needs_aims { (None, show) } else { (show, None) };
+        pilot.show_coarse_picture(context, &scenes[0], before)?;
+        if context.plan.aim == AimPlan::Learned {
+            pilot.set_aims(learn_aims(context, &scenes), context);
+        }
+        pilot.show_coarse_picture(context, &scenes[0], after)?;
+        let parameters = &mut pilot.parameters;
+        let visible = measure(parameters, context, &scenes);
+        balance(parameters, context, &scenes[0]);
+        measure_outlines(parameters, context, &scenes[0], &visible);
+        parameters.receptor_radii = first_radii(context, &scenes[0], &parameters.strata, parameters.photons.free);
+        seconds.pilot += start.elapsed().as_secs_f64();
+        Ok(pilot)
+    }
+
+    /// Renders only the coarse picture of a pilot, with fewer photons for the emission
+    /// distributions. Returns `None` if the film is small.
+    ///
+    /// # Errors
+    /// See [`Self::run`].
+    pub fn coarse_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
+        let photons = context.budget.photons.min(COARSE_AIM_PHOTONS);
+        let budget = Budget { photons, ..context.budget.clone() };
+        let context = &PassContext { budget: &budget, ..*context };
+        let scenes = posed_scenes(context)?;
+        let mut pilot = Self::with_plain_aims(context);
+        if context.plan.aim == AimPlan::Learned {
+            pilot.set_aims(learn_aims(context, &scenes), context);
+        }
+        coarse_photon_picture(context, &scenes[0], &mut pilot.parameters)
+    }
+
+    /// Returns a pilot that has measured nothing. The emitted rays follow the lights.
+    fn with_plain_aims(context: &PassContext<'_>) -> Self {
+        let LearnedAims { strata, unlit } = LearnedAims::plain(context);
+        let parameters = PassParameters {
+            strata,
+            ray_densities: None,
+            radii: FirstRadii::default(),
+            receptor_radii: Vec::new(),
+            outlines: Outlines::default(),
+            photons: PerSet::default(),
+            camera_samples: CameraSamples::Same(1),
+            stored_photons: PerKernel::splat(1.0),
+            keep: KEEP_ALL,
+        };
+        let mut pilot = Self { parameters, unlit };
+        pilot.set_ray_densities(context);
+        pilot
+    }
+
+    fn set_aims(&mut self, LearnedAims { strata, unlit }: LearnedAims, context: &PassContext<'_>) {
+        (self.parameters.strata, self.unlit) = (strata, unlit);
+        self.set_ray_densities(context);
+    }
+
+    fn set_ray_densities(&mut self, context: &PassContext<'_>) {
+        let parameters = &mut self.parameters;
+        let densities = || parameters.strata.ray_densities(&context.scene.lights, context.scene.extent());
+        parameters.ray_densities = has_competition(context).then(densities);
+    }
+
+    /// Calls `show` with a coarse picture, unless the film is small.
+    fn show_coarse_picture(
+        &mut self,
+        context: &PassContext<'_>,
+        scene: &Scene,
+        show: Option<impl FnOnce(&Picture)>,
+    ) -> Result<()> {
+        if let Some(show) = show
+            && let Some(picture) = coarse_photon_picture(context, scene, &mut self.parameters)?
+        {
+            show(&picture);
+        }
+        Ok(())
+    }
+}
+
+/// Divides the work of a pass between photons and camera samples.
+fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &Scene) {
+    let Budget { photons, photons_stated, camera_samples, .. } = *context.budget;
+    let largest_medium_factor = PhotonClass::ALL.map(|class| parameters.keep[class].largest_medium_factor());
+    let largest_medium_factor = largest_medium_factor.into_iter().fold(1.0, f64::max);
+    let limits = BalanceLimits { photons, photons_stated, camera_samples, largest_medium_factor };
+    let (balance, camera_samples) = if limits.is_fixed() {
+        (limits.plain(), CameraSamples::Same(limits.plain().camera_samples))
+    } else {
+        balanced(context, scene, parameters, limits)
+    };
+    parameters.camera_samples = camera_samples;
+    let Balance { photons: chosen, stored_share, medium_factor, .. } = balance;
+    let share = chosen as f64 / photons as f64;
+    let plain = parameters.keep;
+    parameters.keep = PerClass::from_fn(|class| plain[class].with_medium_factor(medium_factor));
+    parameters.keep.indirect.surface = stored_share;
+    // The scene may state the first radius.
+    if context.budget.radius_m.is_none() {
+        let stored = |of: fn(&KeepProbability) -> f64| {
+            PerClass::from_fn(|class| share * of(&parameters.keep[class]) / of(&plain[class]))
+        };
+        parameters.stored_photons = PerKernel {
+            surface: stored(|keep| keep.surface),
+            points: stored(|keep| keep.points),
+            beams: stored(|keep| keep.beams),
+        };
+    }
+    parameters.photons = PerSet::from_fn(|set| match parameters.photons[set] {
+        0 => 0,
+        count => ((count as f64 * share) as u64).max(1),
+    });
+}
+
+/// Returns true if photons and camera paths find the same light: the light of lamps that glossy
+/// surfaces or meters receive through mirrors or glass.
+fn has_competition(context: &PassContext<'_>) -> bool {
+    let PassContext { scene, plan, .. } = context;
+    let glossy = scene
+        .materials
+        .iter()
+        .any(|material| material.surface.components().any(|component| component.class() == BsdfClass::Glossy));
+    let receives = glossy || scene.measures();
+    plan.caustics != CausticPlan::Absent && !plan.direct.is_absent() && receives
+}

@@ -1,0 +1,46 @@
+//! The sums of a pixel of the film.
+
+use abbe_spectra::math::random::REPLICATES;
+use abbe_spectra::math::sum::ExactSum;
+
+/// The sums of one pixel over all passes. They take 192 bytes. Each channel takes 16 more bytes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PixelSums {
+    pub(super) x: ExactSum,
+    pub(super) z: ExactSum,
+    /// Y of each replicate. The sum of the replicates is Y.
+    pub(super) y: [ExactSum; REPLICATES],
+    /// The bias of Y as two sums: over the even replicates, and over the odd replicates. The two
+    /// estimates have independent noise.
+    pub(super) bias: [ExactSum; 2],
+}
+
+/// The light of a pixel summed over all passes, in W/m²/sr. Each value is radiance times a
+/// colour-matching function. Y is also given for each replicate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PixelLight {
+    pub(super) xyz: [f64; 3],
+    pub(super) y: [f64; REPLICATES],
+    pub(super) bias: [f64; 2],
+}
+
+impl PixelSums {
+    pub(super) fn light(&self) -> PixelLight {
+        let y = self.y.map(|part| part.value());
+        PixelLight {
+            xyz: [self.x.value(), y.iter().sum(), self.z.value()],
+            y,
+            bias: self.bias.map(|half| half.value()),
+        }
+    }
+}
+
+/// Returns the replicate to which a pass belongs.
+pub(super) fn replicate(pass: u64) -> usize {
+    (pass % REPLICATES as u64) as usize
+}
+
+/// Returns the number of passes of the even replicates and of the odd replicates.
+pub(super) fn passes_by_half(passes: [u64; REPLICATES]) -> [u64; 2] {
+    [0, 1].map(|parity| passes.iter().skip(parity).step_by(2).sum())
+}

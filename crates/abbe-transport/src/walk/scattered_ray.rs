@@ -1,0 +1,69 @@
+//! The result of scattering, and what all kinds of scattering share.
+
+use super::ray_state::RayState;
+use super::surface_interaction::SurfaceInteraction;
+use abbe_optics::bsdf::{ScatterEvent, TransportMode};
+use abbe_spectra::spectrum::{LANES, Lanes};
+use glam::DVec3;
+
+/// The result of scattering a path at a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct ScatteredRay {
+    /// The new unit direction in world space.
+    pub direction: DVec3,
+    /// The factor by which the event changes the power or radiance of each wavelength. The factor
+    /// is 0 if the path no longer carries the wavelength.
+    pub weight: Lanes,
+    /// For each wavelength, the fraction of the power that the surface absorbs.
+    pub absorbed: Lanes,
+    /// The lane of the only remaining wavelength, if the event was dispersive.
+    pub kept: Option<usize>,
+    /// True if the BSDF is a delta distribution in this direction.
+    pub delta: bool,
+    /// The probability density (1/sr) of the direction at the hero wavelength. It is 0 for a delta
+    /// distribution.
+    pub pdf: f64,
+    /// Reflection or transmission.
+    pub event: ScatterEvent,
+}
+
+impl SurfaceInteraction<'_> {
+    /// Returns the ray that leaves the surface after scattering.
+    #[inline]
+    pub fn spawn_scattered(&self, scattered: &ScatteredRay) -> RayState {
+        self.spawn_ray(scattered.direction, self.medium_stack_after(scattered.event))
+    }
+}
+
+/// Returns the factor by which refraction scales the transported quantity.
+#[inline]
+pub(super) fn transmitted_scale(transport: TransportMode, n_here: f64, n_there: f64) -> f64 {
+    match transport {
+        TransportMode::Radiance => (n_here / n_there) * (n_here / n_there),
+        TransportMode::Importance => 1.0,
+    }
+}
+
+/// Scatters all wavelengths in the shading frame. If the direction is on the wrong side of the
+/// geometric surface, scatters again in the frame of the geometric normal.
+#[inline]
+pub(super) fn scatter_consistently<'a>(
+    interaction: &SurfaceInteraction<'a>,
+    scatter: impl Fn(&SurfaceInteraction<'a>) -> Option<ScatteredRay>,
+) -> Option<ScatteredRay> {
+    let scattered = scatter(interaction)?;
+    if interaction.is_consistent(scattered.direction, scattered.event) {
+        Some(scattered)
+    } else {
+        let (frame, wo) = interaction.geometric_frame();
+        scatter(&SurfaceInteraction { frame, wo, ..*interaction })
+    }
+}
+
+/// Returns lanes with `value` in one lane and 0 in the others.
+#[inline]
+pub(super) fn single_lane(lane: usize, value: f64) -> Lanes {
+    let mut lanes = [0.0; LANES];
+    lanes[lane] = value;
+    lanes
+}
