@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use abbe_session::output::compare::{Comparison, Region, Selection, compare_at};
+use abbe_session::output::compare::{Comparison, compare_at};
 use abbe_session::output::comparison_page::{PicturePair, page};
 use abbe_session::output::exr::read as read_exr;
 use abbe_session::output::file;
 use abbe_session::output::gates::Gate;
 use abbe_session::output::png::{read as read_png, read_mask};
+use abbe_session::output::selection::{Region, Selection};
 use abbe_spectra::colour::tone::ToneCurve;
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::{Picture, exposure};

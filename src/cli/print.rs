@@ -11,8 +11,6 @@ use abbe_spectra::math::elementary::log2;
 use abbe_spectra::spectrum::library;
 use serde::Serialize;
 
-use super::progress::percent;
-
 /// Prints a result. A closed pipe, as in `abbe ... | head`, is not an error.
 pub(crate) fn result(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
@@ -106,6 +104,11 @@ pub(crate) fn error(error: &Error) {
 pub(crate) fn error_line(text: &str) {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     remark(&format!("error: {}", lines.join(" ")));
+}
+
+/// Writes a ratio in percent.
+pub(crate) fn percent(share: f64) -> String {
+    if share < 0.1 { format!("{:.2} %", 100.0 * share) } else { format!("{:.0} %", 100.0 * share) }
 }
 
 #[cfg(test)]

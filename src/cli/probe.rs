@@ -15,7 +15,7 @@ use abbe_spectra::spectrum::BAND_NM;
 use abbe_transport::sensor::{Picture, exposure};
 use serde::Serialize;
 
-use super::progress::percent;
+use super::print::percent;
 use super::{Outcome, print};
 
 #[derive(Debug, clap::Args)]

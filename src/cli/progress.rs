@@ -8,7 +8,8 @@ use abbe_session::render::{ErrorMilestone, Monitor, Progress};
 use abbe_spectra::math::elementary::log10;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{interrupt, print};
+use super::interrupt;
+use super::print::{self, percent};
 
 /// Shows progress on standard error, and stops the render if the user interrupts it.
 #[derive(Debug)]
@@ -201,11 +202,6 @@ pub(crate) fn count(number: f64) -> String {
     } else {
         format!("{number:.0}")
     }
-}
-
-/// Writes a ratio in percent.
-pub(crate) fn percent(share: f64) -> String {
-    if share < 0.1 { format!("{:.2} %", 100.0 * share) } else { format!("{:.0} %", 100.0 * share) }
 }
 
 /// Writes a time in its two largest units.

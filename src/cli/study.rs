@@ -10,7 +10,8 @@ use crate::study::{PAGE, StudyMonitor, StudyOutcome};
 use abbe_session::render::{Monitor, Progress};
 use abbe_spectra::error::Result;
 
-use super::progress::{ProgressDisplay, percent, time};
+use super::print::percent;
+use super::progress::{ProgressDisplay, time};
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, interrupt, print, values};
 

@@ -4,9 +4,9 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use abbe_scene::Exposure;
-use abbe_session::output::compare::Region;
 use abbe_session::output::gates::{Gate, GateSide};
 use abbe_session::output::relight::LightGain;
+use abbe_session::output::selection::Region;
 use abbe_session::render::PassPart;
 use abbe_spectra::colour::decode_srgb;
 

@@ -2,8 +2,9 @@
 //! benches/scenes/README.md names.
 
 use crate::common::{render, with_setting};
-use abbe_session::output::compare::{Region, Selection, compare};
+use abbe_session::output::compare::compare;
 use abbe_session::output::exr;
+use abbe_session::output::selection::{Region, Selection};
 use abbe_session::render::Integrator;
 use abbe_transport::sensor::Picture;
 use serde_json::Value;

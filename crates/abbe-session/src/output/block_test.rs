@@ -1,6 +1,6 @@
 //! A test of two pictures for differences that their noise does not explain.
 
-use super::compare::Selection;
+use super::selection::Selection;
 use abbe_spectra::math::elementary::{atan, exp_m1, hypot, ln_1p, sin_cos};
 use abbe_transport::sensor::Picture;
 

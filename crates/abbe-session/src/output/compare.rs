@@ -3,33 +3,11 @@
 use serde::Serialize;
 
 use super::block_test;
+use super::selection::Selection;
 use abbe_spectra::colour::{RgbSpace, delta_e_2000, lab};
-use abbe_spectra::error::{Error, Result};
+use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::{hypot, log2};
 use abbe_transport::sensor::{Picture, exposure};
-
-/// A rectangle of pixels: columns from `x0` to `x1`, and rows from `y0` to `y1`. Column `x1` and
-/// row `y1` are excluded. Columns are counted from the left, and rows from the top.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Region {
-    /// The first column.
-    pub x0: usize,
-    /// The first row.
-    pub y0: usize,
-    /// The first column to the right of the region.
-    pub x1: usize,
-    /// The first row below the region.
-    pub y1: usize,
-}
-
-/// The pixels to compare. Without regions and without a mask, all pixels are selected.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Selection {
-    /// Regions. A pixel is selected if any of these regions contains the pixel.
-    pub regions: Vec<Region>,
-    /// A mask, row by row from the top. Only pixels whose value is true are selected.
-    pub mask: Option<Vec<bool>>,
-}
 
 /// Colour differences ΔE2000 over the selected pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -138,46 +116,6 @@ pub fn compare_at(picture: &Picture, reference: &Picture, selection: &Selection,
     })
 }
 
-impl Region {
-    /// Returns whether a pixel is in the region.
-    pub fn contains(&self, x: usize, y: usize) -> bool {
-        (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
-    }
-
-    fn check(&self, width: usize, height: usize) -> Result<()> {
-        let Self { x0, y0, x1, y1 } = *self;
-        if x0 < x1 && y0 < y1 && x1 <= width && y1 <= height {
-            return Ok(());
-        }
-        let what = format!("the region {x0},{y0},{x1},{y1} in a picture of {width} × {height} pixels");
-        Err(Error::input(what).expected(format!("x0 < x1 ≤ {width} and y0 < y1 ≤ {height}")))
-    }
-}
-
-impl Selection {
-    /// Returns the indices of the selected pixels.
-    fn selected(&self, picture: &Picture, reference: &Picture) -> Result<Vec<usize>> {
-        let (width, height) = (reference.width, reference.height);
-        if (picture.width, picture.height) != (width, height) {
-            let what = format!("pictures of {} × {} and {width} × {height} pixels", picture.width, picture.height);
-            return Err(Error::input(what).expected("two pictures of the same size"));
-        }
-        self.regions.iter().try_for_each(|region| region.check(width, height))?;
-        let selected: Vec<usize> = (0..width * height).filter(|&i| self.selects(i % width, i / width, width)).collect();
-        if selected.is_empty() {
-            return Err(Error::input("no pixel is selected").expected("at least one pixel in the mask and the regions"));
-        }
-        Ok(selected)
-    }
-
-    /// Returns whether the pixel in column `x` and row `y` is selected. `width` is the width of the
-    /// picture.
-    pub fn selects(&self, x: usize, y: usize, width: usize) -> bool {
-        let in_region = self.regions.is_empty() || self.regions.iter().any(|region| region.contains(x, y));
-        in_region && self.mask.as_ref().is_none_or(|mask| mask[y * width + x])
-    }
-}
-
 /// The means of X, Y and Z over a reference. These means limit the relative error of dark pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct ErrorScale([f64; 3]);
@@ -264,6 +202,7 @@ fn covered(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::selection::Region;
 
     /// Returns a grey picture with the same luminance everywhere.
     fn grey(width: usize, height: usize, y: f64) -> Picture {

@@ -3,11 +3,12 @@
 
 use maud::{Markup, html};
 
-use super::compare::{Comparison, ErrorScale, Selection, delta_e_map};
+use super::compare::{Comparison, ErrorScale, delta_e_map};
 use super::data_uri::data_uri;
 use super::heat::{self, heat};
 use super::page::document;
 use super::png::encode as encode_png;
+use super::selection::Selection;
 use abbe_spectra::colour::tone::ToneCurve;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::exp2;
@@ -174,7 +175,8 @@ pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection, expos
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::compare::{Region, compare};
+    use crate::output::compare::compare;
+    use crate::output::selection::Region;
 
     #[test]
     fn the_page_contains_four_pictures_and_no_links() {

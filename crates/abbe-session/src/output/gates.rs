@@ -74,7 +74,8 @@ impl Gate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::compare::{Selection, compare};
+    use crate::output::compare::compare;
+    use crate::output::selection::Selection;
     use abbe_transport::sensor::Picture;
 
     fn comparison(ratio: f64) -> Comparison {

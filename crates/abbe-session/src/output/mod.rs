@@ -38,6 +38,7 @@ pub mod polar;
 #[cfg(feature = "pages")]
 pub mod regress_page;
 pub mod relight;
+pub mod selection;
 mod svg;
 pub mod tev;
 
