@@ -121,8 +121,7 @@ impl Profile {
 /// Returns the phase function's table at a wavelength and at the strip's angles, convolved with the
 /// sun's disk. It is interpolated linearly in angle and wavelength.
 fn table(nm: f64, sun_width_deg: f64) -> Profile {
-    let packed = std::fs::File::open("data/media/rainbow.csv.gz").expect("the table");
-    let text = std::io::read_to_string(flate2::read::GzDecoder::new(packed)).expect("the table");
+    let text = std::fs::read_to_string("data/media/rainbow.csv").expect("the table");
     let mut lines = text.lines();
     let titles: Vec<f64> =
         lines.next().expect("titles").split(',').skip(1).map(|title| title[2..5].parse().expect("nm")).collect();
