@@ -1,11 +1,11 @@
-//! Compares two lamps: the colours of surfaces, and pairs of surfaces that match under one lamp only.
+//! Compares two lamps: the colours of surfaces, and pairs of surfaces that match under one only.
 //!
 //! ```text
 //! cargo run --release -p abbe-spectra --example two_lamps -- D65 LED-B3
 //! ```
 //!
-//! The arguments are names of the built-in library. Without arguments, the example compares D65 with
-//! the three-band fluorescent lamp FL11.
+//! The arguments are names of the built-in library. Without arguments, the example compares D65
+//! with the three-band fluorescent lamp FL11.
 
 use abbe_spectra::colour::LampComparison;
 use abbe_spectra::spectrum::library;
