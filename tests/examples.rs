@@ -86,11 +86,12 @@ fn the_examples_of_the_crates_run() {
 #[test]
 fn the_examples_of_the_crates_print_known_values() {
     for (name, arguments, expected) in [
-        ("colour_of_a_spectrum", ["FL11"].as_slice(), "CCT       4000 K"),
+        ("colour_of_a_spectrum", ["FL11"].as_slice(), "CCT       4001 K"),
         ("two_lamps", &["D65", "D65"], "D65 and D65 have the same colour"),
+        ("two_lamps", &[], "ΔE2000 of the lamps themselves"),
         ("index_of_a_glass", &["N-BK7"], "V_d = (n_d − 1)/(n_F − n_C) = 64.17"),
         ("film_colours", &[], "#000000"),
-        ("zemax_lens", &[], "line d: f = 50."),
+        ("zemax_lens", &[], "line d: f = 49.976 mm"),
         ("intersect_a_ray", &[], "the floor at [0.300, 0.000, 0.000]"),
         ("error_bar", &[], "cd/m² (95 %)"),
         ("find_a_mistake", &[], "did you mean \"N-BK7\"?"),

@@ -1,10 +1,11 @@
-//! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution into a scene.
+//! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution into a
+//! scene.
 //!
-//! [`read`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and deserialises it
-//! into the types of this crate, which check the ranges of single values. Then the module [`resolve`]
-//! looks up names, reads the other files that the scene names, and converts everything to SI units.
-//! Every error states its line, its column and its JSON path, and suggests a similar name if one
-//! exists.
+//! [`read`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and deserialises
+//! it into the types of this crate, which check the ranges of single values. Then the module
+//! [`resolve`] looks up names, reads the other files that the scene names, and converts everything
+//! to SI units. Every error states its line, its column and its JSON path, and suggests a similar
+//! name if one exists.
 //!
 //! ```
 //! use abbe_format::{parse, resolve::resolve};
@@ -36,16 +37,19 @@
 //! | [`volume_file`] | volumes in `.npz` files |
 //! | [`resolve`] | the resolution of a scene file into a scene |
 //!
-//! The other forms are at the root: each type whose name ends with `File` mirrors a key of the file.
+//! The other forms are at the root: each type whose name ends with `File` mirrors a key of the
+//! file.
 //!
 //! # Units and conventions
 //!
-//! Lengths in a file are in the file's `unit`, which is the metre by default, and angles are in degrees.
-//! A resolved scene is in m, W and rad. Keys are in snake case, and unknown keys are errors.
+//! Lengths in a file are in the file's `unit`, which is the metre by default, and angles are in
+//! degrees. A resolved scene is in m, W and rad. Keys are in snake case, and unknown keys are
+//! errors.
 //!
 //! # Dependencies
 //!
-//! [`abbe_scene`] is the result, [`abbe_optics`] finds glasses and lenses, and [`abbe_spectra`] spectra.
+//! [`abbe_scene`] is the result, [`abbe_optics`] finds glasses and lenses, and [`abbe_spectra`]
+//! spectra.
 
 mod camera;
 mod check;

@@ -1,7 +1,8 @@
 //! Converts scenes of other programs to scene files of the renderer Abbe: glTF, Mitsuba and pbrt.
 //!
-//! [`import`] selects the reader by the extension of the file. A reader hands the parts of the scene to
-//! a scene writer, and states what it leaves out or adds, so that no difference stays hidden.
+//! [`import`] selects the reader by the extension of the file. A reader hands the parts of the
+//! scene to a scene writer, and states what it leaves out or adds, so that no difference stays
+//! hidden.
 //!
 //! ```
 //! use abbe_format::FileAccess;
@@ -31,8 +32,8 @@
 //!
 //! # Units and conventions
 //!
-//! A converted scene is in metres. glTF gives luminous quantities, which stay luminous; Mitsuba and pbrt
-//! give radiance without a unit, which becomes W/m²/sr over the band of these programs.
+//! A converted scene is in metres. glTF gives luminous quantities, which stay luminous; Mitsuba and
+//! pbrt give radiance without a unit, which becomes W/m²/sr over the band of these programs.
 //!
 //! # Dependencies
 //!

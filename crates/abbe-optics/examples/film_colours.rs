@@ -1,4 +1,4 @@
-//! Prints the colours of thin films in daylight: Newton's colours of a soap film, and of oil on water.
+//! Prints the colours of thin films in daylight: a soap film in air, and oil on water.
 //!
 //! ```text
 //! cargo run --release -p abbe-optics --example film_colours -- 45

@@ -4,7 +4,8 @@
 //! cargo run --release -p abbe-optics --example index_of_a_glass -- N-SF11
 //! ```
 //!
-//! Without an argument, the glass is N-BK7. An unknown name is an error that suggests a similar one.
+//! Without an argument, the glass is N-BK7. An unknown name gives an error that suggests a similar
+//! one.
 
 use abbe_optics::glass::{catalogue, lines};
 use abbe_spectra::Result;

@@ -1,9 +1,9 @@
-//! Optics of surfaces, media and lenses, by wavelength: glasses, thin films, gratings, lens designs,
-//! BSDFs and phase functions.
+//! Optics of surfaces, media and lenses, by wavelength: glasses, thin films, gratings, lens
+//! designs, BSDFs and phase functions.
 //!
-//! All functions depend on angle, refractive index and wavelength alone, and none on a scene. The crate
-//! therefore also serves as a calculator: for the index of a glass, the reflectance of a coating, the
-//! efficiencies of a grating, or the spot sizes of a Zemax lens.
+//! All functions depend on angle, refractive index and wavelength alone, and none on a scene. The
+//! crate therefore also serves as a calculator: for the index of a glass, the reflectance of a
+//! coating, the efficiencies of a grating, or the spot sizes of a Zemax lens.
 //!
 //! ```
 //! use abbe_optics::glass::{RefractiveIndex, lines};
@@ -20,8 +20,8 @@
 //! # Ok::<(), abbe_spectra::Error>(())
 //! ```
 //!
-//! The folder `examples/` prints the dispersion of a glass (`index_of_a_glass`), the colours of soap and
-//! oil films (`film_colours`), and the figures of a Zemax file (`zemax_lens`).
+//! The folder `examples/` prints the dispersion of a glass (`index_of_a_glass`), the colours of
+//! soap and oil films (`film_colours`), and the figures of a Zemax file (`zemax_lens`).
 //!
 //! # Modules
 //!
@@ -44,10 +44,11 @@
 //!
 //! # Units and conventions
 //!
-//! Wavelengths are in nm, in air; lens prescriptions are in mm and scenes in m. The complex index is
-//! n + ik, and k > 0 absorbs. In the local frame of a surface, z is the outward normal, and `wo` and
-//! `wi` both point away from the surface. The cosine of a phase function is that between the directions
-//! of propagation, so forward scattering has +1. A roughness α is that of the GGX distribution.
+//! Wavelengths are in nm, in air; lens prescriptions are in mm and scenes in m. The complex index
+//! is n + ik, and k > 0 absorbs. In the local frame of a surface, z is the outward normal, and `wo`
+//! and `wi` both point away from the surface. The cosine of a phase function is that between the
+//! directions of propagation, so forward scattering has +1. A roughness α is that of the GGX
+//! distribution.
 //!
 //! # Dependencies
 //!

@@ -7,14 +7,14 @@
 //! # Example
 //!
 //! ```
-//! use abbe::colour::{RgbSpace, gamut::GamutMapping, tone::ToneCurve};
-//! use abbe::geometry::shape::Shape;
-//! use abbe::optics::{bsdf::Bsdf, glass::RefractiveIndex};
-//! use abbe::scene::builder::{ObjectSet, SceneBuilder, SceneView, WhiteBalance};
-//! use abbe::scene::camera::{Aperture, Camera, Shutter, look_at_axes};
-//! use abbe::scene::light::{Emitter, Light, LightSpectrum, PointLight};
-//! use abbe::scene::{Body, Exposure, FilmSpec, Material};
-//! use abbe::spectrum::{Observer, Spectrum};
+//! use abbe_spectra::colour::{RgbSpace, gamut::GamutMapping, tone::ToneCurve};
+//! use abbe_scene::geometry::shape::Shape;
+//! use abbe_optics::{bsdf::Bsdf, glass::RefractiveIndex};
+//! use abbe_scene::builder::{ObjectSet, SceneBuilder, SceneView, WhiteBalance};
+//! use abbe_scene::camera::{Aperture, Camera, Shutter, look_at_axes};
+//! use abbe_scene::light::{Emitter, Light, LightSpectrum, PointLight};
+//! use abbe_scene::{Body, Exposure, FilmSpec, Material};
+//! use abbe_spectra::{Observer, Spectrum};
 //! use glam::{DAffine3, DVec3};
 //!
 //! // A glass ball on a grey floor, in metres.
@@ -58,7 +58,7 @@
 //! let scene = builder.build(view)?;
 //! assert_eq!(scene.objects[1].name, "ball");
 //! assert_eq!(scene.lights.len(), 1);
-//! # Ok::<(), abbe::error::Error>(())
+//! # Ok::<(), abbe_spectra::Error>(())
 //! ```
 
 use super::camera::{Camera, Shutter};

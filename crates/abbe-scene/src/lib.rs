@@ -1,9 +1,9 @@
-//! The scene model of the renderer Abbe: shapes, lights, materials, media and a camera, in metres and
-//! watts.
+//! The scene model of the renderer Abbe: shapes, lights, materials, media and a camera, in metres
+//! and watts.
 //!
-//! The model is independent of files: [`builder::SceneBuilder`] builds and checks a [`Scene`] from its
-//! parts, and the crate `abbe-format` translates a scene file into these parts. Once a scene is built,
-//! errors in the scene cannot make rendering fail.
+//! The model is independent of files: [`builder::SceneBuilder`] builds and checks a [`Scene`] from
+//! its parts, and the crate `abbe-format` translates a scene file into these parts. Once a scene is
+//! built, errors in the scene cannot make rendering fail.
 //!
 //! ```
 //! use abbe_scene::geometry::shape::{PlacedShape, Shape};
@@ -37,9 +37,9 @@
 //!
 //! # Units and conventions
 //!
-//! Lengths are in m, wavelengths in nm and power in W. Power covers the band 360–830 nm. Positions are
-//! relative to the centre of the scene. Geometry is computed in `f64`, and no intersection test uses a
-//! fixed epsilon. Stored directions point in the direction in which light travels.
+//! Lengths are in m, wavelengths in nm and power in W. Power covers the band 360–830 nm. Positions
+//! are relative to the centre of the scene. Geometry is computed in `f64`, and no intersection test
+//! uses a fixed epsilon. Stored directions point in the direction in which light travels.
 //!
 //! # Dependencies
 //!

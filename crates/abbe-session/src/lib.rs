@@ -1,9 +1,10 @@
-//! Renders of many passes in the renderer Abbe: stop rules, forecasts, checkpoints, merging, pictures
-//! and reports.
+//! Renders of many passes in the renderer Abbe: stop rules, forecasts, checkpoints, merging,
+//! pictures and reports.
 //!
-//! A [`render::Job`] is a planned scene, and [`render::Job::render`] repeats passes until a stop rule is
-//! satisfied. The sums of the passes form a [`render::Run`], which can be saved, continued, and merged
-//! with the runs of other passes to the same bits. The module [`output`] writes pictures and reports.
+//! A [`render::Job`] is a planned scene, and [`render::Job::render`] repeats passes until a stop
+//! rule is satisfied. The sums of the passes form a [`render::Run`], which can be saved, continued,
+//! and merged with the runs of other passes to the same bits. The module [`output`] writes pictures
+//! and reports.
 //!
 //! ```
 //! use abbe_session::render::{Request, StopRules};
@@ -16,7 +17,8 @@
 //! assert_eq!(request.stop.passes, None);
 //! ```
 //!
-//! `examples/error_bar.rs` renders a scene that is built in code, and prints a pixel with its error bar.
+//! `examples/error_bar.rs` renders a scene that is built in code, and prints a pixel with its error
+//! bar.
 //!
 //! # Modules
 //!
@@ -27,9 +29,9 @@
 //!
 //! # Units and conventions
 //!
-//! The Y of a picture is in cd/m², and so are its noise and its bias. The noise is a standard error from
-//! eight replicates, so it is unknown before the eighth pass. A pass depends only on the scene, the seed
-//! and its number.
+//! The Y of a picture is in cd/m², and so are its noise and its bias. The noise is a standard error
+//! from eight replicates, so it is unknown before the eighth pass. A pass depends only on the
+//! scene, the seed and its number.
 //!
 //! # Dependencies
 //!

@@ -1,9 +1,9 @@
 //! Spectra of real lamps and materials, standard observers, and the colours that follow from them.
 //!
-//! A [`Spectrum`] is a function of wavelength: a piecewise-linear continuum plus spectral lines of exact
-//! power. An [`Observer`] turns it into XYZ, and a [`ColourReport`] contains everything that
-//! colorimetry derives from it: chromaticity, correlated colour temperature and Duv, CRI, TM-30 and the
-//! melanopic ratio. More than 190 measured lamps, illuminants and reflectances are built in.
+//! A [`Spectrum`] is a function of wavelength: a piecewise-linear continuum plus spectral lines of
+//! exact power. An [`Observer`] turns it into XYZ, and a [`ColourReport`] contains everything that
+//! colorimetry derives from it: chromaticity, correlated colour temperature and Duv, CRI, TM-30 and
+//! the melanopic ratio. More than 190 measured lamps, illuminants and reflectances are built in.
 //!
 //! ```
 //! use abbe_spectra::{ColourReport, Observer, spectrum::library};
@@ -16,8 +16,8 @@
 //! # Ok::<(), abbe_spectra::Error>(())
 //! ```
 //!
-//! The folder `examples/` prints the colour of a lamp (`colour_of_a_spectrum`) and compares two lamps
-//! (`two_lamps`).
+//! The folder `examples/` prints the colour of a lamp (`colour_of_a_spectrum`) and compares two
+//! lamps (`two_lamps`).
 //!
 //! # Modules
 //!
@@ -31,16 +31,16 @@
 //! # Units and conventions
 //!
 //! Wavelengths are in nm. The band is 360–830 nm, and integrals and colours refer to it. Below it,
-//! values from 300 nm on exist only for fluorescence. A light is a power per nm in any unit, because
-//! library lamps have no common scale; it is 0 outside its table. Reflectances and transmittances run
-//! from 0 to 1, coefficients are in 1/m, and both keep their end values outside the table. XYZ is the
-//! plain integral without the factor 683 lm/W, except in a [`ColourReport`], where a light or the
-//! perfect diffuser has Y = 100.
+//! values from 300 nm on exist only for fluorescence. A light is a power per nm in any unit,
+//! because library lamps have no common scale; it is 0 outside its table. Reflectances and
+//! transmittances run from 0 to 1, coefficients are in 1/m, and both keep their end values outside
+//! the table. XYZ is the plain integral without the factor 683 lm/W, except in a [`ColourReport`],
+//! where a light or the perfect diffuser has Y = 100.
 //!
 //! # Dependencies
 //!
-//! This crate depends on no other crate of Abbe. The tables of `data/` are part of the compiled crate;
-//! `data/SOURCES.md` names the source of each table.
+//! This crate depends on no other crate of Abbe. The tables of `data/` are part of the compiled
+//! crate; `data/SOURCES.md` names the source of each table.
 
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,9 +1,10 @@
-//! Spectral light transport of the renderer Abbe: one pass of photon mapping, and the plan that decides
-//! which effects are simulated.
+//! Spectral light transport of the renderer Abbe: one pass of photon mapping, and the plan that
+//! decides which effects are simulated.
 //!
-//! A pass emits photons with real wavelengths, stores them, and gathers them along camera paths. Passes
-//! are independent of each other, so they can run in any order and on any machine. Everything that
-//! adapts to a scene is decided by the [`plan`] and by the pilot before the first pass.
+//! A pass emits photons with real wavelengths, stores them, and gathers them along camera paths.
+//! Passes are independent of each other, so they can run in any order and on any machine.
+//! Everything that adapts to a scene is decided by the [`plan`] and by the pilot before the first
+//! pass.
 //!
 //! ```
 //! use abbe_format::{parse, resolve::resolve};
@@ -35,9 +36,9 @@
 //!
 //! # Units and conventions
 //!
-//! Lengths are in m, wavelengths in nm, power in W and radiance in W/m²/sr. Photons are stored in `f32`
-//! relative to the centre of the scene. At a scattering event, `wo` and `wi` point away from the
-//! surface. Transport handles light by wavelength only: just [`sensor`] knows XYZ and RGB.
+//! Lengths are in m, wavelengths in nm, power in W and radiance in W/m²/sr. Photons are stored in
+//! `f32` relative to the centre of the scene. At a scattering event, `wo` and `wi` point away from
+//! the surface. Transport handles light by wavelength only: just [`sensor`] knows XYZ and RGB.
 //!
 //! # Dependencies
 //!
