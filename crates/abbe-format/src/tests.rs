@@ -7,7 +7,8 @@ use crate::json::tests::TextDamage;
 
 /// Returns the path and the text of each valid scene in the package.
 pub(super) fn good_scenes() -> Vec<(PathBuf, String)> {
-    let folders = ["tests/good_scenes", "benches/scenes"].map(|it| Path::new(env!("CARGO_MANIFEST_DIR")).join(it));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let folders = ["tests/good_scenes", "benches/scenes"].map(|folder| root.join(folder));
     let entries = folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap());
     let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.retain(|path| path.extension().is_some_and(|it| it == "json"));

@@ -159,3 +159,15 @@ pub fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<Impo
     let folder = if folder.is_empty() { String::new() } else { format!("{folder}/") };
     reader(path, &folder, file_access).map_err(|error| error.in_file(path))
 }
+
+#[cfg(test)]
+mod test_support {
+    use abbe_format::{FileAccess, JsonSource, SceneFile, parse};
+    use abbe_spectra::error::Result;
+    use std::path::Path;
+
+    /// Converts a scene, and reads it as a scene file.
+    pub(crate) fn read_converted(path: &Path) -> Result<(SceneFile, JsonSource)> {
+        parse(super::import(path, "", FileAccess::WithinFolder)?.text, path, &[])
+    }
+}

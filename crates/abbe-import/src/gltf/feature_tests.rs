@@ -6,7 +6,8 @@ use base64::engine::general_purpose::STANDARD;
 use tempfile::TempDir;
 
 use super::*;
-use abbe_format::{read, resolve::resolve};
+use crate::test_support::read_converted;
+use abbe_format::resolve::resolve;
 use abbe_optics::bsdf::Bsdf;
 use abbe_scene::Scene;
 use abbe_spectra::spectrum::Spectrum;
@@ -62,7 +63,7 @@ impl SmallGltf {
         let path = folder.path().join("a.gltf");
         std::fs::write(&path, self.root.to_string()).unwrap();
         let imported = import(&path, "", FileAccess::WithinFolder).unwrap();
-        let (file, source) = read(&path, &[]).unwrap();
+        let (file, source) = read_converted(&path).unwrap();
         let scene = resolve(&file, &source).unwrap();
         (imported, scene)
     }

@@ -1,7 +1,8 @@
 //! Tests of the glTF importer on small files in text form.
 
 use super::*;
-use abbe_format::{read, resolve::resolve};
+use crate::test_support::read_converted;
+use abbe_format::resolve::resolve;
 use abbe_scene::light::Emitter;
 use abbe_spectra::spectrum::Observer;
 use base64::Engine as _;
@@ -72,7 +73,7 @@ fn a_gltf_scene_keeps_its_camera_its_lights_and_its_texture() {
     close(&spot["to"], [0.0, 5.0, -1.0]);
     close(&value["lights"][1]["directional"]["toward"], [-1.0, 0.0, 0.0]);
 
-    let (file, source) = read(&path, &[]).unwrap();
+    let (file, source) = read_converted(&path).unwrap();
     let scene = resolve(&file, &source).unwrap();
     let surface = &scene.materials[scene.objects[0].material].surface;
     assert!(surface.is_textured() && surface.components().count() == 2, "half metal, half matt");
@@ -120,7 +121,7 @@ fn a_gltf_scene_names_no_files_outside_its_folder() {
 fn a_bare_gltf_scene_gets_a_camera_and_lights() {
     let (_folder, path, imported) = imported(&gltf("", r#", "scenes": [{"nodes": [0]}]"#));
     assert_eq!(imported.added.len(), 2);
-    let (file, source) = read(&path, &[]).unwrap();
+    let (file, source) = read_converted(&path).unwrap();
     let scene = resolve(&file, &source).unwrap();
     assert_eq!(scene.lights.len(), 2);
     // The ray through the middle of the film hits the triangle.
@@ -172,7 +173,7 @@ fn sampler(output: usize, interpolation: &str) -> String {
 
 /// Resolves an imported file.
 fn resolved(path: &Path) -> abbe_scene::Scene {
-    let (file, source) = read(path, &[]).unwrap();
+    let (file, source) = read_converted(path).unwrap();
     resolve(&file, &source).unwrap()
 }
 

@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::*;
-use abbe_format::{read, resolve::resolve};
+use crate::test_support::read_converted;
+use abbe_format::resolve::resolve;
 use abbe_scene::geometry::Ray;
 
 /// A pbrt file with a camera at (0, 0, −5) that looks at the origin, and a point light.
@@ -32,7 +33,7 @@ fn imported(text: &str) -> (TempDir, ImportedScene) {
 fn value(text: &str) -> Value {
     let (folder, imported) = imported(text);
     // The text is a valid scene.
-    read(&folder.path().join("a.pbrt"), &[]).unwrap();
+    read_converted(&folder.path().join("a.pbrt")).unwrap();
     serde_json::from_str(&imported.text).unwrap()
 }
 
@@ -79,7 +80,7 @@ fn orthographic_cameras_are_read() {
 fn the_picture_is_not_mirrored() {
     let text = scene("Translate 1 0 0 Shape \"sphere\" \"float radius\" .5");
     let (folder, _) = imported(&text);
-    let (file, source) = read(&folder.path().join("a.pbrt"), &[]).unwrap();
+    let (file, source) = read_converted(&folder.path().join("a.pbrt")).unwrap();
     let scene = resolve(&file, &source).unwrap();
     let hits = |x: f64| {
         let ray = scene.camera.ray(DVec2::new(x, 50.0), [0.5; 2]);
@@ -116,7 +117,7 @@ fn attributes_and_transforms_are_nested() {
 /// Returns whether the front of a shape is seen from +z, and whether it is seen from −z.
 fn fronts(world: &str) -> [bool; 2] {
     let (folder, _) = imported(&scene(world));
-    let (file, source) = read(&folder.path().join("a.pbrt"), &[]).unwrap();
+    let (file, source) = read_converted(&folder.path().join("a.pbrt")).unwrap();
     let scene = resolve(&file, &source).unwrap();
     [DVec3::Z, DVec3::NEG_Z].map(|from| {
         let ray = Ray::new(3.0 * from + DVec3::new(0.2, 0.1, 0.0), -from);
