@@ -49,7 +49,7 @@ impl LampsCompared {
     ///
     /// # Errors
     /// Returns an error if there is neither B nor a primary, if a lamp has no luminance for the
-    /// observer, or if no mix of the primaries exists.
+    /// observer, or if a primary has no colour.
     pub fn of(
         a: NamedSpectrum,
         others: [Option<NamedSpectrum>; 2],
@@ -97,7 +97,7 @@ impl LampsCompared {
     /// The HTML page of the comparison of A and B, with spectra, colour swatches and all numbers.
     ///
     /// # Errors
-    /// Returns an error if a colour cannot be shown.
+    /// Returns a machine error if an image cannot be encoded as PNG.
     #[cfg(feature = "pages")]
     pub fn html(&self) -> Result<String> {
         let Self { observer, lamps, comparison, fluorescent, third: _, mix } = self;

@@ -232,7 +232,7 @@ impl<'a> LensReport<'a> {
 /// Draws the cross-section of a lens with rays of the F, d and C lines.
 ///
 /// # Errors
-/// Returns an error if the lens has no cross-section, because no ray passes.
+/// Returns an error if no light passes.
 pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
     let LensSection { elements, stop, sensor, rays, foci } = section(lens, analysis)?;
     let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };
