@@ -151,7 +151,7 @@ fn even_grid(extinction: f64) -> Medium {
 }
 
 fn through(medium: &Medium, ray: &Ray, length_m: f64) -> f64 {
-    SegmentTransmittance::new(medium, *ray, length_m, 0).at(550.0)
+    SegmentTransmittance::new(medium, *ray, length_m, Seed::new(0)).at(550.0)
 }
 
 /// Returns the relative error of the depth −ln T. T is rounded to half an ulp, which exceeds the
@@ -212,7 +212,7 @@ fn spike() -> f64 {
     let (mut sum, mut squares) = (0.0, 0.0);
     for _ in 0..SEEDS {
         let seed = (stream.uniform() * 2.0_f64.powi(53)) as u64;
-        let found = SegmentTransmittance::new(&tracked, ray, 2.0, seed).at(550.0);
+        let found = SegmentTransmittance::new(&tracked, ray, 2.0, Seed::new(seed)).at(550.0);
         sum += found;
         squares += found * found;
     }

@@ -110,3 +110,56 @@ impl SurfaceArrival<'_> {
         -self.interaction.incoming
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::WavelengthCode;
+    use crate::plan::partition::LightPath;
+    use crate::walk::{NumberedMedium, RayDensity, transmittance};
+    use abbe_format::{self as format, resolve::resolve};
+    use abbe_scene::medium::TransmittanceEstimator;
+    use abbe_scene::medium_stack::MediumStack;
+    use abbe_spectra::spectrum::{LANES, Wavelengths};
+
+    /// Parallel photons travel equally far to a plane. By ratio tracking, each of them arrives with
+    /// the probability 1/e or not at all.
+    #[test]
+    fn parallel_flights_have_positions_of_their_own() {
+        let text = r#"{
+  "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
+  "film": {"width": 8, "height": 8},
+  "media": {"fog": {"homogeneous": {"absorption": 1, "scattering": 0, "phase": "isotropic"}}},
+  "materials": {"fog": {"boundary": {"medium": "fog"}}},
+  "objects": [{"shape": {"box": {"size": [9, 9, 9]}}, "material": "fog"}],
+  "lights": [{"point": {"at": [0, 0, 3], "spectrum": "E", "power": 1}}]
+}"#;
+        let (written, source) = format::parse(text, "fog.json".as_ref(), &[]).unwrap();
+        let mut scene = resolve(&written, &source).unwrap();
+        scene.media[0].transmittance = TransmittanceEstimator::Ratio;
+        let photon = PhotonState {
+            light_path: LightPath::Direct,
+            lost: false,
+            wavelengths: Wavelengths::single(550.0),
+            power: [0.25; LANES],
+            wavelength_code: WavelengthCode::default(),
+            lane: None,
+            excitation: false,
+            ray_density: RayDensity::NONE,
+        };
+        let arriving = |number: u32| {
+            let ray = Ray { origin: DVec3::new(0.01 * f64::from(number), 0.5, 0.0), direction: DVec3::Z };
+            let segment = MediumSegment {
+                ray,
+                length_m: 1.0,
+                medium_stack: MediumStack::AIR,
+                medium: Some(NumberedMedium { number: 0, medium: &scene.media[0] }),
+                absorption: None,
+            };
+            let flight = PhotonFlight { ray, length_m: 1.0, photon: &photon, segment: Some(&segment) };
+            transmittance(&flight.transmittance(1.0), 550.0)
+        };
+        let mean = (0..200).map(arriving).sum::<f64>() / 200.0;
+        assert!((mean - (-1.0_f64).exp()).abs() < 0.1, "{mean}");
+    }
+}
