@@ -4,7 +4,6 @@ use super::scenes::{Harvest, Prepared};
 use abbe_optics::bsdf::{Bsdf, InterfaceIors, TransportMode};
 use abbe_scene::geometry::{Ray, SurfaceId};
 use abbe_scene::light::LeRandoms;
-use abbe_spectra::math::random::{Purpose, Stream};
 use abbe_spectra::spectrum::{LANES, Lanes};
 use abbe_transport::emit::{Aim, PhotonSource};
 use abbe_transport::map::{Photon, PhotonPower};
