@@ -210,7 +210,7 @@ fn paths(code: &str, starts: &BTreeSet<String>) -> Vec<Vec<String>> {
         }
         let tail = &rest[name.len()..];
         if starts.contains(&name) && tail.starts_with("::") && !matches!(before, ':' | '.' | '$') {
-            path_parts(&tail[2..], &[name.clone()], &mut found);
+            path_parts(&tail[2..], std::slice::from_ref(&name), &mut found);
         }
         before = name.chars().next_back().unwrap_or(' ');
         rest = tail;
@@ -244,7 +244,7 @@ fn path_parts(text: &str, start: &[String], found: &mut Vec<Vec<String>>) {
         found.push(start.to_vec());
         return;
     }
-    let path = [start, &[name.clone()]].concat();
+    let path = [start, std::slice::from_ref(&name)].concat();
     match text[name.len()..].strip_prefix("::") {
         Some(rest) => path_parts(rest, &path, found),
         None => found.push(path),
@@ -279,7 +279,7 @@ impl Modules {
         while let Some(name) = rest.first() {
             if name == "super" {
                 place.pop()?;
-            } else if self.0.contains_key(&[&place[..], &[name.clone()]].concat()) {
+            } else if self.0.contains_key(&[&place[..], std::slice::from_ref(name)].concat()) {
                 place.push(name.clone());
             } else {
                 break;

@@ -166,7 +166,7 @@ pub fn find(name: &str) -> Result<&'static Glass> {
 
 static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| {
     let text = include_str!("../../data/glass/glasses.json");
-    let file: GlassesFile = serde_json::from_str(&text).expect("a test parses the embedded catalogue");
+    let file: GlassesFile = serde_json::from_str(text).expect("a test parses the embedded catalogue");
     file.glasses.into_iter().map(Glass::from).collect()
 });
 
