@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules of `abbe-transport` whose code runs for every photon and every camera ray. They handle
 /// light by wavelength only.
-const HOT: [&str; 6] = ["walk/", "map/", "emit/", "gather/", "pass/", "pilot/"];
+const HOT: [&str; 7] = ["walk/", "map/", "emit/", "gather/", "pass/", "pilot/", "photon_paths.rs"];
 
 /// A module whose files may import each other: a box tree of objects that are box trees.
 const NATURAL: &str = "geometry::";

@@ -14,6 +14,7 @@ pub struct GltfAccessors<'b> {
 }
 
 impl<'b> GltfAccessors<'b> {
+    /// Reads from the buffers of the file, in their order.
     pub fn new(buffers: &'b [Data]) -> Self {
         Self { buffers }
     }

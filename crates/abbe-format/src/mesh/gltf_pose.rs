@@ -28,6 +28,10 @@ pub(super) struct VertexData {
 }
 
 impl RestPose {
+    /// Places all nodes of a file.
+    ///
+    /// # Errors
+    /// Returns an error if the transform of a node is damaged.
     pub fn of(document: &Document) -> Result<Self> {
         let mut to_world = vec![DAffine3::IDENTITY; document.nodes().len()];
         for_each_node(document, |node, _, placed| {
