@@ -5,13 +5,15 @@
 //! random numbers. At each point, the irradiance from [`Light::sample_li`] equals the irradiance
 //! from the emitted rays.
 //!
-//! Only this file, `intensity_bounds.rs` and `luminous_surface.rs` contain `match` expressions over
+//! Only this file, `bounded_light.rs` and `luminous_surface.rs` contain `match` expressions over
 //! the variants of [`Emitter`]. All other code calls the methods of [`Light`].
 
 mod area;
 mod beam;
+mod bounded_light;
 mod directional;
 mod environment;
+mod environment_map;
 mod goniometric;
 mod intensity_bounds;
 mod intensity_table;
@@ -32,7 +34,8 @@ mod contract_tests;
 pub use area::AreaLight;
 pub use beam::{BeamLight, mean_scale};
 pub use directional::DirectionalLight;
-pub use environment::{EnvironmentLight, EnvironmentMap, EnvironmentPattern};
+pub use environment::{EnvironmentLight, EnvironmentPattern};
+pub use environment_map::EnvironmentMap;
 pub use goniometric::{GoniometricLight, LuminousOpening, OpeningShape};
 pub use intensity_bounds::IntensityBounds;
 pub use intensity_table::{IntensityTable, PhotometricType};

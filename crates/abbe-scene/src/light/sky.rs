@@ -4,7 +4,7 @@
 //! gradation φ of the zenith angle Z, and the indicatrix f of the angle χ from the sun. Below the
 //! horizon, the ground has a uniform luminance.
 
-use super::environment::EnvironmentMap;
+use super::environment_map::EnvironmentMap;
 use abbe_spectra::math::distribution::PiecewiseConstant2d;
 use abbe_spectra::math::elementary::{acos, cos, exp, sin, sin_cos};
 use abbe_spectra::math::quadrature::gauss16;
