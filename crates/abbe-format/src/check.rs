@@ -4,7 +4,7 @@
 //! error.
 
 use crate::json::JsonPath;
-use abbe_spectra::error::{Error, Result, every};
+use abbe_spectra::error::{Error, Result};
 
 /// Returns an error that contains the JSON path of the wrong value. `what` says what was found.
 pub(super) fn fault(at: &JsonPath, what: impl Into<String>, expected: impl Into<String>) -> Error {
@@ -13,7 +13,12 @@ pub(super) fn fault(at: &JsonPath, what: impl Into<String>, expected: impl Into<
 
 /// Returns an error with all faults, if one of the results is an error.
 pub(super) fn all(results: impl IntoIterator<Item = Result<()>>) -> Result<()> {
-    every(results).map(|_| ())
+    // The loop is compiled for each caller, so it only collects.
+    let mut faults = Vec::new();
+    for result in results {
+        faults.extend(result.err());
+    }
+    Error::all(faults).map_or(Ok(()), Err)
 }
 
 /// Formats a number in the notation of scene files.

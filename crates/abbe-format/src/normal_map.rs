@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::forms;
 use super::picture::{FilterFile, WrapFile, is_one, one};
-use super::texture::UvFile;
+use super::uv::UvFile;
 
 /// A material with shading normals from a picture. The red, green and blue components of the
 /// picture, from 0 to 1, encode the components x, y and z of the normals from −1 to 1. x points

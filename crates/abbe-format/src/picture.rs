@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::json;
 
 use super::forms::{self, Form, Forms};
-use super::texture::UvFile;
+use super::uv::UvFile;
 
 /// The forms of a picture, for error messages.
 const PATH_OR_OBJECT: &str = "a path, or an object with the key path";

@@ -165,10 +165,11 @@ fn unreadable(error: &dyn std::fmt::Display) -> Error {
 fn check_size(path: &Path) -> Result<()> {
     const ALWAYS_ALLOWED: u64 = 1 << 24;
     const MOST_PER_BYTE: u64 = 100;
-    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| unreadable(&error))?;
-    let bytes = std::fs::metadata(path).map_err(|error| unreadable(&error))?.len();
+    let file = std::fs::File::open(path).map_err(|error| unreadable(&error))?;
+    let bytes = file.metadata().map_err(|error| unreadable(&error))?.len();
+    let reader = exr::block::read(std::io::BufReader::new(file), false).map_err(|error| unreadable(&error))?;
     let area = |size: exr::math::Vec2<usize>| (size.0 as u64).saturating_mul(size.1 as u64);
-    let pixels = meta.headers.iter().map(|header| area(header.layer_size)).max().unwrap_or(0);
+    let pixels = reader.headers().iter().map(|header| area(header.layer_size)).max().unwrap_or(0);
     if pixels > ALWAYS_ALLOWED.max(bytes.saturating_mul(MOST_PER_BYTE)) {
         return Err(Error::input(format!("the image is damaged: {bytes} bytes cannot hold {pixels} pixels")));
     }

@@ -40,7 +40,9 @@
 //! [`abbe_format`] defines the scene file and reads meshes; [`abbe_scene`], [`abbe_optics`] and
 //! [`abbe_spectra`] supply the model and the names of spectra and glasses.
 
+mod dark_outside;
 mod gltf;
+mod imported_scene;
 mod mitsuba;
 mod overlay;
 mod pbrt;
@@ -48,89 +50,22 @@ mod scene_writer;
 
 use std::path::Path;
 
-use serde_json::{Value, json};
-
 use abbe_format::FileAccess;
 use abbe_spectra::error::{Error, Result};
-use overlay::ImportedNames;
-use scene_writer::SceneWriter;
-
-/// The wavelengths (nm) that pbrt and Mitsuba simulate.
-const VISIBLE_NM: [f64; 2] = [360.0, 830.0];
-
-/// A converted scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImportedScene {
-    /// The text of the scene file.
-    pub text: String,
-    /// Sentences about the parts that the file lacks and that were added.
-    pub added: Vec<String>,
-    /// Sentences about what was left out, or replaced by something similar.
-    pub left_out: Vec<String>,
-    /// Sentences about what the mesh reader ignores. A reader of the converted scene finds them
-    /// again.
-    pub ignored_by_meshes: Vec<String>,
-    /// The names that an overlay may use.
-    names: ImportedNames,
-}
-
-impl ImportedScene {
-    /// Returns one sentence for each part that the conversion left out or added.
-    pub fn notes(&self) -> Vec<String> {
-        let added = self.added.iter().map(|what| format!("added {what}"));
-        self.left_out.iter().cloned().chain(added).collect()
-    }
-
-    /// Applies an overlay: a small JSON file that names materials, lights and objects of the
-    /// converted scene, and replaces or changes them. The file may also change the camera, the film
-    /// and the render settings, and add lights and objects. Paths in the overlay are relative to
-    /// the folder of the scene file.
-    ///
-    /// # Errors
-    /// Returns an error if the overlay cannot be read, or if it contains an unknown key or an
-    /// unknown name. The error contains the position in the overlay.
-    pub fn with_overlay(mut self, path: &Path) -> Result<Self> {
-        let overlaid = overlay::apply(&self.text, &self.names, path)?;
-        self.text = overlaid.text;
-        if overlaid.replaces_lights {
-            let note = self.names.added_lights.as_ref().map(|lights| &lights.note);
-            self.added.retain(|what| Some(what) != note);
-        }
-        Ok(self)
-    }
-}
+pub use imported_scene::ImportedScene;
 
 /// A reader of the scenes of another program. The first argument is the file. The second argument
 /// is the path from the folder of the scene file to the folder of the file. This path is empty or
 /// ends with "/".
-type Reader = fn(&Path, &str, FileAccess) -> Result<ImportedScene>;
+type ImportFn = fn(&Path, &str, FileAccess) -> Result<ImportedScene>;
 
 /// The readers by file name extension.
-const READERS: [(&str, Reader); 4] =
+const READERS: [(&str, ImportFn); 4] =
     [("gltf", gltf::import), ("glb", gltf::import), ("xml", mitsuba::import), ("pbrt", pbrt::import)];
 
-fn reader(path: &Path) -> Option<Reader> {
+fn reader(path: &Path) -> Option<ImportFn> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     READERS.iter().find(|(known, _)| extension.eq_ignore_ascii_case(known)).map(|&(_, reader)| reader)
-}
-
-/// Returns the table of a reflectance or of a coefficient. In pbrt and in Mitsuba, it is 0 beyond
-/// its ends, and in a scene file, it is constant there.
-fn dark_outside(nm: &[f64], values: &[f64]) -> Value {
-    /// The distance (nm) from the end of a table to the first wavelength with the value 0.
-    const EDGE_NM: f64 = 0.01;
-    let (mut nm, mut values) = (nm.to_vec(), values.to_vec());
-    if nm.first().is_some_and(|&first| first > VISIBLE_NM[0]) {
-        nm.insert(0, nm[0] - EDGE_NM);
-        values.insert(0, 0.0);
-    }
-    if let Some(&last) = nm.last()
-        && last < VISIBLE_NM[1]
-    {
-        nm.push(last + EDGE_NM);
-        values.push(0.0);
-    }
-    json!({"table": {"nm": nm, "values": values}})
 }
 
 /// Returns true if the extension of a file says that [`import`] can read it.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 
-use super::ImportedScene;
+use super::imported_scene::ImportedScene;
 use super::overlay::{AddedLights, ImportedNames};
 use abbe_format::json::pretty;
 

@@ -1,56 +1,187 @@
 //! A serde deserialiser for the values of a scanned text. Each error has the position of the wrong
 //! value or key.
+//!
+//! serde's visitors read entries of objects, elements of arrays and variants of enums. Each type for
+//! them also represents stand-ins, so that the code of a visitor exists only once in the program.
 
-use serde::de::{DeserializeSeed, Deserializer, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor};
 use serde::forward_to_deserialize_any;
 
-use super::access::{ArrayElements, ObjectEntries, Variant, visit_text};
 use super::describe::one_of;
-use super::deserialize_error::{DeserializeError, DeserializeErrorKind};
-use super::positions::{SpannedValue, ValueKind};
+use super::deserialize_error::{DeserializeError, DeserializeErrorKind, DeserializeResult};
+use super::key::KeyDeserializer;
+use super::positions::{ChildValues, SpannedValue, ValueKind};
 use super::repair::Repairs;
-use super::stand_in::StandIn;
 
-/// The result of reading a value.
-pub(super) type DeserializeResult<T> = Result<T, DeserializeError>;
+/// A deserialiser of one value: a value of the text, or a stand-in for a value that could not be
+/// read.
+///
+/// As stand-ins, every number is 1, every text is empty, and every list is empty. The variant of an
+/// enum is the first one. An optional value is absent. A type that accepts several kinds of values
+/// gets a number. If such a type accepts no numbers, the deserialiser returns an error of the kind
+/// [`DeserializeErrorKind::NoStandIn`].
+#[derive(Debug, Clone, Copy)]
+pub(super) enum ValueDeserializer<'r, 'de> {
+    /// A value of the text.
+    Written(WrittenValue<'r, 'de>),
+    /// A stand-in.
+    StandIn,
+}
 
-/// Deserialises a value. If the repairs replace the value, the result is a stand-in.
-pub(super) fn deserialize<'de, T: DeserializeSeed<'de>>(
-    seed: T,
-    value: SpannedValue<'de>,
-    repairs: &Repairs,
-) -> DeserializeResult<T::Value> {
-    if repairs.replaces(value) {
-        seed.deserialize(StandIn)
-    } else {
-        seed.deserialize(ValueDeserializer { value, repairs })
+impl<'r, 'de> ValueDeserializer<'r, 'de> {
+    /// Creates the deserialiser of a value of the text. If the repairs replace the value, a stand-in
+    /// takes its place.
+    pub(super) fn new(value: SpannedValue<'de>, repairs: &'r Repairs) -> Self {
+        if repairs.replaces(value) { Self::StandIn } else { Self::Written(WrittenValue { value, repairs }) }
     }
 }
 
-/// A deserialiser of one value.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ValueDeserializer<'r, 'de> {
-    pub(super) value: SpannedValue<'de>,
-    pub(super) repairs: &'r Repairs,
+impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
+    type Error = DeserializeError;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        match self {
+            Self::Written(written) => written.visit_any(visitor),
+            Self::StandIn => visitor.visit_f64(1.0).map_err(|_: DeserializeError| DeserializeError::no_stand_in()),
+        }
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        match self {
+            Self::Written(written) => written.visit_any(visitor),
+            Self::StandIn => visitor.visit_bool(false),
+        }
+    }
+
+    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        match self {
+            Self::Written(written) => written.visit_whole(visitor),
+            Self::StandIn => visitor.visit_u64(1),
+        }
+    }
+
+    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        match self {
+            // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits
+            // of the text.
+            Self::Written(written) if written.value.written().parse::<u64>().is_ok() => written.visit_any(visitor),
+            Self::Written(written) => written.visit_whole(visitor),
+            Self::StandIn => visitor.visit_u64(1),
+        }
+    }
+
+    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        self.deserialize_u32(visitor)
+    }
+
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        match self {
+            Self::Written(written) => written.visit_any(visitor),
+            Self::StandIn => visitor.visit_str(""),
+        }
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        self.deserialize_str(visitor)
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        let Self::Written(WrittenValue { value, .. }) = self else { return visitor.visit_none() };
+        let result = if value.kind() == ValueKind::Null { visitor.visit_none() } else { visitor.visit_some(self) };
+        result.map_err(|error| error.at(value))
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> DeserializeResult<V::Value> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        match self {
+            Self::Written(written) => written.visit_any(visitor),
+            Self::StandIn => visitor.visit_seq(ArrayElements::StandIns(0)),
+        }
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
+        match self {
+            Self::Written(written) => {
+                written.check_length(length)?;
+                written.visit_any(visitor)
+            }
+            Self::StandIn => visitor.visit_seq(ArrayElements::StandIns(length)),
+        }
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        self.deserialize_struct("", &[], visitor)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> DeserializeResult<V::Value> {
+        match self {
+            Self::Written(written) => written.visit_fields(fields, visitor),
+            Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(fields)),
+        }
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> DeserializeResult<V::Value> {
+        match self {
+            Self::Written(written) => written
+                .variant(variants)
+                .and_then(|variant| visitor.visit_enum(variant))
+                .map_err(|error| error.at(written.value)),
+            Self::StandIn => match variants.first() {
+                Some(first) => visitor.visit_enum(Variant::StandIn(first)),
+                None => Err(DeserializeError::no_stand_in()),
+            },
+        }
+    }
+
+    forward_to_deserialize_any! {
+        i8 i16 i64 i128 u8 u16 u128 f32 f64 char bytes byte_buf unit unit_struct tuple_struct identifier ignored_any
+    }
 }
 
-impl<'de> ValueDeserializer<'_, 'de> {
+/// A number of a text.
+enum WrittenNumber {
+    Unsigned(u64),
+    Negative(i64),
+    Float(f64),
+}
+
+/// A value of the text, and the repairs of its parts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WrittenValue<'r, 'de> {
+    value: SpannedValue<'de>,
+    repairs: &'r Repairs,
+}
+
+impl<'r, 'de> WrittenValue<'r, 'de> {
+    /// Visits a value of any kind.
+    fn visit_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        self.visit(visitor).map_err(|error| error.at(self.value))
+    }
+
     /// Calls the visitor's method that matches the kind of this value.
     fn visit<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         match self.value.kind() {
             ValueKind::Null => visitor.visit_unit(),
             ValueKind::Bool => visitor.visit_bool(self.value.written() == "true"),
             ValueKind::Number => self.visit_number(visitor),
-            ValueKind::String => visit_text(self.value.content(), visitor),
+            ValueKind::String => visitor.visit_str(&self.value.content()),
             ValueKind::Array => {
                 let mut elements = self.value.children();
                 let value = visitor.visit_seq(ArrayElements::Written(&mut elements, self.repairs))?;
-                let left = elements.count();
-                if left == 0 {
-                    return Ok(value);
-                }
-                let wanted = self.value.children().count() - left;
-                Err(DeserializeError::mismatch(format!("an array of {wanted}")))
+                self.check_end(elements).map(|()| value)
             }
             ValueKind::Object => self.visit_object(visitor),
         }
@@ -60,23 +191,37 @@ impl<'de> ValueDeserializer<'_, 'de> {
     fn visit_object<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         let mut entries = ObjectEntries::of(self.value, self.repairs);
         let value = visitor.visit_map(&mut entries)?;
-        // The visitor of a struct reads all keys. The visitor of an enum reads only the first key.
-        match entries.next_kept_key() {
-            None => Ok(value),
-            Some(key) => Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key)),
+        entries.check_end().map(|()| value)
+    }
+
+    /// Returns an error if `left` are the elements of this array that a visitor has not read.
+    fn check_end(self, left: ChildValues<'de>) -> DeserializeResult<()> {
+        let left = left.count();
+        if left == 0 {
+            return Ok(());
+        }
+        let wanted = self.value.children().count() - left;
+        Err(DeserializeError::mismatch(format!("an array of {wanted}")))
+    }
+
+    /// Visits a number.
+    fn visit_number<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+        match self.number() {
+            WrittenNumber::Unsigned(number) => visitor.visit_u64(number),
+            WrittenNumber::Negative(number) => visitor.visit_i64(number),
+            WrittenNumber::Float(number) => visitor.visit_f64(number),
         }
     }
 
-    /// Visits a number. If the text is an integer that fits 64 bits, the visitor gets an integer.
-    /// Otherwise, the visitor gets a float.
-    fn visit_number<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    /// Returns the number. An integer that fits 64 bits stays an integer.
+    fn number(self) -> WrittenNumber {
         let written = self.value.written();
-        if let Ok(number) = written.parse::<u64>() {
-            visitor.visit_u64(number)
-        } else if let Ok(number @ ..0) = written.parse::<i64>() {
-            visitor.visit_i64(number)
+        if let Ok(number) = written.parse() {
+            WrittenNumber::Unsigned(number)
+        } else if let Ok(number @ ..0) = written.parse() {
+            WrittenNumber::Negative(number)
         } else {
-            visitor.visit_f64(self.float())
+            WrittenNumber::Float(self.float())
         }
     }
 
@@ -109,82 +254,29 @@ impl<'de> ValueDeserializer<'_, 'de> {
     }
 
     /// Visits an object with the known keys `fields`.
-    pub(super) fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
         if self.value.kind() != ValueKind::Object {
             return Err(self.not_an_object(fields));
         }
         self.visit_object(visitor).map_err(|error| error.at(self.value))
     }
-}
 
-impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
-    type Error = DeserializeError;
-
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        self.visit(visitor).map_err(|error| error.at(self.value))
-    }
-
-    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        self.visit_whole(visitor)
-    }
-
-    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits of
-        // the text.
-        if self.value.written().parse::<u64>().is_ok() {
-            self.deserialize_any(visitor)
-        } else {
-            self.visit_whole(visitor)
-        }
-    }
-
-    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        self.visit_whole(visitor)
-    }
-
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        let result = if self.value.kind() == ValueKind::Null { visitor.visit_none() } else { visitor.visit_some(self) };
-        result.map_err(|error| error.at(self.value))
-    }
-
-    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> DeserializeResult<V::Value> {
-        visitor.visit_newtype_struct(self)
-    }
-
-    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
+    /// Returns an error if the value is not an array of this length.
+    fn check_length(self, length: usize) -> DeserializeResult<()> {
         if self.value.kind() == ValueKind::Array && self.value.children().count() == length {
-            return self.deserialize_any(visitor);
+            return Ok(());
         }
         Err(DeserializeError::mismatch(format!("an array of {length}")).at(self.value))
     }
 
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
-        self.visit_fields(&[], visitor)
-    }
-
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
-        self.visit_fields(fields, visitor)
-    }
-
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        variants: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
-        let result = match self.value.kind() {
-            ValueKind::String => visitor.visit_enum(Variant::Plain(self.value)),
+    /// Returns the variant of an enum with these variants.
+    fn variant(self, variants: &'static [&'static str]) -> DeserializeResult<Variant<'r, 'de>> {
+        match self.value.kind() {
+            ValueKind::String => Ok(Variant::Plain(self.value)),
             ValueKind::Object => {
                 let mut entries = self.value.entries().filter(|(key, _)| !self.repairs.drops(*key));
                 match (entries.next(), entries.next()) {
-                    (Some((key, value)), None) => {
-                        visitor.visit_enum(Variant::Keyed { key, value, repairs: self.repairs })
-                    }
+                    (Some((key, value)), None) => Ok(Variant::Keyed { key, value, repairs: self.repairs }),
                     (Some(_), Some((second, _))) => {
                         Err(DeserializeError::new(DeserializeErrorKind::SecondKey(variants)).at(second))
                     }
@@ -194,12 +286,190 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
             ValueKind::Null | ValueKind::Bool | ValueKind::Number | ValueKind::Array => {
                 Err(DeserializeError::mismatch(one_of(variants)))
             }
-        };
-        result.map_err(|error| error.at(self.value))
+        }
+    }
+}
+
+/// Gives the elements of an array to serde: the elements of the text, or stand-ins.
+enum ArrayElements<'a, 'de> {
+    /// Elements of the text.
+    Written(&'a mut ChildValues<'de>, &'a Repairs),
+    /// This number of stand-ins.
+    StandIns(usize),
+}
+
+impl<'a, 'de> ArrayElements<'a, 'de> {
+    /// Returns the next element.
+    fn next(&mut self) -> Option<ValueDeserializer<'a, 'de>> {
+        match self {
+            Self::Written(elements, repairs) => elements.next().map(|value| ValueDeserializer::new(value, repairs)),
+            Self::StandIns(left) => {
+                *left = left.checked_sub(1)?;
+                Some(ValueDeserializer::StandIn)
+            }
+        }
+    }
+}
+
+impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
+    type Error = DeserializeError;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> DeserializeResult<Option<T::Value>> {
+        self.next().map(|value| seed.deserialize(value)).transpose()
     }
 
-    forward_to_deserialize_any! {
-        bool i8 i16 i64 i128 u8 u16 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple_struct
-        identifier ignored_any
+    fn size_hint(&self) -> Option<usize> {
+        Some(match self {
+            Self::Written(elements, _) => elements.left(),
+            Self::StandIns(left) => *left,
+        })
+    }
+}
+
+/// Gives the entries of an object to serde: the entries of the text that are not dropped, and then
+/// the added keys.
+struct ObjectEntries<'a, 'de> {
+    /// The entries of the text. `None` if all values are stand-ins.
+    written: Option<(ChildValues<'de>, &'a Repairs)>,
+    /// The added keys, beginning with the last one.
+    added: Vec<&'static str>,
+    /// The value of the key that was read last. `None` stands for the value of an added key.
+    value: Option<SpannedValue<'de>>,
+}
+
+impl<'a, 'de> ObjectEntries<'a, 'de> {
+    /// Returns the entries of an object of the text.
+    fn of(object: SpannedValue<'de>, repairs: &'a Repairs) -> Self {
+        let added = repairs.added_to(object).collect();
+        Self { written: Some((object.children(), repairs)), added, value: None }
+    }
+
+    /// Returns entries with these keys, and stand-ins as their values.
+    fn stand_ins(keys: &[&'static str]) -> Self {
+        Self { written: None, added: keys.iter().rev().copied().collect(), value: None }
+    }
+
+    /// Returns the next key of the text that is not dropped.
+    fn next_kept_key(&mut self) -> Option<SpannedValue<'de>> {
+        let (entries, repairs) = self.written.as_mut()?;
+        loop {
+            let key = entries.next()?;
+            self.value = entries.next();
+            if !repairs.drops(key) {
+                return Some(key);
+            }
+        }
+    }
+
+    /// Returns an error if the text has further entries. The visitor of a struct reads all keys. The
+    /// visitor of an enum reads only the first key.
+    fn check_end(&mut self) -> DeserializeResult<()> {
+        match self.next_kept_key() {
+            None => Ok(()),
+            Some(key) => Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key)),
+        }
+    }
+
+    /// Returns the value of the key that was read last.
+    fn take_value(&mut self) -> ValueDeserializer<'a, 'de> {
+        match (self.value.take(), &self.written) {
+            (Some(value), Some((_, repairs))) => ValueDeserializer::new(value, repairs),
+            _ => ValueDeserializer::StandIn,
+        }
+    }
+
+    /// Returns the name of the next entry.
+    fn next_name(&mut self) -> Option<KeyDeserializer<'de>> {
+        if let Some(key) = self.next_kept_key() {
+            return Some(KeyDeserializer::written(key));
+        }
+        self.value = None;
+        self.added.pop().map(KeyDeserializer::added)
+    }
+}
+
+impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
+    type Error = DeserializeError;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> DeserializeResult<Option<K::Value>> {
+        self.next_name().map(|key| seed.deserialize(key)).transpose()
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> DeserializeResult<V::Value> {
+        seed.deserialize(self.take_value())
+    }
+}
+
+/// A variant of an enum.
+enum Variant<'r, 'de> {
+    /// A variant without fields, written as a string.
+    Plain(SpannedValue<'de>),
+    /// A variant with fields. In JSON, it is an object with one key, and this key is the name of
+    /// the variant.
+    Keyed {
+        /// The name.
+        key: SpannedValue<'de>,
+        /// The fields.
+        value: SpannedValue<'de>,
+        /// The repairs of the text.
+        repairs: &'r Repairs,
+    },
+    /// The variant with this name, with stand-ins as its fields.
+    StandIn(&'static str),
+}
+
+impl<'de> EnumAccess<'de> for Variant<'_, 'de> {
+    type Error = DeserializeError;
+    type Variant = Self;
+
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> DeserializeResult<(V::Value, Self)> {
+        let name = match &self {
+            Self::Plain(name) => KeyDeserializer::written(*name),
+            Self::Keyed { key, .. } => KeyDeserializer::written(*key),
+            Self::StandIn(name) => KeyDeserializer::added(name),
+        };
+        Ok((seed.deserialize(name)?, self))
+    }
+}
+
+impl<'r, 'de> Variant<'r, 'de> {
+    /// Returns the fields, or an error if the variant is written as a string.
+    fn fields(self) -> DeserializeResult<ValueDeserializer<'r, 'de>> {
+        match self {
+            Self::Plain(name) => {
+                Err(DeserializeError::mismatch(format!("an object {{{}: …}}", name.written())).at(name))
+            }
+            Self::Keyed { value, repairs, .. } => Ok(ValueDeserializer::new(value, repairs)),
+            Self::StandIn(_) => Ok(ValueDeserializer::StandIn),
+        }
+    }
+}
+
+impl<'de> VariantAccess<'de> for Variant<'_, 'de> {
+    type Error = DeserializeError;
+
+    fn unit_variant(self) -> DeserializeResult<()> {
+        match self {
+            Self::Plain(_) | Self::StandIn(_) => Ok(()),
+            Self::Keyed { key, value, .. } => {
+                Err(DeserializeError::mismatch(format!("just the string {}", key.written())).at(value))
+            }
+        }
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> DeserializeResult<T::Value> {
+        seed.deserialize(self.fields()?)
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
+        self.fields()?.deserialize_tuple(length, visitor)
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> DeserializeResult<V::Value> {
+        self.fields()?.deserialize_struct("", fields, visitor)
     }
 }

@@ -44,6 +44,9 @@ pub(super) enum DeserializeErrorKind {
     Other(String),
 }
 
+/// The result of reading a value.
+pub(super) type DeserializeResult<T> = Result<T, DeserializeError>;
+
 impl DeserializeError {
     /// Returns an error whose position is not known yet.
     pub(super) fn new(kind: DeserializeErrorKind) -> Self {
@@ -54,6 +57,11 @@ impl DeserializeError {
     /// range.
     pub(super) fn mismatch(expected: impl Into<String>) -> Self {
         Self::new(DeserializeErrorKind::Mismatch { expected: expected.into() })
+    }
+
+    /// Returns the error for a type that has no stand-in.
+    pub(super) fn no_stand_in() -> Self {
+        Self::new(DeserializeErrorKind::NoStandIn)
     }
 
     /// Sets the position of the error to a value or key, unless the error already has a position.

@@ -6,11 +6,11 @@
 //! `deserialize` hands the values to serde. [`JsonSource`] contains the result. If an error is
 //! found later, [`JsonSource`] adds the position to the error.
 
-mod access;
 mod describe;
 mod deserialize;
 mod deserialize_error;
 mod file_access;
+mod key;
 mod patch;
 mod path;
 mod positions;
@@ -19,7 +19,6 @@ mod repair;
 mod scan;
 mod serialize;
 mod source;
-mod stand_in;
 #[cfg(test)]
 pub(crate) mod tests;
 mod text;

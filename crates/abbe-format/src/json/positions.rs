@@ -10,7 +10,7 @@ use super::path::{PathStep, push_key};
 
 /// The span of a value or key in the text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Node {
+pub(super) struct JsonNode {
     /// Byte offset of its first byte.
     pub(super) start: u32,
     /// Byte offset after its last byte.
@@ -21,11 +21,11 @@ pub(super) struct Node {
 
 /// The spans of all values and keys of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Positions(Vec<Node>);
+pub(super) struct Positions(Vec<JsonNode>);
 
 impl Positions {
     /// Takes the nodes of a text, which must be in the order of the text.
-    pub(super) fn new(mut nodes: Vec<Node>) -> Self {
+    pub(super) fn new(mut nodes: Vec<JsonNode>) -> Self {
         nodes.shrink_to_fit();
         Self(nodes)
     }
@@ -62,13 +62,13 @@ pub(super) enum ValueKind {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SpannedValue<'t> {
     text: &'t str,
-    nodes: &'t [Node],
+    nodes: &'t [JsonNode],
     id: u32,
 }
 
 impl<'t> SpannedValue<'t> {
     /// Returns the value whose node is `nodes[id]`.
-    pub(super) fn in_list(text: &'t str, nodes: &'t [Node], id: u32) -> Self {
+    pub(super) fn in_list(text: &'t str, nodes: &'t [JsonNode], id: u32) -> Self {
         Self { text, nodes, id }
     }
 
@@ -83,7 +83,7 @@ impl<'t> SpannedValue<'t> {
     }
 
     /// Returns the value's node.
-    fn node(self) -> Node {
+    fn node(self) -> JsonNode {
         self.nodes[self.id as usize]
     }
 

@@ -7,7 +7,7 @@
 
 use super::describe::shorten;
 use super::path::{push_key, quoted};
-use super::positions::{Node, Positions, SpannedValue, decode};
+use super::positions::{JsonNode, Positions, SpannedValue, decode};
 use super::text::line_column;
 use abbe_spectra::error::Error;
 
@@ -48,13 +48,13 @@ struct Scanner<'t> {
     /// Byte offset of the next byte to read.
     at: usize,
     /// The nodes so far. In an unfinished node, `end` and `next` are `u32::MAX`.
-    nodes: Vec<Node>,
+    nodes: Vec<JsonNode>,
     /// The position inside each unfinished container, outermost first.
-    open: Vec<Level>,
+    open: Vec<OpenContainer>,
 }
 
 /// The position inside an unfinished container.
-enum Level {
+enum OpenContainer {
     /// In an object: the number of the current key's node, if the key was read.
     Object(Option<u32>),
     /// In an array: the index of the current element, and whether the scanner is inside this
@@ -73,14 +73,14 @@ impl Scanner<'_> {
         let mut path = String::new();
         for level in &self.open {
             match level {
-                Level::Object(None) => {}
-                Level::Object(Some(id)) => {
+                OpenContainer::Object(None) => {}
+                OpenContainer::Object(Some(id)) => {
                     let node = self.nodes[*id as usize];
                     let key = decode(&self.text[node.start as usize..node.end as usize]);
                     push_key(&mut path, &key);
                 }
-                Level::Array(index, true) => path += &format!("[{index}]"),
-                Level::Array(_, false) => {}
+                OpenContainer::Array(index, true) => path += &format!("[{index}]"),
+                OpenContainer::Array(_, false) => {}
             }
         }
         path
@@ -125,7 +125,7 @@ impl Scanner<'_> {
 
     /// Begins a node at the current offset and returns its number.
     fn begin(&mut self) -> usize {
-        self.nodes.push(Node { start: self.at as u32, end: u32::MAX, next: u32::MAX });
+        self.nodes.push(JsonNode { start: self.at as u32, end: u32::MAX, next: u32::MAX });
         self.nodes.len() - 1
     }
 
@@ -140,15 +140,15 @@ impl Scanner<'_> {
     /// Reads a value.
     fn value(&mut self) -> ScanResult<()> {
         match self.peek() {
-            Some(b'{') => self.container(Level::Object(None)),
-            Some(b'[') => self.container(Level::Array(0, false)),
+            Some(b'{') => self.container(OpenContainer::Object(None)),
+            Some(b'[') => self.container(OpenContainer::Array(0, false)),
             Some(b'"') => self.string(),
             Some(_) | None => self.word(),
         }
     }
 
     /// Reads an object or array.
-    fn container(&mut self, level: Level) -> ScanResult<()> {
+    fn container(&mut self, level: OpenContainer) -> ScanResult<()> {
         if self.open.len() >= MAX_NESTING {
             // The error has no path, because such a long path would be useless.
             let what = format!("found arrays and objects nested more than {MAX_NESTING} deep");
@@ -156,7 +156,7 @@ impl Scanner<'_> {
             return Err(SyntaxError { offset: self.at, error });
         }
         let id = self.begin();
-        let is_object = matches!(level, Level::Object(_));
+        let is_object = matches!(level, OpenContainer::Object(_));
         let close = if is_object { b'}' } else { b']' };
         self.open.push(level);
         self.at += 1;
@@ -178,7 +178,7 @@ impl Scanner<'_> {
             } else if self.peek().is_none() {
                 return Err(self.unfinished(id, close));
             }
-            if let Some(Level::Array(_, inside)) = self.open.last_mut() {
+            if let Some(OpenContainer::Array(_, inside)) = self.open.last_mut() {
                 *inside = true;
             }
             self.value()?;
@@ -199,8 +199,8 @@ impl Scanner<'_> {
     /// Records that the current value of the innermost container is complete.
     fn leave_value(&mut self) {
         match self.open.last_mut() {
-            Some(Level::Object(key)) => *key = None,
-            Some(Level::Array(index, inside)) => (*index, *inside) = (*index + 1, false),
+            Some(OpenContainer::Object(key)) => *key = None,
+            Some(OpenContainer::Array(index, inside)) => (*index, *inside) = (*index + 1, false),
             None => {}
         }
     }
@@ -230,7 +230,7 @@ impl Scanner<'_> {
         let key = self.nodes.len() as u32;
         self.string()?;
         if let Some(level) = self.open.last_mut() {
-            *level = Level::Object(Some(key));
+            *level = OpenContainer::Object(Some(key));
         }
         self.skip_blanks()?;
         match self.peek() {

@@ -1,12 +1,11 @@
 //! A JSON text with its patches. Deserialises the text, and adds positions to errors.
 
 use std::borrow::Cow;
-use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use super::deserialize::deserialize;
+use super::deserialize::ValueDeserializer;
 use super::file_access::FileAccess;
 use super::patch::{PatchedText, PieceOrigin, TextPieces};
 use super::path;
@@ -99,7 +98,7 @@ impl JsonSource {
         let root = self.positions.root(&self.text);
         let (mut faults, mut repairs) = (Vec::new(), Repairs::default());
         loop {
-            let error = match deserialize(PhantomData::<T>, root, &repairs) {
+            let error = match T::deserialize(ValueDeserializer::new(root, &repairs)) {
                 Ok(value) => return RepairedValue { value: Some(value), faults, repairs },
                 Err(error) => error,
             };

@@ -2,7 +2,7 @@
 //! of luminaire data*).
 
 use super::number::{PlacedValue, ascending, candela, check_values};
-use super::{LuminaireSymmetry, OpeningSize, Photometry};
+use super::photometry::{LuminaireSymmetry, OpeningSize, Photometry};
 use abbe_scene::light::{OpeningShape, PhotometricType};
 use abbe_spectra::error::{Error, Result};
 
@@ -29,7 +29,7 @@ impl LdtLines<'_> {
             return Err(Error::input("the file ends too early").expected(what).at(self.0.len().max(1), 1));
         }
         let text = self.text(line).trim_end_matches('\u{1a}').replace(',', ".");
-        PlacedValue::parse(text.trim(), what, (line, 1))
+        PlacedValue::parse(text.trim(), what, line, 1)
     }
 
     /// Returns the number in a line, or 0 if the line is empty.

@@ -3,8 +3,8 @@
 //! ANSI/IES LM-63-19, *Approved Method: IES Standard File Format for the Electronic Transfer of
 //! Photometric Data and Related Information*.
 
-use super::number::{PlacedValue, ascending, candela, check_values};
-use super::{LuminaireSymmetry, MAX_VALUES, OpeningSize, Photometry};
+use super::number::{MAX_VALUES, PlacedValue, ascending, candela, check_values};
+use super::photometry::{LuminaireSymmetry, OpeningSize, Photometry};
 use abbe_scene::light::{OpeningShape, PhotometricType};
 use abbe_spectra::error::{Error, Result};
 
@@ -68,10 +68,10 @@ impl<'a> NumberReader<'a> {
     }
 
     fn next(&mut self, what: &str) -> Result<PlacedValue> {
-        let Some((word, place)) = self.words.next() else {
+        let Some((word, (line, column))) = self.words.next() else {
             return Err(Error::input("the file ends too early").expected(what).at(self.end, 1));
         };
-        PlacedValue::parse(word, what, place)
+        PlacedValue::parse(word, what, line, column)
     }
 
     fn list(&mut self, what: &str, count: usize) -> Result<Vec<PlacedValue>> {

@@ -1,7 +1,12 @@
 //! The numbers of luminaire files, with checks of their ranges.
 
-use super::{MAX_VALUES, SNAP_DEG};
 use abbe_spectra::error::{Error, Result};
+
+/// The largest number of intensities in a file.
+pub(super) const MAX_VALUES: usize = 1 << 20;
+
+/// Angles within this many degrees of a multiple of 90° are rounded to the multiple.
+const SNAP_DEG: f64 = 0.01;
 
 /// The largest intensity in cd. A search light has about 10⁹ cd.
 const LARGEST_CANDELA: f64 = 1e15;
@@ -16,7 +21,7 @@ pub(super) struct PlacedValue {
 
 impl PlacedValue {
     /// Parses a number. `what` names the number in errors.
-    pub(super) fn parse(text: &str, what: &str, (line, column): (usize, usize)) -> Result<Self> {
+    pub(super) fn parse(text: &str, what: &str, line: usize, column: usize) -> Result<Self> {
         let shown: String = text.chars().take(40).collect();
         let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
         let value = value.ok_or_else(|| Error::input(format!("{what}: \"{shown}\"")).expected("a number"));

@@ -1,6 +1,6 @@
 //! The figures of a luminaire: flux, peak intensity, beam angles and efficacy.
 
-use super::Photometry;
+use super::photometry::Photometry;
 use abbe_scene::light::IntensityTable;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::{acos, atan2, sin_cos};

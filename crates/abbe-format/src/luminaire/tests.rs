@@ -1,4 +1,5 @@
 use super::*;
+use abbe_scene::light::OpeningShape;
 use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::math::warp;
 use glam::DVec3;

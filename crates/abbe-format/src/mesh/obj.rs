@@ -8,14 +8,17 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{MeshMaterial, MeshPart, MeshTexture, PartsAndNotes, TriangleMesh, listed};
+use super::material::{MeshMaterial, MeshTexture};
+use super::packed::read;
+use super::part::{MeshPart, PartsAndNotes, listed};
 use crate::{FileAccess, PictureFile};
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
+use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
 
 /// Reads the parts of an OBJ file. Also returns sentences about the materials that are ignored.
 pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
-    let bytes = super::read(path)?;
+    let bytes = read(path)?;
     let text = String::from_utf8_lossy(&bytes);
     let text = joined_lines(&text);
     check_faces(&text)?;

@@ -7,7 +7,8 @@ use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
 
-use super::{MeshPart, TriangleMesh, fan};
+use super::part::{MeshPart, fan};
+use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
 
 /// The property names for the corners of a face. Different programs use different names.

@@ -7,7 +7,9 @@
 use flate2::read::ZlibDecoder;
 use glam::DVec3;
 
-use super::{MeshPart, TriangleMesh, unpacked};
+use super::packed::unpacked;
+use super::part::MeshPart;
+use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
 
 /// The first number of a file and of each mesh.

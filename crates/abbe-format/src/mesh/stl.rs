@@ -4,7 +4,8 @@ use std::io::{Cursor, ErrorKind};
 
 use glam::DVec3;
 
-use super::{MeshPart, TriangleMesh};
+use super::part::MeshPart;
+use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
 
 /// Number of bytes before the triangles of a binary file.

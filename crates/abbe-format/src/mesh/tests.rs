@@ -6,6 +6,8 @@ use rand_pcg::Pcg64;
 use tempfile::TempDir;
 
 use super::*;
+use abbe_scene::geometry::mesh::TriangleMesh;
+use std::io::Read as _;
 
 pub(super) fn load(path: &Path) -> Result<Vec<MeshPart>> {
     super::load(path, FileAccess::WithinFolder).map(|file| file.parts)

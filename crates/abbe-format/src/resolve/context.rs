@@ -1,8 +1,7 @@
 //! The data that all parts of `Resolver` share: the scene file, its source, and its unit of length.
 
-use super::motion;
 use crate::json::{JsonPath, JsonSource};
-use crate::{CameraFile, ColourImageFile, FilmFile, SceneFile};
+use crate::{CameraFile, ColourImageFile, FilmFile, SceneFile, ShutterFile};
 use abbe_optics::texture::SpectralTexture;
 use abbe_scene::camera::Shutter;
 use abbe_spectra::error::{Error, Result};
@@ -11,7 +10,7 @@ use std::cell::RefCell;
 
 /// The purpose for which a scene is resolved.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum View<'a> {
+pub(super) enum ResolvedFor<'a> {
     /// A picture with this camera and this film.
     Picture(&'a CameraFile, &'a FilmFile),
     /// The readings of the scene's meters.
@@ -26,7 +25,7 @@ pub(super) struct Resolver<'a> {
     /// The length of one scene unit in metres.
     pub(super) metres: f64,
     /// The camera and the film, or meters in their place.
-    pub(super) view: View<'a>,
+    pub(super) view: ResolvedFor<'a>,
     /// The shutter. The scene is resolved at the moment when the shutter opens.
     pub(super) shutter: Shutter,
     /// The scene's centre in m, or `None` for the middle of the objects.
@@ -41,9 +40,14 @@ pub(super) struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     /// Creates a resolver. `centre` is the scene's centre in m, or `None` for the middle of the
     /// objects.
-    pub(super) fn new(scene: &'a SceneFile, source: &'a JsonSource, view: View<'a>, centre: Option<DVec3>) -> Self {
+    pub(super) fn new(
+        scene: &'a SceneFile,
+        source: &'a JsonSource,
+        view: ResolvedFor<'a>,
+        centre: Option<DVec3>,
+    ) -> Self {
         // Meters read the scene while the shutter of its camera is open.
-        let shutter = scene.camera.as_ref().map_or(Shutter::new(0.0, 0.0, None), motion::shutter);
+        let shutter = scene.camera.as_ref().map_or(Shutter::new(0.0, 0.0, None), shutter);
         Self {
             scene,
             source,
@@ -75,6 +79,15 @@ impl<'a> Resolver<'a> {
     /// Converts a point of the file to m. The result is relative to the scene's centre.
     pub(super) fn point(&self, point: [f64; 3], centre: DVec3) -> DVec3 {
         DVec3::from(point) * self.metres - centre
+    }
+}
+
+/// Returns the shutter of a camera. If the file has no shutter, the picture shows the scene at the
+/// time 0.
+fn shutter(camera: &CameraFile) -> Shutter {
+    match &camera.shutter {
+        None => Shutter::new(0.0, 0.0, None),
+        Some(ShutterFile { open, close, curve }) => Shutter::new(*open, *close, curve.as_deref()),
     }
 }
 

@@ -84,7 +84,7 @@ impl Resolver<'_> {
             let light = self.light(&at, number, file, builder, observer);
             self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
             if let LightFile::Sky(sky @ SkyFile { sun: Some(sun), .. }) = file {
-                let light = self.sun(&at.key("sky"), number, (sky, sun), &mut builder.notes, observer);
+                let light = self.sun(&at.key("sky"), number, sky, sun, &mut builder.notes, observer);
                 self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
             }
         }
@@ -328,7 +328,8 @@ impl Resolver<'_> {
         &self,
         path: &JsonPath<'_>,
         number: usize,
-        (sky, file): (&SkyFile, &SunFile),
+        sky: &SkyFile,
+        file: &SunFile,
         notes: &mut Vec<String>,
         observer: &'static Observer,
     ) -> Result<Light> {

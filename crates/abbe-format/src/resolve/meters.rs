@@ -95,7 +95,7 @@ impl Resolver<'_> {
         }
         if let Some(name) = surface {
             let side = side.unwrap_or_default().side();
-            return self.surface_receptor(&at.key("surface"), (name, side), builder).map(|found| vec![found]);
+            return self.surface_receptor(&at.key("surface"), name, side, builder).map(|found| vec![found]);
         }
         if let Some(sphere) = sphere {
             return Ok(vec![at_point(sphere.at, Response::Sphere, None)]);
@@ -114,7 +114,8 @@ impl Resolver<'_> {
     fn surface_receptor(
         &self,
         at: &JsonPath<'_>,
-        (name, side): (&str, ReceivingSide),
+        name: &str,
+        side: ReceivingSide,
         builder: &SceneBuilder,
     ) -> Result<ReceptorWithReading> {
         let names: Vec<&str> = builder.object_names().collect();

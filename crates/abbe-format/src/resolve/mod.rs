@@ -31,13 +31,14 @@ pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};
 pub use media::DEFAULT_MARCH_STEPS;
 pub use spectra::Role;
 
+use super::read::{parse_source, read};
 use super::{MediumFile, RenderFile, SceneFile, SpectrumFile};
-use crate::json::{JsonPath, JsonSource};
+use crate::json::{FileAccess, JsonPath, JsonSource};
 use abbe_scene::builder::{SceneBuilder, SceneError, ScenePart, SceneView, WhiteBalance};
 use abbe_scene::{Scene, Settings};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::{Observer, Spectrum};
-use context::{Resolver, View};
+use context::{ResolvedFor, Resolver};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -48,8 +49,24 @@ use std::path::Path;
 /// Returns an error if the file is invalid or uses a feature that is not supported yet. The error
 /// states the place in the file.
 pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
-    let (scene, source) = super::read(path, sets)?;
+    let (scene, source) = read(path, sets)?;
     resolve(&scene, &source)
+}
+
+/// Reads a scene from its text like [`parse`](crate::parse). `access` says which files the scene may name. If the
+/// text has faults, the error also contains the faults that [`resolve`] finds, such as
+/// unknown names.
+///
+/// # Errors
+/// Returns the errors of [`parse`](crate::parse) and of [`resolve`].
+pub fn parse_with_access(
+    text: impl Into<String>,
+    path: &Path,
+    sets: &[String],
+    access: FileAccess,
+) -> Result<(SceneFile, JsonSource)> {
+    let source = JsonSource::patched(text, path, sets)?.with_file_access(access);
+    parse_source(source, &|scene, source| resolve_any(scene, source).err())
 }
 
 /// Resolves a scene.
@@ -64,7 +81,7 @@ pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
         let error = Error::input(format!("missing key \"{key}\""));
         return Err(source.error_at("", error.expected("a camera and a film; `abbe measure` reads only the meters")));
     };
-    about_view(|centre| Resolver::new(scene, source, View::Picture(camera, film), centre))
+    about_view(|centre| Resolver::new(scene, source, ResolvedFor::Picture(camera, film), centre))
 }
 
 /// Resolves the meters of a scene. The camera and the film of the scene are not used.
@@ -76,7 +93,7 @@ pub fn resolve_meters(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
         let error = Error::input("the scene has no meters");
         return Err(source.error_at("", error.expected("at least one entry in `meters`")));
     }
-    about_view(|centre| Resolver::new(scene, source, View::Meters, centre))
+    about_view(|centre| Resolver::new(scene, source, ResolvedFor::Meters, centre))
 }
 
 /// Resolves a scene for its picture, or for its meters if it has no camera.
@@ -151,7 +168,7 @@ impl Resolver<'_> {
     /// Resolves the camera and the film, or the meters that take their place.
     fn view(&self, builder: &mut SceneBuilder) -> Option<SceneView> {
         let (root, shutter) = (JsonPath::Root, self.shutter.clone());
-        let View::Picture(camera, film) = self.view else {
+        let ResolvedFor::Picture(camera, film) = self.view else {
             let (camera, film, meters) = self.keep(self.meters(builder))?;
             let (camera_motion, white_balance) = (None, WhiteBalance::None);
             return Some(SceneView { camera, camera_motion, shutter, film, white_balance, meters });

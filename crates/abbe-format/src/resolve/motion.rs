@@ -2,7 +2,7 @@
 //! scene, and the motions while the shutter is open.
 
 use super::context::Resolver;
-use crate::{CameraFile, KeyframeFile, LightFile, MediumFile, ShutterFile, TransformFile};
+use crate::{CameraFile, KeyframeFile, LightFile, MediumFile, TransformFile};
 use abbe_scene::camera::Shutter;
 use abbe_scene::motion::{AnimatedLookAt, AnimatedTransform, LookAt};
 use glam::{DAffine3, DVec3};
@@ -15,15 +15,6 @@ pub(super) struct ResolvedMotion {
     pub(super) start: DAffine3,
     /// The motion, with lengths in m. `None` if the object does not move while the shutter is open.
     pub(super) motion: Option<AnimatedTransform>,
-}
-
-/// Returns the shutter of a camera. If the file has no shutter, the picture shows the scene at the
-/// time 0.
-pub(super) fn shutter(camera: &CameraFile) -> Shutter {
-    match &camera.shutter {
-        None => Shutter::new(0.0, 0.0, None),
-        Some(ShutterFile { open, close, curve }) => Shutter::new(*open, *close, curve.as_deref()),
-    }
 }
 
 /// The motion through all keyframes, or `None` if there are no keyframes. Lengths are in the

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ::gltf::animation::{Channel, Interpolation, Property};
 use glam::{DQuat, DVec4};
 
-use crate::SceneWriter;
+use crate::scene_writer::SceneWriter;
 use abbe_format::mesh::{GltfAccessors, GltfFile};
 use abbe_spectra::math::rotation::slerp;
 

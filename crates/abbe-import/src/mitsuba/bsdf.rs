@@ -4,26 +4,13 @@ use std::rc::Rc;
 
 use serde_json::{Value, json};
 
-use super::MitsubaReader;
 use super::properties::Properties;
+use super::reader::MitsubaReader;
+use super::surface::MitsubaSurface;
 use super::texture::Textured;
 use super::xml::XmlElement;
 use abbe_optics::fresnel;
 use abbe_spectra::error::Result;
-
-/// The surface of a shape.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum MitsubaSurface {
-    /// A material of the scene file.
-    Material {
-        /// Its name.
-        name: String,
-        /// True if Mitsuba's surface is black from behind.
-        one_sided: bool,
-    },
-    /// Nothing to see, because light passes unchanged.
-    Invisible,
-}
 
 /// The median slope of Beckmann's microfacets with α = 1: √ln 2. That of GGX microfacets is 1.
 const MEDIAN_SLOPE: f64 = 0.832_554_611_157_697_8;

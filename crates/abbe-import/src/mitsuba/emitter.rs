@@ -3,8 +3,8 @@
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use super::MitsubaReader;
 use super::properties::Properties;
+use super::reader::MitsubaReader;
 use super::spectrum::{EmissionSpectrum, MitsubaSpectrum};
 use super::texture::Textured;
 use super::transform::{affine, steps};

@@ -2,8 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::MitsubaReader;
-use super::properties::{Properties, number};
+use super::number::number;
+use super::properties::Properties;
+use super::reader::MitsubaReader;
 use super::texture::Textured;
 use abbe_spectra::error::{Error, Result};
 

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use serde_json::{Value, json};
 
-use super::MitsubaReader;
 use super::properties::Properties;
+use super::reader::MitsubaReader;
 use super::spectrum::MitsubaSpectrum;
 use super::transform::{affine, steps};
 use super::volume::VolumeGrid;

@@ -7,12 +7,15 @@ mod bsdf;
 mod emitter;
 mod index;
 mod medium;
+mod number;
 mod primitives;
 mod principled;
 mod properties;
+mod reader;
 mod sensor;
 mod shape;
 mod spectrum;
+mod surface;
 mod texture;
 mod transform;
 mod volume;
@@ -29,43 +32,18 @@ use std::path::Path;
 use std::rc::Rc;
 
 use glam::DMat4;
-use serde_json::Value;
 
-use super::{ImportedScene, SceneWriter};
+use crate::imported_scene::ImportedScene;
 use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
-use bsdf::MitsubaSurface;
 use properties::Properties;
+use reader::MitsubaReader;
 use xml::{MitsubaDocument, XmlElement};
-
-/// A BSDF, and the medium inside the shape that has the BSDF.
-type SurfaceKey = (*const XmlElement, Option<String>);
-
-/// Converts the elements of a scene.
-struct MitsubaReader<'a> {
-    document: MitsubaDocument,
-    scene: SceneWriter,
-    /// The path from the folder of the scene file to the folder of the Mitsuba scene.
-    folder: &'a str,
-    /// The surfaces of the BSDFs that are converted already.
-    surfaces: Vec<(SurfaceKey, MitsubaSurface)>,
-    /// The names of the media that are converted already.
-    media: Vec<(*const XmlElement, Option<String>)>,
-    /// The medium around the sensor.
-    outside: Option<Rc<XmlElement>>,
-}
 
 /// Reads a Mitsuba scene.
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let document = MitsubaDocument::read(path, file_access)?;
-    let mut reader = MitsubaReader {
-        document,
-        scene: SceneWriter::default(),
-        folder,
-        surfaces: Vec::new(),
-        media: Vec::new(),
-        outside: None,
-    };
+    let mut reader = MitsubaReader::new(document, folder);
     reader.read()?;
     let mut scene = reader.scene;
     if !scene.has_light() {
@@ -99,11 +77,6 @@ impl MitsubaReader<'_> {
         Ok(())
     }
 
-    /// Adds a material, and returns its name.
-    fn add_material(&mut self, wanted: &str, material: Value) -> String {
-        self.scene.add_material(wanted, material)
-    }
-
     /// Notes settings of the integrator that change the picture.
     fn integrator(&mut self, integrator: &XmlElement) -> Result<()> {
         let properties = Properties::new(integrator);
@@ -121,15 +94,5 @@ impl MitsubaReader<'_> {
             self.scene.leave_out(integrator.place(), "`hide_emitters` is left out: all lights are visible");
         }
         Ok(())
-    }
-
-    /// Notes properties that were not read.
-    fn note_unread(&mut self, properties: &Properties<'_>) {
-        let element = properties.element;
-        for child in properties.unread() {
-            let name = if child.name().is_empty() { format!("<{}>", child.tag) } else { format!("`{}`", child.name()) };
-            let what = format!("{name} of <{} type=\"{}\"> is left out", element.tag, element.plugin());
-            self.scene.leave_out(child.place(), what);
-        }
     }
 }

@@ -9,9 +9,10 @@ use std::f64::consts::PI;
 
 use serde_json::{Value, json};
 
-use super::MitsubaReader;
-use super::bsdf::{BsdfContext, MitsubaSurface};
+use super::bsdf::BsdfContext;
 use super::properties::Properties;
+use super::reader::MitsubaReader;
+use super::surface::MitsubaSurface;
 use abbe_optics::bsdf::Glossy;
 use abbe_optics::glass::RefractiveIndex;
 use abbe_spectra::error::Result;

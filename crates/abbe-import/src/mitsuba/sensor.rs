@@ -5,8 +5,9 @@ use std::rc::Rc;
 use glam::DVec3;
 use serde_json::json;
 
-use super::MitsubaReader;
-use super::properties::{Properties, parse};
+use super::number::parse;
+use super::properties::Properties;
+use super::reader::MitsubaReader;
 use super::transform::affine;
 use super::xml::XmlElement;
 use abbe_spectra::error::Result;

@@ -6,10 +6,10 @@ use std::rc::Rc;
 use glam::{DMat4, DVec3};
 use serde_json::{Value, json};
 
-use super::MitsubaReader;
-use super::bsdf::MitsubaSurface;
 use super::primitives::{self, BasicShape};
 use super::properties::Properties;
+use super::reader::MitsubaReader;
+use super::surface::MitsubaSurface;
 use super::transform::{affine, steps};
 use super::xml::XmlElement;
 use abbe_format::mesh;

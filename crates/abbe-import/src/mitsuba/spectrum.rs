@@ -7,10 +7,11 @@
 
 use serde_json::{Value, json};
 
-use super::MitsubaReader;
-use super::properties::{Properties, number, numbers, parse};
+use super::number::{number, numbers, parse};
+use super::properties::Properties;
+use super::reader::MitsubaReader;
 use super::xml::XmlElement;
-use crate::dark_outside;
+use crate::dark_outside::dark_outside;
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::{Observer, Outside, SmoothReflectance, Spectrum};

@@ -8,8 +8,8 @@ use std::rc::Rc;
 use glam::DMat4;
 use serde_json::{Value, json};
 
-use super::MitsubaReader;
 use super::properties::Properties;
+use super::reader::MitsubaReader;
 use super::spectrum::MitsubaSpectrum;
 use super::xml::XmlElement;
 use abbe_format::{EncodingFile, PictureFile};

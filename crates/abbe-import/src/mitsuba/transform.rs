@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat4, DVec3, DVec4};
 use serde_json::{Value, json};
 
-use super::properties::{numbers, parse};
+use super::number::{numbers, parse};
 use super::xml::XmlElement;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::rotation::quaternion;

@@ -6,7 +6,7 @@ use glam::{DMat4, DVec3};
 use serde_json::{Value, json};
 
 use super::parameters::Parameters;
-use super::spectrum::{LightSpectrum, SpectrumContext};
+use super::spectrum::{PbrtLightSpectrum, SpectrumContext};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cos;
 
@@ -20,8 +20,8 @@ fn rotation(to_world: &DMat4) -> Value {
 }
 
 /// Reads the spectrum of a light, or returns the standard light.
-fn spectrum(parameters: &Parameters, key: &str, spectra: &SpectrumContext<'_>) -> Result<LightSpectrum> {
-    parameters.get(key).map_or_else(|| Ok(LightSpectrum::standard()), |parameter| spectra.light(parameter))
+fn spectrum(parameters: &Parameters, key: &str, spectra: &SpectrumContext<'_>) -> Result<PbrtLightSpectrum> {
+    parameters.get(key).map_or_else(|| Ok(PbrtLightSpectrum::standard()), |parameter| spectra.light(parameter))
 }
 
 /// Reads a light of the type `class`. Returns `None` if the light is left out.
@@ -46,13 +46,13 @@ pub(super) fn read_light(
     };
     let light = match class {
         "point" => {
-            let LightSpectrum { spectrum, luminance } = spectrum(parameters, "I", spectra)?;
+            let PbrtLightSpectrum { spectrum, luminance } = spectrum(parameters, "I", spectra)?;
             let intensity = scale * luminance * power.map_or(1.0, |power| power / (4.0 * PI));
             let at = point("from", [0.0; 3])?.to_array();
             json!({"point": {"at": at, "spectrum": spectrum, "luminous_intensity": intensity}})
         }
         "spot" => {
-            let LightSpectrum { spectrum, luminance } = spectrum(parameters, "I", spectra)?;
+            let PbrtLightSpectrum { spectrum, luminance } = spectrum(parameters, "I", spectra)?;
             let cone = parameters.number_or("coneangle", 30.0)?;
             let delta = parameters.number_or("conedeltaangle", 5.0)?.clamp(0.0, cone);
             let [start, end] = [cone - delta, cone].map(|degrees| cos(degrees.to_radians()));
@@ -64,7 +64,7 @@ pub(super) fn read_light(
             }})
         }
         "distant" => {
-            let LightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
+            let PbrtLightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
             let toward = point("to", [0.0, 0.0, 1.0])? - point("from", [0.0; 3])?;
             let stated = parameters.number("illuminance")?.filter(|&lux| lux > 0.0);
             let illuminance = scale * luminance * stated.unwrap_or(1.0);
@@ -87,7 +87,7 @@ pub(super) fn read_light(
                 }
                 light["transform"] = rotation(to_world);
             } else {
-                let LightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
+                let PbrtLightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
                 light["spectrum"] = spectrum;
                 light["luminance"] = json!(scale * luminance * stated.map_or(1.0, |lux| lux / PI));
             }
@@ -117,7 +117,7 @@ pub(super) fn read_emission(
     spectra: &SpectrumContext<'_>,
     left_out: &mut Vec<String>,
 ) -> Result<Value> {
-    let LightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
+    let PbrtLightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
     let scale = parameters.number_or("scale", 1.0)?;
     let twosided = parameters.flag_or("twosided", false)?;
     if twosided {

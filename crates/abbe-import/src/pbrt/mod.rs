@@ -1,13 +1,14 @@
 //! Reads pbrt-v4 scenes.
 //!
 //! The format is described at <https://pbrt.org/fileformat-v4>. `token` and `parameters` read the
-//! grammar, `reader` executes the directives, and the other modules convert their parameters.
+//! grammar, `directives` executes the directives, and the other modules convert their parameters.
 //!
 //! pbrt's coordinates are left-handed: the camera looks along +z with +x to the right. Abbe's
 //! camera is right-handed. If the transform of the camera does not exchange the handedness, the
 //! whole scene is mirrored, so that the picture is not.
 
 mod camera;
+mod directives;
 mod light;
 mod material;
 mod parameters;
@@ -23,16 +24,16 @@ mod token;
 
 use std::path::Path;
 
-use super::ImportedScene;
+use crate::imported_scene::ImportedScene;
 use abbe_format::FileAccess;
 use abbe_format::json::read_text;
 use abbe_spectra::error::Result;
-use reader::Reader;
+use reader::PbrtReader;
 use token::Tokens;
 
 /// Reads a pbrt file.
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let tokens = || Ok(Tokens::new(read_text(path)?, path.to_path_buf()));
-    let reader = || Reader::new(path.parent().unwrap_or(Path::new("")), folder, file_access);
-    Reader::executed(reader, tokens)?.finish(&path.file_name().unwrap_or_default().to_string_lossy())
+    let reader = || PbrtReader::new(path.parent().unwrap_or(Path::new("")), folder, file_access);
+    PbrtReader::executed(reader, tokens)?.finish(&path.file_name().unwrap_or_default().to_string_lossy())
 }

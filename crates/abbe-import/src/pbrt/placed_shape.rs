@@ -1,29 +1,19 @@
 //! Adds the shapes of a pbrt file to the scene, with their materials and emission.
 
-use glam::DMat4;
 use serde_json::{Value, json};
 
 use super::light::read_emission;
 use super::material::ReadMaterial;
 use super::parameters::Parameters;
-use super::reader::Reader;
-use super::shape::{ReadShape, ShapeReader};
+use super::reader::PbrtReader;
+use super::shape::{PbrtShape, ReadShape, ShapeReader};
 use super::state::{is_placement, transform};
 use super::texture::{is_uniform, map_numbers};
 use super::token::{Place, Tokens};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cbrt;
 
-/// A shape with its material, before an instance places it.
-#[derive(Debug, Clone)]
-pub(super) struct PlacedShape {
-    shape: Value,
-    to_world: DMat4,
-    material: String,
-    emission: Option<Value>,
-}
-
-impl Reader<'_> {
+impl PbrtReader<'_> {
     pub(super) fn shape(
         &mut self,
         class: &str,
@@ -65,7 +55,7 @@ impl Reader<'_> {
             left_out.push("the opacity of a body, or of a mix of materials, is left out".into());
             material
         });
-        let placed = PlacedShape { shape, to_world, material, emission };
+        let placed = PbrtShape { shape, to_world, material, emission };
         match self.defining.as_ref().and_then(|name| self.objects.get_mut(name)) {
             Some(shapes) => {
                 if placed.emission.is_some() {
@@ -76,7 +66,7 @@ impl Reader<'_> {
                     let name = format!("{} {}", self.defining.as_deref().unwrap_or_default(), shapes.len() + 1);
                     shape = json!({"shared": self.scene.add_shape(&name, shape)});
                 }
-                shapes.push(PlacedShape { shape, emission: None, ..placed });
+                shapes.push(PbrtShape { shape, emission: None, ..placed });
             }
             None => self.add_object(placed),
         }
@@ -158,8 +148,8 @@ impl Reader<'_> {
         }
     }
 
-    fn add_object(&mut self, placed: PlacedShape) {
-        let PlacedShape { shape, to_world, material, emission } = placed;
+    fn add_object(&mut self, placed: PbrtShape) {
+        let PbrtShape { shape, to_world, material, emission } = placed;
         let mut object = json!({"shape": shape, "material": material});
         let steps = transform(&to_world);
         if steps != json!([]) {
@@ -172,7 +162,7 @@ impl Reader<'_> {
     }
 
     pub(super) fn instance(&mut self, tokens: &mut Tokens, place: &Place) -> Result<()> {
-        let name = self.string(tokens, "ObjectInstance")?;
+        let name = tokens.string("ObjectInstance")?;
         let shapes = self.objects.get(&name).cloned();
         let shapes = shapes.ok_or_else(|| place.error(format!("there is no object \"{name}\"")))?;
         // The shapes are already in Abbe's world.
@@ -180,7 +170,7 @@ impl Reader<'_> {
         for shape in shapes {
             let to_world = instance * shape.to_world;
             if is_placement(&to_world) {
-                self.add_object(PlacedShape { to_world, ..shape });
+                self.add_object(PbrtShape { to_world, ..shape });
             }
         }
         Ok(())

@@ -12,6 +12,15 @@ use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::sin_cos;
 
+/// A shape with its material, before an instance places it.
+#[derive(Debug, Clone)]
+pub(super) struct PbrtShape {
+    pub(super) shape: Value,
+    pub(super) to_world: DMat4,
+    pub(super) material: String,
+    pub(super) emission: Option<Value>,
+}
+
 /// A shape in its local coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ReadShape {

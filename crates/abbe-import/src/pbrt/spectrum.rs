@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::parameters::{Parameter, Values};
 use super::token::{Token, Tokens};
-use crate::dark_outside;
+use crate::dark_outside::dark_outside;
 use abbe_format::FileAccess;
 use abbe_format::json::read_text;
 use abbe_spectra::colour::RgbSpace;
@@ -24,14 +24,14 @@ pub(super) struct SpectrumContext<'a> {
 
 /// The spectrum of a light.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct LightSpectrum {
+pub(super) struct PbrtLightSpectrum {
     pub(super) spectrum: Value,
     /// The photometric quantity in pbrt's unit: for RGB values the relative luminance, otherwise 1.
     /// pbrt scales all other spectra of lights to this value.
     pub(super) luminance: f64,
 }
 
-impl LightSpectrum {
+impl PbrtLightSpectrum {
     /// The light of a pbrt light without a spectrum.
     pub(super) fn standard() -> Self {
         Self { spectrum: json!("D65"), luminance: 1.0 }
@@ -78,22 +78,22 @@ impl SpectrumContext<'_> {
     }
 
     /// Returns the spectrum of a light.
-    pub(super) fn light(&self, parameter: &Parameter) -> Result<LightSpectrum> {
+    pub(super) fn light(&self, parameter: &Parameter) -> Result<PbrtLightSpectrum> {
         match parameter.kind.as_str() {
             "rgb" | "color" => {
                 let rgb = self.rgb(parameter)?.map(|c| c.max(0.0));
                 let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
                 let spectrum = if rgb[0] == rgb[1] && rgb[1] == rgb[2] { json!("D65") } else { json!({"rgb": rgb}) };
-                Ok(LightSpectrum { spectrum, luminance })
+                Ok(PbrtLightSpectrum { spectrum, luminance })
             }
             "blackbody" => {
                 let temperature = parameter.numbers()?.first().copied().unwrap_or(0.0);
                 if temperature <= 0.0 {
                     return Err(parameter.fault("a temperature above 0 K"));
                 }
-                Ok(LightSpectrum { spectrum: json!({"blackbody": {"temperature": temperature}}), luminance: 1.0 })
+                Ok(PbrtLightSpectrum { spectrum: json!({"blackbody": {"temperature": temperature}}), luminance: 1.0 })
             }
-            "spectrum" => Ok(LightSpectrum { spectrum: self.spectrum(parameter)?, luminance: 1.0 }),
+            "spectrum" => Ok(PbrtLightSpectrum { spectrum: self.spectrum(parameter)?, luminance: 1.0 }),
             _ => Err(parameter.fault("rgb, blackbody or spectrum")),
         }
     }

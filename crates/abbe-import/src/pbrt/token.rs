@@ -111,6 +111,33 @@ impl Tokens {
         }
         self.next = self.text.len();
     }
+
+    /// Reads the string that follows a directive.
+    pub(super) fn string(&mut self, directive: &str) -> Result<String> {
+        match self.read()? {
+            Some(Token::Quoted(string)) => Ok(string),
+            _ => Err(self.place().error(format!("{directive} needs a string in quotes"))),
+        }
+    }
+
+    /// Reads the numbers that follow a directive, with or without brackets.
+    pub(super) fn numbers<const N: usize>(&mut self, directive: &str) -> Result<[f64; N]> {
+        let in_brackets = self.peek()? == Some(Token::Open);
+        if in_brackets {
+            self.read()?;
+        }
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            let Some(Token::Number(found)) = self.read()? else {
+                return Err(self.place().error(format!("{directive} needs {N} numbers")));
+            };
+            *number = found;
+        }
+        if in_brackets && self.read()? != Some(Token::Close) {
+            return Err(self.place().error(format!("{directive} needs {N} numbers")));
+        }
+        Ok(numbers)
+    }
 }
 
 /// Returns the string in quotes at the start of a text, and its length in bytes with the quotes.

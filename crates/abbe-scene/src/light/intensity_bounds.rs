@@ -1,6 +1,5 @@
 //! Bounds of the place, the intensity and the directions of a local light.
 
-use super::{Emitter, Light, SceneExtent};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -28,7 +27,7 @@ pub struct IntensityBounds {
 
 impl IntensityBounds {
     /// A light in a box that emits into all directions.
-    fn into_all_directions((low, high): (DVec3, DVec3), intensity: f64) -> Self {
+    pub(super) fn into_all_directions((low, high): (DVec3, DVec3), intensity: f64) -> Self {
         Self { low, high, intensity, axis: DVec3::Z, normals_rad: PI, emission_rad: FRAC_PI_2 }
     }
 
@@ -41,36 +40,5 @@ impl IntensityBounds {
     /// A flat surface that emits on the side of its normal.
     pub fn of_flat_surface((low, high): (DVec3, DVec3), intensity: f64, normal: DVec3) -> Self {
         Self { low, high, intensity, axis: normal, normals_rad: 0.0, emission_rad: FRAC_PI_2 }
-    }
-}
-
-impl Light {
-    /// Returns bounds of the light. Returns `None` for distant lights and for beams of parallel
-    /// rays, because their irradiance does not fall with the distance.
-    pub fn intensity_bounds(&self, extent: SceneExtent<'_>) -> Option<IntensityBounds> {
-        let over_sphere = self.power_w(extent) / (4.0 * PI);
-        match &self.emitter {
-            Emitter::Point(light) => {
-                Some(IntensityBounds::into_all_directions((light.position, light.position), light.intensity))
-            }
-            Emitter::Spot(light) => Some(light.intensity_bounds()),
-            Emitter::Goniometric(light) => Some(light.intensity_bounds()),
-            Emitter::Beam(light) => light.intensity_bounds(),
-            Emitter::Directional(_) | Emitter::Environment(_) => None,
-            Emitter::Area(light) => {
-                let corners = extent.geometry.bounds_of(light.object)?;
-                Some(match extent.geometry.normal_of_flat(light.object) {
-                    Some(normal) => IntensityBounds::of_flat_surface(corners, light.radiance * light.area_m2, normal),
-                    None => IntensityBounds::into_all_directions(corners, over_sphere),
-                })
-            }
-            Emitter::Volume(light) => {
-                let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(f64::from).into();
-                let corners = (0..8).map(|i| light.box_map().transform_point3(corner(i)));
-                let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-                let around = corners.fold(start, |(low, high), corner| (low.min(corner), high.max(corner)));
-                Some(IntensityBounds::into_all_directions(around, over_sphere))
-            }
-        }
     }
 }

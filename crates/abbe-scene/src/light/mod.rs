@@ -5,11 +5,12 @@
 //! random numbers. At each point, the irradiance from [`Light::sample_li`] equals the irradiance
 //! from the emitted rays.
 //!
-//! Only this file, `intensity_bounds.rs` and `luminous_surface.rs` contain `match` expressions over
+//! Only this file, `bounded_light.rs` and `luminous_surface.rs` contain `match` expressions over
 //! the variants of [`Emitter`]. All other code calls the methods of [`Light`].
 
 mod area;
 mod beam;
+mod bounded_light;
 mod directional;
 mod environment;
 mod environment_map;

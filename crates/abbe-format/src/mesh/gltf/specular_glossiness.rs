@@ -7,9 +7,9 @@
 use ::gltf::Material;
 use serde_json::Value;
 
-use super::MeshTexture;
-use super::gltf_extensions::{SPECULAR_GLOSSINESS, colour, share};
-use super::gltf_texture::GltfPictures;
+use super::extensions::{SPECULAR_GLOSSINESS, colour, share};
+use super::texture::GltfPictures;
+use crate::mesh::material::MeshTexture;
 
 /// The reflectance of a dielectric at normal incidence.
 const DIELECTRIC: f64 = 0.04;

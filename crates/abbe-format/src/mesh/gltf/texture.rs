@@ -12,8 +12,8 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
-use super::MeshTexture;
-use super::gltf::decoded_address;
+use super::address::decoded_address;
+use crate::mesh::material::MeshTexture;
 use crate::{FileAccess, PictureFile};
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
 use abbe_spectra::error::{Error, Result};

@@ -6,10 +6,11 @@ use ::gltf::material::AlphaMode;
 use ::gltf::texture::Info;
 use ::gltf::{Document, Material, Semantic};
 
-use super::gltf_extensions::{abbe_number, coat, diffuse_transmission, film, specular, unread};
-use super::gltf_specular_glossiness::{self, ConvertedMaterial};
-use super::gltf_texture::{GltfPictures, normal_uv_set_of, uv_set_of};
-use super::{MeshAttenuation, MeshMaterial, MeshOpacity, listed};
+use super::extensions::{abbe_number, coat, diffuse_transmission, film, specular, unread};
+use super::specular_glossiness::{self, ConvertedMaterial};
+use super::texture::{GltfPictures, normal_uv_set_of, uv_set_of};
+use crate::mesh::material::{MeshAttenuation, MeshMaterial, MeshOpacity};
+use crate::mesh::part::listed;
 use abbe_spectra::error::{Error, Result};
 
 /// Converts a glTF material.
@@ -30,7 +31,7 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
     let mut base_colour_texture = surface.base_color_texture().and_then(|info| pictures.texture(&info, set));
     let metallic_roughness_texture = surface.metallic_roughness_texture().and_then(|info| pictures.texture(&info, set));
     let [mut metallic, mut roughness] = [surface.metallic_factor(), surface.roughness_factor()].map(f64::from);
-    let converted = gltf_specular_glossiness::convert(file, pictures, set);
+    let converted = specular_glossiness::convert(file, pictures, set);
     let metallic_roughness_texture = metallic_roughness_texture.filter(|_| converted.is_none());
     if let Some(ConvertedMaterial { base: colour, base_texture, metallic: metal, roughness: rough }) = converted {
         (base, base_colour_texture, metallic, roughness) = (colour, base_texture, metal, rough);
@@ -94,7 +95,7 @@ pub(super) fn has_textures(file: &Material<'_>) -> bool {
     let transmission = file.transmission().and_then(|it| it.transmission_texture());
     let used =
         [surface.base_color_texture(), surface.metallic_roughness_texture(), transmission, file.emissive_texture()];
-    let glossiness = file.extension_value(super::gltf_extensions::SPECULAR_GLOSSINESS);
+    let glossiness = file.extension_value(super::extensions::SPECULAR_GLOSSINESS);
     let glossiness = glossiness.is_some_and(|it| it.get("diffuseTexture").is_some());
     used.iter().any(Option::is_some) || file.normal_texture().is_some() || glossiness
 }

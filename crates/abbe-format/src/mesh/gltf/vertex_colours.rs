@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::MeshTexture;
 use crate::PictureFile;
+use crate::mesh::material::MeshTexture;
 use abbe_optics::texture::{Filter, ImageSize, UvTransform, Wrap};
 
 /// A picture with one cell of 2 × 2 pixels for each triangle. In a cell, bilinear interpolation of

@@ -4,8 +4,8 @@
 use ::gltf::Material;
 use serde_json::Value;
 
-use super::gltf_texture::GltfPictures;
-use super::{MeshCoat, MeshDiffuseTransmission, MeshFilm};
+use super::texture::GltfPictures;
+use crate::mesh::material::{MeshCoat, MeshDiffuseTransmission, MeshFilm};
 use abbe_spectra::error::{Error, Result};
 
 /// The extensions that this module reads.

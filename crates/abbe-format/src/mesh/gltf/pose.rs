@@ -3,8 +3,8 @@
 use ::gltf::{Document, Mesh, Node, Primitive, Semantic, Skin};
 use glam::{DAffine3, DMat4, DVec3};
 
-use super::gltf::for_each_node;
-use super::gltf_accessor::GltfAccessors;
+use super::accessor::GltfAccessors;
+use super::node::{for_each_node, placed_normal};
 use abbe_spectra::error::{Error, Result};
 
 /// The transforms of the nodes of a file at rest.
@@ -105,7 +105,7 @@ impl Deformation {
             let blended = blended(joints, numbers[i], weights[i])?;
             *position = blended.transform_point3(*position);
             if let Some(normal) = normals.as_mut().and_then(|normals| normals.get_mut(i)) {
-                *normal = super::gltf::placed_normal(&blended, *normal);
+                *normal = placed_normal(&blended, *normal);
             }
         }
         Ok(())

@@ -1,0 +1,164 @@
+//! Opens glTF files, and checks what the crate `gltf` does not check.
+
+use std::borrow::Cow;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+use ::gltf::buffer::{Data, Source};
+use ::gltf::json::Root;
+use ::gltf::{Document, Glb};
+use serde_json::Value;
+
+use super::address::decoded_address;
+use super::extensions;
+use crate::json::FileAccess;
+use crate::mesh::packed::read;
+use abbe_spectra::error::{Error, Result};
+
+/// A glTF file whose geometry and pictures are not read yet.
+pub struct GltfFile {
+    /// The document.
+    pub document: Document,
+    /// True if the file animates other properties than those of nodes (KHR_animation_pointer).
+    pub has_property_animations: bool,
+    blob: Option<Vec<u8>>,
+    pub(super) folder: PathBuf,
+    pub(super) file_access: FileAccess,
+}
+
+impl GltfFile {
+    /// Reads a glTF file, and checks the addresses of its buffers.
+    pub fn open(path: &Path, file_access: FileAccess) -> Result<Self> {
+        let (mut value, blob) = parse(&read(path)?)?;
+        let has_property_animations = add_optional_keys(&mut value);
+        let mut root = root_of(value)?;
+        check_extensions(&mut root)?;
+        check_attributes(&root)?;
+        let document = Document::from_json(root).map_err(|error| invalid(&error))?;
+        check_uris(&document, file_access)?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Self { document, has_property_animations, blob, folder, file_access })
+    }
+
+    /// Reads the buffers. This function is called once, because it moves the data of a binary file.
+    pub fn buffers(&mut self) -> Result<Vec<Data>> {
+        ::gltf::import_buffers(&self.document, Some(&self.folder), self.blob.take()).map_err(|error| invalid(&error))
+    }
+}
+
+/// The extensions other than those of materials that Abbe reads, and that the crate `gltf` does not
+/// know.
+const OWN_EXTENSIONS: [&str; 3] = ["EXT_lights_ies", "EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];
+
+/// The extensions that pack geometry. Abbe does not read them.
+const PACKED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+
+/// Parses a glTF file. Returns the JSON text, and the binary chunk of a `.glb` file.
+fn parse(bytes: &[u8]) -> Result<(Value, Option<Vec<u8>>)> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok((serde_json::from_slice(bytes).map_err(malformed)?, None));
+    }
+    check_length(bytes)?;
+    let file = Glb::from_slice(bytes).map_err(|error| invalid(&error))?;
+    Ok((serde_json::from_slice(&file.json).map_err(malformed)?, file.bin.map(Cow::into_owned)))
+}
+
+/// Converts the JSON values to the types of the crate `gltf`. The crate `gltf` contains the compiled
+/// deserialiser of a text, whereas a deserialiser of values would take seconds to compile.
+fn root_of(value: Value) -> Result<Root> {
+    let text = value.to_string();
+    drop(value);
+    Root::from_str(&text).map_err(|error| {
+        // The position is one in the text above.
+        let position = format!(" at line {} column {}", error.line(), error.column());
+        malformed(error.to_string().trim_end_matches(&position))
+    })
+}
+
+fn malformed(error: impl Display) -> Error {
+    Error::input(format!("not a valid glTF file: {error}"))
+}
+
+/// Adds keys that are optional in glTF, and that the crate `gltf` requires. Removes the channels of
+/// animations that move no node. Returns true if there are such channels.
+fn add_optional_keys(value: &mut Value) -> bool {
+    let scenes = value.get_mut("scenes").and_then(Value::as_array_mut);
+    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+    }
+    let animations = value.get_mut("animations").and_then(Value::as_array_mut);
+    let mut removed = false;
+    for animation in animations.into_iter().flatten() {
+        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else { continue };
+        let all = channels.len();
+        channels.retain(|channel| channel.get("target").is_none_or(|target| target.get("node").is_some()));
+        removed |= channels.len() < all;
+    }
+    removed
+}
+
+/// Checks the extensions that a file requires. The crate `gltf` refuses a file that requires an
+/// extension unknown to the crate, so the known ones are removed from the list.
+fn check_extensions(root: &mut Root) -> Result<()> {
+    let packed = |name: &&String| PACKED.contains(&name.as_str());
+    let is_packed = |primitive: &::gltf::json::mesh::Primitive| {
+        let names = primitive.extensions.iter().flat_map(|extensions| extensions.others.keys());
+        names.into_iter().any(|name| PACKED.contains(&name.as_str()))
+    };
+    let by_primitive = root.meshes.iter().flat_map(|mesh| &mesh.primitives).any(is_packed);
+    let name = root.extensions_required.iter().find(packed).map(String::as_str);
+    if let Some(name) = name.or(by_primitive.then_some(PACKED[0])) {
+        return Err(Error::input(format!("the geometry is compressed by {name}"))
+            .expected("a file without compression of meshes; switch it off in the export"));
+    }
+    root.extensions_required.retain(|name| !OWN_EXTENSIONS.contains(&name.as_str()) && !extensions::is_accepted(name));
+    Ok(())
+}
+
+/// Checks the length in the header of a binary file. A wrong length would cause an integer
+/// underflow in the crate `gltf`.
+fn check_length(bytes: &[u8]) -> Result<()> {
+    let stated = bytes.get(8..12).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
+    match stated {
+        Some(stated) if stated as usize > bytes.len() => Err(Error::input("the glTF file is truncated")),
+        Some(stated) if stated >= 20 => Ok(()),
+        Some(_) | None => Err(Error::input("not a valid glTF file: its header is incomplete")),
+    }
+}
+
+/// Checks that no attribute refers to a missing accessor. A missing accessor would cause a panic in
+/// the crate `gltf`.
+fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let largest = primitives.flat_map(|primitive| primitive.attributes.values()).map(|index| index.value()).max();
+    if largest.is_some_and(|index| index >= root.accessors.len()) {
+        return Err(Error::input("not a valid glTF file: an attribute names an accessor that does not exist"));
+    }
+    Ok(())
+}
+
+/// Checks the addresses of buffers: the percent-decoded text must be UTF-8, and the file access
+/// must allow the path. The crate `gltf` makes neither of these checks.
+fn check_uris(document: &Document, file_access: FileAccess) -> Result<()> {
+    for buffer in document.buffers() {
+        if let Source::Uri(uri) = buffer.source()
+            && !uri.starts_with("data:")
+        {
+            let invalid = || Error::input(format!("the glTF buffer's address \"{uri}\" is not valid"));
+            let decoded = decoded_address(uri).ok_or_else(invalid)?;
+            let path = decoded.strip_prefix("file://").or(decoded.strip_prefix("file:")).unwrap_or(&decoded);
+            file_access.file(Path::new(""), Path::new(path))?;
+        }
+    }
+    Ok(())
+}
+
+fn invalid(error: &::gltf::Error) -> Error {
+    if let ::gltf::Error::BufferLength { buffer, expected, actual } = error {
+        return Error::input(format!("buffer {buffer} of the glTF file is truncated: {actual} of {expected} bytes"));
+    }
+    if let ::gltf::Error::Io(cause) = error {
+        return Error::input(format!("the glTF file or its data cannot be read: {cause}"));
+    }
+    Error::input(format!("not a valid glTF file: {error}"))
+}

@@ -1,0 +1,70 @@
+//! The parts of mesh files, and helpers of their readers.
+
+use std::collections::BTreeMap;
+
+use super::material::MeshMaterial;
+use abbe_scene::geometry::mesh::TriangleMesh;
+
+/// One part of a mesh file: triangles with one material.
+#[derive(Debug, Clone)]
+pub struct MeshPart {
+    /// The triangles in the unit of the file, after all node transforms.
+    pub mesh: TriangleMesh,
+    /// The material in the file, if there is one.
+    pub material: Option<MeshMaterial>,
+    /// The number of the material in a glTF file. Parts with the same number have equal materials.
+    pub material_number: Option<usize>,
+    /// Name of the part in the file. The string is empty if the part has no name.
+    pub name: String,
+}
+
+/// The parts of a mesh file by their number.
+#[derive(Debug, Clone)]
+pub struct UnplacedParts {
+    /// The parts. In a glTF file, the parts are the primitives of all meshes, in the order of the
+    /// file and without the transforms of the nodes. Primitives without triangles, and primitives
+    /// outside the default scene, are absent.
+    pub parts: BTreeMap<u32, MeshPart>,
+    /// Sentences about what the reader ignores.
+    pub ignored: Vec<String>,
+}
+
+/// What the reader of a format returns.
+#[derive(Debug, Default)]
+pub(super) struct PartsAndNotes {
+    pub(super) parts: Vec<MeshPart>,
+    /// Sentences about what the reader ignores.
+    pub(super) ignored: Vec<String>,
+    pub(super) has_lights: bool,
+}
+
+#[cfg(feature = "meshes")]
+impl PartsAndNotes {
+    /// Returns parts without notes.
+    pub(super) fn of(parts: Vec<MeshPart>) -> Self {
+        Self { parts, ..Self::default() }
+    }
+}
+
+/// Lists names in the order of their first occurrence, each once. Of many names, the list states
+/// the first five and the number of the others.
+#[cfg(feature = "meshes")]
+pub(super) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    const MOST: usize = 5;
+    let mut unique: Vec<&str> = Vec::new();
+    for name in names {
+        if !unique.contains(&name) {
+            unique.push(name);
+        }
+    }
+    let others = unique.len().saturating_sub(MOST);
+    unique.truncate(MOST);
+    let list = unique.join(", ");
+    (!list.is_empty()).then(|| if others == 0 { list } else { format!("{list} and {others} others") })
+}
+
+/// Splits a polygon into triangles that share its first corner.
+#[cfg(feature = "meshes")]
+pub(super) fn fan(polygon: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    polygon.windows(2).skip(1).map(|pair| [polygon[0], pair[0], pair[1]])
+}

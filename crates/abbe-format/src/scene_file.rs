@@ -1,0 +1,182 @@
+//! The outermost object of a scene file.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::spectrum::SpectrumUse;
+use super::{
+    CameraFile, FilmFile, LightFile, MaterialFile, MediumFile, MeterFile, ObjectFile, RenderFile, ShapeFile,
+    SpectrumFile,
+};
+use super::{check, forms};
+use crate::json::{JsonPath, JsonSource};
+use abbe_spectra::error::{Error, Result};
+
+/// A scene.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Scene", example = json!({
+    "$schema": "scene.schema.json", "title": "A glass ball in mist", "unit": "m",
+    "camera": {"from": [0, 1, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 35}}},
+    "film": {"width": 640, "height": 360},
+    "spectra": {"warm": {"blackbody": {"temperature": 2856}}},
+    "media": {"mist": {"homogeneous": {"absorption": 0, "scattering": 0.05, "phase": "isotropic"}}},
+    "materials": {"crown": {"dielectric": {"ior": "N-BK7"}}},
+    "shapes": {"plate": {"box": {"size": [1, 0.1, 1]}}},
+    "objects": [{"shape": {"sphere": {"center": [0, 0.5, 0], "radius": 0.5}}, "material": "crown"}],
+    "lights": [{"point": {"at": [0, 3, 0], "spectrum": "warm", "luminous_flux": 800}}],
+    "meters": [{"name": "table", "points": [[0, 0, 1]]}],
+    "atmosphere": "mist", "render": {"passes": 64}
+}))]
+pub struct SceneFile {
+    /// Path or URL of the JSON Schema of the scene file, for editors. Abbe ignores it.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
+    /// Title of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// Unit of all lengths whose key does not name another unit.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub unit: UnitFile,
+    /// The camera. Only a scene with `meters` may leave it out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no camera, if the scene has `meters`"))]
+    pub camera: Option<CameraFile>,
+    /// The film: size and colours of the picture. Only a scene with `meters` may leave it out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no film, if the scene has `meters`"))]
+    pub film: Option<FilmFile>,
+    /// Spectra by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub spectra: BTreeMap<String, SpectrumFile>,
+    /// Media by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub media: BTreeMap<String, MediumFile>,
+    /// Materials by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub materials: BTreeMap<String, MaterialFile>,
+    /// Shapes by name, for objects with the shape `shared`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub shapes: BTreeMap<String, ShapeFile>,
+    /// The objects.
+    pub objects: Vec<ObjectFile>,
+    /// The lights that are not objects. Area lights are objects with `emission`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub lights: Vec<LightFile>,
+    /// The meters, which `abbe measure` reads. A picture does not show them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "forms::never")]
+    pub meters: Vec<MeterFile>,
+    /// Name of the medium outside all objects, from `media`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-default" = "no medium"))]
+    pub atmosphere: Option<String>,
+    /// The render settings. Options of the command line override them.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    pub render: RenderFile,
+}
+
+/// A unit of length.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[schemars(title = "Unit of length")]
+pub enum UnitFile {
+    /// Metre.
+    #[default]
+    #[serde(rename = "m")]
+    Metre,
+    /// Centimetre.
+    #[serde(rename = "cm")]
+    Centimetre,
+    /// Millimetre.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// Micrometre.
+    #[serde(rename = "um")]
+    Micrometre,
+}
+
+impl UnitFile {
+    /// Returns the length of one unit in metres.
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Centimetre => 1e-2,
+            Self::Millimetre => 1e-3,
+            Self::Micrometre => 1e-6,
+        }
+    }
+}
+
+impl SceneFile {
+    /// Keeps only the meters with these names. An empty list keeps all meters.
+    ///
+    /// # Errors
+    /// Returns an error if the scene has no meter of a name.
+    pub fn select_meters(&mut self, names: &[String]) -> Result<()> {
+        for name in names {
+            if !self.meters.iter().any(|meter| meter.name == *name) {
+                let known = self.meters.iter().map(|meter| meter.name.as_str());
+                return Err(Error::unknown_name("meter", name, known));
+            }
+        }
+        if !names.is_empty() {
+            self.meters.retain(|meter| names.contains(&meter.name));
+        }
+        Ok(())
+    }
+
+    /// Checks all rules that concern a single value or object.
+    ///
+    /// # Errors
+    /// Returns an error with all wrong values. Each fault contains its position in `source`.
+    pub fn validate(&self, source: &JsonSource) -> Result<()> {
+        self.check().map_err(|error| source.with_position(error))
+    }
+
+    /// Checks the same rules as [`Self::validate`]. The error has a JSON path, but no line and
+    /// column.
+    fn check(&self) -> Result<()> {
+        let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, shapes, .. } = self;
+        let root = JsonPath::Root;
+        let absent = |key: &str, present: bool| {
+            let missing = !present && self.meters.is_empty();
+            let error = || {
+                check::fault(
+                    &root,
+                    format!("missing key \"{key}\""),
+                    format!("`{key}`, or `meters` for `abbe measure`"),
+                )
+            };
+            if missing { Err(error()) } else { Ok(()) }
+        };
+        let mut results = vec![
+            camera.as_ref().map_or_else(|| absent("camera", false), |camera| camera.validate(&root.key("camera"))),
+            film.as_ref().map_or_else(|| absent("film", false), |film| film.validate(&root.key("film"))),
+        ];
+        let at = root.key("meters");
+        results.extend(self.meters.iter().enumerate().map(|(i, meter)| meter.validate(&at.index(i))));
+        let at = root.key("spectra");
+        results.extend(spectra.iter().map(|(name, spectrum)| spectrum.validate(&at.key(name), SpectrumUse::Any)));
+        let at = root.key("media");
+        results.extend(media.iter().map(|(name, medium)| medium.validate(&at.key(name))));
+        let at = root.key("materials");
+        results.extend(materials.iter().map(|(name, material)| material.validate(&at.key(name))));
+        let at = root.key("shapes");
+        results.extend(shapes.iter().map(|(name, shape)| shape.validate(&at.key(name))));
+        let at = root.key("objects");
+        results.extend(self.objects.iter().enumerate().map(|(i, object)| object.validate(&at.index(i))));
+        let at = root.key("lights");
+        results.extend(self.lights.iter().enumerate().map(|(i, light)| light.validate(&at.index(i))));
+        results.push(self.render.validate(&root.key("render")));
+        check::all(results)
+    }
+}

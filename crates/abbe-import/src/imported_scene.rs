@@ -1,0 +1,48 @@
+//! A converted scene.
+
+use std::path::Path;
+
+use super::overlay::{self, ImportedNames};
+use abbe_spectra::error::Result;
+
+/// A converted scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportedScene {
+    /// The text of the scene file.
+    pub text: String,
+    /// Sentences about the parts that the file lacks and that were added.
+    pub added: Vec<String>,
+    /// Sentences about what was left out, or replaced by something similar.
+    pub left_out: Vec<String>,
+    /// Sentences about what the mesh reader ignores. A reader of the converted scene finds them
+    /// again.
+    pub ignored_by_meshes: Vec<String>,
+    /// The names that an overlay may use.
+    pub(super) names: ImportedNames,
+}
+
+impl ImportedScene {
+    /// Returns one sentence for each part that the conversion left out or added.
+    pub fn notes(&self) -> Vec<String> {
+        let added = self.added.iter().map(|what| format!("added {what}"));
+        self.left_out.iter().cloned().chain(added).collect()
+    }
+
+    /// Applies an overlay: a small JSON file that names materials, lights and objects of the
+    /// converted scene, and replaces or changes them. The file may also change the camera, the film
+    /// and the render settings, and add lights and objects. Paths in the overlay are relative to
+    /// the folder of the scene file.
+    ///
+    /// # Errors
+    /// Returns an error if the overlay cannot be read, or if it contains an unknown key or an
+    /// unknown name. The error contains the position in the overlay.
+    pub fn with_overlay(mut self, path: &Path) -> Result<Self> {
+        let overlaid = overlay::apply(&self.text, &self.names, path)?;
+        self.text = overlaid.text;
+        if overlaid.replaces_lights {
+            let note = self.names.added_lights.as_ref().map(|lights| &lights.note);
+            self.added.retain(|what| Some(what) != note);
+        }
+        Ok(self)
+    }
+}
