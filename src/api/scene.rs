@@ -16,7 +16,7 @@ use abbe_transport::plan::explain;
 /// A scene that can be rendered.
 ///
 /// A scene comes from a file ([`load`](Self::load)), from JSON text ([`parse`](Self::parse)), or
-/// from the structs of [`format`](abbe_format) ([`TryFrom<SceneFile>`](SceneFile)).
+/// from the structs of [`mod@abbe_format`] ([`TryFrom<SceneFile>`](SceneFile)).
 ///
 /// ```
 /// use abbe::{RenderOptions, Scene};
