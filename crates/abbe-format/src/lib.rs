@@ -1,7 +1,7 @@
 //! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution into a
 //! scene.
 //!
-//! [`read`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and deserialises
+//! [`read()`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and deserialises
 //! it into the types of this crate, which check the ranges of single values. Then the module
 //! [`resolve`] looks up names, reads the other files that the scene names, and converts everything
 //! to SI units. Every error states its line, its column and its JSON path, and suggests a similar

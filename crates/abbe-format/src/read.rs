@@ -31,10 +31,10 @@ pub fn read_scene_text(path: &Path) -> Result<String> {
 }
 
 /// Reads a scene from its text. Errors use `path` as the name of the text. `sets` are patches as in
-/// [`read`].
+/// [`read()`].
 ///
 /// # Errors
-/// Returns the same errors as [`read`].
+/// Returns the same errors as [`read()`].
 pub fn parse(text: impl Into<String>, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     let source = JsonSource::patched(text, path, sets)?;
     parse_source(source, &|_, _| None)
