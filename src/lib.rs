@@ -31,8 +31,8 @@
 //! [`Scene`] loads a scene from a file, from text, or from the structs of [`mod@format`], and
 //! [`RenderOptions`] says when the render stops and which settings of the scene it overrides. The
 //! resulting [`Image`] contains the pixels and their error bars. The programs in `examples/` show
-//! more: progress and cancellation, scenes without JSON, colours of spectra, error bars, and the
-//! path of a single photon.
+//! more: progress and cancellation, scenes without JSON, colours of spectra, and error bars. Each
+//! crate has examples too, such as the path of a single photon in `crates/abbe-transport/examples`.
 //!
 //! # How a picture is computed
 //!
