@@ -6,7 +6,9 @@ use abbe_scene::geometry::Ray;
 use abbe_scene::light::{EmittedSpd, Light};
 use abbe_spectra::math::random::{Purpose, Seed};
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
-use abbe_transport::gather::{NORMAL_TOLERANCE, Outlines, PLANE_TOLERANCE, PathBuffers, PixelSampler, power_heuristic};
+use abbe_transport::gather::{
+    NORMAL_TOLERANCE, PLANE_TOLERANCE, PathBuffers, PixelSampler, SurfaceExtents, power_heuristic,
+};
 use abbe_transport::map::kernel::DiskKernel;
 use abbe_transport::map::radius::least;
 use abbe_transport::map::{LightMaps, PixelRadii, SetMaps};
@@ -22,8 +24,8 @@ const ORIGIN: LightOrigin = LightOrigin { class: PathClass::Direct, light: 0 };
 
 /// Gathers as the renderer does.
 pub(crate) fn general(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
-    let (outlines, light_maps) = (Outlines::default(), LightMaps::default());
-    let camera_pass = camera_pass(prepared, (maps, &outlines, &light_maps));
+    let (surface_extents, light_maps) = (SurfaceExtents::default(), LightMaps::default());
+    let camera_pass = camera_pass(prepared, (maps, &surface_extents, &light_maps));
     let (mut buffers, mut tally, mut total) = (PathBuffers::default(), Tally::default(), Total(0.0));
     for pixel in pixels(prepared, count) {
         let sampler = PixelSampler::new(Seed::new(1).streams(Purpose::Camera), 0, pixel);

@@ -2,7 +2,7 @@
 
 use super::scenes::{Prepared, Total, camera_pass, load};
 use abbe_spectra::math::random::{Purpose, Seed};
-use abbe_transport::gather::{DirectLighting, Outlines, PathBuffers, PathTracer, PixelSampler};
+use abbe_transport::gather::{DirectLighting, PathBuffers, PathTracer, PixelSampler, SurfaceExtents};
 use abbe_transport::map::{LightMaps, PixelRadii};
 use abbe_transport::plan::Tally;
 use criterion::{Criterion, Throughput};
@@ -17,8 +17,8 @@ pub(crate) fn benches(c: &mut Criterion) {
         let pixels: Vec<u64> = (0..prepared.scene.camera.pixel_count() as u64).step_by(STEP).collect();
         group.throughput(Throughput::Elements(pixels.len() as u64));
         let maps = prepared.harvest(100_000).maps();
-        let (outlines, light_maps) = (Outlines::default(), LightMaps::default());
-        let camera_pass = camera_pass(&prepared, (&maps, &outlines, &light_maps));
+        let (surface_extents, light_maps) = (SurfaceExtents::default(), LightMaps::default());
+        let camera_pass = camera_pass(&prepared, (&maps, &surface_extents, &light_maps));
         // Kernels of about 50 photons; the exact radii of a render are its pilot's.
         let radii = PixelRadii::splat(0.05);
         group.bench_function(format!("photon maps/{name}"), |b| {

@@ -5,7 +5,7 @@ use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_transport::emit::{
     EmissionStrata, LightSampler, PhotonSource, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace,
 };
-use abbe_transport::gather::{CameraPass, DirectLighting, LightSelector, Outlines};
+use abbe_transport::gather::{CameraPass, DirectLighting, LightSelector, SurfaceExtents};
 use abbe_transport::map::radius::PerKernel;
 use abbe_transport::map::{ClassMaps, LightMaps, Photon, PhotonMap, PhotonPower, PhotonSpectra, SetMaps};
 use abbe_transport::plan::partition::PerSet;
@@ -127,7 +127,7 @@ impl Sink for Total {
 /// What gathers by free photons alone, unless the plan asks for shared ones.
 pub(crate) fn camera_pass<'a>(
     prepared: &'a Prepared,
-    (maps, outlines, light_maps): (&'a SetMaps, &'a Outlines, &'a LightMaps<'a>),
+    (maps, surface_extents, light_maps): (&'a SetMaps, &'a SurfaceExtents, &'a LightMaps<'a>),
 ) -> CameraPass<'a> {
     let wavelengths = [450.0, 520.0, 590.0, 650.0];
     CameraPass {
@@ -139,13 +139,13 @@ pub(crate) fn camera_pass<'a>(
         shared_pdf: wavelengths.map(|nm| prepared.choice.wavelengths.pdf(nm)),
         lens_systems: None,
         light_maps,
-        outlines,
-        receptors: &[],
+        surface_extents,
+        sensors: &[],
         spectra: &prepared.spectra,
         responses: None,
         scales: PerKernel::splat(1.0),
-        stated_radius_m: None,
+        explicit_radius_m: None,
         photons_per_sample: PerSet { free: 1.0, shared: 1.0 },
-        missing: None,
+        truncated: None,
     }
 }

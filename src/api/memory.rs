@@ -62,7 +62,7 @@ mod tests {
         let fixed = Budget {
             passes: 1,
             photons,
-            photons_stated: true,
+            photons_are_explicit: true,
             camera_samples: None,
             nearest: 1,
             radius_m: None,

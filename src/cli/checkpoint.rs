@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn automatic_checkpoints_take_a_small_share_of_the_time() {
+    fn automatic_checkpoints_take_little_time() {
         let seconds = Duration::from_secs;
         assert_eq!(CheckpointInterval::Automatic.pause(seconds(1)), seconds(60));
         assert_eq!(CheckpointInterval::Automatic.pause(seconds(10)), seconds(200));

@@ -110,14 +110,14 @@ fn text(comparison: &Comparison) -> String {
     let z = comparison.z.map_or("unknown: a picture has no error layers".to_string(), |z| {
         format!(
             "{:.1} % of {} pixels have |z| < 1.96; p = {:.3} for the largest difference",
-            100.0 * z.share,
+            100.0 * z.fraction,
             z.pixels,
             z.p
         )
     });
     let covered = comparison.covered.map_or("unknown: A has no error layers".to_string(), |covered| {
-        let share = 100.0 * covered.share;
-        format!("the 95 % interval of A contains B in {share:.1} % of {} pixels", covered.pixels)
+        let fraction = 100.0 * covered.fraction;
+        format!("the 95 % interval of A contains B in {fraction:.1} % of {} pixels", covered.pixels)
     });
     let mut text = format!(
         "relative MSE   {:.6}   without the worst 2 %: {:.6}\nRMSE of Y      {:.6} cd/m²\nmean Y, A / B  {:.6}\n\

@@ -106,7 +106,7 @@ fn text(compared: &LampsCompared) -> String {
     text += &with_c.unwrap_or_default();
     if let Some(mix) = mix {
         let found = &mix.found;
-        let state = if found.is_reached() { "exact" } else { "inexact" };
+        let state = if found.is_exact() { "exact" } else { "inexact" };
         let left = difference_text(mix.difference);
         text += &format!("A's match     {}\n", mix.weights_text());
         text += &format!("              {state}: {left}, luminance {:+.4} %\n", 100.0 * found.delta_y);

@@ -111,7 +111,7 @@ fn text(report: &LensReport<'_>) -> String {
     }
     text += "\nfield       height  distortion  lateral colour   spot radius (RMS) in F, d, C\n";
     for field in &report.fields {
-        let distortion = field.distortion.map_or("-".to_string(), |share| format!("{:+.3} %", 100.0 * share));
+        let distortion = field.distortion.map_or("-".to_string(), |fraction| format!("{:+.3} %", 100.0 * fraction));
         let spots = field.spots.iter().map(|spot| format!("{:>9.2}", 1e3 * spot.rms_mm)).collect::<String>();
         let (angle, height) = (format!("{:.2}°", field.angle_deg), field.image_height_mm);
         let colour_um = 1e3 * field.lateral_colour_mm;

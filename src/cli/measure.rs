@@ -86,7 +86,7 @@ struct TargetError {
 /// Parses a target error such as `1%` or `desk=1%`. The name of a meter may contain `=`.
 fn target_error(text: &str) -> std::result::Result<TargetError, String> {
     let (meter, ratio) = text.rsplit_once('=').map_or((None, text), |(meter, ratio)| (Some(meter), ratio));
-    values::share(ratio).map(|ratio| TargetError { meter: meter.map(str::to_string), ratio })
+    values::fraction(ratio).map(|ratio| TargetError { meter: meter.map(str::to_string), ratio })
 }
 
 pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {

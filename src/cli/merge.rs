@@ -27,7 +27,7 @@ pub(crate) struct MergeArgs {
     allow_gaps: bool,
     /// Exit with status 3 if the relative error of the picture is above this value, such as 2%.
     /// With --watch: continue until the error is at or below this value
-    #[arg(long, value_name = "RATIO", value_parser = values::share)]
+    #[arg(long, value_name = "RATIO", value_parser = values::fraction)]
     target_error: Option<f64>,
     /// Write the statistics of all parts together as JSON
     #[arg(long, value_name = "FILE.json")]

@@ -49,10 +49,10 @@ impl OutputFiles {
     /// then states these settings and the scene that contains them.
     pub(crate) fn develop_again(&self, of_scene: &Metadata, display: &DisplaySettings) -> Result<()> {
         let ExrFile { picture, metadata } = read(&self.exr)?;
-        let stated = [names::SCENE, names::DISPLAY].into_iter().filter_map(|name| Some((name, of_scene.get(name)?)));
+        let explicit = [names::SCENE, names::DISPLAY].into_iter().filter_map(|name| Some((name, of_scene.get(name)?)));
         // Attributes without the prefix belong to the format. They are written anew.
         let own = metadata.iter().filter(|(name, _)| name.starts_with("abbe."));
-        let metadata = own.chain(stated).fold(Metadata::new(), |metadata, (name, value)| metadata.with(name, value));
+        let metadata = own.chain(explicit).fold(Metadata::new(), |metadata, (name, value)| metadata.with(name, value));
         write_exr(&self.exr, &picture, &metadata)?;
         write_png(&self.png, &display.screen(&picture))
     }

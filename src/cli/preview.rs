@@ -26,7 +26,7 @@ const FIRST_PAUSE: Duration = Duration::from_secs(1);
 const GROWTH: f64 = 1.5;
 
 /// The largest share of the render's time that previews take.
-const LARGEST_SHARE: f64 = 0.03;
+const LARGEST_FRACTION: f64 = 0.03;
 
 /// Writes the picture of a running render to its output files, and sends it to a display server.
 #[derive(Debug)]
@@ -114,12 +114,12 @@ impl PreviewSchedule {
     }
 
     /// Notes a preview that took the time from `begin` to `end`. The next preview is due when all
-    /// previews together, and another one as long as this one, take at most [`LARGEST_SHARE`] of
+    /// previews together, and another one as long as this one, take at most [`LARGEST_FRACTION`] of
     /// the time.
     fn written(&mut self, begin: Duration, end: Duration) {
         let cost = end - begin;
         self.spent += cost;
-        let affordable = (self.spent + cost).div_f64(LARGEST_SHARE).saturating_sub(end);
+        let affordable = (self.spent + cost).div_f64(LARGEST_FRACTION).saturating_sub(end);
         self.pause = self.pause.mul_f64(GROWTH).max(affordable);
         self.next = end + self.pause;
     }
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn previews_come_soon_and_take_a_small_share() {
+    fn previews_come_soon_and_take_little_time() {
         for cost_s in [0.001, 0.05, 2.0] {
             let (mut schedule, mut elapsed, mut spent, mut written) = (PreviewSchedule::new(), 0.0, 0.0, Vec::new());
             while elapsed < 3600.0 {

@@ -57,9 +57,9 @@ pub(crate) fn picture_error(error: &ErrorStats) -> String {
         return "the error is not known yet".to_string();
     };
     let [median, p95, relative] = [median, p95, relative].map(percent);
-    let worst = error.worst_region.zip(error.worst_share).filter(|(_, share)| *share >= DOMINANT);
-    let worst = worst.map_or(String::new(), |([x0, y0, x1, y1], share)| {
-        format!(", {:.0} % of it from the region {x0},{y0},{x1},{y1}", 100.0 * share)
+    let worst = error.worst_region.zip(error.worst_fraction).filter(|(_, fraction)| *fraction >= DOMINANT);
+    let worst = worst.map_or(String::new(), |([x0, y0, x1, y1], fraction)| {
+        format!(", {:.0} % of it from the region {x0},{y0},{x1},{y1}", 100.0 * fraction)
     });
     format!("error of half of the pixels below {median}, of 95 % below {p95}, RMS of the picture {relative}{worst}")
 }
@@ -107,8 +107,8 @@ pub(crate) fn error_line(text: &str) {
 }
 
 /// Writes a ratio in percent.
-pub(crate) fn percent(share: f64) -> String {
-    if share < 0.1 { format!("{:.2} %", 100.0 * share) } else { format!("{:.0} %", 100.0 * share) }
+pub(crate) fn percent(fraction: f64) -> String {
+    if fraction < 0.1 { format!("{:.2} %", 100.0 * fraction) } else { format!("{:.0} %", 100.0 * fraction) }
 }
 
 #[cfg(test)]
@@ -117,14 +117,14 @@ mod tests {
 
     #[test]
     fn an_error_is_told_by_its_pixels_and_its_worst_region() {
-        let error = |worst_share: f64| ErrorStats {
+        let error = |worst_fraction: f64| ErrorStats {
             noise: 1.0,
             bias: 0.0,
             relative: Some(0.4),
             median: Some(0.011),
             p95: Some(0.05),
             worst_region: Some([8, 0, 16, 8]),
-            worst_share: Some(worst_share),
+            worst_fraction: Some(worst_fraction),
             unknown_pixels: 0,
             edge_pixels: 0,
         };

@@ -134,7 +134,7 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<PixelReport> {
         PixelBands { nm: bands.centres_nm.clone(), values }
     });
     let error = picture.error(i);
-    let reach = picture.half_interval_95(i, 0.0);
+    let half_interval = picture.half_interval_95(i, 0.0);
     Ok(PixelReport {
         pixel: [x, y],
         xyz,
@@ -146,7 +146,7 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<PixelReport> {
         edge: picture.edge[i],
         relative_error: error.filter(|_| xyz[1] > 0.0).map(|error| error / xyz[1]),
         // Luminance is not negative.
-        interval_95: reach.map(|reach| [(xyz[1] - reach).max(0.0), xyz[1] + reach]),
+        interval_95: half_interval.map(|half_interval| [(xyz[1] - half_interval).max(0.0), xyz[1] + half_interval]),
         spectrum,
     })
 }

@@ -111,7 +111,7 @@ impl Monitor for ProgressDisplay {
         let line = || Self::line(self.label.as_deref(), progress, rises);
         match &mut self.output {
             ProgressOutput::Bar(bar) => {
-                let done = share_done(progress).unwrap_or(0.0);
+                let done = fraction_done(progress).unwrap_or(0.0);
                 bar.set_position((done * STEPS as f64) as u64);
                 bar.set_message(line());
             }
@@ -139,7 +139,7 @@ fn time_left(progress: &Progress) -> Option<Duration> {
     Duration::try_from_secs_f64(left.max(0.0)).ok()
 }
 
-fn share_done(progress: &Progress) -> Option<f64> {
+fn fraction_done(progress: &Progress) -> Option<f64> {
     let (elapsed, left) = (progress.elapsed.as_secs_f64(), time_left(progress)?.as_secs_f64());
     Some(if left > 0.0 { elapsed / (elapsed + left) } else { 1.0 })
 }
@@ -263,7 +263,7 @@ mod tests {
         assert!((left(&progress).unwrap() - 19.296_875).abs() < 1e-6);
         progress.time_wanted = Some(Duration::from_secs(15));
         assert_eq!(left(&progress), Some(5.0));
-        assert!((share_done(&progress).unwrap() - 10.0 / 15.0).abs() < 1e-9);
+        assert!((fraction_done(&progress).unwrap() - 10.0 / 15.0).abs() < 1e-9);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use abbe_session::output::junit::{JunitCase, junit};
 use abbe_session::output::{file, regress_page};
-use abbe_spectra::colour::regress::{CaseGroup, RegressionReport, RegressionTolerances, judge};
+use abbe_spectra::colour::regress::{CaseGroup, RegressionReport, RegressionTolerances, compare_groups};
 use abbe_spectra::error::Result;
 
 use super::{Outcome, print, values};
@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &RegressArgs) -> Result<Outcome> {
     };
     let groups: Vec<CaseGroup> = arguments.group.iter().map(|group| group.group()).collect();
     let report = read_colours(path)
-        .and_then(|colours| judge(&colours, &groups, tolerances))
+        .and_then(|colours| compare_groups(&colours, &groups, tolerances))
         .map_err(|error| error.in_file(path))?;
     if let Some(path) = &arguments.junit {
         file::write_whole(path, junit_of(&report).as_bytes())?;

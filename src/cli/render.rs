@@ -40,7 +40,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     time: Option<Duration>,
     /// Stop when the relative error of the picture falls to this value, such as 2%
-    #[arg(long, value_name = "RATIO", value_parser = values::share)]
+    #[arg(long, value_name = "RATIO", value_parser = values::fraction)]
     target_error: Option<f64>,
     /// The number of photon paths in a pass
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]

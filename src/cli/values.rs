@@ -41,7 +41,7 @@ pub(crate) fn duration(text: &str) -> Result<Duration, String> {
 }
 
 /// Parses a ratio such as `2%` or `0.02`. The ratio must be above 0.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
+pub(crate) fn fraction(text: &str) -> Result<f64, String> {
     let (number, unit) = match text.trim().strip_suffix('%') {
         Some(percent) => (percent.trim_end(), 0.01),
         None => (text.trim(), 1.0),
@@ -231,10 +231,10 @@ mod tests {
     }
 
     #[test]
-    fn shares() {
-        assert_eq!(share("2%"), Ok(0.02));
-        assert_eq!(share("0.02"), Ok(0.02));
-        assert!(["0", "-1%", "nan", "inf", "", "%", "two"].iter().all(|text| share(text).is_err()));
+    fn fractions() {
+        assert_eq!(fraction("2%"), Ok(0.02));
+        assert_eq!(fraction("0.02"), Ok(0.02));
+        assert!(["0", "-1%", "nan", "inf", "", "%", "two"].iter().all(|text| fraction(text).is_err()));
     }
 
     #[test]

@@ -70,7 +70,7 @@ impl GratingReport {
             ("transmitted", ScatterEvent::Transmission, behind.n(nm), 1.0 - reflectance),
         ];
         let mut orders = Vec::new();
-        for (side, event, index, share) in sides.into_iter().filter(|side| side.3 > 0.0) {
+        for (side, event, index, fraction) in sides.into_iter().filter(|side| side.3 > 0.0) {
             for order in grating.orders(incident, event, [1.0, index], nm) {
                 let (degrees, azimuth_degrees) = angles(&order, azimuth_deg != 0.0);
                 orders.push(OrderReport {
@@ -78,7 +78,7 @@ impl GratingReport {
                     side,
                     degrees,
                     azimuth_degrees,
-                    efficiency: share * order.efficiency,
+                    efficiency: fraction * order.efficiency,
                     resolving_power: setup.resolving_power(&order),
                     slit_nm: setup.slit_nm(&order),
                 });

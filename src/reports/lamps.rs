@@ -84,7 +84,7 @@ impl LampsCompared {
 
     /// A warning if the mix does not match the lamp.
     pub fn warning(&self) -> Option<String> {
-        let mix = self.mix.as_ref().filter(|mix| !mix.found.is_reached())?;
+        let mix = self.mix.as_ref().filter(|mix| !mix.found.is_exact())?;
         let left = difference_text(mix.difference);
         Some(format!(
             "{} cannot be matched with {}; the closest mix differs by {left}, luminance {:+.4} %",
@@ -225,7 +225,8 @@ pub struct LampMatch<'a> {
     /// The relative error of Y.
     pub delta_y: f64,
     /// True if the mix has the colour of the lamp.
-    pub reached: bool,
+    #[serde(rename = "reached")]
+    pub exact: bool,
 }
 
 /// The colours of a surface under A and under B. The white point for each colour is the lamp that
@@ -306,7 +307,7 @@ impl<'a> LampsReport<'a> {
             weights: &found.weights,
             left: found.residual.into(),
             delta_y: found.delta_y,
-            reached: found.is_reached(),
+            exact: found.is_exact(),
         });
         let third = third.as_ref().map(|(c, with_c)| ThirdLamp {
             colour: NamedColour::new(&c.name, &with_c.reports[1], observer, None),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use abbe_format::resolve;
 use abbe_optics::glass::AgfCatalogue;
 use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
-use abbe_optics::lens::section::{DrawnRay, FocusWindow, LensSection, section};
+use abbe_optics::lens::section::{DrawnRay, FocusDetail, LensSection, section};
 use abbe_optics::lens::zemax::ZmxSystem;
 use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, LensSurface, Pupil, catalogue};
 use abbe_session::output::drawing::{FocusInset, LensDrawing, RayStroke};
@@ -236,7 +236,7 @@ impl<'a> LensReport<'a> {
 pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
     let LensSection { elements, stop, sensor, rays, foci } = section(lens, analysis)?;
     let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };
-    let window = |focus: &FocusWindow| FocusInset {
+    let window = |focus: &FocusDetail| FocusInset {
         title: if focus.angle_deg == 0.0 {
             "focus on the axis".to_string()
         } else {

@@ -45,7 +45,7 @@ pub fn study(
     let study_scene = StudyScene {
         path: files.scene.to_owned(),
         text: source.text.clone(),
-        reach: source.file_access(),
+        file_access: source.file_access(),
         hash: of_scene.get(names::SCENE_HASH).unwrap_or_default().to_string(),
     };
     let options = StudyOptions { folder: files.output.to_owned(), budget, reference };

@@ -7,7 +7,7 @@ use super::reference::MeanEstimate;
 use super::reference_choice::ChosenReference;
 use super::runner::{FinishedStep, RenderStep, Runner};
 use super::study_scene::integrator_title;
-use super::time_shares::TIME_SHARES;
+use super::time_fractions::TIME_FRACTIONS;
 use abbe_session::render::{Integrator, Job, Stats};
 use abbe_transport::plan::{CausticPlan, IndirectPlan, Plan, VolumePlan};
 use abbe_transport::sensor::Picture;
@@ -58,16 +58,16 @@ impl ConvergenceCurve {
         reference: &ChosenReference,
         budget_seconds: f64,
     ) -> Result<[Self; 2], StudyError> {
-        let mut one = |integrator: Integrator, share: f64, theory: Vec<TheoreticalSlope>| {
+        let mut one = |integrator: Integrator, fraction: f64, theory: Vec<TheoreticalSlope>| {
             let words = format!("error against time, {}", integrator_title(integrator.word()));
-            let step = RenderStep::new(&format!("curve-{}", integrator.word()), &words, share * budget_seconds)
+            let step = RenderStep::new(&format!("curve-{}", integrator.word()), &words, fraction * budget_seconds)
                 .with_integrator(integrator);
             Ok::<Self, StudyError>(Self::new(integrator, runner.render(&step, reference.identified())?, theory))
         };
         let unbiased = TheoreticalSlope { estimator: "unbiased", slope: -1.0 };
         Ok([
-            one(Integrator::Photon, TIME_SHARES.photon_curve, theory(&job.plan))?,
-            one(Integrator::Path, TIME_SHARES.path_curve, vec![unbiased])?,
+            one(Integrator::Photon, TIME_FRACTIONS.photon_curve, theory(&job.plan))?,
+            one(Integrator::Path, TIME_FRACTIONS.path_curve, vec![unbiased])?,
         ])
     }
 

@@ -4,7 +4,7 @@ use super::monitor::StudyError;
 use super::reference::MeanEstimate;
 use super::reference_choice::{ChosenReference, seed};
 use super::runner::{FinishedStep, RenderStep, Runner};
-use super::time_shares::TIME_SHARES;
+use super::time_fractions::TIME_FRACTIONS;
 use abbe_format::SceneFile;
 use abbe_session::output::compare::{DeltaE, compare};
 use abbe_session::output::selection::Selection;
@@ -134,9 +134,9 @@ impl EffectStudy {
         reference: &ChosenReference,
         budget_seconds: f64,
     ) -> Result<Self, StudyError> {
-        let share = TIME_SHARES.effects * budget_seconds;
+        let fraction = TIME_FRACTIONS.effects * budget_seconds;
         let before = runner.seconds_spent;
-        let seconds = share / steps(job) as f64;
+        let seconds = fraction / steps(job) as f64;
         let whole = runner.render(&RenderStep::new("effects-all", "all effects", seconds), reference.identified())?;
         let stats = &whole.result.stats;
         let step =
@@ -152,7 +152,7 @@ impl EffectStudy {
                 continue;
             }
             // Without an effect, passes can also be slower, so the time can run out.
-            let (left_out, picture) = if runner.seconds_spent - before > 2.0 * share {
+            let (left_out, picture) = if runner.seconds_spent - before > 2.0 * fraction {
                 runner.steps_done += 1;
                 (AblationResult::NoTime, None)
             } else {

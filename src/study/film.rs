@@ -3,7 +3,7 @@
 use super::monitor::StudyError;
 use super::runner::{RenderStep, Runner};
 use super::study_scene::integrator_title;
-use super::time_shares::TIME_SHARES;
+use super::time_fractions::TIME_FRACTIONS;
 use abbe_session::render::{Integrator, Job, Stats};
 use abbe_spectra::error::Error;
 use abbe_transport::sensor::Picture;
@@ -38,7 +38,7 @@ const PHOTON_PASSES: f64 = 200.0;
 const PATH_PASSES: f64 = 64.0;
 
 /// The largest share of the sweep's time that pilots may take.
-const PILOT_SHARE: f64 = 0.3;
+const PILOT_FRACTION: f64 = 0.3;
 
 /// The number of passes of a rehearsal.
 const REHEARSAL_PASSES: u64 = 2;
@@ -71,7 +71,7 @@ impl StudyFilm {
             let size = |pixels: usize| u32::try_from(pixels).map_err(|_| Error::input("the reference is too large"));
             return Ok(Self { width: size(reference.width)?, height: size(reference.height)?, ..own });
         }
-        let half = 0.5 * TIME_SHARES.reference * budget_seconds;
+        let half = 0.5 * TIME_FRACTIONS.reference * budget_seconds;
         let small = own.of_pixels((own.pixels() / 16.0).max(64.0));
         let mut pixels = own.pixels().min(MOST_PIXELS);
         for (integrator, passes) in [(Integrator::Photon, PHOTON_PASSES), (Integrator::Path, PATH_PASSES)] {
@@ -89,8 +89,8 @@ impl StudyFilm {
             // time.
             let worth = (half / passes - fixed).max(fixed) / gather.max(1e-9) * small.pixels();
             // Every run of the sweep has its own pilot, whose time grows with the number of pixels.
-            let pilot = stats.seconds.pilot / PILOT_SHARE;
-            let piloted = TIME_SHARES.sweep * budget_seconds / sweep_runs as f64 / pilot.max(1e-9) * small.pixels();
+            let pilot = stats.seconds.pilot / PILOT_FRACTION;
+            let piloted = TIME_FRACTIONS.sweep * budget_seconds / sweep_runs as f64 / pilot.max(1e-9) * small.pixels();
             pixels = pixels.min(worth.min(piloted).max(LEAST_PIXELS));
         }
         Ok(own.of_pixels(pixels))

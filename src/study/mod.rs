@@ -29,10 +29,10 @@ pub mod smooth_regions;
 mod step_cache;
 pub mod study_scene;
 pub mod sweep;
-mod time_shares;
+mod time_fractions;
 
 pub use convergence::ConvergencePoint;
 pub use monitor::StudyMonitor;
 pub use run::{PAGE, StudyOptions, StudyOutcome, run};
 pub use study_scene::StudyScene;
-pub use time_shares::{TIME_SHARES, TimeShares};
+pub use time_fractions::{TIME_FRACTIONS, TimeFractions};

@@ -10,7 +10,7 @@ use super::reference_choice::ChosenReference;
 use super::report::{StudyReport, signed, theory};
 use super::study_scene::RenderSettings;
 use super::study_scene::integrator_title;
-use super::time_shares::TIME_SHARES;
+use super::time_fractions::TIME_FRACTIONS;
 use abbe_session::output::axis::power_of_ten;
 use abbe_session::output::compare::DeltaE;
 use abbe_session::output::comparison_page::colour_differences;
@@ -186,7 +186,7 @@ fn recommendations(report: &StudyReport) -> Markup {
 }
 
 fn curves(report: &StudyReport) -> Markup {
-    let in_smooth = report.reference.smooth_share.is_some();
+    let in_smooth = report.reference.smooth_fraction.is_some();
     html! {
         section {
             h2 { "Error against time" }
@@ -208,8 +208,8 @@ fn curves(report: &StudyReport) -> Markup {
                         } }
                     } }
                     p.soft {
-                        @if let Some(share) = report.reference.smooth_share {
-                            "Lines and slopes hold for smooth regions (" (percent(share)) " of the pixels); dots hold for the whole picture. "
+                        @if let Some(fraction) = report.reference.smooth_fraction {
+                            "Lines and slopes hold for smooth regions (" (percent(fraction)) " of the pixels); dots hold for the whole picture. "
                         } @else {
                             "The picture has too few smooth regions. Lines and slopes hold for the whole picture, where kernels at edges converge more slowly than in theory. "
                         }
@@ -219,14 +219,14 @@ fn curves(report: &StudyReport) -> Markup {
                     }
                 }
             }
-            (lost_light(report))
+            (reference_warning(report))
         }
     }
 }
 
 /// Warns if the path tracer cannot find some of the light.
-fn lost_light(report: &StudyReport) -> Markup {
-    html! { @if let Some(reason) = &report.reference.out_of_reach {
+fn reference_warning(report: &StudyReport) -> Markup {
+    html! { @if let Some(reason) = &report.reference.unreachable_light {
         p.warning { "The path tracer's error cannot fall to zero here: " (reason) "." }
     } }
 }
@@ -347,8 +347,9 @@ fn measured(
     error: MeanEstimate,
 ) -> Markup {
     let with = &effects.with;
-    let share = 1.0 - cost.seconds / with.seconds;
-    let change = if share >= 0.0 { format!("{} less", percent(share)) } else { format!("{} more", percent(-share)) };
+    let fraction = 1.0 - cost.seconds / with.seconds;
+    let change =
+        if fraction >= 0.0 { format!("{} less", percent(fraction)) } else { format!("{} more", percent(-fraction)) };
     html! {
         table.figures { tbody {
             tr { th { "time" } td { (time(with.seconds)) " → " (time(cost.seconds)) " (" (change) ")" } }
@@ -361,7 +362,7 @@ fn measured(
 
 fn method(report: &StudyReport) -> Markup {
     let reference = &report.reference;
-    let percent_of = |share: f64| percent(share);
+    let percent_of = |fraction: f64| percent(fraction);
     html! {
         section {
             h2 { "How it was measured" }
@@ -384,9 +385,9 @@ fn method(report: &StudyReport) -> Markup {
             p { strong { "Smooth regions: " } (report.smooth_rule) "." }
             p {
                 strong { "Time: " } "the renders took " (time(report.spent_seconds)) " of a budget of " (time(report.budget_seconds)) ". The budget is divided as follows: "
-                (percent_of(TIME_SHARES.trial)) " trials that choose the integrator of the reference, " (percent_of(TIME_SHARES.reference)) " the reference, "
-                (percent_of(TIME_SHARES.photon_curve + TIME_SHARES.path_curve)) " error against time, " (percent_of(TIME_SHARES.sweep)) " the sweep of settings, "
-                (percent_of(TIME_SHARES.effects)) " effects. The film is as large as the budget allows, at most 65,536 pixels. The measurement of errors is not counted."
+                (percent_of(TIME_FRACTIONS.trial)) " trials that choose the integrator of the reference, " (percent_of(TIME_FRACTIONS.reference)) " the reference, "
+                (percent_of(TIME_FRACTIONS.photon_curve + TIME_FRACTIONS.path_curve)) " error against time, " (percent_of(TIME_FRACTIONS.sweep)) " the sweep of settings, "
+                (percent_of(TIME_FRACTIONS.effects)) " effects. The film is as large as the budget allows, at most 65,536 pixels. The measurement of errors is not counted."
             }
             p { strong { "Memory: " } "film, scene and photons, computed from the number of photons stored in a pass. The operating system reports only the peak of the whole process." }
             p.soft { (report.scene) ", abbe " (report.version) ". The same figures are in study.json and in the CSV files beside this page." }
@@ -419,8 +420,8 @@ fn typical(relative_mse: f64) -> String {
     if relative_mse.is_nan() { "unknown".to_string() } else { percent(relative_mse.max(0.0).sqrt()) }
 }
 
-fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
+fn percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
     if percent < 9.95 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 

@@ -69,7 +69,7 @@ pub(super) fn table(
     let photons = sweep.runs.iter().map(|run| (run.settings(), &run.points, run.render_time, &curves[0]));
     let path = RenderSettings { integrator: Integrator::Path, change: None };
     // The path tracer is not recommended if it can never find some of the light.
-    let finds_all = reference.out_of_reach.is_none();
+    let finds_all = reference.unreachable_light.is_none();
     let path = finds_all.then(|| (path, &curves[1].points, RenderTime::of(&curves[1].stats), &curves[1]));
     let tried: Vec<TriedSettings<'_>> = photons
         .chain(path)
@@ -116,8 +116,8 @@ impl TriedSettings<'_> {
         if i == 0 {
             return Some(passes(0));
         }
-        let share = ln(value(i - 1) / error) / ln(value(i - 1) / value(i));
-        Some(exp(ln(passes(i - 1)) + share * ln(passes(i) / passes(i - 1))))
+        let fraction = ln(value(i - 1) / error) / ln(value(i - 1) / value(i));
+        Some(exp(ln(passes(i - 1)) + fraction * ln(passes(i) / passes(i - 1))))
     }
 
     /// Returns the number of passes needed for this error if the error falls with the expected

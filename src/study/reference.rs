@@ -111,7 +111,7 @@ impl ReferencePicture {
     }
 
     /// The share of pixels in smooth regions, or `None` if there are too few such pixels.
-    pub fn smooth_share(&self) -> Option<f64> {
+    pub fn smooth_fraction(&self) -> Option<f64> {
         let count = self.smooth.iter().filter(|&&smooth| smooth).count();
         (!self.smooth.is_empty()).then(|| count as f64 / self.smooth.len() as f64)
     }

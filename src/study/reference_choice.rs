@@ -9,7 +9,7 @@ use super::monitor::StudyError;
 use super::reference::ReferencePicture;
 use super::runner::{FinishedStep, RenderStep, Runner};
 use super::study_scene::integrator_title;
-use super::time_shares::TIME_SHARES;
+use super::time_fractions::TIME_FRACTIONS;
 use abbe_format::SceneFile;
 use abbe_scene::facts::Facts;
 use abbe_session::render::{Integrator, Job};
@@ -48,15 +48,17 @@ pub struct ReferenceProvenance {
     /// the path tracer.
     pub relative_bias_square: f64,
     /// The share of pixels in smooth regions.
-    pub smooth_share: Option<f64>,
+    #[serde(rename = "smooth_share")]
+    pub smooth_fraction: Option<f64>,
     /// The reason why the path tracer cannot find some of the light, or null if it can find all
     /// light.
-    pub out_of_reach: Option<String>,
+    #[serde(rename = "out_of_reach")]
+    pub unreachable_light: Option<String>,
 }
 
 /// The kernel area of a photon-mapped reference, relative to the kernel area of the scene's
 /// settings.
-const KERNEL_SHARE: f64 = 0.1;
+const KERNEL_AREA_RATIO: f64 = 0.1;
 
 /// Seed offsets of the two halves of the reference.
 const HALVES: [u64; 2] = [101, 102];
@@ -71,12 +73,12 @@ struct ReferenceOrigin {
     because: String,
     passes: u64,
     seconds: f64,
-    out_of_reach: Option<String>,
+    unreachable_light: Option<String>,
 }
 
 /// Returns the number of renders that choose the integrator and render the reference.
 pub(super) fn steps(job: &Job, given: Option<&(String, Picture)>) -> usize {
-    match (given, out_of_reach(&Facts::of(&job.scene))) {
+    match (given, unreachable_light(&Facts::of(&job.scene))) {
         (Some(_), _) => 0,
         (None, Some(_)) => 2,
         (None, None) => 6,
@@ -97,21 +99,21 @@ impl ChosenReference {
         given: Option<&(String, Picture)>,
         budget_seconds: f64,
     ) -> Result<Self, StudyError> {
-        let out_of_reach = out_of_reach(&Facts::of(&job.scene));
+        let unreachable_light = unreachable_light(&Facts::of(&job.scene));
         if let Some((name, picture)) = given {
             let because = format!("{name}, as requested; its noise is that of its error layer");
             let identity = format!("{name} {:?}", picture.mean_y());
-            let origin = ReferenceOrigin { integrator: "given", because, passes: 0, seconds: 0.0, out_of_reach };
+            let origin = ReferenceOrigin { integrator: "given", because, passes: 0, seconds: 0.0, unreachable_light };
             return Ok(Self::new(ReferencePicture::given(picture.clone()), origin, identity));
         }
-        let (integrator, because) = match &out_of_reach {
+        let (integrator, because) = match &unreachable_light {
             Some(reason) => (Integrator::Photon, reason.clone()),
             None => try_both(runner, job, budget_seconds)?,
         };
         let narrow = (integrator == Integrator::Photon).then(|| narrow_kernels(scene_file, job));
         let halves = HALVES.iter().zip(["one", "two"]).map(|(&offset, half)| {
             let words = format!("reference by {}, half {half}", integrator_title(integrator.word()));
-            let seconds = 0.5 * TIME_SHARES.reference * budget_seconds;
+            let seconds = 0.5 * TIME_FRACTIONS.reference * budget_seconds;
             let step = RenderStep::new(&format!("reference-{half}"), &words, seconds).with_integrator(integrator);
             let step = step.with_changes([seed(job, offset)]).with_changes(narrow.clone());
             let identity = runner.identity(&step, &[], None);
@@ -124,7 +126,7 @@ impl ChosenReference {
         // A time limit ends each half. Two halves with equal settings may therefore have different
         // numbers of passes, so the identity contains the passes and the time.
         let identity = format!("{} {passes} {seconds:?}", halves[0].1);
-        let origin = ReferenceOrigin { integrator: integrator.word(), because, passes, seconds, out_of_reach };
+        let origin = ReferenceOrigin { integrator: integrator.word(), because, passes, seconds, unreachable_light };
         Ok(Self::new(reference, origin, identity))
     }
 
@@ -138,8 +140,8 @@ impl ChosenReference {
             relative_variance: own.whole.value,
             smooth_relative_variance: own.smooth.map(|smooth| smooth.value),
             relative_bias_square: reference.estimated_bias_square(),
-            smooth_share: reference.smooth_share(),
-            out_of_reach: origin.out_of_reach,
+            smooth_fraction: reference.smooth_fraction(),
+            unreachable_light: origin.unreachable_light,
         };
         Self { reference, provenance, identity }
     }
@@ -155,15 +157,17 @@ impl ChosenReference {
 /// the radius itself.
 fn narrow_kernels(scene_file: &SceneFile, job: &Job) -> String {
     match scene_file.render.radius {
-        Some(radius) => format!("render.radius={}", KERNEL_SHARE.sqrt() * radius),
-        None => format!("render.nearest={}", ((f64::from(job.budget.nearest) * KERNEL_SHARE).round() as u32).max(4)),
+        Some(radius) => format!("render.radius={}", KERNEL_AREA_RATIO.sqrt() * radius),
+        None => {
+            format!("render.nearest={}", ((f64::from(job.budget.nearest) * KERNEL_AREA_RATIO).round() as u32).max(4))
+        }
     }
 }
 
 /// Returns the reason why the path tracer cannot find some of the light, or `None` if it can find
 /// all light. The path tracer finds light through glass or from mirrors only if a path hits the
 /// light source by chance.
-fn out_of_reach(facts: &Facts) -> Option<String> {
+fn unreachable_light(facts: &Facts) -> Option<String> {
     let cannot_be_hit = |name: &&String| !facts.hittable_lights.contains(name);
     let (lamp, glass) = (facts.lights.iter().find(cannot_be_hit)?, facts.specular.first()?);
     Some(format!(
@@ -177,7 +181,7 @@ fn out_of_reach(facts: &Facts) -> Option<String> {
 /// error is more than four times the predicted error of photon mapping. Otherwise, the integrator
 /// is the path tracer.
 fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(Integrator, String), StudyError> {
-    let seconds = TIME_SHARES.trial * budget_seconds / 4.0;
+    let seconds = TIME_FRACTIONS.trial * budget_seconds / 4.0;
     let mut pair = |integrator: Integrator| -> Result<ReferencePicture, StudyError> {
         let mut one = |offset: u64, half: &str| {
             let name = format!("trial-{}-{half}", integrator.word());
@@ -192,7 +196,7 @@ fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(
     let (photon, path) = (pair(Integrator::Photon)?, pair(Integrator::Path)?);
     // The ratio of the reference's time to the time of both trials of one integrator. The variance
     // falls in inverse proportion to this ratio.
-    let longer = TIME_SHARES.reference * budget_seconds / (2.0 * seconds);
+    let longer = TIME_FRACTIONS.reference * budget_seconds / (2.0 * seconds);
     let (variance, photon_error) =
         (path.own_variance().whole.value, photon.own_variance().whole.value + photon.estimated_bias_square());
     // The difference between the two pictures, minus the path tracer's noise, has two causes: light

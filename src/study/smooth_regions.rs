@@ -4,7 +4,7 @@
 use abbe_transport::sensor::Picture;
 
 /// The window around a pixel extends this many pixels to every side.
-const REACH: usize = 3;
+const RADIUS_PX: usize = 3;
 
 /// The largest standard deviation of Y in a smooth window, relative to the mean of the window. The
 /// variance of the noise is subtracted first.
@@ -23,10 +23,12 @@ pub(super) fn find(picture: &Picture, noise: &[f64]) -> Vec<bool> {
     let (width, height) = (picture.width, picture.height);
     let least = DARKEST * picture.mean_y();
     let is_smooth = |x: usize, y: usize| {
-        if x < REACH || y < REACH || x + REACH >= width || y + REACH >= height {
+        if x < RADIUS_PX || y < RADIUS_PX || x + RADIUS_PX >= width || y + RADIUS_PX >= height {
             return false;
         }
-        let window = || (y - REACH..=y + REACH).flat_map(|j| (x - REACH..=x + REACH).map(move |i| j * width + i));
+        let window = || {
+            (y - RADIUS_PX..=y + RADIUS_PX).flat_map(|j| (x - RADIUS_PX..=x + RADIUS_PX).map(move |i| j * width + i))
+        };
         let count = window().count() as f64;
         let mean = window().map(|i| picture.xyz[i][1]).sum::<f64>() / count;
         let spread = window().map(|i| (picture.xyz[i][1] - mean).powi(2)).sum::<f64>() / (count - 1.0);

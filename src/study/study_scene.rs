@@ -16,7 +16,7 @@ pub struct StudyScene {
     /// The text of the scene file.
     pub text: String,
     /// The files that the scene may use.
-    pub reach: FileAccess,
+    pub file_access: FileAccess,
     /// A hash of the scene and of its files.
     pub hash: String,
 }
@@ -30,7 +30,7 @@ impl StudyScene {
     /// Applies changes in the form `PATH=JSON`, and then resolves and plans the scene.
     pub(super) fn job(&self, changes: &[String]) -> Result<Job> {
         let (scene, source) = format::parse(&self.text, &self.path, changes)?;
-        let scene = resolve(&scene, &source.with_file_access(self.reach))?;
+        let scene = resolve(&scene, &source.with_file_access(self.file_access))?;
         Job::new(scene).map_err(|error| error.in_file(&self.path))
     }
 }

@@ -8,7 +8,7 @@ use super::monitor::StudyError;
 use super::reference_choice::ChosenReference;
 use super::runner::{RenderStep, Runner};
 use super::study_scene::{RenderSettings, Setting, SettingChange};
-use super::time_shares::TIME_SHARES;
+use super::time_fractions::TIME_FRACTIONS;
 use abbe_format::resolve::DEFAULT_MARCH_STEPS;
 use abbe_format::{MediumFile, SceneFile, TransmittanceFile};
 use abbe_session::render::{Integrator, Job, Stats};
@@ -75,26 +75,26 @@ const DEPTHS: [f64; 2] = [4.0, 12.0];
 /// changed.
 pub(super) fn changes(scene_file: &SceneFile, job: &Job) -> Vec<SettingChange> {
     let budget = &job.budget;
-    let shares = |setting: Setting, own: f64, shares: &[f64]| {
+    let fractions = |setting: Setting, own: f64, fractions: &[f64]| {
         let whole = |value: f64| if setting == Setting::Radius { value } else { value.round().max(1.0) };
-        let changes = shares.iter().map(|share| SettingChange { setting, value: whole(own * share) });
+        let changes = fractions.iter().map(|fraction| SettingChange { setting, value: whole(own * fraction) });
         changes.filter(|change| change.value != own).collect::<Vec<SettingChange>>()
     };
     let has_kernels = job.plan.indirect != IndirectPlan::Absent || job.plan.caustics != CausticPlan::Absent;
-    let mut changes = shares(Setting::Photons, budget.photons as f64, &PHOTONS);
+    let mut changes = fractions(Setting::Photons, budget.photons as f64, &PHOTONS);
     if has_kernels {
         changes.extend(match scene_file.render.radius {
-            Some(radius) => shares(Setting::Radius, radius, &RADII),
-            None => shares(Setting::Nearest, f64::from(budget.nearest), &NEAREST),
+            Some(radius) => fractions(Setting::Radius, radius, &RADII),
+            None => fractions(Setting::Nearest, f64::from(budget.nearest), &NEAREST),
         });
         let depths = DEPTHS
             .into_iter()
-            .filter(|&depth| job.scene.settings.max_depth.is_none_or(|stated| depth < f64::from(stated)));
+            .filter(|&depth| job.scene.settings.max_depth.is_none_or(|explicit| depth < f64::from(explicit)));
         changes.extend(depths.map(|value| SettingChange { setting: Setting::MaxDepth, value }));
     }
     if marches(scene_file) {
         let steps = scene_file.render.march_steps.unwrap_or(DEFAULT_MARCH_STEPS);
-        changes.extend(shares(Setting::MarchSteps, f64::from(steps), &MARCH_STEPS));
+        changes.extend(fractions(Setting::MarchSteps, f64::from(steps), &MARCH_STEPS));
     }
     changes
 }
@@ -141,14 +141,14 @@ impl SettingSweep {
         let (mut runs, mut left_out) = (vec![own], Vec::new());
         let before = runner.seconds_spent;
         for change in changes {
-            let (share, word) = (TIME_SHARES.sweep * budget_seconds, change.patch().replace(['.', '='], "-"));
+            let (fraction, word) = (TIME_FRACTIONS.sweep * budget_seconds, change.patch().replace(['.', '='], "-"));
             // The pilots of earlier changes may have used up the time.
-            if runner.seconds_spent - before > 1.5 * share {
+            if runner.seconds_spent - before > 1.5 * fraction {
                 runner.steps_done += 1;
                 left_out.push(*change);
                 continue;
             }
-            let seconds = share / changes.len() as f64;
+            let seconds = fraction / changes.len() as f64;
             let step = RenderStep::new(&format!("sweep-{word}"), &format!("sweep, {}", change.words()), seconds);
             let step = runner.render(&step.with_changes([change.patch()]), reference.identified())?;
             runs.push(SweepRun {

@@ -14,7 +14,7 @@ const MOST_PATHS: usize = 1000;
 const MOST_TRACED: u64 = 1 << 21;
 
 /// Paths reach a point if they arrive within this number of pixel widths.
-const REACH_PX: f64 = 4.0;
+const RADIUS_PX: f64 = 4.0;
 
 /// The paths that the page asks for.
 #[derive(Debug, Clone, Copy, Deserialize)]
@@ -49,7 +49,7 @@ pub(super) fn paths(loaded: &LoadedScene, scene: u64, query: PhotonQuery) -> Opt
     let found = match point {
         Some(None) => PhotonPaths::default(),
         Some(Some((centre, width_m))) => {
-            let target = Some(BoundingSphere { centre, radius_m: REACH_PX * width_m });
+            let target = Some(BoundingSphere { centre, radius_m: RADIUS_PX * width_m });
             job.photon_paths(&PathQuery { light, count, target, most_traced: MOST_TRACED })
         }
         None => job.photon_paths(&PathQuery { light, count, target: None, most_traced: MOST_TRACED }),

@@ -51,16 +51,16 @@ pub(super) fn report(snapshot: &Snapshot, area: ProbeArea) -> Option<AreaReport>
         return None;
     }
     let pixels: Vec<usize> = (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| y * picture.width + x)).collect();
-    let share = 1.0 / pixels.len() as f64;
-    let mean = |value: &dyn Fn(usize) -> f64| pixels.iter().map(|&pixel| value(pixel)).sum::<f64>() * share;
+    let fraction = 1.0 / pixels.len() as f64;
+    let mean = |value: &dyn Fn(usize) -> f64| pixels.iter().map(|&pixel| value(pixel)).sum::<f64>() * fraction;
     // The sum of options is `None` if one of them is.
     let known = |values: &[Option<f32>]| {
         let sum: Option<f64> = pixels.iter().map(|&pixel| values[pixel].map(f64::from)).sum();
-        sum.map(|sum| sum * share)
+        sum.map(|sum| sum * fraction)
     };
     let xyz = [0, 1, 2].map(|c| mean(&|pixel| picture.xyz[pixel][c]));
     let (noise, bias) = (known(&picture.noise), known(&picture.bias));
-    let reach = noise.zip(bias).map(|(noise, bias)| half_interval_95(noise, bias));
+    let half_interval = noise.zip(bias).map(|(noise, bias)| half_interval_95(noise, bias));
     let count = picture.bands.as_ref().map_or(0, |bands| bands.centres_nm.len());
     let by_band = |value: &dyn Fn(usize) -> f64| -> Vec<f64> {
         (0..count).map(|band| mean(&|pixel| value(pixel * count + band))).collect()
@@ -76,7 +76,7 @@ pub(super) fn report(snapshot: &Snapshot, area: ProbeArea) -> Option<AreaReport>
         noise,
         bias,
         // Luminance is not negative.
-        interval_95: reach.map(|reach| [(xyz[1] - reach).max(0.0), xyz[1] + reach]),
+        interval_95: half_interval.map(|half_interval| [(xyz[1] - half_interval).max(0.0), xyz[1] + half_interval]),
         nm: picture.bands.as_ref().map(|bands| bands.centres_nm.clone()).unwrap_or_default(),
         values: values.unwrap_or_default(),
         errors: errors.map(|noise| by_band(&|index| noise.at(index).unwrap_or(0.0))),

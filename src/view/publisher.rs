@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 /// The largest share of the render's time that published pictures take. The share of the first
 /// picture may be larger.
-const LARGEST_SHARE: f64 = 0.03;
+const LARGEST_FRACTION: f64 = 0.03;
 
 /// The shortest time between two pictures of passes.
 const SHORTEST_PAUSE: Duration = Duration::from_millis(250);
@@ -132,11 +132,11 @@ impl PublicationSchedule {
     }
 
     /// Notes a picture that took the time `cost`. The next picture is due when all pictures
-    /// together, and another one, take at most [`LARGEST_SHARE`] of the time.
+    /// together, and another one, take at most [`LARGEST_FRACTION`] of the time.
     fn published(&mut self, begin: Instant, cost: Duration) {
         self.spent += cost;
         let end = begin + cost;
-        let affordable = self.start + (self.spent + cost).div_f64(LARGEST_SHARE);
+        let affordable = self.start + (self.spent + cost).div_f64(LARGEST_FRACTION);
         self.next = affordable.max(end + SHORTEST_PAUSE);
     }
 }
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_take_a_small_share_of_the_time() {
+    fn pictures_take_little_time() {
         let mut schedule = PublicationSchedule::new();
         let cost = Duration::from_millis(60);
         let (mut now, mut spent) = (schedule.start, Duration::ZERO);

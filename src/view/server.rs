@@ -144,8 +144,8 @@ fn json(text: String) -> Result<Response, StatusCode> {
 
 /// Reads the body of a request.
 async fn body_of(headers: &HeaderMap, body: Body) -> Result<axum::body::Bytes, StatusCode> {
-    let stated = value_of(headers, header::CONTENT_LENGTH).and_then(|length| length.parse::<usize>().ok());
-    if stated.is_some_and(|length| length > MAX_BODY_BYTES) {
+    let declared = value_of(headers, header::CONTENT_LENGTH).and_then(|length| length.parse::<usize>().ok());
+    if declared.is_some_and(|length| length > MAX_BODY_BYTES) {
         return Err(StatusCode::PAYLOAD_TOO_LARGE);
     }
     let read = tokio::time::timeout(BODY_TIME, to_bytes(body, MAX_BODY_BYTES)).await;

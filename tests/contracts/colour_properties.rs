@@ -84,7 +84,7 @@ proptest! {
         let nm = nm.floor() + nm.fract().clamp(width, 1.0 - width);
         let line = Spectrum::lines(&[SpectralLine { nm, power, fwhm_nm: Some(width) }]).expect("a good line");
         prop_assert!((line.integral() / power - 1.0).abs() < 1e-12);
-        let summed: f64 = line.line_segments().iter().map(|part| part.density() * (part.nm.1 - part.nm.0)).sum();
+        let summed: f64 = line.line_segments().iter().map(|part| part.power_per_nm() * (part.nm.1 - part.nm.0)).sum();
         prop_assert!((summed / power - 1.0).abs() < 1e-12);
         for observer in [Observer::cie1931(), Observer::cie1964(), Observer::cie2015_2(), Observer::cie2015_10()] {
             let (below, above) = (observer.xyz_bar(nm.floor()), observer.xyz_bar(nm.ceil()));

@@ -78,8 +78,8 @@ fn coefficients_and_places_are_in_the_scene_s_unit() {
     }
     let ray = Ray::new(place([0.0, 1.0, 1.0]), DVec3::X);
     assert!((medium.column_m(&ray, f64::INFINITY) - 0.16).abs() < 1e-12);
-    let window = medium.window(&ray, f64::INFINITY).unwrap();
-    assert!((window.0 - 0.1).abs() < 1e-12 && (window.1 - 0.18).abs() < 1e-12);
+    let interval = medium.interval(&ray, f64::INFINITY).unwrap();
+    assert!((interval.0 - 0.1).abs() < 1e-12 && (interval.1 - 0.18).abs() < 1e-12);
 }
 
 #[test]

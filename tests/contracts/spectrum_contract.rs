@@ -176,7 +176,7 @@ fn a_sample_carries_its_own_density_also_at_the_ends() {
 }
 
 #[test]
-fn samples_follow_the_density() {
+fn samples_follow_the_pdf() {
     const BINS: usize = 47;
     const DRAWS: usize = 40_000;
     for (name, spectrum) in spectra() {
@@ -367,7 +367,7 @@ fn what_cannot_be_computed_is_an_error() {
 
 #[test]
 fn lines_and_narrow_peaks_are_told_from_what_is_smooth() {
-    let share = |spectrum: &Spectrum| spectrum.line_share();
+    let share = |spectrum: &Spectrum| spectrum.line_fraction();
     let named = |name: &str| share(&good(library::find(name)).spectrum);
     for smooth in ["D65", "A", "E", "led/white", "led/red", "sun/am1.5-global"] {
         assert_eq!(named(smooth), 0.0, "{smooth}");

@@ -37,7 +37,7 @@ fn bias(map: &VolumeMap, scattered: f64, photons: u32) -> [f64; 3] {
             let (sine, cosine) = (2.0 * PI * sobol.at(i, 2)).sin_cos();
             let direction = cosine * side + sine * other;
             let ray = Ray::new(PASSING * away - SIGHT * direction, direction);
-            let cone = QueryCone::of_camera(ray, 2.0 * SIGHT, 0.0, KernelWidth::Stated(radius));
+            let cone = QueryCone::of_camera(ray, 2.0 * SIGHT, 0.0, KernelWidth::Constant(radius));
             map.along(&cone, |photon| found += photon.kernels.estimate);
         }
         found * scattered / (f64::from(photons) * f64::from(RAYS) * truth) - 1.0

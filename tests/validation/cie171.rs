@@ -4,7 +4,7 @@
 //! The room is the box x 0…4, y 0…3, z −4…0 in m, with y up. Its surfaces have no thickness. The
 //! expected values are computed from first principles; `data/SOURCES.md` names their source.
 
-use super::{Case, Expected};
+use super::{Case, ExpectedReading};
 use abbe_spectra::math::elementary::sin_cos;
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
@@ -71,13 +71,13 @@ pub(crate) fn cases() -> Vec<Case> {
 }
 
 /// A scene under construction.
-struct Scene {
+struct CaseScene {
     materials: serde_json::Map<String, Json>,
     objects: Vec<Json>,
     lights: Vec<Json>,
 }
 
-impl Scene {
+impl CaseScene {
     fn new() -> Self {
         let mut scene = Self { materials: serde_json::Map::new(), objects: Vec::new(), lights: Vec::new() };
         scene.surface(0.0);
@@ -210,8 +210,8 @@ impl Scenario {
     }
 
     /// Returns the only scene of a case with points or surfaces.
-    fn scene(&self) -> (String, Vec<Expected>) {
-        let mut scene = Scene::new();
+    fn scene(&self) -> (String, Vec<ExpectedReading>) {
+        let mut scene = CaseScene::new();
         let (geometry, source) = (&self.geometry, &self.source);
         let black = |_: &str| 0.0;
         let room = [4.0, 3.0, 4.0];
@@ -265,7 +265,7 @@ impl Scenario {
             _ => self.add_daylight(&mut scene, room),
         }
         let (mut meters, mut expected) = (Vec::new(), Vec::new());
-        let reading = |id: &str, value: f64, published: Option<f64>, scale: f64| Expected {
+        let reading = |id: &str, value: f64, published: Option<f64>, scale: f64| ExpectedReading {
             id: id.to_string(),
             value,
             published,
@@ -288,7 +288,7 @@ impl Scenario {
     }
 
     /// Adds a lamp without extent.
-    fn add_lamp(&self, scene: &mut Scene) {
+    fn add_lamp(&self, scene: &mut CaseScene) {
         let (at, flux) = (&self.source["at"], self.number("flux_lm"));
         if let Some(file) = self.source.get("file") {
             scene.lights.push(json!({"ies": {
@@ -307,7 +307,7 @@ impl Scenario {
         }
     }
 
-    fn add_area_lamp(&self, scene: &mut Scene) {
+    fn add_area_lamp(&self, scene: &mut CaseScene) {
         let (lamp, material) = (&self.geometry["lamp"], scene.surface(0.0));
         let corners = corners(lamp);
         let faces: [f64; 3] = serde_json::from_value(lamp["faces"].clone()).unwrap_or_default();
@@ -317,7 +317,7 @@ impl Scenario {
     }
 
     /// Adds a sky, a black room with an opening, its glazing, and an overhang or a screen outside.
-    fn add_daylight(&self, scene: &mut Scene, room: [f64; 3]) {
+    fn add_daylight(&self, scene: &mut CaseScene, room: [f64; 3]) {
         let (geometry, source) = (&self.geometry, &self.source);
         let lit = geometry["ground"].as_str().is_some_and(|ground| ground.starts_with("uniform luminance 0.3"));
         scene.lights.push(json!({"sky": {
@@ -347,11 +347,11 @@ impl Scenario {
 
     /// Case 5.5: parallel light falls through a pane. The unit of the values is the illuminance
     /// without the pane.
-    fn panes(&self) -> Vec<(String, Vec<Expected>)> {
+    fn panes(&self) -> Vec<(String, Vec<ExpectedReading>)> {
         const LX: f64 = 1000.0;
         let of_angle = |value: &SurfaceValue| {
             let (sin, cos) = sin_cos(value.incidence_deg.unwrap_or(0.0).to_radians());
-            let mut scene = Scene::new();
+            let mut scene = CaseScene::new();
             scene.materials.insert("pane".to_string(), pane(&self.geometry["glazing"]));
             let corners = [[-50.0, 1.0, 50.0], [50.0, 1.0, 50.0], [50.0, 1.0, -50.0], [-50.0, 1.0, -50.0]];
             scene.quadrilateral("pane", &corners, "pane", None);
@@ -361,22 +361,24 @@ impl Scenario {
             // The meter faces the light, so that it reads the light at any angle.
             let meter = json!({"name": value.id, "points": [[0, 0, 0]], "normal": [-sin, cos, 0.0]});
             let (id, scale) = (value.id.clone(), 1.0 / LX);
-            let expected = Expected { id, value: value.expected, published: value.published, scale, offset: 0.0 };
+            let expected =
+                ExpectedReading { id, value: value.expected, published: value.published, scale, offset: 0.0 };
             (scene.text(&[meter]), vec![expected])
         };
         self.values.iter().map(of_angle).collect()
     }
 
     /// Case 5.8: the mean indirect illuminance of a cube for several reflectances.
-    fn cubes(&self) -> Vec<(String, Vec<Expected>)> {
+    fn cubes(&self) -> Vec<(String, Vec<ExpectedReading>)> {
         let of_reflectance = |value: &SurfaceValue| {
-            let mut scene = Scene::new();
+            let mut scene = CaseScene::new();
             scene.room([4.0; 3], |_| value.reflectance.unwrap_or(0.0), None);
             self.add_lamp(&mut scene);
             // By symmetry, all surfaces have the same mean.
             let meter = json!({"name": value.id, "surface": "floor", "side": "front"});
             let (id, offset) = (value.id.clone(), value.direct.unwrap_or(0.0));
-            let expected = Expected { id, value: value.expected, published: value.published, scale: 1.0, offset };
+            let expected =
+                ExpectedReading { id, value: value.expected, published: value.published, scale: 1.0, offset };
             (scene.text(&[meter]), vec![expected])
         };
         self.values.iter().map(of_reflectance).collect()

@@ -2,7 +2,7 @@
 //! scatter, and the prism of Newton's letter of 1672. The length of Newton's image has no closed
 //! form, so it is measured apart from the cases ([`newtons_length`]).
 
-use super::{Case, Expected, measure_scene};
+use super::{Case, ExpectedReading, measure_scene};
 use abbe_session::render::{StopRules, Value};
 use abbe_spectra::math::elementary::{asin, exp, ln, sin, sin_cos, tan};
 use abbe_spectra::math::quadrature::gauss16;
@@ -20,14 +20,14 @@ pub(crate) fn cases() -> Vec<Case> {
 /// The illuminance in lx, the luminance in cd/m² or the flux in lm of each light.
 const LIGHT: f64 = 1000.0;
 
-fn case(id: &str, title: &str, unit: &str, scenes: Vec<(String, Vec<Expected>)>) -> Case {
+fn case(id: &str, title: &str, unit: &str, scenes: Vec<(String, Vec<ExpectedReading>)>) -> Case {
     let (id, title, unit) = (id.to_string(), title.to_string(), unit.to_string());
     Case { id, title, unit, scenes, relative: 0.01, absolute: 1e-3 }
 }
 
 /// Returns an expected value of a reading that is divided by [`LIGHT`].
-fn expected(id: &str, value: f64, published: Option<f64>) -> Expected {
-    Expected { id: id.to_string(), value, published, scale: 1.0 / LIGHT, offset: 0.0 }
+fn expected(id: &str, value: f64, published: Option<f64>) -> ExpectedReading {
+    ExpectedReading { id: id.to_string(), value, published, scale: 1.0 / LIGHT, offset: 0.0 }
 }
 
 /// A lamp in the middle of a diffuse sphere: the wall receives Φ/(4πR²)/(1 − ρ).
@@ -230,7 +230,7 @@ impl NewtonsPrism {
     }
 
     /// Returns the share of the light on one side of the middle of the image within a distance.
-    fn share_within(&self, distance_m: f64) -> f64 {
+    fn fraction_within(&self, distance_m: f64) -> f64 {
         /// The number of intervals of the quadrature.
         const PANELS: u32 = 64;
         let sun_m = self.length_m * tan(SUN_RADIUS_DEG.to_radians());
@@ -274,8 +274,8 @@ fn prism_width() -> Case {
     for (ends, name) in edges.windows(2).zip(names) {
         let (middle, size) = (DVec2::new(0.0, 0.5 * (ends[0] + ends[1])), DVec2::new(LENGTH_M, ends[1] - ends[0]));
         strips.push((name.to_string(), middle, size));
-        let share = prism.share_within(ends[1]) - prism.share_within(ends[0]);
-        values.push(expected(name, prism.transmitted * share, None));
+        let fraction = prism.fraction_within(ends[1]) - prism.fraction_within(ends[0]);
+        values.push(expected(name, prism.transmitted * fraction, None));
     }
     let title =
         "Newton's letter of 1672: the flux on strips from the middle of the image to its edge at half of 2⅝ inches";
@@ -332,7 +332,7 @@ the largest illuminance.
             Value::Spectrum(_) => 0.0,
         });
         let threshold = threshold_of_length(&lumens.collect::<Vec<_>>(), LENGTH_M / STRIP_M.x);
-        let percent = threshold.map_or("–".to_string(), |share| format!("{:.3} %", 100.0 * share));
+        let percent = threshold.map_or("–".to_string(), |fraction| format!("{:.3} %", 100.0 * fraction));
         let _ = writeln!(text, "| {glass} | {index} | {number} | {percent} |");
     }
     text
@@ -348,7 +348,7 @@ fn threshold_of_length(values: &[f64], length: f64) -> Option<f64> {
     let largest = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))?;
     let top = logarithms[largest];
     // The distance from the peak to the first place below a threshold.
-    let reach = |threshold: f64, outwards: &mut dyn Iterator<Item = usize>| {
+    let length_to = |threshold: f64, outwards: &mut dyn Iterator<Item = usize>| {
         let (mut before, mut steps) = (top, 0.0);
         for i in outwards {
             if logarithms[i] < threshold {
@@ -358,8 +358,9 @@ fn threshold_of_length(values: &[f64], length: f64) -> Option<f64> {
         }
         steps
     };
-    let length_at =
-        |threshold: f64| reach(threshold, &mut (0..largest).rev()) + reach(threshold, &mut (largest + 1..values.len()));
+    let length_at = |threshold: f64| {
+        length_to(threshold, &mut (0..largest).rev()) + length_to(threshold, &mut (largest + 1..values.len()))
+    };
     let dark =
         logarithms.iter().copied().fold(top, |least, value| if value > -700.0 { least.min(value) } else { least });
     let (mut low, mut high) = (dark, top);
@@ -387,8 +388,8 @@ fn the_h_function_agrees_with_another_quadrature() {
 fn thresholds_give_the_length_of_a_peak() {
     let values: Vec<f64> =
         (0..40).map(|i| if i < 10 { exp(f64::from(i - 10)) } else { exp(f64::from(10 - i) / 2.0) }).collect();
-    let share = threshold_of_length(&values, 9.0).unwrap();
-    assert!((share - exp(-3.0)).abs() < 1e-9, "{share}");
+    let fraction = threshold_of_length(&values, 9.0).unwrap();
+    assert!((fraction - exp(-3.0)).abs() < 1e-9, "{fraction}");
     assert_eq!(threshold_of_length(&values, 60.0), None);
 }
 
@@ -401,5 +402,5 @@ fn the_numbers_of_newtons_letter_agree() {
     let prism = NewtonsPrism::new();
     let width_m = HOLE_M + 2.0 * prism.length_m * tan(SUN_RADIUS_DEG.to_radians());
     assert!((width_m / WIDTH_M - 1.0).abs() < 0.01, "{width_m}");
-    assert!((prism.share_within(width_m) - 0.5).abs() < 1e-12 && prism.share_within(0.0).abs() < 1e-12);
+    assert!((prism.fraction_within(width_m) - 0.5).abs() < 1e-12 && prism.fraction_within(0.0).abs() < 1e-12);
 }

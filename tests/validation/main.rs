@@ -41,7 +41,7 @@ pub(crate) struct Case {
     /// The unit of the expected values.
     pub(crate) unit: String,
     /// The scenes of the case with their expected values. Each scene is the text of a scene file.
-    pub(crate) scenes: Vec<(String, Vec<Expected>)>,
+    pub(crate) scenes: Vec<(String, Vec<ExpectedReading>)>,
     /// A value passes if its deviation is at most this share of the expected value, or at most
     /// `absolute`.
     pub(crate) relative: f64,
@@ -51,7 +51,7 @@ pub(crate) struct Case {
 
 /// An expected reading. The readings of a scene are listed in the order of its meters.
 #[derive(Debug, Clone)]
-pub(crate) struct Expected {
+pub(crate) struct ExpectedReading {
     /// The name of the point or of the surface.
     pub(crate) id: String,
     /// The expected value.

@@ -238,16 +238,16 @@ impl MeterFile {
             ("cylinder", cylinder.is_some()),
             ("spot", spot.is_some()),
         ];
-        let stated: Vec<&str> = forms.iter().filter(|(_, stated)| *stated).map(|(key, _)| *key).collect();
+        let explicit: Vec<&str> = forms.iter().filter(|(_, explicit)| *explicit).map(|(key, _)| *key).collect();
         let one_of = "exactly one of points, grid, surface, sphere, cylinder and spot";
-        if stated.len() != 1 {
-            let found = if stated.is_empty() { "none of them".to_string() } else { stated.join(" and ") };
+        if explicit.len() != 1 {
+            let found = if explicit.is_empty() { "none of them".to_string() } else { explicit.join(" and ") };
             return Err(check::fault(at, format!("found {found}"), one_of));
         }
         let flat = points.is_some() || grid.is_some();
-        let unused = |key: &str, stated: bool, of: &str| {
+        let unused = |key: &str, explicit: bool, of: &str| {
             let error = || check::fault(&at.key(key), format!("found `{key}` in a meter without {of}"), "no such key");
-            if stated { Err(error()) } else { Ok(()) }
+            if explicit { Err(error()) } else { Ok(()) }
         };
         let quantity = self.quantity();
         let fits = if quantity.is_radiance() != spot.is_some() {

@@ -136,7 +136,7 @@ impl Fluorophore {
             let error = Error::input(format!("a quantum yield of {quantum_yield}"));
             return Err(error.expected("a number from 0 to 1"));
         }
-        if absorption.line_share() > 0.0 || emission.line_share() > 0.0 {
+        if absorption.line_fraction() > 0.0 || emission.line_fraction() > 0.0 {
             return Err(
                 Error::input("an absorptance or an emission with spectral lines").expected("continuous spectra")
             );

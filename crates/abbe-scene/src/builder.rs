@@ -64,7 +64,7 @@
 use super::camera::{Camera, Shutter};
 use super::light::Light;
 use super::medium::Medium;
-use super::meter::{Meter, Receptor};
+use super::meter::{Meter, Sensor};
 use super::motion::{AnimatedLookAt, AnimatedShape, AnimatedTransform, SceneMotion};
 use super::{FilmSpec, Material, Object, Scene, Settings};
 use crate::geometry::Geometry;
@@ -377,7 +377,7 @@ impl SceneBuilder {
         let mut radius_m = self.geometry.radius_m();
         if let Some(number) = self.atmosphere {
             let medium = &self.media[number].medium;
-            let (name, inner_m) = (medium.name.clone(), self.inner_radius_m(&camera).max(medium.reach_m()));
+            let (name, inner_m) = (medium.name.clone(), self.inner_radius_m(&camera).max(medium.radius_m()));
             radius_m = self.add_atmosphere(&name, number, inner_m);
         }
         self.find_dense_media();
@@ -413,8 +413,8 @@ impl SceneBuilder {
         scene.number_fluorophores();
         let swept = scene.swept_boxes();
         scene.radius_m = swept.iter().fold(scene.radius_m, |radius, (low, high)| {
-            let reach = low.abs().max(high.abs()).length();
-            if reach.is_finite() { radius.max(reach) } else { radius }
+            let farthest_m = low.abs().max(high.abs()).length();
+            if farthest_m.is_finite() { radius.max(farthest_m) } else { radius }
         });
         scene.renumber_lights();
         scene.rank_bodies();
@@ -446,8 +446,8 @@ impl SceneBuilder {
     /// camera, and the positions of point, spot and beam lights.
     fn inner_radius_m(&self, camera: &Camera) -> f64 {
         let positions = self.lights.iter().filter_map(Light::position);
-        let receptors = camera.receptors().iter().filter_map(Receptor::position);
-        positions.chain(receptors).chain([camera.origin()]).map(DVec3::length).fold(self.geometry.radius_m(), f64::max)
+        let sensors = camera.sensors().iter().filter_map(Sensor::position);
+        positions.chain(sensors).chain([camera.origin()]).map(DVec3::length).fold(self.geometry.radius_m(), f64::max)
     }
 
     /// Adds a sphere around the scene and fills it with the atmosphere's medium. `inner_m` is the

@@ -40,7 +40,7 @@ impl Scene {
     /// `None` if a local light has no box.
     fn boxes_of_camera_and_lights(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
         let boxes_of_views = if self.measures() {
-            self.points_of_receptors().into_iter().map(|point| (point, point)).collect()
+            self.points_of_sensors().into_iter().map(|point| (point, point)).collect()
         } else {
             vec![self.camera.viewpoint_bounds()]
         };

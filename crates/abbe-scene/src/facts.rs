@@ -12,7 +12,7 @@ use abbe_spectra::spectrum::Spectrum;
 /// A light counts as a line light if at least this share of its power is in spectral lines. If a
 /// line light illuminates a surface, the reflected light depends strongly on the reflectance at a
 /// few wavelengths.
-const LINE_SHARE: f64 = 0.1;
+const LINE_FRACTION: f64 = 0.1;
 
 /// The facts that decide which effects a scene needs. Most facts are lists of names. Each name
 /// denotes a part of the scene for which the fact is true. If the list is empty, the fact is false.
@@ -204,7 +204,7 @@ impl Facts {
             if light.spectrum.is_upsampled() || light.slide().is_some_and(SurfaceSpectrum::is_upsampled) {
                 facts.upsampled.push(light.name.clone());
             }
-            if light.spectrum.line_share() >= LINE_SHARE {
+            if light.spectrum.line_fraction() >= LINE_FRACTION {
                 facts.line_lights.push(light.name.clone());
             }
             if light.is_distant() {

@@ -4,7 +4,7 @@
 use super::Scene;
 use super::light::{Light, RepresentativePoint};
 use super::medium_stack::MediumStack;
-use super::meter::Receptor;
+use super::meter::Sensor;
 use crate::geometry::{Hit, Ray, SurfaceId};
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
@@ -17,7 +17,7 @@ impl Scene {
             return;
         }
         self.camera.medium_stack = self.medium_stack_at(self.camera.origin());
-        self.find_medium_stacks_of_receptors();
+        self.find_medium_stacks_of_sensors();
         let of_light = |light: &Light| (self.medium_stack_of_light(light), self.crosses_bodies(light));
         let of_lights: Vec<(MediumStack, bool)> = self.lights.iter().map(of_light).collect();
         for (light, (medium_stack, crosses_bodies)) in self.lights.iter_mut().zip(of_lights) {
@@ -26,13 +26,13 @@ impl Scene {
     }
 
     /// Finds the bodies that contain each receptor of the camera.
-    fn find_medium_stacks_of_receptors(&mut self) {
-        let around = |receptor: &Receptor| match receptor.position() {
-            Some(position) => Receptor { medium_stack: self.medium_stack_at(position), ..*receptor },
-            None => *receptor,
+    fn find_medium_stacks_of_sensors(&mut self) {
+        let around = |sensor: &Sensor| match sensor.position() {
+            Some(position) => Sensor { medium_stack: self.medium_stack_at(position), ..*sensor },
+            None => *sensor,
         };
-        let receptors = self.camera.receptors().iter().map(around).collect();
-        self.camera.set_receptors(receptors);
+        let sensors = self.camera.sensors().iter().map(around).collect();
+        self.camera.set_sensors(sensors);
     }
 
     /// The bodies that contain the origin of a ray that starts on this surface.

@@ -60,7 +60,7 @@ pub mod medium;
 pub mod medium_stack;
 pub mod meter;
 pub mod motion;
-mod receptor_point;
+mod sensor_point;
 pub mod sweep;
 pub mod view;
 

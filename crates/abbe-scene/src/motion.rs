@@ -36,12 +36,12 @@ impl DecomposedTransform {
         [(x, y), (y, z), (z, x)].iter().any(|(a, b)| a.dot(*b).abs() > 1e-9 * a.length() * b.length())
     }
 
-    /// The interpolated transform between `self` (`share` = 0) and `to` (`share` = 1).
-    fn interpolate(&self, to: &Self, share: f64) -> DAffine3 {
+    /// The interpolated transform between `self` (`fraction` = 0) and `to` (`fraction` = 1).
+    fn interpolate(&self, to: &Self, fraction: f64) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(
-            self.scale.lerp(to.scale, share),
-            slerp(self.rotation, to.rotation, share),
-            self.translation.lerp(to.translation, share),
+            self.scale.lerp(to.scale, fraction),
+            slerp(self.rotation, to.rotation, fraction),
+            self.translation.lerp(to.translation, fraction),
         )
     }
 }
@@ -103,9 +103,9 @@ impl AnimatedTransform {
     }
 
     fn key_at(&self, time_s: f64) -> TransformKey {
-        self.keys.at(time_s, |from, to, share| {
+        self.keys.at(time_s, |from, to, fraction| {
             let (from, to) = (DecomposedTransform::of(&from.pose), DecomposedTransform::of(&to.pose));
-            let pose = from.interpolate(&to, share);
+            let pose = from.interpolate(&to, fraction);
             TransformKey { pose, to_world: pose * self.own }
         })
     }
@@ -170,10 +170,10 @@ impl AnimatedLookAt {
 
     /// The pose at a time in s.
     pub fn at(&self, time_s: f64) -> LookAt {
-        self.0.at(time_s, |a, b, share| LookAt {
-            from: a.from.lerp(b.from, share),
-            at: a.at.lerp(b.at, share),
-            up: a.up.lerp(b.up, share),
+        self.0.at(time_s, |a, b, fraction| LookAt {
+            from: a.from.lerp(b.from, fraction),
+            at: a.at.lerp(b.at, fraction),
+            up: a.up.lerp(b.up, fraction),
         })
     }
 
@@ -253,10 +253,10 @@ mod tests {
         let turned = |angle: f64| DAffine3::from_quat(DQuat::from_rotation_y(angle));
         let motion = motion(&[(0.0, turned(0.0)), (1.0, turned(2.0))]);
         for i in 0..=20 {
-            let share = f64::from(i) / 20.0;
-            let rim = motion.at(share).transform_point3(DVec3::X);
+            let fraction = f64::from(i) / 20.0;
+            let rim = motion.at(fraction).transform_point3(DVec3::X);
             assert!((rim.length() - 1.0).abs() < 1e-14);
-            assert!((rim - turned(2.0 * share).transform_point3(DVec3::X)).length() < 1e-12, "uniform rotation");
+            assert!((rim - turned(2.0 * fraction).transform_point3(DVec3::X)).length() < 1e-12, "uniform rotation");
         }
     }
 

@@ -127,9 +127,10 @@ impl Scene {
 
 /// A lattice of 3 × 3 × 3 points in the box around a shape, in the shape's frame.
 fn lattice(shape: &AnimatedShape) -> impl Iterator<Item = DVec3> {
-    let share = |digit: usize| (digit % 3) as f64 * 0.5;
-    let point =
-        move |(low, high): (DVec3, DVec3), i| low + (high - low) * DVec3::new(share(i), share(i / 3), share(i / 9));
+    let fraction = |digit: usize| (digit % 3) as f64 * 0.5;
+    let point = move |(low, high): (DVec3, DVec3), i| {
+        low + (high - low) * DVec3::new(fraction(i), fraction(i / 3), fraction(i / 9))
+    };
     shape.placed.shape.bounds().into_iter().flat_map(move |bounds| (0..27).map(move |i| point(bounds, i)))
 }
 

@@ -1,7 +1,7 @@
 //! The part of a scene that the camera sees.
 
 use super::Scene;
-use super::meter::Receptor;
+use super::meter::Sensor;
 use abbe_spectra::math::sphere::BoundingSphere;
 use glam::{DVec2, DVec3};
 
@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 const VISIBLE_GRID: usize = 17;
 
 /// The sphere around the visible points contains this share of them.
-const VISIBLE_SHARE: f64 = 0.9;
+const VISIBLE_FRACTION: f64 = 0.9;
 
 /// Photons are stored in single precision. Their positions are precise enough for the view if the
 /// distance between the view and the scene's centre is at most this multiple of the view's radius.
@@ -19,7 +19,7 @@ const FARTHEST_VIEW: f64 = 256.0;
 /// The radius of the sphere around the receptors of a measurement, divided by the radius of the
 /// sphere that contains most of them. Photons are denser inside of a sphere at which they are
 /// aimed. With the margin, the kernel of a receptor does not reach beyond the edge.
-pub const RECEPTOR_MARGIN: f64 = 2.0;
+pub const SENSOR_MARGIN: f64 = 2.0;
 
 /// Receptors closer together than this fraction of the scene's radius count as one point.
 const SAME_POINT: f64 = 1e-6;
@@ -28,7 +28,7 @@ impl Scene {
     /// Visible points, sampled over the whole picture at the moment when the shutter opens.
     pub(super) fn visible_points(&self) -> Vec<DVec3> {
         if self.measures() {
-            return self.points_of_receptors();
+            return self.points_of_sensors();
         }
         let (width, pixels) = (self.camera.width(), self.camera.pixel_count());
         if pixels == 0 {
@@ -45,16 +45,16 @@ impl Scene {
     }
 
     /// The receptors of a measurement: points on them.
-    pub(super) fn points_of_receptors(&self) -> Vec<DVec3> {
+    pub(super) fn points_of_sensors(&self) -> Vec<DVec3> {
         let corner = |i: u32, bit: u32| if i >> bit & 1 == 0 { 0.25 } else { 0.75 };
-        let points = |receptor: &Receptor| {
+        let points = |sensor: &Sensor| {
             let on_surface = |i: u32| {
                 let u = [0, 1, 2, 0].map(|bit| corner(i, bit));
-                self.receptor_point(receptor, u).position
+                self.sensor_point(sensor, u).position
             };
-            receptor.position().map_or_else(|| (0..8).map(on_surface).collect(), |position| vec![position])
+            sensor.position().map_or_else(|| (0..8).map(on_surface).collect(), |position| vec![position])
         };
-        self.camera.receptors().iter().flat_map(points).collect()
+        self.camera.sensors().iter().flat_map(points).collect()
     }
 
     /// A sphere around most of the visible points, or `None` if no surface is visible. The sphere
@@ -66,7 +66,7 @@ impl Scene {
             return Some(around);
         }
         let apart = around.radius_m > SAME_POINT * self.radius_m;
-        apart.then_some(BoundingSphere { radius_m: RECEPTOR_MARGIN * around.radius_m, ..around })
+        apart.then_some(BoundingSphere { radius_m: SENSOR_MARGIN * around.radius_m, ..around })
     }
 
     /// The centre of the view in the world, in m, if it is so far from the scene's centre that the
@@ -88,7 +88,7 @@ fn around_most(points: &[DVec3]) -> Option<BoundingSphere> {
     let centre = DVec3::new(median(0)?, median(1)?, median(2)?);
     let mut distances: Vec<f64> = points.iter().map(|point| point.distance(centre)).collect();
     distances.sort_by(f64::total_cmp);
-    let last = ((distances.len() as f64 * VISIBLE_SHARE) as usize).min(distances.len() - 1);
+    let last = ((distances.len() as f64 * VISIBLE_FRACTION) as usize).min(distances.len() - 1);
     Some(BoundingSphere { centre, radius_m: distances[last] })
 }
 

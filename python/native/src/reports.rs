@@ -26,7 +26,7 @@ use abbe_optics::lens::zemax::ZmxSystem;
 use abbe_optics::lens::{LensAnalysis, catalogue};
 use abbe_session::output::{file, regress_page};
 use abbe_session::render::{Monitor, Progress, StopRules};
-use abbe_spectra::colour::regress::{RegressionTolerances, judge_given};
+use abbe_spectra::colour::regress::{RegressionTolerances, compare_given};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::Observer;
 
@@ -124,7 +124,7 @@ pub(super) fn regression_report(
         component: component.unwrap_or(defaults.component),
     };
     let report = || {
-        let report = judge_given(&colours_of_json(colours)?, tolerances)?;
+        let report = compare_given(&colours_of_json(colours)?, tolerances)?;
         if let Some(path) = &page {
             file::write_whole(path, regress_page::page(&report, "converter").as_bytes())?;
         }

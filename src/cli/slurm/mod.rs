@@ -46,7 +46,7 @@ pub(crate) struct SlurmArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     passes: Option<u64>,
     /// Render in rounds until the relative error of the picture falls to this value, such as 2%
-    #[arg(long, value_name = "RATIO", value_parser = values::share)]
+    #[arg(long, value_name = "RATIO", value_parser = values::fraction)]
     target_error: Option<f64>,
     /// The time limit of a job, such as 2h. A part that needs longer saves its passes and queues
     /// itself again [default: the limit of the partition]

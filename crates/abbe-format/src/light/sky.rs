@@ -189,8 +189,8 @@ impl SkyFile {
             (Some(_), None) => return Err(check::fault(at, "found `place` without `time`", "both keys")),
             (None, Some(_)) => return Err(check::fault(at, "found `time` without `place`", "both keys")),
         };
-        for (key, stated) in [("sun_elevation", self.sun_elevation), ("sun_azimuth", self.sun_azimuth)] {
-            if by_place && stated.is_some() {
+        for (key, explicit) in [("sun_elevation", self.sun_elevation), ("sun_azimuth", self.sun_azimuth)] {
+            if by_place && explicit.is_some() {
                 let what = format!("found `{key}` beside `place` and `time`");
                 return Err(check::fault(&at.key(key), what, "no such key"));
             }

@@ -68,14 +68,14 @@ fn part(bytes: &[u8], start: usize) -> Result<MeshPart> {
     // The decoder stops at the end of the stream. Anything may follow it.
     let data = unpacked(ZlibDecoder::new(&bytes[start + 4..]), "zlib stream of a serialized mesh")?;
     let mut data = MeshData { rest: &data };
-    let stated = data.number(4)? as u32;
+    let declared = data.number(4)? as u32;
     let name = if version >= 4 { data.text()? } else { String::new() };
     let [vertices, faces] = [data.number(8)?, data.number(8)?];
-    let size = if stated & flags::DOUBLE == 0 { 4 } else { 8 };
+    let size = if declared & flags::DOUBLE == 0 { 4 } else { 8 };
     let positions = data.vectors(vertices, size)?;
-    let normals = if stated & flags::NORMALS == 0 { None } else { Some(data.vectors(vertices, size)?) };
-    let uvs = if stated & flags::UVS == 0 { None } else { Some(data.floats::<2>(vertices, size)?) };
-    if stated & flags::COLOURS != 0 {
+    let normals = if declared & flags::NORMALS == 0 { None } else { Some(data.vectors(vertices, size)?) };
+    let uvs = if declared & flags::UVS == 0 { None } else { Some(data.floats::<2>(vertices, size)?) };
+    if declared & flags::COLOURS != 0 {
         data.floats::<3>(vertices, size)?;
     }
     let index_size = if u32::try_from(vertices).is_ok() { 4 } else { 8 };
@@ -87,7 +87,7 @@ fn part(bytes: &[u8], start: usize) -> Result<MeshPart> {
         };
         triangles.push([a, b, c]);
     }
-    let normals = normals.filter(|_| stated & flags::FACE_NORMALS == 0);
+    let normals = normals.filter(|_| declared & flags::FACE_NORMALS == 0);
     let mesh = TriangleMesh::new(positions, normals, uvs, triangles)?;
     Ok(MeshPart { mesh, material: None, material_number: None, name })
 }
@@ -147,9 +147,9 @@ mod tests {
     fn two_meshes(version: u16) -> Vec<u8> {
         let mut file = Vec::new();
         let mut starts = Vec::new();
-        for (stated, size) in [(0x1000 | flags::NORMALS, 4), (flags::DOUBLE | flags::UVS | flags::COLOURS, 8)] {
+        for (declared, size) in [(0x1000 | flags::NORMALS, 4), (flags::DOUBLE | flags::UVS | flags::COLOURS, 8)] {
             starts.push(file.len() as u64);
-            let mut data = stated.to_le_bytes().to_vec();
+            let mut data = declared.to_le_bytes().to_vec();
             if version >= 4 {
                 data.extend(b"part\0");
             }

@@ -42,7 +42,7 @@ enum Radiometric {
     Power(f64),
     /// An intensity in W/sr, a radiance in W/m²/sr or an irradiance in W/m². The kind of light
     /// determines which of these quantities is meant.
-    Density(f64),
+    FluxDensity(f64),
 }
 
 impl Radiometric {
@@ -50,7 +50,7 @@ impl Radiometric {
     /// the variants.
     fn value(&self) -> f64 {
         match *self {
-            Self::Power(value) | Self::Density(value) => value,
+            Self::Power(value) | Self::FluxDensity(value) => value,
         }
     }
 }
@@ -61,10 +61,10 @@ fn radiometric(quantity: QuantityFile, spectrum: &LightSpectrum) -> Result<Radio
         QuantityFile::Power(value) => Radiometric::Power(value),
         QuantityFile::LuminousFlux(value) => Radiometric::Power(spectrum.watts_from_lumens(value)?),
         QuantityFile::Intensity(value) | QuantityFile::Radiance(value) | QuantityFile::Irradiance(value) => {
-            Radiometric::Density(value)
+            Radiometric::FluxDensity(value)
         }
         QuantityFile::LuminousIntensity(value) | QuantityFile::Luminance(value) | QuantityFile::Illuminance(value) => {
-            Radiometric::Density(spectrum.watts_from_lumens(value)?)
+            Radiometric::FluxDensity(spectrum.watts_from_lumens(value)?)
         }
     })
 }
@@ -111,12 +111,12 @@ impl Resolver<'_> {
         };
         let slide_at = at.key("emission");
         let of_scene = |slide| self.reflectance(&slide_at.key("slide"), slide);
-        let (stated, slide) = match emission {
+        let (explicit, slide) = match emission {
             EmissionSource::Scene(file) => (file.group.clone(), file.slide.as_ref().map(of_scene).transpose()?),
             EmissionSource::Mesh(_, slide) => (None, slide.clone()),
         };
         let object_name = || self.scene.objects[*file_index].name.clone();
-        let group = stated.or_else(object_name).unwrap_or_else(|| format!("object {file_index}"));
+        let group = explicit.or_else(object_name).unwrap_or_else(|| format!("object {file_index}"));
         for &object in objects {
             let name = builder.objects().name(object).to_owned();
             let emitter =
@@ -181,7 +181,7 @@ impl Resolver<'_> {
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let intensity = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
             Radiometric::Power(power) => power / (4.0 * PI),
-            Radiometric::Density(intensity) => intensity,
+            Radiometric::FluxDensity(intensity) => intensity,
         };
         let position = self.point_of_light(context, *at);
         Ok((Emitter::Point(PointLight { position, intensity }), spectrum))
@@ -205,7 +205,7 @@ impl Resolver<'_> {
         let spot = SpotLight::new(at, (to - at).normalize(), half_angle, penumbra, 1.0).with_falloff(falloff);
         let intensity = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
             Radiometric::Power(power) => power / spot.power_w(),
-            Radiometric::Density(intensity) => intensity,
+            Radiometric::FluxDensity(intensity) => intensity,
         };
         Ok((Emitter::Spot(spot.with_intensity(intensity)), spectrum))
     }
@@ -358,7 +358,7 @@ impl Resolver<'_> {
         let spectrum = self.light_spectrum(path, &file.spectrum, notes)?;
         let radiance = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
             Radiometric::Power(power) => power / (PI * area_m2),
-            Radiometric::Density(radiance) => radiance,
+            Radiometric::FluxDensity(radiance) => radiance,
         };
         Ok((spectrum, radiance))
     }

@@ -20,7 +20,7 @@ const MATT: f64 = 0.95;
 const COAT_IOR: f64 = 1.5;
 
 /// A component of a mixture is left out if its weight is nowhere above this value.
-const LEAST_SHARE: f64 = 0.005;
+const LEAST_FRACTION: f64 = 0.005;
 
 /// Resolves a material of a mesh file. `metres` is the length of the mesh's unit in m. `textured`
 /// states whether the mesh has texture coordinates, and `closed` whether it encloses a volume.
@@ -44,7 +44,7 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
         let texture = file.transmission_texture.as_ref().filter(|_| textured);
         let transmission = channel(texture, 0, file.transmission, 0.0)?;
         let (least, most) = transmission.range();
-        if most < LEAST_SHARE {
+        if most < LEAST_FRACTION {
             return opaque();
         }
         let rest = || channel(texture, 0, -file.transmission, 1.0);
@@ -56,7 +56,7 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
                 surface = mixed(coated, film.factor, surface)?;
             }
             let pane = surface;
-            return if least > 1.0 - LEAST_SHARE {
+            return if least > 1.0 - LEAST_FRACTION {
                 Ok(pane)
             } else {
                 Bsdf::textured_mix(vec![(transmission, pane), (rest()?, opaque()?)])
@@ -73,14 +73,14 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
             let coated = rough(&roughness, &|alpha| Bsdf::coated_dielectric(films.clone(), &index, alpha))?;
             glass = mixed(coated, film.factor, glass)?;
         }
-        if least > 1.0 - LEAST_SHARE {
+        if least > 1.0 - LEAST_FRACTION {
             return Ok(glass);
         }
         Bsdf::textured_mix(vec![(transmission, glass), (rest()?, opaque()?)])
     };
     let surface = match metallic.range() {
-        (_, most) if most < LEAST_SHARE => dielectric()?,
-        (least, _) if least > 1.0 - LEAST_SHARE => metal()?,
+        (_, most) if most < LEAST_FRACTION => dielectric()?,
+        (least, _) if least > 1.0 - LEAST_FRACTION => metal()?,
         _ => {
             let rest = channel(texture, 2, -file.metallic, 1.0)?;
             Bsdf::textured_mix(vec![(metallic, metal()?), (rest, dielectric()?)])?
@@ -130,7 +130,7 @@ fn opaque(
 ) -> Result<Bsdf> {
     let index = if file.specular < 1.0 { RefractiveIndex::constant(reduced_ior(file))? } else { index.clone() };
     let is_matt = matches!(roughness, SurfaceScalar::Uniform(roughness) if *roughness >= MATT);
-    let mut surface = if is_matt || file.specular < LEAST_SHARE {
+    let mut surface = if is_matt || file.specular < LEAST_FRACTION {
         Bsdf::diffuse(base.clone())?
     } else {
         rough(roughness, &|alpha| Bsdf::glossy(base.clone(), index.clone(), alpha))?
@@ -154,16 +154,16 @@ fn reduced_ior(file: &MeshMaterial) -> f64 {
     (1.0 + root) / (1.0 - root)
 }
 
-/// Mixes the part `share` of one surface with the rest of another one.
-fn mixed(one: Bsdf, share: f64, other: Bsdf) -> Result<Bsdf> {
-    if share > 1.0 - LEAST_SHARE {
+/// Mixes the part `fraction` of one surface with the rest of another one.
+fn mixed(one: Bsdf, fraction: f64, other: Bsdf) -> Result<Bsdf> {
+    if fraction > 1.0 - LEAST_FRACTION {
         return Ok(one);
     }
-    if share < LEAST_SHARE {
+    if fraction < LEAST_FRACTION {
         return Ok(other);
     }
-    let [share, rest] = [share, 1.0 - share].map(SurfaceScalar::Uniform);
-    Bsdf::textured_mix(vec![(share, one), (rest, other)])
+    let [fraction, rest] = [fraction, 1.0 - fraction].map(SurfaceScalar::Uniform);
+    Bsdf::textured_mix(vec![(fraction, one), (rest, other)])
 }
 
 /// Returns the surface, mixed with nothing where it has holes. Light passes straight through a
@@ -174,13 +174,17 @@ fn with_holes(surface: Bsdf, file: &MeshMaterial, textured: bool) -> Result<Bsdf
     }
     let texture = file.base_colour_texture.as_ref().filter(|_| textured);
     let covered = |x: f32| file.opacity.covered(f64::from(x));
-    let shares = [map_channel(texture, 3, covered)?, map_channel(texture, 3, |x| 1.0 - covered(x))?];
-    if shares[0].range().0 > 1.0 - LEAST_SHARE {
+    let fractions = [map_channel(texture, 3, covered)?, map_channel(texture, 3, |x| 1.0 - covered(x))?];
+    if fractions[0].range().0 > 1.0 - LEAST_FRACTION {
         return Ok(surface);
     }
-    let [covered, open] = shares;
+    let [covered, open] = fractions;
     let hole = Bsdf::thin_dielectric(RefractiveIndex::constant(1.0)?, None)?;
-    if covered.range().1 < LEAST_SHARE { Ok(hole) } else { Bsdf::textured_mix(vec![(covered, surface), (open, hole)]) }
+    if covered.range().1 < LEAST_FRACTION {
+        Ok(hole)
+    } else {
+        Bsdf::textured_mix(vec![(covered, surface), (open, hole)])
+    }
 }
 
 /// Returns the base colour: the product of a colour and a picture.

@@ -4,7 +4,7 @@ use super::context::Resolver;
 use crate::{JsonPath, MeterFile, MeterGridFile};
 use abbe_scene::builder::SceneBuilder;
 use abbe_scene::camera::Camera;
-use abbe_scene::meter::{Meter, MeterReading, ReceivingSide, Receptor, Response};
+use abbe_scene::meter::{Meter, MeterReading, ReceivingSide, Response, Sensor};
 use abbe_scene::{Exposure, FilmSpec};
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::colour::gamut::GamutMapping;
@@ -22,13 +22,13 @@ const LEAST_ROWS: usize = 32;
 const MOST_READINGS: usize = 1_000_000;
 
 /// A receptor with what is known about its reading.
-type ReceptorWithReading = (Receptor, MeterReading);
+type SensorWithReading = (Sensor, MeterReading);
 
 impl Resolver<'_> {
     /// Resolves all meters. Returns the camera that consists of their receptors, and its film.
     pub(super) fn meters(&self, builder: &mut SceneBuilder) -> Result<(Camera, FilmSpec, Vec<Meter>)> {
         let root = JsonPath::Root;
-        let (mut receptors, mut meters) = (Vec::new(), Vec::<Meter>::new());
+        let (mut sensors, mut meters) = (Vec::new(), Vec::<Meter>::new());
         for (i, file) in self.scene.meters.iter().enumerate() {
             let meters_at = root.key("meters");
             let at = meters_at.index(i);
@@ -36,9 +36,9 @@ impl Resolver<'_> {
                 let error = Error::input(format!("found the name \"{}\" twice", file.name));
                 return self.at(&at.key("name"), Err(error.expected("another name")));
             }
-            let (of_meter, readings): (Vec<Receptor>, _) = self.receptors(&at, file, builder)?.into_iter().unzip();
-            receptors.extend(of_meter);
-            if receptors.len() > MOST_READINGS {
+            let (of_meter, readings): (Vec<Sensor>, _) = self.sensors(&at, file, builder)?.into_iter().unzip();
+            sensors.extend(of_meter);
+            if sensors.len() > MOST_READINGS {
                 let error = Error::input(format!("found more than {MOST_READINGS} readings"));
                 return self.at(&at, Err(error.expected("fewer points")));
             }
@@ -46,8 +46,8 @@ impl Resolver<'_> {
             let grid = file.grid.as_ref().map(MeterGridFile::grid);
             meters.push(Meter { name, quantity, readings, grid, decides_stop: true });
         }
-        let rows = LEAST_ROWS.div_ceil(receptors.len()) as u32;
-        let height = receptors.len() as u32 * rows;
+        let rows = LEAST_ROWS.div_ceil(sensors.len()) as u32;
+        let height = sensors.len() as u32 * rows;
         let spectral_bands = meters.iter().map(|meter| meter.quantity.kind().bands()).max().unwrap_or(0);
         let visual = meters.iter().all(|meter| meter.quantity.observer().name() == Observer::cie1931().name());
         let film = FilmSpec {
@@ -63,21 +63,16 @@ impl Resolver<'_> {
             exposure: Exposure::None,
             layers: Vec::new(),
         };
-        Ok((Camera::of_receptors(receptors.into(), rows), film, meters))
+        Ok((Camera::of_sensors(sensors.into(), rows), film, meters))
     }
 
     /// Resolves the receptors of a meter.
-    fn receptors(
-        &self,
-        at: &JsonPath<'_>,
-        file: &MeterFile,
-        builder: &SceneBuilder,
-    ) -> Result<Vec<ReceptorWithReading>> {
+    fn sensors(&self, at: &JsonPath<'_>, file: &MeterFile, builder: &SceneBuilder) -> Result<Vec<SensorWithReading>> {
         let MeterFile { name: _, quantity: _, points, grid, normal, surface, side, sphere, cylinder, spot } = file;
         let at_point = |point: [f64; 3], response: Response, normal: Option<DVec3>| {
-            let receptor = Receptor::at(self.point(point, builder.centre()), response, builder.extent_m());
+            let sensor = Sensor::at(self.point(point, builder.centre()), response, builder.extent_m());
             let position = DVec3::from(point);
-            (receptor, MeterReading { position, normal, factor: response.factor(), area_m2: None })
+            (sensor, MeterReading { position, normal, factor: response.factor(), area_m2: None })
         };
         let up = |direction: &Option<[f64; 3]>| DVec3::from(direction.unwrap_or([0.0, 1.0, 0.0])).normalize();
         let plane = |point: &[f64; 3]| at_point(*point, Response::Plane(up(normal)), Some(up(normal)));
@@ -95,7 +90,7 @@ impl Resolver<'_> {
         }
         if let Some(name) = surface {
             let side = side.unwrap_or_default().side();
-            return self.surface_receptor(&at.key("surface"), name, side, builder).map(|found| vec![found]);
+            return self.surface_sensor(&at.key("surface"), name, side, builder).map(|found| vec![found]);
         }
         if let Some(sphere) = sphere {
             return Ok(vec![at_point(sphere.at, Response::Sphere, None)]);
@@ -111,13 +106,13 @@ impl Resolver<'_> {
     }
 
     /// Resolves the receptor of an object's surface.
-    fn surface_receptor(
+    fn surface_sensor(
         &self,
         at: &JsonPath<'_>,
         name: &str,
         side: ReceivingSide,
         builder: &SceneBuilder,
-    ) -> Result<ReceptorWithReading> {
+    ) -> Result<SensorWithReading> {
         let names: Vec<&str> = builder.object_names().collect();
         let Some(object) = names.iter().position(|known| *known == name) else {
             return self.at(at, Err(Error::unknown_name("object", name, names)));
@@ -132,6 +127,6 @@ impl Resolver<'_> {
         let factor = sides * Response::Plane(DVec3::Y).factor();
         // A random side receives each sample, so the sum of both sides is twice the mean.
         let reading = MeterReading { position, normal: None, factor, area_m2: Some(area_m2) };
-        Ok((Receptor::on_object(object, side), reading))
+        Ok((Sensor::on_object(object, side), reading))
     }
 }

@@ -83,7 +83,7 @@ impl Resolver<'_> {
         let target = resolve(target)?;
         let primaries: Option<Vec<Spectrum>> = primaries.iter().map(resolve).collect();
         let found = nearest_mix(&target, &primaries?).ok()?;
-        let far = if !found.is_reached() { ": the target is outside the gamut of the primaries" } else { "" };
+        let far = if !found.is_exact() { ": the target is outside the gamut of the primaries" } else { "" };
         let left = found.residual;
         Some(format!("{what} matches its target to Δxy {:.5}, ΔE2000 {:.3}{far}", left.delta_xy, left.delta_e_2000))
     }

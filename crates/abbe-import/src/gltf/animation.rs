@@ -136,22 +136,22 @@ impl Track {
         }
         let before = next - 1;
         let length = self.times[next] - self.times[before];
-        let share = (time - self.times[before]) / length;
+        let fraction = (time - self.times[before]) / length;
         let [from, to] = [before, next].map(|key| DVec4::from_array(value(key)));
         match self.interpolation {
             Interpolation::Step => value(before),
             Interpolation::Linear if self.is_rotation => {
                 let [from, to] = [from, to].map(|q| DQuat::from_vec4(q.normalize_or(DVec4::W)));
-                slerp(from, to, share).to_array()
+                slerp(from, to, fraction).to_array()
             }
-            Interpolation::Linear => from.lerp(to, share).to_array(),
+            Interpolation::Linear => from.lerp(to, fraction).to_array(),
             Interpolation::CubicSpline => {
                 // Hermite's form, as in appendix C of the specification of glTF 2.0.
                 let [leaving, arriving] =
                     [3 * before + 2, 3 * next].map(|i| length * DVec4::from_array(self.values[i]));
-                let (t2, t3) = (share * share, share * share * share);
+                let (t2, t3) = (fraction * fraction, fraction * fraction * fraction);
                 let spline = (2.0 * t3 - 3.0 * t2 + 1.0) * from
-                    + (t3 - 2.0 * t2 + share) * leaving
+                    + (t3 - 2.0 * t2 + fraction) * leaving
                     + (3.0 * t2 - 2.0 * t3) * to
                     + (t3 - t2) * arriving;
                 spline.to_array()

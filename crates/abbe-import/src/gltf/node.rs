@@ -170,12 +170,12 @@ fn with_small_rotations(keys: Vec<(f64, DAffine3)>) -> Vec<(f64, DAffine3)> {
     all
 }
 
-/// Returns the transform between `from` (`share` = 0) and `to` (`share` = 1).
-fn between(from: &DecomposedTransform, to: &DecomposedTransform, share: f64) -> DAffine3 {
+/// Returns the transform between `from` (`fraction` = 0) and `to` (`fraction` = 1).
+fn between(from: &DecomposedTransform, to: &DecomposedTransform, fraction: f64) -> DAffine3 {
     DAffine3::from_scale_rotation_translation(
-        from.scale.lerp(to.scale, share),
-        slerp(from.rotation, to.rotation, share),
-        from.translation.lerp(to.translation, share),
+        from.scale.lerp(to.scale, fraction),
+        slerp(from.rotation, to.rotation, fraction),
+        from.translation.lerp(to.translation, fraction),
     )
 }
 
@@ -186,8 +186,8 @@ pub(super) fn subdivided(keys: &[(f64, DAffine3)]) -> Vec<(f64, DAffine3)> {
         let times = (pair[0].0, pair[1].0);
         let [from, to] = [pair[0].1, pair[1].1].map(|at| DecomposedTransform::of(&at));
         let at = move |i: u32| {
-            let share = f64::from(i) / f64::from(SUBDIVISIONS);
-            (times.0 + share * (times.1 - times.0), between(&from, &to, share))
+            let fraction = f64::from(i) / f64::from(SUBDIVISIONS);
+            (times.0 + fraction * (times.1 - times.0), between(&from, &to, fraction))
         };
         let first = pair[0];
         std::iter::once(first).chain((1..SUBDIVISIONS).map(at)).filter(move |key| key.0 < times.1)

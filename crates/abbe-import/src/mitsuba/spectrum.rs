@@ -62,7 +62,7 @@ impl MitsubaReader<'_> {
             "rgb" | "srgb" => rgb(element, element.required("value")?),
             "spectrum" | "texture" if !element.plugin().is_empty() => self.spectrum_plugin(element),
             "spectrum" => match (element.attribute("value"), element.attribute("filename")) {
-                (Some(text), None) => stated(element, text),
+                (Some(text), None) => explicit_spectrum(element, text),
                 (None, Some(name)) => self.spectrum_file(element, name),
                 _ => Err(element.error("a <spectrum> needs either \"value\" or \"filename\"")),
             },
@@ -152,7 +152,7 @@ impl MitsubaReader<'_> {
 
 /// Parses the attribute `value` of a `<spectrum>`: a number, or pairs such as `400:0.5`. Mitsuba
 /// 0.x also has colours of three numbers.
-fn stated(element: &XmlElement, text: &str) -> Result<MitsubaSpectrum> {
+fn explicit_spectrum(element: &XmlElement, text: &str) -> Result<MitsubaSpectrum> {
     if !text.contains(':') {
         return match numbers(element, text)?.as_slice() {
             &[value] => Ok(MitsubaSpectrum::Uniform(value)),

@@ -84,7 +84,7 @@ impl ReadCamera {
         let from = to_world.transform_point3(DVec3::ZERO);
         let axis = |axis: DVec3| to_world.transform_vector3(axis).normalize_or(axis);
         let aspect = film[0] / film[1];
-        if self.aspect.is_some_and(|stated| (stated / aspect - 1.0).abs() > 1e-3) {
+        if self.aspect.is_some_and(|explicit| (explicit / aspect - 1.0).abs() > 1e-3) {
             left_out.push("the aspect ratio of the camera is that of the film".into());
         }
         // The window is [−1, 1] along the shorter side.

@@ -66,20 +66,20 @@ pub(super) fn read_light(
         "distant" => {
             let PbrtLightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
             let toward = point("to", [0.0, 0.0, 1.0])? - point("from", [0.0; 3])?;
-            let stated = parameters.number("illuminance")?.filter(|&lux| lux > 0.0);
-            let illuminance = scale * luminance * stated.unwrap_or(1.0);
+            let explicit = parameters.number("illuminance")?.filter(|&lux| lux > 0.0);
+            let illuminance = scale * luminance * explicit.unwrap_or(1.0);
             json!({"directional": {"toward": toward.to_array(), "spectrum": spectrum, "illuminance": illuminance}})
         }
         "infinite" => {
             if parameters.get("portal").is_some() {
                 left_out.push("the portal of an infinite light is not used".into());
             }
-            let stated = parameters.number("illuminance")?.filter(|&lux| lux > 0.0);
+            let explicit = parameters.number("illuminance")?.filter(|&lux| lux > 0.0);
             let mut light = json!({});
             if let Some(file) = parameters.file("filename", spectra.folder, spectra.file_access)? {
                 light["image"] = json!(format!("{folder}{file}"));
                 light["projection"] = json!("equal_area");
-                if let Some(illuminance) = stated {
+                if let Some(illuminance) = explicit {
                     left_out.push("the illuminance of a picture of directions is that of the mean radiance".into());
                     light["illuminance"] = json!(scale * illuminance);
                 } else {
@@ -89,7 +89,7 @@ pub(super) fn read_light(
             } else {
                 let PbrtLightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
                 light["spectrum"] = spectrum;
-                light["luminance"] = json!(scale * luminance * stated.map_or(1.0, |lux| lux / PI));
+                light["luminance"] = json!(scale * luminance * explicit.map_or(1.0, |lux| lux / PI));
             }
             json!({"environment": light})
         }

@@ -42,9 +42,9 @@ impl AngleGrid {
         // With ∫ 2μ·f dμ = ∫ f d(μ²), the weights of a cell sum to the difference of μ².
         for cell in 0..ANGLES - 1 {
             for (x, weight) in &rule {
-                let share = weight * grid.slope_of_squared_cosine(cell as f64 + x);
-                grid.mean_weights[cell] += share * (1.0 - x);
-                grid.mean_weights[cell + 1] += share * x;
+                let fraction = weight * grid.slope_of_squared_cosine(cell as f64 + x);
+                grid.mean_weights[cell] += fraction * (1.0 - x);
+                grid.mean_weights[cell + 1] += fraction * x;
             }
         }
         grid

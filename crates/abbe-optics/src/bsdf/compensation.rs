@@ -138,7 +138,7 @@ impl DielectricCompensation {
         MultipleScattering {
             grid: &self.0.grid,
             sampling: self.0.sampling,
-            transmitted: transmitted_share([&here, &there], [n_i, n_t]),
+            transmitted: transmitted_fraction([&here, &there], [n_i, n_t]),
             here,
             there,
             kept,
@@ -157,9 +157,9 @@ pub(super) struct FilmMean {
 }
 
 impl FilmMean {
-    /// Interpolates between two wavelengths. `share` is the weight of `other`, from 0 to 1.
-    pub(super) fn mixed(&self, other: &Self, share: f64) -> Self {
-        let mix = |low: f64, high: f64| low + share * (high - low);
+    /// Interpolates between two wavelengths. `fraction` is the weight of `other`, from 0 to 1.
+    pub(super) fn mixed(&self, other: &Self, fraction: f64) -> Self {
+        let mix = |low: f64, high: f64| low + fraction * (high - low);
         Self {
             coefficients: std::array::from_fn(|i| mix(self.coefficients[i], other.coefficients[i])),
             kept: std::array::from_fn(|i| mix(self.kept[i], other.kept[i])),
@@ -180,26 +180,26 @@ struct Position {
     /// The number of the lower table on each side of index 1.
     low: usize,
     /// The weight of the next table, from 0 to 1.
-    share: f64,
+    fraction: f64,
 }
 
 impl Position {
     fn between(n_i: f64, n_t: f64) -> Self {
         let position = (ln(n_i.max(n_t) / n_i.min(n_t)).sqrt() / STEP).min(LAST as f64);
         let low = (position as usize).min(LAST - 1);
-        Self { low, share: position - low as f64 }
+        Self { low, fraction: position - low as f64 }
     }
 
     /// Interpolates between the values at the two indices.
     fn mixed(self, low: f64, high: f64) -> f64 {
-        (1.0 - self.share) * low + self.share * high
+        (1.0 - self.fraction) * low + self.fraction * high
     }
 
     /// Returns the tables of one side. `upwards` is true for light that goes to the medium of
     /// higher index.
     fn side(self, tables: &Tables, upwards: bool) -> OneSide<'_> {
         let table = |k: usize| tables.table(if upwards { LAST + k } else { LAST - k });
-        OneSide { low: table(self.low), high: table(self.low + 1), share: self.share, films: None }
+        OneSide { low: table(self.low), high: table(self.low + 1), fraction: self.fraction, films: None }
     }
 }
 
@@ -229,7 +229,7 @@ fn relative_index(number: usize) -> f64 {
 /// the same value on both sides. The lobe follows τ on the side on which n²·l̄·τ is lower, which
 /// gives Y. Compared with the random walk on microfacets of Heitz et al. 2016, the mean
 /// transmittance of the interface then differs by less than 0.02.
-fn transmitted_share([here, there]: [&OneSide<'_>; 2], [n_here, n_there]: [f64; 2]) -> f64 {
+fn transmitted_fraction([here, there]: [&OneSide<'_>; 2], [n_here, n_there]: [f64; 2]) -> f64 {
     let odds = |side: &OneSide<'_>| side.mean() / (1.0 - side.mean());
     let flux = |side: &OneSide<'_>, n: f64| n * n * side.transmitted();
     // The tabulated flux differs slightly between the sides, so both sides use the mean.
@@ -245,7 +245,7 @@ struct OneSide<'a> {
     low: &'a MissingEnergy,
     high: &'a MissingEnergy,
     /// The weight of `high`, from 0 to 1.
-    share: f64,
+    fraction: f64,
     films: Option<FilmChange<'a>>,
 }
 
@@ -262,13 +262,13 @@ struct FilmChange<'a> {
 
 impl OneSide<'_> {
     fn mixed(&self, value: impl Fn(&MissingEnergy) -> f64) -> f64 {
-        (1.0 - self.share) * value(self.low) + self.share * value(self.high)
+        (1.0 - self.fraction) * value(self.low) + self.fraction * value(self.high)
     }
 
     /// Adds the change by films to a value without films.
     fn with_films(&self, bare: f64, change: impl Fn(&FilmSideMoments, &[f64; MOMENTS]) -> f64) -> f64 {
         let Some(FilmChange { low, high, coefficients, .. }) = &self.films else { return bare };
-        let change = (1.0 - self.share) * change(low, coefficients) + self.share * change(high, coefficients);
+        let change = (1.0 - self.fraction) * change(low, coefficients) + self.fraction * change(high, coefficients);
         // On nearly smooth surfaces, the sum may be negative, because the moments are not exact.
         (FIT_MARGIN * (bare + change)).clamp(LEAST_CHANGE * bare, 1.0)
     }
@@ -326,9 +326,9 @@ impl MultipleScattering<'_> {
 
     /// Evaluates the lobe in 1/sr for power.
     pub(super) fn eval(&self, cos_o: f64, cos_i: f64, event: ScatterEvent) -> f64 {
-        let (side, share) = self.far_side(event);
+        let (side, fraction) = self.far_side(event);
         let kept = self.kept[usize::from(event == ScatterEvent::Transmission)];
-        FRAC_1_PI * share * kept * self.albedo(cos_o) * side.at(self.grid.locate(cos_i)) / side.mean()
+        FRAC_1_PI * fraction * kept * self.albedo(cos_o) * side.at(self.grid.locate(cos_i)) / side.mean()
     }
 
     /// Samples an event and a direction, whose z component is positive for both events. All random

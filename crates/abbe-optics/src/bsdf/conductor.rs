@@ -237,8 +237,8 @@ impl Conductor {
         let shadowed = if mirrored.z > 0.0 { facets.ggx.shadowed_fraction(up.z, mirrored.z) } else { 1.0 };
         let multiple = u[2] < facets.compensation.albedo(up.z);
         let wi = flip_z(if multiple { facets.compensation.sample([u[0], u[1]]) } else { mirrored }, sign);
-        let density = self.pdf(wo, wi);
-        let sample = BsdfSample::lobe(wi, ScatterEvent::Reflection, if density > 0.0 { density } else { 1.0 });
+        let pdf = self.pdf(wo, wi);
+        let sample = BsdfSample::lobe(wi, ScatterEvent::Reflection, if pdf > 0.0 { pdf } else { 1.0 });
         BsdfSample { cos_microfacet: up.dot(m), shadowed: [shadowed, 0.0], ..sample }
     }
 

@@ -181,18 +181,18 @@ fn each_view(mut check: impl FnMut(&BsdfCase, DVec3, f64, u64)) {
 }
 
 #[test]
-fn samples_follow_the_density() {
+fn samples_follow_the_pdf() {
     const SAMPLES: usize = 30_000;
     each_view(|case, wo, nm, seed| {
         let name = case.name;
         let seen = histogram(case, wo, nm, SAMPLES, seed);
-        let density = grid::integrals(|wi| case.pdf(wo, wi, nm));
-        let mass: f64 = density.iter().sum();
+        let pdf = grid::integrals(|wi| case.pdf(wo, wi, nm));
+        let mass: f64 = pdf.iter().sum();
         let elsewhere = (seen.deltas + seen.nowhere) / seen.total;
         let error = (mass + elsewhere - 1.0).abs();
         let bound = 4.5 * (elsewhere * (1.0 - elsewhere) / seen.total).sqrt() + 1e-5;
         assert!(error < bound, "{name} from {wo} at {nm} nm: the density integrates to {mass}, not 1 − {elsewhere}");
-        let expected: Vec<f64> = density.iter().map(|mass| mass * seen.total).collect();
+        let expected: Vec<f64> = pdf.iter().map(|mass| mass * seen.total).collect();
         let deviations = chi_square_deviations(&seen, &expected);
         assert!(deviations < 4.5, "{name} from {wo} at {nm} nm: χ² is {deviations} deviations too large");
     });
@@ -221,9 +221,9 @@ fn samples_carry_the_pdf_of_their_direction() {
             assert!((sample.wi.length() - 1.0).abs() < 1e-12, "{}: |wi| = {}", case.name, sample.wi.length());
             assert!(sample.probability > 0.0, "{}", case.name);
             if !sample.delta && sample.on_event_side(wo) {
-                let density = part.pdf(wo, sample.wi, case.iors(wo), nm);
-                let error = (density / sample.probability - 1.0).abs();
-                assert!(error < 1e-9, "{}: {density} and {}", case.name, sample.probability);
+                let pdf = part.pdf(wo, sample.wi, case.iors(wo), nm);
+                let error = (pdf / sample.probability - 1.0).abs();
+                assert!(error < 1e-9, "{}: {pdf} and {}", case.name, sample.probability);
             }
         }
     });

@@ -29,7 +29,7 @@ pub(super) struct CosineFit {
     /// The cosines at which the function is needed.
     pub(super) nodes: [f64; NODES],
     /// The share of the value at each node in each coefficient.
-    shares: [[f64; NODES]; MOMENTS],
+    fractions: [[f64; NODES]; MOMENTS],
     /// The weights of ∫ 2x·f(x) dx.
     means: [f64; NODES],
 }
@@ -37,25 +37,25 @@ pub(super) struct CosineFit {
 impl CosineFit {
     pub(super) fn new() -> Self {
         let rule = gauss_legendre(NODES);
-        let mut fit = Self { nodes: [0.0; NODES], shares: [[0.0; NODES]; MOMENTS], means: [0.0; NODES] };
+        let mut fit = Self { nodes: [0.0; NODES], fractions: [[0.0; NODES]; MOMENTS], means: [0.0; NODES] };
         let mut squares = [0.0; MOMENTS];
         for (node, (x, weight)) in rule.into_iter().enumerate() {
             fit.nodes[node] = x;
             fit.means[node] = 2.0 * x * weight;
             for (degree, value) in polynomials(x).into_iter().enumerate() {
-                fit.shares[degree][node] = x * weight * value;
+                fit.fractions[degree][node] = x * weight * value;
                 squares[degree] += x * weight * value * value;
             }
         }
-        for (shares, square) in fit.shares.iter_mut().zip(squares) {
-            shares.iter_mut().for_each(|share| *share /= square);
+        for (fractions, square) in fit.fractions.iter_mut().zip(squares) {
+            fractions.iter_mut().for_each(|fraction| *fraction /= square);
         }
         fit
     }
 
     /// Returns the coefficients of the moments for a function w with these values at the nodes.
     pub(super) fn coefficients(&self, values: &[f64; NODES]) -> [f64; MOMENTS] {
-        self.shares.map(|shares| shares.iter().zip(values).map(|(share, value)| share * value).sum())
+        self.fractions.map(|fractions| fractions.iter().zip(values).map(|(fraction, value)| fraction * value).sum())
     }
 
     /// Returns ∫ 2x·f(x) dx from the values of f at the nodes.

@@ -125,8 +125,8 @@ impl Glossy {
         };
         // A sampled facet normal may reflect the path below the surface. The BSDF is 0 for such a
         // direction, so any positive density is valid.
-        let density = self.mixed_pdf(wo, wi, coat_probability);
-        BsdfSample::lobe(wi, ScatterEvent::Reflection, if density > 0.0 { density } else { 1.0 })
+        let pdf = self.mixed_pdf(wo, wi, coat_probability);
+        BsdfSample::lobe(wi, ScatterEvent::Reflection, if pdf > 0.0 { pdf } else { 1.0 })
     }
 
     pub(super) fn absorbed_fraction(&self, wo: DVec3, texel: Texel, nm: f64) -> f64 {

@@ -117,9 +117,9 @@ impl DiffractionGrating {
         let (frame, sign) = (GrooveFrame::new(angle), z_sign(wo));
         let incident = -frame.to_grooves(flip_z(wo, sign));
         let (index, wave_nm) = (iors.here.n(nm), self.fixed_nm.unwrap_or(nm));
-        let (order, share) = self.grating.sample_order(incident, index, wave_nm, u[0]);
+        let (order, fraction) = self.grating.sample_order(incident, index, wave_nm, u[0]);
         let out = self.grating.direction(incident, order, event, [index; 2], wave_nm)?;
-        let sample = BsdfSample::delta(flip_z(frame.to_surface(out), sign), event, chosen * share);
+        let sample = BsdfSample::delta(flip_z(frame.to_surface(out), sign), event, chosen * fraction);
         Some(BsdfSample { disperses: self.fixed_nm.is_none(), ..sample })
     }
 
@@ -143,11 +143,11 @@ impl DiffractionGrating {
             TransportMode::Importance => arriving,
             TransportMode::Radiance => -leaving,
         };
-        let share = match sample.event {
+        let fraction = match sample.event {
             ScatterEvent::Reflection => self.reflectance.at(nm),
             ScatterEvent::Transmission => self.transmittance.at(nm),
         };
-        share * self.grating.efficiency(incident, order.round() as i32, index, wave_nm)
+        fraction * self.grating.efficiency(incident, order.round() as i32, index, wave_nm)
     }
 
     pub(super) fn absorbed_fraction(&self, wo: DVec3, iors: InterfaceIors<'_>, angle: f32, nm: f64) -> f64 {

@@ -83,8 +83,8 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
             }
         };
         let sample = BsdfSample::lobe(wi, event, 1.0);
-        let density = if sample.on_event_side(wo) { self.pdf_upper(wo, wi, probability) } else { 1.0 };
-        (density > 0.0).then_some(BsdfSample { probability: density, ..sample })
+        let pdf = if sample.on_event_side(wo) { self.pdf_upper(wo, wi, probability) } else { 1.0 };
+        (pdf > 0.0).then_some(BsdfSample { probability: pdf, ..sample })
     }
 
     /// Evaluates f(wo, wi) in 1/sr for power.

@@ -107,12 +107,12 @@ impl BsdfSample {
         }
     }
 
-    pub(super) fn lobe(wi: DVec3, event: ScatterEvent, density: f64) -> Self {
+    pub(super) fn lobe(wi: DVec3, event: ScatterEvent, pdf: f64) -> Self {
         Self {
             wi,
             event,
             delta: false,
-            probability: density,
+            probability: pdf,
             disperses: false,
             cos_microfacet: 1.0,
             shadowed: [0.0; 2],

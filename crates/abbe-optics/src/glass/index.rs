@@ -16,7 +16,8 @@ pub enum ReferenceMedium {
     Vacuum,
     /// Unknown, because the source does not mention the medium. The indices relative to air and to
     /// vacuum differ by 3e-4.
-    Unstated,
+    #[serde(rename = "unstated")]
+    Unspecified,
 }
 
 /// A refractive index n(λ) relative to the surrounding air. It is defined over the whole band and
@@ -136,7 +137,7 @@ impl RefractiveIndex {
             warnings.push(range);
         }
         match relative_to {
-            ReferenceMedium::Air | ReferenceMedium::Unstated => {}
+            ReferenceMedium::Air | ReferenceMedium::Unspecified => {}
             ReferenceMedium::Vacuum => {
                 warnings.push(format!(
                     "the index of {name} is relative to vacuum, but indices of glasses are relative to air"

@@ -104,7 +104,7 @@ impl IndexFileData {
     pub fn index(&self) -> Result<RefractiveIndex> {
         let table = self.n.as_ref().ok_or_else(|| Error::input("the file contains no index of refraction"))?;
         let mut index = RefractiveIndex::table(&table.nm, &table.values)?;
-        index.set_warning("the file", ReferenceMedium::Unstated);
+        index.set_warning("the file", ReferenceMedium::Unspecified);
         Ok(index)
     }
 

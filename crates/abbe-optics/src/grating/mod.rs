@@ -114,8 +114,9 @@ impl Grating {
     /// of the index `index` is on both sides.
     pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
         let sum = self.scalar_sum(incident, index, nm);
-        let share = if sum > 0.0 { self.profile.efficiency(order, nm) / sum } else { f64::from(u8::from(order == 0)) };
-        self.profile.total(|| sum) * share
+        let fraction =
+            if sum > 0.0 { self.profile.efficiency(order, nm) / sum } else { f64::from(u8::from(order == 0)) };
+        self.profile.total(|| sum) * fraction
     }
 
     /// Returns the fraction of the power that all orders that propagate share; see [`Self::orders`].
@@ -162,8 +163,8 @@ impl Grating {
         let sum = orders.iter().map(|it| it.scalar_efficiency).sum::<f64>();
         let total = self.profile.total(|| sum);
         for it in &mut orders {
-            let share = if sum > 0.0 { it.scalar_efficiency / sum } else { f64::from(u8::from(it.order == 0)) };
-            it.efficiency = total * share;
+            let fraction = if sum > 0.0 { it.scalar_efficiency / sum } else { f64::from(u8::from(it.order == 0)) };
+            it.efficiency = total * fraction;
         }
         orders
     }
@@ -208,9 +209,9 @@ mod tests {
         assert_eq!(found.len(), 3);
         assert!((grating.total_efficiency(incident, 1.0, 700.0) - 0.6).abs() < 1e-15);
         for u in [0.0, 0.5, 0.9, 0.99] {
-            let (order, share) = grating.sample_order(incident, 1.0, 700.0, u);
+            let (order, fraction) = grating.sample_order(incident, 1.0, 700.0, u);
             let efficiency = grating.efficiency(incident, order, 1.0, 700.0);
-            assert!((efficiency / share - 0.6).abs() < 1e-15, "{order}");
+            assert!((efficiency / fraction - 0.6).abs() < 1e-15, "{order}");
         }
     }
 

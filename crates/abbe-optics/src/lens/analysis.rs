@@ -13,7 +13,7 @@ use abbe_spectra::math::elementary::tan;
 pub const LINES: [(&str, f64); 3] = [("F", lines::F_NM), ("d", lines::D_NM), ("C", lines::C_NM)];
 
 /// The field angles of the analysis, each divided by half of the field of view.
-const FIELD_SHARES: [f64; 3] = [0.0, 0.7, 1.0];
+const FIELD_FRACTIONS: [f64; 3] = [0.0, 0.7, 1.0];
 
 /// Largest half field, in degrees, for a lens without a given field of view.
 const DEFAULT_HALF_FIELD_DEG: f64 = 20.0;
@@ -82,7 +82,7 @@ impl LensAnalysis {
         let half_field_deg = half_field_deg.or(lens.half_field_deg()).unwrap_or_else(|| widest_field_deg(d));
         // The edge of the field is analysed first. If the field is too wide, the error then names
         // the requested angle.
-        let angles = FIELD_SHARES.iter().rev().map(|share| share * half_field_deg);
+        let angles = FIELD_FRACTIONS.iter().rev().map(|fraction| fraction * half_field_deg);
         let field = |angle_deg| field_point(&at, angle_deg, sensor_z_mm, paraxial.efl_mm);
         let lines = [foci[0], foci[1], foci[2]];
         let mut fields: Vec<FieldPoint> = angles.map(field).collect::<Result<_>>()?;

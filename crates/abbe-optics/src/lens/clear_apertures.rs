@@ -87,13 +87,13 @@ impl Prescription {
             surface.obscuration_mm = 0.0;
         }
         if let Some((stop, true)) = self.stop.map(|stop| (stop, self.opening == super::ApertureSpec::Stop)) {
-            let stated = self.surfaces.get(stop).map_or(0.0, |surface| surface.semi_aperture_mm);
-            if stated == 0.0 {
+            let explicit = self.surfaces.get(stop).map_or(0.0, |surface| surface.semi_aperture_mm);
+            if explicit == 0.0 {
                 let what = "the size of the stop is not stated";
                 let expected = "a semi-diameter of the stop (DIAM), an entrance pupil (ENPD) or an f-number (FNUM)";
                 return Err(Error::input(what).expected(expected).on_path(format!("surfaces[{stop}]")));
             }
-            open.surfaces[stop].semi_aperture_mm = stated;
+            open.surfaces[stop].semi_aperture_mm = explicit;
         }
         open.half_field_deg = None;
         Lens::new(open)

@@ -94,7 +94,7 @@ pub struct FoldedAnalysis {
 /// Half field in degrees of a system that does not state its field.
 const DEFAULT_HALF_FIELD_DEG: f64 = 1.0;
 /// Fields of the analysis, each divided by half of the field of view.
-const FIELD_SHARES: [f64; 4] = [0.0, 0.7, 1.0, -1.0];
+const FIELD_FRACTIONS: [f64; 4] = [0.0, 0.7, 1.0, -1.0];
 /// Number of rays across the entering bundle.
 const RAYS_ACROSS_BUNDLE: u32 = 64;
 /// Maximum number of Newton steps for the ray through the centre of the stop.
@@ -266,7 +266,7 @@ impl FoldedSystem {
         let image = self.image.transform_point3(self.on_image(end).extend(0.0));
         let entrance_mm = self.entrance_mm(efl_y, central)?;
         let half_field_deg = half_field_deg.or(self.half_field_deg).unwrap_or(DEFAULT_HALF_FIELD_DEG);
-        let fields = FIELD_SHARES.iter().map(|share| self.field(share * half_field_deg, entrance_mm));
+        let fields = FIELD_FRACTIONS.iter().map(|fraction| self.field(fraction * half_field_deg, entrance_mm));
         Ok(FoldedAnalysis {
             efl_mm: [efl_y, efl_x],
             back_focus_mm: [back_y, back_x],

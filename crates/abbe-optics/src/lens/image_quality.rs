@@ -106,8 +106,8 @@ fn contrast(landed: &[DVec2], frequency: DVec2) -> f64 {
 
 /// Returns the MTF of a perfect lens with a round stop, for the d line and an object at infinity.
 fn diffraction_limit(per_mm: f64, f_number: f64) -> f64 {
-    let share = per_mm * lines::D_NM * 1e-6 * f_number;
-    if share >= 1.0 { 0.0 } else { 2.0 / PI * (acos(share) - share * (1.0 - share * share).sqrt()) }
+    let fraction = per_mm * lines::D_NM * 1e-6 * f_number;
+    if fraction >= 1.0 { 0.0 } else { 2.0 / PI * (acos(fraction) - fraction * (1.0 - fraction * fraction).sqrt()) }
 }
 
 fn fan(

@@ -15,7 +15,7 @@ const PROBES_NM: [f64; 5] = [420.0, 480.0, lines::D_NM, 650.0, 740.0];
 
 /// The share of ghosts that are chosen with equal probabilities. The other ghosts are chosen with
 /// probabilities proportional to the product of both reflectances.
-const EQUAL_SHARE: f64 = 0.1;
+const EQUAL_FRACTION: f64 = 0.1;
 
 /// A pair of surfaces that reflect, and the probability with which it is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,8 +38,8 @@ impl Lens {
         let weight = |&[j, k]: &[usize; 2]| reflectance[j] * reflectance[k];
         let pairs: Vec<[usize; 2]> = pairs.filter(|pair| weight(pair) > 0.0).collect();
         let sum: f64 = pairs.iter().map(weight).sum();
-        let equal = EQUAL_SHARE / pairs.len() as f64;
-        let probability = |pair| equal + (1.0 - EQUAL_SHARE) * weight(pair) / sum;
+        let equal = EQUAL_FRACTION / pairs.len() as f64;
+        let probability = |pair| equal + (1.0 - EQUAL_FRACTION) * weight(pair) / sum;
         pairs.iter().map(|pair| GhostPair { surfaces: *pair, probability: probability(pair) }).collect()
     }
 }

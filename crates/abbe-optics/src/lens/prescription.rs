@@ -259,9 +259,9 @@ impl Lens {
     /// do not cross within their common aperture.
     fn check_shapes(&self) -> Result<()> {
         for (i, surface) in self.surfaces.iter().enumerate() {
-            let reach_mm = surface.semi_aperture_mm;
-            if !surface.profile.sag_mm(reach_mm * reach_mm).is_finite() {
-                let what = format!("the surface is not defined up to its semi-aperture of {reach_mm} mm");
+            let semi_aperture_mm = surface.semi_aperture_mm;
+            if !surface.profile.sag_mm(semi_aperture_mm * semi_aperture_mm).is_finite() {
+                let what = format!("the surface is not defined up to its semi-aperture of {semi_aperture_mm} mm");
                 let expected = "a radius of at least the semi-aperture";
                 return Err(on_surface(i, Error::input(what).expected(expected)));
             }

@@ -23,7 +23,7 @@ pub struct DrawnRay {
 
 /// The surroundings of an image point, for a magnified drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FocusWindow {
+pub struct FocusDetail {
     /// Field angle in degrees.
     pub angle_deg: f64,
     /// Centre of the window, on the sensor.
@@ -47,7 +47,7 @@ pub struct LensSection {
     /// Rays of the bundles for the axis and for the edge of the field.
     pub rays: Vec<DrawnRay>,
     /// Magnified image points: on the axis and at the edge of the field.
-    pub foci: Vec<FocusWindow>,
+    pub foci: Vec<FocusDetail>,
 }
 
 /// Number of segments along a surface.
@@ -56,7 +56,7 @@ const RAYS_PER_BUNDLE: u32 = 5;
 /// Ratio of two widths. The first is the width of the bundle of drawn rays. The second is the width
 /// of the bundle that passes the lens at the wavelength of the d line. The ratio is less than 1,
 /// because rays of the other spectral lines may be vignetted at the edge of the second bundle.
-const BUNDLE_SHARE: f64 = 0.97;
+const BUNDLE_FRACTION: f64 = 0.97;
 
 /// Computes the cross-section of a lens. Returns an error if no light passes.
 pub fn section(lens: &Lens, analysis: &LensAnalysis) -> Result<LensSection> {
@@ -125,7 +125,7 @@ fn bundle(lens: &Lens, field: usize, angle_deg: f64, sensor_z_mm: f64, lead_mm: 
     let [_, d, _] = LINES.map(|(_, nm)| lens.at(nm));
     let chief = d.chief_ray(angle_deg)?;
     let (lowest_mm, highest_mm) = d.passing_range_mm(chief)?.ok_or_else(|| no_light(angle_deg))?;
-    let (middle_mm, half_mm) = (0.5 * (lowest_mm + highest_mm), 0.5 * BUNDLE_SHARE * (highest_mm - lowest_mm));
+    let (middle_mm, half_mm) = (0.5 * (lowest_mm + highest_mm), 0.5 * BUNDLE_FRACTION * (highest_mm - lowest_mm));
     let offsets =
         (0..RAYS_PER_BUNDLE).map(|i| middle_mm + half_mm * (2.0 * f64::from(i) / f64::from(RAYS_PER_BUNDLE - 1) - 1.0));
     let mut rays = Vec::new();
@@ -158,7 +158,7 @@ fn start_on_one_plane(rays: &mut [DrawnRay], chief: LensRay, lead_mm: f64) {
 
 /// Returns the window of an image point. Along the axis, the window contains the foci of all
 /// spectral lines. Across the axis, it contains all points where the rays reach the sensor.
-fn focus(analysis: &LensAnalysis, angle_deg: f64, bundle: &[DrawnRay]) -> FocusWindow {
+fn focus(analysis: &LensAnalysis, angle_deg: f64, bundle: &[DrawnRay]) -> FocusDetail {
     let ends = || bundle.iter().filter_map(|ray| ray.points.last());
     let (low, high) =
         ends().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| (low.min(end.y), high.max(end.y)));
@@ -170,7 +170,7 @@ fn focus(analysis: &LensAnalysis, angle_deg: f64, bundle: &[DrawnRay]) -> FocusW
     let slopes: Vec<f64> = bundle.iter().filter_map(slope_at_end).collect();
     let (least, most) = slopes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(*s), b.max(*s)));
     let half_size = DVec2::new(along_mm, (0.6 * (high - low)).max(least_mm));
-    FocusWindow { angle_deg, centre, half_size, slope: 0.5 * (least + most) }
+    FocusDetail { angle_deg, centre, half_size, slope: 0.5 * (least + most) }
 }
 
 /// Returns dy/dz of the last segment of a ray.

@@ -79,14 +79,14 @@ fn integral(case: &PhaseCase, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
 }
 
 #[test]
-fn the_density_integrates_to_one_and_has_its_mean_cosine() {
+fn the_pdf_integrates_to_one_and_has_its_mean_cosine() {
     for case in cases() {
         for nm in PHASE_TEST_NM {
-            let (name, stated) = (&case.name, case.phase.mean_cosine(nm));
+            let (name, expected) = (&case.name, case.phase.mean_cosine(nm));
             let whole = integral(&case, nm, |_| 1.0);
             assert!((whole - 1.0).abs() < case.tolerance, "{name} at {nm} nm: {whole}");
             let mean = integral(&case, nm, |cos| cos);
-            assert!((mean - stated).abs() < case.tolerance, "{name} at {nm} nm: {mean}, stated {stated}");
+            assert!((mean - expected).abs() < case.tolerance, "{name} at {nm} nm: {mean}, stated {expected}");
         }
     }
 }
@@ -103,7 +103,7 @@ fn chi_square_deviations(counts: &[u32]) -> f64 {
 
 /// Returns the values of 1 − cos θ that divide the density into intervals of equal probability. The
 /// function accumulates the density in small steps.
-fn equal_shares(phase: &PhaseFunction, nm: f64, shares: usize) -> Vec<f64> {
+fn equal_mass_edges(phase: &PhaseFunction, nm: f64, bins: usize) -> Vec<f64> {
     // The steps are small near both poles, where the peaks are.
     let steps = 400_000;
     let height = |step: usize| {
@@ -116,8 +116,8 @@ fn equal_shares(phase: &PhaseFunction, nm: f64, shares: usize) -> Vec<f64> {
     for step in 0..steps {
         let (from, to) = (height(step), height(step + 1));
         let mass = TAU * (to - from) * phase.eval(1.0 - 0.5 * (from + to), nm);
-        while edges.len() + 1 < shares && (edges.len() + 1) as f64 / shares as f64 <= sum + mass {
-            let wanted = (edges.len() + 1) as f64 / shares as f64;
+        while edges.len() + 1 < bins && (edges.len() + 1) as f64 / bins as f64 <= sum + mass {
+            let wanted = (edges.len() + 1) as f64 / bins as f64;
             edges.push(from + (wanted - sum) / mass * (to - from));
         }
         sum += mass;
@@ -128,12 +128,12 @@ fn equal_shares(phase: &PhaseFunction, nm: f64, shares: usize) -> Vec<f64> {
 /// Counts the samples in a grid of cells. The grid divides the scattering angle into 24 intervals
 /// of equal probability, and the azimuth into four quarters.
 fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u64) -> Vec<u32> {
-    let shares = 24;
-    let edges = equal_shares(expected_of, nm, shares);
+    let bins = 24;
+    let edges = equal_mass_edges(expected_of, nm, bins);
     let incoming = DVec3::new(0.36, -0.48, 0.8);
     let (across, up) = incoming.any_orthonormal_pair();
     let mut stream = Stream::new(Seed::new(5), Purpose::SurveyPhoton, 1, number);
-    let mut counts = vec![0; 4 * shares];
+    let mut counts = vec![0; 4 * bins];
     for _ in 0..60_000 {
         let out = phase.sample(incoming, nm, stream.pair());
         assert!((out.length() - 1.0).abs() < 1e-12);
@@ -145,15 +145,15 @@ fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u6
         } else {
             2.0 - 0.5 * (out + incoming).length_squared()
         };
-        let share = edges.partition_point(|&edge| edge <= height);
+        let bin = edges.partition_point(|&edge| edge <= height);
         let quarter = 2 * usize::from(out.dot(across) > 0.0) + usize::from(out.dot(up) > 0.0);
-        counts[4 * share + quarter] += 1;
+        counts[4 * bin + quarter] += 1;
     }
     counts
 }
 
 #[test]
-fn samples_follow_the_density() {
+fn samples_follow_the_pdf() {
     let mut number = 0;
     for PhaseCase { name, phase, .. } in cases() {
         for nm in PHASE_TEST_NM {
@@ -183,8 +183,8 @@ fn narrowest_peaks_and_extreme_random_numbers_stay_finite() {
     for phase in cases().into_iter().map(|case| case.phase).chain(narrow) {
         for nm in PHASE_TEST_NM {
             for cos in [-1.0, -0.5, 0.0, 1.0] {
-                let density = phase.eval(cos, nm);
-                assert!(density.is_finite() && density >= 0.0, "{phase:?} at {cos}: {density}");
+                let pdf = phase.eval(cos, nm);
+                assert!(pdf.is_finite() && pdf >= 0.0, "{phase:?} at {cos}: {pdf}");
             }
             for u in [0.0, 1e-17, 0.5, ONE_MINUS_ULP] {
                 let out = phase.sample(DVec3::NEG_Z, nm, [u, 0.25]);

@@ -28,7 +28,7 @@ pub struct MieSpheres {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MieScattering {
     /// Density per steradian at the requested angles.
-    pub density: Vec<f64>,
+    pub pdf_per_sr: Vec<f64>,
     /// Mean scattering cross-section in µm².
     pub cross_section_um2: f64,
     /// Mean of cos θ.
@@ -98,7 +98,7 @@ impl MieSpheres {
         let angles = self.angles_deg();
         let step = (BAND_NM.1 - BAND_NM.0) / f64::from(TABLE_STEPS);
         let nm: Vec<f64> = (0..=TABLE_STEPS).map(|i| BAND_NM.0 + f64::from(i) * step).collect();
-        let values: Vec<Vec<f64>> = nm.iter().map(|&nm| self.scattering(nm, &angles).density).collect();
+        let values: Vec<Vec<f64>> = nm.iter().map(|&nm| self.scattering(nm, &angles).pdf_per_sr).collect();
         let table = Arc::new(PhaseTable::new(&angles, &nm, &values)?);
         if let Ok(mut known) = known.lock() {
             known.insert(key, table.clone());
@@ -111,7 +111,7 @@ impl MieSpheres {
     /// radius at the shortest wavelength. The width of the peak is proportional to 1/x, and the
     /// period of the ripples is π/x.
     fn angles_deg(&self) -> Vec<f64> {
-        let mean_um: f64 = self.radii_um.iter().map(|(radius, share)| radius * share).sum();
+        let mean_um: f64 = self.radii_um.iter().map(|(radius, fraction)| radius * fraction).sum();
         let x = size_parameter(mean_um, BAND_NM.0);
         let ripple = (20.0 / x).min(1.0);
         let mut angles = vec![0.0];
@@ -132,23 +132,23 @@ impl MieSpheres {
         let cosines: Vec<f64> = angles_deg.iter().map(|degrees| cos(degrees.to_radians())).collect();
         let mut intensity = vec![0.0; cosines.len()];
         let (mut scattering_sum, mut asymmetry_sum) = (0.0, 0.0);
-        for &(radius_um, share) in &self.radii_um {
+        for &(radius_um, fraction) in &self.radii_um {
             let series = MieSeries::new(size_parameter(radius_um, nm), self.index.n(nm));
-            scattering_sum += share * series.scattering_sum;
-            asymmetry_sum += share * series.asymmetry_sum;
+            scattering_sum += fraction * series.scattering_sum;
+            asymmetry_sum += fraction * series.asymmetry_sum;
             for (cosines, intensity) in cosines.chunks(ANGLE_LANES).zip(intensity.chunks_mut(ANGLE_LANES)) {
                 let mut lanes = [1.0; ANGLE_LANES];
                 lanes[..cosines.len()].copy_from_slice(cosines);
                 let found = series.intensity(&lanes);
-                intensity.iter_mut().zip(found).for_each(|(sum, here)| *sum += share * here);
+                intensity.iter_mut().zip(found).for_each(|(sum, here)| *sum += fraction * here);
             }
         }
         // The density is (|S₁|² + |S₂|²)/(2k²) divided by the cross-section, which is
         // `scattering_sum`·2π/k².
-        let density = intensity.iter().map(|intensity| intensity / (4.0 * PI * scattering_sum)).collect();
+        let pdf_per_sr = intensity.iter().map(|intensity| intensity / (4.0 * PI * scattering_sum)).collect();
         let wavelength_um = nm * 1e-3;
         let cross_section_um2 = wavelength_um * wavelength_um / TAU * scattering_sum;
-        MieScattering { density, cross_section_um2, mean_cosine: asymmetry_sum / scattering_sum }
+        MieScattering { pdf_per_sr, cross_section_um2, mean_cosine: asymmetry_sum / scattering_sum }
     }
 }
 
@@ -164,9 +164,9 @@ pub(super) fn lognormal(median_um: f64, sigma: f64, steps: i32) -> Vec<(f64, f64
         return vec![(median_um, 1.0)];
     }
     let deviation = |i: i32| RADIUS_RANGE_SIGMAS * (2.0 * f64::from(i) / f64::from(steps) - 1.0);
-    let share = |z: f64| exp(-0.5 * z * z);
-    let sum: f64 = (0..=steps).map(|i| share(deviation(i))).sum();
-    (0..=steps).map(deviation).map(|z| (median_um * exp(sigma * z), share(z) / sum)).collect()
+    let fraction = |z: f64| exp(-0.5 * z * z);
+    let sum: f64 = (0..=steps).map(|i| fraction(deviation(i))).sum();
+    (0..=steps).map(deviation).map(|z| (median_um * exp(sigma * z), fraction(z) / sum)).collect()
 }
 
 /// Number of angles for which the series is summed at the same time.
@@ -290,9 +290,9 @@ mod tests {
         let tiny = MieSpheres::new(0.002, None, RefractiveIndex::constant(1.5).unwrap()).unwrap();
         let angles = [0.0, 40.0, 90.0, 170.0];
         let found = tiny.scattering(500.0, &angles);
-        for (angle, density) in angles.iter().zip(&found.density) {
+        for (angle, pdf_per_sr) in angles.iter().zip(&found.pdf_per_sr) {
             let expected = PhaseFunction::Rayleigh.eval(f64::to_radians(*angle).cos(), 500.0);
-            assert!((density / expected - 1.0).abs() < 1e-3, "{angle}°: {density}");
+            assert!((pdf_per_sr / expected - 1.0).abs() < 1e-3, "{angle}°: {pdf_per_sr}");
         }
         // Rayleigh limit: C = 8/3 π r² x⁴ ((m² − 1)/(m² + 2))².
         let x = size_parameter(0.002, 500.0);
@@ -317,7 +317,7 @@ mod tests {
             );
             assert!((found.mean_cosine - mean_cosine).abs() < 3e-6, "{nm} nm: {}", found.mean_cosine);
             let column = &columns[((nm - 400.0) / 50.0) as usize];
-            let off = found.density.iter().zip(column).map(|(found, known)| (found / known - 1.0).abs());
+            let off = found.pdf_per_sr.iter().zip(column).map(|(found, known)| (found / known - 1.0).abs());
             let worst = off.fold(0.0, f64::max);
             println!("{nm} nm: the density is off by at most {worst:.1e}");
             assert!(worst < 1e-4, "{nm} nm: off by {worst:e}");

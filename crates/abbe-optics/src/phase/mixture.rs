@@ -17,7 +17,7 @@ pub struct PhaseMixture<'a> {
     phase: &'a PhaseFunction,
     nm: Lanes,
     /// The share of each wavelength. Shares of unused lanes are 0.
-    shares: Lanes,
+    fractions: Lanes,
     count: usize,
 }
 
@@ -26,9 +26,9 @@ impl<'a> PhaseMixture<'a> {
     pub fn new(phase: &'a PhaseFunction, wavelengths: &Wavelengths, importance: &Lanes) -> Self {
         let total: f64 = importance[..wavelengths.count].iter().sum();
         let mixed = wavelengths.count > 1 && total > 0.0 && phase.depends_on_wavelength();
-        let (count, shares) =
+        let (count, fractions) =
             if mixed { (wavelengths.count, importance.map(|value| value / total)) } else { (1, [1.0, 0.0, 0.0, 0.0]) };
-        Self { phase, nm: wavelengths.nm, shares, count }
+        Self { phase, nm: wavelengths.nm, fractions, count }
     }
 
     /// Returns the density per steradian at the cosine of the scattering angle.
@@ -36,18 +36,18 @@ impl<'a> PhaseMixture<'a> {
         if self.count == 1 {
             return self.phase.eval(cos_theta, self.nm[0]);
         }
-        (0..self.count).map(|k| self.shares[k] * self.phase.eval(cos_theta, self.nm[k])).sum()
+        (0..self.count).map(|k| self.fractions[k] * self.phase.eval(cos_theta, self.nm[k])).sum()
     }
 
     /// Samples the direction of scattered light; see [`PhaseFunction::sample`].
     pub fn sample(&self, incoming: DVec3, [mut u, v]: [f64; 2]) -> DVec3 {
         let mut lane = 0;
-        while lane + 1 < self.count && u >= self.shares[lane] {
-            u -= self.shares[lane];
+        while lane + 1 < self.count && u >= self.fractions[lane] {
+            u -= self.fractions[lane];
             lane += 1;
         }
         if self.count > 1 {
-            u = (u / self.shares[lane]).clamp(0.0, ONE_MINUS_ULP);
+            u = (u / self.fractions[lane]).clamp(0.0, ONE_MINUS_ULP);
         }
         self.phase.sample(incoming, self.nm[lane], [u, v])
     }

@@ -51,8 +51,8 @@ mod tests {
             let step = if angle > 5.0 && angle < 179.0 { 0.02 } else { 0.0 };
             (-2..=2).map(move |i| angle + f64::from(i) * step)
         });
-        let density = rain().scattering(nm, &places.collect::<Vec<_>>()).density;
-        density.chunks(5).map(|places| places.iter().sum::<f64>() / 5.0).collect()
+        let pdf_per_sr = rain().scattering(nm, &places.collect::<Vec<_>>()).pdf_per_sr;
+        pdf_per_sr.chunks(5).map(|places| places.iter().sum::<f64>() / 5.0).collect()
     }
 
     #[test]
@@ -69,11 +69,11 @@ mod tests {
         if !bless {
             for (nm, column) in nm.iter().zip(&columns) {
                 let table = PhaseFunction::Table(rainbow());
-                for (angle, density) in angles().into_iter().zip(column).step_by(7) {
+                for (angle, pdf_per_sr) in angles().into_iter().zip(column).step_by(7) {
                     // The table and the series are normalised separately, and the table is rounded
                     // to five digits.
                     let found = table.eval(angle.to_radians().cos(), *nm);
-                    assert!((found / density - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {density}");
+                    assert!((found / pdf_per_sr - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {pdf_per_sr}");
                 }
             }
             return;

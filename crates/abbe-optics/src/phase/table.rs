@@ -35,7 +35,7 @@ pub struct PhaseTable {
 #[derive(Debug, Clone, PartialEq)]
 struct PhaseColumn {
     /// Density per steradian at each angle.
-    density: Vec<f64>,
+    pdf_per_sr: Vec<f64>,
     /// Probability of each cell between two angles.
     cells: DiscreteDistribution,
     mean_cosine: f64,
@@ -67,7 +67,7 @@ impl PhaseTable {
 
     /// Returns whether the columns differ between wavelengths.
     pub(super) fn depends_on_wavelength(&self) -> bool {
-        self.columns.iter().any(|column| column.density != self.columns[0].density)
+        self.columns.iter().any(|column| column.pdf_per_sr != self.columns[0].pdf_per_sr)
     }
 
     /// Returns the density per steradian.
@@ -76,7 +76,7 @@ impl PhaseTable {
         let cell = self.cell(versine);
         let (from, to) = (self.versines[cell], self.versines[cell + 1]);
         let t = (versine - from) / (to - from);
-        self.interpolated(nm, |column| (1.0 - t) * column.density[cell] + t * column.density[cell + 1])
+        self.interpolated(nm, |column| (1.0 - t) * column.pdf_per_sr[cell] + t * column.pdf_per_sr[cell + 1])
     }
 
     /// Samples the versine from the random number `u` in [0, 1). The number first selects one of
@@ -92,7 +92,7 @@ impl PhaseTable {
             &self.columns[first]
         };
         let cell = column.cells.sample(&mut u);
-        let (from, to) = (column.density[cell], column.density[cell + 1]);
+        let (from, to) = (column.pdf_per_sr[cell], column.pdf_per_sr[cell + 1]);
         // The quantile of a linear density within a cell, in the form without cancellation.
         let t = u * (from + to) / (from + (from * from + u * (to - from) * (to + from)).max(0.0).sqrt());
         let t = if t.is_finite() { t.min(1.0) } else { 0.0 };
@@ -152,8 +152,8 @@ impl PhaseColumn {
             TAU * width * (versines[i] * (2.0 * from + to) + versines[i + 1] * (from + 2.0 * to)) / 6.0
         };
         let mean_cosine = 1.0 - (0..count).map(first_moment).sum::<f64>() / total;
-        let density = values.iter().map(|value| value / total).collect();
-        Ok(Self { density, cells: distribution, mean_cosine })
+        let pdf_per_sr = values.iter().map(|value| value / total).collect();
+        Ok(Self { pdf_per_sr, cells: distribution, mean_cosine })
     }
 }
 

@@ -96,8 +96,8 @@ impl BandValues {
             return f64::from(values[above.min(count - 1)]);
         }
         let (low, high) = (self.nm[above - 1], self.nm[above]);
-        let share = (nm - low) / (high - low);
-        f64::from(values[above - 1]) * (1.0 - share) + f64::from(values[above]) * share
+        let fraction = (nm - low) / (high - low);
+        f64::from(values[above - 1]) * (1.0 - fraction) + f64::from(values[above]) * fraction
     }
 }
 

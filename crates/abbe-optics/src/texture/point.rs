@@ -55,8 +55,8 @@ impl LookupRandom {
         (hash64([self.seed, self.count]) >> 11) as f64 * TO_UNIT
     }
 
-    /// Returns `low` or `low` + 1. The expected value is `low` + `share`.
-    pub(super) fn round(&mut self, low: f64, share: f64) -> f64 {
-        if self.uniform() < share { low + 1.0 } else { low }
+    /// Returns `low` or `low` + 1. The expected value is `low` + `fraction`.
+    pub(super) fn round(&mut self, low: f64, fraction: f64) -> f64 {
+        if self.uniform() < fraction { low + 1.0 } else { low }
     }
 }

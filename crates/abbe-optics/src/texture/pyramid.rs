@@ -114,8 +114,8 @@ impl ImagePattern {
         let mut mean = vec![0.0_f64; count];
         for pair in self.levels.windows(2) {
             let (from, to) = (pair[0], pair[1]);
-            let columns = shares(from.size.width, to.size.width);
-            let rows = shares(from.size.height, to.size.height);
+            let columns = overlaps(from.size.width, to.size.width);
+            let rows = overlaps(from.size.height, to.size.height);
             for row in &rows {
                 for column in &columns {
                     mean.fill(0.0);
@@ -217,13 +217,13 @@ fn wrapped(index: f64, count: usize, wrap: Wrap) -> usize {
 
 /// Divides `from` cells evenly into `to` parts, and returns the cells of each part, with their
 /// shares of the part.
-fn shares(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
+fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     let step = from as f64 / to as f64;
     let part = |i: usize| {
         let (low, high) = (i as f64 * step, (i + 1) as f64 * step);
         let cells = low as usize..(high.ceil() as usize).min(from);
-        let share = |cell: usize| (high.min(cell as f64 + 1.0) - low.max(cell as f64)) / step;
-        cells.map(|cell| (cell, share(cell))).filter(|(_, share)| *share > 0.0).collect()
+        let fraction = |cell: usize| (high.min(cell as f64 + 1.0) - low.max(cell as f64)) / step;
+        cells.map(|cell| (cell, fraction(cell))).filter(|(_, fraction)| *fraction > 0.0).collect()
     };
     (0..to).map(part).collect()
 }

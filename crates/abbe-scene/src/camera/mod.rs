@@ -19,7 +19,7 @@ pub use system::{LensReflections, SystemAt, SystemLens};
 
 use crate::geometry::Ray;
 use crate::medium_stack::MediumStack;
-use crate::meter::Receptor;
+use crate::meter::Sensor;
 use crate::motion::LookAt;
 use abbe_spectra::math::elementary::atan;
 use glam::{DVec2, DVec3};
@@ -59,7 +59,7 @@ pub struct Camera {
     /// For an orthographic camera, the side length in m.
     pixel: f64,
     /// The receptors of meters. Empty for a camera with a picture.
-    receptors: Arc<[Receptor]>,
+    sensors: Arc<[Sensor]>,
     /// The bodies that contain the camera.
     pub medium_stack: MediumStack,
     /// True if the scene enables diffraction at the aperture. A pinhole ignores this value.
@@ -98,40 +98,40 @@ impl Camera {
         let size = DVec2::new(f64::from(width), f64::from(height));
         let pixel = 2.0 * tan_half_height / size.y;
         let (right, medium_stack, diffracts) = (forward.cross(up), MediumStack::AIR, false);
-        let receptors = Arc::default();
-        Self { origin, right, up, forward, aperture, size, pixel, receptors, medium_stack, diffracts }
+        let sensors = Arc::default();
+        Self { origin, right, up, forward, aperture, size, pixel, sensors, medium_stack, diffracts }
     }
 
     /// Creates the camera of a measurement. Its film has one column, and each receptor has `rows`
     /// consecutive rows.
-    pub fn of_receptors(receptors: Arc<[Receptor]>, rows: u32) -> Self {
+    pub fn of_sensors(sensors: Arc<[Sensor]>, rows: u32) -> Self {
         /// The angle (rad) of the cone that a path from a receptor represents. It sets the
         /// footprint of textures and the largest kernels.
         const PATH_ANGLE: f64 = 0.02;
-        let height = receptors.len() as u32 * rows;
+        let height = sensors.len() as u32 * rows;
         let axes = (DVec3::NEG_Z, DVec3::Y);
         let half = 0.5 * PATH_ANGLE * f64::from(height);
-        Self { receptors, ..Self::new(DVec3::ZERO, axes, half, (1, height), Aperture::Pinhole) }
+        Self { sensors, ..Self::new(DVec3::ZERO, axes, half, (1, height), Aperture::Pinhole) }
     }
 
     /// The receptors of a measurement. Empty for a camera with a picture.
-    pub fn receptors(&self) -> &Arc<[Receptor]> {
-        &self.receptors
+    pub fn sensors(&self) -> &Arc<[Sensor]> {
+        &self.sensors
     }
 
     /// Replaces the receptors by others. Their number must be the same.
-    pub fn set_receptors(&mut self, receptors: Arc<[Receptor]>) {
-        self.receptors = receptors;
+    pub fn set_sensors(&mut self, sensors: Arc<[Sensor]>) {
+        self.sensors = sensors;
     }
 
     /// The receptor of a pixel and its number, or `None` if the camera has a picture.
     #[inline]
-    pub fn receptor(&self, pixel: u64) -> Option<(usize, &Receptor)> {
-        if self.receptors.is_empty() {
+    pub fn sensor(&self, pixel: u64) -> Option<(usize, &Sensor)> {
+        if self.sensors.is_empty() {
             return None;
         }
-        let number = pixel as usize / (self.pixel_count() / self.receptors.len());
-        self.receptors.get(number).map(|receptor| (number, receptor))
+        let number = pixel as usize / (self.pixel_count() / self.sensors.len());
+        self.sensors.get(number).map(|sensor| (number, sensor))
     }
 
     /// The centre of the lens, relative to the scene's centre, in m.
@@ -314,7 +314,7 @@ impl Camera {
     /// The random numbers `lens` sample the opening of a thin lens. A lens system is treated as an
     /// ideal lens, as in [`ray`](Self::ray).
     pub fn connect(&self, point: DVec3, lens: [f64; 2]) -> Option<CameraConnection> {
-        if !self.receptors.is_empty() {
+        if !self.sensors.is_empty() {
             return None;
         }
         let (shift, focus_m) = match self.aperture {
@@ -389,12 +389,12 @@ mod tests {
             for (i, film) in [[0.5, 0.5], [12.25, 20.75], [39.5, 29.5]].into_iter().enumerate() {
                 let lens = [0.2 + 0.3 * i as f64, 0.7];
                 let ray = camera.ray(DVec2::from(film), lens);
-                let sighting = camera.connect(ray.origin + ray.direction * 4.2, lens).unwrap();
-                assert_eq!(sighting.pixel, film[1] as u32 * 40 + film[0] as u32);
-                assert!((sighting.distance - 4.2).abs() < 1e-12);
+                let connection = camera.connect(ray.origin + ray.direction * 4.2, lens).unwrap();
+                assert_eq!(connection.pixel, film[1] as u32 * 40 + film[0] as u32);
+                assert!((connection.distance - 4.2).abs() < 1e-12);
                 let seen = camera.project(camera.origin() + (ray.origin - camera.origin()) + ray.direction * 4.2);
                 assert!(camera.aperture() != &Aperture::Pinhole || (seen.unwrap() - DVec2::from(film)).length() < 1e-9);
-                assert!((sighting.direction + ray.direction).length() < 1e-12);
+                assert!((connection.direction + ray.direction).length() < 1e-12);
             }
             assert!(camera.connect(DVec3::new(1.0, 2.0, 4.0), [0.5; 2]).is_none(), "behind the camera");
         }
@@ -454,9 +454,9 @@ mod tests {
                 let lens = [0.5, 0.5];
                 let ray = camera.ray(film, lens);
                 let cos = ray.direction.dot(DVec3::NEG_Z);
-                let sighting = camera.connect(ray.origin + ray.direction * 2.0, lens).unwrap();
+                let connection = camera.connect(ray.origin + ray.direction * 2.0, lens).unwrap();
                 let pixel_solid_angle = camera.pixel_angle().powi(2) * cos.powi(3);
-                assert!((sighting.importance * 4.0 * pixel_solid_angle - 1.0).abs() < 1e-9);
+                assert!((connection.importance * 4.0 * pixel_solid_angle - 1.0).abs() < 1e-9);
             }
         }
     }

@@ -83,8 +83,8 @@ impl Shutter {
     /// in [0, 1]. If `u` is uniformly distributed, the density of the times is proportional to the
     /// transmission.
     pub fn time_s(&self, u: f64) -> f64 {
-        let share = self.curve.as_ref().map_or(u, |curve| curve.inverse(u));
-        (1.0 - share) * self.open_s + share * self.close_s
+        let fraction = self.curve.as_ref().map_or(u, |curve| curve.inverse(u));
+        (1.0 - fraction) * self.open_s + fraction * self.close_s
     }
 }
 
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_density_of_times_is_the_transmission() {
+    fn the_pdf_of_times_is_the_transmission() {
         let curves: [&[[f64; 2]]; 5] = [
             &[[0.0, 1.0], [1.0, 1.0]],
             &[[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]],

@@ -237,10 +237,10 @@ impl SystemLens {
     fn bounds_of_last_surface(&self, place: DVec2) -> [DVec2; 2] {
         // A line from the position through a point of the surface crosses the plane at
         // position + k·(point − position), where k depends on the sag of the point.
-        let reach = DVec2::splat(self.last_surface().semi_aperture_mm);
+        let half_extent = DVec2::splat(self.last_surface().semi_aperture_mm);
         let [low, high] = self.last_sag_mm.map(|sag_mm| {
             let k = self.sensor_mm / (self.sensor_mm - sag_mm);
-            [place * (1.0 - k) - reach * k, place * (1.0 - k) + reach * k]
+            [place * (1.0 - k) - half_extent * k, place * (1.0 - k) + half_extent * k]
         });
         [low[0].min(high[0]), low[1].max(high[1])]
     }
@@ -248,28 +248,28 @@ impl SystemLens {
     /// Measures the integral ∫ cos⁴θ/z² dA over the exit pupil. The integral is for the middle of
     /// the sensor and for the wavelength of the d line.
     fn measure_axis(&self) -> f64 {
-        let (at_d, reach) = (self.lens.at(lines::D_NM), self.grid_extent_mm());
-        let cell = 2.0 * reach / AXIS_GRID as f64;
-        let share = |pupil: DVec2| {
+        let (at_d, half_extent) = (self.lens.at(lines::D_NM), self.grid_extent_mm());
+        let cell = 2.0 * half_extent / AXIS_GRID as f64;
+        let cos4_term = |pupil: DVec2| {
             let (ray, geometry) = self.ray_to_pupil(DVec2::ZERO, pupil);
             let passes = at_d.trace(ray, TraceDirection::ToScene, ApertureCheck::Enforced).is_ok();
             if passes { geometry * cell * cell } else { 0.0 }
         };
-        grid(AXIS_GRID, reach).map(share).sum()
+        grid(AXIS_GRID, half_extent).map(cos4_term).sum()
     }
 
     /// The bounds of the exit pupil on the plane of the last vertex. They apply to the sensor
     /// position on the positive x axis that is at the distance `radius_mm` from the optical axis. A
     /// margin of one grid cell is added on every side.
     fn bounds(&self, radius_mm: f64) -> Option<[DVec2; 2]> {
-        let reach = self.grid_extent_mm();
-        let margin = DVec2::splat(2.0 * reach / BOUNDS_GRID as f64);
+        let half_extent = self.grid_extent_mm();
+        let margin = DVec2::splat(2.0 * half_extent / BOUNDS_GRID as f64);
         let colours = BOUNDING_NM.map(|nm| self.lens.at(nm));
         let passes = |pupil: &DVec2| {
             let (ray, _) = self.ray_to_pupil(DVec2::new(radius_mm, 0.0), *pupil);
             colours.iter().any(|lens| lens.trace(ray, TraceDirection::ToScene, ApertureCheck::Enforced).is_ok())
         };
-        let boxes = grid(BOUNDS_GRID, reach).filter(passes).map(|pupil| Some([pupil - margin, pupil + margin]));
+        let boxes = grid(BOUNDS_GRID, half_extent).filter(passes).map(|pupil| Some([pupil - margin, pupil + margin]));
         boxes.fold(None, union)
     }
 }

@@ -20,7 +20,7 @@ use abbe_spectra::math::elementary::sin_cos;
 /// Ratio of `Geometry::coincidence_range_m` to the largest coordinate of the scene.
 /// `coincidence_range_m` also contains a margin for the rounding of the centre. The margin is not
 /// part of this ratio. The value is 2⁻²³.
-const COINCIDENCE_RANGE_SHARE: f64 = 1.2e-7;
+const COINCIDENCE_RANGE_FRACTION: f64 = 1.2e-7;
 
 impl Geometry {
     /// Builds the geometry of all placed shapes. `centre` is subtracted from every position.
@@ -29,7 +29,8 @@ impl Geometry {
     /// Returns an error if a shape is not a valid body, a transform is singular or not finite, a
     /// shape has no area, or the scene has more than 2³² primitives or vertices.
     pub fn build(placed: Vec<PlacedShape>, centre: DVec3) -> Result<Self> {
-        let mut primitives = Primitives { centre_reach: centre.abs().max_element(), ..Primitives::default() };
+        let mut primitives =
+            Primitives { largest_centre_coordinate: centre.abs().max_element(), ..Primitives::default() };
         let is_shared = shared_meshes(&placed);
         for (item, &is_shared) in placed.iter().zip(&is_shared) {
             let of_object = |mut error: Error| {
@@ -48,9 +49,9 @@ impl Geometry {
         let mut objects = primitives.objects();
         objects.shrink_to_fit();
         let (low, high) = bvh.bounds();
-        let reach = low.abs().max(high.abs()).max_element();
-        let coincidence_range_m = if reach.is_finite() {
-            COINCIDENCE_RANGE_SHARE * reach + 256.0 * primitives.centre_rounding()
+        let largest_coordinate_m = low.abs().max(high.abs()).max_element();
+        let coincidence_range_m = if largest_coordinate_m.is_finite() {
+            COINCIDENCE_RANGE_FRACTION * largest_coordinate_m + 256.0 * primitives.centre_rounding()
         } else {
             0.0
         };

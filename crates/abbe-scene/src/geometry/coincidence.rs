@@ -51,16 +51,17 @@ impl Primitives {
     /// Returns an upper bound, in m, of the rounding error of a position. This is the error before
     /// the scene's centre is subtracted from the position.
     pub(super) fn centre_rounding(&self) -> f64 {
-        ROUNDINGS * f64::EPSILON * self.centre_reach
+        ROUNDINGS * f64::EPSILON * self.largest_centre_coordinate
     }
 
     /// Returns the distance in m below which two surfaces coincide at a point. The distance is a
     /// multiple of the rounding error of the coordinates at this point.
     fn tolerance(&self, point: DVec3, surfaces: [SurfaceId; 2]) -> f64 {
-        let reach = surfaces
-            .into_iter()
-            .fold(point.abs().max_element(), |reach, surface| reach.max(self.largest_coordinate(surface.primitive)));
-        ROUNDINGS * f64::EPSILON * reach + self.centre_rounding()
+        let largest_coordinate_m =
+            surfaces.into_iter().fold(point.abs().max_element(), |largest_coordinate_m, surface| {
+                largest_coordinate_m.max(self.largest_coordinate(surface.primitive))
+            });
+        ROUNDINGS * f64::EPSILON * largest_coordinate_m + self.centre_rounding()
     }
 }
 

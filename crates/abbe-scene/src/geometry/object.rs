@@ -54,10 +54,10 @@ pub(super) struct ObjectSurfaces {
 }
 
 impl ObjectSurface {
-    /// Returns the first face whose cumulative area exceeds `share` times the area of the object.
-    /// `share` lies in [0, 1). Returns `None` if the object has no face.
-    pub(super) fn face_at(&self, share: f64) -> Option<SurfaceId> {
-        let area = share * self.area;
+    /// Returns the first face whose cumulative area exceeds `fraction` times the area of the object.
+    /// `fraction` lies in [0, 1). Returns `None` if the object has no face.
+    pub(super) fn face_at(&self, fraction: f64) -> Option<SurfaceId> {
+        let area = fraction * self.area;
         let index = self.faces.partition_point(|face| face.area_so_far <= area);
         self.faces.get(index).or(self.faces.last()).map(|face| face.surface)
     }

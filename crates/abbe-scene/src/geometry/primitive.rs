@@ -69,7 +69,7 @@ impl PlacedSolid {
     /// Returns the ratio of two densities on a face: the density of `Solid::sample`, and a density
     /// that is uniform by area in the world. The result is 1, except on curved faces with unequal
     /// scaling.
-    pub(super) fn density(&self, face: u32, area_scale: f64) -> f64 {
+    pub(super) fn relative_pdf(&self, face: u32, area_scale: f64) -> f64 {
         self.face_areas[face as usize] / (self.solid.area(face) * area_scale)
     }
 }
@@ -120,7 +120,7 @@ pub(super) struct Primitives {
     pub(super) dropped: usize,
     /// Largest absolute coordinate of the centre. `Geometry::build` subtracts the centre from all
     /// positions.
-    pub(super) centre_reach: f64,
+    pub(super) largest_centre_coordinate: f64,
 }
 
 /// A candidate for the nearest crossing.

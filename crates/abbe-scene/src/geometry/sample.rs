@@ -37,8 +37,8 @@ impl Geometry {
                 let analytic = &self.primitives.analytic[*index as usize];
                 let local = analytic.solid.sample(surface.face, u);
                 let found = analytic.placed_surface(local, surface.face);
-                let density = analytic.density(surface.face, found.area_scale);
-                let pdf_area = density / object.area;
+                let relative_pdf = analytic.relative_pdf(surface.face, found.area_scale);
+                let pdf_area = relative_pdf / object.area;
                 SurfaceSample { position: found.position, normal: found.normal, surface, pdf_area }
             }
             Primitive::Triangle(_) | Primitive::Instance(_) => {
@@ -88,7 +88,7 @@ impl Geometry {
             Primitive::Analytic(index) => {
                 let analytic = &self.primitives.analytic[*index as usize];
                 let found = analytic.surface(point, surface.face);
-                let pdf_area = analytic.density(surface.face, found.area_scale) / object.area;
+                let pdf_area = analytic.relative_pdf(surface.face, found.area_scale) / object.area;
                 SurfaceSample { position: found.position, normal: found.normal, surface, pdf_area }
             }
             Primitive::Triangle(_) | Primitive::Instance(_) => {

@@ -87,7 +87,7 @@ impl Geometry {
         let mut best: Option<Candidate> = None;
         let mut limit = t_max;
         self.bvh.traverse(ray, t_max, |primitive| {
-            let reach = limit + self.coincidence_range_m;
+            let limit_with_margin = limit + self.coincidence_range_m;
             let mut consider = |candidate: &Candidate| {
                 if candidate.t < limit + self.coincidence_range_m
                     && self.is_nearer(ray, candidate, best.as_ref(), t_max)
@@ -98,7 +98,7 @@ impl Geometry {
                 limit + self.coincidence_range_m
             };
             if INSTANCES && let Primitive::Instance(index) = self.primitives.list[primitive as usize] {
-                query.instance_crossings(index, reach, consider);
+                query.instance_crossings(index, limit_with_margin, consider);
             } else if let Some(candidate) = query.first_crossing(primitive) {
                 consider(&candidate);
             }
@@ -136,22 +136,22 @@ impl Geometry {
     ) -> bool {
         let query = RayQuery::new(self, ray, from);
         let end = to.map(|surface| Candidate { t: t_max, surface, weights: [0.0; 3] });
-        let reach = t_max + self.coincidence_range_m;
+        let limit_with_margin = t_max + self.coincidence_range_m;
         let mut blocked = false;
-        self.bvh.traverse(ray, reach, |primitive| {
+        self.bvh.traverse(ray, limit_with_margin, |primitive| {
             if blocked {
                 return -1.0;
             }
             if INSTANCES && let Primitive::Instance(index) = self.primitives.list[primitive as usize] {
-                query.instance_crossings(index, reach, |candidate| {
+                query.instance_crossings(index, limit_with_margin, |candidate| {
                     blocked = blocked || self.blocks(ray, candidate, end.as_ref(), t_max);
-                    if blocked { -1.0 } else { reach }
+                    if blocked { -1.0 } else { limit_with_margin }
                 });
             } else {
                 let crossing = query.first_crossing(primitive);
                 blocked = crossing.is_some_and(|candidate| self.blocks(ray, &candidate, end.as_ref(), t_max));
             }
-            if blocked { -1.0 } else { reach }
+            if blocked { -1.0 } else { limit_with_margin }
         });
         blocked
     }

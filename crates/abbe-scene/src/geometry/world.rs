@@ -32,9 +32,9 @@ impl Geometry {
     /// empty scene.
     pub fn radius_m(&self) -> f64 {
         let (low, high) = self.bounds();
-        let reach = low.abs().max(high.abs()).length();
+        let farthest_m = low.abs().max(high.abs()).length();
         // With the margin, all surfaces lie strictly inside the ball.
-        if reach.is_finite() { reach * (1.0 + 1e-6) } else { 1.0 }
+        if farthest_m.is_finite() { farthest_m * (1.0 + 1e-6) } else { 1.0 }
     }
 
     /// Returns the texture coordinates at a hit. On analytic shapes, they lie in [0, 1]. If a mesh

@@ -157,10 +157,10 @@ impl BeamLight {
         }
     }
 
-    pub(super) fn lit_interval(&self, ray: &Ray, window: (f64, f64)) -> Option<LitInterval> {
+    pub(super) fn lit_interval(&self, ray: &Ray, interval: (f64, f64)) -> Option<LitInterval> {
         let (from, to) = match self.cone() {
-            None => inside_cylinder(ray, window, self.centre, self.axis, self.radius_m)?,
-            Some((apex, one_minus_cos)) => inside_cone(ray, window, apex, self.axis, one_minus_cos)?,
+            None => inside_cylinder(ray, interval, self.centre, self.axis, self.radius_m)?,
+            Some((apex, one_minus_cos)) => inside_cone(ray, interval, apex, self.axis, one_minus_cos)?,
         };
         Some(LitInterval { from, to, pivot: None })
     }

@@ -310,7 +310,7 @@ fn virtual_lights_add_up_to_the_light() {
 }
 
 #[test]
-fn sampled_directions_hit_the_light_with_the_stated_density() {
+fn sampled_directions_hit_the_light_with_their_pdf() {
     for case in area_cases().into_iter().chain(distant_cases()) {
         let (world, receiver) = (case.extent(), case.receiver);
         let mut stream = stream(4);
@@ -335,7 +335,7 @@ fn sampled_directions_hit_the_light_with_the_stated_density() {
 }
 
 #[test]
-fn the_density_of_surfaces_integrates_to_the_lit_share() {
+fn the_surface_pdf_integrates_to_the_lit_fraction() {
     // Both sides of the comparison are weighted by the cosine at the light. Without this weight,
     // the density of area sampling would have no bound near cosine 0.
     for case in area_cases() {
@@ -366,7 +366,7 @@ fn the_density_of_surfaces_integrates_to_the_lit_share() {
 }
 
 #[test]
-fn the_density_of_distant_lights_integrates_to_one() {
+fn the_pdf_of_distant_lights_integrates_to_one() {
     for case in distant_cases().into_iter().filter(|case| !case.light.is_delta()) {
         let mut stream = stream(8);
         let integral = SampleMean::of(400_000, || 4.0 * PI * case.light.pdf_li_escaped(warp::sphere(stream.pair())));
@@ -453,8 +453,12 @@ fn extreme_random_numbers_give_finite_rays() {
             };
             let unit = (incident.direction.length() - 1.0).abs() < 1e-9;
             let irradiance = incident.irradiance.is_finite() && incident.irradiance >= 0.0;
-            let density = incident.pdf_solid_angle.is_none_or(|pdf| pdf.is_finite() && pdf > 0.0);
-            assert!(unit && irradiance && density && incident.distance > 0.0, "{} at {u:?}: {incident:?}", case.name);
+            let pdf_is_valid = incident.pdf_solid_angle.is_none_or(|pdf| pdf.is_finite() && pdf > 0.0);
+            assert!(
+                unit && irradiance && pdf_is_valid && incident.distance > 0.0,
+                "{} at {u:?}: {incident:?}",
+                case.name
+            );
         }
     }
 }

@@ -174,11 +174,11 @@ impl GoniometricLight {
         IntensityBounds { low, high, intensity, axis, normals_rad: acos(1.0 - one_minus_cos), emission_rad: 0.0 }
     }
 
-    pub(super) fn lit_interval(&self, ray: &Ray, window: (f64, f64), u: [f64; 3]) -> Option<LitInterval> {
+    pub(super) fn lit_interval(&self, ray: &Ray, interval: (f64, f64), u: [f64; 3]) -> Option<LitInterval> {
         let pivot = Some(self.position + self.opening.sample([u[0], u[1]]));
         let (axis, one_minus_cos) = self.cone();
         let (from, to) =
-            if self.is_point() { inside_cone(ray, window, self.position, axis, one_minus_cos)? } else { window };
+            if self.is_point() { inside_cone(ray, interval, self.position, axis, one_minus_cos)? } else { interval };
         Some(LitInterval { from, to, pivot })
     }
 

@@ -255,8 +255,8 @@ fn place(nodes: &[f64], x: f64) -> Option<(usize, f64)> {
 }
 
 /// Interpolates linearly. If both values are equal, the result is exactly this value.
-fn mix(from: f64, to: f64, share: f64) -> f64 {
-    from + share * (to - from)
+fn mix(from: f64, to: f64, fraction: f64) -> f64 {
+    from + fraction * (to - from)
 }
 
 /// Samples a number in [0, 1] with a density that is linear between the values at both ends.
@@ -271,18 +271,18 @@ fn inverse_of_linear([low, high]: [f64; 2], u: f64) -> f64 {
 /// interval.
 fn inverse_of_arc((from, to): (f64, f64), ends: [f64; 2], u: f64) -> f64 {
     const MOST_STEPS: u32 = 60;
-    let density = |angle: f64| mix(ends[0], ends[1], (angle - from) / (to - from)) * sin(angle);
-    let wanted = u * gauss4((from, to), density);
-    let start = inverse_of_linear([density(from).max(0.0), density(to).max(0.0)], u);
+    let unnormalised_pdf = |angle: f64| mix(ends[0], ends[1], (angle - from) / (to - from)) * sin(angle);
+    let wanted = u * gauss4((from, to), unnormalised_pdf);
+    let start = inverse_of_linear([unnormalised_pdf(from).max(0.0), unnormalised_pdf(to).max(0.0)], u);
     let (mut low, mut high, mut angle) = (from, to, mix(from, to, start));
     for _ in 0..MOST_STEPS {
-        let excess = gauss4((from, angle), density) - wanted;
+        let excess = gauss4((from, angle), unnormalised_pdf) - wanted;
         if excess > 0.0 {
             high = angle;
         } else {
             low = angle;
         }
-        let step = excess / density(angle);
+        let step = excess / unnormalised_pdf(angle);
         let next = angle - step;
         let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
         let change = (next - angle).abs();

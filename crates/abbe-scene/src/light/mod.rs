@@ -305,25 +305,25 @@ impl Light {
         }
     }
 
-    /// The part of a ray that the light can illuminate. This part lies within `window`, an interval
+    /// The part of a ray that the light can illuminate. This part lies within `interval`, an interval
     /// of distances in m. `None` if there is no such part. If the light has extent, the random
     /// numbers `u` select the pivot of the interval.
     pub fn lit_interval(
         &self,
         extent: SceneExtent<'_>,
         ray: &Ray,
-        window: (f64, f64),
+        interval: (f64, f64),
         u: [f64; 3],
     ) -> Option<LitInterval> {
-        let (from, to) = window;
+        let (from, to) = interval;
         match &self.emitter {
             Emitter::Point(light) => Some(LitInterval { from, to, pivot: Some(light.position) }),
-            Emitter::Spot(light) => light.lit_interval(ray, window),
-            Emitter::Goniometric(light) => light.lit_interval(ray, window, u),
-            Emitter::Beam(light) => light.lit_interval(ray, window),
+            Emitter::Spot(light) => light.lit_interval(ray, interval),
+            Emitter::Goniometric(light) => light.lit_interval(ray, interval, u),
+            Emitter::Beam(light) => light.lit_interval(ray, interval),
             Emitter::Directional(_) | Emitter::Environment(_) => Some(LitInterval { from, to, pivot: None }),
-            Emitter::Area(light) => Some(light.lit_interval(extent.geometry, window, u)),
-            Emitter::Volume(light) => Some(light.lit_interval(window, u)),
+            Emitter::Area(light) => Some(light.lit_interval(extent.geometry, interval, u)),
+            Emitter::Volume(light) => Some(light.lit_interval(interval, u)),
         }
     }
 

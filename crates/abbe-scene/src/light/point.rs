@@ -178,8 +178,8 @@ impl SpotLight {
         self.intensity_at(0.5 * (outward - self.axis).length_squared())
     }
 
-    pub(super) fn lit_interval(&self, ray: &Ray, window: (f64, f64)) -> Option<LitInterval> {
-        let (from, to) = inside_cone(ray, window, self.position, self.axis, self.outer)?;
+    pub(super) fn lit_interval(&self, ray: &Ray, interval: (f64, f64)) -> Option<LitInterval> {
+        let (from, to) = inside_cone(ray, interval, self.position, self.axis, self.outer)?;
         Some(LitInterval { from, to, pivot: Some(self.position) })
     }
 }

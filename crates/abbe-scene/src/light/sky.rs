@@ -231,7 +231,7 @@ mod tests {
 
     /// The mean of the radiance over the samples, weighted by their densities, is 1.
     #[test]
-    fn samples_have_the_stated_density_and_cover_all_light() {
+    fn samples_have_their_pdf_and_cover_all_light() {
         use abbe_spectra::math::sobol::Sobol;
         for (number, ground) in [(1, 0.0), (5, 0.2), (12, 0.3), (15, 0.0), (16, 0.1)] {
             let sun = SunDirection { elevation: 0.9, azimuth: 2.0 };

@@ -52,7 +52,7 @@ const BESIDE: f64 = 1e-6;
 const OBLIQUE: DVec3 = DVec3::new(0.391_827, 0.803_153, 0.448_713);
 
 /// The share of the points that are sampled uniformly over all cells.
-const DEFENSIVE_SHARE: f64 = 0.05;
+const DEFENSIVE_FRACTION: f64 = 0.05;
 
 /// A sampled point of a volume light.
 struct VolumeSample {
@@ -110,8 +110,8 @@ impl VolumeLight {
         let mean = sum / emitted.len() as f64;
         // A cell may contain a part of the body even if no probe found emission in the cell.
         // Therefore, no cell has the probability 0.
-        let shares = emitted.iter().map(|here| (1.0 - DEFENSIVE_SHARE) * here + DEFENSIVE_SHARE * mean);
-        light.cells = DiscreteDistribution::new(shares)?;
+        let fractions = emitted.iter().map(|here| (1.0 - DEFENSIVE_FRACTION) * here + DEFENSIVE_FRACTION * mean);
+        light.cells = DiscreteDistribution::new(fractions)?;
         let probed_m3 = light.box_m3() / (PROBED as f64).powi(3);
         light.power_w = 4.0
             * PI

@@ -161,7 +161,7 @@ impl ThermalEmission {
         }
         let entry = self.entry(temperature);
         let first = (entry as usize).min(STEPS - 1);
-        let share = entry - first as f64;
-        exp((1.0 - share) * self.log_band[first] + share * self.log_band[first + 1])
+        let fraction = entry - first as f64;
+        exp((1.0 - fraction) * self.log_band[first] + fraction * self.log_band[first + 1])
     }
 }

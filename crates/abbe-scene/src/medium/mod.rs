@@ -245,19 +245,19 @@ impl Medium {
 
     /// The part of the first `length_m` of the ray in which the density can be above 0. The two
     /// values are the distances in m at which this part begins and ends.
-    pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
+    pub fn interval(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
         match &self.density {
             Density::Uniform => Some((0.0, length_m)),
-            Density::Field(field) => field.window(ray, length_m),
+            Density::Field(field) => field.interval(ray, length_m),
         }
     }
 
     /// The radius in m of a sphere around the scene's centre. The sphere contains the medium's own
     /// box. The radius is 0 for a uniform medium, because it has no box.
-    pub fn reach_m(&self) -> f64 {
+    pub fn radius_m(&self) -> f64 {
         match &self.density {
             Density::Uniform => 0.0,
-            Density::Field(field) => field.reach_m(),
+            Density::Field(field) => field.radius_m(),
         }
     }
 

@@ -1,16 +1,16 @@
 //! Meters: their quantities, and the receptors that receive their light.
 //!
 //! A measurement has no picture. Its camera consists of the receptors of all meters
-//! ([`Camera::of_receptors`](super::camera::Camera::of_receptors)), and each row of its film
+//! ([`Camera::of_sensors`](super::camera::Camera::of_receptors)), and each row of its film
 //! belongs to one receptor. Paths start at the receptors, so direct light needs one shadow ray, and
 //! light from surfaces needs one path.
 
 mod placement;
 mod quantity;
-mod receptor;
+mod sensor;
 
 pub use quantity::{Quantity, QuantityKind};
-pub use receptor::{ReceivingSide, Receptor, ReceptorPoint, ReceptorShape, Response};
+pub use sensor::{ReceivingSide, Response, Sensor, SensorPoint, SensorShape};
 
 use glam::DVec3;
 use serde::Serialize;

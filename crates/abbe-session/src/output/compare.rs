@@ -25,7 +25,8 @@ pub struct ZTest {
     /// error. If two pictures show the same scene and their errors are normally distributed, the
     /// expected fraction is 0.95. The expected fraction is slightly smaller if the standard errors
     /// were estimated from few replicates.
-    pub share: f64,
+    #[serde(rename = "share")]
+    pub fraction: f64,
     /// The probability that noise alone causes a block of 8 × 8 pixels with a difference as large
     /// as the largest measured one. Student's t-test of each block, with Šidák's correction.
     pub p: f64,
@@ -38,7 +39,8 @@ pub struct ZTest {
 pub struct IntervalCoverage {
     /// The fraction of pixels where the value of B lies in the 95 % interval of A. If the noise of
     /// B is known, this noise widens the interval.
-    pub share: f64,
+    #[serde(rename = "share")]
+    pub fraction: f64,
     /// The number of pixels whose error is known in A.
     pub pixels: usize,
 }
@@ -186,7 +188,7 @@ fn z_test(picture: &Picture, reference: &Picture, selected: &[usize], p: Option<
         // Two equal values agree even if both standard errors are 0.
         within += usize::from(difference == 0.0 || difference < 1.96 * sigma);
     }
-    p.map(|p| ZTest { share: within as f64 / pixels as f64, p, pixels })
+    p.map(|p| ZTest { fraction: within as f64 / pixels as f64, p, pixels })
 }
 
 fn covered(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option<IntervalCoverage> {
@@ -196,7 +198,7 @@ fn covered(picture: &Picture, reference: &Picture, selected: &[usize]) -> Option
         pixels += 1;
         within += usize::from((picture.xyz[i][1] - reference.xyz[i][1]).abs() <= half);
     }
-    (pixels > 0).then(|| IntervalCoverage { share: within as f64 / pixels as f64, pixels })
+    (pixels > 0).then(|| IntervalCoverage { fraction: within as f64 / pixels as f64, pixels })
 }
 
 #[cfg(test)]
@@ -294,7 +296,7 @@ mod tests {
         a.xyz[1][1] += 1.96 * 0.5 * 1.001;
         a.xyz[2][1] += 100.0;
         let z = all(&a, &b).z.unwrap();
-        assert_eq!((z.share, z.pixels), (2.0 / 3.0, 3));
+        assert_eq!((z.fraction, z.pixels), (2.0 / 3.0, 3));
     }
 
     /// Checks that an interval includes noise and bias, and that pixels with unknown errors have no
@@ -307,11 +309,14 @@ mod tests {
         a.xyz[0][1] += (0.4 + 1.833 * 0.3) * 0.999;
         a.xyz[1][1] += (0.4 + 1.833 * 0.3) * 1.001;
         let found = all(&a, &b);
-        assert_eq!((found.covered, found.unknown_pixels), (Some(IntervalCoverage { share: 2.0 / 3.0, pixels: 3 }), 1));
+        assert_eq!(
+            (found.covered, found.unknown_pixels),
+            (Some(IntervalCoverage { fraction: 2.0 / 3.0, pixels: 3 }), 1)
+        );
         let known = Picture { noise: vec![Some(0.1); 4], ..b };
         assert_eq!(
             all(&a, &known).covered,
-            Some(IntervalCoverage { share: 1.0, pixels: 3 }),
+            Some(IntervalCoverage { fraction: 1.0, pixels: 3 }),
             "the reference is noisy too"
         );
     }

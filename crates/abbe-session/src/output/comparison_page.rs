@@ -91,11 +91,11 @@ fn table(comparison: &Comparison) -> Markup {
                 ("Mean Y, A / B", number(comparison.mean_ratio)),
                 ("ΔE2000, mean", number(comparison.delta_e_2000.mean)),
                 ("ΔE2000, 95th percentile", number(comparison.delta_e_2000.p95)),
-                ("Share of pixels with |z| < 1.96", comparison.z.map_or("errors unknown".to_string(), |z| number(z.share))),
+                ("Share of pixels with |z| < 1.96", comparison.z.map_or("errors unknown".to_string(), |z| number(z.fraction))),
                 ("Probability that noise explains the largest difference", comparison.z.map_or("errors unknown".to_string(), |z| number(z.p))),
                 (
                     "Share of pixels where B lies in A's 95 % interval",
-                    comparison.covered.map_or("errors unknown".to_string(), |covered| number(covered.share)),
+                    comparison.covered.map_or("errors unknown".to_string(), |covered| number(covered.fraction)),
                 ),
                 ("Pixels compared", comparison.pixels.to_string()),
                 ("Pixels of A whose error is unknown", comparison.unknown_pixels.to_string()),
@@ -152,9 +152,9 @@ fn luminance_differences(a: &Picture, b: &Picture, selection: &Selection) -> Dis
     let scale = ErrorScale::of(b);
     pixel_map(b, selection, |i| {
         let (a, b) = (a.xyz[i][1], b.xyz[i][1]);
-        let share = ((a - b) / scale.unit(b, 1) / SATURATED_DIFFERENCE).clamp(-1.0, 1.0);
-        let faded = (255.0 * (1.0 - share.abs())) as u8;
-        if share > 0.0 { [255, faded, faded] } else { [faded, faded, 255] }
+        let fraction = ((a - b) / scale.unit(b, 1) / SATURATED_DIFFERENCE).clamp(-1.0, 1.0);
+        let faded = (255.0 * (1.0 - fraction.abs())) as u8;
+        if fraction > 0.0 { [255, faded, faded] } else { [faded, faded, 255] }
     })
 }
 

@@ -176,8 +176,8 @@ impl LensDrawing {
     /// Draws the magnified view of a focus.
     fn window(&self, i: usize, top: f64) -> String {
         let FocusInset { title, centre, half_size, slope: _ } = &self.windows[i];
-        let share = (DRAWING_WIDTH - DRAWING_MARGIN) / self.windows.len() as f64;
-        let (x, width) = (DRAWING_MARGIN + share * i as f64, share - DRAWING_MARGIN);
+        let pitch = (DRAWING_WIDTH - DRAWING_MARGIN) / self.windows.len() as f64;
+        let (x, width) = (DRAWING_MARGIN + pitch * i as f64, pitch - DRAWING_MARGIN);
         let size = DVec2::new(width, WINDOW_HEIGHT);
         let per_mm = size / (2.0 * *half_size);
         let middle = DVec2::new(x + 0.5 * width, top + 0.5 * WINDOW_HEIGHT);

@@ -19,8 +19,8 @@ pub fn css_colours() -> String {
 /// Returns the colour that represents a fraction from 0 to 1. With an increasing fraction, the
 /// colours change from black through violet and orange to white. The brightness increases too. NaN
 /// is white.
-pub fn heat(share: f64) -> [u8; 3] {
-    let place = if share < 1.0 { share.max(0.0) * 3.0 } else { 3.0 };
+pub fn heat(fraction: f64) -> [u8; 3] {
+    let place = if fraction < 1.0 { fraction.max(0.0) * 3.0 } else { 3.0 };
     let stop = (place as usize).min(2);
     let t = place - stop as f64;
     [0, 1, 2].map(|c| (HEAT_COLOURS[stop][c] + t * (HEAT_COLOURS[stop + 1][c] - HEAT_COLOURS[stop][c])).round() as u8)
@@ -41,8 +41,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn larger_shares_are_brighter() {
-        let brightness = |share: f64| heat(share).map(u32::from).iter().sum::<u32>();
+    fn larger_fractions_are_brighter() {
+        let brightness = |fraction: f64| heat(fraction).map(u32::from).iter().sum::<u32>();
         assert!((0..100).all(|i| brightness(f64::from(i + 1) * 0.01) >= brightness(f64::from(i) * 0.01)));
         assert_eq!([0.0, 1.0, 7.0, f64::INFINITY, f64::NAN].map(brightness), [0, 765, 765, 765, 765]);
     }

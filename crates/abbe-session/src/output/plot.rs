@@ -83,9 +83,9 @@ impl SpectralPlot {
         if let Some(curve) = self.curves.first().filter(|_| self.from_zero) {
             svg += &area(&up, &curve.points);
         }
-        for &(nm, share) in &self.lines {
+        for &(nm, fraction) in &self.lines {
             let (x, foot) = (x(nm), PLOT_SIZE.1 - PLOT_BOTTOM);
-            let top = foot - share * (foot - PLOT_TOP);
+            let top = foot - fraction * (foot - PLOT_TOP);
             let colour = spectral_colour(nm);
             append(
                 &mut svg,
@@ -157,8 +157,8 @@ fn strip() -> String {
     let place = format!("gradientUnits=\"userSpaceOnUse\" x1=\"{from}\" x2=\"{to}\"");
     let mut svg = format!("<defs><linearGradient id=\"spectrum\" {place}>\n");
     for nm in (BAND_NM.0 as u32..=BAND_NM.1 as u32).step_by(10).map(f64::from) {
-        let (share, colour) = ((nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0), spectral_colour(nm));
-        append(&mut svg, format_args!("<stop offset=\"{share:.4}\" stop-color=\"{colour}\"/>\n"));
+        let (fraction, colour) = ((nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0), spectral_colour(nm));
+        append(&mut svg, format_args!("<stop offset=\"{fraction:.4}\" stop-color=\"{colour}\"/>\n"));
     }
     let (y, width) = (PLOT_SIZE.1 - PLOT_BOTTOM, to - from);
     let place = format!("x=\"{from}\" y=\"{y}\" width=\"{width}\" height=\"{PLOT_STRIP}\"");

@@ -126,7 +126,7 @@ pub fn read(path: &Path) -> Result<Picture> {
     let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let broken = |error: String| wrong(format!("is not a valid PNG file: {error}"));
     let decoder = ::png::Decoder::new(Cursor::new(&bytes)).read_info().map_err(|error| broken(error.to_string()))?;
-    let space = stated_space(decoder.info())?.ok_or_else(|| {
+    let space = explicit_space(decoder.info())?.ok_or_else(|| {
         let names = RgbSpace::ALL.map(RgbSpace::name).join(", ");
         wrong("has a colour space that abbe does not know".to_string()).expected(names)
     })?;
@@ -142,10 +142,10 @@ pub fn read(path: &Path) -> Result<Picture> {
 }
 
 /// Returns the colour space that a PNG file states. Returns `None` if the space is unknown.
-fn stated_space(info: &Info<'_>) -> Result<Option<RgbSpace>> {
+fn explicit_space(info: &Info<'_>) -> Result<Option<RgbSpace>> {
     if let Some(points) = &info.coding_independent_code_points {
-        let stated = [points.color_primaries, points.transfer_function, points.matrix_coefficients, 1];
-        return Ok(RgbSpace::ALL.into_iter().find(|space| code_points(*space) == Some(stated)));
+        let explicit = [points.color_primaries, points.transfer_function, points.matrix_coefficients, 1];
+        return Ok(RgbSpace::ALL.into_iter().find(|space| code_points(*space) == Some(explicit)));
     }
     let Some(profile) = &info.icc_profile else { return Ok(Some(RgbSpace::Srgb)) };
     for space in RgbSpace::ALL {
@@ -212,9 +212,9 @@ mod tests {
             };
             assert_eq!(points, known, "{space:?}");
             assert_eq!(info.gama_chunk.map(ScaledFloat::into_value), Some(gamma), "{space:?}");
-            let stated = info.chrm_chunk.unwrap();
-            let whites = [stated.white.0, stated.white.1].map(ScaledFloat::into_value);
-            let greens = [stated.green.0, stated.green.1].map(ScaledFloat::into_value);
+            let explicit = info.chrm_chunk.unwrap();
+            let whites = [explicit.white.0, explicit.white.1].map(ScaledFloat::into_value);
+            let greens = [explicit.green.0, explicit.green.1].map(ScaledFloat::into_value);
             for (found, known) in [(whites, space.white_xy()), (greens, space.primaries_xy()[1])] {
                 let near = (0..2).all(|i| (f64::from(found[i]) - known[i]).abs() < 1e-5);
                 assert!(near, "{space:?}: {found:?} {known:?}");

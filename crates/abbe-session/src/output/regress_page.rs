@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::page::document;
 use abbe_spectra::colour::gamut::{brightest, desaturate};
-use abbe_spectra::colour::regress::{CaseGroup, CaseJudgement, ColourJudgement, RegressionReport};
+use abbe_spectra::colour::regress::{CaseComparison, CaseGroup, ColourComparison, RegressionReport};
 use abbe_spectra::colour::{RgbSpace, decode_srgb, srgb_hex, xyz_to_linear_srgb};
 
 /// The largest number of cases that the page shows.
@@ -40,14 +40,14 @@ pub fn page(report: &RegressionReport, source: &str) -> String {
 /// Renders the table of the groups.
 fn groups(report: &RegressionReport) -> Markup {
     let of_group =
-        |group: CaseGroup| report.cases.iter().filter(|case| case.group == group).collect::<Vec<&CaseJudgement>>();
-    let judged =
+        |group: CaseGroup| report.cases.iter().filter(|case| case.group == group).collect::<Vec<&CaseComparison>>();
+    let by_group =
         CaseGroup::ALL.into_iter().map(|group| (group, of_group(group))).filter(|(_, cases)| !cases.is_empty());
     html! {
         table.patches {
             thead { tr { th { "group" } th.number { "cases" } th.number { "failed" } th.number { "largest ΔE2000" } } }
             tbody {
-                @for (group, cases) in judged {
+                @for (group, cases) in by_group {
                     tr {
                         td { (group.name()) }
                         td.number { (cases.len()) }
@@ -60,7 +60,7 @@ fn groups(report: &RegressionReport) -> Markup {
     }
 }
 
-fn row(case: &CaseJudgement) -> Markup {
+fn row(case: &CaseComparison) -> Markup {
     let worst = case.colours.iter().max_by(|a, b| difference(a).total_cmp(&difference(b)));
     html! {
         @if let Some(colour) = worst {
@@ -79,12 +79,12 @@ fn row(case: &CaseJudgement) -> Markup {
     }
 }
 
-fn difference(colour: &ColourJudgement) -> f64 {
+fn difference(colour: &ColourComparison) -> f64 {
     colour.delta_e_2000.unwrap_or(f64::INFINITY)
 }
 
 /// Returns a colour that a browser can show. A colour that is not finite is transparent.
-fn swatch(case: &CaseJudgement, colour: &ColourJudgement, value: [f64; 3]) -> String {
+fn swatch(case: &CaseComparison, colour: &ColourComparison, value: [f64; 3]) -> String {
     if value.iter().any(|component| !component.is_finite()) {
         return "transparent".to_string();
     }

@@ -26,8 +26,8 @@ impl DiffractionSetup {
     pub(super) fn of(camera: &Camera, plan: &Plan, lights: &LightSampler) -> Option<Self> {
         let ApertureDiffraction { blades, spread_px_per_nm } =
             ApertureDiffraction::of(camera).filter(|_| plan.aperture.diffracts())?;
-        let share = |i: u32| (f64::from(i) + 0.5) / f64::from(WAVELENGTHS);
-        let light_nm = (0..WAVELENGTHS).map(|i| lights.wavelengths.sample(share(i)).0).collect();
+        let fraction = |i: u32| (f64::from(i) + 0.5) / f64::from(WAVELENGTHS);
+        let light_nm = (0..WAVELENGTHS).map(|i| lights.wavelengths.sample(fraction(i)).0).collect();
         Some(Self { blades, spread_px_per_nm, light_nm })
     }
 

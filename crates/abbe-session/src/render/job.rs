@@ -6,7 +6,7 @@ use abbe_scene::Scene;
 use abbe_scene::meter::{Meter, QuantityKind};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::emit::LightSampler;
-use abbe_transport::gather::{LightSelector, Openings, SensorResponses};
+use abbe_transport::gather::{LightSelector, Portals, SensorResponses};
 use abbe_transport::map::PhotonSpectra;
 use abbe_transport::pass::PassContext;
 use abbe_transport::plan::{Budget, EffectRow, IndirectPlan, Plan, WavelengthPlan};
@@ -106,7 +106,7 @@ impl Job {
             selector: &self.selector,
             spectra: &self.spectra,
             responses: None,
-            openings: Openings::NONE,
+            portals: Portals::NONE,
         }
     }
 }

@@ -7,7 +7,7 @@ use super::session::Rendered;
 use abbe_optics::bsdf::{Bsdf, BsdfClass};
 use abbe_scene::geometry::{Hit, Ray};
 use abbe_scene::light::{Emitter, Light};
-use abbe_scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind, Receptor, ReceptorShape, Response};
+use abbe_scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind, Response, Sensor, SensorShape};
 use abbe_spectra::colour::{cct_duv, cri_in_steps, rendition_in_steps};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::hypot;
@@ -147,26 +147,26 @@ impl Job {
     fn note_of_hollows(&self, integrator: Integrator) -> Option<String> {
         /// The distance at which the surface below a receptor is found, divided by the radius of
         /// the scene. It is larger than the shift of receptors above surfaces.
-        const REACH: f64 = 1e-6;
+        const SEARCH_FRACTION: f64 = 1e-6;
         /// In a hollow, the surface beside a receptor is nearly parallel to the surface below it.
         const PARALLEL: f64 = 0.5;
         if integrator == Integrator::Path || self.plan.caustics == CausticPlan::Absent {
             return None;
         }
         let scene = &self.scene;
-        let reach_m = REACH * scene.radius_m;
-        let hollow = |receptor: &Receptor| {
-            let ReceptorShape::Point(position, Response::Plane(normal)) = receptor.shape else { return None };
+        let search_m = SEARCH_FRACTION * scene.radius_m;
+        let hollow = |sensor: &Sensor| {
+            let SensorShape::Point(position, Response::Plane(normal)) = sensor.shape else { return None };
             let find = |direction: DVec3, length_m: f64| {
                 scene.geometry.intersect(&Ray { origin: position, direction }, None, length_m)
             };
-            let below = find(-normal, reach_m)?;
+            let below = find(-normal, search_m)?;
             let aside = normal.any_orthonormal_vector();
             let sides = [aside, -aside, normal.cross(aside), -normal.cross(aside)];
             let around = |hit: Hit| hit.object == below.object && hit.normal.dot(below.normal).abs() > PARALLEL;
             sides.into_iter().filter_map(|side| find(side, scene.radius_m)).any(around).then_some(below.object)
         };
-        let object = scene.camera.receptors().iter().find_map(hollow)?;
+        let object = scene.camera.sensors().iter().find_map(hollow)?;
         Some(format!(
             "a meter reads a point of the hollow surface {}; light that glass or mirrors focus there may be missing, \
              and a meter with `surface` reads it",
@@ -191,7 +191,7 @@ impl Job {
     /// when the shutter opens.
     fn glare_at(&self, number: usize) -> [Glare; REPLICATES] {
         let scene = &self.scene;
-        let eye = scene.receptor_point(&scene.camera.receptors()[number], [0.0; 4]);
+        let eye = scene.sensor_point(&scene.camera.sensors()[number], [0.0; 4]);
         DirectLighting::tracked(scene, self.selector(), self.plan.media_plan).glare(scene, &eye, self.budget.seed)
     }
 

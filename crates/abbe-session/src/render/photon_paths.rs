@@ -7,7 +7,7 @@ use abbe_scene::camera::Camera;
 use abbe_scene::geometry::{Ray, SurfaceId};
 use abbe_transport::pass::{PassContext, StageSeconds};
 use abbe_transport::photon_paths::{PathQuery, PhotonPaths, photon_paths};
-use abbe_transport::pilot::find_openings;
+use abbe_transport::pilot::find_portals;
 use glam::{DVec2, DVec3};
 
 /// The lengths of visible parts are found to this number of pixels.
@@ -17,14 +17,14 @@ const PIXELS_PER_STEP: f64 = 3.0;
 const STEPS: (f64, f64) = (4.0, 96.0);
 
 /// Surfaces hide points that are farther from the camera by more than this share of the distance.
-const HIDDEN_SHARE: f64 = 1e-4;
+const HIDDEN_FRACTION: f64 = 1e-4;
 
 impl Job {
     /// Traces photons and records their paths on the current thread pool.
     pub fn photon_paths(&self, query: &PathQuery) -> PhotonPaths {
         let context = self.pass_context();
-        let openings = find_openings(&context, &mut StageSeconds::default());
-        photon_paths(&PassContext { openings: &openings, ..context }, query)
+        let portals = find_portals(&context, &mut StageSeconds::default());
+        photon_paths(&PassContext { portals: &portals, ..context }, query)
     }
 
     /// Returns the first surface under a film position in pixels, and the width of a pixel there in
@@ -96,7 +96,7 @@ fn is_visible(scene: &Scene, camera: DVec3, point: DVec3) -> bool {
     let mut ray = Ray { origin: camera, direction };
     let mut from: Option<SurfaceId> = None;
     for _ in 0..MOST_SURFACES {
-        let left = camera.distance(point) - camera.distance(ray.origin) - HIDDEN_SHARE * distance;
+        let left = camera.distance(point) - camera.distance(ray.origin) - HIDDEN_FRACTION * distance;
         let Some(hit) = scene.geometry.intersect(&ray, from, left) else { return true };
         let surface = &scene.material_of(hit.object).surface;
         if !(surface.is_transmissive() && surface.class() < BsdfClass::Diffuse) {

@@ -9,10 +9,10 @@ use super::stats::Stats;
 use super::stop::{RunClock, StopConditions};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::emit::SpectrumCoverage;
-use abbe_transport::gather::Openings;
+use abbe_transport::gather::Portals;
 use abbe_transport::map::LightMaps;
 use abbe_transport::pass::{PassContext, StageSeconds, path_pass, photon_pass};
-use abbe_transport::pilot::{Pilot, coarse_path_picture, find_openings, learn_lights};
+use abbe_transport::pilot::{Pilot, coarse_path_picture, find_portals, learn_lights};
 use abbe_transport::plan::{MotionPlan, WavelengthPlan};
 use abbe_transport::sensor::Picture;
 use abbe_transport::walk::ledger::Ledger;
@@ -64,8 +64,8 @@ impl Job {
     /// Returns an error if the scene cannot be posed.
     pub fn coarse_picture(&self) -> Result<Option<Picture>> {
         let context = self.pass_context();
-        let openings = find_openings(&context, &mut StageSeconds::default());
-        Pilot::coarse_picture(&PassContext { openings: &openings, ..context })
+        let portals = find_portals(&context, &mut StageSeconds::default());
+        Pilot::coarse_picture(&PassContext { portals: &portals, ..context })
     }
 
     /// Continues a run until a stop rule is satisfied. The run is either new or a saved run.
@@ -88,9 +88,9 @@ impl Job {
             run.sums.film.assume_independent_rows();
         }
         let context = self.pass_context();
-        let openings = if stopped { Openings::default() } else { find_openings(&context, &mut run.sums.seconds) };
+        let portals = if stopped { Portals::default() } else { find_portals(&context, &mut run.sums.seconds) };
         let responses = self.responses(&run.sums.film);
-        let context = PassContext { openings: &openings, responses: responses.as_ref(), ..context };
+        let context = PassContext { portals: &portals, responses: responses.as_ref(), ..context };
         let selector =
             if stopped { Cow::Borrowed(context.selector) } else { learn_lights(&context, &mut run.sums.seconds) };
         let context = PassContext { selector: &selector, ..context };

@@ -67,8 +67,8 @@ pub struct ErrorStats {
     #[serde(default)]
     pub worst_region: Option<[usize; 4]>,
     /// The share of the worst region in the sum of noise² + bias² over the picture.
-    #[serde(default)]
-    pub worst_share: Option<f64>,
+    #[serde(rename = "worst_share", default)]
+    pub worst_fraction: Option<f64>,
     /// The number of pixels with unknown noise, such as pixels that no light has reached.
     pub unknown_pixels: usize,
     /// The number of pixels near an edge of the illumination. The bias of these pixels is probably
@@ -372,7 +372,7 @@ impl ErrorStats {
             median: distribution.map(|errors| errors.median),
             p95: distribution.map(|errors| errors.p95),
             worst_region: distribution.map(|errors| errors.worst.corners),
-            worst_share: distribution.map(|errors| errors.worst.share),
+            worst_fraction: distribution.map(|errors| errors.worst.fraction),
             unknown_pixels,
             edge_pixels,
         }

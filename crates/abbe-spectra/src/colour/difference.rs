@@ -15,7 +15,7 @@ pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Application 30 (2005).
 pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let mean_chroma = 0.5 * (hypot(a[1], a[2]) + hypot(b[1], b[2]));
-    let stretch = 1.5 - 0.5 * seventh_share(mean_chroma);
+    let stretch = 1.5 - 0.5 * chroma_fraction(mean_chroma);
     let (a1, b1) = (a[1] * stretch, b[1] * stretch);
     let (chroma_a, chroma_b) = (hypot(a1, a[2]), hypot(b1, b[2]));
     let (hue_a, hue_b) = (hue_degrees(a1, a[2]), hue_degrees(b1, b[2]));
@@ -37,7 +37,7 @@ pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let chroma_part = delta_chroma / (1.0 + 0.045 * chroma);
     let hue_part = delta_hue / (1.0 + 0.015 * chroma * t);
     let rotation_degrees = 30.0 * exp(-((hue - 275.0) / 25.0).powi(2));
-    let rotation = -2.0 * seventh_share(chroma) * sin((2.0 * rotation_degrees).to_radians());
+    let rotation = -2.0 * chroma_fraction(chroma) * sin((2.0 * rotation_degrees).to_radians());
     // For equal colours, rounding may give a value slightly below 0.
     let square = lightness_part.powi(2) + chroma_part.powi(2) + hue_part.powi(2) + rotation * chroma_part * hue_part;
     square.max(0.0).sqrt()
@@ -66,7 +66,7 @@ pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
 }
 
 /// Returns √(C⁷ / (C⁷ + 25⁷)).
-fn seventh_share(chroma: f64) -> f64 {
+fn chroma_fraction(chroma: f64) -> f64 {
     let power = chroma.powi(7);
     (power / (power + 25.0_f64.powi(7))).sqrt()
 }

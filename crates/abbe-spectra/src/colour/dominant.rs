@@ -59,12 +59,12 @@ struct LocusPoint {
 fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let mut farthest: Option<(f64, f64)> = None;
     for pair in locus.windows(2) {
-        if let Some((distance, share)) = intersection([&pair[0], &pair[1]], white, direction)
+        if let Some((distance, fraction)) = intersection([&pair[0], &pair[1]], white, direction)
             && farthest.is_none_or(|(so_far, _)| distance > so_far * (1.0 + 1e-9))
         {
-            // The wavelength is not a linear function of the position `share` on the chord. This
+            // The wavelength is not a linear function of the position `fraction` on the chord. This
             // position depends on the weights of the two spectral colours in a mixture.
-            let (from, to) = (pair[0].weight * share, pair[1].weight * (1.0 - share));
+            let (from, to) = (pair[0].weight * fraction, pair[1].weight * (1.0 - fraction));
             farthest = Some((distance, pair[0].nm + (pair[1].nm - pair[0].nm) * from / (from + to)));
         }
     }
@@ -78,10 +78,10 @@ fn intersection([from, to]: [&LocusPoint; 2], white: [f64; 2], direction: [f64; 
     let chord = [to.xy[0] - from.xy[0], to.xy[1] - from.xy[1]];
     let start = [from.xy[0] - white[0], from.xy[1] - white[1]];
     let denominator = cross(direction, chord);
-    let (distance, share) = (cross(start, chord) / denominator, cross(start, direction) / denominator);
+    let (distance, fraction) = (cross(start, chord) / denominator, cross(start, direction) / denominator);
     // Adjacent chords overlap slightly, so that rounding leaves no gap between them.
-    let hit = distance > 0.0 && distance.is_finite() && (-1e-9..=1.0 + 1e-9).contains(&share);
-    hit.then(|| (distance, share.clamp(0.0, 1.0)))
+    let hit = distance > 0.0 && distance.is_finite() && (-1e-9..=1.0 + 1e-9).contains(&fraction);
+    hit.then(|| (distance, fraction.clamp(0.0, 1.0)))
 }
 
 #[cfg(test)]

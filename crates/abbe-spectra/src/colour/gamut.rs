@@ -98,15 +98,15 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     }
     // The largest fraction of the way from grey to the colour at which all components are inside
     // [0, 1].
-    let mut share: f64 = 1.0;
+    let mut fraction: f64 = 1.0;
     for component in rgb {
         if component < 0.0 {
-            share = share.min(grey / (grey - component));
+            fraction = fraction.min(grey / (grey - component));
         } else if component > 1.0 {
-            share = share.min((1.0 - grey) / (component - grey));
+            fraction = fraction.min((1.0 - grey) / (component - grey));
         }
     }
-    clip(rgb.map(|component| grey + share * (component - grey)))
+    clip(rgb.map(|component| grey + fraction * (component - grey)))
 }
 
 /// Reduces the Oklab chroma of the colour until the colour is inside the gamut. The Oklab lightness
@@ -124,7 +124,7 @@ pub fn oklab(rgb: Rgb, space: RgbSpace) -> Rgb {
     if !(lightness > 0.0 && lightness < 1.0) {
         return clip(grey);
     }
-    let with_chroma = |share: f64| from_d65(coordinates::from_oklab([lightness, share * a, share * b]));
+    let with_chroma = |fraction: f64| from_d65(coordinates::from_oklab([lightness, fraction * a, fraction * b]));
     let (mut inside, mut outside) = (0.0, 1.0);
     for _ in 0..20 {
         let middle = 0.5 * (inside + outside);

@@ -26,7 +26,7 @@ pub struct PrimaryMatch {
 
 impl PrimaryMatch {
     /// Returns whether the mix matches the target.
-    pub fn is_reached(&self) -> bool {
+    pub fn is_exact(&self) -> bool {
         self.residual.delta_xy < MATCH_TOLERANCE && self.delta_y.abs() < MATCH_TOLERANCE
     }
 
@@ -138,17 +138,17 @@ mod tests {
         let primaries = [[41.0, 21.0, 2.0], [0.35, 0.71, 0.12], [18.0, 7.0, 95.0], [1.0, 1.0, 1.0]];
         let target = [0, 1, 2].map(|i| 0.3 * primaries[0][i] + 25.0 * primaries[1][i] + 0.1 * primaries[2][i]);
         let found = match_primaries(target, &primaries[..3]).unwrap();
-        assert!(found.is_reached() && found.residual.delta_e_2000 < 1e-6, "{found:?}");
+        assert!(found.is_exact() && found.residual.delta_e_2000 < 1e-6, "{found:?}");
         for (weight, known) in found.weights.iter().zip([0.3, 25.0, 0.1]) {
             assert!((weight / known - 1.0).abs() < 1e-9, "{found:?}");
         }
-        assert!(match_primaries(target, &primaries).unwrap().is_reached());
+        assert!(match_primaries(target, &primaries).unwrap().is_exact());
     }
 
     #[test]
     fn a_target_out_of_reach_gets_the_nearest_mix() {
         let found = match_primaries([0.1, 1.0, 0.1], &[[1.0, 1.0, 1.0], [1.0, 0.5, 0.1]]).unwrap();
-        assert!(!found.is_reached());
+        assert!(!found.is_exact());
         assert!(found.weights.iter().all(|weight| *weight >= 0.0));
         // The squared error must not decrease in any allowed direction.
         let left = [0, 1, 2].map(|i| found.xyz[i] - [0.1, 1.0, 0.1][i]);

@@ -72,8 +72,8 @@ fn xyz(reflectance: &Spectrum, light: &Spectrum, step_nm: u32) -> Xyz {
         sum.iter_mut().zip(observer.xyz_bar(nm)).for_each(|(sum, bar)| *sum += reflected * bar);
     };
     for nm in (380..=780).step_by(step_nm as usize).map(f64::from) {
-        let density = light.continuum_at(nm) - narrow.as_ref().map_or(0.0, |narrow| narrow.continuum_at(nm));
-        add(nm, f64::from(step_nm) * density);
+        let power_per_nm = light.continuum_at(nm) - narrow.as_ref().map_or(0.0, |narrow| narrow.continuum_at(nm));
+        add(nm, f64::from(step_nm) * power_per_nm);
     }
     for line in light.line_segments() {
         add(line.centre(), line.power);

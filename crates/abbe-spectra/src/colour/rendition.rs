@@ -209,8 +209,8 @@ fn node_weights(light: &Spectrum, observer: &Observer, step_nm: u32) -> NodeWeig
     let mut nodes = [[0.0; 3]; NODES];
     let narrow = light.narrow_part();
     for nm in (RANGE_NM.0..=RANGE_NM.1).step_by(step_nm as usize).map(f64::from) {
-        let density = light.continuum_at(nm) - narrow.as_ref().map_or(0.0, |narrow| narrow.continuum_at(nm));
-        let power = density * f64::from(step_nm);
+        let power_per_nm = light.continuum_at(nm) - narrow.as_ref().map_or(0.0, |narrow| narrow.continuum_at(nm));
+        let power = power_per_nm * f64::from(step_nm);
         distribute(&mut nodes, nm, observer.xyz_bar(nm).map(|bar| bar * power));
     }
     if let Some(narrow) = &narrow {
@@ -252,9 +252,9 @@ fn distribute(nodes: &mut NodeWeights, nm: f64, xyz: Xyz) {
 fn reference_weights(cct_k: f64, step_nm: u32) -> Option<NodeWeights> {
     let daylight = ((cct_k - MIX_K.0) / (MIX_K.1 - MIX_K.0)).clamp(0.0, 1.0);
     let mut nodes = [[0.0; 3]; NODES];
-    let mut add = |light: &Spectrum, share: f64| {
+    let mut add = |light: &Spectrum, fraction: f64| {
         // Both parts of a mix have equal luminance before they are weighted.
-        let factor = share / white(&node_weights(light, Observer::cie1931(), step_nm))[1];
+        let factor = fraction / white(&node_weights(light, Observer::cie1931(), step_nm))[1];
         let weights = node_weights(light, Observer::cie1964(), step_nm);
         nodes.as_flattened_mut().iter_mut().zip(weights.as_flattened()).for_each(|(sum, of)| *sum += factor * of);
     };

@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn the_density_integrates_to_one_and_matches_its_samples() {
+    fn the_pdf_integrates_to_one_and_matches_its_samples() {
         let grid = PiecewiseConstant2d::new(3, &[1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 4.0, 1.0, 0.5]).unwrap();
         let n = 300;
         let mut integral = 0.0;

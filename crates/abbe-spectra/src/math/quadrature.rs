@@ -56,8 +56,12 @@ pub fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
 }
 
 fn symmetric(half: &[(f64, f64)], (from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
-    let (middle, reach) = (0.5 * (from + to), 0.5 * (to - from));
-    reach * half.iter().map(|&(x, weight)| weight * (f(middle - reach * x) + f(middle + reach * x))).sum::<f64>()
+    let (middle, half_width) = (0.5 * (from + to), 0.5 * (to - from));
+    half_width
+        * half
+            .iter()
+            .map(|&(x, weight)| weight * (f(middle - half_width * x) + f(middle + half_width * x)))
+            .sum::<f64>()
 }
 
 #[cfg(test)]

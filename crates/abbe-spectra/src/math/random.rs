@@ -61,7 +61,7 @@ pub enum Purpose {
     /// it counts the openings that are already found.
     OpeningFit,
     /// The start of a path at the receptor of a meter. The seed is that of a camera sample.
-    Receptor,
+    Sensor,
     /// The random positions of ratio tracking. The seed is that of a sample.
     RatioTracking,
     /// The points of luminaires that glare.
@@ -103,7 +103,7 @@ impl Purpose {
             Self::LightTrial => (0x6c69_6768_7473, 3, 0),
             Self::OpeningSearch => (0x7769_6e64_6f77, 3, 0),
             Self::OpeningFit => return Words { mask: 0x7769_6e64_6f77, number: None, first_pass: 0 },
-            Self::Receptor => (0, 0x006d_6574_6572, 0),
+            Self::Sensor => (0, 0x006d_6574_6572, 0),
             Self::Glare => (0, 0x0067_6c61_7265, 0),
         };
         Words { mask, number: Some(number), first_pass }
@@ -318,7 +318,7 @@ mod tests {
         Purpose::LightTrial,
         Purpose::OpeningSearch,
         Purpose::OpeningFit,
-        Purpose::Receptor,
+        Purpose::Sensor,
         Purpose::RatioTracking,
         Purpose::Glare,
     ];

@@ -35,16 +35,16 @@ pub fn angle_between(a: DQuat, b: DQuat) -> f64 {
 }
 
 /// Interpolates between two orientations along the shorter arc (Shoemake 1985). Returns `from` if
-/// `share` is 0, and an orientation equal to `to` if `share` is 1.
-pub fn slerp(from: DQuat, to: DQuat, share: f64) -> DQuat {
+/// `fraction` is 0, and an orientation equal to `to` if `fraction` is 1.
+pub fn slerp(from: DQuat, to: DQuat, fraction: f64) -> DQuat {
     let cosine = from.dot(to);
     // Both signs of a quaternion are the same orientation.
     let (to, cosine) = if cosine < 0.0 { (-to, -cosine) } else { (to, cosine) };
     if cosine > 1.0 - f64::EPSILON {
-        return (from * (1.0 - share) + to * share).normalize();
+        return (from * (1.0 - fraction) + to * fraction).normalize();
     }
     let angle = acos(cosine);
-    (from * sin((1.0 - share) * angle) + to * sin(share * angle)) / sin(angle)
+    (from * sin((1.0 - fraction) * angle) + to * sin(fraction * angle)) / sin(angle)
 }
 
 #[cfg(test)]
@@ -68,9 +68,9 @@ mod tests {
             assert!(z.abs_diff_eq(DMat3::from_rotation_z(-angle), 1e-15));
             // The cosine limits the accuracy of small angles.
             assert!((angle_between(start, turned) - start.angle_between(turned)).abs() < 1e-7);
-            for share in [0.0, 0.25, 0.9, 1.0] {
-                let found = slerp(start, turned, share);
-                assert!(found.abs_diff_eq(start.slerp(turned, share), 1e-12), "{angle} {share}");
+            for fraction in [0.0, 0.25, 0.9, 1.0] {
+                let found = slerp(start, turned, fraction);
+                assert!(found.abs_diff_eq(start.slerp(turned, fraction), 1e-12), "{angle} {fraction}");
             }
         }
         assert_eq!(slerp(start, start, 0.5), start);

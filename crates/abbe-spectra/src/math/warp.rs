@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_match_the_densities() {
+    fn moments_match_the_pdfs() {
         let n = 1 << 16;
         assert!((mean(n, |u| disk(u).length_squared()) - 0.5).abs() < 1e-4);
         assert!((mean(n, |u| cosine_hemisphere(u).z) - 2.0 / 3.0).abs() < 1e-4);

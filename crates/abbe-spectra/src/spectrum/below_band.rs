@@ -109,7 +109,7 @@ mod tests {
 
     /// Density and samples of a distribution over both parts belong together.
     #[test]
-    fn extended_densities_are_normalised() {
+    fn extended_pdfs_are_normalised() {
         let lines = [SpectralLine { nm: 334.15, power: 20.0, fwhm_nm: None }];
         let light = Spectrum::mix(&[(1.0, &Spectrum::constant(1.0)), (1.0, &Spectrum::lines(&lines).unwrap())]);
         let band = WavelengthDistribution::new(&light).unwrap();
@@ -123,8 +123,8 @@ mod tests {
             last = nm;
         }
         assert!((mean - 550.0).abs() < 0.1, "{mean}");
-        let share = (80.0_f64 / 550.0 * 1024.0).ceil() / 1024.0;
-        assert!((f64::from(below) / f64::from(count) - share).abs() < 1e-4, "{below} for {share}");
+        let fraction = (80.0_f64 / 550.0 * 1024.0).ceil() / 1024.0;
+        assert!((f64::from(below) / f64::from(count) - fraction).abs() < 1e-4, "{below} for {fraction}");
         assert_eq!(light.extended_wavelengths(None, 0.0, &|_| 1.0, 0.5).unwrap().sample(0.999).0.floor(), 359.0);
     }
 }

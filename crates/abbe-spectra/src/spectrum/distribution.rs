@@ -27,14 +27,14 @@ const GUIDE_STEPS_PER_SEGMENT: usize = 4;
 /// A segment of the band in which the density is a linear function of the wavelength. Reciprocals
 /// are stored, so that sampling needs no divisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct DensitySegment {
+struct PdfSegment {
     lower: f64,
     /// The largest number below the upper end.
     last: f64,
     width: f64,
     per_width: f64,
     /// The density per nm at the lower end, and its increase from the lower to the upper end.
-    density: f64,
+    pdf_per_nm: f64,
     rise: f64,
     /// The total probability of all lower segments, and the reciprocal of this segment's
     /// probability.
@@ -51,7 +51,7 @@ struct UnscaledSegment {
     mass: f64,
 }
 
-impl DensitySegment {
+impl PdfSegment {
     fn new(part: &UnscaledSegment, total: f64) -> Self {
         let (lower, upper) = part.ends;
         let width = upper - lower;
@@ -60,7 +60,7 @@ impl DensitySegment {
             last: upper.next_down(),
             width,
             per_width: width.recip(),
-            density: part.weights.0 / total,
+            pdf_per_nm: part.weights.0 / total,
             rise: (part.weights.1 - part.weights.0) / total,
             before: part.before / total,
             // For the smallest masses, the quotient is infinite. The limit prevents a later product
@@ -71,13 +71,13 @@ impl DensitySegment {
 
     #[inline]
     fn at(&self, nm: f64) -> f64 {
-        self.density + ((nm - self.lower) * self.per_width).min(1.0) * self.rise
+        self.pdf_per_nm + ((nm - self.lower) * self.per_width).min(1.0) * self.rise
     }
 
     /// Returns the wavelength below which the fraction `v` of the segment's mass lies.
     #[inline]
     fn quantile(&self, v: f64) -> f64 {
-        let (from, to) = (self.density, self.density + self.rise);
+        let (from, to) = (self.pdf_per_nm, self.pdf_per_nm + self.rise);
         // This form of the root of the quadratic equation has no cancellation.
         let root = (from * from + v * (self.rise * (from + to))).max(0.0).sqrt();
         let mut t = v * (from + to) / (from + root);
@@ -112,7 +112,7 @@ impl LinearWeight<'_> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct WavelengthDistribution {
     /// Segments of positive probability in ascending order. The density is 0 between them.
-    segments: Vec<DensitySegment>,
+    segments: Vec<PdfSegment>,
     by_wavelength: BandIndex,
     /// The total probability below each segment. The last entry is infinity.
     before: Vec<f64>,
@@ -183,26 +183,26 @@ impl WavelengthDistribution {
         pieces: &[WeightedPiece],
         most: f64,
     ) -> Option<Self> {
-        const SHARES: f64 = 1024.0;
+        const STEPS: f64 = 1024.0;
         let mass = |((from, to), values): &WeightedPiece| (to - from) * (0.5 * values.0 + 0.5 * values.1);
         let ultraviolet: f64 = pieces.iter().map(mass).sum();
         let Some(band) = band.filter(|_| ultraviolet > 0.0) else {
-            let share = f64::from(u8::from(ultraviolet > 0.0));
-            return if share > 0.0 { Self::of_pieces(pieces, &[], ultraviolet, share) } else { band.cloned() };
+            let fraction = f64::from(u8::from(ultraviolet > 0.0));
+            return if fraction > 0.0 { Self::of_pieces(pieces, &[], ultraviolet, fraction) } else { band.cloned() };
         };
-        let share = ((SHARES * ultraviolet / (ultraviolet + band_mass)).ceil() / SHARES).min(most);
-        Self::of_pieces(pieces, &band.segments, ultraviolet, share)
+        let fraction = ((STEPS * ultraviolet / (ultraviolet + band_mass)).ceil() / STEPS).min(most);
+        Self::of_pieces(pieces, &band.segments, ultraviolet, fraction)
     }
 
     /// Joins the pieces below the band, whose integral is `ultraviolet` and whose share of the density
-    /// is `share`, with the segments of a density within the band.
-    fn of_pieces(pieces: &[WeightedPiece], band: &[DensitySegment], ultraviolet: f64, share: f64) -> Option<Self> {
-        let scale = share / ultraviolet;
+    /// is `fraction`, with the segments of a density within the band.
+    fn of_pieces(pieces: &[WeightedPiece], band: &[PdfSegment], ultraviolet: f64, fraction: f64) -> Option<Self> {
+        let scale = fraction / ultraviolet;
         let below = pieces.iter().map(|&(ends, values)| (ends, (scale * values.0, scale * values.1)));
         let within = band.iter().map(|segment| {
-            let values = (segment.density, segment.density + segment.rise);
+            let values = (segment.pdf_per_nm, segment.pdf_per_nm + segment.rise);
             let ends = (segment.lower, segment.last.next_up());
-            (ends, ((1.0 - share) * values.0, (1.0 - share) * values.1))
+            (ends, ((1.0 - fraction) * values.0, (1.0 - fraction) * values.1))
         });
         let (mut parts, mut total) = (Vec::new(), 0.0);
         for (ends, weights) in below.chain(within) {
@@ -216,7 +216,7 @@ impl WavelengthDistribution {
     }
 
     fn normalised(parts: &[UnscaledSegment], total: f64) -> Self {
-        let segments: Vec<DensitySegment> = parts.iter().map(|part| DensitySegment::new(part, total)).collect();
+        let segments: Vec<PdfSegment> = parts.iter().map(|part| PdfSegment::new(part, total)).collect();
         let before: Vec<f64> = segments.iter().map(|segment| segment.before).chain([f64::INFINITY]).collect();
         let steps = (GUIDE_STEPS_PER_SEGMENT * segments.len()).next_power_of_two();
         let mut guide = Vec::with_capacity(steps);

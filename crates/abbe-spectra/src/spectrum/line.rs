@@ -50,8 +50,8 @@ impl SpectralLine {
         let half = 0.5 * self.fwhm_nm.unwrap_or(DEFAULT_LINE_WIDTH_NM);
         let (lower, upper) = (self.nm - half, self.nm + half);
         let kept = (lower.max(from), upper.min(to));
-        let share = (kept.1 - kept.0) / (upper - lower);
-        (share > 0.0 && self.power > 0.0).then_some(LineSegment { nm: kept, power: self.power * share.min(1.0) })
+        let fraction = (kept.1 - kept.0) / (upper - lower);
+        (fraction > 0.0 && self.power > 0.0).then_some(LineSegment { nm: kept, power: self.power * fraction.min(1.0) })
     }
 }
 
@@ -67,7 +67,7 @@ pub struct LineSegment {
 impl LineSegment {
     /// Returns the power per nm.
     #[inline]
-    pub fn density(&self) -> f64 {
+    pub fn power_per_nm(&self) -> f64 {
         self.power / (self.nm.1 - self.nm.0)
     }
 
@@ -126,7 +126,7 @@ impl Lines {
             return 0.0;
         }
         let segment = &self.segments[self.index.find(nm, |i| self.segments[i].nm.0)];
-        if segment.nm.0 <= nm && nm < segment.nm.1 { segment.density() } else { 0.0 }
+        if segment.nm.0 <= nm && nm < segment.nm.1 { segment.power_per_nm() } else { 0.0 }
     }
 
     pub(crate) fn cursor(&self) -> LineCursor<'_> {
@@ -177,7 +177,7 @@ impl LineCursor<'_> {
     /// Returns the power per nm on an interval that begins at `lower` and contains no knot. `lower`
     /// must be the wavelength that was last passed to `knot_after`.
     pub(crate) fn values_on(&self, lower: f64) -> f64 {
-        self.rest.first().filter(|segment| segment.nm.0 <= lower).map_or(0.0, LineSegment::density)
+        self.rest.first().filter(|segment| segment.nm.0 <= lower).map_or(0.0, LineSegment::power_per_nm)
     }
 }
 

@@ -16,7 +16,7 @@ const MAX_DIVISIONS: u32 = 12;
 const MAX_PARTS: f64 = 8.0;
 
 /// A task converts this number of intervals at a time.
-const SHARE: usize = 64;
+const CHUNK: usize = 64;
 
 /// Converts a smooth function to pieces. The initial knots are all whole numbers of nm in the band,
 /// and the wavelengths `extra`. More knots are added until the error is at most 10⁻⁶ times the
@@ -26,7 +26,7 @@ pub(crate) fn sampled(function: &(dyn Fn(f64) -> f64 + Sync), extra: &[f64]) -> 
     knots.extend(extra.iter().filter(|nm| (BAND_NM.0..=BAND_NM.1).contains(*nm)));
     knots.sort_by(f64::total_cmp);
     knots.dedup();
-    let values = (0..knots.len()).into_par_iter().with_min_len(SHARE).map(|i| function(knots[i])).collect::<Vec<_>>();
+    let values = (0..knots.len()).into_par_iter().with_min_len(CHUNK).map(|i| function(knots[i])).collect::<Vec<_>>();
     let tolerance = SAMPLING_TOLERANCE * values.iter().copied().fold(0.0, f64::max);
     let refined = |i: usize| {
         let (from, to) = ((knots[i - 1], values[i - 1]), (knots[i], values[i]));
@@ -34,7 +34,7 @@ pub(crate) fn sampled(function: &(dyn Fn(f64) -> f64 + Sync), extra: &[f64]) -> 
         refine(function, [from, to], tolerance, MAX_DIVISIONS, &mut pieces);
         pieces
     };
-    let added: Vec<_> = (1..knots.len()).into_par_iter().with_min_len(SHARE).map(refined).collect();
+    let added: Vec<_> = (1..knots.len()).into_par_iter().with_min_len(CHUNK).map(refined).collect();
     let pieces: Vec<(f64, f64)> = std::iter::once((knots[0], values[0])).chain(added.into_iter().flatten()).collect();
     Continuum::from_knots(&pieces)
 }

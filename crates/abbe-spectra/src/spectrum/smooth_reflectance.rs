@@ -146,8 +146,8 @@ fn fit(rgb: Vec3) -> Vec3 {
     let mean = (rgb.iter().sum::<f64>() / 3.0).clamp(0.01, 0.99);
     let mut c = [grey(mean), 0.0, 0.0];
     for step in 1..=8 {
-        let share = f64::from(step) / 8.0;
-        let target = rgb.map(|component| mean + share * (component - mean));
+        let fraction = f64::from(step) / 8.0;
+        let target = rgb.map(|component| mean + fraction * (component - mean));
         (c, _) = solve_from(c, target, FIT_TOLERANCE, if step == 8 { 200 } else { 8 }, residual);
     }
     c

@@ -91,7 +91,7 @@ impl Ultraviolet {
 
     fn lines_at(&self, nm: f64) -> f64 {
         let on = self.lines.iter().filter(|line| line.nm.0 <= nm && nm < line.nm.1);
-        on.map(LineSegment::density).sum()
+        on.map(LineSegment::power_per_nm).sum()
     }
 
     /// Samples a function that combines the continua of spectra, and adds lines.

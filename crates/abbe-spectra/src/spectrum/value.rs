@@ -232,7 +232,7 @@ impl Spectrum {
 
     /// Returns the fraction of the integral, from 0 to 1, that lies in lines and in peaks narrower
     /// than 5 nm.
-    pub fn line_share(&self) -> f64 {
+    pub fn line_fraction(&self) -> f64 {
         let narrow_lines = self.lines.segments().iter().filter(|line| line.nm.1 - line.nm.0 < NARROW_NM);
         // The narrow part also contains finely sampled tables. The narrow part counts only if most
         // of its power lies in a peak.

@@ -48,17 +48,17 @@ impl Aim {
         } else {
             grid.sample([(u[0] - DEFENSIVE) / (1.0 - DEFENSIVE), u[1]]).0
         };
-        (point, self.density(point))
+        (point, self.relative_pdf(point))
     }
 
     /// Returns the ratio of the probability density at a point of the grid to the density of
     /// uniform sampling.
-    pub fn density(&self, point: [f64; 2]) -> f64 {
+    pub fn relative_pdf(&self, point: [f64; 2]) -> f64 {
         self.0.as_ref().map_or(1.0, |grid| DEFENSIVE + (1.0 - DEFENSIVE) * grid.pdf(point))
     }
 
     /// Returns the mean density of the samples, relative to uniform sampling.
-    pub fn mean_density(&self) -> f64 {
+    pub fn mean_relative_pdf(&self) -> f64 {
         self.0.as_ref().map_or(1.0, |grid| {
             // The mean over the samples is the integral of the squared density.
             DEFENSIVE * (2.0 - DEFENSIVE) + (1.0 - DEFENSIVE).powi(2) * grid.integral_of_square()
@@ -89,8 +89,8 @@ mod tests {
         let n = 1 << 14;
         let (mut power, mut inside) = (0.0, 0);
         for i in 0..n {
-            let (point, density) = aim.sample([sobol.at(i, 0), sobol.at(i, 1)]);
-            power += 1.0 / density / f64::from(n);
+            let (point, relative_pdf) = aim.sample([sobol.at(i, 0), sobol.at(i, 1)]);
+            power += 1.0 / relative_pdf / f64::from(n);
             inside += usize::from(Aim::cell(point, CELLS) == 700);
         }
         assert!((power - 1.0).abs() < 2e-3, "{power}");

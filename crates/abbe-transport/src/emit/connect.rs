@@ -34,7 +34,7 @@ impl Splat {
 
 /// Connects photons to the camera.
 #[derive(Debug, Clone, Copy)]
-pub struct CameraConnection<'a> {
+pub struct PhotonConnector<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The plan for bodies and media.
@@ -43,24 +43,24 @@ pub struct CameraConnection<'a> {
     pub photons_per_sample: f64,
 }
 
-impl CameraConnection<'_> {
+impl PhotonConnector<'_> {
     /// Connects a photon at a surface to the camera. `lens` in [0, 1)² selects the point of the
     /// aperture. At a fluorescent surface, `emission` in [0, 1) selects the wavelengths of the
     /// emission. Returns `None` if the camera does not see the photon.
     pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2], emission: f64) -> Option<Splat> {
         let Self { scene, media_plan, photons_per_sample } = *self;
         let SurfaceArrival { interaction, photon, .. } = arrival;
-        let sighting = scene.camera.connect(interaction.hit.position, lens)?;
-        let to_camera = interaction.frame.to_local(sighting.direction);
+        let connection = scene.camera.connect(interaction.hit.position, lens)?;
+        let to_camera = interaction.frame.to_local(connection.direction);
         let to_light = interaction.wo;
-        let sides = interaction.sides_towards(sighting.direction);
+        let sides = interaction.sides_towards(connection.direction);
         let geometry = to_camera.z.abs()
-            * interaction.adjoint_correction(arrival.to_light(), sighting.direction)
-            * sighting.importance;
+            * interaction.adjoint_correction(arrival.to_light(), connection.direction)
+            * connection.importance;
         let geometry = if photon.ray_density == RayDensity::NONE || interaction.bsdf.class() != BsdfClass::Glossy {
             geometry
         } else {
-            let pixel_m = scene.camera.pixel_width_m(sighting.distance);
+            let pixel_m = scene.camera.pixel_width_m(connection.distance);
             let weights = CausticWeights { photons_m2: photons_per_sample * pixel_m * pixel_m };
             let pdf = interaction.bsdf.pdf(to_camera, to_light, sides, REFERENCE_NM);
             geometry * weights.of_photon(photon.ray_density, pdf)
@@ -79,18 +79,18 @@ impl CameraConnection<'_> {
             count += LANES;
         }
         let any = lanes[..count].iter().any(|(_, radiance)| *radiance > 0.0);
-        if !(any && interaction.is_unoccluded(scene, sighting.direction, sighting.distance, None)) {
+        if !(any && interaction.is_unoccluded(scene, connection.direction, connection.distance, None)) {
             return None;
         }
         if !media_plan.is_clear() {
-            let medium_stack = interaction.medium_stack_towards(sighting.direction);
-            let ray_state = interaction.spawn_ray(sighting.direction, medium_stack);
+            let medium_stack = interaction.medium_stack_towards(connection.direction);
+            let ray_state = interaction.spawn_ray(connection.direction, medium_stack);
             // A pinhole has one point, so the numbers of the lens would not separate the photons.
-            let seed = Seed::of_pixel(u64::from(sighting.pixel), interaction.hit.position.to_array());
-            let along = path_transmittance(scene, ray_state, sighting.distance, seed);
+            let seed = Seed::of_pixel(u64::from(connection.pixel), interaction.hit.position.to_array());
+            let along = path_transmittance(scene, ray_state, connection.distance, seed);
             lanes[..count].iter_mut().for_each(|(nm, radiance)| *radiance *= transmittance(&along, *nm));
         }
-        Some(Splat { pixel: sighting.pixel, lanes, count })
+        Some(Splat { pixel: connection.pixel, lanes, count })
     }
 }
 

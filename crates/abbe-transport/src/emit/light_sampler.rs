@@ -29,7 +29,7 @@ pub struct LightSampler {
 const RADIANT_FRACTION: f64 = 0.15;
 
 /// The share of the wavelengths that the different spectra receive in equal parts.
-const EQUAL_SHARE: f64 = 0.5;
+const EQUAL_FRACTION: f64 = 0.5;
 
 impl LightSampler {
     /// Creates the distributions for a scene, or `None` if its lights emit no power in the band.
@@ -71,8 +71,8 @@ impl LightSampler {
         let second_moment = |(_, light): &(f64, &Light)| {
             let alone = WavelengthDistribution::visually_weighted(&light.spectrum, scene.film.observer)?;
             let ratio = |i: u32| {
-                let (nm, density) = alone.sample((f64::from(i) + 0.5) / f64::from(COMPARED_WAVELENGTHS));
-                density / self.wavelengths.pdf(nm)
+                let (nm, pdf_per_nm) = alone.sample((f64::from(i) + 0.5) / f64::from(COMPARED_WAVELENGTHS));
+                pdf_per_nm / self.wavelengths.pdf(nm)
             };
             Some((0..COMPARED_WAVELENGTHS).map(ratio).sum::<f64>() / f64::from(COMPARED_WAVELENGTHS))
         };
@@ -92,10 +92,10 @@ fn defensive_mixture<'a>(
     let groups = spectrum_groups(lights, powers);
     let count = (groups.iter().filter(is_visible).count() + emissions.len()) as f64;
     let weight = |group: &(f64, &Light)| {
-        let equal = if is_visible(&group) { EQUAL_SHARE / (count * group.1.importance_per_watt) } else { 0.0 };
-        (1.0 - EQUAL_SHARE) * group.0 / visible_sum + equal
+        let equal = if is_visible(&group) { EQUAL_FRACTION / (count * group.1.importance_per_watt) } else { 0.0 };
+        (1.0 - EQUAL_FRACTION) * group.0 / visible_sum + equal
     };
-    let of_emissions = emissions.iter().map(|(visible, spectrum)| (EQUAL_SHARE / (count * visible), spectrum));
+    let of_emissions = emissions.iter().map(|(visible, spectrum)| (EQUAL_FRACTION / (count * visible), spectrum));
     groups.iter().map(|group| (weight(group), &group.1.spectrum)).chain(of_emissions).collect()
 }
 

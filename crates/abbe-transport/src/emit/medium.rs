@@ -128,11 +128,11 @@ impl PhotonPath {
         let column = if collision.is_some() { column } else { medium.column_m(&segment.ray, segment.length_m) };
         let depth = |sigma: f64| if sigma > 0.0 { sigma * column } else { 0.0 };
         let least = (0..LANES).filter(|&k| fractions[k] > 0.0).map(|k| depth(sigma_t[k])).fold(f64::INFINITY, f64::min);
-        let density = sigma_t.map(|sigma| {
+        let pdfs = sigma_t.map(|sigma| {
             let transmittance = exp(least - depth(sigma));
             if collision.is_some() { sigma * transmittance } else { transmittance }
         });
-        self.weight_by_balance_heuristic(&fractions, &density);
+        self.weight_by_balance_heuristic(&fractions, &pdfs);
         ledger.sampling += self.total_w() - before;
         collision
     }
@@ -184,8 +184,8 @@ impl PhotonPath {
         let direction = medium.phase.sample(incoming, self.photon.wavelengths.nm[hero], stream.pair());
         if self.photon.wavelengths.count > 1 {
             let cosine = incoming.dot(direction);
-            let density = self.photon.wavelengths.each(|nm| medium.phase.eval(cosine, nm));
-            self.weight_by_balance_heuristic(&fractions, &density);
+            let pdfs = self.photon.wavelengths.each(|nm| medium.phase.eval(cosine, nm));
+            self.weight_by_balance_heuristic(&fractions, &pdfs);
         }
         direction
     }

@@ -2,8 +2,8 @@
 
 mod aim;
 pub mod connect;
-mod destinations;
 mod fluorescence;
+mod guiding_spheres;
 mod light_sampler;
 mod medium;
 mod photon_path;

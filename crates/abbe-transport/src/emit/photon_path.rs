@@ -13,7 +13,7 @@ pub struct PhotonState {
     pub light_path: LightPath,
     /// True if the path is beyond the depth limit of the scene. The photon then contributes only to
     /// the estimated bias.
-    pub lost: bool,
+    pub truncated: bool,
     /// The wavelengths.
     pub wavelengths: Wavelengths,
     /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
@@ -56,8 +56,8 @@ impl PhotonPath {
     }
 
     /// Continues the path beyond the depth limit, and multiplies its power by `factor`.
-    pub(super) fn lose(&mut self, factor: f64) {
-        self.photon.lost = true;
+    pub(super) fn truncate(&mut self, factor: f64) {
+        self.photon.truncated = true;
         self.multiply_power(factor);
     }
 
@@ -104,10 +104,10 @@ impl PhotonPath {
     /// wavelength. The weight of a wavelength is its density divided by the mean density. The
     /// weights of this mean are `fractions`, because they are the probabilities with which the
     /// wavelengths become the hero.
-    pub(super) fn weight_by_balance_heuristic(&mut self, fractions: &Lanes, density: &Lanes) {
-        let mean: f64 = fractions.iter().zip(density).map(|(fraction, density)| fraction * density).sum();
+    pub(super) fn weight_by_balance_heuristic(&mut self, fractions: &Lanes, pdf: &Lanes) {
+        let mean: f64 = fractions.iter().zip(pdf).map(|(fraction, pdf)| fraction * pdf).sum();
         for k in 0..LANES {
-            self.photon.power[k] *= if fractions[k] > 0.0 && mean > 0.0 { density[k] / mean } else { 0.0 };
+            self.photon.power[k] *= if fractions[k] > 0.0 && mean > 0.0 { pdf[k] / mean } else { 0.0 };
         }
     }
 }

@@ -15,7 +15,7 @@ use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 
 /// The share of the photons of the shared set that are excitation photons.
-const EXCITATION_SHARE: f64 = 0.5;
+const EXCITATION_FRACTION: f64 = 0.5;
 
 /// The wavelengths of the photons of a set.
 #[derive(Debug, Clone, Copy)]
@@ -76,20 +76,20 @@ impl PhotonSource<'_> {
         visitor: &mut impl PhotonVisitor,
     ) -> PhotonPath {
         let mixed = self.has_excitation_photons();
-        let excitation = mixed && stream.uniform() < EXCITATION_SHARE;
+        let excitation = mixed && stream.uniform() < EXCITATION_FRACTION;
         let u = points.point(index);
         let mut u_light = u[1];
         let number = self.strata.choice.sample(&mut u_light);
         let stratum = &self.strata.list[number];
         let light = &self.scene.lights[stratum.light];
-        let (aim, density) = stratum.aim.sample([u[2], u[3]]);
+        let (aim, relative_pdf) = stratum.aim.sample([u[2], u[3]]);
         visitor.on_emission(number, aim);
         let randoms = LeRandoms { aim, rest: [u[4], u[5], u[6]] };
         let emission = self.strata.sample_le(stratum, light, self.scene.extent(), randoms);
         let (wavelengths, power_of_watt) = self.sample_wavelengths(light, &emission, excitation, u[0]);
-        let mut flux = emission.flux_w / (self.count as f64 * self.strata.choice.probability(number) * density);
+        let mut flux = emission.flux_w / (self.count as f64 * self.strata.choice.probability(number) * relative_pdf);
         if mixed {
-            flux /= if excitation { EXCITATION_SHARE } else { 1.0 - EXCITATION_SHARE };
+            flux /= if excitation { EXCITATION_FRACTION } else { 1.0 - EXCITATION_FRACTION };
         }
         let ray = Ray { origin: emission.origin, direction: emission.direction };
         let medium_stack = M::initial_medium_stack(|| self.scene.medium_stack_of_emission(light, ray, emission.from));
@@ -97,7 +97,7 @@ impl PhotonSource<'_> {
             ray_state: RayState { ray, from: emission.from, medium_stack },
             photon: PhotonState {
                 light_path: LightPath::Direct,
-                lost: false,
+                truncated: false,
                 wavelengths,
                 power: power_of_watt.map(|s| s * flux),
                 wavelength_code: self.spectra.code(stratum.light, u[0]),
@@ -152,10 +152,10 @@ impl PhotonSource<'_> {
     pub(super) fn watts(&self, excitation: bool) -> Lanes {
         match self.wavelengths {
             WavelengthSampling::Free => [1.0; LANES],
-            WavelengthSampling::Shared { .. } if excitation => [EXCITATION_SHARE; LANES],
+            WavelengthSampling::Shared { .. } if excitation => [EXCITATION_FRACTION; LANES],
             WavelengthSampling::Shared { pdf, .. } => {
-                let share = if self.has_excitation_photons() { 1.0 - EXCITATION_SHARE } else { 1.0 };
-                pdf.map(|pdf| if pdf > 0.0 { share / (pdf * LANES as f64) } else { 0.0 })
+                let fraction = if self.has_excitation_photons() { 1.0 - EXCITATION_FRACTION } else { 1.0 };
+                pdf.map(|pdf| if pdf > 0.0 { fraction / (pdf * LANES as f64) } else { 0.0 })
             }
         }
     }

@@ -8,7 +8,7 @@ use abbe_spectra::spectrum::{Lanes, WavelengthDistribution};
 /// A pass samples a spectrum if the mean of p/q over its wavelengths is at least this number. p is
 /// the density of wavelengths for the spectrum alone, and q is the density for all lights. Over
 /// many passes, the mean of p/q is 1. The tail of a line is therefore not sufficient.
-const LEAST_SHARE: f64 = 0.1;
+const LEAST_FRACTION: f64 = 0.1;
 
 /// The different spectra of the lights that no pass has sampled so far. Behind dispersive glass,
 /// the picture then lacks the light of these lights, and the differences between the replicates do
@@ -34,8 +34,8 @@ impl SpectrumCoverage {
     /// of each wavelength.
     pub fn add_pass(&mut self, nm: &Lanes, pdf: &Lanes) {
         self.missing.retain(|(_, alone)| {
-            let shares = nm.iter().zip(pdf).map(|(&nm, &pdf)| alone.pdf(nm) / pdf);
-            shares.sum::<f64>() < LEAST_SHARE * nm.len() as f64
+            let fractions = nm.iter().zip(pdf).map(|(&nm, &pdf)| alone.pdf(nm) / pdf);
+            fractions.sum::<f64>() < LEAST_FRACTION * nm.len() as f64
         });
     }
 

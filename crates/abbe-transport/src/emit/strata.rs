@@ -17,13 +17,13 @@ use abbe_spectra::math::sphere::BoundingSphere;
 use std::ops::Range;
 
 /// The number of rays from which the share of a stratum is computed.
-const SHARE_RAYS: u32 = 64;
+const FRACTION_RAYS: u32 = 64;
 
 /// A target is used only if a smaller share of the light's power passes through it.
-const LARGEST_SHARE: f64 = 1.0 / 256.0;
+const LARGEST_FRACTION: f64 = 1.0 / 256.0;
 
 /// A surrounding sphere is used only if a smaller share of the light's power passes through it.
-const LARGEST_SHARE_OF_SURROUNDINGS: f64 = 1.0 / 4.0;
+const LARGEST_OUTER_FRACTION: f64 = 1.0 / 4.0;
 
 /// The strata of all lights.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ pub struct EmissionStrata {
     pub choice: DiscreteDistribution,
     /// The spheres of the strata, if the world is much larger than the targets. Surfaces far from a
     /// sphere scatter some photons towards it on purpose.
-    pub destinations: Vec<BoundingSphere>,
+    pub guiding_spheres: Vec<BoundingSphere>,
 }
 
 /// A part of the rays that a light emits.
@@ -43,12 +43,12 @@ pub struct Stratum {
     /// The number of the light.
     pub light: usize,
     /// The target of the rays. `None` for the stratum of all other rays.
-    target: Option<BoundingSphere>,
+    sphere: Option<BoundingSphere>,
     /// The strata of the same light whose rays do not belong to this stratum, even if they pass
     /// through this stratum's target.
     excluded: Range<usize>,
     /// The share of the light's power in this stratum. Rays in excluded strata are included.
-    pub share: f64,
+    pub fraction: f64,
     /// The emission distribution.
     pub aim: Aim,
 }
@@ -57,58 +57,58 @@ impl EmissionStrata {
     /// Creates one stratum per light. `lights` selects a light.
     pub fn plain(lights: &DiscreteDistribution) -> Self {
         let list = (0..lights.len()).map(|light| Stratum::whole(light, 0..0)).collect();
-        Self { list, choice: lights.clone(), destinations: Vec::new() }
+        Self { list, choice: lights.clone(), guiding_spheres: Vec::new() }
     }
 
     /// Creates the strata of all lights. A light has a stratum for each target that only a small
     /// share of its power reaches. If a light has such a stratum, it has more strata for the
-    /// spheres `surroundings`, which lie between the targets and the world. The smaller spheres
+    /// spheres `outer`, which lie between the targets and the world. The smaller spheres
     /// come first, and they exclude the larger ones. The strata of a light share its probability.
     pub fn new(
         lights: &[Light],
         extent: SceneExtent<'_>,
-        [targets, surroundings]: [&[BoundingSphere]; 2],
+        [inner, outer]: [&[BoundingSphere]; 2],
         probability: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let (mut list, mut weights): (Vec<Stratum>, Vec<f64>) = (Vec::new(), Vec::new());
-        let mut destinations: Vec<BoundingSphere> = Vec::new();
+        let mut guiding_spheres: Vec<BoundingSphere> = Vec::new();
         for (number, light) in lights.iter().enumerate() {
-            let shares = |spheres: &[BoundingSphere], largest: f64| -> Vec<(BoundingSphere, f64)> {
-                let shares = spheres.iter().map(|sphere| (*sphere, share_through(light, extent, sphere)));
-                shares.filter(|&(_, share)| share > 0.0 && share < largest).collect()
+            let fractions = |spheres: &[BoundingSphere], largest: f64| -> Vec<(BoundingSphere, f64)> {
+                let fractions = spheres.iter().map(|sphere| (*sphere, fraction_through(light, extent, sphere)));
+                fractions.filter(|&(_, fraction)| fraction > 0.0 && fraction < largest).collect()
             };
-            let mut spheres = shares(targets, LARGEST_SHARE);
+            let mut spheres = fractions(inner, LARGEST_FRACTION);
             if !spheres.is_empty() {
-                let around = shares(surroundings, LARGEST_SHARE_OF_SURROUNDINGS);
+                let around = fractions(outer, LARGEST_OUTER_FRACTION);
                 if !around.is_empty() {
                     spheres.extend(around);
                     for (sphere, _) in &spheres {
-                        if !destinations.contains(sphere) {
-                            destinations.push(*sphere);
+                        if !guiding_spheres.contains(sphere) {
+                            guiding_spheres.push(*sphere);
                         }
                     }
                 }
                 sort_by_number(&mut spheres, |(sphere, _)| sphere.radius_m);
             }
             let first = list.len();
-            for (sphere, share) in spheres {
-                let (target, excluded) = (Some(sphere), first..list.len());
-                list.push(Stratum { light: number, target, excluded, share, aim: Aim::plain() });
+            for (sphere, fraction) in spheres {
+                let (sphere, excluded) = (Some(sphere), first..list.len());
+                list.push(Stratum { light: number, sphere, excluded, fraction, aim: Aim::plain() });
             }
             list.push(Stratum::whole(number, first..list.len()));
             let strata = list.len() - first;
             weights.extend(std::iter::repeat_n(probability(number) / strata as f64, strata));
         }
-        Some(Self { choice: DiscreteDistribution::new(weights)?, list, destinations })
+        Some(Self { choice: DiscreteDistribution::new(weights)?, list, guiding_spheres })
     }
 
     /// Returns the densities of the rays that the strata emit. The density within a stratum is the
     /// mean density that its photons have.
     pub fn ray_densities(&self, lights: &[Light], extent: SceneExtent<'_>) -> RayDensities {
         let density = |(number, stratum): (usize, &Stratum)| {
-            let (light, power_w) = (stratum.light, stratum.share * lights[stratum.light].power_w(extent));
-            let per_watt = self.choice.probability(number) * stratum.aim.mean_density() / power_w;
-            StratumDensity { light, target: stratum.target, per_watt: if power_w > 0.0 { per_watt } else { 0.0 } }
+            let (light, power_w) = (stratum.light, stratum.fraction * lights[stratum.light].power_w(extent));
+            let per_watt = self.choice.probability(number) * stratum.aim.mean_relative_pdf() / power_w;
+            StratumDensity { light, sphere: stratum.sphere, per_watt: if power_w > 0.0 { per_watt } else { 0.0 } }
         };
         RayDensities::new(self.list.iter().enumerate().map(density).collect())
     }
@@ -123,11 +123,11 @@ impl EmissionStrata {
         extent: SceneExtent<'_>,
         u: LeRandoms,
     ) -> LeSample {
-        let sample = match &stratum.target {
+        let sample = match &stratum.sphere {
             None => light.sample_le(extent, u),
-            Some(target) => light.sample_le_through(extent, target, u),
+            Some(sphere) => light.sample_le_through(extent, sphere, u),
         };
-        let mut others = self.list[stratum.excluded.clone()].iter().filter_map(|other| other.target.as_ref());
+        let mut others = self.list[stratum.excluded.clone()].iter().filter_map(|other| other.sphere.as_ref());
         let elsewhere = others.any(|other| other.contains_part_of(sample.origin, sample.direction));
         if elsewhere { LeSample { flux_w: 0.0, ..sample } } else { sample }
     }
@@ -136,18 +136,18 @@ impl EmissionStrata {
 impl Stratum {
     /// Creates the stratum of all rays that do not belong to the excluded strata.
     fn whole(light: usize, excluded: Range<usize>) -> Self {
-        Self { light, target: None, excluded, share: 1.0, aim: Aim::plain() }
+        Self { light, sphere: None, excluded, fraction: 1.0, aim: Aim::plain() }
     }
 }
 
 /// Returns the share of a light's power that passes through a target.
-fn share_through(light: &Light, extent: SceneExtent<'_>, target: &BoundingSphere) -> f64 {
+fn fraction_through(light: &Light, extent: SceneExtent<'_>, sphere: &BoundingSphere) -> f64 {
     let sobol = abbe_spectra::math::sobol::Sobol::new(0);
     let flux = |i: u32| {
         let u = sobol.point(i);
-        light.sample_le_through(extent, target, LeRandoms { aim: [u[0], u[1]], rest: [u[2], u[3], u[4]] }).flux_w
+        light.sample_le_through(extent, sphere, LeRandoms { aim: [u[0], u[1]], rest: [u[2], u[3], u[4]] }).flux_w
     };
-    let mean = (0..SHARE_RAYS).map(flux).sum::<f64>() / f64::from(SHARE_RAYS);
+    let mean = (0..FRACTION_RAYS).map(flux).sum::<f64>() / f64::from(FRACTION_RAYS);
     let power_w = light.power_w(extent);
     if power_w > 0.0 { mean / power_w } else { 0.0 }
 }

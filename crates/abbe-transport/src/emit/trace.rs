@@ -1,7 +1,7 @@
 //! Tracing of photon paths from emission to absorption.
 
-use super::destinations::scatter_with_destinations;
 use super::fluorescence::scatter_at_fluorescent_surface;
+use super::guiding_spheres::scatter_with_guiding;
 use super::medium::advance_through_media;
 use super::photon_path::PhotonPath;
 use super::source::PhotonSource;
@@ -30,18 +30,18 @@ pub fn trace<V: PhotonVisitor>(
 ) {
     let limit = DepthLimit::of(source.scene);
     // The energy balance does not contain lost paths.
-    let mut lost = limit.is_stated().then(|| Ledger::new(ledger.absorbed.len()));
+    let mut truncated = limit.is_explicit().then(|| Ledger::new(ledger.absorbed.len()));
     match source.media_plan {
         MediumPlan::Air => indices.for_each(|index| {
-            trace_one::<WithoutBodies, V>(source, points, (index, limit), visitor, ledger, lost.as_mut())
+            trace_one::<WithoutBodies, V>(source, points, (index, limit), visitor, ledger, truncated.as_mut())
         }),
         MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => indices.for_each(|index| {
-            trace_one::<WithBodies, V>(source, points, (index, limit), visitor, ledger, lost.as_mut())
+            trace_one::<WithBodies, V>(source, points, (index, limit), visitor, ledger, truncated.as_mut())
         }),
     }
 }
 
-/// Traces one photon. If the scene states a depth limit, `lost` is the ledger of lost paths.
+/// Traces one photon. If the scene states a depth limit, `truncated` is the ledger of lost paths.
 #[inline(always)]
 fn trace_one<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
@@ -49,7 +49,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
     (index, limit): (u64, DepthLimit),
     visitor: &mut V,
     ledger: &mut Ledger,
-    lost: Option<&mut Ledger>,
+    truncated: Option<&mut Ledger>,
 ) {
     let mut stream = source.stream(index);
     let mut path = source.emit::<M>(points, index as u32, &mut stream, visitor);
@@ -70,15 +70,15 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
     if path.photon.light_path == LightPath::Indirect {
         ledger.depth_limit_indirect += path.total_w();
     }
-    if let Some(lost) = lost {
-        follow_lost::<M, V>(source, limit, &mut path, &mut stream, visitor, lost);
+    if let Some(truncated) = truncated {
+        follow_truncated::<M, V>(source, limit, &mut path, &mut stream, visitor, truncated);
     }
 }
 
 /// Follows some of the photons that reach the depth limit of the scene. These photons contribute
 /// only to the estimated bias.
 #[inline(never)]
-fn follow_lost<M: BodyMode, V: PhotonVisitor>(
+fn follow_truncated<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     limit: DepthLimit,
     path: &mut PhotonPath,
@@ -86,8 +86,8 @@ fn follow_lost<M: BodyMode, V: PhotonVisitor>(
     visitor: &mut V,
     ledger: &mut Ledger,
 ) {
-    let Some(factor) = limit.sample_lost_path(stream) else { return };
-    path.lose(factor);
+    let Some(factor) = limit.sample_truncated_path(stream) else { return };
+    path.truncate(factor);
     follow::<M, V>(source, path, limit.events() + 1..MAX_EVENTS + 1, stream, visitor, ledger);
 }
 
@@ -130,11 +130,11 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
             }
             return false;
         }
-        let destinations = &source.strata.destinations[..];
-        let scattered = if destinations.is_empty() {
+        let guiding_spheres = &source.strata.guiding_spheres[..];
+        let scattered = if guiding_spheres.is_empty() {
             M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream)
         } else {
-            scatter_with_destinations::<M>(destinations, path, interaction, stream, ledger)
+            scatter_with_guiding::<M>(guiding_spheres, path, interaction, stream, ledger)
         };
         let Some(scattered) = scattered else {
             ledger.absorbed[interaction.material] += path.total_w();

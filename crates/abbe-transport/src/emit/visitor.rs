@@ -139,7 +139,7 @@ mod tests {
         scene.media[0].transmittance = TransmittanceEstimator::Ratio;
         let photon = PhotonState {
             light_path: LightPath::Direct,
-            lost: false,
+            truncated: false,
             wavelengths: Wavelengths::single(550.0),
             power: [0.25; LANES],
             wavelength_code: WavelengthCode::default(),

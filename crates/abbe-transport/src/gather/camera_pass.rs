@@ -2,14 +2,14 @@
 
 use super::camera::path::PathBuffers;
 use super::camera::sampler::PixelSampler;
-use super::density::outline::Outlines;
 use super::density::responses::SensorResponses;
+use super::density::surface_extent::SurfaceExtents;
 use super::direct::lighting::DirectLighting;
 use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, PixelRadii, SetMaps};
 use crate::plan::partition::PerSet;
 use crate::plan::{Plan, Tally};
-use crate::walk::{CausticWeights, LostLight, MAX_EVENTS, Sink};
+use crate::walk::{CausticWeights, MAX_EVENTS, Sink, TruncatedLight};
 use abbe_scene::Scene;
 use abbe_scene::camera::SystemAt;
 use abbe_spectra::spectrum::{LANES, Lanes};
@@ -28,7 +28,7 @@ pub struct CameraPass<'a> {
     /// The number of photon paths of each set, divided by the number of camera samples per pixel.
     pub photons_per_sample: PerSet<f64>,
     /// The light that is missing because photon paths ended at a limit.
-    pub missing: Option<MissingLight<'a>>,
+    pub truncated: Option<TruncatedMaps<'a>>,
     /// The pass's shared wavelengths in nm.
     pub shared_nm: Lanes,
     /// The density of each shared wavelength, per nm. The density is 0 if the lights have no power
@@ -44,21 +44,21 @@ pub struct CameraPass<'a> {
     /// wavelength of each contribution.
     pub responses: Option<&'a SensorResponses>,
     /// The outlines of directly visible surfaces.
-    pub outlines: &'a Outlines,
+    pub surface_extents: &'a SurfaceExtents,
     /// The weights of paths from receptors, if photons find the same light. Empty if no photon
     /// does.
-    pub receptors: &'a [CausticWeights],
+    pub sensors: &'a [CausticWeights],
     /// The factors by which this pass scales the first kernel radii.
     pub scales: PerKernel<f64>,
     /// The first kernel radius (m) from the scene file. If the value is `None`, each pixel has its
     /// own first radius.
-    pub stated_radius_m: Option<f64>,
+    pub explicit_radius_m: Option<f64>,
 }
 
 /// The light of photon paths beyond the limit of their number of events. The light is not part of
 /// the picture. It changes only the estimated bias.
 #[derive(Debug, Clone, Copy)]
-pub struct MissingLight<'a> {
+pub struct TruncatedMaps<'a> {
     /// Photon maps with the distribution of the missing light.
     pub maps: PerSet<&'a SetMaps>,
     /// The ratio of the missing light to the light of these photons.
@@ -81,12 +81,12 @@ pub(super) struct PathContext<'s, 'a, S> {
 impl<'a, S: Sink> PathContext<'_, 'a, S> {
     /// Calls `gather` with a context in which all light, multiplied by `factor`, changes only the
     /// estimated bias. In this context, only the cap limits the number of events of a path.
-    pub(super) fn with_lost_light(
+    pub(super) fn with_truncated_light(
         &mut self,
         factor: f64,
-        gather: impl FnOnce(&mut PathContext<'_, 'a, LostLight<'_>>),
+        gather: impl FnOnce(&mut PathContext<'_, 'a, TruncatedLight<'_>>),
     ) {
-        let mut sink = LostLight { sink: &mut *self.sink, factor };
+        let mut sink = TruncatedLight { sink: &mut *self.sink, factor };
         gather(&mut PathContext {
             pixel: self.pixel,
             events: MAX_EVENTS,

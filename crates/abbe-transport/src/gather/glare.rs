@@ -11,7 +11,7 @@ use crate::plan::Tally;
 use crate::walk::transmittance;
 use abbe_scene::Scene;
 use abbe_scene::light::{EmittedSpd, Light};
-use abbe_scene::meter::{ReceptorPoint, Response};
+use abbe_scene::meter::{Response, SensorPoint};
 use abbe_spectra::math::elementary::{acos, atan2, exp, hypot, log10};
 use abbe_spectra::math::random::{Purpose, REPLICATES, Seed, StreamKey};
 use abbe_spectra::math::sobol::Sobol;
@@ -45,7 +45,7 @@ impl Glare {
 impl DirectLighting<'_> {
     /// Estimates the glare of the luminaires for an eye at a point. The view is the normal of the
     /// point's response. Each replicate is an independent estimate.
-    pub fn glare(&self, scene: &Scene, eye: &ReceptorPoint, seed: Seed) -> [Glare; REPLICATES] {
+    pub fn glare(&self, scene: &Scene, eye: &SensorPoint, seed: Seed) -> [Glare; REPLICATES] {
         std::array::from_fn(|replicate| {
             let key = seed.streams(Purpose::Glare).pass(replicate as u64);
             let sources = scene.lights.iter().enumerate().filter(|(_, light)| light.is_luminaire());
@@ -59,7 +59,7 @@ impl DirectLighting<'_> {
     fn glare_of_light(
         &self,
         scene: &Scene,
-        eye: &ReceptorPoint,
+        eye: &SensorPoint,
         (number, light): (usize, &Light),
         key: StreamKey,
     ) -> Glare {
@@ -67,7 +67,7 @@ impl DirectLighting<'_> {
         const SAMPLES: u32 = 256;
         let view = eye.response.normal();
         // A sphere receives light from all directions alike.
-        let all_directions = ReceptorPoint { response: Response::Sphere, ..*eye };
+        let all_directions = SensorPoint { response: Response::Sphere, ..*eye };
         let photometric = LUMENS_PER_WATT * Observer::cie1931().xyz(&light.spectrum)[1];
         let sobol = Sobol::of(key);
         let mut tally = Tally::default();
@@ -82,7 +82,7 @@ impl DirectLighting<'_> {
             if cosine <= 0.0 {
                 continue;
             }
-            let arriving = self.sample_direct_at_receptor(&all_directions, |_| 0.0, selected, &mut tally);
+            let arriving = self.sample_direct_at_sensor(&all_directions, |_| 0.0, selected, &mut tally);
             let Some(arriving) = arriving else { continue };
             let lumens = if arriving.transmittance.is_empty() && arriving.spd == EmittedSpd::Own {
                 photometric

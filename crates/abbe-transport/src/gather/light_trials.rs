@@ -27,9 +27,9 @@ impl DirectLighting<'_> {
             let pixel = if pixels < paths { path % pixels } else { path * pixels / paths };
             let mut sampler = PixelSampler::new(streams, path, pixel);
             let last = trials.len() + MAX_TRIALS;
-            if let Some((_, receptor)) = scene.camera.receptor(pixel) {
-                let start = sampler.receptor_sample(scene, receptor, self.openings);
-                let receiver = ReceivingPoint::on_receptor(&start.point);
+            if let Some((_, sensor)) = scene.camera.sensor(pixel) {
+                let start = sampler.sensor_sample(scene, sensor, self.portals);
+                let receiver = ReceivingPoint::on_sensor(&start.point);
                 trials.extend(self.light_trial(receiver, start.point.from, sampler.stream.triple()));
             }
             let Some((mut ray_state, _)) = sampler.ray_at(scene, pixel, REFERENCE_NM) else { continue };

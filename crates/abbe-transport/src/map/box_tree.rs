@@ -23,12 +23,12 @@ pub(super) const LEAF: usize = 8;
 /// query allocates nothing.
 #[derive(Debug, Default)]
 pub(super) struct BoxTree {
-    nodes: Vec<Node>,
+    nodes: Vec<BoxNode>,
 }
 
 /// A box of the tree.
 #[derive(Debug, Clone, Copy)]
-struct Node {
+struct BoxNode {
     /// The centre, in m relative to the scene's centre.
     centre: Vec3,
     /// Half of the size, in m.
@@ -76,7 +76,7 @@ impl BoxTree {
     /// most [`LEAF`] boxes become leaves.
     fn new(Bvh2 { nodes: binary, primitive_indices, .. }: &Bvh2) -> (Self, Leaves) {
         let counts = box_counts(binary);
-        let mut nodes: Vec<Node> = Vec::with_capacity(binary.len() / 4);
+        let mut nodes: Vec<BoxNode> = Vec::with_capacity(binary.len() / 4);
         let mut leaves = Leaves { boxes: Vec::with_capacity(primitive_indices.len()), starts: vec![0] };
         // The subtrees that are not in the index yet. A number in `Err` belongs to a node of the
         // index whose subtree is complete.
@@ -86,7 +86,7 @@ impl BoxTree {
                 Ok(number) => number,
                 Err(done) => {
                     let end = nodes.len() as u32;
-                    let node: &mut Node = &mut nodes[done];
+                    let node: &mut BoxNode = &mut nodes[done];
                     node.next = end;
                     continue;
                 }
@@ -94,7 +94,7 @@ impl BoxTree {
             let node: &Bvh2Node = &binary[number];
             let is_leaf = counts[number] as usize <= LEAF;
             let Aabb { min, max } = node.aabb;
-            nodes.push(Node {
+            nodes.push(BoxNode {
                 centre: (0.5 * (min + max)).into(),
                 half: (0.5 * (max - min)).into(),
                 next: nodes.len() as u32 + 1,
@@ -189,7 +189,7 @@ impl Slabs {
     /// Returns true if the cone may touch the box. Because of rounding, the test may accept a box
     /// that the cone misses, but it never rejects a box that the cone touches.
     #[inline]
-    fn touch(&self, node: &Node) -> bool {
+    fn touch(&self, node: &BoxNode) -> bool {
         let (centre, half) = (Vec3A::from(node.centre), Vec3A::from(node.half));
         let offset = centre - self.origin;
         let rounding = 4.0 * f32::EPSILON * (centre.abs() + self.origin.abs() + half).max_element();

@@ -14,7 +14,7 @@ pub struct KernelValues {
     /// 1/(2r) on the line.
     pub uniform: f64,
     /// The value that a limit removed from `estimate`, in the same unit. See [`Self::limited`].
-    lost: f64,
+    clamped: f64,
     /// The ratio μ_e/(μ_u − μ_e). Here μ_e and μ_u are the second moments of the Epanechnikov
     /// kernel and of the uniform kernel.
     moment_ratio: f64,
@@ -52,7 +52,7 @@ impl DiskKernel {
         KernelValues {
             estimate: self.peak * (1.0 - d2 * self.per_r2).max(0.0),
             uniform: self.uniform,
-            lost: 0.0,
+            clamped: 0.0,
             moment_ratio: 2.0,
         }
     }
@@ -62,7 +62,7 @@ impl DiskKernel {
 /// lengths are in m, and `d` must not exceed `r`. The second moments are μ_u = r²/3 and μ_e = r²/5.
 pub fn on_line(d: f64, r: f64) -> KernelValues {
     let (uniform, relative) = (0.5 / r, d / r);
-    KernelValues { estimate: 1.5 * uniform * (1.0 - relative * relative), uniform, lost: 0.0, moment_ratio: 1.5 }
+    KernelValues { estimate: 1.5 * uniform * (1.0 - relative * relative), uniform, clamped: 0.0, moment_ratio: 1.5 }
 }
 
 /// The space on which a kernel is defined.
@@ -99,15 +99,15 @@ impl KernelValues {
     /// Multiplies both kernels by a factor.
     #[inline]
     pub fn times(self, factor: f64) -> Self {
-        let Self { estimate, uniform, lost, moment_ratio } = self;
-        Self { estimate: estimate * factor, uniform: uniform * factor, lost: lost * factor, moment_ratio }
+        let Self { estimate, uniform, clamped, moment_ratio } = self;
+        Self { estimate: estimate * factor, uniform: uniform * factor, clamped: clamped * factor, moment_ratio }
     }
 
     /// Multiplies both kernels by `factor`, which replaces the larger factor `exact` to limit the
     /// noise. The difference between the factors counts as bias.
     pub fn limited(self, factor: f64, exact: f64) -> Self {
-        let lost = self.estimate * (exact - factor);
-        Self { lost, ..self.times(factor) }
+        let clamped = self.estimate * (exact - factor);
+        Self { clamped, ..self.times(factor) }
     }
 
     /// Corrects the kernels of a photon in a medium beside faces.
@@ -126,7 +126,7 @@ impl KernelValues {
         if extents.iter().all(|&extent| extent >= 1.0) {
             return self;
         }
-        let sides = extents.map(|extent| SideMoments::new(domain, extent.min(1.0)));
+        let sides = extents.map(|extent| KernelSideMoments::new(domain, extent.min(1.0)));
         let estimate = 0.5 * (sides[0].estimate[0] + sides[1].estimate[0]);
         let uniform = 0.5 * (sides[0].uniform[0] + sides[1].uniform[0]);
         let first_estimate = 0.5 * (sides[0].estimate[1] - sides[1].estimate[1]).abs() / estimate;
@@ -136,7 +136,7 @@ impl KernelValues {
         Self {
             estimate: self.estimate / estimate,
             uniform: self.uniform / uniform,
-            lost: self.lost / estimate,
+            clamped: self.clamped / estimate,
             moment_ratio: self.moment_ratio.max(of_first),
         }
     }
@@ -149,18 +149,18 @@ impl KernelValues {
     /// = r²/2 and μ_e = r²/3. The value that a limit removed is subtracted.
     #[inline]
     pub fn bias(&self) -> f64 {
-        self.moment_ratio * (self.uniform - self.estimate) - self.lost
+        self.moment_ratio * (self.uniform - self.estimate) - self.clamped
     }
 }
 
 /// The moments of order 0 and 1 of each kernel on one side of its centre. The moments of order 0 of
 /// the whole side are 1.
-struct SideMoments {
+struct KernelSideMoments {
     estimate: [f64; 2],
     uniform: [f64; 2],
 }
 
-impl SideMoments {
+impl KernelSideMoments {
     /// Integrates the kernels over distances between 0 and `extent`, in units of the kernel radius.
     fn new(domain: KernelDomain, extent: f64) -> Self {
         let [e, e2] = [extent, extent * extent];
@@ -194,7 +194,7 @@ mod tests {
     /// Checks that the kernels on the disk integrate to 1. Also checks the second moments from
     /// which `bias` is derived.
     #[test]
-    fn disk_kernels_have_unit_mass_and_stated_moments() {
+    fn disk_kernels_have_unit_mass_and_their_moments() {
         let r = 0.3_f64;
         let r2 = r * r;
         assert!((over_disk(r, |d2| DiskKernel::new(r2).at(d2).estimate) - 1.0).abs() < 1e-8);
@@ -254,7 +254,7 @@ mod tests {
 
     /// A limit of the estimate does not hide the light that it removes.
     #[test]
-    fn a_limited_kernel_states_the_lost_value_as_bias() {
+    fn a_clamped_kernel_reports_the_rest_as_bias() {
         let kernels = on_line(0.1, 0.4);
         let limited = kernels.limited(10.0, 25.0);
         assert!((limited.estimate - 10.0 * kernels.estimate).abs() < 1e-12);

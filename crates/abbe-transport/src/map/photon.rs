@@ -81,7 +81,7 @@ pub struct Photon {
 }
 
 /// The encoded direction to the light. Its error is below 2.8·10⁻⁴ rad.
-type Direction = Octahedral<14>;
+type EncodedDirection = Octahedral<14>;
 
 /// The encoded normal. Its error is below 1.2·10⁻³ rad.
 type Normal = Octahedral<12>;
@@ -92,7 +92,7 @@ impl Photon {
     /// the photon arrived.
     #[inline]
     pub fn new(power: PhotonPower, to_light: DVec3, normal: DVec3) -> Self {
-        Self { power, to_light: Direction::encode(to_light).0, normal: Normal::encode(normal).0 }
+        Self { power, to_light: EncodedDirection::encode(to_light).0, normal: Normal::encode(normal).0 }
     }
 
     /// Adds the density of the rays of the photon's light. [`Self::new`] sets it to 0.

@@ -27,7 +27,7 @@ const MAX_DEPTH: usize = 32;
 #[derive(Debug, Default)]
 pub(super) struct PointTree {
     /// The inner nodes in preorder. A subtree of n leaves has n − 1 inner nodes.
-    splits: Vec<Split>,
+    splits: Vec<PlaneSplit>,
     /// The coordinates. Each leaf has the same number of groups. Coordinates without a point are
     /// NaN, so they are at no distance from any place.
     groups: Vec<Group>,
@@ -37,7 +37,7 @@ pub(super) struct PointTree {
 
 /// A plane that divides the points of a node.
 #[derive(Debug, Clone, Copy, Default)]
-struct Split {
+struct PlaneSplit {
     /// No point of the first child is above this coordinate, and no point of the second child is
     /// below it.
     at: f32,
@@ -74,7 +74,7 @@ impl PointTree {
         let mut keys: Vec<Key> = positions.zip(0..).map(|(position, number)| Key { position, number }).collect();
         let leaves = count.div_ceil(LEAF);
         let starts: Vec<u32> = (0..=leaves).map(|leaf| (leaf * count / leaves.max(1)) as u32).collect();
-        let mut splits = vec![Split::default(); leaves.saturating_sub(1)];
+        let mut splits = vec![PlaneSplit::default(); leaves.saturating_sub(1)];
         divide(&mut keys, &starts, &mut splits);
         let mut groups = vec![[[f32::NAN; GROUP]; 3]; leaves * LEAF / GROUP];
         for (leaf, range) in starts.windows(2).enumerate() {
@@ -136,7 +136,7 @@ impl PointTree {
         }
         loop {
             while next.leaves > 1 {
-                let Split { at, axis } = self.splits[next.node as usize];
+                let PlaneSplit { at, axis } = self.splits[next.node as usize];
                 let offset = centre[axis as usize] - at;
                 let half = next.leaves / 2;
                 let lower = Subtree { node: next.node + 1, leaf: next.leaf, leaves: half, distance2: 0.0 };
@@ -193,7 +193,7 @@ fn for_each_near(groups: &[Group], centre: [f32; 3], radius2: f32, mut visit: im
 
 /// Sorts the keys into their leaves and writes the planes of the inner nodes. `starts` holds the
 /// first numbers of the leaves, and the number after the last key.
-fn divide(keys: &mut [Key], starts: &[u32], splits: &mut [Split]) {
+fn divide(keys: &mut [Key], starts: &[u32], splits: &mut [PlaneSplit]) {
     let leaves = starts.len() - 1;
     if leaves < 2 {
         return;
@@ -208,7 +208,7 @@ fn divide(keys: &mut [Key], starts: &[u32], splits: &mut [Split]) {
     };
     let (_, key, _) = keys.select_nth_unstable_by(middle, order);
     let (split, children) = splits.split_at_mut(1);
-    split[0] = Split { at: key.position[axis], axis: axis as u32 };
+    split[0] = PlaneSplit { at: key.position[axis], axis: axis as u32 };
     let parallel = keys.len() > POINTS_PER_TASK;
     let (lower, upper) = keys.split_at_mut(middle);
     let (of_lower, of_upper) = children.split_at_mut(half - 1);

@@ -19,7 +19,7 @@ pub struct QueryCone {
 #[derive(Debug, Clone, Copy)]
 pub enum KernelWidth {
     /// The radius is constant along the path. This number is the radius in m.
-    Stated(f64),
+    Constant(f64),
     /// The radius is proportional to the distance from the camera. This number is the ratio of the
     /// radius to the distance.
     PerDistance(f64),
@@ -30,7 +30,7 @@ impl QueryCone {
     /// the length of the path from the camera to the ray's origin, in m.
     pub fn of_camera(ray: Ray, length_m: f64, behind_m: f64, width: KernelWidth) -> Self {
         let (radius_m, slope) = match width {
-            KernelWidth::Stated(radius_m) => (radius_m, 0.0),
+            KernelWidth::Constant(radius_m) => (radius_m, 0.0),
             KernelWidth::PerDistance(slope) => (slope * behind_m, slope),
         };
         Self { ray, length_m, radius_m, slope }

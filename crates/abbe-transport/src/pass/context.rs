@@ -2,7 +2,7 @@
 
 use super::sums::PassSums;
 use crate::emit::{EmissionStrata, LightSampler, PhotonSource, SpectrumCoverage, WavelengthSampling};
-use crate::gather::{CameraPass, DirectLighting, LightSelector, Openings, Outlines, SensorResponses};
+use crate::gather::{CameraPass, DirectLighting, LightSelector, Portals, SensorResponses, SurfaceExtents};
 use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, SetMaps};
 use crate::plan::partition::{PerSet, PhotonSet};
@@ -34,7 +34,7 @@ pub struct PassContext<'a> {
     /// wavelengths.
     pub responses: Option<&'a SensorResponses>,
     /// The openings of the scene.
-    pub openings: &'a Openings,
+    pub portals: &'a Portals,
 }
 
 /// The shared wavelengths of a pass, and their densities.
@@ -103,7 +103,7 @@ impl<'a> PassContext<'a> {
         (scene, selector): (&'s Scene, &'s LightSelector),
         (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
         SharedWavelengths { nm, pdf }: SharedWavelengths,
-        (outlines, photons_per_sample): (&'s Outlines, PerSet<f64>),
+        (surface_extents, photons_per_sample): (&'s SurfaceExtents, PerSet<f64>),
     ) -> CameraPass<'s>
     where
         'a: 's,
@@ -111,20 +111,20 @@ impl<'a> PassContext<'a> {
         CameraPass {
             scene,
             plan: self.plan,
-            direct: DirectLighting::new(scene, selector, self.plan.media_plan).with_openings(self.openings),
+            direct: DirectLighting::new(scene, selector, self.plan.media_plan).with_portals(self.portals),
             maps: maps.as_ref(),
             photons_per_sample,
-            missing: None,
+            truncated: None,
             light_maps,
             shared_nm: nm,
             shared_pdf: pdf,
             scales: PerKernel::splat(1.0),
-            stated_radius_m: self.budget.radius_m,
+            explicit_radius_m: self.budget.radius_m,
             lens_systems: scene.camera.system().map(|system| nm.map(|nm| system.at(nm))),
             spectra: self.spectra,
             responses: self.responses,
-            outlines,
-            receptors: &[],
+            surface_extents,
+            sensors: &[],
         }
     }
 

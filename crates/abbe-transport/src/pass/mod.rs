@@ -11,8 +11,8 @@ mod keep_probability;
 mod parameters;
 mod path_pass;
 mod photon_pass;
-mod receptors;
 mod recorder;
+mod sensors;
 mod sums;
 mod trace;
 
@@ -27,6 +27,6 @@ pub(crate) use context::EmissionRequest;
 pub(crate) use deposits::{PhotonDeposits, VolumeDeposits};
 pub(crate) use keep_probability::{KEEP_ALL, KeepProbability};
 pub(crate) use parameters::CameraSamples;
-pub(crate) use receptors::{PointDisks, crossing};
 pub(crate) use recorder::RecordingOptions;
+pub(crate) use sensors::{PointDisks, crossing};
 pub(crate) use trace::trace_photons;

@@ -4,7 +4,7 @@ use super::context::{EmissionRequest, PassContext, SharedWavelengths};
 use super::keep_probability::KeepProbability;
 use super::recorder::RecordingOptions;
 use crate::emit::{EmissionStrata, PhotonSource};
-use crate::gather::{CameraPass, LightSelector, Outlines};
+use crate::gather::{CameraPass, LightSelector, SurfaceExtents};
 use crate::map::radius::PerKernel;
 use crate::map::{FirstRadii, LightMaps, SetMaps};
 use crate::plan::partition::{PerClass, PerSet, PhotonSet};
@@ -22,9 +22,9 @@ pub struct PassParameters {
     /// The first kernel radii of each pixel.
     pub(crate) radii: FirstRadii,
     /// The first kernel radius of each receptor in m. Empty if there are no receptors or caustics.
-    pub(crate) receptor_radii: Vec<f64>,
+    pub(crate) sensor_radii: Vec<f64>,
     /// The outlines of directly visible surfaces.
-    pub(crate) outlines: Outlines,
+    pub(crate) surface_extents: SurfaceExtents,
     /// The number of photon paths of each set.
     pub(crate) photons: PerSet<u64>,
     pub(crate) camera_samples: CameraSamples,
@@ -53,7 +53,7 @@ impl PassParameters {
 
     /// Returns how the photons of a set are recorded.
     pub(crate) fn recording(&self, set: PhotonSet) -> RecordingOptions<'static> {
-        RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set], receptors: None }
+        RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set], sensors: None }
     }
 
     /// Returns a source of the photons of a pass.
@@ -78,7 +78,7 @@ impl PassParameters {
         (maps, light_maps): (&'s PerSet<SetMaps>, &'s LightMaps<'s>),
         shared: SharedWavelengths,
     ) -> CameraPass<'s> {
-        let kernels = (&self.outlines, self.photons_per_sample());
+        let kernels = (&self.surface_extents, self.photons_per_sample());
         let plain = context.camera_pass((scene, selector), (maps, light_maps), shared, kernels);
         CameraPass { direct: plain.direct.with_ray_densities(self.ray_densities.as_ref()), ..plain }
     }

@@ -19,10 +19,10 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
     let start = Instant::now();
     let selector = context.light_selector(&scene);
     let direct = DirectLighting::tracked(&scene, &selector, plan.media_plan);
-    let without_glass = direct.passes_panes().then(|| context.openings.without_glass());
+    let without_glass = direct.passes_panes().then(|| context.portals.without_glass());
     let tracer = PathTracer {
         scene: &scene,
-        direct: direct.with_openings(without_glass.as_ref().unwrap_or(context.openings)),
+        direct: direct.with_portals(without_glass.as_ref().unwrap_or(context.portals)),
         media_plan: plan.media_plan,
         wavelengths: &lights.wavelengths,
         spectra: context.spectra,

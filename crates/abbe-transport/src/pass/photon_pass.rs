@@ -4,11 +4,11 @@ use super::context::{EmissionRequest, PassContext};
 use super::exposure::expose_rows;
 use super::first_surface::first_surface;
 use super::parameters::PassParameters;
-use super::receptors::ReceptorKernels;
 use super::recorder::RecordingOptions;
+use super::sensors::SensorKernels;
 use super::sums::PassSums;
 use super::trace::trace_photons;
-use crate::gather::{CameraPass, MissingLight, PathBuffers, PixelSampler};
+use crate::gather::{CameraPass, PathBuffers, PixelSampler, TruncatedMaps};
 use crate::map::radius::{scale, scales};
 use crate::map::{LightMaps, SetMaps};
 use crate::plan::partition::{PerSet, PhotonSet};
@@ -41,8 +41,8 @@ pub fn photon_pass<'a>(
     let shared = context.shared_wavelengths(pass);
     let film = &sums.film;
     let scales = scales(pass, parameters.stored_photons);
-    let first = (parameters.receptor_radii.as_slice(), scale(pass, 2));
-    let receptors = ReceptorKernels::of_pass(&context, &scene, first, parameters.photons_per_sample().free);
+    let first = (parameters.sensor_radii.as_slice(), scale(pass, 2));
+    let sensors = SensorKernels::of_pass(&context, &scene, first, parameters.photons_per_sample().free);
     let traced = PerSet::from_fn(|set| {
         let purpose = match set {
             PhotonSet::Free => Purpose::FreePhoton,
@@ -53,8 +53,8 @@ pub fn photon_pass<'a>(
         let source = parameters.photon_source(&context, &scene, request);
         // Only free photons have wavelengths of their own, which are all the wavelengths of the
         // lights.
-        let received = receptors.as_ref().filter(|_| set == PhotonSet::Free);
-        let recording = RecordingOptions { receptors: received, ..parameters.recording(set) };
+        let received = sensors.as_ref().filter(|_| set == PhotonSet::Free);
+        let recording = RecordingOptions { sensors: received, ..parameters.recording(set) };
         trace_photons(&source, plan, set, recording, || film.splat_sink())
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
@@ -62,7 +62,7 @@ pub fn photon_pass<'a>(
     let start = Instant::now();
     let PerSet { free, shared: on_shared } = traced;
     let maps = PerSet { free: free.deposits.into_maps(), shared: on_shared.deposits.into_maps() };
-    let lost = PerSet { free: free.lost.into_maps(), shared: on_shared.lost.into_maps() };
+    let truncated = PerSet { free: free.truncated.into_maps(), shared: on_shared.truncated.into_maps() };
     let mut own_light_maps = LightMaps::default();
     let light_maps = match &scene {
         Cow::Borrowed(still) => updated(light_maps, &context, still, pass),
@@ -73,9 +73,9 @@ pub fn photon_pass<'a>(
     let start = Instant::now();
     let selector = context.light_selector(&scene);
     let camera_pass = CameraPass {
-        missing: missing_light(&context, [&free.ledger, &on_shared.ledger], &maps, &lost),
+        truncated: truncated_maps(&context, [&free.ledger, &on_shared.ledger], &maps, &truncated),
         scales,
-        receptors: receptors.as_ref().map_or(&[], ReceptorKernels::weights),
+        sensors: sensors.as_ref().map_or(&[], SensorKernels::weights),
         ..parameters.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
     let records_surfaces = sums.film.records_surfaces();
@@ -100,8 +100,8 @@ pub fn photon_pass<'a>(
         }
         sums.tally.add(tally);
     }
-    for splats in free.lost_splats.iter().chain(&on_shared.lost_splats) {
-        sums.film.add_lost_splats(pass, splats);
+    for splats in free.truncated_splats.iter().chain(&on_shared.truncated_splats) {
+        sums.film.add_truncated_splats(pass, splats);
     }
     sums.film.count_pass(pass);
     sums.seconds.gather += start.elapsed().as_secs_f64();
@@ -117,25 +117,25 @@ pub fn photon_pass<'a>(
 }
 
 /// Returns the light that is missing because photon paths ended at a limit. `maps` contains the
-/// photons within the limit, and `lost` contains the photons beyond a limit that the scene states.
+/// photons within the limit, and `truncated` contains the photons beyond a limit that the scene states.
 ///
 /// At the cap, scattered photons have been in the same cavity for thousands of events, so their
 /// power falls by the same ratio from event to event. The power of the missing photons, divided by
 /// the power of the stored photons, is then c/(1 − c), where c is the share of the emitted power
 /// that reaches the cap. Photons that were never scattered are trapped in glass by total
 /// reflection, and do not leave it.
-fn missing_light<'m>(
+fn truncated_maps<'m>(
     context: &PassContext<'_>,
     ledgers: [&Ledger; 2],
     maps: &'m PerSet<SetMaps>,
-    lost: &'m PerSet<SetMaps>,
-) -> Option<MissingLight<'m>> {
-    if DepthLimit::of(context.scene).is_stated() {
-        return Some(MissingLight { maps: lost.as_ref(), factor: 1.0 });
+    truncated: &'m PerSet<SetMaps>,
+) -> Option<TruncatedMaps<'m>> {
+    if DepthLimit::of(context.scene).is_explicit() {
+        return Some(TruncatedMaps { maps: truncated.as_ref(), factor: 1.0 });
     }
     let sum = |power: fn(&Ledger) -> f64| ledgers.iter().map(|ledger| power(ledger)).sum::<f64>();
     let (capped, emitted) = (sum(|ledger| ledger.depth_limit_indirect), sum(|ledger| ledger.emitted));
-    (capped > 0.0).then(|| MissingLight { maps: maps.as_ref(), factor: ratio_beyond_cap(capped, emitted) })
+    (capped > 0.0).then(|| TruncatedMaps { maps: maps.as_ref(), factor: ratio_beyond_cap(capped, emitted) })
 }
 
 /// Returns the power of the photons beyond the cap, divided by the power of the photons before the
@@ -167,9 +167,9 @@ mod tests {
     /// before the cap.
     #[test]
     fn light_beyond_the_cap_is_a_geometric_series() {
-        for share in [0.01_f64, 0.3, 0.9] {
-            let series: f64 = (1..2000).map(|power| share.powi(power)).sum();
-            assert!((ratio_beyond_cap(2.0 * share, 2.0) / series - 1.0).abs() < 1e-12, "{share}");
+        for fraction in [0.01_f64, 0.3, 0.9] {
+            let series: f64 = (1..2000).map(|power| fraction.powi(power)).sum();
+            assert!((ratio_beyond_cap(2.0 * fraction, 2.0) / series - 1.0).abs() < 1e-12, "{fraction}");
         }
         assert_eq!([ratio_beyond_cap(0.0, 1.0), ratio_beyond_cap(1.0, 1.0)], [0.0, 1e6]);
     }

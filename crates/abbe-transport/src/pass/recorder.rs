@@ -2,13 +2,12 @@
 
 use super::deposits::PhotonDeposits;
 use super::keep_probability::KeepProbability;
-use super::receptors::ReceptorKernels;
+use super::sensors::SensorKernels;
 use crate::emit::{
-    MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival,
-    connect::CameraConnection,
+    MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival, connect::PhotonConnector,
 };
 use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
-use crate::plan::partition::{Estimator, PerClass, PhotonClass, PhotonSet, View, estimator, kept_in_map};
+use crate::plan::partition::{CameraView, Estimator, PerClass, PhotonClass, PhotonSet, estimator, kept_in_map};
 use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, PathClass, Plan, Tally, WavelengthPlan};
 use crate::sensor::SplatSink;
 use crate::walk::{LONG_PATH, NumberedMedium};
@@ -29,7 +28,7 @@ pub(crate) struct RecordingOptions<'r> {
     /// The number of photon paths in the set, divided by the number of camera samples per pixel.
     pub(crate) photons_per_sample: f64,
     /// The kernels of the receptors of meters. `None` if the set has no receptors.
-    pub(crate) receptors: Option<&'r ReceptorKernels<'r>>,
+    pub(crate) sensors: Option<&'r SensorKernels<'r>>,
 }
 
 /// Records the photons of one parallel task.
@@ -45,9 +44,9 @@ pub(crate) struct PhotonRecorder<'a> {
     /// The contributions of connections to the camera.
     pub(crate) splats: SplatSink,
     /// The photons beyond the depth limit of the scene.
-    pub(crate) lost: PhotonDeposits,
+    pub(crate) truncated: PhotonDeposits,
     /// The connections of photons beyond the depth limit of the scene.
-    pub(crate) lost_splats: SplatSink,
+    pub(crate) truncated_splats: SplatSink,
     pub(crate) tally: Tally,
 }
 
@@ -67,8 +66,8 @@ impl<'a> PhotonRecorder<'a> {
             options,
             deposits: PhotonDeposits::default(),
             splats: splat_sink(),
-            lost: PhotonDeposits::default(),
-            lost_splats: splat_sink(),
+            truncated: PhotonDeposits::default(),
+            truncated_splats: splat_sink(),
             tally: Tally::default(),
         }
     }
@@ -76,14 +75,14 @@ impl<'a> PhotonRecorder<'a> {
     /// Returns the store for a photon.
     #[inline]
     fn deposits_for(&mut self, photon: &PhotonState) -> &mut PhotonDeposits {
-        if photon.lost { &mut self.lost } else { &mut self.deposits }
+        if photon.truncated { &mut self.truncated } else { &mut self.deposits }
     }
 
     /// Connects the photon to the camera if the plan uses connections for the class of the photon's
     /// path. The power of the photon is multiplied by `factor`.
     fn connect(&mut self, arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) {
         let class = arrival.interaction.bsdf.class();
-        let connects = estimator(arrival.photon.light_path, class, View::Direct) == Estimator::Connection;
+        let connects = estimator(arrival.photon.light_path, class, CameraView::Direct) == Estimator::Connection;
         // If camera paths carry shared wavelengths from the camera on, all views count as indirect.
         // Camera paths then read the photon map, and no photon is connected.
         let free = self.set == PhotonSet::Free && self.plan.wavelengths != WavelengthPlan::Shared;
@@ -96,12 +95,12 @@ impl<'a> PhotonRecorder<'a> {
         };
         let media_plan = self.plan.media_plan;
         let photons_per_sample = self.options.photons_per_sample;
-        let camera = CameraConnection { scene: self.scene, media_plan, photons_per_sample };
+        let camera = PhotonConnector { scene: self.scene, media_plan, photons_per_sample };
         let emission = arrival.interaction.bsdf.model.as_fluorescent().map_or(0.0, |_| stream.uniform());
         if let Some(splat) = camera.connect(arrival, lens, emission) {
             self.tally.connections += 1;
             let lanes = splat.lanes().map(|(nm, radiance)| (nm, radiance * factor));
-            let splats = if arrival.photon.lost { &mut self.lost_splats } else { &mut self.splats };
+            let splats = if arrival.photon.truncated { &mut self.truncated_splats } else { &mut self.splats };
             // Only caustic photons on directly visible surfaces are connected.
             let light = self.spectra.light_of(arrival.photon.wavelength_code);
             splats.splat((PathClass::Caustic.number(), light), splat.pixel, lanes);
@@ -139,19 +138,19 @@ impl PhotonVisitor for PhotonRecorder<'_> {
 
     fn on_arrival(&mut self, arrival: &SurfaceArrival<'_>) {
         self.tally.photon_segments += 1;
-        if let Some(receptors) = self.options.receptors {
+        if let Some(sensors) = self.options.sensors {
             let light = self.spectra.light_of(arrival.photon.wavelength_code);
-            let splats = if arrival.photon.lost { &mut self.lost_splats } else { &mut self.splats };
-            receptors.add_arrival(arrival, light, splats);
+            let splats = if arrival.photon.truncated { &mut self.truncated_splats } else { &mut self.splats };
+            sensors.add_arrival(arrival, light, splats);
         }
     }
 
     #[inline]
     fn on_flight(&mut self, flight: &PhotonFlight<'_>) {
-        if let Some(receptors) = self.options.receptors {
+        if let Some(sensors) = self.options.sensors {
             let light = self.spectra.light_of(flight.photon.wavelength_code);
-            let splats = if flight.photon.lost { &mut self.lost_splats } else { &mut self.splats };
-            receptors.add_flight(flight, light, splats);
+            let splats = if flight.photon.truncated { &mut self.truncated_splats } else { &mut self.splats };
+            sensors.add_flight(flight, light, splats);
         }
     }
 

@@ -21,9 +21,9 @@ pub(crate) struct TracedPhotons {
     /// The contributions of connections to the camera, one sink per task.
     pub(crate) splats: Vec<SplatSink>,
     /// The photons beyond the depth limit of the scene, for the estimated bias.
-    pub(crate) lost: PhotonDeposits,
+    pub(crate) truncated: PhotonDeposits,
     /// The connections of the photons beyond the depth limit of the scene.
-    pub(crate) lost_splats: Vec<SplatSink>,
+    pub(crate) truncated_splats: Vec<SplatSink>,
     /// The energy balance in W.
     pub(crate) ledger: Ledger,
     /// The event counters.
@@ -60,8 +60,8 @@ pub(crate) fn trace_photons(
     for (recorder, ledger) in tasks {
         traced.deposits.append(&recorder.deposits);
         traced.splats.push(recorder.splats);
-        traced.lost.append(&recorder.lost);
-        traced.lost_splats.push(recorder.lost_splats);
+        traced.truncated.append(&recorder.truncated);
+        traced.truncated_splats.push(recorder.truncated_splats);
         traced.tally.add(&recorder.tally);
         traced.ledger.add(&ledger);
     }

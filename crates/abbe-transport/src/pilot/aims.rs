@@ -1,8 +1,8 @@
 //! Learns the emission distributions of the lights. These distributions send more photons in
 //! directions that contribute to the picture.
 
+use super::guiding_spheres::GuidingSpheres;
 use super::importance::{GridLayout, Importance};
-use super::targets::AimSpheres;
 use crate::emit::{EmissionStrata, WavelengthSampling, trace};
 use crate::pass::{EmissionRequest, PassContext};
 use crate::walk::ledger::Ledger;
@@ -54,11 +54,11 @@ impl LearnedAims {
 /// Learns the emission distribution of each light from photons traced in the scene at several
 /// times.
 pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
-    let (spheres, lights) = (AimSpheres::new(scenes, &context.openings.all()), &context.lights.lights);
+    let (spheres, lights) = (GuidingSpheres::new(scenes, &context.portals.all()), &context.lights.lights);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
     // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.
     let probability = |light: usize| 0.5 * (lights.probability(light) + 1.0 / count);
-    let spheres = [&spheres.targets[..], &spheres.surroundings];
+    let spheres = [&spheres.inner[..], &spheres.outer];
     let strata = EmissionStrata::new(&context.scene.lights, extent, spheres, probability);
     let Some(mut strata) = strata else { return LearnedAims::plain(context) };
     let counted = (strata.list.len() as u64).min(MAX_STRATA);
@@ -74,7 +74,7 @@ pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
         for (number, stratum) in strata.list.iter_mut().enumerate() {
             let (aim, mean_score) = found.aim(number);
             stratum.aim = aim;
-            contributions.push(stratum.share * lights.probability(stratum.light) * mean_score);
+            contributions.push(stratum.fraction * lights.probability(stratum.light) * mean_score);
         }
         reached = found.reached;
         if strata.list.iter().all(|stratum| stratum.aim.is_plain()) {
@@ -85,12 +85,12 @@ pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
     let sum: f64 = contributions.iter().sum();
     let contributing = contributions.iter().filter(|&&contribution| contribution > 0.0).count();
     if sum > 0.0 {
-        let shares = strata.list.iter().zip(&contributions).map(|(stratum, &contribution)| {
-            let unlearned = stratum.share * lights.probability(stratum.light);
+        let fractions = strata.list.iter().zip(&contributions).map(|(stratum, &contribution)| {
+            let unlearned = stratum.fraction * lights.probability(stratum.light);
             let equal = if contribution > 0.0 { BY_STRATUM / contributing as f64 } else { 0.0 };
             BY_CONTRIBUTION * contribution / sum + equal + (1.0 - BY_CONTRIBUTION - BY_STRATUM) * unlearned
         });
-        strata.choice = DiscreteDistribution::new(shares).unwrap_or(strata.choice);
+        strata.choice = DiscreteDistribution::new(fractions).unwrap_or(strata.choice);
     }
     LearnedAims { strata, unlit: unlit_objects(context.scene, &reached) }
 }

@@ -26,7 +26,7 @@ pub(super) struct Balance {
     /// The number of photon paths.
     pub(super) photons: u64,
     /// The fraction of the indirect photons that the pass stores on surfaces.
-    pub(super) stored_share: f64,
+    pub(super) stored_fraction: f64,
     /// The factor on the number of photons that a path stores in media.
     pub(super) medium_factor: f64,
     /// The number of camera samples per pixel.
@@ -39,7 +39,7 @@ pub(super) struct BalanceLimits {
     /// The number of photon paths, if the scene states it, or the number of the plain division.
     pub(super) photons: u64,
     /// True if the scene states the number of photon paths.
-    pub(super) photons_stated: bool,
+    pub(super) photons_are_explicit: bool,
     /// The number of camera samples per pixel, if the scene states it.
     pub(super) camera_samples: Option<u64>,
     /// The largest factor that has an effect on the number of photons that a path stores in media.
@@ -86,12 +86,12 @@ impl BalanceLimits {
     /// The plain division, which is taken if there is nothing to choose.
     pub(super) fn plain(self) -> Balance {
         let Self { photons, camera_samples, .. } = self;
-        Balance { photons, stored_share: 1.0, medium_factor: 1.0, camera_samples: camera_samples.unwrap_or(1) }
+        Balance { photons, stored_fraction: 1.0, medium_factor: 1.0, camera_samples: camera_samples.unwrap_or(1) }
     }
 
     /// Returns true if the limits leave no choice.
     pub(super) fn is_fixed(self) -> bool {
-        self.photons_stated && self.camera_samples.is_some()
+        self.photons_are_explicit && self.camera_samples.is_some()
     }
 
     /// Returns the division with the least variance at equal time. Each entry of `variances` is a
@@ -113,8 +113,8 @@ impl BalanceLimits {
     /// as the plain division, and at least as many as if it traced the least number of paths and
     /// stored all photons.
     fn choices(self) -> impl Iterator<Item = Balance> {
-        let Self { photons, photons_stated, camera_samples, largest_medium_factor } = self;
-        let of_photons = if photons_stated { 0..=0 } else { -HALVINGS..=PHOTON_DOUBLINGS as i32 };
+        let Self { photons, photons_are_explicit, camera_samples, largest_medium_factor } = self;
+        let of_photons = if photons_are_explicit { 0..=0 } else { -HALVINGS..=PHOTON_DOUBLINGS as i32 };
         let most_samples = if camera_samples.is_some() { 0 } else { DOUBLINGS_OF_SAMPLES };
         let divisions = of_photons.flat_map(move |of_photons| {
             let of_stored = of_photons.max(0)..=of_photons + HALVINGS;
@@ -124,12 +124,12 @@ impl BalanceLimits {
                 })
             })
         });
-        divisions.flat_map(move |(of_photons, stored_share, camera_samples)| {
+        divisions.flat_map(move |(of_photons, stored_fraction, camera_samples)| {
             let factors = (-HALVINGS - of_photons..=HALVINGS - of_photons).map(|of_media| 2_f64.powi(of_media));
             let effective = factors.filter(move |&factor| factor <= largest_medium_factor);
             effective.map(move |medium_factor| Balance {
                 photons: ((photons as f64 * 2_f64.powi(of_photons)) as u64).max(1),
-                stored_share,
+                stored_fraction,
                 medium_factor,
                 camera_samples,
             })
@@ -179,7 +179,7 @@ impl Balance {
     }
 
     fn variance_of_photons(self, of_one: &Variances) -> f64 {
-        let of_photons = of_one.traced + of_one.surfaces / self.stored_share + of_one.media / self.medium_factor;
+        let of_photons = of_one.traced + of_one.surfaces / self.stored_fraction + of_one.media / self.medium_factor;
         of_photons / self.photons as f64
     }
 
@@ -190,14 +190,14 @@ impl Balance {
     /// Returns the work of a pass without camera samples.
     fn work_of_photons(self, work: Work) -> f64 {
         let Work { pass, trace, store_on_surfaces, store_in_media, .. } = work;
-        let stored = store_on_surfaces * self.stored_share + store_in_media * self.medium_factor;
+        let stored = store_on_surfaces * self.stored_fraction + store_in_media * self.medium_factor;
         pass + (trace + stored) * self.photons as f64
     }
 
     /// Returns the work of one camera sample in every pixel.
     fn work_of_samples(self, work: Work) -> f64 {
         let Work { sample, gather_on_surfaces, gather_in_media, .. } = work;
-        let gathered = gather_on_surfaces * self.stored_share + gather_in_media * self.medium_factor;
+        let gathered = gather_on_surfaces * self.stored_fraction + gather_in_media * self.medium_factor;
         sample + gathered * self.photons as f64
     }
 }
@@ -208,8 +208,12 @@ mod tests {
     use super::*;
     use crate::pass::CameraSamples;
 
-    const FREE: BalanceLimits =
-        BalanceLimits { photons: 200_000, photons_stated: false, camera_samples: None, largest_medium_factor: 8.0 };
+    const FREE: BalanceLimits = BalanceLimits {
+        photons: 200_000,
+        photons_are_explicit: false,
+        camera_samples: None,
+        largest_medium_factor: 8.0,
+    };
 
     /// The work of a small film, on which photons take most of the time.
     const SMALL_FILM: Work = Work {
@@ -238,9 +242,9 @@ mod tests {
     fn photons_that_only_add_work_are_not_stored() {
         let large_film = Work { sample: 3e9, gather_on_surfaces: 30_000.0, ..SMALL_FILM };
         let connected = Variances { traced: 3_000.0, surfaces: 100.0, ..NO_NOISE };
-        let Balance { photons, stored_share, .. } = FREE.choose([connected], large_film);
+        let Balance { photons, stored_fraction, .. } = FREE.choose([connected], large_film);
         assert!(photons > 200_000, "{photons}");
-        assert!(stored_share <= 0.25, "{stored_share}");
+        assert!(stored_fraction <= 0.25, "{stored_fraction}");
     }
 
     /// For a grid of variances and works, no other division within the limits is much better.
@@ -262,14 +266,14 @@ mod tests {
     }
 
     #[test]
-    fn stated_numbers_are_kept() {
+    fn explicit_numbers_are_kept() {
         let variances = Variances { traced: 1.0, surfaces: 100.0, camera: 1.0, ..NO_NOISE };
-        let stated = BalanceLimits { photons: 77, photons_stated: true, ..FREE };
-        assert_eq!(stated.choose([variances], SMALL_FILM).photons, 77);
+        let explicit = BalanceLimits { photons: 77, photons_are_explicit: true, ..FREE };
+        assert_eq!(explicit.choose([variances], SMALL_FILM).photons, 77);
         let samples = BalanceLimits { camera_samples: Some(3), ..FREE };
         assert_eq!(samples.choose([variances], SMALL_FILM).camera_samples, 3);
-        assert!(BalanceLimits { camera_samples: Some(3), ..stated }.is_fixed());
-        assert!(!stated.is_fixed() && !samples.is_fixed());
+        assert!(BalanceLimits { camera_samples: Some(3), ..explicit }.is_fixed());
+        assert!(!explicit.is_fixed() && !samples.is_fixed());
     }
 
     /// Each path stores more photons in media if they are noisy and cheap to gather, but not if all

@@ -25,10 +25,10 @@ const SQUARE: usize = 2;
 const LEAST_SQUARES: usize = 100;
 
 /// The noise of a square is estimated from the squares up to this distance in each direction.
-const REACH: usize = 1;
+const RADIUS: usize = 1;
 
 /// The share of the mean over the film in the relative variance of a square.
-const SHARE_OF_MEAN: f64 = 0.2;
+const FRACTION_OF_MEAN: f64 = 0.2;
 
 /// The largest threshold. The others differ by factors of √2.
 const LARGEST_THRESHOLD: f64 = 2.0;
@@ -118,8 +118,8 @@ impl FilmNoise {
         probed.iter().flatten().for_each(|pixel| picture.add(pixel));
         let noise = |x: usize, y: usize| {
             let mut around = ProbeSums::default();
-            for row in &probed[y.saturating_sub(REACH)..(y + REACH + 1).min(rows)] {
-                row[x.saturating_sub(REACH)..(x + REACH + 1).min(columns)].iter().for_each(|pixel| around.add(pixel));
+            for row in &probed[y.saturating_sub(RADIUS)..(y + RADIUS + 1).min(rows)] {
+                row[x.saturating_sub(RADIUS)..(x + RADIUS + 1).min(columns)].iter().for_each(|pixel| around.add(pixel));
             }
             around.noise(&picture)
         };
@@ -127,7 +127,7 @@ impl FilmNoise {
         for y in 0..rows {
             squares.extend((0..columns).map(|x| noise(x, y)));
         }
-        Some(Self { size: (width, height), squares }.with_share_of_mean())
+        Some(Self { size: (width, height), squares }.with_fraction_of_mean())
     }
 
     fn square_of(&self, pixel: usize) -> &SampleNoise {
@@ -157,11 +157,11 @@ impl FilmNoise {
 
     /// Replaces a share of each relative variance by the mean over the film. Few samples around a
     /// square may not show that bright samples are possible but rare.
-    fn with_share_of_mean(mut self) -> Self {
+    fn with_fraction_of_mean(mut self) -> Self {
         let sum: f64 = self.squares.iter().map(|square| square.relative).sum();
         let mean = sum / self.squares.len() as f64;
         for square in &mut self.squares {
-            square.relative += SHARE_OF_MEAN * (mean - square.relative);
+            square.relative += FRACTION_OF_MEAN * (mean - square.relative);
         }
         self
     }

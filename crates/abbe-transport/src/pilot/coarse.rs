@@ -3,7 +3,7 @@
 //! The survey of the pilot takes as long as several passes. A coarse picture has few pixels and few
 //! photons, so it is ready much sooner. It is only shown: nothing in the render depends on it.
 
-use super::measure::{measure, measure_outlines};
+use super::measure::{measure, measure_surface_extents};
 use crate::map::LightMaps;
 use crate::pass::{CameraSamples, PassContext, PassParameters, PassSums, StageSeconds, path_pass, photon_pass};
 use crate::plan::{Budget, MotionPlan, Plan, Tally};
@@ -65,7 +65,7 @@ pub(super) fn coarse_photon_picture(
     let Some(coarse) = CoarseScene::of(context, scene) else { return Ok(None) };
     let pass = |context: PassContext<'_>, sums: &mut PassSums| {
         let visible = measure(parameters, &context, &[Cow::Borrowed(context.scene)]);
-        measure_outlines(parameters, &context, context.scene, &visible);
+        measure_surface_extents(parameters, &context, context.scene, &visible);
         parameters.camera_samples = CameraSamples::Same(CAMERA_SAMPLES);
         photon_pass(context, parameters, &mut LightMaps::default(), 0, sums)
     };

@@ -198,7 +198,7 @@ fn learned_aim(scores: &[f64], side: usize) -> Aim {
 /// The contribution of a path is its score divided by its density.
 fn second_moment(aim: &Aim, squares: &[Option<f64>], side: usize) -> f64 {
     let centre = |cell: usize| [cell % side, cell / side].map(|place| (place as f64 + 0.5) / side as f64);
-    let of_cell = |(cell, square): (usize, &Option<f64>)| square.map(|square| square / aim.density(centre(cell)));
+    let of_cell = |(cell, square): (usize, &Option<f64>)| square.map(|square| square / aim.relative_pdf(centre(cell)));
     squares.iter().enumerate().filter_map(of_cell).sum()
 }
 
@@ -217,7 +217,7 @@ fn smoothed(raw: &[f64], side: usize, cell: usize) -> f64 {
 
 impl PhotonVisitor for Importance<'_> {
     fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, _stream: &mut Stream) {
-        if arrival.photon.lost {
+        if arrival.photon.truncated {
             return;
         }
         let in_view = self.scene.camera.connect(arrival.interaction.hit.position, [0.5; 2]).is_some();
@@ -235,11 +235,11 @@ impl PhotonVisitor for Importance<'_> {
     fn on_medium_crossing(&mut self, crossing: &MediumCrossing<'_>, _stream: &mut Stream) {
         let MediumCrossing { segment, medium, photon } = crossing;
         let Some(class) = photon.light_path.photon_class() else { return };
-        if photon.lost || !medium.medium.scatters() || !segment.length_m.is_finite() {
+        if photon.truncated || !medium.medium.scatters() || !segment.length_m.is_finite() {
             return;
         }
         // Estimates the visible share of the segment from five points.
-        let points = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| segment.ray.at(share * segment.length_m));
+        let points = [0.1, 0.3, 0.5, 0.7, 0.9].map(|fraction| segment.ray.at(fraction * segment.length_m));
         let in_view = points.iter().filter(|&&point| self.scene.camera.connect(point, [0.5; 2]).is_some()).count();
         let weight = match class {
             PhotonClass::Caustic => 1.0,

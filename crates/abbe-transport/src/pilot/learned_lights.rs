@@ -26,11 +26,11 @@ pub fn learn_lights<'a>(context: &PassContext<'a>, seconds: &mut StageSeconds) -
     }
     let start = Instant::now();
     let streams = context.budget.seed.streams(Purpose::LightTrial);
-    let direct = DirectLighting::new(scene, selector, plan.media_plan).with_openings(context.openings);
+    let direct = DirectLighting::new(scene, selector, plan.media_plan).with_portals(context.portals);
     let paths = (scene.camera.pixel_count() as u64 / 2).clamp(FEWEST_PATHS, MOST_PATHS) / TASK * TASK;
     let trials = |task: u64| direct.light_trials(streams, task * TASK..(task + 1) * TASK, paths);
     let trials = (0..paths / TASK).into_par_iter().map(trials).collect::<Vec<_>>().concat();
-    let taught = selector.taught_by(&trials);
+    let learned = selector.learned_from(&trials);
     seconds.pilot += start.elapsed().as_secs_f64();
-    Cow::Owned(taught)
+    Cow::Owned(learned)
 }

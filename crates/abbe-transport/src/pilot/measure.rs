@@ -1,9 +1,9 @@
 //! The measurements of the pilot: radii, probabilities of storing photons, and outlines.
 
-use super::outlines::outlines;
+use super::surface_extents::surface_extents;
 use super::survey::PixelSurvey;
 use super::volume_radii::{VolumeKernelWidths, keep_probabilities};
-use crate::gather::{Outlines, VisiblePoint};
+use crate::gather::{SurfaceExtents, VisiblePoint};
 use crate::map::FirstRadii;
 use crate::map::radius::scales;
 use crate::pass::{CameraSamples, PassContext, PassParameters};
@@ -13,11 +13,11 @@ use abbe_scene::Scene;
 use std::borrow::Cow;
 
 /// If both sets are in use, each set receives at least this share of the photons.
-const MIN_SET_SHARE: f64 = 0.08;
+const MIN_SET_FRACTION: f64 = 0.08;
 
 /// Measures the radii, the probabilities of storing photons in media, and the division of the
 /// photons between the sets. Returns the visible point of each pixel. There are no outlines
-/// until [`measure_outlines`].
+/// until [`measure_surface_extents`].
 pub(super) fn measure(
     parameters: &mut PassParameters,
     context: &PassContext<'_>,
@@ -25,7 +25,7 @@ pub(super) fn measure(
 ) -> Vec<Option<VisiblePoint>> {
     parameters.photons = even_division(context.plan.photon_sets(), context.budget.photons);
     parameters.camera_samples = CameraSamples::Same(1);
-    parameters.outlines = Outlines::default();
+    parameters.surface_extents = SurfaceExtents::default();
     let mut survey = PixelSurvey::default();
     for (moment, scene) in (0..).zip(scenes) {
         let moment = (moment, scenes.len());
@@ -48,7 +48,7 @@ pub(super) fn measure(
 
 /// Measures the outlines of the surfaces around the visible points, up to the kernel radii of
 /// pass 0.
-pub(super) fn measure_outlines(
+pub(super) fn measure_surface_extents(
     parameters: &mut PassParameters,
     context: &PassContext<'_>,
     scene: &Scene,
@@ -59,21 +59,21 @@ pub(super) fn measure_outlines(
     if context.plan.indirect != IndirectPlan::Absent && context.scene.motions.camera.is_none() {
         let scale = scales(0, parameters.stored_photons).surface.indirect;
         let swept = context.scene.swept_boxes();
-        parameters.outlines = outlines(context, scene, visible, &swept, (&parameters.radii, scale));
+        parameters.surface_extents = surface_extents(context, scene, visible, &swept, (&parameters.radii, scale));
     }
 }
 
 /// Divides the photons evenly between the sets that are in use.
 fn even_division(in_use: PerSet<bool>, photons: u64) -> PerSet<u64> {
-    let share = if in_use.free && in_use.shared { (photons / 2).max(1) } else { photons };
-    PerSet::from_fn(|set| if in_use[set] { share } else { 0 })
+    let fraction = if in_use.free && in_use.shared { (photons / 2).max(1) } else { photons };
+    PerSet::from_fn(|set| if in_use[set] { fraction } else { 0 })
 }
 
 /// Divides the photons between the sets in proportion to the number of pixels that read each set.
 fn divided(photons: u64, readers: PerSet<u64>) -> PerSet<u64> {
     let total = (readers.free + readers.shared).max(1) as f64;
-    let share = (readers.shared as f64 / total).clamp(MIN_SET_SHARE, 1.0 - MIN_SET_SHARE);
-    let shared = ((photons as f64 * share) as u64).max(1);
+    let fraction = (readers.shared as f64 / total).clamp(MIN_SET_FRACTION, 1.0 - MIN_SET_FRACTION);
+    let shared = ((photons as f64 * fraction) as u64).max(1);
     PerSet { free: (photons - shared.min(photons)).max(1), shared }
 }
 

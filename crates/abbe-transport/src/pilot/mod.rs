@@ -4,10 +4,10 @@
 //! other, the [`PassParameters`](crate::pass::PassParameters). The pilot uses `pass`, and no pass
 //! uses the pilot.
 //!
-//! - `openings` and `learned_lights`: where shadow rays go, found before [`Pilot::run`].
-//! - `aims`, `importance` and `targets`: the emission distributions.
-//! - `survey`, `volume_radii`, `volume_samples`, `keep_probability`, `outlines` and
-//!   `receptor_radii`: the first kernel radii and what belongs to them. `measure` calls them.
+//! - `portals` and `learned_lights`: where shadow rays go, found before [`Pilot::run`].
+//! - `aims`, `importance` and `guiding_spheres`: the emission distributions.
+//! - `survey`, `volume_radii`, `volume_samples`, `keep_probability`, `surface_extents` and
+//!   `sensor_radii`: the first kernel radii and what belongs to them. `measure` calls them.
 //! - `trial`, `small_pass`, `work`, `balance` and `camera_samples`: how many photons and how many
 //!   camera samples a pass has.
 //! - `coarse`: a picture to look at before the first pass.
@@ -17,17 +17,17 @@ mod aims;
 mod balance;
 mod camera_samples;
 mod coarse;
+mod guiding_spheres;
 mod importance;
 mod keep_probability;
 mod learned_lights;
 mod measure;
-mod openings;
-mod outlines;
-mod receptor_radii;
+mod portals;
 mod run;
+mod sensor_radii;
 mod small_pass;
+mod surface_extents;
 mod survey;
-mod targets;
 mod trial;
 mod volume_radii;
 mod volume_samples;
@@ -36,5 +36,5 @@ mod work;
 pub(crate) use aims::{LearnedAims, learn_aims};
 pub use coarse::coarse_path_picture;
 pub use learned_lights::learn_lights;
-pub use openings::find_openings;
+pub use portals::find_portals;
 pub use run::Pilot;

@@ -13,10 +13,10 @@
 use super::aims::{LearnedAims, learn_aims};
 use super::balance::{Balance, BalanceLimits};
 use super::coarse::coarse_photon_picture;
-use super::measure::{measure, measure_outlines};
-use super::receptor_radii::first_radii;
+use super::measure::{measure, measure_surface_extents};
+use super::sensor_radii::first_radii;
 use super::trial::balanced;
-use crate::gather::Outlines;
+use crate::gather::SurfaceExtents;
 use crate::map::FirstRadii;
 use crate::map::radius::PerKernel;
 use crate::pass::{CameraSamples, KEEP_ALL, KeepProbability, PassContext, PassParameters, StageSeconds};
@@ -52,8 +52,8 @@ fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
     let scene = context.scene;
     match context.plan.motion {
         MotionPlan::PosedPerPass if scene.moves() => {
-            let share = |i: usize| (i as f64 + 0.5) / MOMENTS as f64;
-            (0..MOMENTS).map(|i| scene.at(scene.shutter.time_s(share(i)))).collect()
+            let fraction = |i: usize| (i as f64 + 0.5) / MOMENTS as f64;
+            (0..MOMENTS).map(|i| scene.at(scene.shutter.time_s(fraction(i)))).collect()
         }
         MotionPlan::PosedPerPass | MotionPlan::Still => Ok(vec![Cow::Borrowed(scene)]),
     }
@@ -85,8 +85,8 @@ impl Pilot {
         let parameters = &mut pilot.parameters;
         let visible = measure(parameters, context, &scenes);
         balance(parameters, context, &scenes[0]);
-        measure_outlines(parameters, context, &scenes[0], &visible);
-        parameters.receptor_radii = first_radii(context, &scenes[0], &parameters.strata, parameters.photons.free);
+        measure_surface_extents(parameters, context, &scenes[0], &visible);
+        parameters.sensor_radii = first_radii(context, &scenes[0], &parameters.strata, parameters.photons.free);
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
     }
@@ -115,8 +115,8 @@ impl Pilot {
             strata,
             ray_densities: None,
             radii: FirstRadii::default(),
-            receptor_radii: Vec::new(),
-            outlines: Outlines::default(),
+            sensor_radii: Vec::new(),
+            surface_extents: SurfaceExtents::default(),
             photons: PerSet::default(),
             camera_samples: CameraSamples::Same(1),
             stored_photons: PerKernel::splat(1.0),
@@ -156,25 +156,25 @@ impl Pilot {
 
 /// Divides the work of a pass between photons and camera samples.
 fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &Scene) {
-    let Budget { photons, photons_stated, camera_samples, .. } = *context.budget;
+    let Budget { photons, photons_are_explicit, camera_samples, .. } = *context.budget;
     let largest_medium_factor = PhotonClass::ALL.map(|class| parameters.keep[class].largest_medium_factor());
     let largest_medium_factor = largest_medium_factor.into_iter().fold(1.0, f64::max);
-    let limits = BalanceLimits { photons, photons_stated, camera_samples, largest_medium_factor };
+    let limits = BalanceLimits { photons, photons_are_explicit, camera_samples, largest_medium_factor };
     let (balance, camera_samples) = if limits.is_fixed() {
         (limits.plain(), CameraSamples::Same(limits.plain().camera_samples))
     } else {
         balanced(context, scene, parameters, limits)
     };
     parameters.camera_samples = camera_samples;
-    let Balance { photons: chosen, stored_share, medium_factor, .. } = balance;
-    let share = chosen as f64 / photons as f64;
+    let Balance { photons: chosen, stored_fraction, medium_factor, .. } = balance;
+    let fraction = chosen as f64 / photons as f64;
     let plain = parameters.keep;
     parameters.keep = PerClass::from_fn(|class| plain[class].with_medium_factor(medium_factor));
-    parameters.keep.indirect.surface = stored_share;
+    parameters.keep.indirect.surface = stored_fraction;
     // The scene may state the first radius.
     if context.budget.radius_m.is_none() {
         let stored = |of: fn(&KeepProbability) -> f64| {
-            PerClass::from_fn(|class| share * of(&parameters.keep[class]) / of(&plain[class]))
+            PerClass::from_fn(|class| fraction * of(&parameters.keep[class]) / of(&plain[class]))
         };
         parameters.stored_photons = PerKernel {
             surface: stored(|keep| keep.surface),
@@ -184,7 +184,7 @@ fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &S
     }
     parameters.photons = PerSet::from_fn(|set| match parameters.photons[set] {
         0 => 0,
-        count => ((count as f64 * share) as u64).max(1),
+        count => ((count as f64 * fraction) as u64).max(1),
     });
 }
 

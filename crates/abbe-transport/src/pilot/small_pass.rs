@@ -22,7 +22,7 @@ const MOST_TILES: usize = 128;
 
 /// X, Y and Z of a pixel in one pass of the trial, in W/m²/sr.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct PixelLight {
+pub(super) struct TrialPixel {
     /// All light of each camera sample.
     pub(super) samples: [[f64; 3]; TRIALS],
     /// The part of the samples that media scatter.
@@ -33,13 +33,13 @@ pub(super) struct PixelLight {
 /// The camera samples of one pass of the trial.
 pub(super) struct SmallPass {
     /// The light of the pixels of each tile.
-    pub(super) tiles: Vec<Vec<PixelLight>>,
+    pub(super) tiles: Vec<Vec<TrialPixel>>,
     /// The events of the camera paths.
     pub(super) tally: Tally,
 }
 
 /// The photons of one pass of the trial.
-pub(super) struct TracedPhotons {
+pub(super) struct TrialPhotons {
     /// The number of the pass.
     number: u64,
     pub(super) maps: PerSet<SetMaps>,
@@ -54,16 +54,16 @@ pub(super) fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
     (0..3).map(value).sum::<f64>() / 3.0
 }
 
-impl PixelLight {
+impl TrialPixel {
     pub(super) fn mean(pixels: &[Self]) -> Self {
-        let share = 1.0 / pixels.len() as f64;
+        let fraction = 1.0 / pixels.len() as f64;
         let mut mean = Self::default();
         for pixel in pixels {
             for c in 0..3 {
-                mean.splats[c] += share * pixel.splats[c];
+                mean.splats[c] += fraction * pixel.splats[c];
                 for nth in 0..TRIALS {
-                    mean.samples[nth][c] += share * pixel.samples[nth][c];
-                    mean.media[nth][c] += share * pixel.media[nth][c];
+                    mean.samples[nth][c] += fraction * pixel.samples[nth][c];
+                    mean.media[nth][c] += fraction * pixel.media[nth][c];
                 }
             }
         }
@@ -71,7 +71,7 @@ impl PixelLight {
     }
 }
 
-impl TracedPhotons {
+impl TrialPhotons {
     /// Traces few photons. `number` is the number of the pass, and `counts` contains the number of
     /// photon paths of each set.
     pub(super) fn trace(
@@ -123,10 +123,10 @@ impl SmallPass {
     pub(super) fn run(
         context: &PassContext<'_>,
         parameters: &PassParameters,
-        (traced, camera_pass): (&TracedPhotons, &CameraPass<'_>),
+        (traced, camera_pass): (&TrialPhotons, &CameraPass<'_>),
         tiles: &[Vec<usize>],
     ) -> Self {
-        let measured: Vec<(Vec<PixelLight>, Tally)> = tiles
+        let measured: Vec<(Vec<TrialPixel>, Tally)> = tiles
             .into_par_iter()
             .map(|tile: &Vec<usize>| {
                 let (mut buffers, mut tally) = (PathBuffers::default(), Tally::default());
@@ -139,7 +139,7 @@ impl SmallPass {
                         std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum::<f64>())
                     };
                     let media = samples.map(|classes| classes[PathClass::Volume.number()]);
-                    PixelLight { samples: samples.map(sum), media, splats: traced.splats[pixel] }
+                    TrialPixel { samples: samples.map(sum), media, splats: traced.splats[pixel] }
                 };
                 (tile.iter().map(|&pixel| light(pixel)).collect(), tally)
             })

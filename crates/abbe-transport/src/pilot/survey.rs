@@ -4,11 +4,11 @@ use super::keep_probability::DepositCounts;
 use super::volume_radii::{PixelVolumeCounts, VolumeKernelWidths};
 use super::volume_samples::VolumeSamples;
 use crate::emit::EmissionStrata;
-use crate::gather::{CameraPass, CameraSegment, Outlines, PathBuffers, PixelSampler, VisiblePoint};
+use crate::gather::{CameraPass, CameraSegment, PathBuffers, PixelSampler, SurfaceExtents, VisiblePoint};
 use crate::map::radius;
 use crate::map::{LightMaps, PhotonMap, PixelRadii};
 use crate::pass::{EmissionRequest, KEEP_ALL, PassContext, PhotonDeposits, RecordingOptions, trace_photons};
-use crate::plan::partition::{PerClass, PerSet, PhotonClass, PhotonSet, View};
+use crate::plan::partition::{CameraView, PerClass, PerSet, PhotonClass, PhotonSet};
 use crate::plan::{DirectPlan, LightOrigin, PathClass, Plan, Tally};
 use crate::sensor::Film;
 use crate::walk::{SensorResponse, Sink};
@@ -30,7 +30,7 @@ pub(super) const MAX_SURFACE_RADIUS_PX: PerClass<f64> = PerClass { caustic: 3.0,
 const MAX_SURFACE_RADIUS_OF_PICTURE: f64 = 0.25;
 
 /// The share of a pass's photon paths that the survey traces, over all shutter times.
-const PHOTON_SHARE: f64 = 0.25;
+const PHOTON_FRACTION: f64 = 0.25;
 
 /// The survey traces at least this number of photon paths of each set at each shutter time, or all
 /// photon paths of a pass if there are fewer.
@@ -93,20 +93,20 @@ impl PixelSurvey {
         let mut stored = PerClass::default();
         let maps = PerSet::from_fn(|set| {
             let (wavelengths, pass) = (shared.sampling(set), 2 * moment + set as u64);
-            let share = photon_share(photons[set], moments);
-            let count = (share * photons[set] as f64) as u64;
+            let fraction = photon_fraction(photons[set], moments);
+            let count = (fraction * photons[set] as f64) as u64;
             let request = EmissionRequest { wavelengths, count, purpose: Purpose::SurveyPhoton, pass };
             let source = context.photon_source(scene, strata, request);
-            let recording =
-                RecordingOptions { keep: KEEP_ALL, photons_per_sample: photons[set] as f64, receptors: None };
+            let recording = RecordingOptions { keep: KEEP_ALL, photons_per_sample: photons[set] as f64, sensors: None };
             let deposits = trace_photons(&source, plan, set, recording, || blank.splat_sink()).deposits;
-            let here = PerClass::from_fn(|class| DepositCounts::of(&deposits.volume[class], share.recip()));
+            let here = PerClass::from_fn(|class| DepositCounts::of(&deposits.volume[class], fraction.recip()));
             stored = stored.zip_with(here, DepositCounts::max);
-            SurveyMaps::new(&deposits, context, share)
+            SurveyMaps::new(&deposits, context, fraction)
         });
-        let (no_photons, no_light_maps, no_outlines) = (PerSet::default(), LightMaps::default(), Outlines::default());
+        let (no_photons, no_light_maps, no_surface_extents) =
+            (PerSet::default(), LightMaps::default(), SurfaceExtents::default());
         let selector = context.light_selector(scene);
-        let kernels = (&no_outlines, PerSet::from_fn(|set| photons[set] as f64));
+        let kernels = (&no_surface_extents, PerSet::from_fn(|set| photons[set] as f64));
         let camera_pass = CameraPass {
             plan: &without_direct,
             responses: None,
@@ -225,7 +225,7 @@ impl BandSurvey<'_> {
                 self.readers.free += u64::from(reads.free);
                 self.readers.shared += u64::from(reads.shared);
                 let first = buffers.visible_points.iter().find(|point| point.is_diffuse).copied();
-                self.visible[index] = first.filter(|point| point.view == View::Direct);
+                self.visible[index] = first.filter(|point| point.view == CameraView::Direct);
             }
         }
     }
@@ -337,8 +337,8 @@ fn object_extents(scene: &Scene) -> Vec<f64> {
 
 /// Returns the share of a pass's photon paths that the survey traces at one of `moments` shutter
 /// times. `photons` is the number of photon paths in a pass.
-fn photon_share(photons: u64, moments: usize) -> f64 {
-    (PHOTON_SHARE / moments as f64).max(MIN_PHOTONS / photons.max(1) as f64).min(1.0)
+fn photon_fraction(photons: u64, moments: usize) -> f64 {
+    (PHOTON_FRACTION / moments as f64).max(MIN_PHOTONS / photons.max(1) as f64).min(1.0)
 }
 
 /// The limits of a first kernel radius on a surface.
@@ -364,14 +364,14 @@ struct SurveyMaps {
 }
 
 impl SurveyMaps {
-    /// Indexes the survey's photons. `share` is the number of photon paths in the survey, divided
+    /// Indexes the survey's photons. `fraction` is the number of photon paths in the survey, divided
     /// by the number of photon paths in a pass.
-    fn new(deposits: &PhotonDeposits, context: &PassContext<'_>, share: f64) -> Self {
-        let of_pass = |count: f64| NonZero::new((share * count).round() as usize).unwrap_or(NonZero::<usize>::MIN);
+    fn new(deposits: &PhotonDeposits, context: &PassContext<'_>, fraction: f64) -> Self {
+        let of_pass = |count: f64| NonZero::new((fraction * count).round() as usize).unwrap_or(NonZero::<usize>::MIN);
         let volume = context.plan.volume;
         Self {
             surface: PerClass::from_fn(|class| PhotonMap::build(&deposits.surface[class])),
-            volume: PerClass::from_fn(|class| VolumeSamples::new(&deposits.volume[class], volume, share.recip())),
+            volume: PerClass::from_fn(|class| VolumeSamples::new(&deposits.volume[class], volume, fraction.recip())),
             nearest: of_pass(f64::from(context.budget.nearest)),
             fewest: of_pass(FEWEST_PHOTONS),
         }
@@ -420,10 +420,10 @@ mod tests {
 
     #[test]
     fn the_survey_traces_a_quarter_of_a_pass_but_enough() {
-        assert_eq!(photon_share(200_000, 1), 0.25);
-        assert_eq!(photon_share(200_000, 4), 0.0625);
-        assert_eq!(photon_share(20_000, 4), 0.5, "at least 10,000 paths");
-        assert_eq!(photon_share(5_000, 1), 1.0);
-        assert_eq!(photon_share(0, 1), 1.0, "an unused set");
+        assert_eq!(photon_fraction(200_000, 1), 0.25);
+        assert_eq!(photon_fraction(200_000, 4), 0.0625);
+        assert_eq!(photon_fraction(20_000, 4), 0.5, "at least 10,000 paths");
+        assert_eq!(photon_fraction(5_000, 1), 1.0);
+        assert_eq!(photon_fraction(0, 1), 1.0, "an unused set");
     }
 }

@@ -8,7 +8,7 @@
 
 use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{FilmNoise, ProbedPixel};
-use super::small_pass::{PixelLight, SmallPass, TILE, TRIALS, TracedPhotons, mean_of_components, sample_light, tiles};
+use super::small_pass::{SmallPass, TILE, TRIALS, TrialPhotons, TrialPixel, mean_of_components, sample_light, tiles};
 use super::work::{SampleWork, Work};
 use crate::gather::PathBuffers;
 use crate::map::LightMaps;
@@ -18,7 +18,7 @@ use crate::plan::partition::PerSet;
 use abbe_scene::Scene;
 
 /// The share of a pass's photon paths that one pass of the trial traces.
-const PHOTON_SHARE: f64 = 1.0 / 16.0;
+const PHOTON_FRACTION: f64 = 1.0 / 16.0;
 
 /// The least number of photon paths in one pass of the trial.
 const MIN_PHOTONS: f64 = 4_000.0;
@@ -31,7 +31,7 @@ const LARGEST_TILE: f64 = 8.0;
 const LIGHT_MAP_CELLS: u32 = 8;
 
 /// The least share of noise in the variance of neighbouring pixels.
-const LEAST_SHARE_OF_NOISE: f64 = 0.1;
+const LEAST_FRACTION_OF_NOISE: f64 = 0.1;
 
 /// If the noise in the tiles is more than this multiple of the variance around their pixels, rare
 /// bright samples cause it.
@@ -65,15 +65,15 @@ struct SampleVariance {
 impl TileVariance {
     /// Computes the variances of the pixels of each tile, and the variances of the mean of each
     /// tile.
-    fn of_tiles([first, second]: [&[Vec<PixelLight>]; 2]) -> [Vec<Self>; 2] {
+    fn of_tiles([first, second]: [&[Vec<TrialPixel>]; 2]) -> [Vec<Self>; 2] {
         let pairs = || first.iter().zip(second);
         let of_pixels = pairs().map(|(first, second)| Self::of(first, second));
-        let of_means = pairs().map(|(first, second)| Self::of(&[PixelLight::mean(first)], &[PixelLight::mean(second)]));
+        let of_means = pairs().map(|(first, second)| Self::of(&[TrialPixel::mean(first)], &[TrialPixel::mean(second)]));
         [of_pixels.collect(), of_means.collect()]
     }
 
     /// Computes the variances from the same pixels in both passes.
-    fn of(first: &[PixelLight], second: &[PixelLight]) -> Self {
+    fn of(first: &[TrialPixel], second: &[TrialPixel]) -> Self {
         let all = SampleVariance::of(first, second, |pixel| pixel.samples);
         let media = SampleVariance::of(first, second, |pixel| pixel.media).gathered;
         let mean_splats = mean_of_pixels(first, second, |a, b, c| 0.5 * (a.splats[c] + b.splats[c]));
@@ -89,7 +89,7 @@ impl TileVariance {
 
 impl SampleVariance {
     /// Computes the variances of a part of the samples from the same pixels in both passes.
-    fn of(first: &[PixelLight], second: &[PixelLight], part: fn(&PixelLight) -> [[f64; 3]; TRIALS]) -> Self {
+    fn of(first: &[TrialPixel], second: &[TrialPixel], part: fn(&TrialPixel) -> [[f64; 3]; TRIALS]) -> Self {
         let mean = |[one, other]: [[f64; 3]; TRIALS], c: usize| 0.5 * (one[c] + other[c]);
         let camera = mean_of_pixels(first, second, |a, b, c| variance_of_sample([part(a), part(b)], c));
         let between = mean_of_pixels(first, second, |a, b, c| half_square(mean(part(a), c), mean(part(b), c)));
@@ -116,9 +116,9 @@ fn variance_of_sample(passes: [[[f64; 3]; TRIALS]; 2], c: usize) -> f64 {
 
 /// Returns the mean of a value over pairs of equal pixels, for X, Y and Z.
 fn mean_of_pixels(
-    first: &[PixelLight],
-    second: &[PixelLight],
-    value: impl Fn(&PixelLight, &PixelLight, usize) -> f64,
+    first: &[TrialPixel],
+    second: &[TrialPixel],
+    value: impl Fn(&TrialPixel, &TrialPixel, usize) -> f64,
 ) -> [f64; 3] {
     let sum = |c: usize| first.iter().zip(second).map(|(one, other)| value(one, other, c)).sum::<f64>();
     std::array::from_fn(|c| sum(c) / first.len() as f64)
@@ -136,14 +136,14 @@ pub(super) fn balanced(
     let (width, pixels) = (scene.camera.width(), scene.camera.pixel_count());
     let tiles = tiles((width, pixels / width));
     let all = parameters.photons.free + parameters.photons.shared;
-    let share = PHOTON_SHARE.max(MIN_PHOTONS / all as f64).min(1.0);
-    let counts = PerSet::from_fn(|set| (parameters.photons[set] as f64 * share) as u64);
+    let fraction = PHOTON_FRACTION.max(MIN_PHOTONS / all as f64).min(1.0);
+    let counts = PerSet::from_fn(|set| (parameters.photons[set] as f64 * fraction) as u64);
     let mut light_maps = LightMaps::default();
     if context.plan.media_plan.has_light_maps() {
         light_maps.update(scene, LIGHT_MAP_CELLS, context.budget.seed, 0);
     }
     let selector = context.light_selector(scene);
-    let traced = [0, 1].map(|number| TracedPhotons::trace(context, scene, parameters, (number, counts)));
+    let traced = [0, 1].map(|number| TrialPhotons::trace(context, scene, parameters, (number, counts)));
     let camera_passes = traced.each_ref().map(|traced| {
         let maps = (&traced.maps, &light_maps);
         parameters.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
@@ -166,7 +166,7 @@ pub(super) fn balanced(
             ProbedPixel {
                 sample: std::array::from_fn(|c| classes.iter().map(|xyz| xyz[c]).sum()),
                 splats: std::array::from_fn(|c| 0.5 * (splats[0][pixel][c] + splats[1][pixel][c])),
-                work: SampleWork::of(&tally).with_photons(share.recip()),
+                work: SampleWork::of(&tally).with_photons(fraction.recip()),
             }
         };
         pixels.iter().map(of_pixel).collect()
@@ -193,8 +193,8 @@ fn film_noise(
     (passes, tiles): (&[SmallPass; 2], &[Vec<usize>]),
 ) -> Option<FilmNoise> {
     let noise = FilmNoise::measure(size, probe)?;
-    let share = noise.ratio_of(sample_variances(passes, tiles));
-    (share <= RARE_SAMPLES).then(|| noise.scaled(share.max(LEAST_SHARE_OF_NOISE)))
+    let fraction = noise.ratio_of(sample_variances(passes, tiles));
+    (fraction <= RARE_SAMPLES).then(|| noise.scaled(fraction.max(LEAST_FRACTION_OF_NOISE)))
 }
 
 /// The splats of a square block of pixels in both passes of the trial.
@@ -329,11 +329,11 @@ mod tests {
                 let (on_surfaces, in_media) = (noise(0.6), noise(0.5));
                 let media = std::array::from_fn(|_| [0.5 + in_media; 3]);
                 let samples = std::array::from_fn(|_| [2.0 + on_surfaces + in_media + noise(0.6); 3]);
-                PixelLight { samples, media, splats: [1.0 + noise(0.9); 3] }
+                TrialPixel { samples, media, splats: [1.0 + noise(0.9); 3] }
             };
             (0..TILES).map(|_| (0..16).map(|_| pixel()).collect()).collect()
         };
-        let passes: [Vec<Vec<PixelLight>>; 2] = [pass(), pass()];
+        let passes: [Vec<Vec<TrialPixel>>; 2] = [pass(), pass()];
         let splats =
             passes.each_ref().map(|tiles| tiles.iter().flatten().map(|pixel| pixel.splats).collect::<Vec<_>>());
         let of_tiles = TileVariance::of_tiles(passes.each_ref().map(Vec::as_slice));

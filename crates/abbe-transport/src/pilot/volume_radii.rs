@@ -82,8 +82,8 @@ impl VolumeKernelWidths {
         let widest = if class == PhotonClass::Indirect && is_close { WIDEST_KERNEL } else { first };
         let wider = move |width: &f64| (*width < widest).then(|| (2.0 * width).min(widest));
         let per_distance = iter::successors(Some(first), wider).map(KernelWidth::PerDistance);
-        let stated = self.radius_m.map(KernelWidth::Stated);
-        stated.into_iter().chain(per_distance.take(if stated.is_some() { 0 } else { usize::MAX }))
+        let explicit = self.radius_m.map(KernelWidth::Constant);
+        explicit.into_iter().chain(per_distance.take(if explicit.is_some() { 0 } else { usize::MAX }))
     }
 
     /// Returns the upper limit of the first kernel width of caustics, divided by its lower limit.

@@ -114,7 +114,7 @@ impl VolumeSamples {
     /// Counts the photons within a kernel width around a camera segment in a medium.
     fn count_within(&self, segment: &CameraSegment, medium: &Medium, width: KernelWidth) -> NearbyPhotons {
         let cone = QueryCone::of_camera(segment.ray, segment.length_m, segment.behind_m, width);
-        let (KernelWidth::Stated(number) | KernelWidth::PerDistance(number)) = width;
+        let (KernelWidth::Constant(number) | KernelWidth::PerDistance(number)) = width;
         let mut nearby = NearbyPhotons { width: number as f32, ..NearbyPhotons::default() };
         if self.plan.keeps_beams(medium.dense) {
             nearby.beams = self.count_beams(&cone, segment.medium) as f32;
@@ -226,7 +226,7 @@ mod tests {
         let segment =
             CameraSegment { ray, length_m: 2.0, behind_m: 0.0, medium: 0, shared: false, is_fluorescent: false };
         for radius_m in [0.2, 0.05, 0.02] {
-            let width = KernelWidth::Stated(radius_m);
+            let width = KernelWidth::Constant(radius_m);
             let cone = QueryCone::of_camera(ray, 2.0, 0.0, width);
             let (mut points, mut beams) = (0.0, 0.0);
             VolumeMap::of_points(all.points.clone()).along(&cone, |_| points += 1.0);

@@ -63,7 +63,7 @@ pub struct Budget {
     /// double it several times ([`PHOTON_HALVINGS`], [`PHOTON_DOUBLINGS`]).
     pub photons: u64,
     /// True if the scene states the number of photon paths.
-    pub photons_stated: bool,
+    pub photons_are_explicit: bool,
     /// The number of camera samples per pixel and pass, if the scene states it. Otherwise, the
     /// pilot chooses the number.
     pub camera_samples: Option<u64>,
@@ -101,7 +101,7 @@ fn photons_per_pass(passes: u64, pixels: u64) -> u64 {
 
 /// Returns the number of samples of each row of receptors in a pass of a measurement. A pass takes
 /// some milliseconds, so that the stop rules are checked often.
-fn receptor_samples(rows: u64) -> u64 {
+fn sensor_samples(rows: u64) -> u64 {
     const SAMPLES_PER_PASS: u64 = 1 << 15;
     (SAMPLES_PER_PASS / rows.max(1)).clamp(16, 1 << 12).next_power_of_two()
 }
@@ -155,8 +155,8 @@ impl Budget {
             passes,
             photons,
             // The balance of photons and camera samples is measured on pictures.
-            photons_stated: settings.photons.is_some() || measures,
-            camera_samples: settings.camera_samples.map(u64::from).or(measures.then(|| receptor_samples(pixels))),
+            photons_are_explicit: settings.photons.is_some() || measures,
+            camera_samples: settings.camera_samples.map(u64::from).or(measures.then(|| sensor_samples(pixels))),
             nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
             radius_m: settings.radius_m,
             light_map_cells,

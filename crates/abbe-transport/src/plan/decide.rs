@@ -75,12 +75,12 @@ pub(super) fn decide(
     let mut plan = Plan::EMPTY;
     let mut rows = Vec::with_capacity(EFFECTS.len());
     for effect in &EFFECTS {
-        let callers = (effect.calls)(facts);
+        let requirers = (effect.requires)(facts);
         let negligible = negligible.iter().find(|negligible| negligible.effect == effect.id);
-        let uncalled = negligible.map_or(effect.uncalled, |negligible| &negligible.because);
+        let not_required = negligible.map_or(effect.not_required, |negligible| &negligible.because);
         let named = |list: &[String]| list.iter().any(|name| name == effect.name);
-        let called = !callers.is_empty() && negligible.is_none();
-        let state = match (called, named(force), named(forbid)) {
+        let required = !requirers.is_empty() && negligible.is_none();
+        let state = match (required, named(force), named(forbid)) {
             (false, _, true) | (false, false, false) => EffectState::Off,
             (true, _, true) => EffectState::Forbidden,
             (true, _, false) => EffectState::On,
@@ -88,9 +88,9 @@ pub(super) fn decide(
         };
         (effect.set)(&mut plan, facts, state.is_on());
         let because = match state {
-            EffectState::On | EffectState::Forbidden => format!("{}: {}", effect.called_by, listed(&callers)),
-            EffectState::Off => uncalled.to_owned(),
-            EffectState::Forced => format!("forced by name; {uncalled}"),
+            EffectState::On | EffectState::Forbidden => format!("{}: {}", effect.required_by, listed(&requirers)),
+            EffectState::Off => not_required.to_owned(),
+            EffectState::Forced => format!("forced by name; {not_required}"),
         };
         rows.push(EffectRow { effect, state, because });
     }

@@ -43,9 +43,9 @@ const fn row(id: EffectId) -> Effect {
             cost: "four camera paths instead of one behind dispersive glass, and a second photon set at the wavelengths \
                    that the pass shares",
             absent: "no camera path is divided into one path for each shared wavelength",
-            called_by: "dispersive glass or gratings",
-            uncalled: "no glass has an index that depends on the wavelength, and there is no grating",
-            calls: |facts| facts.dispersive.clone(),
+            required_by: "dispersive glass or gratings",
+            not_required: "no glass has an index that depends on the wavelength, and there is no grating",
+            requires: |facts| facts.dispersive.clone(),
             set: |plan, _, on| plan.wavelengths = if on { WavelengthPlan::Both } else { WavelengthPlan::Free },
             events: |tally, _| tally.dispersions,
             removal: Removal::FromScene(|scene, nm| {
@@ -65,9 +65,9 @@ const fn row(id: EffectId) -> Effect {
             field: "wavelengths",
             cost: "four camera paths that start at the camera, at the shared wavelengths of the pass; more colour noise",
             absent: "camera paths carry all wavelengths until they refract dispersively",
-            called_by: "a camera lens of real glass",
-            uncalled: "the camera has no lens of real glass, which would refract each wavelength differently",
-            calls: |facts| facts.lens_system.iter().cloned().collect(),
+            required_by: "a camera lens of real glass",
+            not_required: "the camera has no lens of real glass, which would refract each wavelength differently",
+            requires: |facts| facts.lens_system.iter().cloned().collect(),
             set: |plan, _, on| {
                 if on {
                     plan.wavelengths = WavelengthPlan::Shared;
@@ -87,9 +87,9 @@ const fn row(id: EffectId) -> Effect {
             field: "caustics",
             cost: "per photon: a path through the glass, a shadow ray to the camera and 56 bytes in the map",
             absent: "photons that come from mirrors or through glass are neither stored nor connected to the camera",
-            called_by: "mirrors or glass",
-            uncalled: "there is no mirror or glass, or no surface or meter that could receive its light",
-            calls: |facts| if facts.receives() { facts.specular.clone() } else { Vec::new() },
+            required_by: "mirrors or glass",
+            not_required: "there is no mirror or glass, or no surface or meter that could receive its light",
+            requires: |facts| if facts.receives() { facts.specular.clone() } else { Vec::new() },
             set: |plan, _, on| plan.caustics = if on { CausticPlan::Photons } else { CausticPlan::Absent },
             events: |tally, _| tally.connections,
             removal: Removal::FromPlan,
@@ -100,9 +100,9 @@ const fn row(id: EffectId) -> Effect {
             field: "indirect",
             cost: "56 bytes per stored photon, the search tree, and one query per camera path",
             absent: "photons that were scattered are not stored",
-            called_by: "surfaces that scatter light",
-            uncalled: "no surface scatters light",
-            calls: |facts| [facts.diffuse.as_slice(), &facts.glossy].concat(),
+            required_by: "surfaces that scatter light",
+            not_required: "no surface scatters light",
+            requires: |facts| [facts.diffuse.as_slice(), &facts.glossy].concat(),
             set: |plan, _, on| plan.indirect = if on { IndirectPlan::Photons } else { IndirectPlan::Absent },
             events: |tally, _| tally.map_queries,
             removal: Removal::FromPlan,
@@ -114,9 +114,9 @@ const fn row(id: EffectId) -> Effect {
             cost: "a shadow ray for each light, and a scattered ray if it can hit a light; above 8 lights, a shadow ray \
                    for one light that a light tree selects",
             absent: "no shadow rays are traced",
-            called_by: "lights that shadow rays can reach",
-            uncalled: "there is no light, or no surface, medium or meter that it could light",
-            calls: |facts| {
+            required_by: "lights that shadow rays can reach",
+            not_required: "there is no light, or no surface, medium or meter that it could light",
+            requires: |facts| {
                 let media = facts.dense_media.iter().chain(&facts.thin_media).next();
                 if facts.receives() || media.is_some() { facts.lights.clone() } else { Vec::new() }
             },
@@ -136,9 +136,9 @@ const fn row(id: EffectId) -> Effect {
             field: "aperture",
             cost: "a sampled lens point for each camera ray and each connection",
             absent: "all camera rays start at the pinhole, and no lens points are sampled",
-            called_by: "the camera's aperture",
-            uncalled: "the camera is a pinhole or orthographic",
-            calls: |facts| {
+            required_by: "the camera's aperture",
+            not_required: "the camera is a pinhole or orthographic",
+            requires: |facts| {
                 let aperture = facts.aperture_nm.map(|nm| format!("radius {:.3} mm", nm as f64 * 1e-6));
                 aperture.into_iter().collect()
             },
@@ -162,9 +162,9 @@ const fn row(id: EffectId) -> Effect {
             cost: "48 bytes per pixel for each slice of the spectrum, up to 16 slices; one convolution per slice when \
                    the picture is developed",
             absent: "no slices of the spectrum are stored, and nothing is convolved",
-            called_by: "diffraction at the camera's aperture",
-            uncalled: "the scene does not enable diffraction at the camera's aperture",
-            calls: |facts| facts.diffracting.iter().cloned().collect(),
+            required_by: "diffraction at the camera's aperture",
+            not_required: "the scene does not enable diffraction at the camera's aperture",
+            requires: |facts| facts.diffracting.iter().cloned().collect(),
             set: |plan, _, on| {
                 let rim = if on { Rim::Diffracts } else { Rim::Stops };
                 plan.aperture = match plan.aperture {
@@ -182,9 +182,9 @@ const fn row(id: EffectId) -> Effect {
             field: "scene.camera",
             cost: "a second camera path for each image path, which is reflected twice in the lens",
             absent: "light that a surface of the lens reflects does not reach the sensor",
-            called_by: "a camera lens with ghosts",
-            uncalled: "the scene does not ask for ghosts of a camera lens",
-            calls: |facts| facts.ghosts.iter().cloned().collect(),
+            required_by: "a camera lens with ghosts",
+            not_required: "the scene does not ask for ghosts of a camera lens",
+            requires: |facts| facts.ghosts.iter().cloned().collect(),
             set: |_, _, _| {},
             events: |tally, _| tally.ghost_rays,
             removal: Removal::FromScene(|scene, _| {
@@ -198,9 +198,9 @@ const fn row(id: EffectId) -> Effect {
             field: "scene.distant_lights",
             cost: "a lookup of the lights at infinity for each ray that leaves the scene",
             absent: "rays that leave the scene carry no light",
-            called_by: "lights at infinity",
-            uncalled: "there is no light at infinity",
-            calls: |facts| facts.distant_lights.clone(),
+            required_by: "lights at infinity",
+            not_required: "there is no light at infinity",
+            requires: |facts| facts.distant_lights.clone(),
             set: |_, _, _| {},
             events: |tally, _| tally.environment_rays,
             removal: Removal::FromScene(|scene, _| {
@@ -216,9 +216,9 @@ const fn row(id: EffectId) -> Effect {
             cost: "texture coordinates and a random texel for each arrival at a textured surface; no tabulated responses \
                    to photons there",
             absent: "each material is uniform, and no texture coordinates are computed",
-            called_by: "materials, normals or slides that vary over a surface",
-            uncalled: "no material, normal or slide varies over a surface",
-            calls: |facts| facts.textured.clone(),
+            required_by: "materials, normals or slides that vary over a surface",
+            not_required: "no material, normal or slide varies over a surface",
+            requires: |facts| facts.textured.clone(),
             set: |_, _, _| {},
             events: |tally, _| tally.texture_lookups,
             removal: Removal::FromScene(|scene, _| {
@@ -238,9 +238,9 @@ const fn row(id: EffectId) -> Effect {
             cost: "the amplitudes of all films for each arrival and wavelength at a surface with films, and for each ray \
                    through a coated lens",
             absent: "no surface has thin films, so no amplitudes are computed",
-            called_by: "coatings and free-standing films",
-            uncalled: "no surface has thin films",
-            calls: |facts| facts.films.clone(),
+            required_by: "coatings and free-standing films",
+            not_required: "no surface has thin films",
+            requires: |facts| facts.films.clone(),
             set: |_, _, _| {},
             events: |tally, _| tally.film_events,
             removal: Removal::FromScene(|scene, _| {
@@ -259,9 +259,9 @@ const fn row(id: EffectId) -> Effect {
             cost: "at fluorescent surfaces and in fluorescent media, four wavelengths of the excitation for each light; \
                    half of the photons of a shared set, beside which there is always a set of free photons",
             absent: "nothing is fluorescent, so light keeps its wavelength",
-            called_by: "fluorescent surfaces and media",
-            uncalled: "no surface and no medium is fluorescent",
-            calls: |facts| facts.fluorescent.clone(),
+            required_by: "fluorescent surfaces and media",
+            not_required: "no surface and no medium is fluorescent",
+            requires: |facts| facts.fluorescent.clone(),
             set: |plan, facts, on| plan.fluorescence = on && !facts.fluorescent.is_empty(),
             events: |tally, _| tally.fluorescent_events,
             removal: Removal::FromScene(|scene, _| {
@@ -279,9 +279,9 @@ const fn row(id: EffectId) -> Effect {
             field: "ultraviolet",
             cost: "wavelengths from 300 to 360 nm, for a share of at most one half of each light's photons",
             absent: "the simulated band begins at 360 nm",
-            called_by: "fluorescent objects that absorb ultraviolet of the lights",
-            uncalled: "no fluorescent object absorbs light of the scene below 360 nm",
-            calls: |facts| facts.ultraviolet.clone(),
+            required_by: "fluorescent objects that absorb ultraviolet of the lights",
+            not_required: "no fluorescent object absorbs light of the scene below 360 nm",
+            requires: |facts| facts.ultraviolet.clone(),
             set: |plan, facts, on| plan.ultraviolet = on && plan.fluorescence && !facts.ultraviolet.is_empty(),
             events: |tally, _| tally.ultraviolet_photons,
             removal: Removal::FromPlan,
@@ -292,9 +292,9 @@ const fn row(id: EffectId) -> Effect {
             field: "scene.materials",
             cost: "a longer camera path, with shadow rays at each rough surface",
             absent: "no camera path meets a rough surface",
-            called_by: "rough or coated surfaces",
-            uncalled: "there is no rough or coated surface",
-            calls: |facts| facts.glossy.clone(),
+            required_by: "rough or coated surfaces",
+            not_required: "there is no rough or coated surface",
+            requires: |facts| facts.glossy.clone(),
             set: |_, _, _| {},
             events: |tally, _| tally.rough_events,
             removal: Removal::Refused { alternative: "a scene without rough materials" },
@@ -305,9 +305,9 @@ const fn row(id: EffectId) -> Effect {
             field: "media_plan",
             cost: "a medium stack per ray, a visibility test per face, and a count of wavelengths per path",
             absent: "every surface has air on both sides, and every photon keeps its wavelengths",
-            called_by: "objects with an interior, or gratings",
-            uncalled: "no object has an interior: there is no glass, no liquid and no medium",
-            calls: |facts| facts.bodies.clone(),
+            required_by: "objects with an interior, or gratings",
+            not_required: "no object has an interior: there is no glass, no liquid and no medium",
+            requires: |facts| facts.bodies.clone(),
             set: |plan, _, on| plan.media_plan = if on { MediumPlan::Clear } else { MediumPlan::Air },
             events: |tally, _| tally.body_events,
             removal: Removal::Refused { alternative: "a scene of opaque objects in air" },
@@ -318,9 +318,9 @@ const fn row(id: EffectId) -> Effect {
             field: "media_plan",
             cost: "an exponential per wavelength and path segment",
             absent: "bodies are clear",
-            called_by: "absorbing glass or liquid",
-            uncalled: "there is no absorbing glass or liquid",
-            calls: |facts| facts.absorbing_bodies.clone(),
+            required_by: "absorbing glass or liquid",
+            not_required: "there is no absorbing glass or liquid",
+            requires: |facts| facts.absorbing_bodies.clone(),
             set: |plan, _, on| {
                 if on {
                     plan.media_plan = MediumPlan::Absorbing;
@@ -339,15 +339,15 @@ const fn row(id: EffectId) -> Effect {
             cost: "per segment of a camera ray: a sampled distance and a shadow ray for each light; per segment of a \
                    photon path: a sampled distance",
             absent: "no object is filled with a medium",
-            called_by: "media",
-            uncalled: "no object is filled with a medium, and there is no atmosphere",
-            calls: |facts| facts.media.clone(),
+            required_by: "media",
+            not_required: "no object is filled with a medium, and there is no atmosphere",
+            requires: |facts| facts.media.clone(),
             set: |plan, _, on| {
                 if on {
                     plan.media_plan = MediumPlan::Scattering(VolumeDirectLighting::ShadowRays);
                 }
             },
-            events: |tally, _| tally.media_stretches,
+            events: |tally, _| tally.medium_segments,
             removal: Removal::FromScene(|scene, _| {
                 bodies(scene).for_each(|body| body.medium = None);
                 scene.lights.retain(|light| !matches!(light.emitter, Emitter::Volume(_)));
@@ -362,10 +362,10 @@ const fn row(id: EffectId) -> Effect {
             cost: "per light: a shadow ray and 5 bytes for each node of a grid around each medium; per light and segment \
                    of a camera ray: 8 lookups and shadow rays",
             absent: "camera rays sample lights by shadow rays from sampled distances",
-            called_by: "uniform thin fog around lights without extent, for which maps are exact, or a given resolution",
-            uncalled: "there is no uniform thin fog around lights without extent, or there are mirrors or glass: sampled \
+            required_by: "uniform thin fog around lights without extent, for which maps are exact, or a given resolution",
+            not_required: "there is no uniform thin fog around lights without extent, or there are mirrors or glass: sampled \
                        distances are as fast, and they have no bias",
-            calls: |facts| facts.light_map.clone(),
+            requires: |facts| facts.light_map.clone(),
             set: |plan, _, on| {
                 if let MediumPlan::Scattering(lighting) = &mut plan.media_plan {
                     *lighting = if on && !plan.direct.is_absent() {
@@ -375,7 +375,7 @@ const fn row(id: EffectId) -> Effect {
                     };
                 }
             },
-            events: |tally, _| tally.light_map_looks,
+            events: |tally, _| tally.light_map_lookups,
             removal: Removal::FromPlan,
         },
         EffectId::VolumePhotons => Effect {
@@ -384,9 +384,9 @@ const fn row(id: EffectId) -> Effect {
             field: "volume",
             cost: "52 bytes per stored scattering event, a tree of boxes, and one query per segment of a camera ray",
             absent: "no photon is stored where it scatters in a medium",
-            called_by: "dense media, in which light scatters many times",
-            uncalled: "there is no dense medium that scatters",
-            calls: |facts| facts.dense_media.clone(),
+            required_by: "dense media, in which light scatters many times",
+            not_required: "there is no dense medium that scatters",
+            requires: |facts| facts.dense_media.clone(),
             set: |plan, _, on| plan.volume = VolumePlan::of(on, plan.volume.keeps_beams(false)),
             events: |tally, _| tally.volume_points,
             removal: Removal::FromPlan,
@@ -397,9 +397,9 @@ const fn row(id: EffectId) -> Effect {
             field: "volume",
             cost: "64 bytes per segment of a photon path, a tree of boxes, and one query per segment of a camera ray",
             absent: "no segment of a photon path is stored",
-            called_by: "thin media that scatter light",
-            uncalled: "there is no thin medium that scatters",
-            calls: |facts| facts.thin_media.clone(),
+            required_by: "thin media that scatter light",
+            not_required: "there is no thin medium that scatters",
+            requires: |facts| facts.thin_media.clone(),
             set: |plan, _, on| plan.volume = VolumePlan::of(plan.volume.keeps_points(true), on),
             events: |tally, _| tally.volume_beams,
             removal: Removal::FromPlan,
@@ -410,9 +410,9 @@ const fn row(id: EffectId) -> Effect {
             field: "aim",
             cost: "some pilot photons, and a table lookup per photon",
             absent: "photons follow the emission distributions of the lights",
-            called_by: "mirrors, glass, media, several lights or distant lights",
-            uncalled: "there is one light and nothing to aim it at, or no surface or meter that could receive its light",
-            calls: |facts| if facts.receives() { facts.aimed() } else { Vec::new() },
+            required_by: "mirrors, glass, media, several lights or distant lights",
+            not_required: "there is one light and nothing to aim it at, or no surface or meter that could receive its light",
+            requires: |facts| if facts.receives() { facts.aimed() } else { Vec::new() },
             set: |plan, _, on| plan.aim = if on { AimPlan::Learned } else { AimPlan::Plain },
             events: |tally, _| tally.aimed,
             removal: Removal::FromPlan,
@@ -424,9 +424,9 @@ const fn row(id: EffectId) -> Effect {
             cost: "a new bounding volume hierarchy per pass if objects move, a pilot at four times, and enough passes to \
                    hide the steps",
             absent: "all passes share one scene, and no times are sampled",
-            called_by: "motion while the shutter is open",
-            uncalled: "nothing moves while the shutter is open",
-            calls: |facts| facts.moving.clone(),
+            required_by: "motion while the shutter is open",
+            not_required: "nothing moves while the shutter is open",
+            requires: |facts| facts.moving.clone(),
             set: |plan, _, on| plan.motion = if on { MotionPlan::PosedPerPass } else { MotionPlan::Still },
             events: |tally, _| tally.moments,
             removal: Removal::FromScene(|scene, _| {
@@ -440,11 +440,11 @@ const fn row(id: EffectId) -> Effect {
             field: "scene.meters",
             cost: "a path and a shadow ray for each light, for each sample of a receptor; no camera ray",
             absent: "the film records a picture",
-            called_by: "a measurement with meters",
-            uncalled: "`abbe measure` reads the meters of a scene, and this is a picture",
-            calls: |facts| facts.meters.clone(),
+            required_by: "a measurement with meters",
+            not_required: "`abbe measure` reads the meters of a scene, and this is a picture",
+            requires: |facts| facts.meters.clone(),
             set: |_, _, _| {},
-            events: |tally, _| tally.receptor_samples,
+            events: |tally, _| tally.sensor_samples,
             removal: Removal::Refused { alternative: "`abbe render`, which ignores meters" },
         },
     }

@@ -77,12 +77,12 @@ pub struct Effect {
     /// Returns the number of events of the effect.
     pub events: fn(&Tally, &Plan) -> u64,
     /// A plural noun for the parts of the scene that need the effect.
-    pub(super) called_by: &'static str,
+    pub(super) required_by: &'static str,
     /// Reports show this reason if the effect is off because no part of the scene needs it.
-    pub(super) uncalled: &'static str,
+    pub(super) not_required: &'static str,
     /// Reads the facts of a scene. Returns the names of the objects, lights, media or settings that
     /// need the effect.
-    pub(super) calls: fn(&Facts) -> Vec<String>,
+    pub(super) requires: fn(&Facts) -> Vec<String>,
     /// Switches the effect on or off in a plan.
     pub(super) set: fn(&mut Plan, &Facts, bool),
     /// How the effect is removed if it is forbidden or negligible.

@@ -37,7 +37,7 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget) -> 
     ));
     lines.push(camera_text(&scene.camera));
     let photons = match budget.photons {
-        photons if budget.photons_stated => photons.to_string(),
+        photons if budget.photons_are_explicit => photons.to_string(),
         photons => format!("{} to {}", photons >> PHOTON_HALVINGS, photons << PHOTON_DOUBLINGS),
     };
     let samples = match budget.camera_samples {

@@ -88,14 +88,14 @@ fn unreachable(scene: &Scene, facts: &Facts) -> Vec<NegligibleEffect> {
     let everything = Facts::of_all(scene);
     let name = |object: u32| scene.objects[object as usize].name.clone();
     let inside = EFFECTS.iter().filter_map(|effect| {
-        let callers = (effect.calls)(&everything);
-        let container = enclosures.iter().find(|(object, _)| callers.contains(&name(**object)))?.1;
+        let requirers = (effect.requires)(&everything);
+        let container = enclosures.iter().find(|(object, _)| requirers.contains(&name(**object)))?.1;
         let because = format!(
             "enclosed: {} in {}, an opaque body that contains neither a light nor the camera",
-            listed(&callers),
+            listed(&requirers),
             name(*container)
         );
-        (effect.calls)(facts).is_empty().then_some(NegligibleEffect { effect: effect.id, because })
+        (effect.requires)(facts).is_empty().then_some(NegligibleEffect { effect: effect.id, because })
     });
     inside.collect()
 }

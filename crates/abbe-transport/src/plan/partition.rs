@@ -4,7 +4,7 @@
 //! The path is divided at the first diffuse or rough surface on the way from the camera. Three
 //! facts select the estimator: the class of that surface ([`BsdfClass`]), the events between the
 //! light and that surface ([`LightPath`]), and the events between that surface and the camera
-//! ([`View`]). The photon recorder (`pass`) and the camera paths (`gather`) read this table.
+//! ([`CameraView`]). The photon recorder (`pass`) and the camera paths (`gather`) read this table.
 //!
 //! Caustics have sharp edges. A connection to the camera needs no kernel, so it keeps these edges.
 //! Indirect light is smooth, so a kernel estimate has little bias.
@@ -168,7 +168,7 @@ impl<T> IndexMut<PhotonSet> for PerSet<T> {
 
 /// The events on a camera path before it reaches a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum View {
+pub enum CameraView {
     /// No event: the camera sees the surface along a straight line.
     Direct,
     /// At least one reflection, refraction or scattering event.
@@ -195,13 +195,13 @@ pub enum Estimator {
 /// Selects the estimator for a surface of this class. The light arrives at the surface by `path`,
 /// and the camera sees the surface by `view`.
 #[inline]
-pub fn estimator(path: LightPath, class: BsdfClass, view: View) -> Estimator {
+pub fn estimator(path: LightPath, class: BsdfClass, view: CameraView) -> Estimator {
     match (class, path, view) {
         (BsdfClass::Absorbing, _, _) => Estimator::None,
         (BsdfClass::Specular, _, _) => Estimator::Continuation,
         (BsdfClass::Diffuse | BsdfClass::Glossy, LightPath::Direct, _) => Estimator::ShadowRays,
-        (BsdfClass::Diffuse | BsdfClass::Glossy, LightPath::Caustic, View::Direct) => Estimator::Connection,
-        (BsdfClass::Diffuse | BsdfClass::Glossy, LightPath::Caustic, View::Indirect) => Estimator::PhotonMap,
+        (BsdfClass::Diffuse | BsdfClass::Glossy, LightPath::Caustic, CameraView::Direct) => Estimator::Connection,
+        (BsdfClass::Diffuse | BsdfClass::Glossy, LightPath::Caustic, CameraView::Indirect) => Estimator::PhotonMap,
         (BsdfClass::Diffuse, LightPath::Indirect, _) => Estimator::PhotonMap,
         (BsdfClass::Glossy, LightPath::Indirect, _) => Estimator::Continuation,
     }
@@ -211,7 +211,9 @@ pub fn estimator(path: LightPath, class: BsdfClass, view: View) -> Estimator {
 /// stored if at least one view reads them.
 #[inline]
 pub fn kept_in_map(path: LightPath, class: BsdfClass) -> bool {
-    [View::Direct, View::Indirect].into_iter().any(|view| estimator(path, class, view) == Estimator::PhotonMap)
+    [CameraView::Direct, CameraView::Indirect]
+        .into_iter()
+        .any(|view| estimator(path, class, view) == Estimator::PhotonMap)
 }
 
 #[cfg(test)]
@@ -229,7 +231,7 @@ mod tests {
     #[test]
     fn caustics_are_connected_or_mapped() {
         assert!(kept_in_map(LightPath::Caustic, BsdfClass::Diffuse));
-        assert_eq!(estimator(LightPath::Caustic, BsdfClass::Diffuse, View::Direct), Estimator::Connection);
+        assert_eq!(estimator(LightPath::Caustic, BsdfClass::Diffuse, CameraView::Direct), Estimator::Connection);
         assert!(!kept_in_map(LightPath::Indirect, BsdfClass::Glossy), "camera paths continue at rough surfaces");
     }
 }

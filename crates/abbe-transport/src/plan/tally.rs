@@ -42,8 +42,8 @@ pub struct Tally {
     /// Rays through a lens of finite aperture.
     pub lens_rays: u64,
     /// Samples of the receptors of meters.
-    #[serde(default)]
-    pub receptor_samples: u64,
+    #[serde(rename = "receptor_samples", default)]
+    pub sensor_samples: u64,
     /// Arrivals of camera paths at surfaces with textures.
     #[serde(default)]
     pub texture_lookups: u64,
@@ -67,13 +67,15 @@ pub struct Tally {
     /// Segments of camera paths in absorbing glass or liquid.
     pub absorptions: u64,
     /// Segments of camera paths in participating media.
-    pub media_stretches: u64,
+    #[serde(rename = "media_stretches")]
+    pub medium_segments: u64,
     /// Photons stored in media as points.
     pub volume_points: u64,
     /// Photons stored in media as beams.
     pub volume_beams: u64,
     /// Lookups in light maps.
-    pub light_map_looks: u64,
+    #[serde(rename = "light_map_looks")]
+    pub light_map_lookups: u64,
     /// Photons emitted with a learned aim.
     pub aimed: u64,
     /// Passes for which the scene was posed at a sampled shutter time.
@@ -114,7 +116,7 @@ impl Tally {
         self.shadow_rays += other.shadow_rays;
         self.environment_rays += other.environment_rays;
         self.lens_rays += other.lens_rays;
-        self.receptor_samples += other.receptor_samples;
+        self.sensor_samples += other.sensor_samples;
         self.texture_lookups += other.texture_lookups;
         self.ghost_rays += other.ghost_rays;
         self.film_events += other.film_events;
@@ -123,10 +125,10 @@ impl Tally {
         self.rough_events += other.rough_events;
         self.body_events += other.body_events;
         self.absorptions += other.absorptions;
-        self.media_stretches += other.media_stretches;
+        self.medium_segments += other.medium_segments;
         self.volume_points += other.volume_points;
         self.volume_beams += other.volume_beams;
-        self.light_map_looks += other.light_map_looks;
+        self.light_map_lookups += other.light_map_lookups;
         self.aimed += other.aimed;
         self.moments += other.moments;
         self.capped_paths += other.capped_paths;

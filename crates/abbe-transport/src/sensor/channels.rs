@@ -117,8 +117,8 @@ impl Channels {
 
 /// Returns the band of a wavelength. The simulated range is divided into `count` equal bands.
 fn band_of(nm: f64, count: usize) -> usize {
-    let share = (nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0);
-    ((share * count as f64) as usize).min(count - 1)
+    let fraction = (nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0);
+    ((fraction * count as f64) as usize).min(count - 1)
 }
 
 /// Returns the centre of a band in nm.

@@ -65,9 +65,9 @@ impl DiffractionPsf {
         pattern: impl Fn(DVec2) -> f64 + Sync,
     ) -> Self {
         let film = (longest_px as f64 + 1.0) / (light_nm[0] * spread_px_per_nm);
-        let reach = PATTERN_RADIUS.min(film);
-        let steps = MAX_SAMPLES_PER_UNIT.min(MAX_SAMPLES_PER_RADIUS / reach);
-        let half = (reach * steps).ceil();
+        let pattern_radius = PATTERN_RADIUS.min(film);
+        let steps = MAX_SAMPLES_PER_UNIT.min(MAX_SAMPLES_PER_RADIUS / pattern_radius);
+        let half = (pattern_radius * steps).ceil();
         let across = 2 * half as usize + 1;
         let place = |sample: usize| (sample as f64 - half) / steps;
         let sample = |i: usize| pattern(DVec2::new(place(i % across), place(i / across))) as f32;
@@ -177,16 +177,16 @@ impl<'a> Convolution<'a> {
                 }
                 let mut pixels = vec![0.0; width];
                 for (&value, overlaps) in row.iter().zip(&across) {
-                    overlaps.iter().for_each(|&(pixel, share)| pixels[pixel] += f64::from(value) * share);
+                    overlaps.iter().for_each(|&(pixel, fraction)| pixels[pixel] += f64::from(value) * fraction);
                 }
                 pixels
             };
             let rows = self.diffraction.pattern.par_chunks(samples).zip(&down).map(resampled);
             let rows: Vec<Vec<f64>> = rows.collect();
             for (row, overlaps) in rows.iter().zip(&down) {
-                for &(line, share) in overlaps {
+                for &(line, fraction) in overlaps {
                     let pixels = &mut kernel[line * width..(line + 1) * width];
-                    pixels.iter_mut().zip(row).for_each(|(pixel, value)| *pixel += share * value);
+                    pixels.iter_mut().zip(row).for_each(|(pixel, value)| *pixel += fraction * value);
                 }
             }
         }
@@ -243,12 +243,12 @@ fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<SampleOverlaps> 
     let pixels = |sample: usize| {
         let middle = (sample as f64 - (samples / 2) as f64) * step_px;
         let [first, last] = [middle - half, middle + half].map(|edge| edge.round() as i64);
-        let share = |pixel: i64| {
+        let fraction = |pixel: i64| {
             let [from, to] = [-0.5, 0.5].map(|side| below((pixel as f64 + side - middle) / half));
             (pixel.rem_euclid(period as i64) as usize, half * (to - from))
         };
         let farthest = period as i64 / 2;
-        (first.max(-farthest)..=last.min(farthest)).map(share).collect()
+        (first.max(-farthest)..=last.min(farthest)).map(fraction).collect()
     };
     (0..samples).map(pixels).collect()
 }

@@ -61,10 +61,10 @@ pub struct ErrorSquares {
 const NEIGHBOUR_DEGREES: f64 = 2.0;
 
 /// The largest distance (pixels) at which a neighbour contributes to a pixel's noise estimate.
-const NOISE_REACH: usize = 1;
+const NOISE_RADIUS_PX: usize = 1;
 
 /// The largest distance (pixels) at which a neighbour contributes to a pixel's bias estimate.
-const BIAS_REACH: usize = 2;
+const BIAS_RADIUS_PX: usize = 2;
 
 /// A pixel can be marked as an edge if its squared bias exceeds the threshold. The threshold is
 /// this factor times the variance of the kernel estimates. Under uniform light the squared bias
@@ -72,7 +72,7 @@ const BIAS_REACH: usize = 2;
 const EDGE_THRESHOLD: f64 = 3.0;
 
 /// The largest distance (pixels) at which a neighbour contributes to any estimate.
-const REACH: usize = if NOISE_REACH > BIAS_REACH { NOISE_REACH } else { BIAS_REACH };
+const RADIUS_PX: usize = if NOISE_RADIUS_PX > BIAS_RADIUS_PX { NOISE_RADIUS_PX } else { BIAS_RADIUS_PX };
 
 /// Error bars are computed for this number of rows at a time, so that the estimates of single
 /// pixels need little memory.
@@ -80,7 +80,7 @@ const ROWS_PER_BLOCK: usize = 64;
 
 /// The bias changes its sign at an edge. Therefore a pixel is marked as an edge only if the mean
 /// bias around the pixel is below this share of the root mean square bias.
-const EDGE_MEAN_SHARE: f64 = 0.5;
+const EDGE_MEAN_FRACTION: f64 = 0.5;
 
 impl ErrorBars {
     /// Computes the error bars of a picture with a given width and number of pixels. `measured`
@@ -99,7 +99,7 @@ impl ErrorBars {
         let (rows, mut lit) = (count / width.max(1), 0_usize);
         for first in (0..rows).step_by(ROWS_PER_BLOCK) {
             let own = first..(first + ROWS_PER_BLOCK).min(rows);
-            let around = own.start.saturating_sub(REACH)..(own.end + REACH).min(rows);
+            let around = own.start.saturating_sub(RADIUS_PX)..(own.end + RADIUS_PX).min(rows);
             let estimates =
                 PixelEstimates::new(width, (around.start * width..around.end * width).map(&measured), |m| {
                     (m.variance(passes), m.squared_bias(halves), m.kernel_variance(halves))
@@ -221,32 +221,32 @@ impl PixelEstimates {
 
     /// Returns the squared noise of a pixel, whose own variance has some degrees of freedom.
     fn noise(&self, pixel: usize, degrees: f64) -> Option<f64> {
-        let around = mean_around(&self.variances, self.width, pixel, NOISE_REACH);
+        let around = mean_around(&self.variances, self.width, pixel, NOISE_RADIUS_PX);
         self.variances[pixel]
             .map(|variance| (degrees * variance + NEIGHBOUR_DEGREES * around) / (degrees + NEIGHBOUR_DEGREES))
     }
 
     /// Returns the mean squared bias around a pixel.
     fn smooth_square(&self, pixel: usize) -> Option<f64> {
-        self.squares[pixel].map(|_| mean_around(&self.squares, self.width, pixel, BIAS_REACH))
+        self.squares[pixel].map(|_| mean_around(&self.squares, self.width, pixel, BIAS_RADIUS_PX))
     }
 
     /// Returns true if an edge of the illumination is within the reach of a kernel. `square` is the
     /// mean squared bias around the pixel.
     fn is_edge(&self, pixel: usize, square: f64) -> bool {
-        let around = |values: &[Option<f64>]| mean_around(values, self.width, pixel, BIAS_REACH);
+        let around = |values: &[Option<f64>]| mean_around(values, self.width, pixel, BIAS_RADIUS_PX);
         square > EDGE_THRESHOLD * around(&self.noise_of_bias)
-            && around(&self.signed).powi(2) < EDGE_MEAN_SHARE * EDGE_MEAN_SHARE * square
+            && around(&self.signed).powi(2) < EDGE_MEAN_FRACTION * EDGE_MEAN_FRACTION * square
     }
 }
 
-/// Returns the mean of the known values around a pixel, up to `reach` pixels away in each
+/// Returns the mean of the known values around a pixel, up to `radius` pixels away in each
 /// direction. Returns 0 if no value is known.
-fn mean_around(values: &[Option<f64>], width: usize, pixel: usize, reach: usize) -> f64 {
+fn mean_around(values: &[Option<f64>], width: usize, pixel: usize, radius: usize) -> f64 {
     let (x, y) = (pixel % width, pixel / width);
     let (mut sum, mut count) = (0.0, 0.0_f64);
-    for row in y.saturating_sub(reach)..(y + reach + 1).min(values.len() / width) {
-        let columns = x.saturating_sub(reach)..(x + reach + 1).min(width);
+    for row in y.saturating_sub(radius)..(y + radius + 1).min(values.len() / width) {
+        let columns = x.saturating_sub(radius)..(x + radius + 1).min(width);
         for value in values[row * width..][columns].iter().flatten() {
             sum += value;
             count += 1.0;
@@ -297,7 +297,7 @@ mod tests {
         let cut = ROWS_PER_BLOCK / 2;
         let part = ErrorBars::new((WIDTH, WIDTH * (rows - cut)), |i| pixel(i + WIDTH * cut), EVEN);
         // The rows at the cut lack neighbours.
-        for i in WIDTH * REACH..WIDTH * (rows - cut) {
+        for i in WIDTH * RADIUS_PX..WIDTH * (rows - cut) {
             let of = |bars: &ErrorBars, i: usize| (bars.noise[i], bars.bias[i], bars.edge[i]);
             assert_eq!(of(&part, i), of(&whole, i + WIDTH * cut), "pixel {i}");
         }

@@ -25,7 +25,7 @@ pub struct WorstRegion {
     /// row below the block.
     pub corners: [usize; 4],
     /// The share of the block in the sum of noise² + bias² over the picture.
-    pub share: f64,
+    pub fraction: f64,
 }
 
 /// The number of blocks along the longer side of a picture.
@@ -46,7 +46,8 @@ impl Picture {
             return None;
         }
         errors.sort_by(f64::total_cmp);
-        let rank = |share: f64| errors[((errors.len() as f64 * share).ceil() as usize).clamp(1, errors.len()) - 1];
+        let rank =
+            |fraction: f64| errors[((errors.len() as f64 * fraction).ceil() as usize).clamp(1, errors.len()) - 1];
         Some(ErrorDistribution { median: rank(0.5), p95: rank(0.95), worst: self.worst_region() })
     }
 
@@ -63,7 +64,7 @@ impl Picture {
             (0..squares.len()).fold(0, |worst, block| if squares[block] > squares[worst] { block } else { worst });
         let (x, y) = (worst % columns * side, worst / columns * side);
         let corners = [x, y, (x + side).min(self.width), (y + side).min(self.height)];
-        WorstRegion { corners, share: if total > 0.0 { squares[worst] / total } else { 0.0 } }
+        WorstRegion { corners, fraction: if total > 0.0 { squares[worst] / total } else { 0.0 } }
     }
 }
 
@@ -81,7 +82,7 @@ mod tests {
         let found = picture.error_distribution().unwrap();
         assert!((found.median - 0.02 / 1.01_f64.sqrt()).abs() < 1e-6 && found.p95 == found.median, "{found:?}");
         assert_eq!(found.worst.corners, [20, 4, 22, 6]);
-        assert!(found.worst.share > 0.99);
+        assert!(found.worst.fraction > 0.99);
         assert_eq!(Picture::black(3, 2).error_distribution(), None);
     }
 }

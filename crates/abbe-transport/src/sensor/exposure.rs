@@ -74,13 +74,13 @@ fn robust_mean(values: &[(f64, f64)]) -> f64 {
 /// they leave no such gap. A spectrum on a black wall leaves a gap, but its own brightness varies.
 fn without_light_sources(sorted: &[f32]) -> &[f32] {
     const GAP: f32 = 8.0;
-    const LARGEST_SHARE: f64 = 0.1;
+    const LARGEST_FRACTION: f64 = 0.1;
     /// The largest ratio of the number of pixels in the gap to the number of pixels of light
     /// sources. The pixels in the gap are at the edges of light sources.
     const EDGES: f64 = 0.25;
     let below = |y: f32| sorted.partition_point(|&other| other < y);
     let mut top = sorted[sorted.len() - 1];
-    let first = sorted[((sorted.len() - 1) as f64 * (1.0 - LARGEST_SHARE)) as usize];
+    let first = sorted[((sorted.len() - 1) as f64 * (1.0 - LARGEST_FRACTION)) as usize];
     while top / GAP >= first {
         let (rest, lamps) = (below(top / GAP), sorted.len() - below(top));
         let between = sorted.len() - rest - lamps;

@@ -5,7 +5,7 @@ use super::diffraction::{Convolution, DiffractionPsf, add_product};
 use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
 use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
 use super::picture::{Picture, SpectralBands};
-use super::pixel_sums::{PixelLight, PixelSums, passes_by_half, replicate};
+use super::pixel_sums::{PixelMean, PixelSums, passes_by_half, replicate};
 use super::readings::{Measurement, Reading, ReadingLayout};
 use super::sink::{FilmRow, SplatSink};
 use abbe_spectra::colour::xyz_to_linear_srgb;
@@ -200,7 +200,7 @@ impl Film {
 
     /// Adds the light of a sink to the estimated bias. The light is not part of the picture, so the
     /// bias is negative.
-    pub fn add_lost_splats(&mut self, pass: u64, sink: &SplatSink) {
+    pub fn add_truncated_splats(&mut self, pass: u64, sink: &SplatSink) {
         self.allocate();
         let half = replicate(pass) % 2;
         for &(xyz, pixel) in &sink.splats {
@@ -393,11 +393,11 @@ impl Film {
         (self.channels.bands, self.channels.band_channels())
     }
 
-    fn error_bars(&self, light: impl Fn(usize) -> PixelLight) -> ErrorBars {
+    fn error_bars(&self, light: impl Fn(usize) -> PixelMean) -> ErrorBars {
         let passes_by_half = self.passes_by_half();
         let mean = |sum: f64, passes: u64| sum * LUMENS_PER_WATT / passes.max(1) as f64;
         let measured = |pixel: usize| {
-            let PixelLight { xyz, y, bias } = light(pixel);
+            let PixelMean { xyz, y, bias } = light(pixel);
             (xyz[1] > 0.0).then(|| PixelMeans {
                 y: std::array::from_fn(|r| mean(y[r], self.passes[r])),
                 bias: [0, 1].map(|half| mean(bias[half], passes_by_half[half])),
@@ -410,7 +410,7 @@ impl Film {
     /// each band has its own kernel. The film stores the replicates and the bias only as sums of Y
     /// over all wavelengths. The function convolves these sums with a mean kernel: the mean of the
     /// kernels of all slices, weighted by the Y of each slice.
-    fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelLight>, Vec<f64>) {
+    fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelMean>, Vec<f64>) {
         let convolution = Convolution::new(diffraction, (self.width, self.height));
         let value = |pixel: usize, channel: usize| self.channel(pixel, channel);
         let blank = || vec![Default::default(); 4 * self.pixel_count()];
@@ -426,7 +426,7 @@ impl Film {
         }
         mean.iter_mut().for_each(|value| *value = *value * (1.0 / whole));
         let (xy, z) = (convolution.planes(xy), convolution.planes(z));
-        let mut light: Vec<PixelLight> = (0..self.pixel_count()).map(|pixel| self.sums_of(pixel).light()).collect();
+        let mut light: Vec<PixelMean> = (0..self.pixel_count()).map(|pixel| self.sums_of(pixel).light()).collect();
         // Rounding may give values slightly below 0.
         let positive = |value: f64| value.max(0.0);
         for ((light, xy), z) in light.iter_mut().zip(xy).zip(z) {

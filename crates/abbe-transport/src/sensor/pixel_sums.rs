@@ -18,20 +18,16 @@ pub(super) struct PixelSums {
 /// The light of a pixel summed over all passes, in W/m²/sr. Each value is radiance times a
 /// colour-matching function. Y is also given for each replicate.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PixelLight {
+pub(super) struct PixelMean {
     pub(super) xyz: [f64; 3],
     pub(super) y: [f64; REPLICATES],
     pub(super) bias: [f64; 2],
 }
 
 impl PixelSums {
-    pub(super) fn light(&self) -> PixelLight {
+    pub(super) fn light(&self) -> PixelMean {
         let y = self.y.map(|part| part.value());
-        PixelLight {
-            xyz: [self.x.value(), y.iter().sum(), self.z.value()],
-            y,
-            bias: self.bias.map(|half| half.value()),
-        }
+        PixelMean { xyz: [self.x.value(), y.iter().sum(), self.z.value()], y, bias: self.bias.map(|half| half.value()) }
     }
 }
 

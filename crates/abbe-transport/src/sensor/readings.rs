@@ -78,7 +78,7 @@ const NORMAL: [f64; 2] = [1.959_964, 1.644_854];
 
 /// A reading is judged relative to its value, or relative to this share of the largest reading of
 /// its meter, if this is more.
-const LEAST_SHARE: f64 = 0.1;
+const LEAST_FRACTION: f64 = 0.1;
 
 impl ReadingLayout {
     /// Returns the number of channels of a film that need the memory of `bands` bands of readings:
@@ -103,7 +103,7 @@ impl ReadingLayout {
         }
         let mut worst = None::<ErrorSquares>;
         for (owner, reading) in self.readings.iter().zip(readings) {
-            let scale = reading.value.max(LEAST_SHARE * largest[owner.meter]);
+            let scale = reading.value.max(LEAST_FRACTION * largest[owner.meter]);
             if scale <= 0.0 || !owner.decides_stop {
                 continue;
             }

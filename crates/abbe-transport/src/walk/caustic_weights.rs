@@ -69,7 +69,7 @@ pub struct StratumDensity {
     /// The number of the light.
     pub light: usize,
     /// The stratum contains the rays through this sphere. `None` for the stratum of all other rays.
-    pub target: Option<BoundingSphere>,
+    pub sphere: Option<BoundingSphere>,
     /// The fraction of the photon paths in the stratum, divided by the power of the stratum, in
     /// 1/W.
     pub per_watt: f64,
@@ -95,7 +95,7 @@ impl RayDensities {
     /// Returns the density of a light's rays around the ray from `origin` along `direction`.
     pub fn around(&self, light: usize, origin: DVec3, direction: DVec3, radiance: f64) -> RayDensity {
         let contains = |&number: &usize| {
-            self.strata[number].target.is_none_or(|target| target.contains_part_of(origin, direction))
+            self.strata[number].sphere.is_none_or(|sphere| sphere.contains_part_of(origin, direction))
         };
         let number = self.lights.get(light).cloned().and_then(|mut strata| strata.find(contains));
         number.map_or(RayDensity::NONE, |number| self.of_stratum(number, radiance))
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn a_ray_belongs_to_the_first_stratum_that_contains_it() {
         let ball = BoundingSphere { centre: DVec3::X * 5.0, radius_m: 1.0 };
-        let stratum = |light, target, per_watt| StratumDensity { light, target, per_watt };
+        let stratum = |light, sphere, per_watt| StratumDensity { light, sphere, per_watt };
         let densities =
             RayDensities::new(vec![stratum(0, None, 1.0), stratum(1, Some(ball), 64.0), stratum(1, None, 2.0)]);
         let density = |light, direction| densities.around(light, DVec3::ZERO, direction, 0.5).get();

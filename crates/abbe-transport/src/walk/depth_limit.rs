@@ -21,39 +21,39 @@ pub const MAX_EVENTS: u32 = 10_000;
 pub const LONG_PATH: u32 = 32;
 
 /// One of this many paths continues beyond a stated limit.
-const PATHS_PER_LOST_PATH: f64 = 8.0;
+const PATHS_PER_TRUNCATED_PATH: f64 = 8.0;
 
 /// The number of surface events after which a path ends.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DepthLimit {
     /// The limit that the scene states, or `None` if only the cap ends paths.
-    stated: Option<u32>,
+    explicit: Option<u32>,
 }
 
 impl DepthLimit {
     /// Returns the limit of the paths of a scene.
     #[inline]
     pub fn of(scene: &Scene) -> Self {
-        Self { stated: scene.settings.max_depth }
+        Self { explicit: scene.settings.max_depth }
     }
 
     /// Returns the largest number of surface events of a path whose light reaches the picture.
     #[inline]
     pub fn events(self) -> u32 {
-        self.stated.unwrap_or(MAX_EVENTS).min(MAX_EVENTS)
+        self.explicit.unwrap_or(MAX_EVENTS).min(MAX_EVENTS)
     }
 
     /// Returns true if the scene states a limit below the cap.
     #[inline]
-    pub fn is_stated(self) -> bool {
+    pub fn is_explicit(self) -> bool {
         self.events() < MAX_EVENTS
     }
 
     /// Decides whether a path at the limit continues as a lost path. Returns the factor for the
     /// weight of the lost path, or `None` if the path ends.
-    pub fn sample_lost_path(self, stream: &mut Stream) -> Option<f64> {
-        let continues = self.is_stated() && stream.uniform() * PATHS_PER_LOST_PATH < 1.0;
-        continues.then_some(PATHS_PER_LOST_PATH)
+    pub fn sample_truncated_path(self, stream: &mut Stream) -> Option<f64> {
+        let continues = self.is_explicit() && stream.uniform() * PATHS_PER_TRUNCATED_PATH < 1.0;
+        continues.then_some(PATHS_PER_TRUNCATED_PATH)
     }
 }
 
@@ -67,14 +67,14 @@ pub fn long_path_survival(depth: u32) -> f64 {
 
 /// A sink for light that a limit removes from the picture. The light changes only the estimated
 /// bias. The bias is the estimate minus the exact value, so it is negative.
-pub struct LostLight<'s> {
+pub struct TruncatedLight<'s> {
     /// The sink of the picture.
     pub sink: &'s mut dyn Sink,
     /// The factor for the light.
     pub factor: f64,
 }
 
-impl Sink for LostLight<'_> {
+impl Sink for TruncatedLight<'_> {
     fn radiance(&mut self, origin: LightOrigin, nm: f64, weight: f64) {
         self.sink.biased(origin, nm, 0.0, -self.factor * weight);
     }

@@ -17,7 +17,7 @@ mod transmittance;
 
 pub use body_mode::{BodyMode, WithBodies, WithoutBodies};
 pub use caustic_weights::{CausticWeights, RayDensities, RayDensity, StratumDensity};
-pub use depth_limit::{DepthLimit, LONG_PATH, LostLight, MAX_EVENTS, long_path_survival};
+pub use depth_limit::{DepthLimit, LONG_PATH, MAX_EVENTS, TruncatedLight, long_path_survival};
 pub use medium_segment::{MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};
 pub use ray_state::RayState;

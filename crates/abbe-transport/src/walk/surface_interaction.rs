@@ -34,9 +34,9 @@ impl SurfaceLookup {
     /// pixel, because the samples of a pixel already average over the pixel.
     #[inline(always)]
     pub fn of_camera(camera: &Camera, path_m: f64, u: f64) -> Self {
-        const SHARE_OF_PIXEL: f64 = 0.5;
-        let spread = SHARE_OF_PIXEL * camera.pixel_angle();
-        Self { u, width_m: SHARE_OF_PIXEL * camera.pixel_width_m(path_m), spread }
+        const FRACTION_OF_PIXEL: f64 = 0.5;
+        let spread = FRACTION_OF_PIXEL * camera.pixel_angle();
+        Self { u, width_m: FRACTION_OF_PIXEL * camera.pixel_width_m(path_m), spread }
     }
 }
 

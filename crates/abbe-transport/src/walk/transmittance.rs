@@ -199,7 +199,7 @@ fn collect_segments<'a>(
 /// of two numbers: the largest extinction coefficient over the band, and the upper bound of the
 /// density.
 fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: Seed) -> f64 {
-    let Some((begin, end)) = medium.window(ray, length_m) else {
+    let Some((begin, end)) = medium.interval(ray, length_m) else {
         return 1.0;
     };
     let bound = medium.majorant(ray, length_m);

@@ -57,8 +57,8 @@ pub(super) fn abbe_number(file: &Material<'_>) -> Result<Option<f64>> {
 /// Returns the clear coat, or `None` without a coat.
 pub(super) fn coat(file: &Material<'_>) -> Option<MeshCoat> {
     let extension = file.extension_value("KHR_materials_clearcoat")?;
-    let factor = share(extension, "clearcoatFactor", 0.0);
-    (factor > 0.0).then(|| MeshCoat { factor, roughness: share(extension, "clearcoatRoughnessFactor", 0.0) })
+    let factor = fraction(extension, "clearcoatFactor", 0.0);
+    (factor > 0.0).then(|| MeshCoat { factor, roughness: fraction(extension, "clearcoatRoughnessFactor", 0.0) })
 }
 
 /// Returns the factor of the reflectance at normal incidence: the luminance of the colour times the
@@ -66,13 +66,13 @@ pub(super) fn coat(file: &Material<'_>) -> Option<MeshCoat> {
 pub(super) fn specular(file: &Material<'_>) -> f64 {
     let Some(extension) = file.extension_value("KHR_materials_specular") else { return 1.0 };
     let [r, g, b] = colour(extension, "specularColorFactor");
-    share(extension, "specularFactor", 1.0) * (0.2126 * r + 0.7152 * g + 0.0722 * b)
+    fraction(extension, "specularFactor", 1.0) * (0.2126 * r + 0.7152 * g + 0.0722 * b)
 }
 
 /// Returns the diffuse transmission, or `None` without it.
 pub(super) fn diffuse_transmission(file: &Material<'_>) -> Option<MeshDiffuseTransmission> {
     let extension = file.extension_value("KHR_materials_diffuse_transmission")?;
-    let factor = share(extension, "diffuseTransmissionFactor", 0.0);
+    let factor = fraction(extension, "diffuseTransmissionFactor", 0.0);
     let colour = colour(extension, "diffuseTransmissionColorFactor").map(|c| c.min(1.0));
     (factor > 0.0).then_some(MeshDiffuseTransmission { factor, colour })
 }
@@ -82,9 +82,9 @@ pub(super) fn film(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set: u3
     let extension = file.extension_value(IRIDESCENCE).filter(|_| can_have_film(file))?;
     let number = |key: &str, default: f64| extension[key].as_f64().unwrap_or(default).max(0.0);
     let thickness_nm = [number("iridescenceThicknessMinimum", 100.0), number("iridescenceThicknessMaximum", 400.0)];
-    let thickness_texture = extension.get(FILM_THICKNESS).and_then(|info| pictures.stated(info, set));
+    let thickness_texture = extension.get(FILM_THICKNESS).and_then(|info| pictures.explicit(info, set));
     let ior = number("iridescenceIor", 1.3).max(1.0);
-    let film = MeshFilm { factor: share(extension, "iridescenceFactor", 0.0), ior, thickness_nm, thickness_texture };
+    let film = MeshFilm { factor: fraction(extension, "iridescenceFactor", 0.0), ior, thickness_nm, thickness_texture };
     (film.factor > 0.0).then_some(film)
 }
 
@@ -144,7 +144,7 @@ fn has_effect(name: &str, extension: &Value) -> bool {
 }
 
 /// Returns a number from 0 to 1.
-pub(super) fn share(extension: &Value, key: &str, default: f64) -> f64 {
+pub(super) fn fraction(extension: &Value, key: &str, default: f64) -> f64 {
     extension[key].as_f64().unwrap_or(default).clamp(0.0, 1.0)
 }
 

@@ -118,10 +118,10 @@ fn check_extensions(root: &mut Root) -> Result<()> {
 /// Checks the length in the header of a binary file. A wrong length would cause an integer
 /// underflow in the crate `gltf`.
 fn check_length(bytes: &[u8]) -> Result<()> {
-    let stated = bytes.get(8..12).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
-    match stated {
-        Some(stated) if stated as usize > bytes.len() => Err(Error::input("the glTF file is truncated")),
-        Some(stated) if stated >= 20 => Ok(()),
+    let explicit = bytes.get(8..12).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
+    match explicit {
+        Some(explicit) if explicit as usize > bytes.len() => Err(Error::input("the glTF file is truncated")),
+        Some(explicit) if explicit >= 20 => Ok(()),
         Some(_) | None => Err(Error::input("not a valid glTF file: its header is incomplete")),
     }
 }

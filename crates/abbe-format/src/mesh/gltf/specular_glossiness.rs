@@ -7,7 +7,7 @@
 use ::gltf::Material;
 use serde_json::Value;
 
-use super::extensions::{SPECULAR_GLOSSINESS, colour, share};
+use super::extensions::{SPECULAR_GLOSSINESS, colour, fraction};
 use super::texture::GltfPictures;
 use crate::mesh::material::MeshTexture;
 
@@ -29,8 +29,8 @@ pub(super) struct ConvertedMaterial {
 pub(super) fn convert(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set: u32) -> Option<ConvertedMaterial> {
     let extension = file.extension_value(SPECULAR_GLOSSINESS)?;
     let mut specular = colour(extension, "specularFactor").map(|c| c.min(1.0));
-    let mut glossiness = share(extension, "glossinessFactor", 1.0);
-    if let Some(texture) = extension.get("specularGlossinessTexture").and_then(|info| pictures.stated(info, set)) {
+    let mut glossiness = fraction(extension, "glossinessFactor", 1.0);
+    if let Some(texture) = extension.get("specularGlossinessTexture").and_then(|info| pictures.explicit(info, set)) {
         let picture = &texture.picture;
         let colours = picture.linear_rgb(None);
         let count = colours.len().max(1) as f64;
@@ -38,9 +38,9 @@ pub(super) fn convert(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set:
         let alphas = picture.linear_channel(3, crate::EncodingFile::Linear);
         glossiness *= alphas.iter().map(|&alpha| f64::from(alpha)).sum::<f64>() / count;
     }
-    let stated = extension.get("diffuseFactor").and_then(Value::as_array).map_or(&[] as &[Value], Vec::as_slice);
-    let diffuse: [f64; 4] = std::array::from_fn(|i| stated.get(i).and_then(Value::as_f64).unwrap_or(1.0));
-    let base_texture = extension.get("diffuseTexture").and_then(|info| pictures.stated(info, set));
+    let explicit = extension.get("diffuseFactor").and_then(Value::as_array).map_or(&[] as &[Value], Vec::as_slice);
+    let diffuse: [f64; 4] = std::array::from_fn(|i| explicit.get(i).and_then(Value::as_f64).unwrap_or(1.0));
+    let base_texture = extension.get("diffuseTexture").and_then(|info| pictures.explicit(info, set));
     let (base, metallic) = metallic_base([diffuse[0], diffuse[1], diffuse[2]], specular);
     Some(ConvertedMaterial {
         base: [base[0], base[1], base[2], diffuse[3]],

@@ -49,19 +49,19 @@ impl<'b> GltfPictures<'b> {
     /// Reads a normal map over the set of texture coordinates `set`. Returns `None` if the picture
     /// cannot be used, or if the map uses another set.
     pub(super) fn normal_map(&mut self, file: &NormalTexture<'_>, set: u32) -> Option<MeshTexture> {
-        let transform = stated_transform(file.extension_value("KHR_texture_transform"));
+        let transform = explicit_transform(file.extension_value("KHR_texture_transform"));
         if normal_uv_set_of(file) == set { self.placed(&file.texture(), transform) } else { None }
     }
 
     /// Reads the texture that the JSON of an extension states, over the set of texture coordinates
     /// `set`. Returns `None` if there is no such texture, if the picture cannot be used, or if the
     /// texture uses another set.
-    pub(super) fn stated(&mut self, info: &Value, set: u32) -> Option<MeshTexture> {
+    pub(super) fn explicit(&mut self, info: &Value, set: u32) -> Option<MeshTexture> {
         let transform = info.get("extensions").and_then(|it| it.get("KHR_texture_transform"));
         let number = |value: Option<&Value>| value.and_then(Value::as_u64);
         let used = number(transform.and_then(|it| it.get("texCoord"))).or(number(info.get("texCoord"))).unwrap_or(0);
         let texture = self.document.textures().nth(usize::try_from(number(info.get("index"))?).ok()?)?;
-        if used == u64::from(set) { self.placed(&texture, stated_transform(transform)) } else { None }
+        if used == u64::from(set) { self.placed(&texture, explicit_transform(transform)) } else { None }
     }
 
     /// Reads a texture with a map of texture coordinates.
@@ -117,9 +117,9 @@ impl<'b> GltfPictures<'b> {
 }
 
 /// Returns the map of texture coordinates in the JSON of KHR_texture_transform.
-fn stated_transform(stated: Option<&Value>) -> UvTransform {
+fn explicit_transform(explicit: Option<&Value>) -> UvTransform {
     let number = |value: Option<&Value>, default: f64| value.and_then(Value::as_f64).unwrap_or(default);
-    stated.map_or(UvTransform::IDENTITY, |it| {
+    explicit.map_or(UvTransform::IDENTITY, |it| {
         let pair = |key: &str, default: f64| [0, 1].map(|i| number(it.get(key).and_then(|pair| pair.get(i)), default));
         UvTransform::new(pair("scale", 1.0), number(it.get("rotation"), 0.0), pair("offset", 0.0))
     })
@@ -132,6 +132,6 @@ pub(super) fn uv_set_of(info: &Info<'_>) -> u32 {
 
 /// Returns the number of the set of texture coordinates that a normal map uses.
 pub(super) fn normal_uv_set_of(file: &NormalTexture<'_>) -> u32 {
-    let stated = file.extension_value("KHR_texture_transform").and_then(|it| it.get("texCoord"));
-    stated.and_then(Value::as_u64).and_then(|set| u32::try_from(set).ok()).unwrap_or(file.tex_coord())
+    let explicit = file.extension_value("KHR_texture_transform").and_then(|it| it.get("texCoord"));
+    explicit.and_then(Value::as_u64).and_then(|set| u32::try_from(set).ok()).unwrap_or(file.tex_coord())
 }

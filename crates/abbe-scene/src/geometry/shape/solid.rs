@@ -27,7 +27,7 @@ pub(crate) enum Solid {
 
 /// Scale factor of a body for the inside test. A point inside the scaled body is also inside the
 /// original body, regardless of rounding.
-const INSIDE_SHARE: f64 = 1.0 - 1e-9;
+const INSIDE_FRACTION: f64 = 1.0 - 1e-9;
 
 /// A validated shape: either an analytic solid or a mesh.
 pub(crate) enum ValidShape<'a> {
@@ -184,10 +184,10 @@ impl Solid {
     /// `false` for flat shapes and for lenses, which need not be convex.
     pub(crate) fn contains(&self, point: DVec3) -> bool {
         match self {
-            Self::Sphere(sphere) => point.length() < INSIDE_SHARE * sphere.radius,
-            Self::Polyhedron(body) => body.contains(point / INSIDE_SHARE),
+            Self::Sphere(sphere) => point.length() < INSIDE_FRACTION * sphere.radius,
+            Self::Polyhedron(body) => body.contains(point / INSIDE_FRACTION),
             Self::Cylinder(Cylinder { radius, half_height }) => {
-                hypot(point.x, point.z) < INSIDE_SHARE * radius && point.y.abs() < INSIDE_SHARE * half_height
+                hypot(point.x, point.z) < INSIDE_FRACTION * radius && point.y.abs() < INSIDE_FRACTION * half_height
             }
             Self::Flat(_) | Self::Lens(_) => false,
         }
@@ -235,7 +235,7 @@ impl Solid {
     pub(crate) fn bounds(&self, linear: &DMat3) -> (DVec3, DVec3) {
         let row = |axis| DVec3::new(linear.x_axis[axis], linear.y_axis[axis], linear.z_axis[axis]);
         let rows = [row(0), row(1), row(2)];
-        let symmetric = |reach: [f64; 3]| (-DVec3::from_array(reach), DVec3::from_array(reach));
+        let symmetric = |half_size: [f64; 3]| (-DVec3::from_array(half_size), DVec3::from_array(half_size));
         match *self {
             Self::Sphere(Sphere { radius }) => symmetric(rows.map(|r| radius * r.length())),
             Self::Flat(FlatShape::Rectangle { half_width, half_height }) => {

@@ -8,12 +8,12 @@ use super::*;
 fn enter_and_leave_alternate(shape: &Shape, to_world: DAffine3, paths: u64) {
     let geometry = alone(shape.clone(), to_world);
     let (low, high) = geometry.bounds();
-    let (middle, reach) = (0.5 * (low + high), 0.5 * (high - low).length());
+    let (middle, size) = (0.5 * (low + high), 0.5 * (high - low).length());
     let mut rng = random(7);
     let mut entered = 0;
     for path in 0..paths {
-        let target = middle + rng.random::<f64>() * reach * unit_vector(&mut rng);
-        let mut ray = towards(middle + 3.0 * reach * unit_vector(&mut rng), target);
+        let target = middle + rng.random::<f64>() * size * unit_vector(&mut rng);
+        let mut ray = towards(middle + 3.0 * size * unit_vector(&mut rng), target);
         let (mut from, mut inside) = (None, false);
         for _ in 0..16 {
             let Some(hit) = geometry.intersect(&ray, from, f64::INFINITY) else {

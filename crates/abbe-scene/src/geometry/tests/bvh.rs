@@ -24,11 +24,11 @@ fn by_brute_force(geometry: &Geometry, ray: &Ray) -> Option<Candidate> {
 fn agrees(geometry: &Geometry, rays: usize, seed: u64) {
     let mut rng = random(seed);
     let (low, high) = geometry.bounds();
-    let (middle, reach) = (0.5 * (low + high), (high - low).length());
+    let (middle, size) = (0.5 * (low + high), (high - low).length());
     let mut hits = 0;
     for i in 0..rays {
         let far = [0.3, 2.0, 1e4][i % 3];
-        let origin = middle + far * reach * unit_vector(&mut rng);
+        let origin = middle + far * size * unit_vector(&mut rng);
         let vertices = &geometry.primitives.vertices;
         let start = rng.random_range(0..vertices.len() / 3) * 3;
         let target = (vertices[start] + vertices[start + 1] + vertices[start + 2]) / 3.0;

@@ -53,21 +53,21 @@ fn transitions(shape: &Shape, to_local: DAffine3, ray: &Ray, length: f64, steps:
 fn agrees_with_its_definition(shape: &Shape, to_world: DAffine3) {
     let geometry = alone(shape.clone(), to_world);
     let (low, high) = geometry.bounds();
-    let (middle, reach) = (0.5 * (low + high), 0.5 * (high - low).length());
+    let (middle, size) = (0.5 * (low + high), 0.5 * (high - low).length());
     let mut rng = random(11);
     let mut crossings = 0;
     for _ in 0..400 {
-        let ray = towards(middle + 1.5 * reach * unit_vector(&mut rng), middle + 0.5 * reach * unit_vector(&mut rng));
-        let (length, steps) = (3.5 * reach, 2000);
+        let ray = towards(middle + 1.5 * size * unit_vector(&mut rng), middle + 0.5 * size * unit_vector(&mut rng));
+        let (length, steps) = (3.5 * size, 2000);
         let expected = transitions(shape, to_world.inverse(), &ray, length, steps);
         let mut found = Vec::new();
         geometry.for_each_hit(&ray, None, |hit| found.push(*hit));
         let mut left = found.clone();
         for t in &expected {
-            let nearest = left.iter().position(|hit| (hit.t - t).abs() < 1e-9 * reach);
+            let nearest = left.iter().position(|hit| (hit.t - t).abs() < 1e-9 * size);
             let hit = left.remove(nearest.unwrap_or_else(|| panic!("{shape:?}: no hit at {t} on {ray:?}: {found:?}")));
             let local = to_world.inverse().transform_vector3(hit.normal);
-            assert!(hit.position.distance(ray.at(hit.t)) < 1e-9 * reach, "{shape:?}: {hit:?}");
+            assert!(hit.position.distance(ray.at(hit.t)) < 1e-9 * size, "{shape:?}: {hit:?}");
             assert!((hit.normal.length() - 1.0).abs() < 1e-14 && local.is_finite());
         }
         // `left` contains the hits without a counterpart in `expected`. The small steps may miss
@@ -97,10 +97,10 @@ fn normals_of_closed_shapes_point_outwards_also_when_mirrored() {
     for shape in closed_shapes() {
         for to_world in [turned(1.0), stretched()] {
             let geometry = alone(shape.clone(), to_world);
-            let reach = (geometry.bounds().1 - geometry.bounds().0).length();
+            let size = (geometry.bounds().1 - geometry.bounds().0).length();
             for _ in 0..2000 {
                 let sample = geometry.sample_area(0, numbers(&mut rng));
-                let step = 1e-9 * reach * sample.normal;
+                let step = 1e-9 * size * sample.normal;
                 let is_inside = |p: DVec3| inside(&shape, to_world.inverse().transform_point3(p));
                 let edge = is_inside(sample.position - step) == is_inside(sample.position + step);
                 assert!(edge || is_inside(sample.position - step), "{shape:?}: {sample:?}");

@@ -69,12 +69,12 @@ fn areas_of_stretched_round_shapes_match_closed_forms() {
 }
 
 #[test]
-fn points_lie_on_the_surface_and_densities_integrate_to_one() {
+fn points_lie_on_the_surface_and_pdfs_integrate_to_one() {
     let mut rng = random(12);
     for shape in all_shapes() {
         for to_world in [turned(1e-3), stretched()] {
             let geometry = alone(shape.clone(), to_world);
-            let reach = (geometry.bounds().1 - geometry.bounds().0).length();
+            let size = (geometry.bounds().1 - geometry.bounds().0).length();
             // The mean of 1/pdf is the area. If the density is uniform, all values of 1/pdf are
             // equal.
             let (count, mut sum, mut squares) = (4000, 0.0, 0.0);
@@ -82,12 +82,12 @@ fn points_lie_on_the_surface_and_densities_integrate_to_one() {
                 let sample = geometry.sample_area(0, numbers(&mut rng));
                 sum += 1.0 / sample.pdf_area;
                 squares += (1.0 / sample.pdf_area).powi(2);
-                let height = 1e-7 * reach;
+                let height = 1e-7 * size;
                 let above = Ray::new(sample.position + height * sample.normal, -sample.normal);
                 let hit = geometry.intersect(&above, None, 2.0 * height);
                 let near_edge = hit.is_none_or(|hit| hit.surface != sample.surface);
                 if let Some(hit) = hit.filter(|_| !near_edge) {
-                    assert!(hit.position.distance(sample.position) < 1e-14 * reach, "{shape:?}");
+                    assert!(hit.position.distance(sample.position) < 1e-14 * size, "{shape:?}");
                     assert!(hit.normal.distance(sample.normal) < 1e-9, "{shape:?}");
                 }
             }
@@ -146,7 +146,7 @@ fn solid_angle(corners: [DVec3; 4]) -> f64 {
 }
 
 #[test]
-fn a_rectangles_density_is_its_solid_angle() {
+fn a_rectangles_pdf_is_its_solid_angle() {
     let mut rng = random(14);
     for scale in [1e-6, 1.0, 1e6] {
         let geometry = alone(Shape::Rectangle { width: 1.0, height: 0.4 }, turned(scale));
@@ -172,7 +172,7 @@ fn a_rectangles_density_is_its_solid_angle() {
 /// The density of points sampled on a sphere is one over the solid angle of the cone that the
 /// sphere subtends. This holds for near, distant and tiny spheres.
 #[test]
-fn sphere_density_is_one_over_its_cone_solid_angle() {
+fn sphere_pdf_is_one_over_its_cone_solid_angle() {
     let mut rng = random(15);
     for (radius, distance) in
         [(1.0, 1.0001), (1.0, 1.5), (1.0, 10.0), (1.0, 1e4), (1e-3, 1e3), (1e-6, 1e6), (1e6, 1.1e6)]
@@ -193,8 +193,8 @@ fn sphere_density_is_one_over_its_cone_solid_angle() {
             // the axis. This value equals sin² θ / (1 + cos θ).
             let to = sample.position - from;
             let across2 = (sample.position - sample.position.dot(axis) * axis).length_squared() / to.length_squared();
-            let share = across2 / (1.0 + (1.0 - across2).sqrt()) * TAU / expected;
-            heights[(16.0 * share).min(15.0) as usize] += 1;
+            let fraction = across2 / (1.0 + (1.0 - across2).sqrt()) * TAU / expected;
+            heights[(16.0 * fraction).min(15.0) as usize] += 1;
         }
         let chi2: f64 = heights.iter().map(|&n| (f64::from(n) - 500.0).powi(2) / 500.0).sum();
         // 15 degrees of freedom: χ² exceeds 37.7 with a probability of 0.001.
@@ -205,14 +205,14 @@ fn sphere_density_is_one_over_its_cone_solid_angle() {
 /// For every shape, the mean of 1/pdf equals the solid angle of the shape. For an invisible sampled
 /// point, 1/pdf is replaced by 0. The solid angle is estimated with random rays.
 #[test]
-fn directional_densities_integrate_to_the_visible_solid_angle() {
+fn directional_pdfs_integrate_to_the_visible_solid_angle() {
     let mut rng = random(16);
     for shape in all_shapes() {
         for to_world in [turned(1.0), stretched()] {
             let geometry = alone(shape.clone(), to_world);
             let (low, high) = geometry.bounds();
-            let (middle, reach) = (0.5 * (low + high), 0.5 * (high - low).length());
-            let from = middle + 1.6 * reach * unit_vector(&mut rng);
+            let (middle, size) = (0.5 * (low + high), 0.5 * (high - low).length());
+            let from = middle + 1.6 * size * unit_vector(&mut rng);
             // Uniform directions in the cone around the bounding ball.
             let cone_height = 1.0 - (1.0 - 1.0 / (1.6_f64 * 1.6)).sqrt();
             let axis = (middle - from).normalize();
@@ -236,19 +236,19 @@ fn directional_densities_integrate_to_the_visible_solid_angle() {
                     if let Some(hit) =
                         geometry.intersect(&ray, None, f64::INFINITY).filter(|hit| hit.surface == sample.surface)
                     {
-                        let density = geometry.pdf_solid_angle(0, from, &hit);
+                        let found_pdf = geometry.pdf_solid_angle(0, from, &hit);
                         let cos = hit.normal.dot(ray.direction).abs();
                         assert!(
-                            (density / pdf - 1.0).abs() < 1e-13 / (cos * cos) + 1e-11,
-                            "{shape:?}: {density} for {pdf}"
+                            (found_pdf / pdf - 1.0).abs() < 1e-13 / (cos * cos) + 1e-11,
+                            "{shape:?}: {found_pdf} for {pdf}"
                         );
                     }
                 }
             }
             let n = f64::from(count);
-            let share = seen / n;
+            let fraction = seen / n;
             let (rays, rays_error) =
-                (TAU * cone_height * share, TAU * cone_height * (share * (1.0 - share) / n).sqrt());
+                (TAU * cone_height * fraction, TAU * cone_height * (fraction * (1.0 - fraction) / n).sqrt());
             let (drawn, drawn_error) = (sum / n, ((squares / n - (sum / n).powi(2)).max(0.0) / n).sqrt());
             let error = rays_error.hypot(drawn_error);
             assert!((rays - drawn).abs() <= 4.0 * error, "{shape:?}: {drawn} drawn, {rays} by rays, ± {error}");

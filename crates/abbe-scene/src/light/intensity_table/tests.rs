@@ -60,7 +60,7 @@ fn tables_of_types_a_and_b_follow_the_conversion_formulas() {
 }
 
 #[test]
-fn the_density_integrates_to_one() {
+fn the_pdf_integrates_to_one() {
     for table in uneven() {
         let mut stream = Stream::new(Seed::new(3), Purpose::SurveyPhoton, 0, 0);
         let n = 400_000;
@@ -72,7 +72,7 @@ fn the_density_integrates_to_one() {
 /// The shares of the samples in octants and rings equal the integrals of the density within four
 /// standard errors.
 #[test]
-fn samples_follow_the_stated_density() {
+fn samples_follow_their_pdf() {
     let cell = |d: DVec3| {
         let octant = usize::from(d.x > 0.0) + 2 * usize::from(d.y > 0.0) + 4 * usize::from(d.x.abs() > d.y.abs());
         octant * 12 + ((d.z + 1.0) * 6.0).min(11.0) as usize
@@ -86,9 +86,9 @@ fn samples_follow_the_stated_density() {
             assert!((direction.length() - 1.0).abs() < 1e-12 && table.at(direction) > 0.0);
             sampled[cell(direction)] += 1.0 / f64::from(n);
             let direction = warp::sphere(stream.pair());
-            let density = 4.0 * PI * table.pdf(direction);
-            expected[cell(direction)] += density / f64::from(n);
-            squares[cell(direction)] += density * density / f64::from(n);
+            let relative_pdf = 4.0 * PI * table.pdf(direction);
+            expected[cell(direction)] += relative_pdf / f64::from(n);
+            squares[cell(direction)] += relative_pdf * relative_pdf / f64::from(n);
         }
         for i in 0..96 {
             let variance = sampled[i] + squares[i];

@@ -58,10 +58,10 @@ impl Atmosphere {
     }
 
     /// The largest value along the line. This is the value at the lowest point.
-    pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64)) -> f64 {
+    pub(super) fn majorant(&self, line: &FieldLine, interval: (f64, f64)) -> f64 {
         match self.above {
-            Ground::Plain(_) => self.at(line.at(window.0)).max(self.at(line.at(window.1))),
-            Ground::Planet(planet) => self.at(line.at(line.nearest_to(planet.center).clamp(window.0, window.1))),
+            Ground::Plain(_) => self.at(line.at(interval.0)).max(self.at(line.at(interval.1))),
+            Ground::Planet(planet) => self.at(line.at(line.nearest_to(planet.center).clamp(interval.0, interval.1))),
         }
     }
 
@@ -78,26 +78,26 @@ impl Atmosphere {
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,
-        window: (f64, f64),
+        interval: (f64, f64),
         mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let Ground::Planet(planet) = self.above else { return visit(window) };
+        let Ground::Planet(planet) = self.above else { return visit(interval) };
         let nearest = line.nearest_to(planet.center);
         let ground = line.crossings(planet.center, planet.radius, nearest).unwrap_or((nearest, nearest));
         let shells = |from: f64| self.shells(line, &planet, from);
         // The line goes down through the shells, through the planet, and up through the shells.
-        if window.0 < ground.0 {
-            let lowest = window.1.min(ground.0);
+        if interval.0 < ground.0 {
+            let lowest = interval.1.min(ground.0);
             let edges = shells(lowest);
             for pair in edges.windows(2).rev() {
-                visit_within(window, (2.0 * nearest - pair[1], 2.0 * nearest - pair[0]), &mut visit)?;
+                visit_within(interval, (2.0 * nearest - pair[1], 2.0 * nearest - pair[0]), &mut visit)?;
             }
         }
-        visit_within(window, ground, &mut visit)?;
-        if window.1 > ground.1 {
-            let edges = shells(window.0.max(ground.1));
+        visit_within(interval, ground, &mut visit)?;
+        if interval.1 > ground.1 {
+            let edges = shells(interval.0.max(ground.1));
             for pair in edges.windows(2) {
-                visit_within(window, (pair[0], pair[1]), &mut visit)?;
+                visit_within(interval, (pair[0], pair[1]), &mut visit)?;
             }
         }
         ControlFlow::Continue(())
@@ -126,8 +126,8 @@ impl Atmosphere {
                 // The integral is the product of (1 − e⁻ˣ)/x, the value at the lower end, and the
                 // length.
                 let x = (line.direction.y * (piece.1 - piece.0) / self.scale_height).abs();
-                let share = if x == 0.0 { 1.0 } else { -exp_m1(-x) / x };
-                self.majorant(line, piece) * (piece.1 - piece.0) * share
+                let fraction = if x == 0.0 { 1.0 } else { -exp_m1(-x) / x };
+                self.majorant(line, piece) * (piece.1 - piece.0) * fraction
             }
             Ground::Planet(_) => gauss16(piece, |t| self.at(line.at(t))),
         }
@@ -136,10 +136,10 @@ impl Atmosphere {
 
 /// Visits the part of a piece that lies inside the window.
 fn visit_within(
-    window: (f64, f64),
+    interval: (f64, f64),
     piece: (f64, f64),
     visit: &mut impl FnMut((f64, f64)) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let piece = (piece.0.max(window.0), piece.1.min(window.1));
+    let piece = (piece.0.max(interval.0), piece.1.min(interval.1));
     if piece.0 < piece.1 { visit(piece) } else { ControlFlow::Continue(()) }
 }

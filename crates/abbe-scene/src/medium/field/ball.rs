@@ -31,15 +31,15 @@ impl BallField {
     }
 
     /// The largest value along the line. This is the value at the point nearest to the centre.
-    pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64)) -> f64 {
-        self.at(line.at(line.nearest_to(self.center).clamp(window.0, window.1)))
+    pub(super) fn majorant(&self, line: &FieldLine, interval: (f64, f64)) -> f64 {
+        self.at(line.at(line.nearest_to(self.center).clamp(interval.0, interval.1)))
     }
 
     /// Visits up to three pieces: the fading shell, the inner part, and the shell again.
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,
-        window: (f64, f64),
+        interval: (f64, f64),
         mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let nearest = line.nearest_to(self.center);
@@ -48,7 +48,7 @@ impl BallField {
         };
         let inner = line.crossings(self.center, self.inner(), nearest).unwrap_or((nearest, nearest));
         for (from, to) in [(outer.0, inner.0), inner, (inner.1, outer.1)] {
-            let piece = (from.max(window.0), to.min(window.1));
+            let piece = (from.max(interval.0), to.min(interval.1));
             if piece.0 < piece.1 {
                 visit(piece)?;
             }

@@ -88,14 +88,14 @@ impl FieldGrid {
     /// in units of cells.
     fn value(&self, place: DVec3) -> f64 {
         let mut corner = [0; 3];
-        let mut share = [0.0; 3];
+        let mut fraction = [0.0; 3];
         let mut stride = [0; 3];
         let mut step = 1;
         for axis in 0..3 {
             let last = self.resolution[axis] - 1;
             let along = place[axis].clamp(0.0, last as f64);
             corner[axis] = (along as usize).min(last.saturating_sub(1));
-            share[axis] = along - corner[axis] as f64;
+            fraction[axis] = along - corner[axis] as f64;
             stride[axis] = if last == 0 { 0 } else { step };
             step *= self.resolution[axis];
         }
@@ -103,10 +103,10 @@ impl FieldGrid {
         let value = |x: usize, y: usize, z: usize| {
             f64::from(self.values[first + x * stride[0] + y * stride[1] + z * stride[2]])
         };
-        let mix = |a: f64, b: f64, share: f64| a + share * (b - a);
-        let along_x = |y: usize, z: usize| mix(value(0, y, z), value(1, y, z), share[0]);
-        let along_y = |z: usize| mix(along_x(0, z), along_x(1, z), share[1]);
-        mix(along_y(0), along_y(1), share[2])
+        let mix = |a: f64, b: f64, fraction: f64| a + fraction * (b - a);
+        let along_x = |y: usize, z: usize| mix(value(0, y, z), value(1, y, z), fraction[0]);
+        let along_y = |z: usize| mix(along_x(0, z), along_x(1, z), fraction[1]);
+        mix(along_y(0), along_y(1), fraction[2])
     }
 
     fn cells_per_length(&self, bounds: (DVec3, DVec3)) -> DVec3 {
@@ -123,9 +123,9 @@ impl FieldGrid {
 
     /// An upper bound of the value along the line: the largest value that is stored for a block on
     /// the line.
-    pub(super) fn majorant(&self, line: &FieldLine, window: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
+    pub(super) fn majorant(&self, line: &FieldLine, interval: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
         let mut max = 0.0_f32;
-        let _ = self.for_each_block(&self.in_centres(line, bounds), window, |_, bound| {
+        let _ = self.for_each_block(&self.in_centres(line, bounds), interval, |_, bound| {
             max = max.max(bound);
             ControlFlow::Continue(())
         });
@@ -137,13 +137,13 @@ impl FieldGrid {
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,
-        window: (f64, f64),
+        interval: (f64, f64),
         bounds: (DVec3, DVec3),
         mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let line = self.in_centres(line, bounds);
         let planes = self.resolution.map(|cells| cells as i64 - 1);
-        self.for_each_block(&line, window, |piece, bound| {
+        self.for_each_block(&line, interval, |piece, bound| {
             if bound > 0.0 { for_each_step(&line, piece, planes, &mut visit) } else { ControlFlow::Continue(()) }
         })
     }
@@ -151,13 +151,13 @@ impl FieldGrid {
     fn for_each_block(
         &self,
         line: &FieldLine,
-        window: (f64, f64),
+        interval: (f64, f64),
         mut visit: impl FnMut((f64, f64), f32) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let per_block = 1.0 / BLOCK as f64;
         let blocks = FieldLine { origin: per_block * line.origin, direction: per_block * line.direction };
         let planes = self.blocks.map(|count| count as i64 - 1);
-        for_each_step(&blocks, window, planes, |piece| {
+        for_each_step(&blocks, interval, planes, |piece| {
             let middle = blocks.at(0.5 * (piece.0 + piece.1));
             let index = |axis: usize| (middle[axis].max(0.0) as usize).min(self.blocks[axis] - 1);
             let block = index(0) + self.blocks[0] * (index(1) + self.blocks[1] * index(2));

@@ -131,7 +131,7 @@ impl ScalarField {
     }
 
     /// The largest distance between a corner of the box and the scene's centre, in m.
-    pub fn reach_m(&self) -> f64 {
+    pub fn radius_m(&self) -> f64 {
         self.corners().map(DVec3::length).into_iter().fold(0.0, f64::max)
     }
 
@@ -144,19 +144,19 @@ impl ScalarField {
 
     /// The distances at which the ray enters and leaves the box. Both distances lie within the
     /// first `length_m` of the ray. `None` if this part of the ray misses the box.
-    pub fn window(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
+    pub fn interval(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
         self.clipped(&self.line(ray), length_m)
     }
 
     /// An upper bound of the value along the first `length_m` of the ray.
     pub fn majorant(&self, ray: &Ray, length_m: f64) -> f64 {
         let line = self.line(ray);
-        let Some(window) = self.clipped(&line, length_m) else { return 0.0 };
+        let Some(interval) = self.clipped(&line, length_m) else { return 0.0 };
         match &self.shape {
             FieldShape::Constant(value) => *value,
-            FieldShape::Grid(grid) => grid.majorant(&line, window, self.bounds),
-            FieldShape::Atmosphere(atmosphere) => atmosphere.majorant(&line, window),
-            FieldShape::Ball(ball) => ball.majorant(&line, window),
+            FieldShape::Grid(grid) => grid.majorant(&line, interval, self.bounds),
+            FieldShape::Atmosphere(atmosphere) => atmosphere.majorant(&line, interval),
+            FieldShape::Ball(ball) => ball.majorant(&line, interval),
         }
     }
 
@@ -249,12 +249,12 @@ impl ScalarField {
     /// Divides the first `length_m` of the line into pieces, and calls `visit` with each piece in
     /// order. Parts where the field is 0 may be left out.
     fn for_each_piece(&self, line: &FieldLine, length_m: f64, mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>) {
-        let Some(window) = self.clipped(line, length_m) else { return };
+        let Some(interval) = self.clipped(line, length_m) else { return };
         let _ = match &self.shape {
-            FieldShape::Constant(_) => visit(window),
-            FieldShape::Grid(grid) => grid.for_each_piece(line, window, self.bounds, visit),
-            FieldShape::Atmosphere(atmosphere) => atmosphere.for_each_piece(line, window, visit),
-            FieldShape::Ball(ball) => ball.for_each_piece(line, window, visit),
+            FieldShape::Constant(_) => visit(interval),
+            FieldShape::Grid(grid) => grid.for_each_piece(line, interval, self.bounds, visit),
+            FieldShape::Atmosphere(atmosphere) => atmosphere.for_each_piece(line, interval, visit),
+            FieldShape::Ball(ball) => ball.for_each_piece(line, interval, visit),
         };
     }
 

@@ -66,8 +66,9 @@ impl Noise {
             place *= 2.0;
         }
         // The weights of all octaves sum to 2 − 2·weight.
-        let share = (0.5 + GAIN * sum / (2.0 - 2.0 * weight)).clamp(0.0, 1.0);
-        let kept = if self.threshold < 1.0 { (share - self.threshold).max(0.0) / (1.0 - self.threshold) } else { 0.0 };
+        let fraction = (0.5 + GAIN * sum / (2.0 - 2.0 * weight)).clamp(0.0, 1.0);
+        let kept =
+            if self.threshold < 1.0 { (fraction - self.threshold).max(0.0) / (1.0 - self.threshold) } else { 0.0 };
         self.value * inside * kept
     }
 }

@@ -88,16 +88,16 @@ fn the_column_is_the_integral_of_the_value_along_the_ray() {
     for (name, field) in fields() {
         for (ray, length) in rays(40) {
             let column = field.column_m(&ray, length);
-            let Some(window) = field.window(&ray, length) else {
+            let Some(interval) = field.interval(&ray, length) else {
                 assert_eq!(column, 0.0, "{name}");
                 continue;
             };
-            assert!(window.0 >= 0.0 && window.1 <= length && window.0 < window.1);
-            let brute = by_force(&field, &ray, window, 20_000);
+            assert!(interval.0 >= 0.0 && interval.1 <= length && interval.0 < interval.1);
+            let brute = by_force(&field, &ray, interval, 20_000);
             // At each jump of the field, the midpoint rule has an error of half a step.
             let jumps = if name == "hard ball" { 1.0 / 20_000.0 } else { 1e-7 };
-            let bound = jumps * field.max() * (window.1 - window.0) + 1e-6 * column;
-            assert!((column - brute).abs() < bound, "{name}: {column} against {brute} of {window:?}");
+            let bound = jumps * field.max() * (interval.1 - interval.0) + 1e-6 * column;
+            assert!((column - brute).abs() < bound, "{name}: {column} against {brute} of {interval:?}");
         }
     }
 }
@@ -125,17 +125,17 @@ fn the_distance_at_a_column_holds_that_column() {
             if whole == 0.0 {
                 continue;
             }
-            for share in [0.0, 1e-9, 0.3, 0.999, 1.0 - 1e-9] {
-                let t = field.distance_at(&ray, length, share * whole).expect("the ray holds that much");
+            for fraction in [0.0, 1e-9, 0.3, 0.999, 1.0 - 1e-9] {
+                let t = field.distance_at(&ray, length, fraction * whole).expect("the ray holds that much");
                 assert!(t >= 0.0 && t <= length);
                 let column = field.column_m(&ray, t);
                 // The rounding error of t itself.
                 let rounding = 4.0 * f64::EPSILON * t * field.max();
-                let off = (column - share * whole).abs();
+                let off = (column - fraction * whole).abs();
                 assert!(
                     off <= 1e-12 * whole + rounding,
                     "{name} {number}: {column}, wanted {} of {whole}",
-                    share * whole
+                    fraction * whole
                 );
                 reached += 1;
             }
@@ -151,7 +151,7 @@ fn no_value_along_a_ray_exceeds_its_majorant() {
         for (ray, length) in rays(60) {
             let majorant = field.majorant(&ray, length);
             assert!(majorant <= field.max() * (1.0 + 1e-12), "{name}");
-            let Some((from, to)) = field.window(&ray, length) else { continue };
+            let Some((from, to)) = field.interval(&ray, length) else { continue };
             let values = (0..2000).map(|i| field.at(ray.at(from + (to - from) * (f64::from(i) + 0.5) / 2000.0)));
             let largest = values.fold(0.0, f64::max);
             assert!(largest <= majorant * (1.0 + 1e-12), "{name}: {largest} above {majorant}");
@@ -179,7 +179,7 @@ fn rays_along_faces_and_planes_of_centres_are_exact() {
     }
     let beside = Ray::new(DVec3::new(-1.0, 2.0 + 1e-12, 1.0), DVec3::X);
     assert_eq!(field.column_m(&beside, f64::INFINITY), 0.0);
-    assert_eq!(field.window(&beside, f64::INFINITY), None);
+    assert_eq!(field.interval(&beside, f64::INFINITY), None);
     // Two lines: one in the first plane of cell centres, where the value is 0, and one in the last
     // plane.
     assert_eq!(field.column_m(&Ray::new(DVec3::new(0.5, -1.0, 0.5), DVec3::Y), 10.0), 0.0);
@@ -215,10 +215,10 @@ fn the_columns_of_a_planetary_atmosphere_are_exact() {
     let whole = field.column_m(&ray, f64::INFINITY);
     let expected = 2.0 * half * (-height / scale_height).exp();
     assert!((whole / expected - 1.0).abs() < 1e-8, "{whole} against {expected}");
-    for share in [1e-6, 0.1, 0.5, 0.9] {
-        let t = field.distance_at(&ray, f64::INFINITY, share * whole).unwrap();
+    for fraction in [1e-6, 0.1, 0.5, 0.9] {
+        let t = field.distance_at(&ray, f64::INFINITY, fraction * whole).unwrap();
         let column = field.column_m(&ray, t);
-        assert!((column / (share * whole) - 1.0).abs() < 1e-10, "{share}: {column}");
+        assert!((column / (fraction * whole) - 1.0).abs() < 1e-10, "{fraction}: {column}");
     }
     // The value inside the planet equals the value at the ground.
     let through = field.column_m(&Ray::new(DVec3::ZERO, DVec3::NEG_Y), 1000.0);
@@ -247,16 +247,20 @@ fn the_seed_and_the_threshold_determine_the_noise() {
     let grid = noise.grid(BOUNDS).unwrap();
     assert_eq!(grid, noise.grid(BOUNDS).unwrap());
     assert_ne!(grid, Noise { seed: 2, ..noise }.grid(BOUNDS).unwrap());
-    let share_empty = |grid: FieldGrid| {
+    let fraction_empty = |grid: FieldGrid| {
         let field = ScalarField::new(FieldShape::Grid(grid), BOUNDS, DAffine3::IDENTITY);
         let mut stream = random(9);
         let empty = |_| field.at(BOUNDS.0 + DVec3::from(stream.triple()) * (BOUNDS.1 - BOUNDS.0)) == 0.0;
         (0..4000).map(empty).filter(|&empty| empty).count()
     };
-    let shares = [0.0, 0.5, 0.7, 1.0].map(|threshold| share_empty(Noise { threshold, ..noise }.grid(BOUNDS).unwrap()));
+    let fractions =
+        [0.0, 0.5, 0.7, 1.0].map(|threshold| fraction_empty(Noise { threshold, ..noise }.grid(BOUNDS).unwrap()));
     assert!(
-        shares[0] < 100 && (800..3000).contains(&shares[1]) && shares[2] > shares[1] && shares[3] == 4000,
-        "{shares:?}"
+        fractions[0] < 100
+            && (800..3000).contains(&fractions[1])
+            && fractions[2] > fractions[1]
+            && fractions[3] == 4000,
+        "{fractions:?}"
     );
     assert!(grid.max() <= 2.0 && grid.max() > 1.2, "{}", grid.max());
 }

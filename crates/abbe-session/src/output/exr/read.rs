@@ -228,11 +228,11 @@ mod tests {
     }
 
     #[test]
-    fn stated_primaries_are_used() {
+    fn explicit_primaries_are_used() {
         let [red, green, blue] = RgbSpace::Rec2020.primaries_xy().map(|xy| Vec2(xy[0] as f32, xy[1] as f32));
         let white = Vec2(0.3127, 0.3290);
-        let stated = Some(Chromaticities { red, green, blue, white });
-        let found = pixel(&[("R", 0.25), ("G", 0.5), ("B", 0.75)], stated, None);
+        let explicit = Some(Chromaticities { red, green, blue, white });
+        let found = pixel(&[("R", 0.25), ("G", 0.5), ("B", 0.75)], explicit, None);
         let known = RgbSpace::Rec2020.to_xyz([0.25, 0.5, 0.75]);
         assert!(found.iter().zip(known).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?} {known:?}");
     }

@@ -3,9 +3,9 @@
 
 mod direct;
 pub(super) mod path;
-mod receptor;
 pub(super) mod sampler;
 mod scatter;
+mod sensor;
 pub(super) mod throughput;
 pub(super) mod visible_point;
 mod walk;

@@ -5,7 +5,7 @@ use super::visible_point::{CameraSegment, VisiblePoint};
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::HitWeighting;
 use crate::plan::CameraEvents;
-use crate::plan::partition::View;
+use crate::plan::partition::CameraView;
 use crate::walk::{CausticWeights, ConsistentBsdfSample, RayState, SurfaceInteraction};
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium_stack::MediumStack;
@@ -52,7 +52,7 @@ impl GlossyEvent {
 pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) ray_state: RayState,
     pub(in crate::gather) spectral_mode: SpectralMode,
-    pub(in crate::gather) view: View,
+    pub(in crate::gather) view: CameraView,
     /// The events that decide the class of the path's light.
     pub(in crate::gather) events: CameraEvents,
     pub(in crate::gather) hit_weighting: HitWeighting,
@@ -72,7 +72,7 @@ impl CameraPath {
         Self {
             ray_state: RayState { ray, from: None, medium_stack },
             spectral_mode: SpectralMode::Free,
-            view: View::Direct,
+            view: CameraView::Direct,
             events: CameraEvents::Specular,
             hit_weighting: HitWeighting::Full,
             reference_throughput: 1.0,
@@ -126,7 +126,7 @@ impl CameraPath {
         } else {
             bsdf.pdf(*wo, sample.wi, sides, glossy.reference_nm)
         };
-        self.view = View::Indirect;
+        self.view = CameraView::Indirect;
         self.events = if sample.delta { self.events.after_specular_event() } else { self.events.after_surface() };
         self.hit_weighting = match (sample.delta, self.hit_weighting) {
             (false, _) => {

@@ -1,19 +1,19 @@
 //! The random numbers of camera samples.
 
-use crate::gather::direct::openings::{OPENINGS_SHARE, Openings};
+use crate::gather::direct::portals::{PORTAL_FRACTION, Portals};
 use crate::walk::RayState;
 use abbe_scene::Scene;
 use abbe_scene::camera::{Aperture, Camera, SystemAt};
 use abbe_scene::geometry::Ray;
-use abbe_scene::meter::{Receptor, ReceptorPoint, Response};
+use abbe_scene::meter::{Response, Sensor, SensorPoint};
 use abbe_spectra::math::kronecker::golden_ratio;
 use abbe_spectra::math::random::{Purpose, REPLICATES, Seed, Stream, Streams};
 use abbe_spectra::math::sobol::{DIMENSIONS, Sobol};
 use glam::{DVec2, DVec3};
 
 /// The start of a path at a receptor.
-pub(in crate::gather) struct ReceptorSample {
-    pub(in crate::gather) point: ReceptorPoint,
+pub(in crate::gather) struct SensorSample {
+    pub(in crate::gather) point: SensorPoint,
     /// The ray from the point.
     pub(in crate::gather) ray_state: RayState,
     /// The density with which the direction was sampled, per steradian.
@@ -68,28 +68,23 @@ impl PixelSampler {
     }
 
     /// Samples a point of a receptor, and a direction from which it receives light. Some directions
-    /// lead through the glazed openings of `openings`, because shadow rays do not pass through
+    /// lead through the glazed openings of `portals`, because shadow rays do not pass through
     /// glass.
-    pub(in crate::gather) fn receptor_sample(
-        &self,
-        scene: &Scene,
-        receptor: &Receptor,
-        openings: &Openings,
-    ) -> ReceptorSample {
-        let streams = Seed::of_numbers(self.point).streams(Purpose::Receptor);
+    pub(in crate::gather) fn sensor_sample(&self, scene: &Scene, sensor: &Sensor, portals: &Portals) -> SensorSample {
+        let streams = Seed::of_numbers(self.point).streams(Purpose::Sensor);
         let more = |number: u64| streams.pass(number).uniform();
         let ([u, v], [across, along]) = (self.film(), self.lens());
-        let point = scene.receptor_point(receptor, [more(0), across, along, more(1)]);
+        let point = scene.sensor_point(sensor, [more(0), across, along, more(1)]);
         let (response, choice) = (point.response, more(2));
-        let direction = if openings.glazed.count() > 0 && choice < OPENINGS_SHARE {
-            openings.glazed.sample(point.position, choice / OPENINGS_SHARE, [u, v])
+        let direction = if portals.glazed.count() > 0 && choice < PORTAL_FRACTION {
+            portals.glazed.sample(point.position, choice / PORTAL_FRACTION, [u, v])
         } else {
             response.sample([u, v, across])
         };
-        let pdf = receptor_pdf((point.position, response), openings, direction);
+        let pdf = sensor_pdf((point.position, response), portals, direction);
         let ray = Ray { origin: point.position, direction };
         let weight = if pdf > 0.0 { response.pdf(direction) / pdf } else { 0.0 };
-        ReceptorSample {
+        SensorSample {
             point,
             ray_state: RayState { ray, from: point.from, medium_stack: point.medium_stack },
             pdf,
@@ -111,8 +106,8 @@ impl PixelSampler {
     /// per steradian. Returns `None` if a lens system stops the ray.
     pub fn ray_at(&self, scene: &Scene, pixel: u64, nm: f64) -> Option<(RayState, Option<f64>)> {
         let camera = &scene.camera;
-        if let Some((_, receptor)) = camera.receptor(pixel) {
-            let start = self.receptor_sample(scene, receptor, Openings::NONE);
+        if let Some((_, sensor)) = camera.sensor(pixel) {
+            let start = self.sensor_sample(scene, sensor, Portals::NONE);
             return Some((start.ray_state, Some(start.pdf)));
         }
         let ray = match camera.system() {
@@ -137,12 +132,12 @@ impl PixelSampler {
 }
 
 /// Returns the density with which paths from a receptor start in a direction, per steradian.
-pub fn receptor_pdf((position, response): (DVec3, Response), openings: &Openings, direction: DVec3) -> f64 {
+pub fn sensor_pdf((position, response): (DVec3, Response), portals: &Portals, direction: DVec3) -> f64 {
     let pdf = response.pdf(direction);
-    if openings.glazed.count() == 0 {
+    if portals.glazed.count() == 0 {
         return pdf;
     }
-    OPENINGS_SHARE * openings.glazed.pdf(position, direction) + (1.0 - OPENINGS_SHARE) * pdf
+    PORTAL_FRACTION * portals.glazed.pdf(position, direction) + (1.0 - PORTAL_FRACTION) * pdf
 }
 
 /// Returns the top left corner of a pixel.

@@ -1,6 +1,6 @@
 //! The records for the pilot: visible points and camera segments.
 
-use crate::plan::partition::{PhotonSet, View};
+use crate::plan::partition::{CameraView, PhotonSet};
 use abbe_scene::geometry::Ray;
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ pub struct VisiblePoint {
     /// straight.
     pub footprint_m: f64,
     /// The events on the camera path before it reaches the point.
-    pub view: View,
+    pub view: CameraView,
     /// True if the path carries a shared wavelength.
     pub shared: bool,
     /// True if the surface is diffuse. The path then ends at the point.

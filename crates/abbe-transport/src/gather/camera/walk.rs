@@ -12,7 +12,7 @@ use super::throughput::{Factor, SpectralMode, product};
 use super::visible_point::VisiblePoint;
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::map::PixelRadii;
-use crate::plan::partition::View;
+use crate::plan::partition::CameraView;
 use crate::plan::{MediumPlan, Tally, WavelengthPlan};
 use crate::walk::{
     BodyMode, DepthLimit, MAX_EVENTS, Sink, SurfaceInteraction, SurfaceLookup, WithBodies, WithoutBodies,
@@ -41,8 +41,8 @@ impl<'a> CameraPass<'a> {
         let path = |ray| CameraPath::new(ray, camera.medium_stack);
         let events = DepthLimit::of(self.scene).events();
         let mut context = PathContext { pixel, events, sampler: &mut sampler, radii, buffers, sink, tally };
-        if let Some(receptor) = camera.receptor(pixel) {
-            self.sample_receptor(receptor, &mut context);
+        if let Some(sensor) = camera.sensor(pixel) {
+            self.sample_sensor(sensor, &mut context);
             return;
         }
         match (&self.lens_systems, self.plan.wavelengths) {
@@ -148,7 +148,7 @@ impl<'a> CameraPass<'a> {
             path.depth += 1;
             path.distance_m += interaction.distance_m;
             if interaction.crossed_hidden_face {
-                path.view = View::Indirect;
+                path.view = CameraView::Indirect;
                 path.events = path.events.after_specular_event();
                 path.hit_weighting = path.hit_weighting.after_specular_event();
             }
@@ -184,11 +184,11 @@ impl<'a> CameraPass<'a> {
             context.tally.capped_paths += 1;
             return;
         }
-        let factor = DepthLimit::of(self.scene).sample_lost_path(&mut context.sampler.stream);
+        let factor = DepthLimit::of(self.scene).sample_truncated_path(&mut context.sampler.stream);
         let Some(factor) = factor.filter(|_| !context.buffers.records) else { return };
         let mut path = *path;
         path.multiply(Factor::Grey(factor), context.buffers);
-        context.with_lost_light(1.0, |lost| self.follow_shared(&path, lost));
+        context.with_truncated_light(1.0, |truncated| self.follow_shared(&path, truncated));
     }
 
     /// Gathers direct light and light from photons at a diffuse or glossy surface. The path ends at

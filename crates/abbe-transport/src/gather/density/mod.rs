@@ -2,6 +2,6 @@
 //! around this point.
 
 pub(super) mod gather_point;
-pub(super) mod outline;
 pub(super) mod responses;
 mod surface;
+pub(super) mod surface_extent;

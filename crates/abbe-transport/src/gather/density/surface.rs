@@ -1,15 +1,15 @@
 //! Light from photons at surfaces on a camera path.
 
 use super::gather_point::{GatherPoint, ResponseSums};
-use super::outline::{Outline, PixelOutline};
 use super::responses::SurfaceResponses;
+use super::surface_extent::{PixelSurfaceExtent, SurfaceExtent};
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
-use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
+use crate::gather::camera_pass::{CameraPass, PathContext, TruncatedMaps};
 use crate::gather::luminescence::Luminescence;
 use crate::map::kernel::BoundaryCorrection;
 use crate::map::{NearbyPhoton, PhotonMap, PhotonSpectra, SetMaps, radius};
-use crate::plan::partition::{Estimator, LightPath, PhotonClass, PhotonSet, View, estimator};
+use crate::plan::partition::{CameraView, Estimator, LightPath, PhotonClass, PhotonSet, estimator};
 use crate::plan::{IndirectPlan, PathClass};
 use crate::walk::{CausticWeights, Sink, SurfaceInteraction};
 use abbe_optics::bsdf::BsdfClass;
@@ -19,10 +19,10 @@ use std::f64::consts::PI;
 /// camera. Therefore, even if a shared camera path sees the surface directly, it uses the photon
 /// map.
 #[inline(always)]
-fn photon_view(path: &CameraPath) -> View {
+fn photon_view(path: &CameraPath) -> CameraView {
     match path.spectral_mode {
         SpectralMode::Free => path.view,
-        SpectralMode::Shared { .. } => View::Indirect,
+        SpectralMode::Shared { .. } => CameraView::Indirect,
     }
 }
 
@@ -48,9 +48,9 @@ impl<'a> CameraPass<'a> {
         let set = path.spectral_mode.photon_set();
         let gathered = Gathered { set, luminescence: None };
         self.gather_set(self.maps[set], gathered, path, interaction, bsdf_class, context);
-        if let Some(MissingLight { maps, factor }) = self.missing {
-            context.with_lost_light(factor, |lost| {
-                self.gather_set(maps[set], gathered, path, interaction, bsdf_class, lost);
+        if let Some(TruncatedMaps { maps, factor }) = self.truncated {
+            context.with_truncated_light(factor, |truncated| {
+                self.gather_set(maps[set], gathered, path, interaction, bsdf_class, truncated);
             });
         }
     }
@@ -67,9 +67,9 @@ impl<'a> CameraPass<'a> {
     ) {
         let gathered = Gathered { set: PhotonSet::Free, luminescence: Some(luminescence) };
         self.gather_set(self.maps.free, gathered, path, interaction, BsdfClass::Diffuse, context);
-        if let Some(MissingLight { maps, factor }) = self.missing {
-            context.with_lost_light(factor, |lost| {
-                self.gather_set(maps.free, gathered, path, interaction, BsdfClass::Diffuse, lost);
+        if let Some(TruncatedMaps { maps, factor }) = self.truncated {
+            context.with_truncated_light(factor, |truncated| {
+                self.gather_set(maps.free, gathered, path, interaction, BsdfClass::Diffuse, truncated);
             });
         }
     }
@@ -112,7 +112,7 @@ impl<'a> CameraPass<'a> {
 
     /// Returns true if the camera paths of the plan gather this class from the photon map.
     #[inline(always)]
-    fn gathers(&self, class: PhotonClass, bsdf_class: BsdfClass, view: View) -> bool {
+    fn gathers(&self, class: PhotonClass, bsdf_class: BsdfClass, view: CameraView) -> bool {
         let planned = match class {
             PhotonClass::Indirect => self.plan.indirect != IndirectPlan::Absent,
             PhotonClass::Caustic => true,
@@ -129,14 +129,16 @@ impl<'a> CameraPass<'a> {
         radius: f64,
         pixel: u64,
     ) -> KernelOutline<'_> {
-        if self.outlines.is_empty() || path.view == View::Indirect {
+        if self.surface_extents.is_empty() || path.view == CameraView::Indirect {
             return KernelOutline::Absent;
         }
         let point = self.visible_point(path, interaction);
-        match self.outlines.find(pixel as usize, &point) {
-            PixelOutline::Absent => KernelOutline::Absent,
-            PixelOutline::Stored(outline) => KernelOutline::Stored(outline),
-            PixelOutline::Varies => KernelOutline::Measured(Outline::around(&self.scene.geometry, &point, radius)),
+        match self.surface_extents.find(pixel as usize, &point) {
+            PixelSurfaceExtent::Absent => KernelOutline::Absent,
+            PixelSurfaceExtent::Stored(surface_extent) => KernelOutline::Stored(surface_extent),
+            PixelSurfaceExtent::Varies => {
+                KernelOutline::Measured(SurfaceExtent::around(&self.scene.geometry, &point, radius))
+            }
         }
     }
 
@@ -159,9 +161,10 @@ impl<'a> CameraPass<'a> {
             }
             context.tally.map_queries += 1;
             let radius = self.kernel_radius(set, class, interaction, context);
-            let outline = self.outline_around(path, interaction, radius, context.pixel);
-            let outline = outline.limiting();
-            let correction = outline.map_or(BoundaryCorrection::WHOLE, |outline| outline.correction(radius));
+            let surface_extent = self.outline_around(path, interaction, radius, context.pixel);
+            let surface_extent = surface_extent.limiting();
+            let correction =
+                surface_extent.map_or(BoundaryCorrection::WHOLE, |surface_extent| surface_extent.correction(radius));
             let weights = match class {
                 PhotonClass::Caustic => self.caustic_weights(path, interaction, bsdf_class, context),
                 PhotonClass::Indirect => None,
@@ -169,7 +172,7 @@ impl<'a> CameraPass<'a> {
             let gather_point =
                 GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
             let centre = interaction.hit.position.as_vec3().to_array();
-            let photons = PhotonsAround { map, centre, radius: radius as f32, outline };
+            let photons = PhotonsAround { map, centre, radius: radius as f32, surface_extent };
             let light = (self.spectra, path.events.class_at_surface(class.light_path()));
             let responses = if gather_point.is_plain() { self.responses } else { None };
             let sink = &mut *context.sink;
@@ -195,19 +198,19 @@ impl<'a> CameraPass<'a> {
 enum KernelOutline<'o> {
     /// The kernel does not reach over an edge.
     Absent,
-    Stored(&'o Outline),
+    Stored(&'o SurfaceExtent),
     /// Measured for this gather point.
-    Measured(Outline),
+    Measured(SurfaceExtent),
 }
 
 impl KernelOutline<'_> {
     /// Returns the outline if it may limit the kernel.
     #[inline(always)]
-    fn limiting(&self) -> Option<&Outline> {
+    fn limiting(&self) -> Option<&SurfaceExtent> {
         match self {
             Self::Absent => None,
-            Self::Stored(outline) => Some(outline),
-            Self::Measured(outline) => Some(outline).filter(|outline| outline.is_limited()),
+            Self::Stored(surface_extent) => Some(surface_extent),
+            Self::Measured(surface_extent) => Some(surface_extent).filter(|surface_extent| surface_extent.is_limited()),
         }
     }
 }
@@ -219,7 +222,7 @@ struct PhotonsAround<'m> {
     /// The kernel radius in m.
     radius: f32,
     /// The edge of the surface. Photons beyond it are on another surface.
-    outline: Option<&'m Outline>,
+    surface_extent: Option<&'m SurfaceExtent>,
 }
 
 impl PhotonsAround<'_> {
@@ -230,7 +233,7 @@ impl PhotonsAround<'_> {
         let mut count = 0;
         self.map.within(self.centre, self.radius, |nearby| {
             count += 1;
-            if self.outline.is_none_or(|outline| outline.contains(nearby.position)) {
+            if self.surface_extent.is_none_or(|surface_extent| surface_extent.contains(nearby.position)) {
                 add(&nearby);
             }
         });

@@ -16,7 +16,7 @@ use glam::DVec3;
 
 /// The largest share of the samples that follow the learned weights. The other samples follow the
 /// tree. The variance is therefore at most ten times that of the tree.
-const LEARNED_SHARE: f64 = 0.9;
+const LEARNED_FRACTION: f64 = 0.9;
 
 /// A cell with twice this number of trials is divided.
 const TRIALS_OF_CELL: usize = 256;
@@ -77,7 +77,7 @@ enum CellNode {
     /// Positions below `middle_m` on the axis belong to the first child.
     Divided { axis: usize, middle_m: f64, second: u32 },
     /// The emitters of the cell are `emitters[from..to]`. This share of the samples follows them.
-    Cell { from: u32, to: u32, share: f64 },
+    Cell { from: u32, to: u32, fraction: f64 },
 }
 
 /// An emitter that lights a cell.
@@ -96,7 +96,7 @@ pub(super) struct LearnedWeights<'a> {
     weights: [f64; MOST_EMITTERS],
     sum: f64,
     /// The share of the samples that follow the weights.
-    pub(super) share: f64,
+    pub(super) fraction: f64,
 }
 
 impl LearnedLights {
@@ -162,7 +162,7 @@ impl LearnedLights {
                 LearnedEmitter { number: of_group.emitter, light_per_importance }
             })
             .collect();
-        let mut share = LEARNED_SHARE;
+        let mut fraction = LEARNED_FRACTION;
         if found.len() > MOST_EMITTERS {
             let step = trials.len().div_ceil(IMPORTANCE_POINTS);
             let light = |it: &LearnedEmitter| {
@@ -173,11 +173,11 @@ impl LearnedLights {
             let whole = sum(&found);
             sort_by_number(&mut found, |it| -light(it));
             found.truncate(MOST_EMITTERS);
-            share *= if whole > 0.0 { sum(&found) / whole } else { 0.0 };
+            fraction *= if whole > 0.0 { sum(&found) / whole } else { 0.0 };
         }
         let from = self.emitters.len() as u32;
         self.emitters.append(&mut found);
-        self.nodes.push(CellNode::Cell { from, to: self.emitters.len() as u32, share });
+        self.nodes.push(CellNode::Cell { from, to: self.emitters.len() as u32, fraction });
     }
 
     /// Returns the weights at a point. `importance` returns the importance of an emitter there.
@@ -188,12 +188,12 @@ impl LearnedLights {
         importance: impl Fn(usize) -> f64,
     ) -> Option<LearnedWeights<'_>> {
         let mut index = self.roots[direction_of(normal)]? as usize;
-        let (emitters, share) = loop {
+        let (emitters, fraction) = loop {
             match self.nodes[index] {
                 CellNode::Divided { axis, middle_m, second } => {
                     index = if position[axis] < middle_m { index + 1 } else { second as usize };
                 }
-                CellNode::Cell { from, to, share } => break (&self.emitters[from as usize..to as usize], share),
+                CellNode::Cell { from, to, fraction } => break (&self.emitters[from as usize..to as usize], fraction),
             }
         };
         let mut weights = [0.0; MOST_EMITTERS];
@@ -202,7 +202,7 @@ impl LearnedLights {
             *weight = emitter.light_per_importance * importance(emitter.number as usize);
             sum += *weight;
         }
-        (sum > 0.0).then_some(LearnedWeights { emitters, weights, sum, share })
+        (sum > 0.0).then_some(LearnedWeights { emitters, weights, sum, fraction })
     }
 }
 
@@ -232,7 +232,7 @@ impl LearnedWeights<'_> {
     /// Returns the probability of an emitter if the samples that do not follow the weights follow a
     /// tree. `in_tree` is the probability of the emitter in the tree.
     pub(super) fn mixed(&self, emitter: usize, in_tree: f64) -> f64 {
-        self.share * self.probability(emitter) + (1.0 - self.share) * in_tree
+        self.fraction * self.probability(emitter) + (1.0 - self.fraction) * in_tree
     }
 }
 
@@ -309,7 +309,7 @@ mod tests {
     /// The shares of uniform numbers that sample each emitter are the probabilities, and the
     /// remaining numbers are uniform.
     #[test]
-    fn samples_have_the_stated_probability() {
+    fn samples_have_their_probability() {
         let learned = learned();
         let weights = weights(&learned, 0.3, DVec3::Y).unwrap();
         let (mut counts, mut rest, n) = ([0.0; 9], 0.0, 10_000);

@@ -4,7 +4,7 @@
 //! Techniques for Monte Carlo Rendering").
 
 use super::light_tree::{Receiver, ReceivingPoint};
-use super::openings::{OPENINGS_SHARE, Openings};
+use super::portals::{PORTAL_FRACTION, Portals};
 use super::selection::{LightSelection, LightSelector, SelectedLight};
 use crate::plan::{MediumPlan, Tally};
 use crate::walk::{
@@ -16,7 +16,7 @@ use abbe_optics::phase::PhaseMixture;
 use abbe_scene::Scene;
 use abbe_scene::geometry::{Hit, Ray, SurfaceId};
 use abbe_scene::light::{EmittedSpd, LiSample, Light};
-use abbe_scene::meter::ReceptorPoint;
+use abbe_scene::meter::SensorPoint;
 use abbe_spectra::math::random::Seed;
 use glam::DVec3;
 
@@ -27,7 +27,7 @@ pub struct DirectLighting<'a> {
     pub(super) selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
     /// The openings of the scene.
-    pub(in crate::gather) openings: &'a Openings,
+    pub(in crate::gather) portals: &'a Portals,
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub(in crate::gather) ray_densities: Option<&'a RayDensities>,
 }
@@ -38,7 +38,7 @@ enum ShadowAttenuation {
     /// Nothing in the scene absorbs or scatters between surfaces.
     Absent,
     /// Each medium uses its own transmittance estimator.
-    AsStated,
+    PerMedium,
     /// Ratio tracking in all media. Shadow rays pass through thin panes.
     Tracked { panes: bool },
 }
@@ -105,7 +105,7 @@ pub(in crate::gather) struct VolumeLightSample<'a> {
 }
 
 /// Direct light at a receptor of a meter.
-pub(in crate::gather) struct ReceptorLightSample<'a> {
+pub(in crate::gather) struct SensorLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// Without attenuation, the mean radiance at a wavelength is `strength` × S(λ), where S is the
     /// light's spectrum.
@@ -157,7 +157,7 @@ impl HitWeighting {
 impl<'a> DirectLighting<'a> {
     /// Creates the estimator. `selector` selects lights of this scene.
     pub fn new(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
-        Self::attenuated(scene, selector, media_plan, ShadowAttenuation::AsStated)
+        Self::attenuated(scene, selector, media_plan, ShadowAttenuation::PerMedium)
     }
 
     /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
@@ -225,8 +225,8 @@ impl<'a> DirectLighting<'a> {
 
     /// Adds the openings of the scene.
     #[must_use]
-    pub fn with_openings(self, openings: &'a Openings) -> Self {
-        Self { openings, ..self }
+    pub fn with_portals(self, portals: &'a Portals) -> Self {
+        Self { portals, ..self }
     }
 
     fn attenuated(
@@ -236,7 +236,7 @@ impl<'a> DirectLighting<'a> {
         in_media: ShadowAttenuation,
     ) -> Self {
         let attenuation = if media_plan.is_clear() { ShadowAttenuation::Absent } else { in_media };
-        Self { scene, selector, attenuation, openings: Openings::NONE, ray_densities: None }
+        Self { scene, selector, attenuation, portals: Portals::NONE, ray_densities: None }
     }
 
     /// Returns the transmittance along an unoccluded ray of this length from a surface. The hash of
@@ -267,7 +267,7 @@ impl<'a> DirectLighting<'a> {
         let seed = || Seed::of_numbers(u);
         match self.attenuation {
             ShadowAttenuation::Absent => PathTransmittance::new(),
-            ShadowAttenuation::AsStated => path_transmittance(self.scene, ray_state, length_m, seed()),
+            ShadowAttenuation::PerMedium => path_transmittance(self.scene, ray_state, length_m, seed()),
             ShadowAttenuation::Tracked { .. } => {
                 let mut along = path_transmittance_tracked(self.scene, ray_state, length_m, seed());
                 if let ShadowLine::ThroughPanes(target) = line {
@@ -292,19 +292,19 @@ impl<'a> DirectLighting<'a> {
     /// Samples the direct light of one light at a receptor of a meter. `pdf` is the density with
     /// which a path from the receptor starts in a direction. Returns `None` if the light does not
     /// reach the receptor.
-    pub(in crate::gather) fn sample_direct_at_receptor(
+    pub(in crate::gather) fn sample_direct_at_sensor(
         &self,
-        point: &ReceptorPoint,
+        point: &SensorPoint,
         pdf: impl Fn(DVec3) -> f64,
         selected: SelectedLight,
         tally: &mut Tally,
-    ) -> Option<ReceptorLightSample<'a>> {
+    ) -> Option<SensorLightSample<'a>> {
         let SelectedLight { number, u, probability } = selected;
         let light = &self.scene.lights[number];
         let incident = self.sample_li(light, point.position, u)?;
         let LiSample { direction, distance, spd, .. } = incident;
         let mis_weight =
-            incident.pdf_solid_angle.map_or(1.0, |density| power_heuristic(density * probability, pdf(direction)));
+            incident.pdf_solid_angle.map_or(1.0, |light_pdf| power_heuristic(light_pdf * probability, pdf(direction)));
         let strength = incident.irradiance * point.response.pdf(direction) * mis_weight / probability;
         if strength <= 0.0 {
             return None;
@@ -314,7 +314,7 @@ impl<'a> DirectLighting<'a> {
         let line = self.line_to_light(ray, point.from, incident.target, distance)?;
         let start = RayState { ray, from: point.from, medium_stack: point.medium_stack };
         let transmittance = self.path_transmittance(start, line, distance, u);
-        Some(ReceptorLightSample { light, strength, spd, transmittance })
+        Some(SensorLightSample { light, strength, spd, transmittance })
     }
 
     /// Samples the direct light of one light at a point in a medium. Returns `None` if the light
@@ -437,18 +437,18 @@ impl<'a> DirectLighting<'a> {
     /// Samples a direction from a point towards a light; see [`Light::sample_li`].
     #[inline(always)]
     pub(super) fn sample_li(&self, light: &Light, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
-        if self.openings.open.count() == 0 || !light.surrounds() {
+        if self.portals.open.count() == 0 || !light.surrounds() {
             return light.sample_li(self.scene.extent(), from, u);
         }
-        self.sample_li_through_openings(light, from, u)
+        self.sample_li_through_portals(light, from, u)
     }
 
     /// Samples a direction from a point towards the surroundings: through an opening, or by their
     /// radiance.
     #[inline(never)]
-    fn sample_li_through_openings(&self, light: &Light, from: DVec3, [u, v, choice]: [f64; 3]) -> Option<LiSample> {
-        let mut sample = if choice < OPENINGS_SHARE {
-            let direction = self.openings.open.sample(from, choice / OPENINGS_SHARE, [u, v]);
+    fn sample_li_through_portals(&self, light: &Light, from: DVec3, [u, v, choice]: [f64; 3]) -> Option<LiSample> {
+        let mut sample = if choice < PORTAL_FRACTION {
+            let direction = self.portals.open.sample(from, choice / PORTAL_FRACTION, [u, v]);
             let (radiance, spd) = light.le(direction)?;
             let (distance, target) = (f64::INFINITY, None);
             LiSample { direction, distance, target, irradiance: radiance, pdf_solid_angle: None, spd }
@@ -465,10 +465,10 @@ impl<'a> DirectLighting<'a> {
     /// Returns the density of [`Self::sample_li`] for the direction of a ray that leaves the scene.
     fn pdf_li_escaped(&self, light: &Light, from: DVec3, direction: DVec3) -> f64 {
         let pdf = light.pdf_li_escaped(direction);
-        if self.openings.open.count() == 0 || !light.surrounds() {
+        if self.portals.open.count() == 0 || !light.surrounds() {
             return pdf;
         }
-        (1.0 - OPENINGS_SHARE) * pdf + OPENINGS_SHARE * self.openings.open.pdf(from, direction)
+        (1.0 - PORTAL_FRACTION) * pdf + PORTAL_FRACTION * self.portals.open.pdf(from, direction)
     }
 
     /// Returns the density of a light's rays along a camera ray that hit the light. `radiance` is

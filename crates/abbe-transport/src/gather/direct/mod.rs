@@ -4,5 +4,5 @@ pub(super) mod learned_lights;
 pub(super) mod light_tree;
 mod light_trials;
 pub(super) mod lighting;
-pub(super) mod openings;
+pub(super) mod portals;
 pub(super) mod selection;

@@ -137,7 +137,7 @@ impl LightSelector {
 
     /// Returns the selector with the weights that follow from trials.
     #[must_use]
-    pub fn taught_by(&self, trials: &[LightTrial]) -> Self {
+    pub fn learned_from(&self, trials: &[LightTrial]) -> Self {
         let importance = |emitter: u32, trial: &LightTrial| {
             let receiver = ReceivingPoint { position: trial.position, normal: trial.normal };
             receiver.importance(self.emitters.tree.cluster_of(emitter as usize))
@@ -215,12 +215,12 @@ impl LightSelector {
         let tree = &self.emitters.tree;
         let Some(learned) = self.learned_weights(receiver) else { return tree.sample(root, receiver, u) };
         let (emitter, in_tree);
-        if *u < learned.share {
-            *u /= learned.share;
+        if *u < learned.fraction {
+            *u /= learned.fraction;
             emitter = learned.sample(u);
             in_tree = tree.probability(root, emitter, receiver);
         } else {
-            *u = (*u - learned.share) / (1.0 - learned.share);
+            *u = (*u - learned.fraction) / (1.0 - learned.fraction);
             (emitter, in_tree) = tree.sample(root, receiver, u)?;
         }
         Some((emitter, learned.mixed(emitter, in_tree)))

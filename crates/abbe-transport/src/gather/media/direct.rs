@@ -28,10 +28,10 @@ impl<'a> CameraPass<'a> {
         ),
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let Some(window) = medium.window(&segment.ray, segment.length_m) else {
+        let Some(interval) = medium.interval(&segment.ray, segment.length_m) else {
             return;
         };
-        let (from, to) = (segment.ray.at(window.0), segment.ray.at(window.1));
+        let (from, to) = (segment.ray.at(interval.0), segment.ray.at(interval.1));
         let u = context.sampler.light();
         for selected in self.direct.select_lights(ReceivingSegment { from, to }, u) {
             let number = selected.number;
@@ -40,8 +40,8 @@ impl<'a> CameraPass<'a> {
             }
             let u_distance = context.sampler.stream.pair();
             let light = &self.scene.lights[number];
-            let reach = light.lit_interval(self.scene.extent(), &segment.ray, window, selected.u);
-            let distance = reach.and_then(|reach| distance::sample(medium, &segment.ray, &reach, u_distance));
+            let lit = light.lit_interval(self.scene.extent(), &segment.ray, interval, selected.u);
+            let distance = lit.and_then(|lit| distance::sample(medium, &segment.ray, &lit, u_distance));
             let Some(distance) = distance else { continue };
             let density = medium.density_at(segment.ray.at(distance.t_m));
             let to_point = segment.path_transmittance(distance.t_m, segment_seed(context, segment.ray.origin));

@@ -25,8 +25,8 @@ pub(super) struct DistanceSample {
 /// largest. Each of these two techniques draws the same number of samples. At every wavelength and
 /// every distance, at least one of these techniques has a suitable density. The returned density is
 /// the density of the mixture of all techniques (balance heuristic).
-pub(super) fn sample(medium: &Medium, ray: &Ray, reach: &LitInterval, u: [f64; 2]) -> Option<DistanceSample> {
-    let techniques = Techniques::new(medium, ray, reach)?;
+pub(super) fn sample(medium: &Medium, ray: &Ray, lit: &LitInterval, u: [f64; 2]) -> Option<DistanceSample> {
+    let techniques = Techniques::new(medium, ray, lit)?;
     let by_angle = if techniques.equiangular.is_some() { 0.5 } else { 0.0 };
     let t = match &techniques.equiangular {
         Some(equiangular) if u[0] < by_angle => equiangular.at(u[1]),
@@ -63,11 +63,11 @@ pub(super) const MOST_DISTANCES: usize = 8;
 pub(super) fn for_each_stratified(
     medium: &Medium,
     ray: &Ray,
-    reach: &LitInterval,
+    lit: &LitInterval,
     shift: [f64; 2],
     mut visit: impl FnMut(StratifiedDistance),
 ) {
-    let Some(techniques) = Techniques::new(medium, ray, reach) else { return };
+    let Some(techniques) = Techniques::new(medium, ray, lit) else { return };
     let by_angle = if techniques.equiangular.is_some() { MOST_DISTANCES / 2 } else { 0 };
     let by_column = (MOST_DISTANCES - by_angle) / 2;
     let stratum = |i: usize, count: usize, shift: f64| (i as f64 + shift.fract()) / count as f64;
@@ -81,7 +81,7 @@ pub(super) fn for_each_stratified(
         let u = stratum(i, by_column, shift[1] + 0.5 * technique as f64);
         (i < by_column).then(|| (technique, techniques.sample_column(techniques.sigma[technique], u)))
     };
-    let before = medium.column_m(ray, reach.from);
+    let before = medium.column_m(ray, lit.from);
     let rest = |from: f64| Ray { origin: techniques.ray.at(from), direction: ray.direction };
     let mut taken = [0; 3];
     let (mut t, mut passed, mut ahead) = (0.0, 0.0, None);
@@ -144,11 +144,11 @@ struct Techniques<'a> {
 }
 
 impl<'a> Techniques<'a> {
-    fn new(medium: &'a Medium, ray: &Ray, reach: &LitInterval) -> Option<Self> {
-        let (start, length) = (reach.from, reach.to - reach.from);
+    fn new(medium: &'a Medium, ray: &Ray, lit: &LitInterval) -> Option<Self> {
+        let (start, length) = (lit.from, lit.to - lit.from);
         let part = Ray { origin: ray.at(start), direction: ray.direction };
         let column = medium.column_m(&part, length);
-        let equiangular = reach.pivot.and_then(|pivot| Equiangular::new(ray, pivot, reach.from, reach.to));
+        let equiangular = lit.pivot.and_then(|pivot| Equiangular::new(ray, pivot, lit.from, lit.to));
         let sigma = [medium.extinction_range.0, medium.extinction_range.1];
         (column > 0.0).then_some(Self { medium, ray: part, start, length, column, sigma, equiangular })
     }
@@ -239,7 +239,7 @@ mod tests {
         let medium = Medium::new("test".into(), (none, sigma), PhaseFunction::Isotropic, Density::Uniform);
         let ray = Ray::new(DVec3::ZERO, DVec3::X);
         for pivot in [None, Some(DVec3::new(1.0, 0.2, 0.0))] {
-            let reach = LitInterval { from: 0.5, to: 3.0, pivot };
+            let lit = LitInterval { from: 0.5, to: 3.0, pivot };
             for (nm, falls_off) in [(400.0, false), (800.0, true)] {
                 let light = DVec3::new(1.0, 0.2, 0.0);
                 let f = |t: f64| {
@@ -251,7 +251,7 @@ mod tests {
                     / f64::from(n);
                 let mut stream = Stream::new(Seed::new(7), Purpose::Camera, 0, 0);
                 let mean = (0..n)
-                    .filter_map(|_| sample(&medium, &ray, &reach, stream.pair()))
+                    .filter_map(|_| sample(&medium, &ray, &lit, stream.pair()))
                     .map(|distance| f(distance.t_m) / distance.pdf_per_m)
                     .sum::<f64>()
                     / f64::from(n);

@@ -59,10 +59,10 @@ impl<'a> CameraPass<'a> {
         for map in self.light_maps.over(number) {
             let light = &self.scene.lights[map.light];
             let (world, [u, v, w]) = (self.scene.extent(), context.sampler.stream.triple());
-            let window = medium.window(&segment.ray, segment.length_m);
-            let reach =
-                window.and_then(|window| light.lit_interval(world, &segment.ray, window, map.virtual_light.randoms()));
-            let Some(reach) = reach else { continue };
+            let interval = medium.interval(&segment.ray, segment.length_m);
+            let lit = interval
+                .and_then(|interval| light.lit_interval(world, &segment.ray, interval, map.virtual_light.randoms()));
+            let Some(lit) = lit else { continue };
             let (mut nm, mut weight, mut count) = ([0.0; LANES], [0.0; LANES], 0);
             let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             each_wavelength(path.spectral_mode, factors, light, wavelength, |at, throughput| {
@@ -86,14 +86,14 @@ impl<'a> CameraPass<'a> {
                 dark_lookup: (w * MOST_DISTANCES as f64) as usize,
                 lookups: 0,
             };
-            distance::for_each_stratified(medium, &segment.ray, &reach, [u, v], |distance| {
+            distance::for_each_stratified(medium, &segment.ray, &lit, [u, v], |distance| {
                 let position = segment.ray.at(distance.t_m);
                 if let Some(incident) = light.li_from(world, &map.virtual_light, position) {
                     let ray = Ray::new(position, segment.ray.direction);
                     scattered.add(&distance, &ray, &incident, context.tally);
                 }
             });
-            context.tally.light_map_looks += scattered.lookups as u64;
+            context.tally.light_map_lookups += scattered.lookups as u64;
             let origin = LightOrigin { class: path.events.class_in_medium(), light: map.light };
             for k in 0..count {
                 context.sink.biased(origin, nm[k], weight[k] * scattered.sum[k], weight[k] * scattered.bias[k]);

@@ -5,7 +5,7 @@ use super::segment::segment_seed;
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera::visible_point::CameraSegment;
-use crate::gather::camera_pass::{CameraPass, MissingLight, PathContext};
+use crate::gather::camera_pass::{CameraPass, PathContext, TruncatedMaps};
 use crate::gather::density::gather_point::{PhotonLight, add_photon, biased_by};
 use crate::gather::luminescence::Luminescence;
 use crate::map::kernel::{KernelDomain, KernelValues};
@@ -25,7 +25,7 @@ use glam::DVec3;
 const NEAR_FREE_PATHS: f64 = 0.5;
 
 /// The least path length that determines a kernel radius, as a fraction of the segment's length.
-const NEAR_SHARE: f64 = 0.1;
+const NEAR_FRACTION: f64 = 0.1;
 
 /// The photons that a segment gathers, and their effects.
 #[derive(Clone, Copy)]
@@ -72,9 +72,9 @@ impl<'a> CameraPass<'a> {
         for gathered in gathered.into_iter().filter(|gathered| gathered.scatters || gathered.luminescence.is_some()) {
             let set = gathered.set;
             self.gather_volume_set(self.maps[set], gathered, path, (segment, filling, behind_m), context);
-            if let Some(MissingLight { maps, factor }) = self.missing {
-                context.with_lost_light(factor, |lost| {
-                    self.gather_volume_set(maps[set], gathered, path, (segment, filling, behind_m), lost);
+            if let Some(TruncatedMaps { maps, factor }) = self.truncated {
+                context.with_truncated_light(factor, |truncated| {
+                    self.gather_volume_set(maps[set], gathered, path, (segment, filling, behind_m), truncated);
                 });
             }
         }
@@ -103,8 +103,8 @@ impl<'a> CameraPass<'a> {
                 if map.is_empty() || !stored {
                     continue;
                 }
-                let width = match self.stated_radius_m {
-                    Some(radius) => KernelWidth::Stated(radius * scale),
+                let width = match self.explicit_radius_m {
+                    Some(radius) => KernelWidth::Constant(radius * scale),
                     None => KernelWidth::PerDistance(slope * scale),
                 };
                 let cone = QueryCone::of_camera(segment.ray, segment.length_m, behind_m, width);
@@ -189,7 +189,7 @@ impl<'a> CameraPass<'a> {
 fn near_m(segment: &MediumSegment<'_>, medium: &Medium) -> f64 {
     let depth_per_m = medium.optical_depth(REFERENCE_NM, 1.0);
     let free_path_m = if depth_per_m > 0.0 { 1.0 / depth_per_m } else { f64::INFINITY };
-    (NEAR_FREE_PATHS * free_path_m).min(NEAR_SHARE * segment.length_m)
+    (NEAR_FREE_PATHS * free_path_m).min(NEAR_FRACTION * segment.length_m)
 }
 
 /// Corrects the kernels of a photon if they extend over a face. Returns `None` if a face is between

@@ -44,7 +44,7 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         if let Some(filling) = segment.medium {
-            context.tally.media_stretches += 1;
+            context.tally.medium_segments += 1;
             if filling.medium.emission.is_some() && matches!(path.hit_weighting, HitWeighting::Full) {
                 self.gather_emission(path, segment, filling, context);
             }
@@ -79,7 +79,7 @@ impl<'a> CameraPass<'a> {
         let Some(light_number) = self.scene.medium_lights[number] else { return };
         let light = &self.scene.lights[light_number];
         let origin = LightOrigin { class: path.events.class_of_emission(), light: light_number };
-        let Some((from, to)) = medium.window(&segment.ray, segment.length_m) else { return };
+        let Some((from, to)) = medium.interval(&segment.ray, segment.length_m) else { return };
         let step = (to - from) / f64::from(EMISSION_POSITIONS);
         let shift = context.sampler.stream.uniform();
         for i in 0..EMISSION_POSITIONS {

@@ -148,7 +148,7 @@ impl TracedPath {
         };
         let Some(light) = scene.medium_lights[number] else { return };
         let origin = LightOrigin { class: self.events.class_of_emission(), light };
-        let Some((from, to)) = medium.window(&segment.ray, segment.length_m) else { return };
+        let Some((from, to)) = medium.interval(&segment.ray, segment.length_m) else { return };
         if !matches!(self.hit_weighting, HitWeighting::Full) {
             return;
         }
@@ -172,7 +172,7 @@ impl TracedPath {
     ) -> Option<(f64, MediumEvent)> {
         let mut scattered = None;
         if let Some(NumberedMedium { medium, .. }) = segment.medium {
-            tally.media_stretches += 1;
+            tally.medium_segments += 1;
             scattered = self.sample_free_flight((medium, dye), segment, sampler);
         }
         if let Some(absorption) = segment.absorption {
@@ -198,7 +198,7 @@ impl TracedPath {
         segment: &MediumSegment<'_>,
         sampler: &mut PixelSampler,
     ) -> Option<(f64, MediumEvent)> {
-        let (mut t, end) = medium.window(&segment.ray, segment.length_m)?;
+        let (mut t, end) = medium.interval(&segment.ray, segment.length_m)?;
         let sigma_s = self.wavelengths.each(|nm| medium.scattering.at(nm));
         let sigma_t = self.wavelengths.each(|nm| medium.extinction.at(nm));
         let visible =

@@ -6,7 +6,7 @@
 //! without extent is behind glass, photon mapping finds the light from this source, but the path
 //! tracer does not.
 
-use crate::gather::camera::sampler::{PixelSampler, receptor_pdf};
+use crate::gather::camera::sampler::{PixelSampler, sensor_pdf};
 use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
@@ -15,15 +15,15 @@ use crate::map::PhotonSpectra;
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::walk::{
-    DepthLimit, LostLight, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, SurfaceLookup,
-    WithBodies, long_path_survival, next_interaction, scatter, transmittance,
+    DepthLimit, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, SurfaceLookup,
+    TruncatedLight, WithBodies, long_path_survival, next_interaction, scatter, transmittance,
 };
 use abbe_optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_scene::Scene;
 use abbe_scene::camera::SystemLens;
 use abbe_scene::geometry::{Hit, Ray};
-use abbe_scene::meter::Receptor;
+use abbe_scene::meter::Sensor;
 use abbe_spectra::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use glam::DVec3;
 use std::ops::{ControlFlow, Range};
@@ -74,8 +74,8 @@ impl<'a> PathTracer<'a> {
     /// Estimates the radiance of one sample of a pixel and adds it to the sink.
     pub fn sample<S: Sink>(&self, pixel: u64, mut sampler: PixelSampler, tally: &mut Tally, sink: &mut S) {
         tally.camera_samples += 1;
-        let started = match self.scene.camera.receptor(pixel) {
-            Some((_, receptor)) => Some(self.start_at_receptor(receptor, &sampler, tally, sink)),
+        let started = match self.scene.camera.sensor(pixel) {
+            Some((_, sensor)) => Some(self.start_at_sensor(sensor, &sampler, tally, sink)),
             None => self.start_path(pixel, &sampler, None, tally),
         };
         if let Some(path) = started {
@@ -102,12 +102,18 @@ impl<'a> PathTracer<'a> {
         if !self.follow(&mut path, 0..limit.events(), sampler, tally, sink) {
             return;
         }
-        if !limit.is_stated() {
+        if !limit.is_explicit() {
             tally.capped_paths += 1;
-        } else if let Some(factor) = limit.sample_lost_path(&mut sampler.stream) {
+        } else if let Some(factor) = limit.sample_truncated_path(&mut sampler.stream) {
             path.throughput.iter_mut().for_each(|throughput| *throughput *= factor);
             path.initial_throughput.iter_mut().for_each(|throughput| *throughput *= factor);
-            self.follow(&mut path, limit.events()..MAX_EVENTS, sampler, tally, &mut LostLight { sink, factor: 1.0 });
+            self.follow(
+                &mut path,
+                limit.events()..MAX_EVENTS,
+                sampler,
+                tally,
+                &mut TruncatedLight { sink, factor: 1.0 },
+            );
         }
     }
 
@@ -232,21 +238,20 @@ impl<'a> PathTracer<'a> {
 
     /// Adds direct light at a receptor of a meter, and starts a path there. The receptor is the
     /// first scattering event of the path.
-    fn start_at_receptor<S: Sink>(
+    fn start_at_sensor<S: Sink>(
         &self,
-        receptor: &Receptor,
+        sensor: &Sensor,
         sampler: &PixelSampler,
         tally: &mut Tally,
         sink: &mut S,
     ) -> TracedPath {
-        tally.receptor_samples += 1;
+        tally.sensor_samples += 1;
         let (nm, inverse_pdf) = self.stratified_wavelengths(sampler);
-        let start = sampler.receptor_sample(self.scene, receptor, self.direct.openings);
-        let from = ReceivingPoint::on_receptor(&start.point);
-        let pdf =
-            |direction| receptor_pdf((start.point.position, start.point.response), self.direct.openings, direction);
+        let start = sampler.sensor_sample(self.scene, sensor, self.direct.portals);
+        let from = ReceivingPoint::on_sensor(&start.point);
+        let pdf = |direction| sensor_pdf((start.point.position, start.point.response), self.direct.portals, direction);
         for selected in self.direct.select_lights(from, sampler.light()) {
-            let sample = self.direct.sample_direct_at_receptor(&start.point, pdf, selected, tally);
+            let sample = self.direct.sample_direct_at_sensor(&start.point, pdf, selected, tally);
             let Some(sample) = sample else { continue };
             let origin = LightOrigin { class: PathClass::Direct, light: selected.number };
             for (k, &nm) in nm.iter().enumerate() {

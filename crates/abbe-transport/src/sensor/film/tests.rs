@@ -62,12 +62,12 @@ fn samples_and_splats_have_the_colour_of_their_wavelength() {
 
 /// Connected photons beyond a depth limit count in the half of their own pass.
 #[test]
-fn lost_splats_count_in_the_half_of_their_pass() {
+fn truncated_splats_count_in_the_half_of_their_pass() {
     let mut film = exposed(&[0, 1, 2, 3], |_| 0.0);
     for pass in 0..4 {
         let mut sink = film.splat_sink();
         sink.splat((0, 0), 0, [(NM, 0.3)].into_iter());
-        film.add_lost_splats(pass, &sink);
+        film.add_truncated_splats(pass, &sink);
     }
     assert!((relative_bias(&film) - 0.3).abs() < 1e-6);
 }

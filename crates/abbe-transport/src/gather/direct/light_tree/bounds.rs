@@ -2,7 +2,7 @@
 //! (Conty Estévez & Kulla 2018, section 4).
 
 use crate::walk::SurfaceInteraction;
-use abbe_scene::meter::ReceptorPoint;
+use abbe_scene::meter::SensorPoint;
 use abbe_spectra::math::elementary::{atan2, cos, sin_cos};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -225,7 +225,7 @@ impl ReceivingPoint {
 
     /// A point of a meter.
     #[inline]
-    pub(in crate::gather) fn on_receptor(point: &ReceptorPoint) -> Self {
+    pub(in crate::gather) fn on_sensor(point: &SensorPoint) -> Self {
         Self { position: point.position, normal: point.response.normal() }
     }
 

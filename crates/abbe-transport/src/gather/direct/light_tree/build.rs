@@ -81,7 +81,7 @@ impl Builder<'_> {
             let best = (0..3)
                 .filter_map(|axis| self.best_split(numbers, axis, (low, extent)))
                 .min_by(|a, b| a.cost.total_cmp(&b.cost));
-            if let Some(Split { axis, bucket, .. }) = best {
+            if let Some(ClusterSplit { axis, bucket, .. }) = best {
                 return partition(numbers, |number| bucket_of(centre(number), axis, (low, extent)) <= bucket);
             }
         }
@@ -91,7 +91,7 @@ impl Builder<'_> {
 
     /// Returns the best split along an axis (section 4.4). Returns `None` if all centres are in one
     /// bucket.
-    fn best_split(&self, numbers: &[u32], axis: usize, (low, extent): (DVec3, DVec3)) -> Option<Split> {
+    fn best_split(&self, numbers: &[u32], axis: usize, (low, extent): (DVec3, DVec3)) -> Option<ClusterSplit> {
         let longest = extent.max_element();
         if extent[axis] <= 0.0 {
             return None;
@@ -113,8 +113,8 @@ impl Builder<'_> {
             let below = prefix.map_or(f64::INFINITY, |bounds: LightBounds| bounds.cost(margin));
             // The regularisation factor keeps clusters from becoming thin.
             let cost = (below + above[bucket]) * longest / extent[axis];
-            if cost.is_finite() && best.as_ref().is_none_or(|best: &Split| cost < best.cost) {
-                best = Some(Split { axis, bucket, cost });
+            if cost.is_finite() && best.as_ref().is_none_or(|best: &ClusterSplit| cost < best.cost) {
+                best = Some(ClusterSplit { axis, bucket, cost });
             }
         }
         best
@@ -131,7 +131,7 @@ fn spacing(bounds: &LightBounds, count: usize) -> f64 {
 }
 
 /// A split of a cluster after a bucket.
-struct Split {
+struct ClusterSplit {
     axis: usize,
     bucket: usize,
     cost: f64,

@@ -13,7 +13,7 @@ const MOST_TRIANGLES: usize = 1 << 16;
 
 /// An emitter: a light, or one triangle of a luminous mesh.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::gather::direct) struct Emitter {
+pub(in crate::gather::direct) struct TreeEmitter {
     /// The number of the light.
     pub(in crate::gather::direct) light: u32,
     /// The triangle of the light, if the emitter is a triangle.
@@ -32,7 +32,7 @@ pub(in crate::gather::direct) struct SelectedTriangle {
 /// The emitters of a scene in light trees.
 #[derive(Debug, Clone, Default)]
 pub(in crate::gather::direct) struct Emitters {
-    pub(in crate::gather::direct) list: Vec<Emitter>,
+    pub(in crate::gather::direct) list: Vec<TreeEmitter>,
     pub(in crate::gather::direct) tree: LightTree,
 }
 
@@ -53,20 +53,20 @@ impl Emitters {
     ) -> Option<usize> {
         let (mut bounds, splits) = (Vec::new(), Self::splits_meshes(scene));
         for (number, whole) in lights {
-            let (share, light) = (powers.probability(number), number as u32);
+            let (fraction, light) = (powers.probability(number), number as u32);
             let object = scene.lights[number].object().filter(|_| splits);
             let before = self.list.len();
             for face in object.into_iter().flat_map(|object| scene.geometry.luminous_faces(object)) {
                 let corners = (face.low, face.high);
-                let flat = IntensityBounds::of_flat_surface(corners, share * face.probability / PI, face.normal);
+                let flat = IntensityBounds::of_flat_surface(corners, fraction * face.probability / PI, face.normal);
                 bounds.push(light_bounds(&flat, 1.0));
                 let (selecting, probability) = (face.selecting, face.probability);
-                self.list.push(Emitter { light, triangle: Some(SelectedTriangle { selecting, probability }) });
+                self.list.push(TreeEmitter { light, triangle: Some(SelectedTriangle { selecting, probability }) });
             }
             if self.list.len() == before {
                 let power_w = scene.lights[number].power_w(scene.extent());
-                bounds.push(light_bounds(&whole, if power_w > 0.0 { share / power_w } else { 0.0 }));
-                self.list.push(Emitter { light, triangle: None });
+                bounds.push(light_bounds(&whole, if power_w > 0.0 { fraction / power_w } else { 0.0 }));
+                self.list.push(TreeEmitter { light, triangle: None });
             }
         }
         (!bounds.is_empty()).then(|| self.tree.add(&bounds))

@@ -79,7 +79,7 @@ fn receivers(count: usize, stream: &mut Stream) -> Vec<ReceivingPoint> {
 /// The probabilities of all emitters, and of no emitter, sum to 1. The frequencies of samples agree
 /// with the probabilities.
 #[test]
-fn samples_have_the_stated_probabilities() {
+fn samples_have_their_probabilities() {
     let mut stream = stream();
     let emitters = random_emitters(200, &mut stream);
     let tree = tree_over(&emitters);

@@ -4,31 +4,31 @@
 //! light. A path from the receptor finds all other light, and the lights that it hits by chance.
 
 use super::path::CameraPath;
-use super::sampler::receptor_pdf;
+use super::sampler::sensor_pdf;
 use super::throughput::{Factor, SpectralMode, each_wavelength};
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::HitWeighting;
-use crate::plan::partition::View;
+use crate::plan::partition::CameraView;
 use crate::plan::{CameraEvents, LightOrigin, PathClass, WavelengthPlan};
 use crate::walk::{CausticWeights, Sink, bias_of_excess, excess_optical_depth, transmittance};
-use abbe_scene::meter::Receptor;
+use abbe_scene::meter::Sensor;
 use abbe_spectra::spectrum::REFERENCE_NM;
 
 impl<'a> CameraPass<'a> {
     /// Estimates the mean radiance of one sample of a receptor and adds it to the sink.
-    pub(super) fn sample_receptor<S: Sink>(
+    pub(super) fn sample_sensor<S: Sink>(
         &self,
-        (number, receptor): (usize, &Receptor),
+        (number, sensor): (usize, &Sensor),
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        context.tally.receptor_samples += 1;
-        let openings = self.direct.openings;
-        let start = context.sampler.receptor_sample(self.scene, receptor, openings);
-        let (from, wavelength) = (ReceivingPoint::on_receptor(&start.point), context.sampler.wavelength);
-        let pdf = |direction| receptor_pdf((start.point.position, start.point.response), openings, direction);
+        context.tally.sensor_samples += 1;
+        let portals = self.direct.portals;
+        let start = context.sampler.sensor_sample(self.scene, sensor, portals);
+        let (from, wavelength) = (ReceivingPoint::on_sensor(&start.point), context.sampler.wavelength);
+        let pdf = |direction| sensor_pdf((start.point.position, start.point.response), portals, direction);
         for selected in self.direct.select_lights(from, context.sampler.light()) {
-            let sample = self.direct.sample_direct_at_receptor(&start.point, pdf, selected, context.tally);
+            let sample = self.direct.sample_direct_at_sensor(&start.point, pdf, selected, context.tally);
             let Some(sample) = sample else { continue };
             let along = &sample.transmittance;
             let bias = bias_of_excess(excess_optical_depth(along, REFERENCE_NM));
@@ -44,8 +44,8 @@ impl<'a> CameraPass<'a> {
         }
         let mut path = CameraPath::new(start.ray_state.ray, start.ray_state.medium_stack);
         path.ray_state = start.ray_state;
-        (path.view, path.events) = (View::Indirect, CameraEvents::Surface);
-        let weights = self.receptors.get(number).copied().unwrap_or(CausticWeights { photons_m2: 0.0 });
+        (path.view, path.events) = (CameraView::Indirect, CameraEvents::Surface);
+        let weights = self.sensors.get(number).copied().unwrap_or(CausticWeights { photons_m2: 0.0 });
         path.hit_weighting = HitWeighting::Mis { from, pdf: start.pdf, caustic: Some(weights) };
         path.multiply(Factor::Grey(start.weight), context.buffers);
         match self.plan.wavelengths {

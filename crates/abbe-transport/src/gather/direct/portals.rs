@@ -10,24 +10,24 @@ use abbe_spectra::math::sphere::BoundingSphere;
 use glam::DVec3;
 
 /// The share of the shadow rays to an environment that are sent towards openings.
-pub const OPENINGS_SHARE: f64 = 0.75;
+pub const PORTAL_FRACTION: f64 = 0.75;
 
 /// The openings of a scene.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Openings {
+pub struct Portals {
     /// The openings without glass. Shadow rays pass through them.
-    pub open: OpeningSpheres,
+    pub open: PortalSpheres,
     /// The openings of which at least some have glass. Only the paths of meters use them.
-    pub glazed: OpeningSpheres,
+    pub glazed: PortalSpheres,
 }
 
 /// The spheres around openings. Rays are sent to all of them with equal probability.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct OpeningSpheres(pub Vec<BoundingSphere>);
+pub struct PortalSpheres(pub Vec<BoundingSphere>);
 
-impl Openings {
+impl Portals {
     /// The openings of a scene without any.
-    pub const NONE: &'static Self = &Self { open: OpeningSpheres(Vec::new()), glazed: OpeningSpheres(Vec::new()) };
+    pub const NONE: &'static Self = &Self { open: PortalSpheres(Vec::new()), glazed: PortalSpheres(Vec::new()) };
 
     /// Returns the spheres around all openings.
     pub fn all(&self) -> Vec<BoundingSphere> {
@@ -37,11 +37,11 @@ impl Openings {
     /// Returns the openings for an estimator whose shadow rays pass through panes.
     #[must_use]
     pub fn without_glass(&self) -> Self {
-        Self { open: OpeningSpheres(self.all()), glazed: OpeningSpheres::default() }
+        Self { open: PortalSpheres(self.all()), glazed: PortalSpheres::default() }
     }
 }
 
-impl OpeningSpheres {
+impl PortalSpheres {
     /// Returns the number of spheres.
     #[inline]
     pub(in crate::gather) fn count(&self) -> usize {
@@ -69,17 +69,17 @@ mod tests {
 
     /// The mean of 1/pdf over the samples is the solid angle that the openings cover.
     #[test]
-    fn samples_have_the_stated_density() {
+    fn samples_have_their_pdf() {
         let sphere = |x: f64, radius_m: f64| BoundingSphere { centre: DVec3::new(x, 2.0, 0.0), radius_m };
-        let openings = OpeningSpheres(vec![sphere(0.0, 0.5), sphere(0.2, 0.6), sphere(5.0, 1.0)]);
+        let portals = PortalSpheres(vec![sphere(0.0, 0.5), sphere(0.2, 0.6), sphere(5.0, 1.0)]);
         let (sobol, n) = (Sobol::new(3), 1 << 14);
         let (mut sampled, mut uniform) = (0.0, 0.0);
         for i in 0..n {
             let u = sobol.point(i);
-            let direction = openings.sample(DVec3::ZERO, u[2], [u[0], u[1]]);
-            sampled += 1.0 / openings.pdf(DVec3::ZERO, direction) / f64::from(n);
+            let direction = portals.sample(DVec3::ZERO, u[2], [u[0], u[1]]);
+            sampled += 1.0 / portals.pdf(DVec3::ZERO, direction) / f64::from(n);
             let direction = abbe_spectra::math::warp::sphere([u[3], u[4]]);
-            let covered = openings.pdf(DVec3::ZERO, direction) > 0.0;
+            let covered = portals.pdf(DVec3::ZERO, direction) > 0.0;
             uniform += if covered { 4.0 * std::f64::consts::PI / f64::from(n) } else { 0.0 };
         }
         assert!((sampled / uniform - 1.0).abs() < 0.02, "{sampled} and {uniform}");

@@ -7,7 +7,7 @@
 //! through. It maximises the likelihood of the lines: a line that a sphere explains has the density
 //! 1/Ω, where Ω is the solid angle of the sphere seen from the surface.
 
-use crate::gather::{OPENINGS_SHARE, OpeningSpheres, Openings, PixelSampler};
+use crate::gather::{PORTAL_FRACTION, PixelSampler, PortalSpheres, Portals};
 use crate::pass::{PassContext, StageSeconds};
 use crate::walk::SurfaceLookup;
 use crate::walk::{BodyMode, WithBodies, scatter};
@@ -54,7 +54,7 @@ const MAX_LINES: usize = 512;
 const MIN_LINES: usize = 24;
 
 /// The largest number of openings.
-const MAX_OPENINGS: usize = 8;
+const MAX_PORTALS: usize = 8;
 
 /// The number of pairs of lines whose nearest points are tried as the centre of a sphere.
 const PAIRS: u64 = 256;
@@ -76,17 +76,17 @@ struct EscapedLine {
     /// The ray from the path's last surface.
     ray: Ray,
     /// The density (1/sr) with which next-event estimation without openings finds this ray.
-    density: f64,
+    pdf_solid_angle: f64,
     /// True if the line passes through glass that does not bend it.
     glazed: bool,
 }
 
 /// Finds the openings of the scene. The result is empty if no light surrounds the scene, or if most
 /// paths leave the scene. Adds the duration to `seconds`.
-pub fn find_openings(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Openings {
+pub fn find_portals(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Portals {
     let start = Instant::now();
     let (scene, seed) = (context.scene, context.budget.seed);
-    let Some(sky) = scene.lights.iter().find(|light| light.surrounds()) else { return Openings::default() };
+    let Some(sky) = scene.lights.iter().find(|light| light.surrounds()) else { return Portals::default() };
     let lines = escaped_lines(scene, seed.streams(Purpose::OpeningSearch), |direction| sky.pdf_li_escaped(direction));
     let (open, glazed): (Vec<_>, Vec<_>) = lines.into_iter().partition(|line| !line.glazed);
     let fit = |lines: &[EscapedLine]| {
@@ -94,11 +94,11 @@ pub fn find_openings(context: &PassContext<'_>, seconds: &mut StageSeconds) -> O
         if scene.measures() && lines.len() < MAX_LINES {
             spheres.iter_mut().for_each(|sphere| sphere.radius_m *= MARGIN_OF_FEW_LINES);
         }
-        OpeningSpheres(spheres)
+        PortalSpheres(spheres)
     };
-    let openings = Openings { open: fit(&open), glazed: fit(&glazed) };
+    let portals = Portals { open: fit(&open), glazed: fit(&glazed) };
     seconds.pilot += start.elapsed().as_secs_f64();
-    openings
+    portals
 }
 
 /// Returns at most [`MAX_LINES`] of the lines.
@@ -106,14 +106,14 @@ fn thinned(lines: &[EscapedLine]) -> Vec<EscapedLine> {
     lines.iter().copied().step_by(lines.len().div_ceil(MAX_LINES).max(1)).collect()
 }
 
-/// Traces paths from the camera, and returns the lines along which they leave the scene. `density`
+/// Traces paths from the camera, and returns the lines along which they leave the scene. `pdf_solid_angle`
 /// is the density with which shadow rays find a direction.
-fn escaped_lines(scene: &Scene, streams: Streams, density: impl Fn(DVec3) -> f64 + Sync) -> Vec<EscapedLine> {
+fn escaped_lines(scene: &Scene, streams: Streams, pdf_solid_angle: impl Fn(DVec3) -> f64 + Sync) -> Vec<EscapedLine> {
     let mut lines: Vec<EscapedLine> = Vec::new();
     let batches = if scene.measures() { MAX_BATCHES_OF_MEASUREMENT } else { MAX_BATCHES };
     for batch in 0..batches {
         let first = |task: u64| batch * BATCH + task * TASK;
-        let trace = |task: u64| trace_lines(scene, streams, first(task)..first(task + 1), &density);
+        let trace = |task: u64| trace_lines(scene, streams, first(task)..first(task + 1), &pdf_solid_angle);
         lines.extend((0..BATCH / TASK).into_par_iter().map(trace).collect::<Vec<_>>().into_iter().flatten());
         if lines.len() >= MAX_LINES || (batch + 1 >= MAX_BATCHES && lines.len() >= FEW_LINES) {
             break;
@@ -123,7 +123,12 @@ fn escaped_lines(scene: &Scene, streams: Streams, density: impl Fn(DVec3) -> f64
 }
 
 /// Traces the paths with these indices, and returns the lines along which they leave the scene.
-fn trace_lines(scene: &Scene, streams: Streams, paths: Range<u64>, density: impl Fn(DVec3) -> f64) -> Vec<EscapedLine> {
+fn trace_lines(
+    scene: &Scene,
+    streams: Streams,
+    paths: Range<u64>,
+    pdf_solid_angle: impl Fn(DVec3) -> f64,
+) -> Vec<EscapedLine> {
     /// The largest squared distance of the directions before and after glass that does not bend a
     /// ray.
     const UNBENT: f64 = 1e-20;
@@ -144,8 +149,11 @@ fn trace_lines(scene: &Scene, streams: Streams, paths: Range<u64>, density: impl
             let stream = &mut sampler.stream;
             let lookup = SurfaceLookup::of_line(stream.uniform());
             let Some(interaction) = WithBodies::next_interaction(scene, ray_state, lookup) else {
-                let found =
-                    |(ray, pdf): (Ray, f64)| EscapedLine { ray, density: pdf.max(density(ray.direction)), glazed };
+                let found = |(ray, pdf): (Ray, f64)| EscapedLine {
+                    ray,
+                    pdf_solid_angle: pdf.max(pdf_solid_angle(ray.direction)),
+                    glazed,
+                };
                 lines.extend(last.map(found));
                 break;
             };
@@ -169,19 +177,19 @@ fn fit_spheres(lines: &[EscapedLine], seed: Seed) -> Vec<BoundingSphere> {
         return Vec::new();
     }
     let mut mixture = Mixture { spheres: Vec::new(), sums: vec![0.0; lines.len()] };
-    while mixture.spheres.len() < MAX_OPENINGS {
+    while mixture.spheres.len() < MAX_PORTALS {
         let key = seed.streams(Purpose::OpeningFit).pass(mixture.spheres.len() as u64);
         let Some((sphere, gain)) = best_sphere(lines, &mixture, key) else { break };
         if gain < MIN_GAIN * lines.len() as f64 {
             break;
         }
         for (sum, line) in mixture.sums.iter_mut().zip(lines) {
-            *sum += line.density_through(&sphere);
+            *sum += line.pdf_through(&sphere);
         }
         mixture.spheres.push(sphere);
     }
     let count = mixture.spheres.len().max(1) as f64;
-    let gain = |(line, sum): (&EscapedLine, &f64)| ln(line.density_in_mixture(*sum, count) / line.density);
+    let gain = |(line, sum): (&EscapedLine, &f64)| ln(line.mixture_pdf(*sum, count) / line.pdf_solid_angle);
     let mean = lines.iter().zip(&mixture.sums).map(gain).sum::<f64>() / lines.len() as f64;
     if mean >= MIN_TOTAL_GAIN { mixture.spheres } else { Vec::new() }
 }
@@ -198,8 +206,8 @@ impl Mixture {
     fn gain_of(&self, lines: &[EscapedLine], sphere: &BoundingSphere) -> f64 {
         let count = self.spheres.len() as f64;
         let gain = |(line, sum): (&EscapedLine, &f64)| {
-            let before = line.density_in_mixture(*sum, count.max(1.0));
-            ln(line.density_in_mixture(sum + line.density_through(sphere), count + 1.0) / before)
+            let before = line.mixture_pdf(*sum, count.max(1.0));
+            ln(line.mixture_pdf(sum + line.pdf_through(sphere), count + 1.0) / before)
         };
         lines.iter().zip(&self.sums).map(gain).sum()
     }
@@ -273,13 +281,13 @@ fn point_nearest_to<'r>(rays: impl Iterator<Item = &'r Ray>) -> Option<DVec3> {
 impl EscapedLine {
     /// Returns the density with which next-event estimation finds the line. `sum` is the sum of the
     /// densities through `count` openings.
-    fn density_in_mixture(&self, sum: f64, count: f64) -> f64 {
-        self.density.max(sum / count)
+    fn mixture_pdf(&self, sum: f64, count: f64) -> f64 {
+        self.pdf_solid_angle.max(sum / count)
     }
 
     /// Returns the density with which shadow rays through a sphere find the line.
-    fn density_through(&self, sphere: &BoundingSphere) -> f64 {
-        OPENINGS_SHARE * sphere.pdf_direction(self.ray.origin, self.ray.direction)
+    fn pdf_through(&self, sphere: &BoundingSphere) -> f64 {
+        PORTAL_FRACTION * sphere.pdf_direction(self.ray.origin, self.ray.direction)
     }
 }
 
@@ -298,13 +306,17 @@ mod tests {
             let floor = DVec3::new(6.0 * u[0] - 3.0, 0.0, 6.0 * u[1] - 3.0);
             let window = centre + size * DVec3::new(u[2] - 0.5, 0.0, u[3] - 0.5);
             let direction = (window - floor).normalize();
-            EscapedLine { ray: Ray { origin: floor, direction }, density: FRAC_1_PI * direction.y, glazed: false }
+            EscapedLine {
+                ray: Ray { origin: floor, direction },
+                pdf_solid_angle: FRAC_1_PI * direction.y,
+                glazed: false,
+            }
         };
         (0..400).map(line).collect()
     }
 
     #[test]
-    fn windows_are_found_where_lines_meet() {
+    fn portals_are_found_where_lines_meet() {
         for windows in [
             vec![(DVec3::new(0.5, 3.0, 0.2), 1.0)],
             vec![(DVec3::new(-2.0, 3.0, 0.2), 0.5), (DVec3::new(1.0, 3.0, -2.0), 0.8)],
@@ -320,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    fn an_open_roof_is_no_opening() {
+    fn an_open_roof_is_no_portal() {
         assert_eq!(fit_spheres(&lines_through(&[(DVec3::new(0.0, 3.0, 0.0), 12.0)]), Seed::new(1)), []);
     }
 }

@@ -37,7 +37,7 @@ const COPLANAR: f64 = 1e-3;
 /// The extent of the surface around a visible point. Each pixel near an edge has an outline. To
 /// save memory, an outline stores positions in single precision and extents as 8-bit integers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Outline {
+pub struct SurfaceExtent {
     position: Vec3,
     facing: Vec3,
     /// The direction in which the extent is measured first.
@@ -45,41 +45,41 @@ pub struct Outline {
     /// The direction that is measured a quarter turn later.
     ahead: Vec3,
     /// The largest distance of the search, in m.
-    reach: f32,
-    /// The extent of the surface in equally spaced directions. The unit is `reach` / 255.
+    search_m: f32,
+    /// The extent of the surface in equally spaced directions. The unit is `search_m` / 255.
     steps: [u8; DIRECTIONS],
 }
 
-impl Outline {
-    /// Measures the surface around a visible point, up to the distance `reach` (m).
-    pub fn around(geometry: &Geometry, visible_point: &VisiblePoint, reach: f64) -> Self {
+impl SurfaceExtent {
+    /// Measures the surface around a visible point, up to the distance `search_m` (m).
+    pub fn around(geometry: &Geometry, visible_point: &VisiblePoint, search_m: f64) -> Self {
         let (right, ahead) = visible_point.facing.any_orthonormal_pair();
-        Self::new(visible_point, reach, |i| {
+        Self::new(visible_point, search_m, |i| {
             let DVec2 { x, y } = direction(i);
-            surface_extent(geometry, visible_point, right * x + ahead * y, reach)
+            extent_along(geometry, visible_point, right * x + ahead * y, search_m)
         })
     }
 
     /// Returns the outline around another point of the same plane, computed from this outline.
     /// Returns `None` if the point is not on the plane, or if this outline does not contain
-    /// everything within the distance `reach` (m) of the point.
-    pub fn moved_to(&self, visible_point: &VisiblePoint, reach: f64) -> Option<Self> {
+    /// everything within the distance `search_m` (m) of the point.
+    pub fn moved_to(&self, visible_point: &VisiblePoint, search_m: f64) -> Option<Self> {
         let offset = visible_point.position - self.position.as_dvec3();
-        let (up, own_reach) = (visible_point.facing, f64::from(self.reach));
-        let is_coplanar = self.facing == up.as_vec3() && offset.dot(up).abs() <= COPLANAR * own_reach;
-        let step = own_reach / f64::from(u8::MAX);
-        if !is_coplanar || Self::reach_to_move(offset.length() + reach) > own_reach {
+        let (up, own_search_m) = (visible_point.facing, f64::from(self.search_m));
+        let is_coplanar = self.facing == up.as_vec3() && offset.dot(up).abs() <= COPLANAR * own_search_m;
+        let step = own_search_m / f64::from(u8::MAX);
+        if !is_coplanar || Self::search_to_move(offset.length() + search_m) > own_search_m {
             return None;
         }
         let from = DVec2::new(offset.dot(self.right.as_dvec3()), offset.dot(self.ahead.as_dvec3()));
         let directions: [DVec2; DIRECTIONS] = std::array::from_fn(direction);
         let corners = std::array::from_fn(|i| directions[i] * (f64::from(self.steps[i]) * step) - from);
-        Some(Self::new(visible_point, reach, |i| distance_to_polygon(&corners, directions[i]).min(reach)))
+        Some(Self::new(visible_point, search_m, |i| distance_to_polygon(&corners, directions[i]).min(search_m)))
     }
 
     /// Returns the reach (m) that an outline needs to contain a circle of this radius (m). The
     /// corners of an unlimited outline lie on a circle, and its sides are chords.
-    pub fn reach_to_move(radius_m: f64) -> f64 {
+    pub fn search_to_move(radius_m: f64) -> f64 {
         radius_m * (1.0 + 1e-6) / cos(TAU / 2.0 / DIRECTIONS as f64)
     }
 
@@ -88,8 +88,8 @@ impl Outline {
         self.steps.iter().any(|&step| step < u8::MAX)
     }
 
-    fn new(visible_point: &VisiblePoint, reach: f64, extent: impl Fn(usize) -> f64) -> Self {
-        let step = |i: usize| (extent(i) / reach * f64::from(u8::MAX)).round() as u8;
+    fn new(visible_point: &VisiblePoint, search_m: f64, extent: impl Fn(usize) -> f64) -> Self {
+        let step = |i: usize| (extent(i) / search_m * f64::from(u8::MAX)).round() as u8;
         let (position, facing) = (visible_point.position.as_vec3(), visible_point.facing.as_vec3());
         let (right, ahead) = visible_point.facing.any_orthonormal_pair();
         Self {
@@ -97,7 +97,7 @@ impl Outline {
             facing,
             right: right.as_vec3(),
             ahead: ahead.as_vec3(),
-            reach: reach as f32,
+            search_m: search_m as f32,
             steps: std::array::from_fn(step),
         }
     }
@@ -111,16 +111,16 @@ impl Outline {
         let along = Vec3::new(offset.dot(self.right), offset.dot(self.ahead), 0.0);
         let turns = atan2_f32(along.y, along.x) / (TAU as f32);
         let sector = (turns + 1.0).fract() * DIRECTIONS as f32;
-        let (first, share) = (sector as usize % DIRECTIONS, sector.fract());
+        let (first, fraction) = (sector as usize % DIRECTIONS, sector.fract());
         let reciprocal = |i: usize| 1.0 / f32::from(self.steps[i % DIRECTIONS]).max(0.5);
-        let per_extent = (1.0 - share) * reciprocal(first) + share * reciprocal(first + 1);
-        along.length() * per_extent * f32::from(u8::MAX) <= self.reach
+        let per_extent = (1.0 - fraction) * reciprocal(first) + fraction * reciprocal(first + 1);
+        along.length() * per_extent * f32::from(u8::MAX) <= self.search_m
     }
 
     /// Returns the fraction of each kernel that lies on the surface. The kernel radius `radius` (m)
     /// must not exceed the largest distance of the search.
     pub fn correction(&self, radius: f64) -> BoundaryCorrection {
-        let per_step = f64::from(self.reach) / f64::from(u8::MAX) / radius;
+        let per_step = f64::from(self.search_m) / f64::from(u8::MAX) / radius;
         let (mut estimate, mut uniform) = (0.0, 0.0);
         for &step in &self.steps {
             let within = BoundaryCorrection::within(f64::from(step) * per_step);
@@ -149,19 +149,19 @@ fn distance_to_polygon(corners: &[DVec2; DIRECTIONS], direction: DVec2) -> f64 {
 }
 
 /// Returns how far (m) the surface extends from a visible point in one direction. The result is at
-/// most `reach`.
-fn surface_extent(geometry: &Geometry, visible_point: &VisiblePoint, direction: DVec3, reach: f64) -> f64 {
+/// most `search_m`.
+fn extent_along(geometry: &Geometry, visible_point: &VisiblePoint, direction: DVec3, search_m: f64) -> f64 {
     const BISECTIONS: usize = 6;
     let up = visible_point.facing;
-    let lift = LIFT * reach;
+    let lift = LIFT * search_m;
     let start = visible_point.position + up * lift;
-    let wall = geometry.intersect(&Ray::new(start, direction), None, reach).map(|hit| hit.t);
+    let wall = geometry.intersect(&Ray::new(start, direction), None, search_m).map(|hit| hit.t);
     let continues = |distance: f64| {
         let down = Ray::new(start + direction * distance, -up);
         let below = geometry.intersect(&down, None, 2.0 * lift);
         below.is_some_and(|hit| hit.normal.dot(up).abs() > CONTINUATION_COSINE)
     };
-    let farthest = wall.unwrap_or(reach);
+    let farthest = wall.unwrap_or(search_m);
     if continues(farthest * (1.0 - 1e-6)) {
         return farthest;
     }
@@ -175,22 +175,22 @@ fn surface_extent(geometry: &Geometry, visible_point: &VisiblePoint, direction: 
 
 /// The outline of the surface at a visible point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PixelOutline<'o> {
+pub enum PixelSurfaceExtent<'o> {
     /// The kernel does not reach over an edge.
     Absent,
     /// The pilot has measured the outline.
-    Stored(&'o Outline),
+    Stored(&'o SurfaceExtent),
     /// The outline varies within the pixel, so each gather point measures its own.
     Varies,
 }
 
 /// An outline that the pilot measured, or the reason why it did not.
 #[derive(Debug, Clone, PartialEq)]
-pub enum OutlineSurvey {
+pub enum SurfaceExtentSurvey {
     /// The kernel does not reach over an edge.
     Absent,
     /// The outline.
-    Measured(Outline),
+    Measured(SurfaceExtent),
     /// The pixel is not small, compared with its kernel, so the outline varies within the pixel.
     Varies,
 }
@@ -198,18 +198,18 @@ pub enum OutlineSurvey {
 /// The outlines of directly visible surfaces. A pixel has an outline if its kernel reaches over an
 /// edge.
 #[derive(Debug, Default)]
-pub struct Outlines {
+pub struct SurfaceExtents {
     width: usize,
     /// For each pixel, the number of its outline in the list. The numbers start at 1, and
     /// [`VARIES`] stands for an outline that varies.
     numbers: Vec<Option<NonZeroU32>>,
-    list: Vec<Outline>,
+    list: Vec<SurfaceExtent>,
 }
 
 /// The number of an outline that varies within its pixel.
 const VARIES: NonZeroU32 = NonZeroU32::MAX;
 
-impl Outlines {
+impl SurfaceExtents {
     /// Returns true if no kernel reaches over an edge.
     #[inline]
     pub fn is_empty(&self) -> bool {
@@ -218,13 +218,13 @@ impl Outlines {
 
     /// Collects the outlines of pixels. The pixels are listed row by row, from the top of the
     /// image.
-    pub fn new(width: usize, of_pixels: Vec<OutlineSurvey>) -> Self {
+    pub fn new(width: usize, of_pixels: Vec<SurfaceExtentSurvey>) -> Self {
         let mut list = Vec::new();
-        let number = |outline| match outline {
-            OutlineSurvey::Absent => None,
-            OutlineSurvey::Varies => Some(VARIES),
-            OutlineSurvey::Measured(outline) => {
-                list.push(outline);
+        let number = |surface_extent| match surface_extent {
+            SurfaceExtentSurvey::Absent => None,
+            SurfaceExtentSurvey::Varies => Some(VARIES),
+            SurfaceExtentSurvey::Measured(surface_extent) => {
+                list.push(surface_extent);
                 NonZeroU32::new(list.len() as u32)
             }
         };
@@ -250,21 +250,23 @@ impl Outlines {
     /// Returns the outline of the surface at a visible point of this pixel. The pixel may see
     /// several surfaces. If the pixel's own outline belongs to a different surface, a neighbouring
     /// pixel may have an outline of the right surface.
-    pub fn find(&self, pixel: usize, visible_point: &VisiblePoint) -> PixelOutline<'_> {
+    pub fn find(&self, pixel: usize, visible_point: &VisiblePoint) -> PixelSurfaceExtent<'_> {
         if self.numbers[pixel] == Some(VARIES) {
-            return PixelOutline::Varies;
+            return PixelSurfaceExtent::Varies;
         }
         let (x, y) = ((pixel % self.width) as isize, (pixel / self.width) as isize);
         let nearby = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
         let fitting = nearby.iter().find_map(|(dx, dy)| {
-            let outline = self.at(x + dx, y + dy)?;
-            let continues = visible_point.continues_to(outline.position.as_dvec3(), outline.facing.as_dvec3());
-            (continues && outline.contains(visible_point.position.as_vec3().to_array())).then_some(outline)
+            let surface_extent = self.at(x + dx, y + dy)?;
+            let continues =
+                visible_point.continues_to(surface_extent.position.as_dvec3(), surface_extent.facing.as_dvec3());
+            (continues && surface_extent.contains(visible_point.position.as_vec3().to_array()))
+                .then_some(surface_extent)
         });
-        fitting.map_or(PixelOutline::Absent, PixelOutline::Stored)
+        fitting.map_or(PixelSurfaceExtent::Absent, PixelSurfaceExtent::Stored)
     }
 
-    fn at(&self, x: isize, y: isize) -> Option<&Outline> {
+    fn at(&self, x: isize, y: isize) -> Option<&SurfaceExtent> {
         if x < 0 || y < 0 || x >= self.width as isize {
             return None;
         }
@@ -276,7 +278,7 @@ impl Outlines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::partition::View;
+    use crate::plan::partition::CameraView;
 
     fn visible_point() -> VisiblePoint {
         VisiblePoint {
@@ -284,7 +286,7 @@ mod tests {
             facing: DVec3::Z,
             footprint_m: 0.01,
             object: 0,
-            view: View::Direct,
+            view: CameraView::Direct,
             shared: false,
             is_diffuse: true,
             is_fluorescent: false,
@@ -293,8 +295,8 @@ mod tests {
 
     /// Creates an outline. `extent` is the extent of the surface (at most 1) as a function of
     /// direction.
-    fn outline(extent: impl Fn(f64) -> f64) -> Outline {
-        Outline::new(&visible_point(), 1.0, |i| extent(i as f64 / DIRECTIONS as f64 * TAU))
+    fn surface_extent(extent: impl Fn(f64) -> f64) -> SurfaceExtent {
+        SurfaceExtent::new(&visible_point(), 1.0, |i| extent(i as f64 / DIRECTIONS as f64 * TAU))
     }
 
     /// Compares two fractions at an edge and in a corner: the fraction of the kernel on the
@@ -302,9 +304,9 @@ mod tests {
     /// fractions must be equal.
     #[test]
     fn edge_and_corner_corrections_count_directions() {
-        let half = outline(|angle| if angle.cos() > 1e-9 { 0.0 } else { 1.0 });
+        let half = surface_extent(|angle| if angle.cos() > 1e-9 { 0.0 } else { 1.0 });
         assert!((half.correction(1.0).estimate - 9.0 / 16.0).abs() < 1e-9);
-        let corner = outline(|angle| if angle.cos() > 1e-9 && angle.sin() > 1e-9 { 1.0 } else { 0.0 });
+        let corner = surface_extent(|angle| if angle.cos() > 1e-9 && angle.sin() > 1e-9 { 1.0 } else { 0.0 });
         assert!((corner.correction(1.0).estimate - 3.0 / 16.0).abs() < 1e-9);
     }
 
@@ -312,7 +314,7 @@ mod tests {
     /// kernel agrees with the exact formula.
     #[test]
     fn cut_kernel_has_the_mass_of_the_closed_form() {
-        let cut = outline(|angle| if angle.cos() > 0.5 { 0.5 / angle.cos() } else { 1.0 });
+        let cut = surface_extent(|angle| if angle.cos() > 0.5 { 0.5 / angle.cos() } else { 1.0 });
         // The integral of (2/π)(1 − x² − y²) over y, with x fixed, is 8/(3π)·(1 − x²)^(3/2).
         let strip = |x: f64| 8.0 / (3.0 * std::f64::consts::PI) * (1.0 - x * x).powf(1.5);
         let n = 10_000;
@@ -329,17 +331,17 @@ mod tests {
     /// A kernel that does not reach the edge needs no correction.
     #[test]
     fn kernel_far_from_the_edge_is_not_corrected() {
-        assert_eq!(outline(|_| 0.51).correction(0.5), BoundaryCorrection::WHOLE);
+        assert_eq!(surface_extent(|_| 0.51).correction(0.5), BoundaryCorrection::WHOLE);
     }
 
     /// An outline that moves along the surface becomes the outline of the other point. The chord
     /// between the edge and the end of the search cuts off a few percent.
     #[test]
-    fn outline_of_a_neighbour_is_moved_along_the_surface() {
-        let edge = |distance: f64, reach: f64| {
-            move |angle: f64| if angle.cos() * reach > distance { distance / angle.cos() } else { reach }
+    fn extent_of_a_neighbour_is_moved_along_the_surface() {
+        let edge = |distance: f64, search_m: f64| {
+            move |angle: f64| if angle.cos() * search_m > distance { distance / angle.cos() } else { search_m }
         };
-        let wide = outline(edge(0.4, 1.0));
+        let wide = surface_extent(edge(0.4, 1.0));
         let (right, ahead) = visible_point().facing.any_orthonormal_pair();
         for (x, y) in [(0.0, 0.0), (0.1, 0.05), (-0.15, 0.1), (0.2, -0.2)] {
             let there = VisiblePoint { position: right * x + ahead * y, ..visible_point() };
@@ -359,19 +361,19 @@ mod tests {
 
     /// A pixel that sees two surfaces uses the outline of the matching surface.
     #[test]
-    fn pixel_with_two_surfaces_takes_the_fitting_outline() {
-        let edge = outline(|angle| if angle.cos() > 0.0 { 0.0 } else { 1.0 });
-        let measured = vec![OutlineSurvey::Absent, OutlineSurvey::Measured(edge.clone())];
-        let outlines = Outlines::of_bands(2, vec![Outlines::new(2, measured)]);
-        assert_eq!(outlines.find(0, &visible_point()), PixelOutline::Stored(&edge), "the neighbour's");
+    fn pixel_with_two_surfaces_takes_the_fitting_extent() {
+        let edge = surface_extent(|angle| if angle.cos() > 0.0 { 0.0 } else { 1.0 });
+        let measured = vec![SurfaceExtentSurvey::Absent, SurfaceExtentSurvey::Measured(edge.clone())];
+        let surface_extents = SurfaceExtents::of_bands(2, vec![SurfaceExtents::new(2, measured)]);
+        assert_eq!(surface_extents.find(0, &visible_point()), PixelSurfaceExtent::Stored(&edge), "the neighbour's");
         let wall = VisiblePoint { facing: DVec3::X, ..visible_point() };
-        assert_eq!(outlines.find(1, &wall), PixelOutline::Absent, "another surface");
+        assert_eq!(surface_extents.find(1, &wall), PixelSurfaceExtent::Absent, "another surface");
     }
 
     /// A photon behind a straight wall does not count, and a photon in front of the wall does.
     #[test]
-    fn photons_behind_a_wall_are_outside_the_outline() {
-        let wall = outline(|angle| if angle.cos() > 0.4 { 0.4 / angle.cos() } else { 1.0 });
+    fn photons_behind_a_wall_are_outside_the_extent() {
+        let wall = surface_extent(|angle| if angle.cos() > 0.4 { 0.4 / angle.cos() } else { 1.0 });
         let (right, ahead) = visible_point().facing.any_orthonormal_pair();
         for i in -60..=60 {
             let across = ahead * (0.01 * f64::from(i));

@@ -11,7 +11,7 @@
 
 use super::context::PassContext;
 use crate::emit::{PhotonFlight, PhotonState, SurfaceArrival};
-use crate::gather::{Openings, receptor_pdf};
+use crate::gather::{Portals, sensor_pdf};
 use crate::map::SphereTree;
 use crate::map::kernel::{DiskKernel, KernelDomain, KernelValues};
 use crate::plan::PathClass;
@@ -20,16 +20,16 @@ use crate::sensor::SplatSink;
 use crate::walk::{CausticWeights, RayDensity, transmittance};
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
-use abbe_scene::meter::{ReceivingSide, Receptor, ReceptorShape, Response};
+use abbe_scene::meter::{ReceivingSide, Response, Sensor, SensorShape};
 use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// The kernels of the receptors in one pass.
 #[derive(Debug)]
-pub(crate) struct ReceptorKernels<'a> {
+pub(crate) struct SensorKernels<'a> {
     scene: &'a Scene,
-    openings: &'a Openings,
+    portals: &'a Portals,
     /// The radius of each receptor in this pass, in m.
     radii_m: Vec<f64>,
     /// The weights of photons and of paths at each receptor.
@@ -48,23 +48,23 @@ pub(crate) struct ReceptorKernels<'a> {
 pub(crate) struct PointDisks {
     tree: SphereTree,
     /// The numbers of the receptors, in the order of the spheres of the tree.
-    receptors: Vec<u32>,
+    sensors: Vec<u32>,
 }
 
 impl PointDisks {
     /// Creates the index. `radius_m` returns the radius of the disk of a receptor in m.
-    pub(crate) fn new(receptors: &[Receptor], radius_m: impl Fn(usize) -> f64) -> Self {
+    pub(crate) fn new(sensors: &[Sensor], radius_m: impl Fn(usize) -> f64) -> Self {
         let points = || {
-            let numbered = receptors.iter().enumerate();
-            numbered.filter_map(|(number, receptor)| Some((number, receptor.position()?)))
+            let numbered = sensors.iter().enumerate();
+            numbered.filter_map(|(number, sensor)| Some((number, sensor.position()?)))
         };
         let tree = SphereTree::build(points().map(|(number, position)| (position, radius_m(number))));
-        Self { tree, receptors: points().map(|(number, _)| number as u32).collect() }
+        Self { tree, sensors: points().map(|(number, _)| number as u32).collect() }
     }
 
     /// Calls `visit` with the number of each receptor whose disk the flight may cross.
     pub(crate) fn visit(&self, flight: &PhotonFlight<'_>, mut visit: impl FnMut(usize)) {
-        self.tree.visit(flight.ray, flight.length_m, |sphere| visit(self.receptors[sphere] as usize));
+        self.tree.visit(flight.ray, flight.length_m, |sphere| visit(self.sensors[sphere] as usize));
     }
 }
 
@@ -76,7 +76,7 @@ struct Received {
     bias: f64,
 }
 
-impl<'a> ReceptorKernels<'a> {
+impl<'a> SensorKernels<'a> {
     /// Creates the kernels of a pass. Returns `None` if there are no first radii.
     pub(super) fn of_pass(
         context: &PassContext<'a>,
@@ -87,25 +87,25 @@ impl<'a> ReceptorKernels<'a> {
         if first_m.is_empty() {
             return None;
         }
-        let receptors = scene.camera.receptors();
+        let sensors = scene.camera.sensors();
         let radii_m: Vec<f64> = first_m.iter().map(|radius| radius * scale).collect();
-        let weights = |(receptor, radius_m): (&Receptor, &f64)| {
-            let area_m2 = match receptor.shape {
-                ReceptorShape::Point(..) => PI * radius_m.powi(2),
-                ReceptorShape::Surface(object, _) => scene.geometry.area(object),
+        let weights = |(sensor, radius_m): (&Sensor, &f64)| {
+            let area_m2 = match sensor.shape {
+                SensorShape::Point(..) => PI * radius_m.powi(2),
+                SensorShape::Surface(object, _) => scene.geometry.area(object),
             };
             CausticWeights { photons_m2: photons_per_sample * area_m2 }
         };
-        let weights = receptors.iter().zip(&radii_m).map(weights).collect();
-        let rows = scene.camera.pixel_count() / receptors.len();
-        let disks = PointDisks::new(receptors, |number| radii_m[number]);
-        let surface = |(number, receptor): (usize, &Receptor)| match receptor.shape {
-            ReceptorShape::Point(..) => None,
-            ReceptorShape::Surface(object, _) => Some((object, number as u32)),
+        let weights = sensors.iter().zip(&radii_m).map(weights).collect();
+        let rows = scene.camera.pixel_count() / sensors.len();
+        let disks = PointDisks::new(sensors, |number| radii_m[number]);
+        let surface = |(number, sensor): (usize, &Sensor)| match sensor.shape {
+            SensorShape::Point(..) => None,
+            SensorShape::Surface(object, _) => Some((object, number as u32)),
         };
-        let mut surfaces: Vec<(u32, u32)> = receptors.iter().enumerate().filter_map(surface).collect();
+        let mut surfaces: Vec<(u32, u32)> = sensors.iter().enumerate().filter_map(surface).collect();
         surfaces.sort_unstable();
-        Some(Self { scene, openings: context.openings, radii_m, weights, rows, disks, surfaces })
+        Some(Self { scene, portals: context.portals, radii_m, weights, rows, disks, surfaces })
     }
 
     /// Returns the weights of photons and of paths at each receptor.
@@ -118,9 +118,9 @@ impl<'a> ReceptorKernels<'a> {
         if flight.photon.light_path != LightPath::Caustic {
             return;
         }
-        let receptors = self.scene.camera.receptors();
+        let sensors = self.scene.camera.sensors();
         self.disks.visit(flight, |number| {
-            let ReceptorShape::Point(position, response) = receptors[number].shape else { return };
+            let SensorShape::Point(position, response) = sensors[number].shape else { return };
             let Some((t, d2)) = crossing(flight, position, response, self.radii_m[number]) else { return };
             let kernels = DiskKernel::new(self.radii_m[number].powi(2)).at(d2);
             let offset = flight.ray.at(t) - position;
@@ -170,7 +170,7 @@ impl<'a> ReceptorKernels<'a> {
         let first = self.surfaces.partition_point(|(object, _)| *object < hit.object);
         let on_object = self.surfaces[first..].iter().take_while(|(object, _)| *object == hit.object);
         for number in on_object.map(|(_, number)| *number as usize) {
-            let ReceptorShape::Surface(object, side) = self.scene.camera.receptors()[number].shape else { continue };
+            let SensorShape::Surface(object, side) = self.scene.camera.sensors()[number].shape else { continue };
             let to_light = arrival.to_light();
             let front = to_light.dot(hit.normal) > 0.0;
             let (counts, sides) = match side {
@@ -191,7 +191,7 @@ impl<'a> ReceptorKernels<'a> {
     }
 
     fn mis_weight(&self, number: usize, point: (DVec3, Response), density: RayDensity, to_light: DVec3) -> f64 {
-        self.weights[number].of_photon(density, receptor_pdf(point, self.openings, to_light))
+        self.weights[number].of_photon(density, sensor_pdf(point, self.portals, to_light))
     }
 
     fn splat(

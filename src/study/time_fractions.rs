@@ -3,7 +3,7 @@
 /// The time of each part of a study, as a share of the study's budget. The rehearsals for the
 /// choice of the film size are not included.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimeShares {
+pub struct TimeFractions {
     /// The trials for the choice of the reference's integrator.
     pub trial: f64,
     /// The reference.
@@ -19,5 +19,5 @@ pub struct TimeShares {
 }
 
 /// The shares of every study.
-pub const TIME_SHARES: TimeShares =
-    TimeShares { trial: 0.06, reference: 0.34, photon_curve: 0.14, path_curve: 0.1, sweep: 0.2, effects: 0.16 };
+pub const TIME_FRACTIONS: TimeFractions =
+    TimeFractions { trial: 0.06, reference: 0.34, photon_curve: 0.14, path_curve: 0.1, sweep: 0.2, effects: 0.16 };

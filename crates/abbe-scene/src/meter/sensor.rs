@@ -13,16 +13,16 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 /// A receptor of a meter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Receptor {
+pub struct Sensor {
     /// The positions and the directions from which the receptor receives light.
-    pub shape: ReceptorShape,
+    pub shape: SensorShape,
     /// The bodies that contain the receptor. The field has no meaning for surfaces.
     pub medium_stack: MediumStack,
 }
 
 /// The shape of a receptor. Positions are in m, relative to the scene's centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ReceptorShape {
+pub enum SensorShape {
     /// A point that receives light from the directions of a density.
     Point(DVec3, Response),
     /// The surface of an object. Its points receive light like a plane.
@@ -58,7 +58,7 @@ pub enum Response {
 
 /// A point of a receptor.
 #[derive(Debug, Clone, Copy)]
-pub struct ReceptorPoint {
+pub struct SensorPoint {
     /// The position.
     pub position: DVec3,
     /// The surface on which the point lies, if the receptor is a surface.
@@ -116,7 +116,7 @@ impl Response {
     }
 }
 
-impl Receptor {
+impl Sensor {
     /// Creates a receptor at a position in m, relative to the scene's centre.
     ///
     /// A receptor often lies on a surface, for example on a floor. `extent_m` is the size of the
@@ -125,19 +125,19 @@ impl Receptor {
     pub fn at(position: DVec3, response: Response, extent_m: f64) -> Self {
         const SHIFT: f64 = 1e-9;
         let shifted = position + response.normal() * (SHIFT * (extent_m + position.length()));
-        Self { shape: ReceptorShape::Point(shifted, response), medium_stack: MediumStack::AIR }
+        Self { shape: SensorShape::Point(shifted, response), medium_stack: MediumStack::AIR }
     }
 
     /// Creates the receptor of an object's surface.
     pub fn on_object(object: u32, side: ReceivingSide) -> Self {
-        Self { shape: ReceptorShape::Surface(object, side), medium_stack: MediumStack::AIR }
+        Self { shape: SensorShape::Surface(object, side), medium_stack: MediumStack::AIR }
     }
 
     /// The position of the receptor, if it is a point.
     pub fn position(&self) -> Option<DVec3> {
         match self.shape {
-            ReceptorShape::Point(position, _) => Some(position),
-            ReceptorShape::Surface(..) => None,
+            SensorShape::Point(position, _) => Some(position),
+            SensorShape::Surface(..) => None,
         }
     }
 }
@@ -149,7 +149,7 @@ mod tests {
 
     /// Each response samples its stated density, and this density has the integral 1.
     #[test]
-    fn responses_sample_their_densities() {
+    fn responses_sample_their_pdfs() {
         let axis = DVec3::new(0.3, -0.5, 0.8).normalize();
         let (sobol, n) = (Sobol::new(5), 1 << 15);
         for response in [Response::Plane(axis), Response::Sphere, Response::Cylinder(axis), Response::Cone(axis, 0.4)] {

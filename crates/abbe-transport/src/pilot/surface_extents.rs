@@ -1,7 +1,7 @@
 //! The outlines of surfaces around directly visible points.
 
 use super::survey::MAX_SURFACE_RADIUS_PX;
-use crate::gather::{Outline, OutlineSurvey, Outlines, VisiblePoint};
+use crate::gather::{SurfaceExtent, SurfaceExtentSurvey, SurfaceExtents, VisiblePoint};
 use crate::map::FirstRadii;
 use crate::pass::PassContext;
 use crate::plan::WavelengthPlan;
@@ -13,7 +13,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// If a kernel's radius is below this number of pixels, its outline varies within a pixel.
-const PIXELS_PER_OUTLINE: f64 = 3.0;
+const PIXELS_PER_EXTENT: f64 = 3.0;
 
 /// The test for edges looks at pixels at these fractions of the kernel radius.
 const EDGE_DISTANCES: [f64; 3] = [0.25, 0.5, 1.0];
@@ -32,13 +32,13 @@ const WIDEST_SHARED: f64 = 1.5;
 /// `visible` and `radii` contain one entry per pixel. `scale` is the factor on the radii. `swept`
 /// contains the bounding boxes of moving objects. A point near such a box gets no outline, because
 /// the edges near this point may move.
-pub(super) fn outlines(
+pub(super) fn surface_extents(
     context: &PassContext<'_>,
     scene: &Scene,
     visible: &[Option<VisiblePoint>],
     swept: &[Bounds],
     (radii, scale): (&FirstRadii, f64),
-) -> Outlines {
+) -> SurfaceExtents {
     let set = PhotonSet::of_path(context.plan.wavelengths == WavelengthPlan::Shared);
     let width = scene.camera.width();
     let farthest_px = scale.max(1.0) * MAX_SURFACE_RADIUS_PX.indirect;
@@ -50,25 +50,25 @@ pub(super) fn outlines(
         let moves = |bounds: &Bounds| distance_to_box(point.position, bounds) <= 2.0 * radius_m;
         if swept.iter().any(moves) {
             Need::Nothing
-        } else if radius_m < PIXELS_PER_OUTLINE * point.footprint_m {
+        } else if radius_m < PIXELS_PER_EXTENT * point.footprint_m {
             Need::PerSample
         } else {
-            Need::Outline(point, radius_m)
+            Need::SurfaceExtent(point, radius_m)
         }
     };
     let rows: Vec<usize> = (0..visible.len() / width).step_by(BLOCK).collect();
     let of_band = |row: usize| {
         let rows = row..(row + BLOCK).min(visible.len() / width);
-        let mut of_pixels = vec![OutlineSurvey::Absent; rows.len() * width];
+        let mut of_pixels = vec![SurfaceExtentSurvey::Absent; rows.len() * width];
         for column in (0..width).step_by(BLOCK) {
             let columns = column..(column + BLOCK).min(width);
             let block = rows.clone().flat_map(|y| columns.clone().map(move |x| y * width + x));
             let needs: Vec<(usize, Need<'_>)> = block.map(|pixel| (pixel - row * width, survey(pixel))).collect();
             measure_block(&scene.geometry, &needs, &mut of_pixels);
         }
-        Outlines::new(width, of_pixels)
+        SurfaceExtents::new(width, of_pixels)
     };
-    Outlines::of_bands(width, rows.into_par_iter().map(of_band).collect::<Vec<_>>())
+    SurfaceExtents::of_bands(width, rows.into_par_iter().map(of_band).collect::<Vec<_>>())
 }
 
 /// The outline that a pixel needs for the correction of its kernel.
@@ -79,47 +79,47 @@ enum Need<'v> {
     /// An outline for each camera sample.
     PerSample,
     /// An outline around this point, with this reach in m.
-    Outline(&'v VisiblePoint, f64),
+    SurfaceExtent(&'v VisiblePoint, f64),
 }
 
 /// Measures the outlines of a block of pixels. Pixels that see the same plane share a measurement.
 /// `needs` contains the place of each pixel in `of_pixels`.
-fn measure_block(geometry: &Geometry, needs: &[(usize, Need<'_>)], of_pixels: &mut [OutlineSurvey]) {
-    let mut measured: Vec<Outline> = Vec::new();
+fn measure_block(geometry: &Geometry, needs: &[(usize, Need<'_>)], of_pixels: &mut [SurfaceExtentSurvey]) {
+    let mut measured: Vec<SurfaceExtent> = Vec::new();
     for (nth, &(place, need)) in needs.iter().enumerate() {
         let (point, radius_m) = match need {
             Need::Nothing => continue,
             Need::PerSample => {
-                of_pixels[place] = OutlineSurvey::Varies;
+                of_pixels[place] = SurfaceExtentSurvey::Varies;
                 continue;
             }
-            Need::Outline(point, radius_m) => (point, radius_m),
+            Need::SurfaceExtent(point, radius_m) => (point, radius_m),
         };
-        let shared = measured.iter().find_map(|outline| outline.moved_to(point, radius_m));
-        let outline = shared.unwrap_or_else(|| {
-            let reach = shared_reach(point, radius_m, &needs[nth + 1..]);
-            let wide = Outline::around(geometry, point, reach);
+        let shared = measured.iter().find_map(|surface_extent| surface_extent.moved_to(point, radius_m));
+        let surface_extent = shared.unwrap_or_else(|| {
+            let search_m = shared_search_m(point, radius_m, &needs[nth + 1..]);
+            let wide = SurfaceExtent::around(geometry, point, search_m);
             let own = wide.moved_to(point, radius_m);
             measured.push(wide.clone());
             own.unwrap_or(wide)
         });
-        if outline.is_limited() {
-            of_pixels[place] = OutlineSurvey::Measured(outline);
+        if surface_extent.is_limited() {
+            of_pixels[place] = SurfaceExtentSurvey::Measured(surface_extent);
         }
     }
 }
 
 /// Returns the reach (m) of a measurement that other pixels of a block share, or the reach of this
 /// pixel alone if no other pixel can share it.
-fn shared_reach(point: &VisiblePoint, radius_m: f64, others: &[(usize, Need<'_>)]) -> f64 {
-    let reach_for = |&(_, need): &(usize, Need<'_>)| match need {
-        Need::Outline(other, radius_m) if other.facing == point.facing => {
-            Some(Outline::reach_to_move(other.position.distance(point.position) + radius_m))
+fn shared_search_m(point: &VisiblePoint, radius_m: f64, others: &[(usize, Need<'_>)]) -> f64 {
+    let search_for = |&(_, need): &(usize, Need<'_>)| match need {
+        Need::SurfaceExtent(other, radius_m) if other.facing == point.facing => {
+            Some(SurfaceExtent::search_to_move(other.position.distance(point.position) + radius_m))
         }
-        Need::Nothing | Need::PerSample | Need::Outline(..) => None,
+        Need::Nothing | Need::PerSample | Need::SurfaceExtent(..) => None,
     };
-    let near = others.iter().filter_map(reach_for).filter(|&reach| reach <= WIDEST_SHARED * radius_m);
-    near.reduce(f64::max).map_or(radius_m, |reach| reach.max(Outline::reach_to_move(radius_m)))
+    let near = others.iter().filter_map(search_for).filter(|&search_m| search_m <= WIDEST_SHARED * radius_m);
+    near.reduce(f64::max).map_or(radius_m, |search_m| search_m.max(SurfaceExtent::search_to_move(radius_m)))
 }
 
 /// Returns the distance of a point from a box, or 0 inside the box.

@@ -94,7 +94,7 @@ impl ColourForm {
 
 /// The judgement of one form of a colour.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ColourJudgement {
+pub struct ColourComparison {
     /// `xyz`, `linear_srgb` or `srgb`.
     pub form: &'static str,
     /// The expected colour.
@@ -109,7 +109,7 @@ pub struct ColourJudgement {
 
 /// The judgement of a case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CaseJudgement {
+pub struct CaseComparison {
     /// The name of the case.
     pub id: String,
     /// The group of the case.
@@ -117,12 +117,12 @@ pub struct CaseJudgement {
     /// True if all forms are within the tolerances.
     pub passed: bool,
     /// The judgements of the forms that the converter computed.
-    pub colours: Vec<ColourJudgement>,
+    pub colours: Vec<ColourComparison>,
     /// A sentence that states the fault of a failed case.
     pub fault: Option<String>,
 }
 
-impl CaseJudgement {
+impl CaseComparison {
     /// Returns the largest ΔE2000 of all forms. A colour with a component that is not finite has an
     /// infinite difference.
     pub fn delta_e_2000(&self) -> f64 {
@@ -143,20 +143,21 @@ pub struct RegressionReport {
     /// The tolerances.
     pub tolerances: RegressionTolerances,
     /// The number of cases.
-    pub judged: usize,
+    #[serde(rename = "judged")]
+    pub compared: usize,
     /// The number of cases that failed.
     pub failed: usize,
     /// A likely cause, if many cases fail in the same way.
     pub hint: Option<String>,
     /// The cases. The case with the largest difference comes first.
-    pub cases: Vec<CaseJudgement>,
+    pub cases: Vec<CaseComparison>,
 }
 
 impl RegressionReport {
     /// Returns the result in words.
     pub fn verdict(&self) -> String {
-        let Self { judged, failed, .. } = self;
-        if *failed == 0 { format!("all {judged} cases pass") } else { format!("{failed} of {judged} cases fail") }
+        let Self { compared, failed, .. } = self;
+        if *failed == 0 { format!("all {compared} cases pass") } else { format!("{failed} of {compared} cases fail") }
     }
 }
 
@@ -166,7 +167,7 @@ impl RegressionReport {
 /// # Errors
 /// Returns an input error if a case is unknown, occurs twice or is missing, or if a colour is given
 /// in no form.
-pub fn judge(
+pub fn compare_groups(
     converted: &[(String, ConvertedColour)],
     groups: &[CaseGroup],
     tolerances: RegressionTolerances,
@@ -189,7 +190,7 @@ pub fn judge(
 ///
 /// # Errors
 /// Returns an input error if a case is unknown or occurs twice, or if a colour is given in no form.
-pub fn judge_given(
+pub fn compare_given(
     converted: &[(String, ConvertedColour)],
     tolerances: RegressionTolerances,
 ) -> Result<RegressionReport> {
@@ -221,8 +222,8 @@ fn given(converted: &[(String, ConvertedColour)]) -> Result<Vec<CaseOfConverter<
 }
 
 fn report(pairs: &[CaseOfConverter<'_>], tolerances: RegressionTolerances) -> RegressionReport {
-    let mut cases: Vec<CaseJudgement> =
-        pairs.iter().map(|(case, colour)| judge_case(case, colour, &tolerances)).collect();
+    let mut cases: Vec<CaseComparison> =
+        pairs.iter().map(|(case, colour)| compare_case(case, colour, &tolerances)).collect();
     let failed = cases.iter().filter(|case| !case.passed).count();
     let hint = if failed == 0 { None } else { scale_hint(pairs, &tolerances) };
     cases.sort_by(|a, b| {
@@ -230,24 +231,24 @@ fn report(pairs: &[CaseOfConverter<'_>], tolerances: RegressionTolerances) -> Re
             .partial_cmp(&(b.passed, a.delta_e_2000(), a.component()))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
-    RegressionReport { set: REGRESSION_SET, tolerances, judged: cases.len(), failed, hint, cases }
+    RegressionReport { set: REGRESSION_SET, tolerances, compared: cases.len(), failed, hint, cases }
 }
 
-fn judge_case(case: &RegressionCase, colour: &ConvertedColour, tolerances: &RegressionTolerances) -> CaseJudgement {
+fn compare_case(case: &RegressionCase, colour: &ConvertedColour, tolerances: &RegressionTolerances) -> CaseComparison {
     let forms = ColourForm::ALL.into_iter().filter_map(|form| Some((form, form.converted(colour)?)));
-    let colours: Vec<ColourJudgement> = forms.map(|(form, found)| judge_colour(case, form, found)).collect();
+    let colours: Vec<ColourComparison> = forms.map(|(form, found)| compare_colour(case, form, found)).collect();
     let faults: Vec<String> = colours.iter().filter_map(|colour| fault(colour, tolerances)).collect();
     let fault = (!faults.is_empty()).then(|| faults.join("; "));
-    CaseJudgement { id: case.id.clone(), group: case.group, passed: fault.is_none(), colours, fault }
+    CaseComparison { id: case.id.clone(), group: case.group, passed: fault.is_none(), colours, fault }
 }
 
-fn judge_colour(case: &RegressionCase, form: ColourForm, found: [f64; 3]) -> ColourJudgement {
+fn compare_colour(case: &RegressionCase, form: ColourForm, found: [f64; 3]) -> ColourComparison {
     let expected = form.expected(&case.expected);
     let is_finite = found.iter().all(|value| value.is_finite());
     let white = RgbSpace::Srgb.white().map(|value| 100.0 * value);
     let seen = |colour: [f64; 3]| lab(form.to_xyz(colour), white);
     let component = largest_difference(form, found, expected);
-    ColourJudgement {
+    ColourComparison {
         form: form.name(),
         expected,
         found,
@@ -263,7 +264,7 @@ fn largest_difference(form: ColourForm, found: [f64; 3], expected: [f64; 3]) -> 
 }
 
 /// Returns a sentence if a colour is not within the tolerances.
-fn fault(colour: &ColourJudgement, tolerances: &RegressionTolerances) -> Option<String> {
+fn fault(colour: &ColourComparison, tolerances: &RegressionTolerances) -> Option<String> {
     let form = colour.form;
     let (Some(delta_e), Some(component)) = (colour.delta_e_2000, colour.component) else {
         return Some(format!("{form} is {:?}, which is not finite", colour.found));

@@ -2,16 +2,16 @@
 
 use super::Scene;
 use super::geometry::Ray;
-use super::meter::{ReceivingSide, Receptor, ReceptorPoint, ReceptorShape, Response};
+use super::meter::{ReceivingSide, Response, Sensor, SensorPoint, SensorShape};
 
 impl Scene {
     /// Returns a point of a receptor. `u` selects the point of a surface and its side.
-    pub fn receptor_point(&self, receptor: &Receptor, u: [f64; 4]) -> ReceptorPoint {
-        match receptor.shape {
-            ReceptorShape::Point(position, response) => {
-                ReceptorPoint { position, from: None, response, medium_stack: receptor.medium_stack }
+    pub fn sensor_point(&self, sensor: &Sensor, u: [f64; 4]) -> SensorPoint {
+        match sensor.shape {
+            SensorShape::Point(position, response) => {
+                SensorPoint { position, from: None, response, medium_stack: sensor.medium_stack }
             }
-            ReceptorShape::Surface(object, side) => {
+            SensorShape::Surface(object, side) => {
                 let sample = self.geometry.sample_area(object, [u[0], u[1], u[2]]);
                 let front = match side {
                     ReceivingSide::Front => true,
@@ -22,7 +22,7 @@ impl Scene {
                 let ray = Ray { origin: sample.position, direction: normal };
                 let medium_stack = self.medium_stack_on(ray, sample.surface);
                 let (position, from) = (sample.position, Some(sample.surface));
-                ReceptorPoint { position, from, response: Response::Plane(normal), medium_stack }
+                SensorPoint { position, from, response: Response::Plane(normal), medium_stack }
             }
         }
     }

@@ -10,20 +10,20 @@ use std::iter;
 
 /// The largest number of targets around objects. If a scene has more objects, neighbouring objects
 /// share a target.
-const MAX_TARGETS: usize = 16;
+const MAX_INNER_SPHERES: usize = 16;
 
 /// The largest number of spheres around the targets.
-const MAX_SURROUNDINGS: usize = 24;
+const MAX_OUTER_SPHERES: usize = 24;
 
 /// The ratio of the radii of successive spheres around a target.
-const SURROUNDINGS_RATIO: f64 = 4.0;
+const OUTER_RATIO: f64 = 4.0;
 
 /// The spheres through which lights aim photons, each list with the smallest sphere first.
-pub(super) struct AimSpheres {
+pub(super) struct GuidingSpheres {
     /// One kind of target contains the objects that can focus light or that are filled with a
     /// medium. Another kind contains the openings. The last target contains most of the visible
     /// points. Lights use only the targets that receive a small share of their power.
-    pub(super) targets: Vec<BoundingSphere>,
+    pub(super) inner: Vec<BoundingSphere>,
     /// Spheres around the targets that are smaller than the scene. Neighbouring targets share
     /// spheres.
     ///
@@ -32,12 +32,12 @@ pub(super) struct AimSpheres {
     /// photon of a target is lighter than a photon of the whole world by many orders of magnitude,
     /// so the few heavy photons would dominate the noise. With the spheres as further strata, the
     /// power of a photon increases in steps with the distance.
-    pub(super) surroundings: Vec<BoundingSphere>,
+    pub(super) outer: Vec<BoundingSphere>,
 }
 
-impl AimSpheres {
+impl GuidingSpheres {
     /// Returns the spheres of a scene. `scenes` contains the scene at several shutter times.
-    pub(super) fn new(scenes: &[Cow<'_, Scene>], openings: &[BoundingSphere]) -> Self {
+    pub(super) fn new(scenes: &[Cow<'_, Scene>], portals: &[BoundingSphere]) -> Self {
         let mut boxes: Vec<Option<Bounds>> = Vec::new();
         for scene in scenes {
             boxes.resize(scene.objects.len(), None);
@@ -48,37 +48,35 @@ impl AimSpheres {
             }
         }
         let mut boxes: Vec<Bounds> = boxes.into_iter().flatten().collect();
-        let mut targets = Vec::new();
-        cluster(&mut boxes, MAX_TARGETS, &mut targets);
-        targets.extend(openings);
-        targets.extend(scenes.first().and_then(|scene| scene.visible_sphere()));
-        targets.retain(|target| target.radius_m.is_finite() && target.radius_m > 0.0);
-        sort_by_number(&mut targets, |target| target.radius_m);
+        let mut inner = Vec::new();
+        cluster(&mut boxes, MAX_INNER_SPHERES, &mut inner);
+        inner.extend(portals);
+        inner.extend(scenes.first().and_then(|scene| scene.visible_sphere()));
+        inner.retain(|inner_sphere| inner_sphere.radius_m.is_finite() && inner_sphere.radius_m > 0.0);
+        sort_by_number(&mut inner, |inner_sphere| inner_sphere.radius_m);
         let world_m = scenes.first().map_or(0.0, |scene| scene.radius_m);
-        let surroundings = surroundings(&targets, world_m);
-        Self { targets, surroundings }
+        let outer = outer(&inner, world_m);
+        Self { inner, outer }
     }
 }
 
 /// Returns spheres around targets that are smaller than the world.
-fn surroundings(targets: &[BoundingSphere], world_m: f64) -> Vec<BoundingSphere> {
+fn outer(inner: &[BoundingSphere], world_m: f64) -> Vec<BoundingSphere> {
     let mut spheres = Vec::new();
-    for target in targets {
-        let larger = |sphere: &BoundingSphere| Some(sphere.times(SURROUNDINGS_RATIO));
-        for sphere in iter::successors(larger(target), larger).take_while(|sphere| sphere.radius_m < world_m) {
+    for inner_sphere in inner {
+        let larger = |sphere: &BoundingSphere| Some(sphere.times(OUTER_RATIO));
+        for sphere in iter::successors(larger(inner_sphere), larger).take_while(|sphere| sphere.radius_m < world_m) {
             let replaces = |other: &BoundingSphere| {
                 let ratio = other.radius_m / sphere.radius_m;
-                ratio * ratio <= SURROUNDINGS_RATIO
-                    && ratio * ratio * SURROUNDINGS_RATIO >= 1.0
-                    && other.contains(target)
+                ratio * ratio <= OUTER_RATIO && ratio * ratio * OUTER_RATIO >= 1.0 && other.contains(inner_sphere)
             };
-            if !targets.iter().chain(&spheres).any(replaces) {
+            if !inner.iter().chain(&spheres).any(replaces) {
                 spheres.push(sphere);
             }
         }
     }
     sort_by_number(&mut spheres, |sphere| sphere.radius_m);
-    spheres.truncate(MAX_SURROUNDINGS);
+    spheres.truncate(MAX_OUTER_SPHERES);
     spheres
 }
 
@@ -91,17 +89,17 @@ fn needs_photons(scene: &Scene, object: u32) -> bool {
 }
 
 /// Divides boxes into at most `most` groups of neighbours, and adds a sphere around each group.
-fn cluster(boxes: &mut [Bounds], most: usize, targets: &mut Vec<BoundingSphere>) {
+fn cluster(boxes: &mut [Bounds], most: usize, inner: &mut Vec<BoundingSphere>) {
     let Some(around) = boxes.iter().copied().reduce(union) else { return };
     if boxes.len() == 1 || most <= 1 {
-        targets.push(BoundingSphere::around_box(around.0, around.1));
+        inner.push(BoundingSphere::around_box(around.0, around.1));
         return;
     }
     let axis = (around.1 - around.0).max_position();
     sort_by_number(boxes, |(low, high)| (*low + *high)[axis]);
     let (low, high) = boxes.split_at_mut(boxes.len() / 2);
-    cluster(low, most / 2, targets);
-    cluster(high, most - most / 2, targets);
+    cluster(low, most / 2, inner);
+    cluster(high, most - most / 2, inner);
 }
 
 fn union((low, high): Bounds, (from, to): Bounds) -> Bounds {
@@ -115,17 +113,19 @@ mod tests {
 
     /// Every box lies in one of the targets, and the number of targets is limited.
     #[test]
-    fn targets_cover_all_objects() {
+    fn inner_spheres_cover_all_objects() {
         let at = |i: u32| DVec3::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100)) * 100.0;
         let boxes: Vec<Bounds> = (0..1000).map(|i| (at(i), at(i) + 1.0)).collect();
         for count in [1, 5, 16, 17, 1000] {
-            let mut targets = Vec::new();
-            cluster(&mut boxes[..count].to_vec(), MAX_TARGETS, &mut targets);
-            assert_eq!(targets.len(), count.min(MAX_TARGETS));
-            let holds =
-                |target: &BoundingSphere, point: DVec3| target.centre.distance(point) <= target.radius_m * 1.001;
-            let covered =
-                |(low, high): &Bounds| targets.iter().any(|target| holds(target, *low) && holds(target, *high));
+            let mut inner = Vec::new();
+            cluster(&mut boxes[..count].to_vec(), MAX_INNER_SPHERES, &mut inner);
+            assert_eq!(inner.len(), count.min(MAX_INNER_SPHERES));
+            let holds = |inner_sphere: &BoundingSphere, point: DVec3| {
+                inner_sphere.centre.distance(point) <= inner_sphere.radius_m * 1.001
+            };
+            let covered = |(low, high): &Bounds| {
+                inner.iter().any(|inner_sphere| holds(inner_sphere, *low) && holds(inner_sphere, *high))
+            };
             assert!(boxes[..count].iter().all(covered));
         }
     }
@@ -133,10 +133,10 @@ mod tests {
     /// A small target in a large world has spheres in steps of the ratio. A second target beside it
     /// shares them, and a distant target has its own until they contain both.
     #[test]
-    fn neighbouring_targets_share_their_surroundings() {
+    fn neighbouring_inner_spheres_share_outer_spheres() {
         let sphere = |x: f64| BoundingSphere { centre: DVec3::new(x, 0.0, 0.0), radius_m: 1.0 };
-        let radii = |targets: &[BoundingSphere]| -> Vec<f64> {
-            surroundings(targets, 1000.0).iter().map(|sphere| sphere.radius_m).collect()
+        let radii = |inner: &[BoundingSphere]| -> Vec<f64> {
+            outer(inner, 1000.0).iter().map(|sphere| sphere.radius_m).collect()
         };
         assert_eq!(radii(&[sphere(0.0)]), [4.0, 16.0, 64.0, 256.0]);
         assert_eq!(radii(&[sphere(0.0), sphere(2.5)]), [4.0, 16.0, 64.0, 256.0]);

@@ -7,8 +7,8 @@ use crate::plan::partition::LightPath;
 use crate::walk::ledger::Ledger;
 use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::Scene;
-use abbe_scene::meter::{Receptor, ReceptorShape};
-use abbe_scene::view::RECEPTOR_MARGIN;
+use abbe_scene::meter::{Sensor, SensorShape};
+use abbe_scene::view::SENSOR_MARGIN;
 use abbe_spectra::math::random::{Purpose, Stream};
 use abbe_spectra::math::sphere::BoundingSphere;
 use glam::DVec3;
@@ -22,8 +22,8 @@ const LARGEST_RADIUS: f64 = 0.5;
 /// Returns the first kernel radii of all receptors in m. Returns no radii if there are no
 /// receptors, or if the plan has no caustics.
 pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &EmissionStrata, photons: u64) -> Vec<f64> {
-    let receptors = scene.camera.receptors();
-    if receptors.is_empty() || context.plan.caustics == CausticPlan::Absent {
+    let sensors = scene.camera.sensors();
+    if sensors.is_empty() || context.plan.caustics == CausticPlan::Absent {
         return Vec::new();
     }
     let specular = |object: u32| {
@@ -38,20 +38,20 @@ pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &Emi
     let wavelengths = WavelengthSampling::Free;
     let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::ReceptorPhoton, pass: 0 };
     let source = context.photon_source(scene, strata, request);
-    let disks = PointDisks::new(receptors, |_| most_m);
-    let mut survey = ReceptorSurvey { receptors, disks, most_m, distances2: vec![Vec::new(); receptors.len()] };
+    let disks = PointDisks::new(sensors, |_| most_m);
+    let mut survey = SensorSurvey { sensors, disks, most_m, distances2: vec![Vec::new(); sensors.len()] };
     let mut ledger = Ledger::new(scene.materials.len());
     trace(&source, &source.points(), 0..paths, &mut survey, &mut ledger);
     // A pass has more photon paths than the survey.
     let nearest = (context.budget.nearest as f64 * paths as f64 / photons.max(1) as f64).max(1.0) as usize;
     let view = scene.visible_sphere();
-    let radius_m = |(receptor, mut distances2): (&Receptor, Vec<f64>)| {
+    let radius_m = |(sensor, mut distances2): (&Sensor, Vec<f64>)| {
         let enough = distances2.len() >= nearest;
         let found_m =
             if enough { distances2.select_nth_unstable_by(nearest - 1, f64::total_cmp).1.sqrt() } else { most_m };
-        receptor.position().map_or(found_m, |position| found_m.min(largest_radius_m(view, position)))
+        sensor.position().map_or(found_m, |position| found_m.min(largest_radius_m(view, position)))
     };
-    receptors.iter().zip(survey.distances2).map(radius_m).collect()
+    sensors.iter().zip(survey.distances2).map(radius_m).collect()
 }
 
 /// Returns the largest radius of the kernel of a receptor at a position, in m. `view` is the sphere
@@ -59,19 +59,19 @@ pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &Emi
 /// edge.
 fn largest_radius_m(view: Option<BoundingSphere>, position: DVec3) -> f64 {
     let Some(view) = view else { return f64::INFINITY };
-    let inner_m = view.radius_m / RECEPTOR_MARGIN;
+    let inner_m = view.radius_m / SENSOR_MARGIN;
     if position.distance(view.centre) <= inner_m { view.radius_m - inner_m } else { f64::INFINITY }
 }
 
 /// Collects the distances of caustic photons from the receptors.
-struct ReceptorSurvey<'a> {
-    receptors: &'a [Receptor],
+struct SensorSurvey<'a> {
+    sensors: &'a [Sensor],
     disks: PointDisks,
     most_m: f64,
     distances2: Vec<Vec<f64>>,
 }
 
-impl PhotonVisitor for ReceptorSurvey<'_> {
+impl PhotonVisitor for SensorSurvey<'_> {
     fn on_emission(&mut self, _stratum: usize, _aim: [f64; 2]) {}
 
     fn on_surface(&mut self, _arrival: &SurfaceArrival<'_>, _stream: &mut Stream) {}
@@ -80,9 +80,9 @@ impl PhotonVisitor for ReceptorSurvey<'_> {
         if flight.photon.light_path != LightPath::Caustic {
             return;
         }
-        let (receptors, most_m, distances2) = (self.receptors, self.most_m, &mut self.distances2);
+        let (sensors, most_m, distances2) = (self.sensors, self.most_m, &mut self.distances2);
         self.disks.visit(flight, |number| {
-            let ReceptorShape::Point(position, response) = receptors[number].shape else { return };
+            let SensorShape::Point(position, response) = sensors[number].shape else { return };
             let found = crossing(flight, position, response, most_m);
             distances2[number].extend(found.map(|(_, d2)| d2));
         });

@@ -19,7 +19,7 @@ use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 
 /// The share of the photons that a surface scatters towards spheres.
-const SHARE: f64 = 0.1;
+const GUIDED_FRACTION: f64 = 0.1;
 
 /// A sphere is distant if its distance is at least this multiple of its radius.
 const LEAST_DISTANCE: f64 = 2.0;
@@ -27,7 +27,7 @@ const LEAST_DISTANCE: f64 = 2.0;
 /// Scatters a photon at a surface. A share of the photons is scattered towards a distant sphere.
 /// Returns `None` if the surface absorbs the photon.
 #[inline(never)]
-pub(super) fn scatter_with_destinations<M: BodyMode>(
+pub(super) fn scatter_with_guiding<M: BodyMode>(
     spheres: &[BoundingSphere],
     path: &mut PhotonPath,
     interaction: &SurfaceInteraction<'_>,
@@ -39,7 +39,7 @@ pub(super) fn scatter_with_destinations<M: BodyMode>(
         return M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream);
     }
     let before = path.total_w();
-    let scattered = if stream.uniform() < SHARE {
+    let scattered = if stream.uniform() < GUIDED_FRACTION {
         distant.scatter(path, interaction, stream)
     } else {
         distant.scatter_by_bsdf::<M>(path, interaction, stream)
@@ -81,7 +81,7 @@ impl<'a> DistantSpheres<'a> {
 
     /// Returns the density of the mixture, per steradian. `pdf_bsdf` is the density of the BSDF.
     fn mixture_pdf(&self, pdf_bsdf: f64, direction: DVec3) -> f64 {
-        (1.0 - SHARE) * pdf_bsdf + SHARE * self.pdf(direction)
+        (1.0 - GUIDED_FRACTION) * pdf_bsdf + GUIDED_FRACTION * self.pdf(direction)
     }
 
     /// Scatters the photon towards a sphere. The photon's power becomes the power after the event,
@@ -123,13 +123,13 @@ impl<'a> DistantSpheres<'a> {
         interaction: &SurfaceInteraction<'_>,
         stream: &mut Stream,
     ) -> Option<ScatteredRay> {
-        path.divide_power(1.0 - SHARE);
+        path.divide_power(1.0 - GUIDED_FRACTION);
         let scattered = M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream)?;
         if scattered.delta {
             return Some(scattered);
         }
         let pdf = self.mixture_pdf(scattered.pdf, scattered.direction);
-        let weight = (1.0 - SHARE) * scattered.pdf / pdf;
+        let weight = (1.0 - GUIDED_FRACTION) * scattered.pdf / pdf;
         path.multiply_power(weight);
         // The absorbed power does not depend on the direction.
         Some(ScatteredRay { absorbed: scattered.absorbed.map(|absorbed| absorbed / weight), pdf, ..scattered })
@@ -154,7 +154,7 @@ mod tests {
     /// normal, receives the share (r/d)² cos θ of the scattered light. The rest is scattered
     /// elsewhere, and the ledger is balanced. The light arrives at the front or at the back.
     #[test]
-    fn destinations_change_no_share_of_the_scattered_light() {
+    fn guiding_keeps_the_scattered_light() {
         const ALBEDO: f64 = 0.8;
         let text = r#"{
   "camera": {"from": [0, 5, 0], "at": [0, 0, 0], "up": [0, 0, 1], "lens": {"pinhole": {"fov": 40}}},
@@ -167,7 +167,7 @@ mod tests {
         let scene = resolve(&written, &source).unwrap();
         let photon = PhotonState {
             light_path: LightPath::Direct,
-            lost: false,
+            truncated: false,
             wavelengths: Wavelengths::new([450.0, 500.0, 550.0, 600.0]),
             power: [0.25; LANES],
             wavelength_code: WavelengthCode::default(),
@@ -179,33 +179,28 @@ mod tests {
             let ray = Ray::new(DVec3::new(0.1, side, 0.2), -side * DVec3::Y);
             let start = RayState { ray, from: None, medium_stack: MediumStack::AIR };
             let interaction = WithoutBodies::next_interaction(&scene, start, SurfaceLookup::of_line(0.0)).unwrap();
-            let target = |x: f64, y: f64, distance: f64| BoundingSphere {
+            let sphere = |x: f64, y: f64, distance: f64| BoundingSphere {
                 centre: interaction.hit.position + distance * DVec3::new(x, side * y, 0.0),
                 radius_m: 1.0,
             };
-            let targets = [target(0.75_f64.sqrt(), 0.5, 10.0), target(-0.6, 0.8, 2.5)];
+            let spheres = [sphere(0.75_f64.sqrt(), 0.5, 10.0), sphere(-0.6, 0.8, 2.5)];
             let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
-            let (mut on_targets, mut elsewhere, count) = ([0.0; 2], 0.0, 100_000);
+            let (mut on_spheres, mut elsewhere, count) = ([0.0; 2], 0.0, 100_000);
             for _ in 0..count {
                 let mut path = PhotonPath { ray_state: start, photon, watts: [1.0; LANES] };
                 let mut ledger = Ledger::new(scene.materials.len());
-                let scattered = scatter_with_destinations::<WithoutBodies>(
-                    &targets,
-                    &mut path,
-                    &interaction,
-                    &mut stream,
-                    &mut ledger,
-                );
+                let scattered =
+                    scatter_with_guiding::<WithoutBodies>(&spheres, &mut path, &interaction, &mut stream, &mut ledger);
                 assert!((path.total_w() - ledger.sampling - 1.0).abs() < 1e-12);
                 let Some(scattered) = scattered else { continue };
                 let power = path.total_w() * scattered.weight[0] / f64::from(count);
-                let hit = targets
+                let hit = spheres
                     .iter()
-                    .position(|target| target.contains_part_of(interaction.hit.position, scattered.direction));
-                *hit.map_or(&mut elsewhere, |hit| &mut on_targets[hit]) += power;
+                    .position(|sphere| sphere.contains_part_of(interaction.hit.position, scattered.direction));
+                *hit.map_or(&mut elsewhere, |hit| &mut on_spheres[hit]) += power;
             }
-            let known = [0.01 * 0.5, 0.16 * 0.8].map(|share| share * ALBEDO);
-            for (found, known) in on_targets.iter().zip(known) {
+            let known = [0.01 * 0.5, 0.16 * 0.8].map(|fraction| fraction * ALBEDO);
+            for (found, known) in on_spheres.iter().zip(known) {
                 assert!((found / known - 1.0).abs() < 0.03, "{found} for {known}");
             }
             let rest = ALBEDO - known[0] - known[1];
