@@ -4,7 +4,7 @@
 use abbe_spectra::colour::RgbSpace;
 
 /// Returns the bytes of the ICC profile of a colour space.
-pub fn profile(space: RgbSpace) -> &'static [u8] {
+pub(super) fn profile(space: RgbSpace) -> &'static [u8] {
     match space {
         RgbSpace::Srgb => include_bytes!("profiles/srgb.icc"),
         RgbSpace::DisplayP3 => include_bytes!("profiles/display_p3.icc"),

@@ -3,19 +3,19 @@
 use ::gltf::Accessor;
 use ::gltf::accessor::sparse::IndexType;
 use ::gltf::accessor::{DataType, Dimensions};
-use ::gltf::buffer::{Data, View};
+use ::gltf::buffer::View;
 use glam::DVec3;
 
 use abbe_spectra::error::{Error, Result};
 
 /// Reads the accessors of a glTF file.
 pub struct GltfAccessors<'b> {
-    buffers: &'b [Data],
+    buffers: &'b [Vec<u8>],
 }
 
 impl<'b> GltfAccessors<'b> {
     /// Reads from the buffers of the file, in their order.
-    pub fn new(buffers: &'b [Data]) -> Self {
+    pub fn new(buffers: &'b [Vec<u8>]) -> Self {
         Self { buffers }
     }
 

@@ -15,7 +15,6 @@ mod vertex_colours;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use ::gltf::buffer::Data;
 use ::gltf::mesh::Mode;
 use ::gltf::{Document, Primitive, Semantic};
 use glam::{DAffine3, DVec3};
@@ -114,7 +113,7 @@ struct SceneReader<'b> {
 }
 
 impl<'b> SceneReader<'b> {
-    fn new(file: &'b GltfFile, buffers: &'b [Data]) -> Self {
+    fn new(file: &'b GltfFile, buffers: &'b [Vec<u8>]) -> Self {
         let pictures = GltfPictures::new(&file.document, buffers, &file.folder, file.file_access);
         Self { accessors: GltfAccessors::new(buffers), pictures }
     }
