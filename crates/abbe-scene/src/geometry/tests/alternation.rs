@@ -2,9 +2,8 @@
 
 use super::*;
 
-/// Follows random paths. At each surface, a path either crosses the surface or stays on the same
-/// side of it. The path must enter and leave the body alternately, and must not escape from the
-/// inside of the body.
+/// Follows random paths that cross each surface or stay on the same side of it. They must enter and
+/// leave the body alternately, and must not escape from its inside.
 fn enter_and_leave_alternate(shape: &Shape, to_world: DAffine3, paths: u64) {
     let geometry = alone(shape.clone(), to_world);
     let (low, high) = geometry.bounds();

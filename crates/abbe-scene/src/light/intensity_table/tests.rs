@@ -69,7 +69,7 @@ fn the_pdf_integrates_to_one() {
     }
 }
 
-/// The shares of the samples in octants and rings equal the integrals of the density within four
+/// The fractions of the samples in octants and rings equal the integrals of the pdf within four
 /// standard errors.
 #[test]
 fn samples_follow_their_pdf() {
