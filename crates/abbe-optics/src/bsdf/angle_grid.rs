@@ -6,10 +6,9 @@ use abbe_spectra::math::quadrature::gauss_legendre;
 
 /// Number of angles at which a function is computed.
 const COMPUTED_ANGLES: usize = 96;
-/// Number of cells of the grid between two computed angles. The values in between come from cubic
-/// interpolation, so that a lookup needs only linear interpolation.
+/// Number of cells between two computed angles, filled by cubic interpolation, so that a lookup
+/// needs only linear interpolation.
 const CELLS_BETWEEN: usize = 5;
-/// Number of angles in the grid.
 const ANGLES: usize = (COMPUTED_ANGLES - 1) * CELLS_BETWEEN + 1;
 /// Number of points of the quadrature of the mean in each cell.
 const POINTS_PER_CELL: usize = 4;
@@ -17,8 +16,8 @@ const POINTS_PER_CELL: usize = 4;
 /// The cosines μ at which functions of the angle are tabulated for facets of one roughness.
 ///
 /// The albedo of the facets changes fast at grazing angles, where μ is of the order of α or
-/// smaller. Let s = √μ and a = √α. The nodes are evenly spaced in the mean of two functions: s and
-/// (1 + a)·s/(s + a).
+/// smaller. Let s = √μ and a = √α. The nodes are evenly spaced in the mean of s and (1 + a)·s/(s +
+/// a).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct AngleGrid {
     /// √α.
@@ -31,7 +30,7 @@ pub(super) struct AngleGrid {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GridPoint {
     cell: usize,
-    /// The position between the nodes, from 0 to 1.
+    /// Between the nodes, from 0 to 1.
     fraction: f64,
 }
 
@@ -73,13 +72,12 @@ impl AngleGrid {
         GridPoint { cell, fraction: position - cell as f64 }
     }
 
-    /// Returns ∫ 2μ·f(μ) dμ, for the interpolation of f between its values at the nodes.
+    /// Returns ∫ 2μ·f(μ) dμ for the interpolation of f between these values at the nodes.
     pub(super) fn mean(&self, values: impl Iterator<Item = f64>) -> f64 {
         self.mean_weights.iter().zip(values).map(|(weight, value)| weight * value).sum()
     }
 
-    /// Returns s at a position among the nodes, and the derivative of s with respect to the
-    /// position.
+    /// Returns s at a position among the nodes, and its derivative with respect to the position.
     fn root_of_cosine(&self, position: f64) -> (f64, f64) {
         // The solution of s² + b·s − 2·t·a = 0, where t is the position from 0 to 1.
         let t = position / (ANGLES - 1) as f64;

@@ -21,8 +21,8 @@ use abbe_spectra::spectrum::BAND_NM;
 /// An interface between two dielectrics under thin films.
 ///
 /// The films interfere coherently, the first being on the outside of the body, and light is
-/// refracted as at the bare interface between the two indices of [`InterfaceIors`]. If the
-/// interface is rough, each microfacet has the films; see [`Dielectric`].
+/// refracted as at the bare interface between the indices of [`InterfaceIors`]. If the interface is
+/// rough, each microfacet has the films; see [`Dielectric`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoatedDielectric {
     pub(super) films: FilmStack,
@@ -34,17 +34,16 @@ pub struct CoatedDielectric {
 #[derive(Debug, Clone, PartialEq)]
 struct CoatedFacets {
     interface: RoughInterface,
-    /// The index of the body.
     index: RefractiveIndex,
-    /// The properties of the facets of the body in air, at the whole nanometres of the band. Empty
-    /// if a thickness varies over the surface.
+    /// The mean properties of the facets of the body in air at the whole nanometres of the band, or
+    /// none if a thickness varies over the surface.
     in_air: Box<[FilmMean]>,
 }
 
 impl CoatedDielectric {
-    /// Creates an interface of GGX roughness `alpha` under these films. The list of films starts at
-    /// the outside of the body, whose index is `index`. If `alpha` is below [`MIN_ALPHA`], the
-    /// interface is smooth. Returns an error if `alpha` lies outside \[0, 1\].
+    /// Creates an interface of GGX roughness `alpha`, smooth if it is below [`MIN_ALPHA`], under
+    /// films that are listed from the outside of the body of this `index`. Returns an error if
+    /// `alpha` lies outside \[0, 1\].
     pub fn new(films: FilmStack, index: &RefractiveIndex, alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
         let mut coated = Self { films, facets: None };
@@ -58,23 +57,21 @@ impl CoatedDielectric {
         Ok(coated)
     }
 
-    /// Returns whether the interface is rough, so that its lobes have a finite width.
+    /// Returns true if the interface is rough, so that its lobes have a finite width.
     pub fn is_rough(&self) -> bool {
         self.facets.is_some()
     }
 
-    /// Returns the interface without its films.
     pub(super) fn without_films(self) -> Dielectric {
         Dielectric { facets: self.facets.map(|facets| facets.interface) }
     }
 
-    /// Returns the interface with the mean thickness of each film.
     pub(super) fn without_textures(self) -> Self {
         Self { films: self.films.without_textures(), ..self }
     }
 
-    /// Returns R and T of the smooth interface at the wavelength `nm`. `thickness_nm` is the
-    /// thickness of the film that varies over the surface.
+    /// Returns R and T of the smooth interface at the wavelength `nm`, where the film that varies
+    /// over the surface has this thickness.
     pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
         let (here, there) = (iors.here.n(nm), Complex::from(iors.there.n(nm)));
         powers_of(&oriented(&self.films, wo.z >= 0.0, wo.z, here, there, thickness_nm, nm), self.films.absorbs())
@@ -189,8 +186,8 @@ impl CoatedDielectric {
         })
     }
 
-    /// Computes the mean properties of the facets at one wavelength. The indices are those on the
-    /// side of the light and on the other side.
+    /// Computes the mean properties of the facets at one wavelength, with the index on the side of
+    /// the light first.
     fn film_mean(
         &self,
         interface: &RoughInterface,
@@ -207,7 +204,7 @@ impl CoatedDielectric {
 }
 
 /// Returns two different indices, because the lobe of refraction between equal indices has no
-/// width. The direction then changes by at most 10⁻⁵ rad.
+/// width. The direction changes by at most 10⁻⁵ rad.
 fn distinct([here, there]: [f64; 2], outside: bool) -> [f64; 2] {
     const LEAST_RATIO: f64 = 1.0 + 1e-5;
     match (here == there, outside) {
@@ -222,7 +219,7 @@ struct CoatedFacet<'a> {
     films: &'a FilmStack,
     /// True for light that meets the first film first.
     outside: bool,
-    /// The indices of the medium of the light and of the other medium.
+    /// Of the medium of the light and of the other medium.
     indices: [f64; 2],
     thickness_nm: f32,
     nm: f64,
@@ -240,15 +237,15 @@ impl FacetResponse for CoatedFacet<'_> {
     }
 }
 
-/// A free-standing film, such as a soap bubble: a surface without thickness, with the same medium
-/// on both sides. Transmitted light continues straight on.
+/// A free-standing film, such as a soap bubble: a surface without thickness in one medium.
+/// Transmitted light continues straight on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinFilm {
     pub(super) films: FilmStack,
 }
 
 impl ThinFilm {
-    /// Creates a film from its layers, the first of which is on the outside of the surface.
+    /// Creates a film from its layers, listed from the outside of the surface.
     pub fn new(films: FilmStack) -> Self {
         Self { films }
     }
@@ -284,12 +281,12 @@ fn powers_of(response: &StackResponse, absorbs: bool) -> PowerFractions {
     PowerFractions { reflected, transmitted: 1.0 - reflected }
 }
 
-/// Returns the probability with which a path of the wavelength `nm` is reflected. `None` stands for
-/// a path that carries the whole band: the probability is then 1 under total reflection, and
-/// otherwise from 0.1 to 0.9. `powers` returns R and T at a wavelength in nm.
+/// Returns the probability with which a path of the wavelength `nm` is reflected, from R and T at a
+/// wavelength. For a path that carries the whole band (`None`), it is 1 under total reflection, and
+/// otherwise from 0.1 to 0.9.
 pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> PowerFractions) -> f64 {
-    /// Wavelengths (nm) at the ends of the band, where the critical angles are extreme, and
-    /// wavelengths over its visible part.
+    /// Wavelengths (nm) at the ends of the band, where the critical angles are extreme, and in
+    /// between.
     const PROBES_NM: [f64; 6] = [BAND_NM.0, 440.0, 500.0, 560.0, 630.0, BAND_NM.1];
     if let Some(nm) = nm {
         let PowerFractions { reflected, transmitted } = powers(nm);
@@ -304,8 +301,8 @@ pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> Po
     PowerFractions { reflected, transmitted }.reflection_probability()
 }
 
-/// Returns the response of films to light at an angle of incidence of this cosine. If `outside` is
-/// true, the light meets the first film first.
+/// Returns the response of films to light at this cosine, which meets the first film first if
+/// `outside`.
 fn oriented(
     films: &FilmStack,
     outside: bool,
@@ -335,8 +332,7 @@ mod tests {
         FilmLayer { index, thickness_nm: SurfaceScalar::Uniform(thickness_nm) }
     }
 
-    /// A quarter-wave layer of index √n makes the surface of glass black at its wavelength, from
-    /// both sides.
+    /// A quarter-wave layer of index √n makes glass black at its wavelength, from both sides.
     #[test]
     fn an_ideal_quarter_wave_layer_reflects_nothing() {
         let n = 1.5_f64;
@@ -366,8 +362,8 @@ mod tests {
         }
     }
 
-    /// The fractions of the power that a coated rough interface reflects and transmits, from
-    /// samples with evenly spread random numbers.
+    /// The fractions of the power that a coated rough interface reflects and transmits, from evenly
+    /// spread samples.
     fn scattered(coated: &CoatedDielectric, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> [f64; 2] {
         const SAMPLES: u32 = 1 << 16;
         let spread = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
@@ -430,8 +426,7 @@ mod tests {
         }
     }
 
-    /// If the media have the same index, the transmitted light goes straight on, and the films
-    /// reflect.
+    /// Between equal media, the transmitted light goes straight on, and the films reflect.
     #[test]
     fn films_between_equal_media_reflect_and_do_not_refract() {
         let water = RefractiveIndex::constant(1.33).unwrap();

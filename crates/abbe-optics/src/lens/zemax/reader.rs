@@ -24,7 +24,7 @@ pub(super) struct ZmxReader<'a> {
     catalogues: &'a [AgfCatalogue],
     pub(super) name: String,
     pub(super) unit_mm: f64,
-    /// The lengths are in the unit of the file until [`ZmxReader::opening_mm`] converts them.
+    /// In the unit of the file until [`ZmxReader::opening_mm`] converts them.
     opening: ApertureSpec,
     pub(super) fields: FieldKind,
     /// The number of fields that are in use, if the file states it.
@@ -83,8 +83,7 @@ impl<'a> ZmxReader<'a> {
         Ok(())
     }
 
-    /// Returns the largest distance of a field from the axis. Returns `None` if the file has only
-    /// the field on the axis.
+    /// Returns the largest distance of a field from the axis, if there is one beside the axis.
     pub(super) fn widest_field(&self) -> Option<f64> {
         let count = self.field_count.unwrap_or(usize::MAX).min(self.field_x.len().max(self.field_y.len()));
         let at = |fields: &[f64], i: usize| fields.get(i).copied().unwrap_or(0.0);
@@ -127,7 +126,7 @@ impl<'a> ZmxReader<'a> {
         self.lens(object_mm)
     }
 
-    /// Returns the size of the stop in mm. `object_mm` is the distance of the object.
+    /// Returns the size of the stop in mm, for an object at this distance.
     pub(super) fn opening_mm(&self, object_mm: f64) -> ApertureSpec {
         match self.opening {
             ApertureSpec::EntrancePupil { diameter_mm } => {
@@ -177,8 +176,7 @@ fn object_cone(arguments: &[&str]) -> Result<ApertureSpec> {
     Ok(ApertureSpec::ObjectCone { tangent: sine / (1.0 - sine * sine).sqrt(), object_mm: f64::INFINITY })
 }
 
-/// Adds a line number to an error that contains the path of a surface. The number is the line of
-/// the surface in the file.
+/// Adds the line in the file to an error that contains the path of a surface.
 fn placed(error: Error, lines: &[usize]) -> Error {
     let path = error.location.path.as_deref().unwrap_or_default();
     let surface = path.strip_prefix("surfaces[").and_then(|rest| rest.split(']').next()?.parse::<usize>().ok());
