@@ -1,4 +1,4 @@
-//! 3 × 3 matrices. Their functions can be called in constant expressions.
+//! 3 × 3 matrices, for constant expressions too.
 
 /// Three rows of three components.
 pub(crate) type Matrix3 = [[f64; 3]; 3];
@@ -35,7 +35,6 @@ pub(crate) const fn inverse(m: &Matrix3) -> Matrix3 {
     result
 }
 
-/// Returns the dot product a · b.
 pub(crate) const fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,5 +1,5 @@
-//! Rotations and their angles, by means of [`super::elementary`]. The functions of the crate `glam`
-//! that compute sines or angles call the C library, so the renderer does not use them.
+//! Rotations and their angles, by [`super::elementary`]. The functions of the crate `glam` that
+//! compute sines or angles call the C library, so the renderer does not use them.
 
 use super::elementary::{acos, sin, sin_cos};
 use glam::{DMat3, DQuat, DVec2, DVec3};
@@ -34,8 +34,8 @@ pub fn angle_between(a: DQuat, b: DQuat) -> f64 {
     2.0 * acos(a.dot(b).abs().min(1.0))
 }
 
-/// Interpolates between two orientations along the shorter arc (Shoemake 1985). Returns `from` if
-/// `fraction` is 0, and an orientation equal to `to` if `fraction` is 1.
+/// Interpolates between two orientations along the shorter arc (Shoemake 1985), from `from` at 0 to
+/// an orientation equal to `to` at 1.
 pub fn slerp(from: DQuat, to: DQuat, fraction: f64) -> DQuat {
     let cosine = from.dot(to);
     // Both signs of a quaternion are the same orientation.

@@ -2,8 +2,7 @@
 //! coefficients) and of refractive indices of metals.
 //!
 //! The catalogue `data/library.csv` names the file and the column of every entry. The files are
-//! part of the compiled crate, and only the column of an entry is parsed, when the entry is
-//! requested.
+//! part of the compiled crate, and only the column of a requested entry is parsed.
 
 use std::sync::OnceLock;
 
@@ -16,11 +15,10 @@ use serde::Serialize;
 /// The physical quantity of a library spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpectrumKind {
-    /// Power per nm, which is 0 outside the table. Each entry has its own scale, so the powers of
-    /// two entries are not comparable.
+    /// Power per nm, on a scale of each entry's own, and 0 outside the table.
     Light,
-    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used, as for
-    /// all following kinds.
+    /// A reflectance from 0 to 1. Outside the table it keeps the value at the nearest end, as all
+    /// following kinds do.
     Reflectance,
     /// A transmittance from 0 to 1.
     Transmittance,
@@ -99,7 +97,7 @@ impl LibraryFile {
     }
 }
 
-/// The file of spectral lines. All other files are tables with one column per entry.
+/// The file of spectral lines. All others are tables with one column per entry.
 const LINES_FILE: &str = "illuminants/lines.csv";
 
 static CATALOGUE: &str = include_str!("../../data/library.csv");
@@ -191,13 +189,11 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     list().iter().map(|listing| listing.name)
 }
 
-/// The description of the expected input. It is part of the error for an unknown spectrum name.
+/// The expected input in the error for an unknown spectrum name.
 pub const EXPECTED_NAME: &str = "the name of a built-in spectrum";
 
-/// Returns the spectrum with this name. Case is ignored.
-///
-/// # Errors
-/// Returns an error if the name is not in the catalogue. The error suggests a similar name.
+/// Returns the spectrum with this name in any letter case, or an error that suggests a similar
+/// name.
 pub fn find(name: &str) -> Result<LibrarySpectrum> {
     let listing = list()
         .iter()
@@ -216,7 +212,7 @@ pub struct LibraryMetal {
     pub symbol: &'static str,
     /// The English name.
     pub name: &'static str,
-    /// Another spelling of the name that is also accepted. The string is empty if there is none.
+    /// Another accepted spelling of the name, or an empty string.
     pub also: &'static str,
     /// The source of the measured data.
     pub source: &'static str,
@@ -241,10 +237,8 @@ impl LibraryMetal {
     }
 }
 
-/// Returns the metal with this symbol or this English name. Case is ignored.
-///
-/// # Errors
-/// Returns an error if the name is unknown. The error suggests a similar name.
+/// Returns the metal with this symbol or English name in any letter case, or an error that suggests
+/// a similar name.
 pub fn metal(name: &str) -> Result<LibraryMetal> {
     metals().find(|metal| metal.is_called(name)).ok_or_else(|| {
         let candidates = metals().flat_map(|metal| [metal.symbol, metal.name]);
@@ -303,8 +297,7 @@ fn table(text: &str, column: &str, outside: Outside) -> Spectrum {
     Spectrum::table(&nm, &values, outside).expect("a built-in table is valid")
 }
 
-/// Parses the spectral lines of one lamp. Each row contains the name of a lamp, a wavelength in nm
-/// and a power.
+/// Parses the spectral lines of one lamp from rows of a lamp name, a wavelength in nm and a power.
 fn lines(text: &str, lamp: &str) -> Spectrum {
     let lines: Vec<SpectralLine> = text
         .lines()
