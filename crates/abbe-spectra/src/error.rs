@@ -183,42 +183,27 @@ pub fn every<T>(results: impl IntoIterator<Item = Result<T>>) -> Result<Vec<T>> 
     Error::all(faults).map_or(Ok(values), Err)
 }
 
-/// Words of other programs, and the words of Abbe with the same meaning.
-const SYNONYMS: [(&str, &str); 34] = [
-    ("glass", "dielectric"),
-    ("transparent", "dielectric"),
-    ("refractive", "dielectric"),
-    ("roughdielectric", "dielectric"),
-    ("thindielectric", "thin_dielectric"),
-    ("metal", "conductor"),
-    ("roughconductor", "conductor"),
-    ("matte", "diffuse"),
-    ("lambertian", "diffuse"),
-    ("lambert", "diffuse"),
-    ("plastic", "glossy"),
-    ("coateddiffuse", "glossy"),
-    ("specular", "mirror"),
-    ("black", "absorber"),
-    ("null", "boundary"),
-    ("interface", "boundary"),
-    ("albedo", "reflectance"),
-    ("color", "reflectance"),
-    ("colour", "reflectance"),
-    ("index", "ior"),
-    ("n", "ior"),
-    ("sun", "directional"),
-    ("distant", "directional"),
-    ("infinite", "environment"),
-    ("sky", "environment"),
-    ("laser", "beam"),
-    ("cube", "box"),
-    ("cuboid", "box"),
-    ("plane", "rectangle"),
-    ("quad", "rectangle"),
-    ("ball", "sphere"),
-    ("perspective", "pinhole"),
-    ("thinlens", "thin"),
-    ("lookat", "at"),
+/// The words of Abbe, each with words of other programs that have the same meaning.
+const SYNONYMS: [(&str, &[&str]); 19] = [
+    ("dielectric", &["glass", "transparent", "refractive", "roughdielectric"]),
+    ("thin_dielectric", &["thindielectric"]),
+    ("conductor", &["metal", "roughconductor"]),
+    ("diffuse", &["matte", "lambertian", "lambert"]),
+    ("glossy", &["plastic", "coateddiffuse"]),
+    ("mirror", &["specular"]),
+    ("absorber", &["black"]),
+    ("boundary", &["null", "interface"]),
+    ("reflectance", &["albedo", "color", "colour"]),
+    ("ior", &["index", "n"]),
+    ("directional", &["sun", "distant"]),
+    ("environment", &["infinite", "sky"]),
+    ("beam", &["laser"]),
+    ("box", &["cube", "cuboid"]),
+    ("rectangle", &["plane", "quad"]),
+    ("sphere", &["ball"]),
+    ("pinhole", &["perspective"]),
+    ("thin", &["thinlens"]),
+    ("at", &["lookat"]),
 ];
 
 /// Returns the candidate most similar to `name` in any letter case, or `None` if none is probably
@@ -228,7 +213,7 @@ pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
     let letters = |name: &str| name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
     let wanted: String = name.to_lowercase();
     let plain: String = letters(name);
-    let synonym = SYNONYMS.iter().find(|(word, _)| *word == plain).map(|(_, synonym)| *synonym);
+    let synonym = SYNONYMS.iter().find(|(_, words)| words.contains(&plain.as_str())).map(|(synonym, _)| *synonym);
     let score = |candidate: &str| {
         let candidate_letters: String = letters(candidate);
         if plain == candidate_letters {

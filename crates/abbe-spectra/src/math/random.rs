@@ -151,8 +151,8 @@ pub struct Streams {
 }
 
 impl Streams {
-    #[inline]
     /// Returns the key of a pass.
+    #[inline]
     pub fn pass(self, pass: u64) -> StreamKey {
         self.key.part(self.first_pass + pass)
     }
