@@ -26,8 +26,7 @@ impl Blades {
     /// Returns true if the polygon contains a point, in units of the circle's radius.
     pub fn contains(self, place: DVec2) -> bool {
         let sector = TAU / f64::from(self.count);
-        // From the middle of the nearest blade, which is at the distance cos(sector / 2) from the
-        // centre.
+        // From the middle of the nearest blade, which is cos(sector / 2) from the centre.
         let angle = (atan2(place.y, place.x) - self.rotation).rem_euclid(sector) - 0.5 * sector;
         place.length() * cos(angle) <= cos(0.5 * sector)
     }
@@ -70,8 +69,7 @@ mod tests {
     use abbe_spectra::math::sobol::Sobol;
     use abbe_spectra::math::warp;
 
-    /// The first dark ring is at 1.22 λN. The first bright ring has 1.75 % of the central
-    /// irradiance.
+    /// The first dark ring is at 1.22 λN, and the first bright ring has 1.75 % of the centre.
     #[test]
     fn airy_pattern_has_its_first_dark_and_bright_rings() {
         let dark = 1.219_669_891_266_504;
@@ -102,8 +100,7 @@ mod tests {
         }
     }
 
-    /// The pattern of a square is a product of squared sinc functions, and 64 blades are nearly a
-    /// disk.
+    /// The square's pattern is a product of sinc², and 64 blades are nearly a disk.
     #[test]
     fn square_pattern_is_a_sinc_and_many_blades_approach_a_disk() {
         let square = Some(Blades { count: 4, rotation: 0.25 * PI });

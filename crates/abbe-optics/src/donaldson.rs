@@ -25,10 +25,9 @@ pub struct DonaldsonMatrix {
 impl DonaldsonMatrix {
     /// Reads a file of comma-separated values. The first row contains an ignored cell and the
     /// excitation wavelengths; each other row an emission wavelength and a factor for each
-    /// excitation wavelength. Lines that begin with `#` are comments.
-    ///
-    /// Returns an error with the file, and the line and column of the cell, if the file cannot be
-    /// read, is too large, or has a malformed cell.
+    /// excitation wavelength. Lines that begin with `#` are comments. Returns an error with the
+    /// file, and the line and column of the cell, if the file cannot be read, is too large, or has
+    /// a malformed cell.
     pub fn read(path: &Path) -> Result<Self> {
         let cannot = |error: std::io::Error| Error::input(format!("cannot read the matrix: {error}")).in_file(path);
         let mut bytes = Vec::new();

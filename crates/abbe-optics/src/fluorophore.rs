@@ -3,7 +3,7 @@
 //! The model is the bispectral matrix (Donaldson 1954, "Spectrophotometry of Fluorescent
 //! Pigments"). For a dye, it is factorised: the probability of absorption depends on the arriving
 //! wavelength alone, and the spectrum of the emission does not depend on it. A measured matrix is a
-//! sum of such terms. The number of photons never grows. The energy of a photon is proportional to
+//! sum of such terms. The number of photons never grows, and the energy of one is proportional to
 //! 1/λ, so the emitted power is the absorbed power times the quantum yield and λ_i/λ_o (Stokes
 //! loss).
 
@@ -59,8 +59,7 @@ pub struct FluorescenceLosses {
 }
 
 impl FluorescentEmission {
-    /// `emission` is the relative number of photons per nm. Returns an error if it is negative or
-    /// has no power in the band.
+    /// `emission` is in relative photons per nm; negative or dark in the band is an error.
     fn new(absorptance: &Spectrum, emission: &Spectrum, quantum_yield: f64) -> Result<Self> {
         let photons = emission.integral();
         if !(emission.min() >= 0.0 && photons > 0.0 && photons.is_finite()) {
@@ -74,8 +73,7 @@ impl FluorescentEmission {
         Ok(Self { excitation, quantum_yield, mean_inverse_nm, power, wavelengths })
     }
 
-    /// Returns a_r(λ)·λ in nm. Times the power at `nm`, it is proportional to the number of
-    /// absorbed photons.
+    /// Returns a_r(λ)·λ in nm, which times the power is proportional to absorbed photons.
     #[inline]
     pub fn excitation(&self, nm: f64) -> f64 {
         self.excitation.at(nm)
@@ -102,12 +100,11 @@ impl FluorescentEmission {
 
 impl Fluorophore {
     /// Creates a fluorophore whose emission spectrum does not depend on the absorbed wavelength.
-    ///
-    /// `absorptance` is the fraction of the arriving photons that are absorbed, `emission` the
-    /// relative number of emitted photons per nm, at any scale, and `quantum_yield` the number of
-    /// emitted photons per absorbed photon. Returns an error if the absorptance or the quantum
-    /// yield is outside \[0, 1\], the emission is negative or has no power in the band, or one of
-    /// them contains spectral lines.
+    /// `absorptance` is the absorbed fraction of the arriving photons, `emission` the relative
+    /// number of emitted photons per nm, at any scale, and `quantum_yield` the number of emitted
+    /// photons per absorbed photon. Returns an error if the absorptance or the quantum yield is
+    /// outside \[0, 1\], the emission is negative or has no power in the band, or one of them
+    /// contains spectral lines.
     pub fn new(absorptance: Spectrum, emission: &Spectrum, quantum_yield: f64) -> Result<Self> {
         let below = absorptance.ultraviolet_range();
         let [least, most] = [absorptance.min().min(below.0), absorptance.max().max(below.1)];
@@ -119,9 +116,8 @@ impl Fluorophore {
         Self::with_absorption(absorptance, emission, quantum_yield)
     }
 
-    /// Creates the fluorophore of a medium: the absorption coefficient of the dye, in 1/m and
-    /// without upper limit, takes the place of the absorptance. Returns the errors of
-    /// [`Self::new`].
+    /// Creates the fluorophore of a medium, with the dye's absorption coefficient in 1/m, without
+    /// upper limit, as the absorptance, or returns the errors of [`Self::new`].
     pub fn with_absorption(absorption: Spectrum, emission: &Spectrum, quantum_yield: f64) -> Result<Self> {
         if !(0.0..=1.0).contains(&quantum_yield) {
             let error = Error::input(format!("a quantum yield of {quantum_yield}"));
@@ -137,9 +133,8 @@ impl Fluorophore {
     }
 
     /// Creates a fluorophore from a measured bispectral matrix. The quantum yield is 1, so the
-    /// absorptance is the number of emitted photons for each arriving photon. Returns an error if
-    /// an excitation wavelength emits more photons than arrive, or if the matrix emits nothing in
-    /// the band.
+    /// absorptance is the emitted photons per arriving photon. Returns an error if they exceed 1 at
+    /// an excitation wavelength, or the matrix emits nothing in the band.
     pub fn of_matrix(matrix: &DonaldsonMatrix) -> Result<Self> {
         let DonaldsonMatrix { excitation_nm, emission_nm, factors } = matrix;
         let (mut yields, mut photons) = (Vec::new(), Vec::new());
@@ -200,8 +195,7 @@ impl Fluorophore {
         })
     }
 
-    /// Assigns the numbers of the fluorophore and of its first emission from `next`, and advances
-    /// `next`.
+    /// Assigns the numbers of the fluorophore and its first emission from `next` on.
     pub fn assign_numbers(&mut self, next: &mut (usize, usize)) {
         (self.number, self.first_emission) = *next;
         *next = (next.0 + 1, next.1 + self.emissions.len());
@@ -238,20 +232,17 @@ impl Fluorophore {
         above.saturating_sub(1)..(above + 1).min(self.excitation_nm.len())
     }
 
-    /// Returns the spectrum of the emitted power in equal light at all absorbed wavelengths, at an
-    /// arbitrary scale.
+    /// Returns the emitted power, at any scale, in equal light at all absorbed wavelengths.
     pub fn emitted_power(&self) -> &Spectrum {
         &self.mean_power
     }
 
-    /// Returns the distribution of the wavelengths that the fluorophore emits in equal light at all
-    /// absorbed wavelengths.
+    /// Returns the distribution of emitted wavelengths in equal light at all absorbed ones.
     pub fn wavelengths(&self) -> &WavelengthDistribution {
         &self.wavelengths
     }
 
-    /// Returns the distribution of the absorbed photons in light of this power spectrum. Returns
-    /// `None` if the fluorophore absorbs nothing.
+    /// Returns the distribution of the photons absorbed from this light, `None` if there are none.
     pub fn absorbed_wavelengths(&self, light: &Spectrum) -> Option<WavelengthDistribution> {
         let absorbed = light.product(&self.absorptance);
         let band = WavelengthDistribution::new(&absorbed);
@@ -271,9 +262,8 @@ impl Fluorophore {
         self.ultraviolet = true;
     }
 
-    /// Returns the visual importance X + Y + Z of the emission that light of 1 W at a wavelength
-    /// excites, as a function of the wavelength in nm. Where the fluorophore absorbs most, it
-    /// absorbs all light.
+    /// Returns the visual importance X + Y + Z that 1 W of light excites, by its wavelength in nm.
+    /// Where the fluorophore absorbs most, it absorbs all light.
     pub fn visual_value(&self, observer: &Observer) -> impl Fn(f64) -> f64 + '_ {
         let most = self.absorptance.max().max(self.absorptance.ultraviolet_range().1);
         let emitted: f64 = observer.xyz(&self.mean_power).iter().sum();
@@ -293,8 +283,7 @@ impl Fluorophore {
         excited.iter().map(|emission| emission.excitation(from_nm) * emission.emitted(to_nm)).sum()
     }
 
-    /// Returns the fraction of the arriving power at `nm` that the fluorophore emits again, at all
-    /// wavelengths together.
+    /// Returns the fraction of the power at `nm` that is emitted again at all wavelengths.
     #[inline]
     pub fn emitted_fraction(&self, nm: f64) -> f64 {
         let excited = &self.emissions[self.excited_by(nm)];

@@ -15,11 +15,9 @@ fn squared_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
 }
 
 /// Returns the reflectances, for s and p polarisation, of a smooth interface from index `n_i` to
-/// index `n_t`, both positive.
-///
-/// The sign of the cosine of incidence `cos_i` is ignored. The reflectances lie in \[0, 1\]: both
-/// are 1 beyond the critical angle, and 0 at every angle if the indices are equal. Source: Born &
-/// Wolf, *Principles of Optics*, §1.5.2.
+/// index `n_t`, both positive (Born & Wolf, *Principles of Optics*, §1.5.2). The sign of the cosine
+/// of incidence `cos_i` is ignored. The reflectances lie in \[0, 1\]: both are 1 beyond the
+/// critical angle, and 0 at every angle if the indices are equal.
 pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     let c = cos_i.abs().min(1.0);
     let step = (n_t - n_i) * (n_t + n_i);
@@ -37,24 +35,20 @@ pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     ((s * s).min(1.0), (p * p).min(1.0))
 }
 
-/// Returns the reflectance for unpolarised light: the mean of [`dielectric_sp`], in \[0, 1\]. The
-/// transmittance is 1 minus the reflectance.
+/// Returns the mean of [`dielectric_sp`], for unpolarised light. The transmittance is the rest.
 pub fn dielectric(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     let (s, p) = dielectric_sp(cos_i, n_i, n_t);
     0.5 * (s + p)
 }
 
-/// Returns the cosine of the angle of refraction by Snell's law, or 0 beyond the critical angle.
-/// The sign of `cos_i` is ignored.
+/// Returns the cosine of refraction by Snell's law, 0 beyond the critical angle, for |`cos_i`|.
 pub fn cos_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     (squared_transmitted(cos_i, n_i, n_t).max(0.0).sqrt() / n_t).min(1.0)
 }
 
-/// Returns the reflectances, in \[0, 1\], of a smooth metal for s and p polarisation.
-///
-/// The metal has the complex index `n` + i·`k`, and the surrounding medium the positive index
-/// `n_outside`. The sign of `cos_i` is ignored, as in [`dielectric_sp`]. Source: Born & Wolf,
-/// *Principles of Optics*, §14.2.
+/// Returns the reflectances, in \[0, 1\], for s and p polarisation of a smooth metal of complex
+/// index `n` + i·`k` in a medium of the positive index `n_outside` (Born & Wolf, *Principles of
+/// Optics*, §14.2). The sign of `cos_i` is ignored, as in [`dielectric_sp`].
 pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     let c = cos_i.abs().min(1.0);
     let (eta, kappa) = (n / n_outside, k / n_outside);
@@ -79,8 +73,7 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     (s, (s * ratio).clamp(0.0, 1.0))
 }
 
-/// Returns the reflectance of a smooth metal for unpolarised light: the mean of [`conductor_sp`],
-/// in \[0, 1\].
+/// Returns the reflectance of a smooth metal for unpolarised light: the mean of [`conductor_sp`].
 pub fn conductor(cos_i: f64, n: f64, k: f64, n_outside: f64) -> f64 {
     let (s, p) = conductor_sp(cos_i, n, k, n_outside);
     0.5 * (s + p)
@@ -100,9 +93,8 @@ pub fn refract(w: DVec3, normal: DVec3, n_i: f64, n_t: f64) -> Option<DVec3> {
     Some((normal * refraction_along_normal(c, n_i, n_t)? - w * n_i).normalize())
 }
 
-/// Returns the number a of Snell's law in the form n_t·t = a·normal − n_i·w, where t is the
-/// refracted direction and `cos_i` ≥ 0 is between `w` and the normal. `None` under total
-/// reflection.
+/// Returns the number a of Snell's law n_t·t = a·normal − n_i·w, where t is the refracted direction
+/// and `cos_i` ≥ 0 that of `w`, or `None` under total reflection.
 pub(crate) fn refraction_along_normal(cos_i: f64, n_i: f64, n_t: f64) -> Option<f64> {
     let squared = squared_transmitted(cos_i, n_i, n_t);
     if squared < 0.0 {
@@ -169,8 +161,7 @@ mod tests {
         assert!((dielectric(1.0, 1.0, 1.0 + step) / exact - 1.0).abs() < 1e-15);
     }
 
-    /// Within 20 ulp of the critical cosine, all results are finite, and the reflectance is 1
-    /// wherever `refract` returns `None`.
+    /// Within 20 ulp of the critical cosine, R is finite, and 1 if `refract` gives `None`.
     #[test]
     fn reflection_and_refraction_agree_at_the_critical_angle() {
         for (n_i, n_t) in [(1.5, 1.0), (2.4175, 1.333), (1.0 + 1e-9, 1.0)] {
@@ -219,8 +210,7 @@ mod tests {
         for (n_i, n_t) in [(1.0, 1.5), (1.5, 1.0), (1.2, 1.2)] {
             for cos in cosines() {
                 let (a, b) = (conductor(cos, n_t, 0.0, n_i), dielectric(cos, n_i, n_t));
-                // The modulus in `conductor_sp` cancels near the critical angle, where the slope of
-                // R is infinite.
+                // The modulus cancels near the critical angle, where R has an infinite slope.
                 assert!((a - b).abs() < 1e-6, "{a} and {b} at cosine {cos} from {n_i} to {n_t}");
             }
         }

@@ -6,18 +6,16 @@
 //! in microfacet-based BRDFs", 2014.
 //!
 //! Directions are unit vectors in the local frame of the surface, with z along the normal on the
-//! side of the viewer, so all cosines are ≥ 0. They are in the denominator of the BSDF. The
-//! functions return masking functions divided by them, because the quotients stay finite at grazing
-//! angles.
+//! side of the viewer, so all cosines are ≥ 0. The functions return masking functions divided by
+//! the cosines in the denominator of the BSDF, because the quotients stay finite at grazing angles.
 
 use abbe_spectra::math::elementary::sin_cos;
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-/// Smallest roughness α of a rough interface, at which the lobe is only 0.06° wide, too narrow for
-/// lights and pixels. Below, a material is smooth, or is raised to this roughness if it has no
-/// smooth form.
+/// Smallest roughness α of a rough interface, whose lobe of 0.06° is too narrow for lights and
+/// pixels. Below, a material is smooth, or is raised to it if it has no smooth form.
 pub const MIN_ALPHA: f64 = 1e-3;
 
 /// The GGX distribution for one roughness.
@@ -58,8 +56,7 @@ impl Ggx {
         2.0 / (cos + self.smith_root(cos))
     }
 
-    /// Returns G₂(o, i)/(cosθ_o·cosθ_i), where G₂ is the height-correlated masking-shadowing
-    /// function.
+    /// Returns the height-correlated masking-shadowing G₂(o, i)/(cosθ_o·cosθ_i).
     pub(crate) fn g2_per_cos(&self, cos_o: f64, cos_i: f64) -> f64 {
         2.0 / (cos_o * self.smith_root(cos_i) + cos_i * self.smith_root(cos_o))
     }
@@ -90,11 +87,9 @@ impl Ggx {
     }
 
     /// Samples a microfacet normal that is visible from the direction `w` with w.z ≥ 0, by `u` and
-    /// `v` in \[0, 1).
-    ///
-    /// The GGX ellipsoid is stretched into a hemisphere, whose projection along the view direction
-    /// is sampled, and the normal is transformed back (Heitz, "Sampling the GGX distribution of
-    /// visible normals", 2018).
+    /// `v` in \[0, 1). The GGX ellipsoid is stretched into a hemisphere, whose projection along the
+    /// view direction is sampled, and the normal is transformed back (Heitz, "Sampling the GGX
+    /// distribution of visible normals", 2018).
     pub fn sample_visible(&self, w: DVec3, u: f64, v: f64) -> DVec3 {
         let stretched = DVec3::new(self.alpha * w.x, self.alpha * w.y, w.z).normalize();
         let across = stretched.x * stretched.x + stretched.y * stretched.y;
@@ -117,9 +112,8 @@ mod tests {
 
     const ALPHAS: [f64; 4] = [0.02, 0.1, 0.5, 1.0];
 
-    /// Integrates f(m) over the upper hemisphere by the midpoint rule in φ and y, where tan²θ/(α² +
-    /// tan²θ) = x = 1 − y². The GGX distribution is uniform in x, and equal steps in y resolve its
-    /// tail.
+    /// Integrates f(m) over the hemisphere by the midpoint rule in φ and y, with tan²θ/(α² + tan²θ)
+    /// = x = 1 − y². GGX is uniform in x, and steps in y resolve its tail.
     fn over_facets(alpha: f64, f: impl Fn(DVec3) -> f64) -> f64 {
         const QUADRATURE_STEPS: usize = 400;
         let mut sum = 0.0;

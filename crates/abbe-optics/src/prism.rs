@@ -1,8 +1,6 @@
-//! Exact formulas for the principal section of a prism, as a reference for tests.
-//!
-//! All angles are in degrees. `n` is relative to the surrounding medium, `apex_deg` lies in (0,
-//! 180), and `incidence_deg` is measured from the normal of the first face, positive towards the
-//! base.
+//! Exact formulas for the principal section of a prism, as a reference for tests. All angles are in
+//! degrees: `apex_deg` in (0, 180), and `incidence_deg` from the normal of the first face, positive
+//! towards the base. `n` is relative to the surrounding medium.
 
 use abbe_spectra::math::elementary::{asin, sin};
 

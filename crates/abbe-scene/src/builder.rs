@@ -90,8 +90,7 @@ pub struct ObjectSet {
 pub struct Placement {
     /// Transforms the shape's frame to the world when the shutter opens. Lengths are in m.
     pub to_world: DAffine3,
-    /// The motion of a frame while the shutter is open, and the transform from the shape's frame to
-    /// the moving frame, with lengths in m.
+    /// The motion of a frame while the shutter is open; lengths are in m.
     pub motion: Option<(AnimatedTransform, DAffine3)>,
 }
 
@@ -107,9 +106,8 @@ impl ObjectSet {
         self.materials.len() - 1
     }
 
-    /// Adds an object with the material of this number and returns the object's number. Returns an
-    /// error if the shape is not a valid body, the material does not exist, or the shape is flat
-    /// but its material contains a medium.
+    /// Adds an object with this material and returns its number. Returns an error if the shape is
+    /// not a valid body, the material does not exist, or a flat shape's material contains a medium.
     pub fn add_object(
         &mut self,
         name: impl Into<String>,
@@ -144,8 +142,7 @@ impl ObjectSet {
     }
 
     /// The middle of the bounding box of all shapes, in m, or the origin if there is none.
-    /// Positions relative to this point are precise even if the scene is far from the world's
-    /// origin.
+    /// Positions relative to it are precise even if the scene is far from the world's origin.
     fn centre(&self) -> DVec3 {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let placed = self.shapes.iter().map(|shape| &shape.placed);
@@ -165,8 +162,7 @@ impl ObjectSet {
         &self.materials[self.objects[object as usize].material]
     }
 
-    /// Builds the faces that only bound a medium, or the faces of all surfaces if `boundaries` is
-    /// false.
+    /// Builds the faces that only bound a medium (`boundaries`), or those of all surfaces.
     fn build(&self, boundaries: bool, centre: DVec3) -> Result<Geometry> {
         let placed = self.shapes.iter().map(|shape| &shape.placed);
         let of_kind = placed.filter(|placed| self.material_of(placed.object).is_boundary() == boundaries);
@@ -252,9 +248,9 @@ pub(super) struct EmittingMedium {
 }
 
 impl SceneBuilder {
-    /// Builds the surfaces of the objects about the middle of the objects. Returns an error if a
-    /// transform is singular or not finite, a shape has no area, or there are more than 2³²
-    /// primitives or vertices.
+    /// Builds the surfaces of the objects about their middle. Returns an error if a transform is
+    /// singular or not finite, a shape has no area, or there are more than 2³² primitives or
+    /// vertices.
     pub fn new(objects: ObjectSet) -> Result<Self> {
         let centre = objects.centre();
         Self::about(objects, centre)
@@ -304,8 +300,7 @@ impl SceneBuilder {
         self.atmosphere = Some(medium);
     }
 
-    /// Adds a light. Returns an error if the object of an area light does not exist or has no
-    /// surface.
+    /// Adds a light, or returns an error if its object does not exist or has no surface.
     pub fn add_light(&mut self, mut light: Light) -> Result<()> {
         if let Some(object) = light.object() {
             if object as usize >= self.objects.objects.len() {
@@ -418,9 +413,8 @@ impl SceneBuilder {
         positions.chain(sensors).chain([camera.origin()]).map(DVec3::length).fold(self.geometry.radius_m(), f64::max)
     }
 
-    /// Adds a sphere of lowest priority around the scene and fills it with the atmosphere's medium.
-    /// `inner_m` is the radius of the scene without the atmosphere. Returns the radius of the
-    /// bounding sphere in m.
+    /// Adds a sphere of lowest priority, filled with the atmosphere's medium, around the scene,
+    /// whose radius is `inner_m`. Returns the radius of the bounding sphere in m.
     fn add_atmosphere(&mut self, name: &str, medium: usize, inner_m: f64) -> f64 {
         /// The radius of the sphere divided by `inner_m`: above 1, so that the camera and the
         /// lights are inside the sphere and not on its surface.

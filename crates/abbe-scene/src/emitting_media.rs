@@ -81,15 +81,13 @@ fn lights(
         let spectrum = LightSpectrum::new(volume.spectrum());
         let motion = volume.motion().cloned();
         let light = Light::new(name, Emitter::Volume(Box::new(volume)), &spectrum, observer)?;
-        // A path that sees the emission of a medium does not know the body, so all lights of the
-        // medium have the same group.
+        // A path that sees the emission of a medium does not know the body: one group for all.
         Ok(Light { motion, group: format!("medium {}", medium.name), ..light })
     };
     volumes.into_iter().map(light).collect()
 }
 
-/// The volumes that a medium fills: the box of its density field, or else each body that contains
-/// it.
+/// The volumes that a medium fills: the box of its density field, or each body with it.
 fn volumes(medium: &Medium, containers: &[&MediumContainer], centre: DVec3) -> Result<Vec<NamedVolume>> {
     let dark =
         || Error::input("found no light within 360–830 nm").expected("a medium that is hot enough and absorbs light");

@@ -34,8 +34,7 @@ impl Scene {
         enclosures
     }
 
-    /// One box around the camera or each point of a sensor, and one around each local light. `None`
-    /// if a local light has no box.
+    /// Boxes of the camera or sensor points, and of local lights; `None` if a light has none.
     fn boxes_of_camera_and_lights(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
         let boxes_of_views = if self.measures() {
             self.points_of_sensors().into_iter().map(|point| (point, point)).collect()

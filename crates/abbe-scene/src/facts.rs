@@ -31,15 +31,14 @@ pub struct Facts {
     /// Fluorescent objects that absorb light of the scene below the band.
     pub ultraviolet: Vec<String>,
     pub diffuse: Vec<String>,
-    /// Objects with a body of glass, liquid or a medium, and gratings. Paths keep a single
-    /// wavelength behind these objects.
+    /// Objects with a body of glass, liquid or a medium, and gratings, behind which paths keep a
+    /// single wavelength.
     pub bodies: Vec<String>,
     /// Objects with a body that has an absorption coefficient.
     pub absorbing_bodies: Vec<String>,
     /// Objects filled with a medium, including the atmosphere.
     pub media: Vec<String>,
-    /// Objects filled with a dense scattering medium, in which light scatters more than a few
-    /// times.
+    /// Objects filled with a dense medium, in which light scatters more than a few times.
     pub dense_media: Vec<String>,
     /// Objects filled with a scattering medium that is not dense.
     pub thin_media: Vec<String>,
@@ -53,8 +52,7 @@ pub struct Facts {
     pub upsampled: Vec<String>,
     /// Lights with at least `LINE_FRACTION` of their power in spectral lines.
     pub line_lights: Vec<String>,
-    /// The radius of the camera's aperture in nm, or `None` for a pinhole. An integer, because
-    /// `Facts` implements `Eq`.
+    /// The radius of the camera's aperture in nm (an integer for `Eq`), or `None` for a pinhole.
     pub aperture_nm: Option<u64>,
     pub lens_system: Option<String>,
     /// The name of the camera's lens system if it has ghosts.
@@ -67,12 +65,10 @@ pub struct Facts {
 }
 
 /// Returns the object whose medium renders better with light maps than with shadow rays from
-/// sampled points: the maps have less noise there, and no interpolation error.
-///
-/// Measurements gave the conditions: a convex body of thin, uniform fog is the only medium and
-/// contains all lights, which are few and without extent, so that many passes can use the same
-/// light map. If the fog is not thin, or if the scene has specular surfaces, photon noise
-/// dominates.
+/// sampled points: the maps have less noise there, and no interpolation error. By measurements,
+/// this is a convex body of thin, uniform fog, which is the only medium and contains all lights, if
+/// these are few and without extent, so that many passes can use the same light map. In other fog
+/// or with specular surfaces, photon noise dominates.
 fn object_with_light_maps(scene: &Scene) -> Option<&str> {
     const MAX_LIGHTS: usize = 8;
     /// An optical depth.

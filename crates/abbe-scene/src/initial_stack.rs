@@ -1,5 +1,4 @@
-//! The medium stacks in which camera rays and emitted rays start, and those of paths through more
-//! bodies than a stack can hold.
+//! The medium stacks in which rays start, and those beyond the capacity of a stack.
 
 use super::Scene;
 use super::light::{Light, RepresentativePoint};
@@ -10,8 +9,7 @@ use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 
 impl Scene {
-    /// Finds the bodies that contain the camera, each sensor and each light, which are all in air
-    /// at first.
+    /// Finds the bodies around the camera, each sensor and each light, all in air at first.
     pub(super) fn find_medium_stacks(&mut self) {
         if self.objects.iter().all(|object| self.materials[object.material].body.is_none()) {
             return;
@@ -39,16 +37,14 @@ impl Scene {
         self.medium_stack_along(ray, [Some(surface), None])
     }
 
-    /// The bodies that contain the origin of a ray that the light emits from the surface `from`, if
-    /// any.
+    /// The bodies that contain the origin of a ray emitted from the surface `from`, if any.
     #[inline]
     pub fn medium_stack_of_emission(&self, light: &Light, ray: Ray, from: Option<SurfaceId>) -> MediumStack {
         if light.crosses_bodies { self.medium_stack_along(ray, [from, None]) } else { light.medium_stack }
     }
 
-    /// Returns true if the bodies that contain a point of the light may differ from point to point:
-    /// unless every body whose box touches that of the light is convex and contains the whole
-    /// light.
+    /// Returns true unless every body whose box touches that of the light is convex and contains
+    /// the whole light; the bodies may then differ from point to point.
     fn crosses_bodies(&self, light: &Light) -> bool {
         let object_bounds = self.geometry.object_bounds();
         let own_medium = light.medium_name();
@@ -85,9 +81,8 @@ impl Scene {
         self.medium_stack_along(Ray { origin: point, direction }, [None; 2])
     }
 
-    /// The bodies that contain the origin of a ray: those that it leaves more often than it enters.
-    /// The last body that it leaves is the outermost. `from` contains the surface and the face of a
-    /// boundary on which the ray starts.
+    /// The bodies that a ray leaves more often than it enters, of which the last is the outermost.
+    /// `from` is the surface, and the face of a boundary, of its start.
     fn medium_stack_along(&self, ray: Ray, from: [Option<SurfaceId>; 2]) -> MediumStack {
         let mut open: SmallVec<[(u32, i32, f64); 8]> = SmallVec::new();
         let mut count = |hit: &Hit| {

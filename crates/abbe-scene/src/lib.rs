@@ -93,8 +93,8 @@ pub struct Scene {
     pub title: String,
     /// The origin of all positions, in world coordinates, in m.
     pub centre: DVec3,
-    /// The radius in m of a sphere around the origin that contains all surfaces at all times. Local
-    /// lights and the camera may be outside.
+    /// The radius in m of a sphere around the origin and all surfaces at all times, but not
+    /// necessarily local lights and the camera.
     pub radius_m: f64,
     pub camera: Camera,
     pub shutter: Shutter,
@@ -106,8 +106,7 @@ pub struct Scene {
     pub geometry: Arc<Geometry>,
     /// The faces that only bound a medium, which rays cross without an interaction.
     pub boundaries: Arc<Geometry>,
-    /// Surfaces refer to objects, objects to materials and lights, and bodies to media by their
-    /// index.
+    /// Objects, materials, lights and media refer to each other by index.
     pub objects: Vec<Object>,
     /// By object, 0 without a body. Of two bodies, the one with the higher rank dominates.
     pub body_ranks: Vec<i32>,
@@ -146,8 +145,7 @@ pub struct Material {
 /// The inside of a transparent object.
 #[derive(Debug, Clone)]
 pub struct Body {
-    /// `None` if the body only bounds a medium, so that the index of its surroundings applies
-    /// inside.
+    /// `None` if the body only bounds a medium, and thus has the index of its surroundings.
     pub index: Option<RefractiveIndex>,
     /// In 1/m, or `None` for a clear body.
     pub absorption: Option<Spectrum>,
@@ -166,8 +164,7 @@ pub struct FilmSpec {
     /// The number of spectral bands in the output, if above 0.
     pub spectral_bands: u32,
     pub space: RgbSpace,
-    /// XYZ, for `observer` and up to a common factor, of the light that the PNG shows as white.
-    /// `None` if there is no white balance.
+    /// The white of the PNG as XYZ for `observer` on any scale, or `None` without white balance.
     pub white: Option<Xyz>,
     pub gamut: GamutMapping,
     pub tone: ToneCurve,
@@ -208,8 +205,7 @@ pub struct Settings {
     pub threads: Option<u32>,
     /// The time in s between two checkpoints.
     pub checkpoint_seconds: Option<f64>,
-    /// The number of cells of a light map along the longest side of a medium's box in the first
-    /// pass.
+    /// The cells of a light map along the longest side of a medium's box in the first pass.
     pub light_map: Option<u32>,
     /// Effects that are simulated even if no fact requires them.
     pub force: Vec<String>,
@@ -237,8 +233,7 @@ impl Material {
 }
 
 impl Body {
-    /// The properties of the body that decide whether it dominates. `rank` is that of its object in
-    /// [`Scene::body_ranks`].
+    /// What decides whether the body dominates; `rank` is from [`Scene::body_ranks`].
     pub fn body_priority(&self, rank: i32) -> BodyPriority {
         BodyPriority { priority: rank, refracts: self.index.is_some() }
     }
@@ -263,11 +258,9 @@ impl Scene {
         surfaces.map(|surface| &surface.fluorophore).chain(of_media)
     }
 
-    /// Adds the ultraviolet of the lights, which excites fluorophores.
-    ///
-    /// Lights sample photons below the band in proportion to the power and the importance of the
-    /// light that they can excite. Wavelengths of little importance keep a small density, so the
-    /// estimate is unbiased.
+    /// Adds the ultraviolet of the lights, which excites fluorophores. Lights sample photons below
+    /// the band in proportion to the power and the importance of the excited light. Wavelengths of
+    /// little importance keep a small pdf, so the estimate is unbiased.
     pub fn add_ultraviolet(&mut self) {
         /// The smallest importance of a wavelength, as a fraction of the largest.
         const LEAST: f64 = 0.02;
@@ -306,8 +299,7 @@ impl Scene {
         SceneExtent { geometry: &self.geometry, radius_m: self.radius_m }
     }
 
-    /// Recomputes the numbers of the distant lights, and the light numbers of objects and media,
-    /// after lights were added or removed.
+    /// Recomputes the indices of lights after lights were added or removed.
     pub fn renumber_lights(&mut self) {
         self.objects.iter_mut().for_each(|object| object.light = None);
         self.distant_lights.clear();
@@ -337,9 +329,8 @@ impl Scene {
         self.material_of(object).body.as_ref()
     }
 
-    /// The map from the unit cube to a box around a whole medium: the own box of a grid medium, or
-    /// an axis-aligned box around all objects that contain the medium. `None` if no object contains
-    /// it, or if the box is flat.
+    /// The map from the unit cube to a box around a whole medium: that of a grid, or one around all
+    /// objects that contain it. `None` if there are none, or the box is flat.
     pub fn box_of_medium(&self, number: usize) -> Option<DAffine3> {
         if let Density::Field(field) = &self.media[number].density {
             return Some(field.from_unit());

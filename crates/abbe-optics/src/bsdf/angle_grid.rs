@@ -6,18 +6,15 @@ use abbe_spectra::math::quadrature::gauss_legendre;
 
 /// Number of angles at which a function is computed.
 const COMPUTED_ANGLES: usize = 96;
-/// Number of cells between two computed angles, filled by cubic interpolation, so that a lookup
-/// needs only linear interpolation.
+/// Number of cells between two computed angles, filled by cubic interpolation.
 const CELLS_BETWEEN: usize = 5;
 const ANGLES: usize = (COMPUTED_ANGLES - 1) * CELLS_BETWEEN + 1;
 /// Number of points of the quadrature of the mean in each cell.
 const POINTS_PER_CELL: usize = 4;
 
-/// The cosines μ at which functions of the angle are tabulated for facets of one roughness.
-///
-/// The albedo of the facets changes fast at grazing angles, where μ is of the order of α or
-/// smaller. Let s = √μ and a = √α. The nodes are evenly spaced in the mean of s and (1 + a)·s/(s +
-/// a).
+/// The cosines μ at which functions of the angle are tabulated for facets of one roughness. The
+/// albedo changes fast at grazing angles, where μ is of the order of α or smaller. With s = √μ and
+/// a = √α, the nodes are evenly spaced in the mean of s and (1 + a)·s/(s + a).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct AngleGrid {
     /// √α.

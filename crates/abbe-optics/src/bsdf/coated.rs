@@ -41,9 +41,9 @@ struct CoatedFacets {
 }
 
 impl CoatedDielectric {
-    /// Creates an interface of GGX roughness `alpha`, smooth if it is below [`MIN_ALPHA`], under
-    /// films that are listed from the outside of the body of this `index`. Returns an error if
-    /// `alpha` lies outside \[0, 1\].
+    /// Creates an interface of GGX roughness `alpha`, smooth below [`MIN_ALPHA`], under films that
+    /// are listed from the outside of the body of this `index`. Returns an error for an `alpha`
+    /// outside \[0, 1\].
     pub fn new(films: FilmStack, index: &RefractiveIndex, alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
         let mut coated = Self { films, facets: None };
@@ -70,8 +70,7 @@ impl CoatedDielectric {
         Self { films: self.films.without_textures(), ..self }
     }
 
-    /// Returns R and T of the smooth interface at the wavelength `nm`, where the film that varies
-    /// over the surface has this thickness.
+    /// Returns R and T of the smooth interface at `nm`, with this thickness of the varying film.
     pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
         let (here, there) = (iors.here.n(nm), Complex::from(iors.there.n(nm)));
         powers_of(&oriented(&self.films, wo.z >= 0.0, wo.z, here, there, thickness_nm, nm), self.films.absorbs())
@@ -186,8 +185,7 @@ impl CoatedDielectric {
         })
     }
 
-    /// Computes the mean properties of the facets at one wavelength, with the index on the side of
-    /// the light first.
+    /// Computes the mean properties of the facets at one wavelength, by indices from the light on.
     fn film_mean(
         &self,
         interface: &RoughInterface,
@@ -237,8 +235,7 @@ impl FacetResponse for CoatedFacet<'_> {
     }
 }
 
-/// A free-standing film, such as a soap bubble: a surface without thickness in one medium.
-/// Transmitted light continues straight on.
+/// A free-standing film, such as a soap bubble, which light crosses straight on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinFilm {
     pub(super) films: FilmStack,
@@ -281,12 +278,10 @@ fn powers_of(response: &StackResponse, absorbs: bool) -> PowerFractions {
     PowerFractions { reflected, transmitted: 1.0 - reflected }
 }
 
-/// Returns the probability with which a path of the wavelength `nm` is reflected, from R and T at a
-/// wavelength. For a path that carries the whole band (`None`), it is 1 under total reflection, and
-/// otherwise from 0.1 to 0.9.
+/// Returns the probability of reflection for a path of the wavelength `nm`, or of the whole band
+/// (`None`): then 1 under total reflection, and else from 0.1 to 0.9.
 pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> PowerFractions) -> f64 {
-    /// Wavelengths (nm) at the ends of the band, where the critical angles are extreme, and in
-    /// between.
+    /// Wavelengths (nm) at the ends of the band, with extreme critical angles, and in between.
     const PROBES_NM: [f64; 6] = [BAND_NM.0, 440.0, 500.0, 560.0, 630.0, BAND_NM.1];
     if let Some(nm) = nm {
         let PowerFractions { reflected, transmitted } = powers(nm);
@@ -301,8 +296,7 @@ pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> Po
     PowerFractions { reflected, transmitted }.reflection_probability()
 }
 
-/// Returns the response of films to light at this cosine, which meets the first film first if
-/// `outside`.
+/// Returns the response to light that meets the first film first if `outside`.
 fn oriented(
     films: &FilmStack,
     outside: bool,
@@ -362,8 +356,7 @@ mod tests {
         }
     }
 
-    /// The fractions of the power that a coated rough interface reflects and transmits, from evenly
-    /// spread samples.
+    /// The reflected and transmitted power of a coated rough interface, by even samples.
     fn scattered(coated: &CoatedDielectric, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> [f64; 2] {
         const SAMPLES: u32 = 1 << 16;
         let spread = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];

@@ -100,8 +100,8 @@ impl DielectricCompensation {
         self.lobe(sides, [n_i, n_t], [here, (here * there).sqrt()])
     }
 
-    /// Returns the mean properties of facets with thin films for light in the medium of index `n_i`
-    /// and in that of the different index `n_t`.
+    /// Returns the mean properties of facets with films for light in media of two different
+    /// indices.
     pub(super) fn film_mean(&self, [n_i, n_t]: [f64; 2], facets: [&impl FacetResponse; 2], absorbs: bool) -> FilmMean {
         let fit = &self.0.fit;
         let [rare, dense] = if n_i < n_t { facets } else { [facets[1], facets[0]] };
@@ -122,8 +122,7 @@ impl DielectricCompensation {
         FilmMean { coefficients: fit.coefficients(&change), kept }
     }
 
-    /// Returns the lobe between two sides, where `kept` is left of the reflected and of the
-    /// transmitted part.
+    /// Returns the lobe between two sides, where `kept` is left of either part.
     fn lobe<'a>(
         &'a self,
         [here, there]: [OneSide<'a>; 2],
@@ -146,8 +145,7 @@ impl DielectricCompensation {
 pub(super) struct FilmMean {
     /// See `film_moments.rs`.
     coefficients: [f64; MOMENTS],
-    /// The mean fractions that the films do not absorb, for light in the medium of lower and of
-    /// higher index.
+    /// The mean fractions left by the films for light in the medium of lower and higher index.
     kept: [f64; 2],
 }
 
@@ -189,8 +187,7 @@ impl Position {
         (1.0 - self.fraction) * low + self.fraction * high
     }
 
-    /// Returns the tables of one side, for light that goes to the medium of higher index if
-    /// `upwards`.
+    /// Returns the tables of one side, for light to the higher index if `upwards`.
     fn side(self, tables: &Tables, upwards: bool) -> OneSide<'_> {
         let table = |k: usize| tables.table(if upwards { LAST + k } else { LAST - k });
         OneSide { low: table(self.low), high: table(self.low + 1), fraction: self.fraction, films: None }
@@ -351,14 +348,12 @@ impl ConductorCompensation {
         }
     }
 
-    /// Returns the albedo of the lobe at the cosine of `wo`, without the losses in the metal, with
-    /// which the sampling selects it.
+    /// Returns the lobe's albedo at the cosine of `wo`, without losses, for its selection.
     pub(super) fn albedo(&self, cos_o: f64) -> f64 {
         self.missing.at(self.grid.locate(cos_o))
     }
 
-    /// Returns the fraction of the multiply scattered light that a metal of this mean reflectance
-    /// reflects.
+    /// Returns the part of multiply scattered light that metal of a mean reflectance reflects.
     pub(super) fn reflected(&self, reflectance: f64) -> f64 {
         kept_by_facets(reflectance, self.missing.mean)
     }

@@ -17,15 +17,13 @@ use abbe_spectra::math::complex::Complex;
 use abbe_spectra::math::quadrature::gauss4;
 use abbe_spectra::spectrum::{BAND_NM, Spectrum};
 
-/// A metal.
-///
-/// The reflectance follows from the complex index n + ik by Fresnel's equations. If only the
-/// reflectance F₀ at normal incidence is known, it is F₀ + (1 − F₀)(1 − cos θ)⁵ (Schlick 1994).
+/// A metal. The reflectance follows from the complex index n + ik by Fresnel's equations, or, if
+/// only the reflectance F₀ at normal incidence is known, is F₀ + (1 − F₀)(1 − cos θ)⁵ (Schlick
+/// 1994).
 ///
 /// A smooth metal reflects light into the mirror direction. A rough metal uses the GGX model of
 /// Walter et al. 2007 for light that hits one facet, and a wide lobe for light that hits several
-/// (`compensation.rs`), of which the metal absorbs a part in each event. Both sides of the surface
-/// behave alike.
+/// (`compensation.rs`), of which it absorbs a part in each event. Both sides behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conductor {
     fresnel: MetalFresnel,
@@ -37,14 +35,12 @@ pub struct Conductor {
 struct RoughMetal {
     ggx: Ggx,
     compensation: ConductorCompensation,
-    /// In air at the whole nanometres of the band. Empty if the reflectance varies over the
-    /// surface, or if its mean has a closed form.
+    /// In air at whole nanometres; empty if it varies over the surface or has a closed form.
     mean_in_air: Box<[f64]>,
 }
 
 impl RoughMetal {
-    /// Returns the mean reflectance in air, interpolated linearly, if the table contains the
-    /// wavelength.
+    /// Returns the mean reflectance in air, if the table contains the wavelength.
     #[inline]
     fn mean_in_air(&self, nm: f64) -> Option<f64> {
         let place = nm - BAND_NM.0;
@@ -304,8 +300,7 @@ mod tests {
         assert!((found - known).abs() < 2e-3, "{found} for {known}");
     }
 
-    /// At normal incidence in a liquid of index m, a metal reflects ((n − m)² + k²)/((n + m)² +
-    /// k²).
+    /// At normal incidence in a liquid of index m, R = ((n − m)² + k²)/((n + m)² + k²).
     #[test]
     fn a_metal_in_water_reflects_less_than_in_air() {
         let (n, k) = (0.9, 2.4);

@@ -257,8 +257,7 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// Returns the weight plus the absorbed fraction at `nm` of each sample, for a path with the hero
-/// wavelength `hero_nm`.
+/// Returns weight plus absorbed fraction at `nm` of each sample, with the hero `hero_nm`.
 fn balance(case: &BsdfCase, wo: DVec3, hero_nm: f64, nm: f64, seed: u64) -> Vec<f64> {
     let mut random = random(seed);
     (0..20_000)
@@ -271,8 +270,7 @@ fn balance(case: &BsdfCase, wo: DVec3, hero_nm: f64, nm: f64, seed: u64) -> Vec<
         .collect()
 }
 
-/// The mean weight plus the mean absorbed fraction is 1, and for some BSDFs also the sum of each
-/// single event.
+/// Mean weight plus mean absorbed fraction is 1, for some BSDFs also event by event.
 #[test]
 fn scattered_and_absorbed_power_sum_to_one() {
     each_view(|case, wo, nm, seed| {
@@ -287,8 +285,7 @@ fn scattered_and_absorbed_power_sum_to_one() {
     });
 }
 
-/// The balance test must fail if the absorbed fraction of a rough metal omits the light that is
-/// absorbed after several events.
+/// It must fail if a rough metal's fraction omits what several events absorb.
 #[test]
 fn balance_test_rejects_absorption_of_single_events_only() {
     let case = cases().into_iter().find(|case| case.name == "very rough metal").unwrap();
@@ -330,8 +327,7 @@ fn non_hero_wavelengths_balance_too() {
     }
 }
 
-/// f(wo, wi)/n² is symmetric, where n is the index on the side of `wo`. The BSDF for importance is
-/// the adjoint of that for radiance.
+/// f(wo, wi)/n² is symmetric, with n on the side of `wo`. Importance is the adjoint.
 #[test]
 fn eval_is_reciprocal() {
     for case in cases() {
@@ -375,8 +371,7 @@ fn reciprocity_fails_without_the_squared_index() {
     assert!(through > 300 && broken == through, "{broken} of {through}");
 }
 
-/// The coefficients of delta distributions are reciprocal without the n² factor of radiance, except
-/// the efficiencies of gratings.
+/// They are reciprocal without the n² of radiance, except those of gratings.
 #[test]
 fn delta_coefficients_are_reciprocal() {
     for case in cases().into_iter().filter(|case| case.bsdf.grating().is_none()) {
@@ -425,8 +420,7 @@ fn extreme_random_numbers_and_angles_stay_finite() {
     }
 }
 
-/// Only refraction between media of which one is dispersive, and diffraction, restrict a path to
-/// one wavelength.
+/// One dispersive medium suffices for refraction, and diffraction always disperses.
 #[test]
 fn only_dispersive_refraction_sets_disperses() {
     each_view(|case, wo, nm, seed| {
@@ -452,8 +446,7 @@ fn classes_follow_the_width_of_the_lobes() {
     assert_eq!(["diffuse", "translucent", "mixture"].map(of), [BsdfClass::Diffuse; 3]);
 }
 
-/// White furnace: a rough interface of clear media loses no light and adds none. The roughness of
-/// scene files, from 0.05 to 1, is √α.
+/// White furnace: clear media lose no light. The roughness of files, 0.05 to 1, is √α.
 #[test]
 fn rough_glass_returns_all_light_from_both_sides() {
     let mut random = random(21);

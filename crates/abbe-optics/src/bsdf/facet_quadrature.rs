@@ -23,8 +23,7 @@ const FEWEST_POINTS: usize = 6;
 const POLAR_POINTS: f64 = 2.0;
 /// Number of further points per radian of ψ, where tan(φ/2) = k·tan(ψ/2).
 const AZIMUTH_POINTS: f64 = 12.0 / PI;
-/// The largest number of further points: t is longest for the least roughness, asinh(π/(2α)) =
-/// 8.05.
+/// The most further points: t is longest for the least roughness, asinh(π/(2α)) = 8.05.
 const MOST_FURTHER_POINTS: usize = 17;
 
 /// How much light each facet of an interface reflects.
@@ -44,8 +43,7 @@ impl FacetKind {
     }
 }
 
-/// The visible facets at one angle θ. Over the bands that the quadrature visits, `visible` sums to
-/// 1.
+/// The visible facets at one angle θ. Over all visited bands, `visible` sums to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FacetBand {
     pub(super) cos: f64,
@@ -121,8 +119,7 @@ impl FacetView {
     /// Returns the angles θ at which the integral over φ is not smooth, in ascending order.
     fn polar_ends(&self) -> [f64; 8] {
         let elevation = FRAC_PI_2 - self.theta_o;
-        // Total reflection begins at the cosine √(1 − n²). For n > 1, the reflectance changes fast
-        // below √(n² − 1).
+        // Total reflection begins at √(1 − n²). For n > 1, R changes fast below √(n² − 1).
         let (refracted_at_horizon, fresnel_end) = match self.kind {
             FacetKind::Dielectric(n) => {
                 let (sin, cos) = sin_cos(elevation);
@@ -169,8 +166,7 @@ impl FacetView {
                 0.0
             }
         };
-        // The index, and the number a of the refracted direction (a·m − o)/n, unless all is
-        // reflected.
+        // The index, and a of the refracted direction (a·m − o)/n, unless all is reflected.
         let refraction = match self.kind {
             FacetKind::Dielectric(index) => fresnel::refraction_along_normal(cos, 1.0, index).map(|a| (index, a)),
             FacetKind::Mirror => None,
@@ -204,8 +200,7 @@ impl FacetView {
                 }
             }
         }
-        // The pdf of the visible normals is D·G₁·cosθ/cosθ_o (Heitz 2014). The factor 2 adds
-        // negative φ.
+        // The pdf of visible normals is D·G₁·cosθ/cosθ_o (Heitz 2014), doubled for negative φ.
         let scale = 2.0 * width * sin * cos * self.facets.g1_per_cos(self.cos_o);
         band.visible *= scale;
         band.reflected_shadowed *= scale;
@@ -214,8 +209,7 @@ impl FacetView {
     }
 }
 
-/// Returns a rule on \[0, 1\] for functions with a square root at an end: Gauss–Legendre in y, with
-/// x = sin²(πy/2).
+/// Returns Gauss–Legendre in y on \[0, 1\], x = sin²(πy/2), for a square root at an end.
 fn graded(points: usize) -> Vec<(f64, f64)> {
     let grade = |(y, weight): (f64, f64)| (sin(FRAC_PI_2 * y).powi(2), weight * FRAC_PI_2 * sin(PI * y));
     gauss_legendre(points).into_iter().map(grade).collect()

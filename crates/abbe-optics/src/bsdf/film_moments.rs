@@ -84,8 +84,7 @@ pub(super) struct FilmMoments {
     pub(super) from_rare: FilmSideMoments,
     /// For light in the medium of higher index.
     pub(super) from_dense: FilmSideMoments,
-    /// The means of ⟨p·T·(1 − λ_t)⟩ for light in the medium of lower index: the loss of the energy
-    /// that single scattering transmits.
+    /// The means of ⟨p·T·(1 − λ_t)⟩ at the lower index: the loss of transmitted energy.
     pub(super) transmitted: [f64; MOMENTS],
 }
 
@@ -108,8 +107,7 @@ impl FilmMoments {
 }
 
 impl FilmSideMoments {
-    /// Computes the moments at this relative index, and the means of the loss of transmitted
-    /// energy.
+    /// Computes the moments, and the means of the lost transmission, at a relative index.
     fn new(quadrature: &FacetQuadrature, grid: &AngleGrid, index: f64) -> (Self, [f64; MOMENTS]) {
         let table = grid.tabulate(|cos| moments(quadrature, index, cos));
         let means: [f64; 2 * MOMENTS] = std::array::from_fn(|number| grid.mean(table.iter().map(|row| row[number])));

@@ -18,8 +18,7 @@ const ROUNDING: f64 = 1e-6;
 /// It reflects the fraction ρ(λ) of the light without a change of wavelength: a measured value, or
 /// s(λ)·(1 − a(λ)) for a dye of absorptance a on a substrate of reflectance s. The methods of
 /// [`LocalBsdf`](super::LocalBsdf) describe this reflection alone. The light transport adds the
-/// light of the fluorophore, which leaves the surface on the side of arrival with equal radiance in
-/// all directions.
+/// light of the fluorophore, which leaves on the side of arrival with equal radiance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fluorescent {
     reflected: Spectrum,
@@ -28,8 +27,7 @@ pub struct Fluorescent {
 }
 
 impl Fluorescent {
-    /// Creates a fluorescent surface. Returns an error if the reflectance of the substrate is
-    /// outside \[0, 1\] at any wavelength.
+    /// Creates a surface, or returns an error if the substrate's reflectance leaves \[0, 1\].
     pub fn new(substrate: Spectrum, fluorophore: Fluorophore) -> Result<Self> {
         check_within("reflectance", &substrate, 1.0)?;
         let transmittance = fluorophore.absorptance_spectrum().complement();

@@ -55,11 +55,9 @@ impl Glossy {
         Ok(Self { coat, reflectance, index, facets, has_base, interreflection: false })
     }
 
-    /// Returns the surface with `reflectance` as that of the bare base, ρ_b.
-    ///
-    /// The inside of the coat reflects the fraction R = 1 − (1−Ē)/n² of the diffuse light back to
-    /// the base, so the base reflects less than without the coat: ρ = ρ_b·(1−R)/(1−ρ_b·R) leaves
-    /// the coat (Saunderson 1942).
+    /// Returns the surface with `reflectance` as that of the bare base, ρ_b. The coat reflects the
+    /// fraction R = 1 − (1−Ē)/n² of the diffuse light back to the base, so less, ρ =
+    /// ρ_b·(1−R)/(1−ρ_b·R), leaves the coat (Saunderson 1942).
     #[must_use]
     pub fn with_interreflection(self) -> Self {
         Self { interreflection: true, ..self }
@@ -112,8 +110,7 @@ impl Glossy {
         } else {
             sample_cosine(sign, u[0], u[1])
         };
-        // A facet may reflect the path below the surface, where the BSDF is 0 and any positive pdf
-        // is valid.
+        // A facet may reflect below the surface, where the BSDF is 0 and any positive pdf valid.
         let pdf = self.mixed_pdf(wo, wi, coat_probability);
         BsdfSample::lobe(wi, ScatterEvent::Reflection, if pdf > 0.0 { pdf } else { 1.0 })
     }
@@ -131,8 +128,7 @@ impl Glossy {
         let m = (wo + wi).normalize_or_zero();
         let lobe = self.facets.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
         let (coat_o, coat_i) = (self.coat.at(wo.z.abs(), index), self.coat.at(wi.z.abs(), index));
-        // If the coat reflects all light, both numerator and 1 − Ē vanish. The lower bound prevents
-        // 0/0.
+        // If the coat reflects all light, the lower bound prevents 0/0.
         let through = (1.0 - coat_o) * (1.0 - coat_i) / (1.0 - self.coat.mean(index)).max(f64::MIN_POSITIVE);
         fresnel::dielectric(wo.dot(m), 1.0, index) * lobe + self.base(texel, nm) * FRAC_1_PI * through
     }

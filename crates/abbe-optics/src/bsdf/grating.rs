@@ -13,8 +13,7 @@ use abbe_spectra::spectrum::Spectrum;
 /// The course of the grooves over a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Grooves {
-    /// Parallel grooves, at this angle in rad from the direction of u to that in which light is
-    /// diffracted.
+    /// Parallel grooves: the angle in rad from u to the direction of diffraction.
     Parallel(f64),
     /// Circles around the centre of the unit square of uv, as on an optical disc.
     Circular,
@@ -31,8 +30,7 @@ pub struct DiffractionGrating {
     reflectance: Spectrum,
     transmittance: Spectrum,
     grooves: Grooves,
-    /// The wavelength in nm that decides the orders of all light, if they do not depend on the
-    /// wavelength.
+    /// The wavelength in nm that decides all orders, if they do not depend on that of the light.
     fixed_nm: Option<f64>,
 }
 
@@ -119,8 +117,7 @@ impl DiffractionGrating {
         Some(BsdfSample { disperses: self.fixed_nm.is_none(), ..sample })
     }
 
-    /// Returns the efficiency of the order that leads from `wo` to the sampled direction, or back
-    /// if the path transports radiance.
+    /// Returns the efficiency of the order from `wo` to the sample, or back for radiance.
     pub(super) fn coefficient(
         &self,
         wo: DVec3,

@@ -10,8 +10,7 @@ pub(super) fn z_sign(w: DVec3) -> f64 {
     if w.z < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// Multiplies the z component of `w` by `sign`. With `z_sign(wo)`, it maps `wo` to the upper
-/// hemisphere.
+/// Multiplies z by `sign`. With `z_sign(wo)`, it maps `wo` to the upper hemisphere.
 pub(super) fn flip_z(w: DVec3, sign: f64) -> DVec3 {
     DVec3::new(w.x, w.y, w.z * sign)
 }
@@ -26,8 +25,7 @@ pub(super) fn same_side(wo: DVec3, wi: DVec3) -> bool {
 pub(super) fn sample_cosine(sign: f64, u: f64, v: f64) -> DVec3 {
     let (sin, cos) = sin_cos(2.0 * PI * v);
     let radius = u.sqrt();
-    // 1 − u gives a positive cosine for u < 1, and the lower bound also for a u that was rounded up
-    // to 1.
+    // 1 − u is positive for u < 1, and the lower bound for a u that was rounded up to 1.
     let z = (1.0 - u).max(f64::EPSILON * f64::EPSILON).sqrt();
     DVec3::new(radius * cos, radius * sin, z * sign)
 }

@@ -9,9 +9,8 @@ use super::{coated, dielectric, diffuse};
 use crate::texture::{LookupRandom, SurfaceSpectrum, TexturePoint};
 use abbe_spectra::spectrum::{LANES, Lanes};
 
-/// A BSDF at one point of a surface, where the component of a mixture and the texels of textures
-/// are selected, so paths never scatter at a mixture. The methods still accept a mixture without
-/// textures, and treat it as a whole.
+/// A BSDF at one point of a surface, with a selected component of a mixture and texels. The methods
+/// still treat a mixture without textures as a whole.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalBsdf<'a> {
     /// The BSDF of the material, or the selected component of a mixture.
@@ -86,10 +85,9 @@ impl<'a> LocalBsdf<'a> {
     /// the [`TransportMode`]. Returns `None` if the event absorbs the light of all wavelengths, as
     /// when a facet of a rough metal reflects the path below the surface.
     ///
-    /// `u[0]` and `u[1]`, in \[0, 1), choose the direction; `u[2]` chooses between reflection and
-    /// transmission or between lobes. A mixture without textures first selects a component by
-    /// `u[2]`. The probability in the sample is then that of the component alone, without its
-    /// weight.
+    /// Of `u` in \[0, 1), `u[0]` and `u[1]` choose the direction, and `u[2]` between reflection and
+    /// transmission or lobes, after a component of a mixture without textures. The probability in
+    /// the sample is then that of the component alone, without its weight.
     #[inline]
     pub fn sample(self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
         let reflectance = self.texels.reflectance;
@@ -115,11 +113,9 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Evaluates a sample at the wavelength `nm`. Divided by `sample.probability`, the result is
-    /// the weight of the path.
-    ///
-    /// For a delta sample, it is the reflectance, or the transmittance with the n² factor of
-    /// [`TransportMode::Radiance`], without the probability of the event. Otherwise it is
+    /// Evaluates a sample at the wavelength `nm`: divided by `sample.probability`, the weight of
+    /// the path. For a delta sample, it is the reflectance, or the transmittance with the n² factor
+    /// of [`TransportMode::Radiance`], without the probability of the event, and otherwise
     /// f·|cosθ_i| in 1/sr.
     pub fn eval_sample(
         self,
@@ -144,9 +140,8 @@ impl<'a> LocalBsdf<'a> {
         self.eval(wo, sample.wi, iors, mode, nm) * sample.wi.z.abs()
     }
 
-    /// Returns the fraction of the arriving power, in \[0, 1\], that this event absorbs at `nm`.
-    ///
-    /// It is computed from albedos and losses, not as 1 minus the weight. For
+    /// Returns the fraction of the arriving power, in \[0, 1\], that this event absorbs at `nm`. It
+    /// is computed from albedos and losses, not as 1 minus the weight. For
     /// [`TransportMode::Importance`] and a sample at `nm`, the expected weight and the expected
     /// absorbed fraction sum to 1. If [`LocalBsdf::sample`] returns `None`, all power is absorbed.
     pub fn absorbed_fraction(self, wo: DVec3, sample: &BsdfSample, iors: InterfaceIors<'_>, nm: f64) -> f64 {
@@ -239,8 +234,7 @@ impl<'a> LocalBsdf<'a> {
     }
 
     /// Returns the probability with which a smooth coated interface or a film should reflect a path
-    /// of the wavelength `nm`, or of the whole band if `None`. Returns `None` for all other
-    /// surfaces.
+    /// of the wavelength `nm`, or the whole band if `None`; `None` for all others.
     pub fn film_reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> Option<f64> {
         let thickness_nm = self.texels.thickness_nm;
         if let Bsdf::ThinFilm(film) = self.model {

@@ -50,8 +50,7 @@ mod tests {
     use glam::DVec3;
     use std::f64::consts::{FRAC_PI_2, PI};
 
-    /// Computes l(μ) by the midpoint rule on the whole disk of visible normals, without
-    /// subdivision.
+    /// Computes l(μ) by the midpoint rule on the whole disk, without subdivision.
     fn brute_force(facets: &Ggx, kind: FacetKind, cos: f64) -> f64 {
         const POINTS: usize = 300;
         let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);

@@ -49,8 +49,7 @@ pub enum Bsdf {
     Mix(MixBsdf),
 }
 
-/// A weighted mixture of BSDFs. Each path scatters at one component, chosen by its normalised
-/// weight.
+/// A mixture of BSDFs, of which each path scatters at one, chosen by normalised weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MixBsdf {
     components: Vec<Bsdf>,
@@ -138,8 +137,7 @@ impl Bsdf {
         })
     }
 
-    /// Returns the BSDF without fluorescence, where a fluorescent surface keeps its reflection
-    /// ρ(λ).
+    /// Returns the BSDF without fluorescence; a fluorescent surface keeps its reflection.
     pub fn without_fluorescence(self) -> Result<Self> {
         if let Self::Mix(mix) = self {
             return Ok(Self::Mix(mix.with_components(Self::without_fluorescence)?));
@@ -256,15 +254,13 @@ impl Bsdf {
         }
     }
 
-    /// Returns the pane that covers the whole surface and is the same everywhere, so that shadow
-    /// rays can pass through it. Returns `None` for all other surfaces, also for mixtures with
-    /// panes.
+    /// Returns the pane that covers the whole surface uniformly, so that shadow rays can pass, or
+    /// `None` for all other surfaces, also for mixtures with panes.
     pub fn uniform_pane(&self) -> Option<&ThinDielectric> {
         if let Self::ThinDielectric(pane) = self { Some(pane).filter(|pane| pane.coating.is_none()) } else { None }
     }
 
-    /// Iterates over the components of a mixture, which are never mixtures, or over the BSDF
-    /// itself.
+    /// Iterates over the (unmixed) components of a mixture, or over the BSDF itself.
     pub fn components(&self) -> impl Iterator<Item = &Self> {
         let components = if let Self::Mix(mix) = self { mix.components() } else { std::slice::from_ref(self) };
         components.iter()
@@ -283,9 +279,8 @@ impl MixBsdf {
         Self::textured(parts.into_iter().map(|(weight, bsdf)| (SurfaceScalar::Uniform(weight), bsdf)).collect())
     }
 
-    /// Creates a mixture whose weights may vary over the surface and are normalised at each point.
-    /// If all are 0, the first part is chosen. Returns an error if a weight is negative or not
-    /// finite, or no weight is positive.
+    /// Creates a mixture of weights that may vary over the surface and are normalised at each
+    /// point; where all are 0, the first part is chosen. Errors are those of [`Self::new`].
     pub fn textured(parts: Vec<(SurfaceScalar, Bsdf)>) -> Result<Self> {
         let bad = parts.iter().map(|(weight, _)| weight.range()).find(|(low, high)| !(*low >= 0.0 && high.is_finite()));
         if let Some((low, high)) = bad {
@@ -383,8 +378,7 @@ impl MixBsdf {
     }
 }
 
-/// Adds the components of a part with its normalised weight to the lists of a mixture, and returns
-/// the choice of a component of the part.
+/// Adds a part's components, weighted, to a mixture, and returns the choice among them.
 fn add_part(bsdf: Bsdf, weight: f64, components: &mut Vec<Bsdf>, weights: &mut Vec<f64>) -> Choice {
     let first = components.len();
     let Bsdf::Mix(inner) = bsdf else {

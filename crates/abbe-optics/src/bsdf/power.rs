@@ -2,8 +2,7 @@ use glam::DVec3;
 
 use super::sample::{BsdfSample, ScatterEvent};
 
-/// Reflection and transmission each have at least this probability, for the wavelengths besides the
-/// hero.
+/// The least probability of reflection and transmission, for the other wavelengths.
 const MIN_PROBABILITY: f64 = 0.1;
 
 /// The fractions of the power that a surface reflects and transmits; it absorbs the rest.

@@ -95,8 +95,7 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
         single + self.multiple.eval(wo.z, wi.z.abs(), event)
     }
 
-    /// Returns the pdf of `wi` per solid angle if `probability` selects the lobe of multiple
-    /// scattering.
+    /// Returns the pdf of `wi`, with `probability` for the lobe of multiple scattering.
     fn pdf_upper(&self, wo: DVec3, wi: DVec3, probability: f64) -> f64 {
         let event = event_towards(wi);
         let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
@@ -124,9 +123,8 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
             // dω_m/dω_i = 1/(4·|o·m|) (Walter et al. 2007, equation 14).
             return (cos_o > 0.0).then(|| HalfVector { m, cos_o, jacobian: 0.25 / cos_o });
         }
-        // The half vector of refraction is h = n_i·o + n_t·i (Walter et al. 2007, equation 16), and
-        // the Jacobian is n_t²·|i·m|/(n_i(o·m) + n_t(i·m))² (equation 17) with the denominator
-        // |h|².
+        // The half vector is h = n_i·o + n_t·i (Walter et al. 2007, equation 16), and the Jacobian
+        // n_t²·|i·m|/(n_i(o·m) + n_t(i·m))² (equation 17) with the denominator |h|².
         let along = wo * n_i + wi * n_t;
         let m = along.normalize_or_zero() * along.z.signum();
         let (cos_o, cos_i) = (wo.dot(m), -wi.dot(m));

@@ -24,8 +24,7 @@ pub struct InterfaceIors<'a> {
     pub there: &'a RefractiveIndex,
 }
 
-/// Returns the factor of the change of index for transmitted light: (n_i/n_t)² for radiance and 1
-/// for power (Veach 1997, §5.2).
+/// Returns the factor of transmitted light: (n_i/n_t)² for radiance (Veach 1997, §5.2), else 1.
 pub(super) fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
     match mode {
         TransportMode::Radiance => {
@@ -71,8 +70,7 @@ pub struct BsdfSample {
     pub event: ScatterEvent,
     /// True if `wi` comes from a delta distribution.
     pub delta: bool,
-    /// The probability of the event if `delta` is set, otherwise the pdf of `wi` per solid angle.
-    /// Always positive.
+    /// The probability of the event if `delta`, or the pdf of `wi` in 1/sr. Positive.
     pub probability: f64,
     /// True if `wi` depends on the wavelength, so that the path can keep only one: after
     /// diffraction, or after refraction between media of which at least one is dispersive.

@@ -59,8 +59,7 @@ impl ThinDielectric {
         Self { coating: Some(films), ..self }
     }
 
-    /// Replaces the computed transmittance by a measured one. The reflectance is that of a clear
-    /// pane, but at most the rest.
+    /// Sets a measured transmittance. R is that of a clear pane, but at most the rest.
     #[must_use]
     pub fn with_transmittance(self, transmittance: CosinePolynomial) -> Self {
         Self { transmittance: Some(transmittance), ..self }
@@ -149,8 +148,7 @@ impl ThinDielectric {
     }
 }
 
-/// R′ and T′ for one polarisation, from the reflectance of a face and the transmittance of a
-/// passage.
+/// R′ and T′ for one polarisation, from a face's reflectance and a passage's τ.
 fn slab(face: f64, passage: f64) -> (f64, f64) {
     if face >= 1.0 {
         return (1.0, 0.0);

@@ -12,9 +12,8 @@ use crate::texture::SurfaceSpectrum;
 use abbe_spectra::error::{Error, Result};
 
 /// The probability of reflection is the mean of ρ/(ρ + τ) at the hero wavelength and, with this
-/// weight, of the band averages, so that an event without power at the hero wavelength has a
-/// positive probability: a leaf that transmits only green light must also transmit on a path with a
-/// red hero.
+/// weight, of the band averages: a leaf that transmits only green light must also transmit on a
+/// path with a red hero.
 const BAND_WEIGHT: f64 = 0.25;
 
 /// In nm, between the wavelengths at which all texels of a texture are checked.
@@ -31,8 +30,7 @@ pub struct Translucent {
 }
 
 impl Translucent {
-    /// Creates a sheet. Returns an error if a value is negative, or ρ + τ exceeds 1 at a
-    /// wavelength.
+    /// Creates a sheet, or returns an error if a value is negative or ρ + τ exceeds 1.
     pub fn new(reflectance: impl Into<SurfaceSpectrum>, transmittance: impl Into<SurfaceSpectrum>) -> Result<Self> {
         let (reflectance, transmittance) = (reflectance.into(), transmittance.into());
         check_fraction("reflectance", &reflectance)?;

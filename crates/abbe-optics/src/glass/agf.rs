@@ -113,8 +113,7 @@ fn numbers(words: &[&str]) -> Result<Vec<f64>> {
     words.iter().map(number).collect()
 }
 
-/// Converts the coefficients of a glass, 0 where missing, to a formula numbered as in the Zemax
-/// manual.
+/// Converts coefficients, 0 where missing, to a formula by its number in the manual.
 fn dispersion(row: &AgfRow) -> Result<Dispersion> {
     let c: [f64; 10] = std::array::from_fn(|i| row.coefficients.get(i).copied().unwrap_or(0.0));
     let poles = |count: usize| (0..count).map(|i| SellmeierTerm { b: c[2 * i], c: c[2 * i + 1] }).collect();

@@ -19,8 +19,7 @@ pub enum GlassKind {
     Glass,
     /// A glass ceramic.
     GlassCeramic,
-    /// A crystal. Birefringent crystals have separate entries for the ordinary (o) and
-    /// extraordinary (e) index.
+    /// A crystal, with an entry for the ordinary (o) and extraordinary (e) index if birefringent.
     Crystal,
     /// A plastic.
     Polymer,
@@ -46,8 +45,7 @@ pub struct CauchyFit {
 }
 
 impl CauchyFit {
-    /// Fits an index at the whole nanometres of the band within its range. Returns an error if
-    /// there are fewer than three.
+    /// Fits an index at whole nm of the band within its range, or fails with fewer than three.
     pub(super) fn fit(index: &RefractiveIndex) -> Result<Self> {
         let (from, to) = index.range_nm();
         let (from, to) = (from.max(BAND_NM.0), to.min(BAND_NM.1));
@@ -120,8 +118,7 @@ impl Glass {
 }
 
 impl RefractiveIndex {
-    /// Returns the index of a material of the catalogue, whatever the case of its name. Returns an
-    /// error if the name is unknown.
+    /// Returns the index of a material by name, in any case, or an error if it is unknown.
     pub fn catalogue(name: &str) -> Result<Self> {
         Ok(find(name)?.index.clone())
     }
@@ -146,9 +143,8 @@ pub fn all() -> &'static [Glass] {
     &GLASSES
 }
 
-/// Returns the material `name`; case is ignored. Without its qualifier (`water` instead of `water
-/// 20C`), a name gives the first match. The error for an unknown name suggests the most similar
-/// one.
+/// Returns the material `name`, in any case; without a qualifier (`water 20C`), the first match.
+/// The error for an unknown name suggests the most similar one.
 pub fn find(name: &str) -> Result<&'static Glass> {
     let wanted = name.to_lowercase();
     let found = GLASSES.iter().find(|glass| glass.name.to_lowercase() == wanted);

@@ -20,8 +20,7 @@ pub struct PowerTerm {
     pub p: i32,
 }
 
-/// A dispersion formula. λ is in µm in the formulas, and in nm as the argument of
-/// [`Dispersion::n`].
+/// A formula of λ in µm. The argument of [`Dispersion::n`] is in nm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dispersion {
     /// The same index at every wavelength.
@@ -86,9 +85,8 @@ pub enum Dispersion {
 }
 
 impl Dispersion {
-    /// Returns the index at a wavelength in nm, or NaN if the formula gives a negative n². The
-    /// range of validity is not checked, because [`super::RefractiveIndex::n`] clamps the
-    /// wavelength to it.
+    /// Returns the index at a wavelength in nm, or NaN for a negative n².
+    /// [`super::RefractiveIndex::n`] clamps the wavelength to the range of validity.
     pub fn n(&self, wavelength_nm: f64) -> f64 {
         let um = wavelength_nm * 1e-3;
         match self {

@@ -26,8 +26,7 @@ impl Extinction {
         4.0 * PI * self.k(wavelength_nm) / (wavelength_nm * 1e-9)
     }
 
-    /// Returns the internal transmittance of a piece of `length_m` metres, without the reflection
-    /// losses at its faces.
+    /// Returns the internal transmittance (without reflection) of a piece of `length_m` metres.
     pub fn internal_transmittance(&self, wavelength_nm: f64, length_m: f64) -> f64 {
         exp(-self.absorption_per_m(wavelength_nm) * length_m)
     }

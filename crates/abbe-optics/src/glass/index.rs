@@ -37,15 +37,13 @@ impl RefractiveIndex {
         Self::new(Dispersion::Constant(n), BAND_NM)
     }
 
-    /// Creates an index by Cauchy's formula n = a + b/λ² + c/λ⁴, with λ in µm. Returns an error if
-    /// n is NaN or below 1 in the band.
+    /// Creates n = a + b/λ² + c/λ⁴, λ in µm (Cauchy); NaN or less than 1 in the band is an error.
     pub fn cauchy(a: f64, b: f64, c: f64) -> Result<Self> {
         Self::new(Dispersion::Cauchy { a, b, c }, BAND_NM)
     }
 
-    /// Creates an index by Sellmeier's formula n² = 1 + Σ b λ²/(λ² − c), with λ in µm and c in µm².
-    /// Returns an error if the lists have different lengths, a resonance lies within the band, or n
-    /// is below 1 or NaN.
+    /// Creates n² = 1 + Σ b λ²/(λ² − c), with λ in µm and c in µm² (Sellmeier). Returns an error
+    /// for different lengths, a resonance within the band, or n below 1 or NaN.
     pub fn sellmeier(b: &[f64], c_um2: &[f64]) -> Result<Self> {
         if b.len() != c_um2.len() {
             let what = format!("{} Sellmeier coefficients b but {} c", b.len(), c_um2.len());
@@ -66,9 +64,8 @@ impl RefractiveIndex {
         Self::cauchy(nd - b * per_um2(lines::D_NM), b, 0.0)
     }
 
-    /// Creates an index by linear interpolation of the points (`nm`, `n`), held outside. Returns an
-    /// error if the lists are empty or have different lengths, `nm` does not increase, or a value
-    /// of n is below 1 or NaN.
+    /// Creates an index by linear interpolation of points (`nm`, `n`), held outside. Returns an
+    /// error for empty or different lists, `nm` that do not increase, or n below 1 or NaN.
     pub fn table(nm: &[f64], n: &[f64]) -> Result<Self> {
         if nm.len() != n.len() || nm.is_empty() {
             let what = format!("a table of {} wavelengths and {} indices", nm.len(), n.len());
@@ -112,8 +109,7 @@ impl RefractiveIndex {
         Ok(index)
     }
 
-    /// Sets a warning if the range of validity does not cover the band, or the index is relative to
-    /// vacuum.
+    /// Sets a warning if the range does not cover the band, or n is relative to vacuum.
     pub(super) fn set_warning(&mut self, name: &str, relative_to: ReferenceMedium) {
         let (from, to) = self.range_nm;
         let mut warnings = Vec::new();
@@ -148,8 +144,7 @@ impl RefractiveIndex {
         self.n(lines::D_NM)
     }
 
-    /// Returns the Abbe number (n_d − 1)/(n_F − n_C), unless n_F = n_C or the range lacks one of
-    /// the lines.
+    /// Returns the Abbe number, unless n_F = n_C or the range lacks one of the lines.
     pub fn vd(&self) -> Option<f64> {
         let spread = self.n(lines::F_NM) - self.n(lines::C_NM);
         let known = self.range_nm.0 <= lines::F_NM && self.range_nm.1 >= lines::C_NM;
@@ -166,8 +161,7 @@ impl RefractiveIndex {
         &self.dispersion
     }
 
-    /// Returns a warning for the user if the range of validity lacks a part of the band, or if the
-    /// index is relative to vacuum.
+    /// Returns a warning if the range lacks a part of the band, or the index is relative to vacuum.
     pub fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
     }
@@ -187,8 +181,7 @@ fn invalid_index(n: f64, nm: f64) -> Error {
         .expected(format!("an index of at least 1 over the whole band ({} to {} nm)", BAND_NM.0, BAND_NM.1))
 }
 
-/// Returns an error if a resonance lies in the range, which [`RefractiveIndex::new`] could miss
-/// between whole nanometres.
+/// Returns an error for a resonance in the range, even between whole nanometres.
 fn check_resonances(poles: &[SellmeierTerm], range_nm: (f64, f64)) -> Result<()> {
     for pole in poles {
         if !(pole.b.is_finite() && pole.c.is_finite()) {

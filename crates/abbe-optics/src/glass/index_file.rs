@@ -36,8 +36,7 @@ struct IndexTable {
 
 impl IndexTable {
     /// Creates a table from points in any order: those from 300 to 830 nm, and the nearest one on
-    /// each side. It contains the mean of points of equal wavelength, which occur in files with
-    /// rounded wavelengths.
+    /// each side. Points of equal (rounded) wavelength become their mean.
     fn new(mut points: Points) -> Result<Self> {
         if points.iter().any(|(nm, value)| !(nm.is_finite() && value.is_finite())) {
             return Err(Error::input("a wavelength or a value is not finite"));
@@ -74,10 +73,9 @@ pub struct IndexFileData {
 }
 
 impl IndexFileData {
-    /// Reads the text of a file, by the extension of `path`: entries of refractiveindex.info
-    /// (`.yml`, `.yaml`), or tables with a header row such as `nm,n,k` or `um,n`. Returns an error
-    /// with the path if the text is malformed, a formula is unknown, or no wavelengths are in the
-    /// range from 360 to 830 nm.
+    /// Reads a text by the extension of `path`: entries of refractiveindex.info (`.yml`, `.yaml`),
+    /// or tables with a header row such as `nm,n,k` or `um,n`. Returns an error with the path if it
+    /// is malformed, a formula is unknown, or no wavelength is from 360 to 830 nm.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|name| name.to_str()).unwrap_or_default();
         let is_yaml = ["yml", "yaml"].iter().any(|known| extension.eq_ignore_ascii_case(known));
@@ -93,8 +91,7 @@ impl IndexFileData {
         self.n.is_some() && self.k.is_some()
     }
 
-    /// Returns the index of a transparent material, or an error if the file contains no n, or n is
-    /// below 1.
+    /// Returns the index of a transparent material, or an error if n is missing or below 1.
     pub fn index(&self) -> Result<RefractiveIndex> {
         let table = self.n.as_ref().ok_or_else(|| Error::input("the file contains no index of refraction"))?;
         let mut index = RefractiveIndex::table(&table.nm, &table.values)?;
@@ -102,8 +99,7 @@ impl IndexFileData {
         Ok(index)
     }
 
-    /// Returns n and k of a metal, held at both ends of the data, or an error if the file lacks one
-    /// of them.
+    /// Returns n and k of a metal, held at both ends, or an error if one is missing.
     pub fn n_and_k(&self) -> Result<(Spectrum, Spectrum)> {
         let (Some(n), Some(k)) = (&self.n, &self.k) else {
             return Err(Error::input("the file does not contain both n and k").expected("the data of a metal"));

@@ -1,5 +1,4 @@
-//! Spectral lines (wavelengths in nm, in air) for which refractive indices are published (ISO 7944;
-//! Schott, technical information 29).
+//! Spectral lines (nm, in air) of published indices (ISO 7944; Schott, technical information 29).
 
 /// The h line: mercury, violet.
 pub const H_NM: f64 = 404.6561;

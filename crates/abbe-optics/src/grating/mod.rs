@@ -28,8 +28,7 @@ pub struct DiffractedOrder {
     pub direction: DVec3,
     /// The fraction of the incident power. The orders of a phase grating sum to 1.
     pub efficiency: f64,
-    /// The same by scalar theory, before the power of evanescent orders is divided among the
-    /// others.
+    /// By scalar theory, before the power of evanescent orders is divided among the others.
     pub scalar_efficiency: f64,
 }
 
@@ -39,8 +38,7 @@ impl DiffractedOrder {
         abbe_spectra::math::elementary::asin(self.direction.truncate().length().min(1.0)).to_degrees()
     }
 
-    /// Returns the angle in the plane across the grooves in degrees, from −90 to 90, positive
-    /// towards x.
+    /// Returns the angle across the grooves in degrees, from −90 to 90, positive towards x.
     pub fn signed_deg(&self) -> f64 {
         abbe_spectra::math::elementary::asin(self.direction.x.clamp(-1.0, 1.0)).to_degrees()
     }
@@ -68,11 +66,9 @@ impl Grating {
         &self.profile
     }
 
-    /// Returns the direction of an order, or `None` if the order is evanescent.
-    ///
-    /// `incident`, with z < 0, is the unit direction in which the light arrives, `indices` are
-    /// those of the medium in which the light arrives and of the one in which it leaves, and `nm`
-    /// is the wavelength in air.
+    /// Returns the direction of an order, or `None` if it is evanescent. `incident`, with z < 0, is
+    /// the unit direction of arrival, `indices` are those of the media in which the light arrives
+    /// and leaves, and `nm` is the wavelength in air.
     pub fn direction(
         &self,
         incident: DVec3,
@@ -105,8 +101,7 @@ impl Grating {
         self.propagating(incident, [index; 2], nm).map(|order| self.profile.efficiency(order, nm)).sum()
     }
 
-    /// Returns the efficiency of one order, which must propagate, with the index `index` on both
-    /// sides; see [`Self::orders`].
+    /// Returns the efficiency of a propagating order in one `index`; see [`Self::orders`].
     pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
         let sum = self.scalar_sum(incident, index, nm);
         let fraction =
@@ -142,10 +137,9 @@ impl Grating {
 
     /// Returns all orders that propagate, with their efficiencies; see [`Self::direction`].
     ///
-    /// Their scalar efficiencies are scaled, so that a phase grating loses no power to evanescent
-    /// orders. If all are 0, the order 0 receives the power. They are not reciprocal, because a
-    /// beam in the opposite direction has other evanescent orders. Measured efficiencies are not
-    /// scaled.
+    /// Scalar efficiencies are scaled, so that a phase grating loses no power to evanescent orders,
+    /// and if all are 0, the order 0 receives the power. They are not reciprocal, because a beam in
+    /// the opposite direction has other evanescent orders. Measured ones are not scaled.
     pub fn orders(&self, incident: DVec3, event: ScatterEvent, indices: [f64; 2], nm: f64) -> Vec<DiffractedOrder> {
         let numbers = self.propagating(incident, indices, nm);
         let found = numbers.filter_map(|order| {

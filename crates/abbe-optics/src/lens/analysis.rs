@@ -76,8 +76,7 @@ impl LensAnalysis {
             foci.push(LineFocus { line: line.0, wavelength_nm: line.1, efl_mm, bfd_mm, transmittance });
         }
         let half_field_deg = half_field_deg.or(lens.half_field_deg()).unwrap_or_else(|| widest_field_deg(d));
-        // The edge of the field comes first, so that the error for a field that is too wide names
-        // the requested angle.
+        // The edge comes first, so that the error for too wide a field names its angle.
         let angles = FIELD_FRACTIONS.iter().rev().map(|fraction| fraction * half_field_deg);
         let field = |angle_deg| field_point(&at, angle_deg, sensor_z_mm, paraxial.efl_mm);
         let lines = [foci[0], foci[1], foci[2]];
@@ -86,15 +85,13 @@ impl LensAnalysis {
         Ok(Self { paraxial, lines, half_field_deg, fields })
     }
 
-    /// Returns the longitudinal colour in mm: the back focal distance of the F line minus that of
-    /// the C line.
+    /// Returns the longitudinal colour in mm: back focus of the F line minus the C line.
     pub fn fc_shift_mm(&self) -> f64 {
         self.lines[0].bfd_mm - self.lines[2].bfd_mm
     }
 }
 
-/// Returns the largest whole number of degrees, from 1 to [`DEFAULT_HALF_FIELD_DEG`], at which the
-/// chief ray passes the lens.
+/// Returns the largest whole degree, from 1 to [`DEFAULT_HALF_FIELD_DEG`], with a chief ray.
 fn widest_field_deg(at: &MonochromaticLens<'_>) -> f64 {
     let passes = |degrees: f64| {
         at.chief_ray(degrees)

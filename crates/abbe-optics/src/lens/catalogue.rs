@@ -13,9 +13,8 @@ pub fn all() -> &'static [Lens] {
     &LENSES
 }
 
-/// Returns the lens `name`. Case is ignored, `-` and `_` count as spaces, and the first words
-/// suffice (`double-gauss` for `double Gauss f/2 f100`). The error for an unknown name suggests the
-/// most similar one.
+/// Returns the lens `name`, in any case, with `-` and `_` for spaces, of which the first words
+/// suffice. The error for an unknown name suggests the most similar one.
 pub fn find(name: &str) -> Result<&'static Lens> {
     let wanted = normalised_name(name);
     let found = LENSES.iter().find(|lens| normalised_name(lens.name()) == wanted);
@@ -28,8 +27,7 @@ fn normalised_name(name: &str) -> String {
     name.to_lowercase().replace(['-', '_'], " ")
 }
 
-/// Returns the names that an error may suggest: the first word, the first two words, and the full
-/// name.
+/// Returns names for suggestions: the first word, the first two words, and the full name.
 fn searchable_names(name: &str) -> impl Iterator<Item = &str> {
     let ends = name.match_indices(' ').map(|(at, _)| at).take(2).chain([name.len()]);
     ends.map(|end| &name[..end])

@@ -1,5 +1,4 @@
-//! Semi-apertures and field angles that a prescription does not state, from the rays that pass the
-//! stop, as in lens design programs.
+//! Semi-apertures and field angles that a prescription lacks, from the rays that pass the stop.
 
 use super::field::parallel_ray;
 use super::prescription::{Lens, Prescription};
@@ -50,8 +49,7 @@ impl Prescription {
         Ok(())
     }
 
-    /// Sets the field of view from the height of the image of a distant object. Returns an error if
-    /// the lens has no focal length.
+    /// Sets the field of view from a distant object's image height; without focal length, an error.
     pub(super) fn set_field_of_image(&mut self, height_mm: f64) -> Result<()> {
         let focal_mm = self.open_lens()?.at(lines::D_NM).paraxial()?.efl_mm;
         self.half_field_deg = Some(atan((height_mm / focal_mm).abs()).to_degrees());

@@ -20,24 +20,20 @@ pub struct LensSpot {
     pub rays: usize,
 }
 
-/// First and smallest step of the field angle in degrees. The pupil moves with the field, so the
-/// search for a chief ray starts on the axis and follows the pupil in steps, which are halved when
-/// no chief ray is found.
+/// First and smallest step of the field angle in degrees: the search for a chief ray follows the
+/// moving pupil from the axis, and halves the step when it finds none.
 const FIELD_STEP_DEG: f64 = 2.0;
 const LEAST_STEP_DEG: f64 = 0.02;
 /// Maximum number of Newton steps for a chief ray. About four steps are usual.
 const MAX_CHIEF_RAY_STEPS: usize = 40;
-/// Number of rays across a bundle, and its width relative to the entrance pupil: wider, so that the
-/// apertures decide which rays pass.
+/// Number of rays across a bundle, and its width relative to the pupil, for the apertures to cut.
 const RAYS_ACROSS_BUNDLE: u32 = 96;
 const BUNDLE_WIDTH: f64 = 2.0;
 
 impl MonochromaticLens<'_> {
     /// Returns the chief ray at a field angle in degrees, |angle| < 90, or an error if there is
-    /// none.
-    ///
-    /// The ray starts on the axis, travels from the scene through the centre of the stop, and rises
-    /// towards the sensor for positive angles. Apertures are ignored.
+    /// none. It travels in the meridional plane from the scene through the centre of the stop, and
+    /// rises towards the sensor for positive angles. Apertures are ignored.
     pub fn chief_ray(&self, field_deg: f64) -> Result<LensRay> {
         let Some(pupil) = self.paraxial()?.entrance_pupil else {
             return Err(Error::input("the entrance pupil lies at infinity: parallel light has no chief ray"));
@@ -61,8 +57,7 @@ impl MonochromaticLens<'_> {
         Ok(ray_at(end, z_mm))
     }
 
-    /// Returns z in mm where the line of the incoming chief ray crosses the axis, by Newton's
-    /// method from `start_mm`.
+    /// Returns z in mm where the incoming chief ray crosses the axis (Newton's method).
     fn pupil_z_mm(&self, field: f64, start_mm: f64, diameter_mm: f64) -> Option<f64> {
         let height = |z_mm: f64| self.stop_height_mm(ray_at(field, z_mm));
         let tolerance_mm = 1e-12 * self.lens().surfaces()[self.lens().stop()].semi_aperture_mm;
@@ -100,8 +95,8 @@ impl MonochromaticLens<'_> {
         end.map_or(height_mm, |_| height_mm)
     }
 
-    /// Returns the spot of the bundle around a chief ray on the plane z = `sensor_z_mm`, or `None`
-    /// if all rays are vignetted.
+    /// Returns the spot of the bundle on the plane z = `sensor_z_mm`, or `None` if all is
+    /// vignetted.
     pub fn spot(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Option<LensSpot>> {
         let landed = self.landing_points(chief, sensor_z_mm)?;
         if landed.is_empty() {
@@ -113,8 +108,7 @@ impl MonochromaticLens<'_> {
         Ok(Some(LensSpot { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: landed.len() }))
     }
 
-    /// Returns the points in mm at which the rays of the bundle around a chief ray that are not
-    /// vignetted reach the plane z = `sensor_z_mm`.
+    /// Returns the points in mm at which the unvignetted rays of the bundle reach `sensor_z_mm`.
     pub(super) fn landing_points(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Vec<DVec2>> {
         let radius_mm = self.bundle_radius_mm()?;
         let offset = |i: u32| ((2 * i + 1) as f64 / f64::from(RAYS_ACROSS_BUNDLE) - 1.0) * radius_mm;
@@ -152,8 +146,7 @@ fn ray_at(field: f64, z_mm: f64) -> LensRay {
     LensRay { origin: DVec3::new(0.0, 0.0, z_mm), direction: DVec3::new(0.0, sin(field), cos(field)) }
 }
 
-/// Returns a ray parallel to the chief ray, shifted by `up_mm` in the meridional plane and by
-/// `aside_mm` perpendicular to it.
+/// Returns a ray parallel to the chief ray, `up_mm` in the meridional plane and `aside_mm` off it.
 pub(super) fn parallel_ray(chief: LensRay, aside_mm: f64, up_mm: f64) -> LensRay {
     let up = DVec3::new(0.0, chief.direction.z, -chief.direction.y);
     LensRay { origin: chief.origin + DVec3::X * aside_mm + up * up_mm, ..chief }

@@ -158,8 +158,7 @@ impl FoldedSystem {
         crossed
     }
 
-    /// Returns the ray at a field angle in degrees through the centre of the stop, or an error if
-    /// there is none.
+    /// Returns the ray at an angle in degrees through the stop's centre, or an error.
     fn chief_ray(&self, angle_deg: f64) -> Result<LensRay> {
         let angle = angle_deg.to_radians();
         let (sin, cos) = sin_cos(angle);
@@ -186,8 +185,7 @@ impl FoldedSystem {
         Err(lost())
     }
 
-    /// Returns the focal length, and the distance from the last surface to the focus, in mm, of a
-    /// thin bundle along `aside` around a ray.
+    /// Returns the focal length and back focus in mm of a thin bundle along `aside` around a ray.
     fn focus(&self, central: LensRay, aside: DVec3) -> Result<(f64, f64)> {
         const OFFSET_MM: f64 = 1e-3;
         let lost = || Error::input("the central ray is lost in the system");

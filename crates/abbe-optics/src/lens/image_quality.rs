@@ -134,8 +134,7 @@ mod tests {
     use super::*;
     use crate::lens::catalogue;
 
-    /// The MTF of uniform points on a line of length L is |sinc(L f)|, and that of a pair of points
-    /// at distance d is |cos(π d f)|.
+    /// For a uniform line of length L it is |sinc(L f)|, for points d apart |cos(π d f)|.
     #[test]
     fn the_contrast_of_known_point_sets_is_exact() {
         let pair = [DVec2::new(0.0, 0.01), DVec2::new(0.0, -0.01)];
@@ -154,8 +153,7 @@ mod tests {
         assert!((diffraction_limit(85.1, 10.0) - 0.391).abs() < 1e-3, "half the cutoff");
     }
 
-    /// Stopping down raises the contrast and shrinks the fans. On the axis, both fans are odd and
-    /// equal.
+    /// Stopping down raises contrast and shrinks the fans, odd and equal on the axis.
     #[test]
     fn the_quality_of_a_singlet_rises_when_it_is_stopped_down() {
         let open = catalogue::find("singlet").unwrap();

@@ -20,8 +20,7 @@ pub struct Paraxial {
     pub efl_mm: f64,
     /// Back focal distance in mm, from the last vertex to the rear focus.
     pub bfd_mm: f64,
-    /// Position of the front focus on the axis, in mm from the first vertex, negative in front of
-    /// it.
+    /// Position of the front focus, in mm from the first vertex, negative in front of it.
     pub front_focus_z_mm: f64,
     /// Image of the stop seen from the scene, unless it lies at infinity.
     pub entrance_pupil: Option<Pupil>,
@@ -32,8 +31,7 @@ pub struct Paraxial {
     pub f_number: Option<f64>,
 }
 
-/// A ray transfer matrix of determinant 1, which maps the ray (y, ω = n·u) to (a·y + b·ω, c·y +
-/// d·ω).
+/// A ray transfer matrix of determinant 1: (y, ω = n·u) to (a·y + b·ω, c·y + d·ω).
 #[derive(Debug, Clone, Copy)]
 struct RayTransferMatrix {
     a: f64,
@@ -58,9 +56,8 @@ impl RayTransferMatrix {
 const AFOCAL: f64 = 1e-9;
 
 impl MonochromaticLens<'_> {
-    /// Returns the matrix from the vertex of surface `from`, with its refraction, to the vertex of
-    /// surface `to`, without, or to the last vertex, with its refraction, if `to` is the number of
-    /// surfaces.
+    /// Returns the matrix from the vertex of surface `from`, with its refraction, to that of `to`,
+    /// without, or if `to` is the number of surfaces, to the last, with its refraction.
     fn matrix(&self, from: usize, to: usize) -> RayTransferMatrix {
         let (mut matrix, surfaces) = (RayTransferMatrix::IDENTITY, self.lens().surfaces());
         for (i, surface) in surfaces.iter().enumerate().take(to).skip(from) {
@@ -73,14 +70,12 @@ impl MonochromaticLens<'_> {
         matrix
     }
 
-    /// Returns the height at the stop of a ray parallel to the axis in front of the lens, divided
-    /// by its height there.
+    /// Returns the height at the stop, relative to that in front, of a ray parallel to the axis.
     pub(super) fn stop_magnification(&self) -> f64 {
         self.matrix(0, self.lens().stop()).a
     }
 
-    /// Returns z of the entrance pupil in mm, which does not depend on the size of the stop. It is
-    /// not finite if the pupil lies at infinity.
+    /// Returns z of the entrance pupil in mm, for any size of the stop; not finite at infinity.
     pub(super) fn entrance_pupil_z_mm(&self) -> f64 {
         let front = self.matrix(0, self.lens().stop());
         front.b / front.a

@@ -15,8 +15,7 @@ pub const MAX_SURFACES: usize = 64;
 pub struct LensSurface {
     /// Profile of the surface.
     pub profile: SurfaceProfile,
-    /// Distance to the next vertex in mm, ≥ 0: for the last surface to the sensor, or 0 if the
-    /// design does not contain it.
+    /// Distance to the next vertex, or of the last to the sensor (0 if unknown), in mm, ≥ 0.
     pub thickness_mm: f64,
     /// Behind the surface, relative to air.
     pub index: RefractiveIndex,
@@ -68,8 +67,7 @@ pub struct Prescription {
     pub notes: Vec<String>,
 }
 
-/// A validated lens. Every surface is defined up to its semi-aperture, the surfaces do not cross,
-/// and one of them is the stop.
+/// A validated lens, with defined surfaces that do not cross, one of which is the stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
     name: String,
@@ -142,8 +140,7 @@ impl Lens {
         &self.surfaces
     }
 
-    /// Replaces the coating of each surface by the result of `coating` for its index. Returns the
-    /// first error of `coating`.
+    /// Replaces the coating of each surface by index, or returns the first error.
     pub fn with_coatings(mut self, coating: impl Fn(&Self, usize) -> Result<Option<FilmStack>>) -> Result<Self> {
         let coatings = (0..self.surfaces.len()).map(|i| coating(&self, i)).collect::<Result<Vec<_>>>()?;
         self.surfaces.iter_mut().zip(coatings).for_each(|(surface, coating)| surface.coating = coating);
@@ -177,8 +174,7 @@ impl Lens {
         self.blades
     }
 
-    /// Returns true if a point, in mm from the axis to the right and upwards, lies inside the
-    /// aperture of a surface.
+    /// Returns true if a point (mm to the right and upwards) lies inside a surface's aperture.
     pub(super) fn aperture_contains(&self, surface: usize, place: DVec2) -> bool {
         let LensSurface { semi_aperture_mm, obscuration_mm, .. } = &self.surfaces[surface];
         let height2_mm2 = place.length_squared();
@@ -206,8 +202,7 @@ impl Lens {
         self.vertices_mm[self.surfaces.len() - 1]
     }
 
-    /// Returns the lens stopped down to this f-number, or an error if that requires a stop larger
-    /// than the open one.
+    /// Returns the lens at this f-number, or an error if that requires a larger stop.
     pub fn stopped_down(&self, f_number: f64) -> Result<Self> {
         /// The fraction by which the true f-number of an open lens may exceed its nominal one.
         const NOMINAL_TOLERANCE: f64 = 1e-2;
@@ -245,8 +240,7 @@ impl Lens {
         Ok(self)
     }
 
-    /// Checks that every surface is defined up to its semi-aperture and does not cross the next one
-    /// within their common aperture.
+    /// Checks that every surface is defined in its aperture and does not cross the next one there.
     fn check_shapes(&self) -> Result<()> {
         for (i, surface) in self.surfaces.iter().enumerate() {
             let semi_aperture_mm = surface.semi_aperture_mm;

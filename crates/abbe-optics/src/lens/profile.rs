@@ -27,8 +27,7 @@ impl TraceDirection {
         }
     }
 
-    /// Orders two values, of which `front` belongs to the side of the scene: first the one on the
-    /// side from which the light comes.
+    /// Orders two values, `front` on the scene's side: first that from which the light comes.
     pub(super) fn order(self, front: f64, behind: f64) -> (f64, f64) {
         match self {
             Self::ToSensor => (front, behind),
@@ -55,8 +54,7 @@ pub struct SurfaceProfile {
 const MAX_ASPHERE_STEPS: usize = 32;
 
 impl SurfaceProfile {
-    /// Creates a sphere from its radius in mm, positive if the centre lies towards +z, or 0 for a
-    /// plane, as in lens files.
+    /// Creates a sphere from its radius in mm: positive towards +z, 0 for a plane, as in files.
     pub fn sphere(radius_mm: f64) -> Self {
         let curvature_per_mm = if radius_mm == 0.0 { 0.0 } else { 1.0 / radius_mm };
         Self { curvature_per_mm, ..Self::default() }
@@ -104,10 +102,9 @@ impl SurfaceProfile {
     }
 
     /// Intersects the sheet of the surface that contains the vertex with a line through `origin`
-    /// along the unit vector `direction`.
-    ///
-    /// Returns the point, in front of `origin` or behind it, where the light crosses the surface
-    /// from the scene side to the sensor side (`ToSensor`) or back (`ToScene`), if there is one.
+    /// along the unit vector `direction`. Returns the point, in front of `origin` or behind it,
+    /// where the light crosses the surface from the scene side to the sensor side (`ToSensor`) or
+    /// back (`ToScene`), if there is one.
     pub fn intersect(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let conic = self.intersect_conic(origin, direction, travel);
         if self.even_terms.is_empty() {
@@ -122,8 +119,7 @@ impl SurfaceProfile {
     /// the one where the component of the gradient along the ray has the same sign as `travel`.
     fn intersect_conic(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let (c, k) = (self.curvature_per_mm, self.conic);
-        // Distances from the point of the line nearest to the vertex avoid cancellation for distant
-        // origins.
+        // From the point of the line nearest to the vertex, distant origins cause no cancellation.
         let near = origin - direction * origin.dot(direction);
         let a = c * (1.0 + k * direction.z * direction.z);
         let b = direction.z - c * k * near.z * direction.z;

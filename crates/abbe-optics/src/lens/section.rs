@@ -1,5 +1,4 @@
-//! The cross-section of a lens along the axis, for a drawing, with outlines and rays as points (z,
-//! y) in mm.
+//! The cross-section of a lens, for a drawing: outlines and rays as points (z, y) in mm.
 
 use glam::DVec2;
 
@@ -28,8 +27,7 @@ pub struct FocusDetail {
     pub angle_deg: f64,
     /// Centre of the window, on the sensor.
     pub centre: DVec2,
-    /// Half of the window's length along the axis and of its height, large enough to show the
-    /// separate foci of the spectral lines.
+    /// Half the window's length along the axis and its height, to show the lines' separate foci.
     pub half_size: DVec2,
     /// Slope dy/dz of the middle of the bundle at the sensor.
     pub slope: f64,
@@ -83,8 +81,7 @@ fn elements(lens: &Lens) -> Vec<Vec<DVec2>> {
     (0..lens.surfaces().len() - 1).filter(is_glass).map(|i| outline(lens, i)).collect()
 }
 
-/// Returns the outline of the glass behind surface `i`, whose edges a cylinder joins if they do not
-/// touch.
+/// Returns the outline of the glass behind surface `i`, closed by a cylinder.
 fn outline(lens: &Lens, i: usize) -> Vec<DVec2> {
     let [front, back] = [i, i + 1].map(|i| curve(lens, i));
     let (front_rim, back_rim) = (front[CURVE_POINTS as usize], back[CURVE_POINTS as usize]);
@@ -117,9 +114,8 @@ fn stop(lens: &Lens, blade_mm: f64) -> [[DVec2; 2]; 2] {
     [[rim, end], [DVec2::new(rim.x, -rim.y), DVec2::new(end.x, -end.y)]]
 }
 
-/// Returns rays that pass the lens, evenly spaced across the bundle that passes at the d line, each
-/// at the wavelengths of all three spectral lines. They start on a plane in front of the lens that
-/// is perpendicular to the bundle.
+/// Returns rays evenly spaced across the bundle that passes at the d line, each at all three lines,
+/// from a plane in front of the lens perpendicular to the bundle.
 fn bundle(lens: &Lens, field: usize, angle_deg: f64, sensor_z_mm: f64, lead_mm: f64) -> Result<Vec<DrawnRay>> {
     let [_, d, _] = LINES.map(|(_, nm)| lens.at(nm));
     let chief = d.chief_ray(angle_deg)?;

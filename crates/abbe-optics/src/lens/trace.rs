@@ -30,8 +30,7 @@ impl LensRay {
 pub enum ApertureCheck {
     /// Rays outside a semi-aperture or the stop are blocked.
     Enforced,
-    /// Every surface extends as far as its shape is defined, to search for rays through a given
-    /// point.
+    /// Surfaces extend as far as their shapes, to search for rays through a point.
     Ignored,
 }
 
@@ -78,20 +77,18 @@ impl<'a> MonochromaticLens<'a> {
         self.wavelength_nm
     }
 
-    /// Returns the index in front of surface `i`, or behind the last surface if `i` is their
-    /// number.
+    /// Returns the index in front of surface `i`, or behind the last one for their number.
     pub(super) fn index_before(&self, i: usize) -> f64 {
         self.n[i]
     }
 
-    /// Traces a ray through the lens. Returns the ray from the last surface, or the reason and the
-    /// index of the surface if the ray is lost.
+    /// Traces a ray, and returns it behind the last surface, or why and at which surface it is
+    /// lost.
     pub fn trace(&self, ray: LensRay, travel: TraceDirection, limits: ApertureCheck) -> Result<LensRay, RayLoss> {
         self.trace_through(ray, travel, limits, |_, _| ())
     }
 
-    /// Traces a ray like [`Self::trace`], and calls `visit` with the index of each surface and the
-    /// point in mm.
+    /// Traces a ray like [`Self::trace`], and calls `visit` with each surface and point (mm).
     pub fn trace_through(
         &self,
         mut ray: LensRay,

@@ -99,8 +99,7 @@ fn chi_square_deviations(counts: &[u32]) -> f64 {
     ((sum / degrees).cbrt() - (1.0 - spread)) / spread.sqrt()
 }
 
-/// Returns the values of 1 − cos θ that divide the pdf, accumulated in small steps, into intervals
-/// of equal probability.
+/// Returns the values of 1 − cos θ between intervals of equal probability of the pdf.
 fn equal_mass_edges(phase: &PhaseFunction, nm: f64, bins: usize) -> Vec<f64> {
     // The steps are small near both poles, where the peaks are.
     let steps = 400_000;
@@ -123,8 +122,7 @@ fn equal_mass_edges(phase: &PhaseFunction, nm: f64, bins: usize) -> Vec<f64> {
     edges
 }
 
-/// Counts the samples in 24 intervals of the scattering angle of equal probability, times four
-/// quarters of the azimuth.
+/// Counts samples in 24 equally probable intervals of the angle times four azimuths.
 fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u64) -> Vec<u32> {
     let bins = 24;
     let edges = equal_mass_edges(expected_of, nm, bins);

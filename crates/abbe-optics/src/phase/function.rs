@@ -38,9 +38,8 @@ impl PhaseFunction {
         }
     }
 
-    /// Samples the direction of scattered light with exactly the pdf [`eval`](Self::eval).
-    /// `incoming`, the direction before scattering, and the result are unit vectors, and `u` lies
-    /// in \[0, 1).
+    /// Samples the direction of scattered light with exactly the pdf [`eval`](Self::eval), by `u`
+    /// in \[0, 1). `incoming`, the direction before scattering, and the result are unit vectors.
     pub fn sample(&self, incoming: DVec3, nm: f64, u: [f64; 2]) -> DVec3 {
         let (axis, one_minus_cos) = match self {
             Self::Isotropic => return warp::sphere(u),

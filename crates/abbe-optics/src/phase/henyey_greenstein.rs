@@ -10,8 +10,7 @@ use std::f64::consts::PI;
 /// Largest |g| for which cosines in double precision resolve the peak of the phase function.
 pub const MAX_MEAN_COSINE: f64 = 0.999_999;
 
-/// Returns the pdf per steradian for |g| ≤ [`MAX_MEAN_COSINE`]: (1 − g²) / (4π((1 − g)² + 2g(1 −
-/// cos θ))^(3/2)).
+/// Returns (1 − g²) / (4π((1 − g)² + 2g(1 − cos θ))^(3/2)) per sr for |g| ≤ [`MAX_MEAN_COSINE`].
 pub(super) fn eval(g: f64, cos_theta: f64) -> f64 {
     let (g, cos) = if g < 0.0 { (-g, -cos_theta) } else { (g, cos_theta) };
     let apart = (1.0 - g) * (1.0 - g) + 2.0 * g * (1.0 - cos);

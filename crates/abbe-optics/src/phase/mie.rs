@@ -56,10 +56,9 @@ struct MieSeries {
 }
 
 impl MieSpheres {
-    /// Creates spheres from their median radius in µm and their relative refractive index. The
-    /// radii follow a lognormal distribution of the geometric standard deviation `spread`, or are
-    /// equal without it. Returns an error if the spread is below 1, or if the largest size
-    /// parameter exceeds 1000.
+    /// Creates spheres from their median radius in µm and relative index. The radii are lognormal
+    /// with the geometric standard deviation `spread`, or equal without it. Returns an error if the
+    /// spread is below 1, or the largest size parameter exceeds 1000.
     pub fn new(radius_um: f64, spread: Option<f64>, index: RefractiveIndex) -> Result<Self> {
         let spread = spread.unwrap_or(1.0);
         if !(spread >= 1.0 && spread.is_finite()) {
@@ -174,8 +173,8 @@ impl MieSeries {
             let n = order as f64;
             (psi, psi_before) = ((2.0 * n - 1.0) / x * psi - psi_before, psi);
             (chi, chi_before) = ((2.0 * n - 1.0) / x * chi - chi_before, chi);
-            // (f ψ_n − ψ_{n−1}) / (f ξ_n − ξ_{n−1}) with ξ = ψ − iχ: a_n for f = D/m + n/x, and b_n
-            // for f = mD + n/x.
+            // (f ψ_n − ψ_{n−1}) / (f ξ_n − ξ_{n−1}), ξ = ψ − iχ: a_n for f = D/m + n/x, b_n for mD
+            // + n/x.
             let coefficient = |f: f64| {
                 let (real, imaginary) = (f * psi - psi_before, f * chi - chi_before);
                 let norm = real * real + imaginary * imaginary;

@@ -31,8 +31,7 @@ mod tests {
         MieSpheres { radii_um: lognormal(400.0, 0.26, 100), index: RefractiveIndex::catalogue("water 20C").unwrap() }
     }
 
-    /// In degrees, in multiples of 0.001°: densest in the forward peak, and dense in bows and
-    /// glory.
+    /// In multiples of 0.001°: densest in the forward peak, and dense in bows and glory.
     fn angles() -> Vec<f64> {
         let forward = [(0, 40, 1), (40, 200, 4), (200, 2000, 30), (2000, 10_000, 200)];
         let bows = [(10_000, 120_000, 1000), (120_000, 150_000, 50), (150_000, 178_000, 500), (178_000, 180_000, 100)];
@@ -68,8 +67,7 @@ mod tests {
             for (nm, column) in nm.iter().zip(&columns) {
                 let table = PhaseFunction::Table(rainbow());
                 for (angle, pdf_per_sr) in angles().into_iter().zip(column).step_by(7) {
-                    // Table and series are normalised separately, and the table is rounded to five
-                    // digits.
+                    // They are normalised separately, and the table is rounded to five digits.
                     let found = table.eval(angle.to_radians().cos(), *nm);
                     assert!((found / pdf_per_sr - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {pdf_per_sr}");
                 }

@@ -1,5 +1,4 @@
-//! Scattering by particles much smaller than the wavelength: p = 3/(16π)·(1 + cos²θ) (Rayleigh
-//! 1871).
+//! Scattering by very small particles: p = 3/(16π)·(1 + cos²θ) (Rayleigh 1871).
 
 use abbe_spectra::math::elementary::{asinh, sinh};
 use std::f64::consts::PI;

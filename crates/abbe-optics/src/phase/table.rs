@@ -25,8 +25,7 @@ pub struct PhaseTable {
     versines: Vec<f64>,
     /// One column per wavelength.
     columns: Vec<PhaseColumn>,
-    /// For equal steps of sin(θ/2): the first cell that overlaps the step, and at the end the last
-    /// cell.
+    /// The first cell that overlaps each equal step of sin(θ/2), and the last cell.
     guide: Vec<u32>,
 }
 
@@ -42,11 +41,9 @@ struct PhaseColumn {
 
 impl PhaseTable {
     /// Creates a table from angles in degrees, ascending from 0 to 180, ascending wavelengths in
-    /// nm, and one list of values, at any scale, per wavelength.
-    ///
-    /// Returns an error if angles or wavelengths do not ascend, the angles do not cover 0 to 180,
-    /// lists have different lengths, a value is negative or not finite, or all values of a
-    /// wavelength are 0.
+    /// nm, and one list of values, at any scale, per wavelength. Returns an error if angles or
+    /// wavelengths do not ascend, the angles do not cover 0 to 180, lists have different lengths, a
+    /// value is negative or not finite, or all values of a wavelength are 0.
     pub fn new(angles_deg: &[f64], nm: &[f64], values: &[Vec<f64>]) -> Result<Self> {
         check_angles(angles_deg)?;
         check_wavelengths(nm, values.len())?;

@@ -3,8 +3,7 @@
 use super::point::TexturePoint;
 use abbe_spectra::math::elementary::sin_cos;
 
-/// An affine map of texture coordinates: scale, then rotation, then translation (as in glTF's
-/// `KHR_texture_transform`).
+/// An affine map of uv: scale, then rotation, then translation (glTF's `KHR_texture_transform`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UvTransform {
     matrix: [[f64; 2]; 2],

@@ -25,8 +25,7 @@ impl NormalMap {
         Self { pattern: pattern.without_copies(), normals: normals.map(unit).collect() }
     }
 
-    /// Creates the map of a picture whose components from 0 to 1 encode vectors from −1 to 1, which
-    /// `scale` multiplies.
+    /// Creates the map of a picture with components from 0 to 1 for −`scale` to `scale`.
     pub fn from_picture(pattern: ImagePattern, colours: &[[f32; 3]], scale: Vec3) -> Self {
         Self::new(pattern, colours.iter().map(|&colour| (2.0 * Vec3::from(colour) - 1.0) * scale))
     }
@@ -35,12 +34,10 @@ impl NormalMap {
         self.normals[self.pattern.texel(point, random) as usize].as_dvec3()
     }
 
-    /// Returns the unit shading normal at a point.
-    ///
-    /// `normal` is the unit normal of the surface, and `tangents` are the derivatives of the
-    /// position by u and v. The tangent space is orthonormal: its first axis is ∂p/∂u made
-    /// perpendicular to `normal`, and its second is on the side of −∂p/∂v, because v increases
-    /// downwards.
+    /// Returns the unit shading normal at a point. `normal` is the unit normal of the surface, and
+    /// `tangents` are the derivatives of the position by u and v. The tangent space is orthonormal:
+    /// its first axis is ∂p/∂u made perpendicular to `normal`, and its second is on the side of
+    /// −∂p/∂v, because v increases downwards.
     pub fn shading_normal(
         &self,
         point: &TexturePoint,

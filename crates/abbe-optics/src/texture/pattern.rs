@@ -12,24 +12,20 @@ use glam::DVec3;
 pub enum Pattern {
     /// A picture over the unit square of uv.
     Image(ImagePattern),
-    /// Squares of side 1 in uv after the transform, of number 0 if row plus column is even, and 1
-    /// otherwise.
+    /// Squares of side 1 in uv after the transform: 0 if row plus column is even, or else 1.
     Checker(UvTransform),
     /// Stripes of width 1 along v, of number 0 for 0 ≤ u < 1, and 1 beside it.
     Stripes(UvTransform),
-    /// A lookup returns the texel 1 with the probability of the noise, from 0 to 1, and otherwise
-    /// 0.
+    /// Selects the texel 1 with the probability of the noise, from 0 to 1, and otherwise 0.
     Noise(NoisePattern, UvTransform),
-    /// A lookup returns the texel 1 with the probability of the gradient, from 0 to 1, and
-    /// otherwise 0.
+    /// Selects the texel 1 with the probability of the gradient, from 0 to 1, and otherwise 0.
     Gradient(GradientPattern, UvTransform),
 }
 
 /// A gradient t^`power`, whose coordinate t is limited to the range from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GradientPattern {
-    /// True if t is the distance from the centre (0.5, 0.5) of the unit square, and 1 at 0.5; false
-    /// if t is v.
+    /// True if t is the distance from the centre (0.5, 0.5), and 1 at 0.5; false if t is v.
     pub radial: bool,
     /// The exponent, above 0.
     pub power: f64,

@@ -43,9 +43,8 @@ struct MipLevel {
     first: usize,
 }
 
-/// The texels of a picture (level 0) and of its reduced copies, each with half the width and half
-/// the height of the level before, rounded up, down to one texel. Texels are numbered level by
-/// level, then row by row.
+/// The texels of a picture (level 0) and of its reduced copies, each half as wide and high as the
+/// level before, rounded up, down to one texel, numbered level by level and row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImagePattern {
     levels: Vec<MipLevel>,
@@ -82,8 +81,7 @@ impl ImagePattern {
         }
     }
 
-    /// Returns the pattern without its reduced copies, so that a lookup samples the whole
-    /// footprint.
+    /// Returns the pattern without reduced copies: a lookup samples the whole footprint.
     #[must_use]
     pub(super) fn without_copies(mut self) -> Self {
         self.levels.truncate(1);
@@ -100,9 +98,8 @@ impl ImagePattern {
         self.levels[0].size
     }
 
-    /// Returns the values of all texels, `count` for each, from those of level 0. A texel of
-    /// another level is the mean of the area that it covers in the level before, so all levels have
-    /// the same mean.
+    /// Returns the values of all texels, `count` for each, from those of level 0, of which each
+    /// further texel is the area's mean, so all levels have the same mean.
     pub(super) fn reduced(&self, mut values: Vec<f32>, count: usize) -> Vec<f32> {
         values.reserve_exact(count * self.texel_count() - values.len());
         let mut mean = vec![0.0_f64; count];
@@ -128,9 +125,8 @@ impl ImagePattern {
         values
     }
 
-    /// Selects a texel at a point. The longer edge of the footprint is sampled at random, and the
-    /// shorter one determines the level. Between two levels, and between the nearest texels of a
-    /// level, the choice is random.
+    /// Selects a texel at a point: a random place on the footprint's longer edge, at the level of
+    /// the shorter one, and at random between levels and nearest texels.
     pub(super) fn texel(&self, point: &TexturePoint, random: &mut LookupRandom) -> u32 {
         let point = self.transform.apply(point);
         let ImageSize { width, height } = self.levels[0].size;
@@ -204,8 +200,7 @@ fn wrapped(index: f64, count: usize, wrap: Wrap) -> usize {
     (inside.max(0.0) as usize).min(count - 1)
 }
 
-/// Divides `from` cells evenly into `to` parts. Returns the cells of each, with their fractions of
-/// it.
+/// Divides `from` cells into `to` equal parts. Returns the cells of each and their fractions.
 fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     let step = from as f64 / to as f64;
     let part = |i: usize| {
@@ -266,8 +261,7 @@ mod tests {
         }
     }
 
-    /// A footprint of four texels reads the level with a quarter of the width, and a long narrow
-    /// one the picture itself.
+    /// Four texels read the level of a quarter of the width; a long narrow footprint the picture.
     #[test]
     fn the_footprint_selects_the_level() {
         let image = image(64, 64, Wrap::Repeat, Filter::Bilinear);

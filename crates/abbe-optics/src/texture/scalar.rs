@@ -25,8 +25,7 @@ impl ScalarTexture {
         Self { pattern, values: values.map(|value| value as f32).into() }
     }
 
-    /// Returns the value of a texel selected at a point, whose expected value is the filtered
-    /// value.
+    /// Returns the value of a texel selected at a point, whose expectation is filtered.
     pub fn sample(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
         f64::from(self.values[self.pattern.texel(point, random) as usize])
     }

@@ -1,5 +1,4 @@
-//! Spectra that are uniform or vary over a surface. A pattern may choose between two such spectra,
-//! which may be textures themselves.
+//! Spectra that are uniform, vary over a surface, or are chosen by a pattern between two such.
 
 use std::sync::Arc;
 
@@ -9,8 +8,7 @@ use super::point::{LookupRandom, Texel, TexturePoint};
 use super::pyramid::ImagePattern;
 use abbe_spectra::spectrum::{BAND_NM, Outside, Spectrum};
 
-/// A reflectance or a transmittance, in [0, 1], that varies over a surface. Copies share their
-/// texels.
+/// A reflectance or transmittance in [0, 1] over a surface. Copies share their texels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralTexture {
     pattern: Pattern,
@@ -139,8 +137,7 @@ impl SpectralTexture {
         Self { pattern: Pattern::Image(pattern), spectra: Arc::new(TexelSpectra::Picture(Palette::Bands(bands))) }
     }
 
-    /// Creates a texture of two parts in [0, 1], of which the texel 0 of the pattern selects the
-    /// first.
+    /// Creates a texture of two parts in [0, 1], the first for texel 0 of the pattern.
     pub fn from_parts(pattern: Pattern, parts: [SurfaceSpectrum; 2]) -> Self {
         Self { pattern, spectra: Arc::new(TexelSpectra::Parts(Box::new(parts))) }
     }
@@ -191,8 +188,8 @@ impl SpectralTexture {
         }
     }
 
-    /// Returns a spectrum that stands for the texture: that of the smallest copy of a picture, or
-    /// the mean of two parts.
+    /// Returns a typical spectrum: that of the smallest copy of a picture, or the mean of two
+    /// parts.
     pub fn representative(&self) -> Spectrum {
         if let TexelSpectra::Parts(parts) = &*self.spectra {
             let [first, second] = (**parts).each_ref().map(SurfaceSpectrum::representative);

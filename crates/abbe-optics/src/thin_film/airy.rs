@@ -9,8 +9,7 @@ use abbe_spectra::math::complex::Complex;
 /// changes them by less than 10⁻¹¹.
 const LEAST_NORMAL_INDEX: f64 = 1e-6;
 
-/// At smaller cosines of incidence, all light is reflected. Avoids an underflow of the transmitted
-/// power.
+/// At smaller cosines, all light is reflected, before transmitted power underflows.
 const LEAST_COSINE: f64 = 1e-100;
 
 /// The response of a stack to s or p polarised light.
@@ -124,11 +123,9 @@ fn interface(a: &FilmLevel, b: &FilmLevel) -> [(Complex, Complex); 2] {
 }
 
 /// Returns the response of a stack to light of the wavelength `nm` (nm, in air), all of which is
-/// reflected at grazing incidence.
-///
-/// The sign of the cosine of incidence `cos` is ignored. The light arrives in a medium of the real
-/// index `incident`. `layers` contains the complex index and the thickness in nm of each layer,
-/// from the incident side to the substrate.
+/// reflected at grazing incidence. The sign of the cosine of incidence `cos` is ignored. The light
+/// arrives in a medium of the real index `incident`. `layers` contains the complex index and the
+/// thickness in nm of each layer, from the incident side to the substrate.
 pub fn response(
     cos: f64,
     incident: f64,

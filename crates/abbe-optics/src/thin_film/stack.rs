@@ -22,8 +22,7 @@ pub enum OpticalIndex {
 }
 
 impl OpticalIndex {
-    /// Creates the index of a material that absorbs, or returns an error if n or k is negative, or
-    /// both are 0 at the same wavelength.
+    /// Creates an absorbing index; negative n or k, or n = k = 0 at a wavelength, is an error.
     pub fn absorbing(n: Spectrum, k: Spectrum) -> Result<Self> {
         for (name, part) in [("refractive index", &n), ("extinction coefficient", &k)] {
             let lowest = part.min();
@@ -78,9 +77,8 @@ pub struct FilmStack {
 const MOST_THICKNESS_NM: f64 = 1e6;
 
 impl FilmStack {
-    /// Creates a stack of any number of layers, from the side of the incident light. Returns an
-    /// error if a thickness is negative or above 1 mm, or if the thickness of several layers
-    /// varies.
+    /// Creates a stack of layers from the side of the incident light. Returns an error if a
+    /// thickness is negative or above 1 mm, or several thicknesses vary.
     pub fn new(layers: Vec<FilmLayer>) -> Result<Self> {
         for layer in &layers {
             let (low, high) = layer.thickness_nm.range();
@@ -142,8 +140,7 @@ impl FilmStack {
         response(cos, incident, self.layers_at(nm, thickness_nm), substrate, nm)
     }
 
-    /// Returns the response to light that meets the last layer first, in a medium of the index
-    /// `incident` on the side of the substrate.
+    /// Returns the response to light from the substrate's side, in a medium of index `incident`.
     pub fn response_reversed(
         &self,
         cos: f64,

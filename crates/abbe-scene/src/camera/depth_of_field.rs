@@ -21,8 +21,7 @@ pub struct DepthOfField {
 }
 
 impl DepthOfField {
-    /// Computes the depth of field. `None` for pinhole and orthographic cameras, which have no
-    /// blur.
+    /// Computes the depth of field, or `None` for pinhole and orthographic cameras.
     pub fn of(camera: &Camera) -> Option<Self> {
         let (radius_m, focus_m) = match camera.aperture() {
             Aperture::Pinhole | Aperture::Orthographic => return None,

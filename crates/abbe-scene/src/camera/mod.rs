@@ -1,9 +1,8 @@
 //! The camera: maps film positions to rays into the scene, and points of the scene to film
 //! positions.
 //!
-//! Film coordinates are in pixels with the origin at the top left. This file contains the pinhole
-//! and the thin lens, which do not depend on wavelength; `system` contains lens systems of real
-//! glass.
+//! Film coordinates are in pixels with the origin at the top left. The pinhole and the thin lens,
+//! which do not depend on wavelength, are here, and lens systems of real glass in `system`.
 
 mod aperture;
 mod depth_of_field;
@@ -41,10 +40,8 @@ pub enum Aperture {
     System(Box<SystemLens>),
 }
 
-/// A camera: its pose, field of view, aperture and resolution.
-///
-/// The camera of a measurement has no lens and no field of view. Each of its pixels belongs to a
-/// sensor of a meter, at which paths start.
+/// A camera: its pose, field of view, aperture and resolution. That of a measurement has no lens
+/// and no field of view: each of its pixels belongs to a sensor of a meter, at which paths start.
 #[derive(Debug, Clone)]
 pub struct Camera {
     origin: DVec3,
@@ -53,8 +50,7 @@ pub struct Camera {
     forward: DVec3,
     aperture: Aperture,
     size: DVec2,
-    /// The side length of a pixel on the plane at distance 1 from the camera, or in m for an
-    /// orthographic camera.
+    /// The side length of a pixel at distance 1, or in m for an orthographic camera.
     pixel: f64,
     /// The sensors of meters. Empty for a camera with a picture.
     sensors: Arc<[Sensor]>,
@@ -184,8 +180,7 @@ impl Camera {
         self.pixel_angle_at(f64::INFINITY)
     }
 
-    /// The angle in rad of a pixel in the middle of the picture. It depends on the distance only
-    /// for an orthographic camera.
+    /// The angle in rad of a pixel in the middle, fixed except for an orthographic camera.
     pub fn pixel_angle_at(&self, distance_m: f64) -> f64 {
         match self.aperture {
             Aperture::Orthographic => self.pixel / distance_m,
@@ -202,8 +197,7 @@ impl Camera {
         }
     }
 
-    /// The corners of a box around the points from which the camera sees the scene. The opening of
-    /// a lens counts as a point.
+    /// A box around the points from which the camera sees the scene; an opening is one point.
     pub fn viewpoint_bounds(&self) -> (DVec3, DVec3) {
         match self.aperture {
             Aperture::Orthographic => {
@@ -308,8 +302,7 @@ impl Camera {
             return None;
         }
         let sideways = DVec2::new(-offset.dot(self.right), -offset.dot(self.up));
-        // Where the line from the lens to the point intersects the plane in focus, projected to the
-        // plane at distance 1.
+        // Where the line from the lens to the point meets the plane in focus, at distance 1.
         let on_plane = sideways / depth + shift / focus_m;
         let pixel = self.pixel_of(self.on_film(on_plane))?;
         let distance = offset.length();
@@ -395,8 +388,7 @@ mod tests {
         assert!(direction.x < 0.0 && direction.y > 0.0);
     }
 
-    /// The rays are parallel, and a pixel covers the same length at all distances. The picture is
-    /// 0.8 m high.
+    /// A pixel covers the same length at all distances. The picture is 0.8 m high.
     #[test]
     fn an_orthographic_camera_sees_along_parallel_rays() {
         let axes = (DVec3::NEG_Z, DVec3::Y);

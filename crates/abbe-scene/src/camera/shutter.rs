@@ -12,8 +12,7 @@ pub struct Shutter {
 /// The transmission as a piecewise linear function of time.
 #[derive(Debug, Clone, PartialEq)]
 struct ShutterCurve {
-    /// Pairs of a time, from 0 when the shutter opens to 1 when it closes, and the transmission at
-    /// this time, from 0 to 1.
+    /// Pairs of a time, 0 at opening and 1 at closing, and the transmission from 0 to 1.
     points: Vec<[f64; 2]>,
     /// For each point: the integral of the transmission from time 0 to this point.
     passed: Vec<f64>,
@@ -41,8 +40,7 @@ impl ShutterCurve {
         self.passed[self.passed.len() - 1]
     }
 
-    /// The time (0 when the shutter opens, 1 when it closes) at which the fraction `u` of all light
-    /// has passed through the shutter.
+    /// The time (0 at opening, 1 at closing) at which the fraction `u` of all light has passed.
     fn inverse(&self, u: f64) -> f64 {
         let wanted = u * self.mean();
         let last = self.passed.len() - 2;
@@ -58,11 +56,9 @@ impl ShutterCurve {
 }
 
 impl Shutter {
-    /// Creates a shutter that opens at `open_s` and closes at `close_s` ≥ `open_s`.
-    ///
-    /// Each point of `curve` has a time, from 0 when the shutter opens to 1 when it closes, and a
-    /// transmission from 0 to 1. The times must increase, and the transmission must not be 0
-    /// everywhere.
+    /// Creates a shutter that opens at `open_s` and closes at `close_s` ≥ `open_s`. Each point of
+    /// `curve` is an increasing time, from 0 at opening to 1 at closing, and a transmission from 0
+    /// to 1, which must not be 0 everywhere.
     pub fn new(open_s: f64, close_s: f64, curve: Option<&[[f64; 2]]>) -> Self {
         Self { open_s, close_s, curve: curve.map(ShutterCurve::new) }
     }
@@ -72,9 +68,8 @@ impl Shutter {
         (self.close_s - self.open_s) * self.curve.as_ref().map_or(1.0, ShutterCurve::mean)
     }
 
-    /// The time (in s) at which the fraction `u` (from 0 to 1) of all light has passed through the
-    /// shutter. If `u` is uniformly distributed, the pdf of the times is proportional to the
-    /// transmission.
+    /// The time (in s) at which the fraction `u` (from 0 to 1) of all light has passed. For uniform
+    /// `u`, the pdf of the times is proportional to the transmission.
     pub fn time_s(&self, u: f64) -> f64 {
         let fraction = self.curve.as_ref().map_or(u, |curve| curve.inverse(u));
         (1.0 - fraction) * self.open_s + fraction * self.close_s

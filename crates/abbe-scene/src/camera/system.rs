@@ -27,8 +27,7 @@ const AXIS_GRID: usize = 512;
 /// 1 because oblique rays cross the plane of the last vertex outside the semi-aperture.
 const GRID_EXTENT: f64 = 1.5;
 
-/// The wavelengths (nm) of the rays that determine the exit-pupil bounds: several, because
-/// dispersion moves the exit pupil.
+/// The wavelengths (nm) for the exit-pupil bounds: several, because dispersion moves the pupil.
 const BOUNDING_NM: [f64; 3] = [400.0, lines::D_NM, 760.0];
 
 /// What happens to the light that the surfaces of a lens reflect.
@@ -152,8 +151,7 @@ impl SystemLens {
         self.lens.is_coated()
     }
 
-    /// The distance in m from the first vertex to the plane in focus at the wavelength of the d
-    /// line.
+    /// The distance in m from the first vertex to the plane in focus at the d line.
     pub fn focus_m(&self) -> f64 {
         self.focus_m
     }
@@ -177,9 +175,8 @@ impl SystemLens {
         self.lens.name()
     }
 
-    /// The image distance in mm, from the focal length and the focus distance by the thin-lens
-    /// equation. The height of the sensor divided by this distance is twice the tangent of half the
-    /// vertical field of view.
+    /// The image distance in mm, by the thin-lens equation. The sensor height divided by it is
+    /// twice the tangent of half the vertical field of view.
     pub fn image_mm(&self) -> f64 {
         let focus_mm = 1e3 * self.focus_m;
         if focus_mm.is_finite() { self.focal_mm * focus_mm / (focus_mm - self.focal_mm) } else { self.focal_mm }
@@ -190,8 +187,7 @@ impl SystemLens {
         SystemAt { system: self, glass: self.lens.at(nm) }
     }
 
-    /// Returns the ray from a sensor position towards a point on the plane of the last vertex, and
-    /// its factor cos⁴θ/z².
+    /// Returns the ray from a sensor position towards a pupil point, and its cos⁴θ/z².
     fn ray_to_pupil(&self, place: DVec2, pupil: DVec2) -> (LensRay, f64) {
         let behind = self.lens.length_mm();
         let origin = place.extend(behind + self.sensor_mm);
@@ -208,8 +204,7 @@ impl SystemLens {
         &self.lens.surfaces()[self.lens.surfaces().len() - 1]
     }
 
-    /// The bounds, on the plane of the last vertex, of all rays from a sensor position through the
-    /// aperture of the last surface.
+    /// Bounds, on the plane of the last vertex, the rays through the aperture of the last surface.
     fn bounds_of_last_surface(&self, place: DVec2) -> [DVec2; 2] {
         // A line from the position through a point of the surface crosses the plane at position +
         // k·(point − position), where k depends on the sag of the point.
@@ -254,11 +249,9 @@ impl SystemAt<'_> {
     }
 
     /// The ray from a position of the picture (mm to the right and upwards) into the scene, and its
-    /// weight. `None` if the lens blocks the ray.
-    ///
-    /// The random numbers `u` sample the exit pupil. The value of a pixel is the mean of weight ×
-    /// radiance over all `u`. If the lens has losses, the weight contains the transmittance of all
-    /// surfaces.
+    /// weight, or `None` if the lens blocks it. The random numbers `u` sample the exit pupil. The
+    /// mean of weight × radiance over all `u` is the value of a pixel, and the weight contains the
+    /// transmittance of all surfaces if the lens has losses.
     pub fn ray(&self, picture_mm: DVec2, u: [f64; 2]) -> Option<(LensRay, f64)> {
         let system = self.system;
         // The image on the sensor is upside down.
@@ -279,13 +272,11 @@ impl SystemAt<'_> {
         Some((out, size.x * size.y * geometry / system.on_axis * transmitted))
     }
 
-    /// The ray of a ghost from a position of the picture into the scene, and its weight. `None` if
-    /// the lens blocks the ray or has no ghosts.
-    ///
-    /// The arguments are those of [`ray`](Self::ray). The number `choice` in [0, 1) selects the two
-    /// surfaces that reflect. Light of a ghost may reach the sensor from every part of the last
-    /// surface, so `u` samples a rectangle around this surface. The ghosts add the mean of weight ×
-    /// radiance over all `u` and `choice` to the value of a pixel.
+    /// The ray of a ghost from a position of the picture into the scene, and its weight, with the
+    /// arguments of [`ray`](Self::ray); `None` if the lens blocks the ray or has no ghosts. The
+    /// number `choice` in [0, 1) selects the two surfaces that reflect. Light of a ghost may reach
+    /// the sensor from every part of the last surface, so `u` samples a rectangle around it. The
+    /// ghosts add the mean of weight × radiance over all `u` and `choice` to the value of a pixel.
     pub fn ghost_ray(&self, picture_mm: DVec2, u: [f64; 2], mut choice: f64) -> Option<(LensRay, f64)> {
         let system = self.system;
         let found = system.ghosts.iter().find(|pair| {
@@ -301,8 +292,7 @@ impl SystemAt<'_> {
     }
 }
 
-/// The cell centres of a square grid of `side` × `side` cells from −`extent` to +`extent` on both
-/// axes.
+/// The cell centres of a grid of `side` × `side` cells from −`extent` to +`extent`.
 fn grid(side: usize, extent: f64) -> impl Iterator<Item = DVec2> {
     let place = move |i: usize| extent * (2.0 * (i as f64 + 0.5) / side as f64 - 1.0);
     (0..side).flat_map(move |j| (0..side).map(move |i| DVec2::new(place(i), place(j))))

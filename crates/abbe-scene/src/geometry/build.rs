@@ -1,5 +1,4 @@
-//! Construction of the geometry from placed shapes: the primitives, the bounding volume hierarchy
-//! and the areas of the faces.
+//! Construction of the geometry from placed shapes: primitives, hierarchy and face areas.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -101,8 +100,7 @@ impl Primitives {
         self.vertices.extend(mesh.positions().iter().map(|&vertex| linear * vertex + position));
         let first_normal = mesh.normals().map(|normals| {
             let first = self.normals.len() as u32;
-            // With the inverse transpose, outward normals stay outward even if the transform
-            // mirrors the shape.
+            // With the inverse transpose, outward normals stay outward even under mirroring.
             let to_normal = linear.inverse().transpose();
             let placed = |&normal: &DVec3| (to_normal * normal).normalize_or_zero().as_vec3().to_array();
             self.normals.extend(normals.iter().map(placed));
@@ -156,9 +154,8 @@ impl Primitives {
         index(next).map(|_| ())
     }
 
-    /// Renumbers the vertices of each mesh in the order in which the triangles of the hierarchy
-    /// first use them, so that triangles that are close in space are close in memory. Unused
-    /// vertices come last.
+    /// Renumbers the vertices of each mesh by their first use by the triangles of the hierarchy, so
+    /// that near triangles are close in memory. Unused vertices come last.
     fn number_vertices_by_use(&mut self) {
         let mut new_numbers: Vec<Option<u32>> = vec![None; self.vertices.len()];
         let mut next: Vec<u32> = self.meshes.iter().map(|mesh| mesh.first_vertex).collect();
@@ -199,8 +196,7 @@ impl Primitives {
         }
     }
 
-    /// Returns the faces and areas of all objects. The faces of an object are in the order of the
-    /// list.
+    /// Returns the faces, in the order of the list, and areas of all objects.
     fn objects(&self) -> ObjectSurfaces {
         let mut objects = ObjectSurfaces::default();
         let mut count = std::collections::HashMap::<u32, u32>::new();

@@ -52,9 +52,9 @@ enum BvhNodes {
 }
 
 impl Bvh {
-    /// Builds the hierarchy over the boxes of the primitives. Returns it with the list `order`:
-    /// primitive i of the hierarchy is `boxes[order[i]]`. Returns an error if a box is not finite,
-    /// or there are more than 2³² boxes.
+    /// Builds the hierarchy over boxes, and returns it with the list `order`: primitive i of the
+    /// hierarchy is `boxes[order[i]]`. Returns an error if a box is not finite, or there are more
+    /// than 2³² boxes.
     pub(crate) fn build(boxes: &[(DVec3, DVec3)]) -> Result<(Self, Vec<u32>)> {
         let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
         let (low, high) = boxes.iter().fold(nothing, |(low, high), b| (low.min(b.0), high.max(b.1)));
@@ -135,16 +135,14 @@ impl Bvh {
         });
     }
 
-    /// Returns the t at which the ray enters the scene's box: 0 if the origin lies inside the box,
-    /// and `None` if the ray misses it.
+    /// Returns the t at which the ray enters the scene's box (0 from inside), or `None`.
     fn entry_t(&self, ray: &Ray) -> Option<f64> {
         let inside = ray.origin.cmpge(self.low) & ray.origin.cmple(self.high);
         if inside.all() {
             return Some(0.0);
         }
         let inverse = ray.direction.recip();
-        // The box is padded because the slab test rounds and the box of a flat scene has no
-        // thickness.
+        // The padding covers rounding of the slab test, and flat scenes.
         let margin = PADDING / self.scale;
         let (mut enter, mut exit) = (0.0_f64, f64::INFINITY);
         for axis in 0..3 {

@@ -25,8 +25,7 @@ use super::primitive::{Candidate, Primitives};
 use super::ray::Ray;
 use super::world::Geometry;
 
-/// Two surfaces coincide if their distance is below this multiple of the rounding error of their
-/// coordinates.
+/// The distance, in rounding errors of the coordinates, below which surfaces coincide.
 const ROUNDINGS: f64 = 64.0;
 
 #[derive(Debug, Clone, Copy)]
@@ -46,8 +45,7 @@ enum CrossingKind {
 }
 
 impl Primitives {
-    /// Returns an upper bound, in m, of the rounding error of a position before the scene's centre
-    /// is subtracted from it.
+    /// Returns an upper bound of a position's rounding error in m before centring.
     pub(super) fn centre_rounding(&self) -> f64 {
         ROUNDINGS * f64::EPSILON * self.largest_centre_coordinate
     }
@@ -91,8 +89,8 @@ impl Geometry {
         }
     }
 
-    /// Returns true if a crossing with |t| below `coincidence_range_m` is valid for a ray that
-    /// starts on the surface `from`.
+    /// Returns true if a crossing with |t| below `coincidence_range_m` is valid for a ray from
+    /// `from`.
     #[cold]
     pub(super) fn lies_beyond_start(&self, ray: &Ray, from: SurfaceId, candidate: &Candidate) -> bool {
         let other = candidate.surface;
@@ -112,7 +110,7 @@ impl Geometry {
         self.is_before(self.crossing(from, start_cos), self.crossing(other, cos))
     }
 
-    /// Returns true if the ray crosses `first` before `second`. Their distances must differ by less
+    /// Returns true if the ray crosses `first` before `second`, for distances that differ by less
     /// than `coincidence_range_m`.
     #[cold]
     pub(super) fn precedes(&self, ray: &Ray, first: &Candidate, second: &Candidate) -> bool {

@@ -1,5 +1,4 @@
-//! Queries: the bounding boxes of objects, the distance to the nearest surface, the flat objects,
-//! and the convex bodies.
+//! Queries: bounding boxes, the distance to the nearest surface, flat objects, convex bodies.
 
 use super::primitive::{PlacedSolid, Primitive};
 use super::shape::Solid;
@@ -37,8 +36,7 @@ impl Geometry {
         flat.map(|analytic| analytic.object)
     }
 
-    /// Iterates over the convex bodies, each with a predicate that tests whether it contains an
-    /// axis-aligned box.
+    /// Iterates over the convex bodies, each with a test whether it contains an axis-aligned box.
     pub fn convex_bodies(&self) -> impl Iterator<Item = (u32, impl Fn((DVec3, DVec3)) -> bool + '_)> {
         let convex = self.primitives.analytic.iter().filter(|analytic| match analytic.solid {
             Solid::Sphere(_) | Solid::Polyhedron(_) | Solid::Cylinder(_) => true,
@@ -49,8 +47,7 @@ impl Geometry {
 }
 
 impl PlacedSolid {
-    /// Returns true if the convex body contains all corners of an axis-aligned box, and therefore
-    /// the box.
+    /// Returns true if the convex body contains all corners of a box, and therefore the box.
     fn contains_box(&self, (low, high): (DVec3, DVec3)) -> bool {
         let corner = |i: usize| DVec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), high, low);
         (0..8).all(|i| self.solid.contains(self.to_local * (corner(i) - self.position)))

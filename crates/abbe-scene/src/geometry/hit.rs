@@ -18,17 +18,14 @@ pub struct SurfaceId {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// Distance along the ray in m. It is 0 only if this surface touches the one on which the ray
-    /// starts.
+    /// Distance along the ray in m: 0 only if this surface touches that of the ray's start.
     pub t: f64,
-    /// Position, projected onto the surface, so that its error is the rounding error of the
-    /// coordinates, independent of `t`.
+    /// Position, projected onto the surface: only as inaccurate as its coordinates, for any `t`.
     pub position: DVec3,
     /// Geometric unit normal: outwards on closed shapes, to the side that a rectangle or a disk
     /// faces, and on meshes to the side from which the vertices appear counter-clockwise.
     pub normal: DVec3,
-    /// Unit normal for shading, on the same side as `normal`: interpolated from the normals of a
-    /// mesh, or else equal to `normal`.
+    /// Unit normal for shading on the side of `normal`, interpolated on a mesh with normals.
     pub shading_normal: DVec3,
     pub object: u32,
     pub surface: SurfaceId,
@@ -44,16 +41,14 @@ impl Hit {
         Frame::new(if agree { self.shading_normal } else { self.normal })
     }
 
-    /// Returns true if `direction` points back to the side from which a ray along `incoming`
-    /// arrived.
+    /// Returns true if `direction` points back to the side from which `incoming` arrived.
     #[inline]
     pub fn leads_back(&self, incoming: DVec3, direction: DVec3) -> bool {
         direction.dot(self.normal) * incoming.dot(self.normal) < 0.0
     }
 
-    /// Returns the factor |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|) that corrects a photon's power
-    /// for shading normals (Veach 1997, equation 5.19). The vector ω_i points towards the light,
-    /// and ω_o towards the camera.
+    /// Returns the factor |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|) on a photon's power for shading
+    /// normals (Veach 1997, equation 5.19), where ω_i points to the light and ω_o to the camera.
     #[inline]
     pub fn adjoint_correction(&self, frame: &Frame, to_light: DVec3, to_camera: DVec3) -> f64 {
         let (n_s, n_g) = (frame.normal(), self.normal);

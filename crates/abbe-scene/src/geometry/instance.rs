@@ -23,8 +23,7 @@ use super::shape::bounds_of;
 use super::trace::RayQuery;
 use abbe_spectra::error::Result;
 
-/// A mesh with at least this number of triangles is shared. Smaller meshes are copied, because rays
-/// find the triangles of copies faster.
+/// The least number of triangles of a shared mesh. Rays find those of copies faster.
 pub(super) const MIN_TRIANGLES: usize = 128;
 
 /// A mesh with its own hierarchy.
@@ -185,8 +184,7 @@ impl RayQuery<'_> {
         let instance = &instances.list[index as usize];
         let shared = &instances.shared[instance.shared as usize];
         let Some(triangle_ray) = &self.triangle_ray else { return };
-        // The search starts before the ray's origin, where a surface that coincides with the start
-        // may lie.
+        // The search starts before the ray's origin, where a coincident surface may lie.
         let back = self.coincidence_range_m;
         let direction = instance.to_local * self.ray.direction;
         let stretch = direction.length();

@@ -17,12 +17,10 @@ pub struct TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// Creates a mesh. Drops and counts the triangles whose area is zero within rounding. `normals`
-    /// (vectors of any length except zero) and `uvs` have one value per vertex.
-    ///
-    /// Returns an error if the mesh has no triangles or no area, an index does not refer to a
-    /// vertex, a coordinate is not finite, or the number of normals or uvs differs from the number
-    /// of vertices.
+    /// Creates a mesh without the triangles whose area is zero within rounding, which it counts.
+    /// `normals` (of any length except zero) and `uvs` have one value per vertex. Returns an error
+    /// if the mesh has no triangles or no area, an index does not refer to a vertex, a coordinate
+    /// is not finite, or the number of normals or uvs differs from the number of vertices.
     pub fn new(
         positions: Vec<DVec3>,
         normals: Option<Vec<DVec3>>,
@@ -66,9 +64,8 @@ impl TriangleMesh {
         Self { normals: None, ..self }
     }
 
-    /// Returns the mesh with vertex normals. If it has none, each normal is the mean of the normals
-    /// of the triangles around the vertex, weighted by their angles at the vertex (Thürmer and
-    /// Wüthrich 1998).
+    /// Returns the mesh with vertex normals. Missing ones are the means of the normals of the
+    /// triangles around the vertex, weighted by their angles there (Thürmer and Wüthrich 1998).
     #[must_use]
     pub fn with_normals(self) -> Self {
         if self.normals.is_some() {
@@ -164,8 +161,8 @@ impl TriangleMesh {
         self.triangles.iter().map(ratio).fold(0.0, f64::max)
     }
 
-    /// Computes the volume that a closed mesh encloses by the divergence theorem. It is negative if
-    /// the triangles face inwards.
+    /// Computes the volume of a closed mesh by the divergence theorem: negative if it faces
+    /// inwards.
     pub fn signed_volume(&self) -> f64 {
         let origin = self.positions[self.triangles[0][0] as usize];
         self.triangles
@@ -187,8 +184,7 @@ impl TriangleMesh {
 /// Computes [`TriangleMesh::is_closed`].
 fn bounds_a_volume(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
     let representatives = representatives(positions);
-    // Each use of an edge is (smaller vertex, larger vertex, whether it runs from the smaller to
-    // the larger).
+    // A use: the smaller vertex, the larger, and whether it runs from smaller to larger.
     let mut uses: Vec<(u32, u32, bool)> = triangles
         .iter()
         .flat_map(|triangle| {

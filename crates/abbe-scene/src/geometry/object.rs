@@ -52,8 +52,8 @@ pub(super) struct ObjectSurfaces {
 }
 
 impl ObjectSurface {
-    /// Returns the first face whose cumulative area exceeds `fraction`, in [0, 1), of the area of
-    /// the object. Returns `None` if the object has no face.
+    /// Returns the first face whose cumulative area exceeds `fraction`, in [0, 1), of the whole
+    /// area, or `None` without faces.
     pub(super) fn face_at(&self, fraction: f64) -> Option<SurfaceId> {
         let area = fraction * self.area;
         let index = self.faces.partition_point(|face| face.area_so_far <= area);

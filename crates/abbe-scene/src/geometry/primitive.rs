@@ -104,13 +104,11 @@ pub(super) struct Primitives {
     pub(super) analytic: Vec<PlacedSolid>,
     pub(super) meshes: Vec<PlacedMesh>,
     pub(super) vertices: Vec<DVec3>,
-    /// Unit vectors in single precision, whose rounding error is far below that of the
-    /// interpolation.
+    /// Unit vectors. The rounding error of single precision is below that of interpolation.
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
     pub(super) instances: Instances,
-    /// Largest absolute coordinate of the centre, which `Geometry::build` subtracts from all
-    /// positions.
+    /// Largest absolute coordinate of the centre that `Geometry::build` subtracts.
     pub(super) largest_centre_coordinate: f64,
 }
 
@@ -162,8 +160,7 @@ impl Primitives {
         }
     }
 
-    /// Returns the largest absolute coordinate of the position of an analytic shape, or of the
-    /// corners of a triangle.
+    /// Returns the largest absolute coordinate of a shape's position, or of a triangle's corners.
     pub(super) fn largest_coordinate(&self, primitive: u32) -> f64 {
         let largest =
             |corners: [DVec3; 3]| corners.map(|corner| corner.abs().max_element()).into_iter().fold(0.0, f64::max);
@@ -279,8 +276,7 @@ pub(super) fn triangle_hit(
     let Candidate { t, surface, weights } = *candidate;
     let normal = triangle_normal(corners).normalize();
     let [a, b, c] = corners;
-    // Interpolating from one corner keeps the point in the triangle's plane even if the sum of the
-    // rounded weights is not 1.
+    // From one corner, it stays in the plane even if rounded weights do not sum to 1.
     let position = a + weights[1] * (b - a) + weights[2] * (c - a);
     let shading_normal = normals.map_or(normal, |normals| {
         let corner = |i: usize| weights[i] * normals[i];

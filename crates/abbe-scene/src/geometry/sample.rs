@@ -12,8 +12,7 @@ use super::world::Geometry;
 use abbe_spectra::math::elementary::sin_cos;
 
 impl Geometry {
-    /// Returns the surface area of an object in m² (one side of rectangles, disks and open meshes),
-    /// or 0 for an unknown object.
+    /// Returns an object's area in m² (one side of flat shapes and open meshes), 0 if unknown.
     pub fn area(&self, object: u32) -> f64 {
         self.objects.get(object).map_or(0.0, |object| object.area)
     }
@@ -134,8 +133,8 @@ struct SubtendedCone {
 }
 
 impl SubtendedCone {
-    /// Largest distance from the sphere, relative to the coordinates, at which a point counts as a
-    /// point of the sphere, which must not see the sphere.
+    /// Largest distance from the sphere, relative to the coordinates, of a point on it, from which
+    /// the sphere must not be visible.
     const ON_SPHERE: f64 = 1e-12;
 
     /// Creates the cone, or returns `None` if `from` lies inside the sphere or on it.

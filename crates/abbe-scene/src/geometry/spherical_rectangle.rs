@@ -25,8 +25,7 @@ pub(super) struct SphericalRectangle {
     x: [f64; 2],
     y: [f64; 2],
     z0: f64,
-    /// z components of the unit normals of the planes through the point and the sides y = y0 and y
-    /// = y1.
+    /// z of the unit normals of the planes through the point and the sides at y0 and y1.
     side_normals_z: [f64; 2],
     /// 2π minus the inner angles of the spherical rectangle at both ends of the side x = x0. The
     /// sampled angle starts at this value and increases with x.

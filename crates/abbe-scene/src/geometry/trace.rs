@@ -13,8 +13,7 @@ pub(super) struct RayQuery<'a> {
     /// `None` if the scene has no triangles.
     pub(super) triangle_ray: Option<TriangleRay>,
     pub(super) from: Option<SurfaceId>,
-    /// A crossing with |t| up to this value may coincide with the surface on which the ray starts,
-    /// and needs a coincidence test.
+    /// The largest |t| of a crossing that may coincide with the start surface.
     pub(super) coincidence_range_m: f64,
 }
 
@@ -169,9 +168,8 @@ impl Geometry {
     pub fn for_each_hit(&self, ray: &Ray, from: Option<SurfaceId>, mut f: impl FnMut(&Hit)) {
         let (mut start, mut travelled) = (*ray, 0.0);
         let mut surface = from;
-        // The search for the next hit starts at the previous hit, as on a light path, so touching
-        // surfaces keep their order. A line crosses a primitive at most six times, which bounds the
-        // iterations.
+        // The search for the next hit starts at the previous hit, so touching surfaces keep their
+        // order. A line crosses a primitive at most six times.
         for _ in 0..6 * self.primitive_count() {
             let Some(mut hit) = self.intersect(&start, surface, f64::INFINITY) else { return };
             travelled += hit.t;

@@ -20,14 +20,12 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Returns the smallest and largest coordinates of all surfaces, in m, relative to the scene's
-    /// centre: +∞ and −∞ for an empty scene.
+    /// Returns the extreme coordinates in m of all surfaces, +∞ and −∞ for an empty scene.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         self.bvh.bounds()
     }
 
-    /// The radius in m of a ball about the origin that contains all surfaces, or 1 for an empty
-    /// scene.
+    /// The radius in m of a ball about the origin around all surfaces, 1 if there are none.
     pub fn radius_m(&self) -> f64 {
         let (low, high) = self.bounds();
         let farthest_m = low.abs().max(high.abs()).length();
@@ -36,8 +34,8 @@ impl Geometry {
     }
 
     /// Returns the texture coordinates at a hit: in [0, 1] on analytic shapes, interpolated if a
-    /// mesh has them, and barycentric weights on other meshes. [`Hit`] does not contain them
-    /// because most surfaces have no texture.
+    /// mesh has them, or else barycentric weights. [`Hit`] lacks them because few surfaces need
+    /// them.
     pub fn uv(&self, hit: &Hit) -> [f64; 2] {
         self.uv_at(hit.surface, hit.position)
     }
@@ -47,17 +45,15 @@ impl Geometry {
         self.primitives.uv(surface, position)
     }
 
-    /// Returns the change of the texture coordinates from a hit to the point at `offset` (m), which
-    /// should be parallel to the surface. On faces that close around an axis, the azimuth changes
-    /// by the shorter way.
+    /// Returns the change of the texture coordinates from a hit by `offset` (m) along the surface.
+    /// Where a face closes around an axis, the azimuth changes the shorter way.
     pub fn uv_step(&self, hit: &Hit, offset: DVec3) -> [f64; 2] {
         let (from, to) = (self.uv(hit), self.primitives.uv(hit.surface, hit.position + offset));
         let [u, v] = [to[0] - from[0], to[1] - from[1]];
         [if self.primitives.closes_around_axis(hit.surface) { u - u.round() } else { u }, v]
     }
 
-    /// Returns the derivatives of the position by u and v at a hit, in m, or `None` if the texture
-    /// coordinates do not determine them.
+    /// Returns the derivatives of the position by u and v in m, or `None` if undetermined.
     pub fn uv_tangents(&self, hit: &Hit) -> Option<[DVec3; 2]> {
         /// The length in m of the steps that measure how fast the texture coordinates vary.
         const PROBE_M: f64 = 1e-6;

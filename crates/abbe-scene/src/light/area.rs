@@ -26,8 +26,7 @@ pub struct AreaLight {
 impl AreaLight {
     pub(super) fn spd(&self, geometry: &Geometry, surface: SurfaceId, position: DVec3) -> EmittedSpd {
         self.slide.as_ref().map_or(EmittedSpd::Own, |slide| {
-            // All rays of a point see the same texel, and those of different points are
-            // independent.
+            // All rays of a point see the same texel, and those of others an independent one.
             let bits = position.to_array().map(f64::to_bits);
             let mut random = LookupRandom::new(f64::from_bits(hash64(bits)));
             EmittedSpd::Filtered(slide.texel(&TexturePoint::new(geometry.uv_at(surface, position)), &mut random))

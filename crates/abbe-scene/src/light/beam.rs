@@ -1,5 +1,4 @@
-//! A beam: light from a uniform invisible disk, parallel or with constant radiance in a cone from
-//! each point of the disk.
+//! A beam from a uniform invisible disk, parallel or of constant radiance in a cone per point.
 
 use super::intensity_bounds::IntensityBounds;
 use super::lit_interval::{LitInterval, inside_cone, inside_cylinder};
@@ -29,16 +28,14 @@ pub struct BeamLight {
     axis: DVec3,
     frame: Frame,
     radius_m: f64,
-    /// The sine of the half-angle of the cone into which each point of the disk emits; 0 for
-    /// parallel light.
+    /// The sine of the half-angle of the cone of each point; 0 for parallel light.
     sin_divergence: f64,
     one_minus_cos_divergence: f64,
 }
 
 impl BeamLight {
     /// Creates a beam from a disk around `centre` (m, relative to the scene's centre) along the
-    /// unit vector `axis`. `divergence` is the half-angle, below π/2, of the cone into which each
-    /// point emits, in radians.
+    /// unit vector `axis`, with a cone of half-angle `divergence` < π/2 (rad) at each point.
     pub fn new(centre: DVec3, axis: DVec3, radius_m: f64, divergence: f64, power_w: f64) -> Self {
         Self {
             power_w,
@@ -131,9 +128,8 @@ impl BeamLight {
             let irradiance = self.power_w / self.area();
             return inside.then(|| self.incident(-self.axis, local.z, irradiance));
         }
-        // A sample carries light only if it is both on the disk and in the cone of directions. The
-        // one with the smaller solid angle is sampled, so that more samples also meet the other
-        // condition.
+        // A sample carries light only on the disk and in the cone. The one with the smaller solid
+        // angle is sampled.
         let disk_solid_angle = self.area() / (local.z * local.z);
         let cone_solid_angle = 2.0 * PI * self.one_minus_cos_divergence;
         if disk_solid_angle < cone_solid_angle {
@@ -168,8 +164,7 @@ impl BeamLight {
         Some(IntensityBounds::into_cone(apex, intensity, self.axis, warp::half_angle(one_minus_cos)))
     }
 
-    /// A virtual light of parallel rays. `None` for divergent light, which a point receives from
-    /// many directions.
+    /// A virtual light of parallel rays; divergent light comes from many directions.
     pub(super) fn virtual_light(&self, u: [f64; 3]) -> Option<VirtualLight> {
         self.is_parallel().then(|| VirtualLight::parallel(-self.axis, Some(self.centre), u))
     }

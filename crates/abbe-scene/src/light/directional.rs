@@ -1,5 +1,4 @@
-//! A distant light: parallel light from one direction, or light from a round disk in the sky such
-//! as the sun.
+//! A distant light: parallel, or from a round disk in the sky such as the sun.
 
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
 use super::virtual_light::VirtualLight;
@@ -41,8 +40,7 @@ impl DirectionalLight {
         self.fluence() * PI * world_radius_m * world_radius_m
     }
 
-    /// The fluence rate ∫ L dω in W/m², where the irradiance is ∫ L cos θ dω = L π sin² θ_max for a
-    /// disk of angular radius θ_max.
+    /// The fluence rate ∫ L dω in W/m². The irradiance ∫ L cos θ dω is L π sin² θ_max.
     fn fluence(&self) -> f64 {
         self.irradiance / (1.0 - 0.5 * self.one_minus_cos)
     }
@@ -95,8 +93,7 @@ impl DirectionalLight {
         VirtualLight::parallel(self.sample_li(u).direction, None, u)
     }
 
-    /// The radiance in W/m²/sr that a ray sees if it leaves the scene along `direction`, or `None`
-    /// beside the disk.
+    /// The radiance in W/m²/sr of a ray that leaves along `direction`, `None` beside the disk.
     pub(super) fn le(&self, direction: DVec3) -> Option<f64> {
         (self.pdf_li(direction) > 0.0).then(|| self.disk_radiance())
     }

@@ -1,5 +1,4 @@
-//! The environment: distant light from all directions, uniform or with the radiance of an image or
-//! a sky.
+//! The environment: distant light from all directions, uniform, an image or a sky.
 
 use super::environment_map::EnvironmentMap;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
@@ -52,8 +51,7 @@ impl EnvironmentLight {
         Self { rotation: DMat3::from_quat(by) * self.rotation, ..self.clone() }
     }
 
-    /// The direction of the pattern at a direction of the world. The transpose of a rotation is its
-    /// inverse.
+    /// The pattern's direction for one of the world, by the transposed rotation.
     fn in_pattern(&self, direction: DVec3) -> DVec3 {
         self.rotation.transpose() * direction
     }
@@ -67,8 +65,7 @@ impl EnvironmentLight {
         self.mean_radiance * 4.0 * PI * PI * world_radius_m * world_radius_m
     }
 
-    /// The radiance (W/m²/sr over the band) and the spectrum that a ray sees if it leaves the scene
-    /// along `direction`.
+    /// The radiance (W/m²/sr over the band) and spectrum of a ray that leaves the scene.
     pub(super) fn le(&self, direction: DVec3) -> (f64, EmittedSpd) {
         match &self.pattern {
             EnvironmentPattern::Uniform => (self.mean_radiance, EmittedSpd::Own),

@@ -13,8 +13,7 @@ use std::f64::consts::{PI, TAU};
 pub struct EnvironmentMap {
     width: usize,
     height: usize,
-    /// By pixel: the weights of the basis spectra, which sum to the radiance divided by the mean
-    /// radiance.
+    /// The weights of the basis spectra by pixel, with the relative radiance as their sum.
     weights: Vec<[f64; 3]>,
     /// Samples pixels in proportion to radiance times solid angle.
     pub(super) pixels: PiecewiseConstant2d,
@@ -79,8 +78,7 @@ impl EnvironmentMap {
         (sum, if sum > 0.0 { EmittedSpd::Mixed(weights.map(|w| w / sum)) } else { EmittedSpd::Own })
     }
 
-    /// The pdf of a point of the image, per steradian. An area dA of the unit square covers the
-    /// solid angle 2π² sin θ dA.
+    /// The pdf of a point per steradian: dA of the unit square covers 2π² sin θ dA.
     pub(super) fn pdf_solid_angle(&self, point: [f64; 2]) -> f64 {
         let sin_theta = sin(PI * point[1]);
         if sin_theta > 0.0 { self.pixels.pdf(point) / (2.0 * PI * PI * sin_theta) } else { 0.0 }

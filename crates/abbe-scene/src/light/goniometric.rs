@@ -1,8 +1,5 @@
-//! A luminaire with a measured distribution of intensity: a point, or a flat luminous opening.
-//!
-//! All points of the invisible opening have the same distribution of intensity. If the intensity of
-//! the luminaire is I and the area of the opening is A, the radiance at the angle θ to its normal
-//! is I/(A cos θ).
+//! A luminaire with a measured distribution of intensity I, the same at all points: a point, or a
+//! flat invisible opening of area A, whose radiance at the angle θ to its normal is I/(A cos θ).
 
 use super::intensity_bounds::IntensityBounds;
 use super::intensity_table::IntensityTable;
@@ -82,12 +79,11 @@ pub struct GoniometricLight {
 }
 
 impl GoniometricLight {
-    /// Creates a luminaire at `position` (m, relative to the scene's centre).
-    ///
-    /// `toward`, the photometric axis, and `c0`, the direction of the half-plane C0, are
-    /// perpendicular unit vectors. Seen against the photometric axis, which is from below for a
-    /// ceiling luminaire, the C angles increase clockwise. `scale` is the intensity in W/sr over
-    /// the band for a value of 1 in the table.
+    /// Creates a luminaire at `position` (m, relative to the scene's centre). `toward`, the
+    /// photometric axis, and `c0`, the direction of the half-plane C0, are perpendicular unit
+    /// vectors. Seen against the photometric axis, which is from below for a ceiling luminaire, the
+    /// C angles increase clockwise. `scale` is the intensity in W/sr over the band for a value of 1
+    /// in the table.
     pub fn new(position: DVec3, [toward, c0]: [DVec3; 2], scale: f64, table: Arc<IntensityTable>) -> Self {
         let axes = DMat3::from_cols(c0, c0.cross(toward), toward);
         Self { position, axes, scale, table, opening: LuminousOpening::POINT }

@@ -64,13 +64,11 @@ pub struct IntensityTable {
 }
 
 impl IntensityTable {
-    /// Creates a table of `values`, plane by plane: a plane has one azimuth, and one value for each
+    /// Creates a table of `values` plane by plane: a plane has one azimuth, and one value for each
     /// polar angle. The angles are in radians: `polar` from 0 to π, and `azimuth` over at most 2π,
-    /// outside of which the intensity is 0.
-    ///
-    /// Returns an error if there are fewer than two angles of a kind, angles are not strictly
-    /// ascending or out of range, the number of values is wrong, a value is negative or not finite,
-    /// or all values are 0.
+    /// outside of which the intensity is 0. Returns an error if there are fewer than two angles of
+    /// a kind, angles are not strictly ascending or out of range, the number of values is wrong, a
+    /// value is negative or not finite, or all values are 0.
     pub fn new(kind: PhotometricType, polar: &[f64], azimuth: &[f64], values: &[f64]) -> Result<Self> {
         let ascending = |angles: &[f64]| angles.len() >= 2 && angles.windows(2).all(|pair| pair[0] < pair[1]);
         let span = |angles: &[f64]| angles.last().zip(angles.first()).map_or(0.0, |(last, first)| last - first);
@@ -140,8 +138,7 @@ impl IntensityTable {
         self.direction(self.polar[node % self.polar.len()], self.azimuth[node / self.polar.len()])
     }
 
-    /// The smallest and the largest cosine of the angle between the photometric axis and a
-    /// direction with light.
+    /// The extreme cosines of the angle between the photometric axis and light.
     pub(super) fn cosines(&self) -> [f64; 2] {
         self.cosines
     }
@@ -204,8 +201,7 @@ impl IntensityTable {
                 let ends = if is_polar {
                     [cos(down[1]), cos(down[0])]
                 } else {
-                    // The photometric axis has azimuth 0 and polar angle 90°, so the cosine is sin
-                    // θ cos φ.
+                    // The axis has azimuth 0 and polar angle 90°, so the cosine is sin θ cos φ.
                     let [narrow, wide] = [sin(down[0]).min(sin(down[1])), widest_sine((down[0], down[1]))];
                     [low * if low < 0.0 { wide } else { narrow }, high * if high < 0.0 { narrow } else { wide }]
                 };

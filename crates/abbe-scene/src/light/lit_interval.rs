@@ -1,5 +1,4 @@
-//! The part of a ray that can receive light from a source, to which direct lighting in a medium is
-//! limited.
+//! The part of a ray that light can reach, the range of direct lighting in a medium.
 
 use crate::geometry::Ray;
 use glam::DVec3;
@@ -66,8 +65,8 @@ pub(super) fn inside_cylinder(
     (from < to).then_some((from, to))
 }
 
-/// The part of an interval of t in which `inside`, which changes only at the roots of a t² + 2 b t
-/// + c, is true.
+/// The part of an interval of t in which `inside`, which changes at the roots of a t² + 2 b t + c,
+/// is true.
 fn between_roots([a, b, c]: [f64; 3], (from, to): (f64, f64), inside: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
     let discriminant = b * b - a * c;
     let mut ends = [from, from, from, to];

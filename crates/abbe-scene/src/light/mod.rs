@@ -62,8 +62,7 @@ pub struct Light {
     pub name: String,
     /// Lights of a group share a layer of the picture.
     pub group: String,
-    /// The kind of light, with its position and radiometric quantity at the time when the shutter
-    /// opens.
+    /// The kind of light, with its position and radiometric quantity at the shutter's opening.
     pub emitter: Emitter,
     /// The relative spectral power distribution: a density per nm with integral 1 over the band.
     pub spectrum: Spectrum,
@@ -71,16 +70,14 @@ pub struct Light {
     pub wavelengths: WavelengthDistribution,
     /// The same with the ultraviolet that excites fluorophores, if the scene needs it.
     pub ultraviolet: Option<Box<WavelengthDistribution>>,
-    /// The visual importance of one watt: ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ, and that of the light that its
-    /// ultraviolet excites.
+    /// The visual importance of one watt, ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ, plus that excited by ultraviolet.
     pub importance_per_watt: f64,
     /// The bodies that contain the light, or one of its points if it crosses bodies.
     pub medium_stack: MediumStack,
-    /// True if the bodies that contain a point of the light may differ from point to point, as for
-    /// a panel that lies partly in fog.
+    /// True if the bodies may differ from point to point of the light, as for a panel partly in
+    /// fog.
     pub crosses_bodies: bool,
-    /// The light's own motion (in m) while the shutter is open. An area light has none, because it
-    /// moves with its object.
+    /// The light's own motion (in m); an area light has none, because its object moves.
     pub motion: Option<AnimatedTransform>,
 }
 
@@ -106,9 +103,8 @@ pub enum Emitter {
 }
 
 impl Emitter {
-    /// Returns the emitter transformed by a map of world positions. The mean scale of the map
-    /// multiplies the radius of a beam. An environment only rotates. An area light does not change,
-    /// because its object moves instead.
+    /// Returns the emitter transformed by a map of world positions, whose mean scale multiplies the
+    /// radius of a beam. An environment only rotates, and an area light moves with its object.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         match self {
@@ -131,9 +127,8 @@ fn local_test_lights(at: DVec3, axis: DVec3) -> Vec<contract_tests::TestLight> {
 }
 
 impl Light {
-    /// Creates a light at rest. Photon wavelengths are sampled in proportion to the spectrum times
-    /// the visual importance for the observer of the film. Returns an error if the spectrum has no
-    /// power within the band.
+    /// Creates a light at rest, or returns an error if the spectrum has no power in the band.
+    /// Photon wavelengths follow the spectrum times the visual importance for the film's observer.
     pub fn new(name: String, emitter: Emitter, spectrum: &LightSpectrum, observer: &'static Observer) -> Result<Self> {
         let spectrum = spectrum.normalised();
         let wavelengths = WavelengthDistribution::visually_weighted(spectrum, observer)
@@ -153,8 +148,7 @@ impl Light {
         })
     }
 
-    /// The emitted power in W over the band: for a distant light, the power that enters the scene's
-    /// bounding sphere.
+    /// The emitted power in W over the band; a distant light's enters the bounding sphere.
     pub fn power_w(&self, extent: SceneExtent<'_>) -> f64 {
         match &self.emitter {
             Emitter::Point(light) => light.power_w(),
@@ -223,8 +217,7 @@ impl Light {
         }
     }
 
-    /// The radiance (W/m²/sr over the band) of an emitted ray, or 0 for lights that no camera ray
-    /// can hit.
+    /// The radiance (W/m²/sr over the band) of an emitted ray, 0 if no camera ray hits the light.
     pub fn radiance_of(&self, sample: &LeSample) -> f64 {
         if let Emitter::Area(light) = &self.emitter {
             return light.radiance;
@@ -232,8 +225,7 @@ impl Light {
         self.le(-sample.direction).map_or(0.0, |(radiance, _)| radiance)
     }
 
-    /// The pdf per steradian of [`Light::sample_li`] for the direction of a ray that leaves the
-    /// scene. 0 for local lights.
+    /// The pdf per steradian of [`Light::sample_li`] for an escaping direction, 0 for local lights.
     pub fn pdf_li_escaped(&self, direction: DVec3) -> f64 {
         match &self.emitter {
             Emitter::Directional(light) => light.pdf_li(direction),
@@ -325,8 +317,7 @@ impl Light {
     }
 
     /// Returns true if virtual lights can represent the light. A single one is too inaccurate for
-    /// an environment, a volume light, a divergent beam, a luminous opening or a light with a
-    /// slide.
+    /// environments, volumes, divergent beams, luminous openings and slides.
     pub fn has_virtual_lights(&self) -> bool {
         match &self.emitter {
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Directional(_) => true,
@@ -337,8 +328,7 @@ impl Light {
         }
     }
 
-    /// The light that the point `from` receives from a virtual light, if any. The caller must test
-    /// whether a surface blocks the light.
+    /// The light from a virtual light, if any, at the point `from`, as if nothing blocked it.
     pub fn li_from(&self, extent: SceneExtent<'_>, virtual_light: &VirtualLight, from: DVec3) -> Option<LiSample> {
         let connection = virtual_light.connection_from(from);
         let Some(irradiance) = virtual_light.surface_irradiance(&connection) else {
@@ -361,8 +351,8 @@ impl Light {
     }
 
     /// Returns true if no scattered ray can hit the light, so that only [`Light::sample_li`] finds
-    /// it: the surfaces of beams and luminaires are invisible, and a ray sees not a volume light
-    /// but the emission of the medium.
+    /// it: beams and luminaires are invisible, and of a volume light, rays see the medium's
+    /// emission.
     pub fn is_delta(&self) -> bool {
         match &self.emitter {
             Emitter::Area(_) | Emitter::Environment(_) => false,
@@ -393,8 +383,7 @@ impl Light {
         if let Emitter::Volume(light) = &self.emitter { Some(light.box_map()) } else { None }
     }
 
-    /// The position of a point, spot, goniometric or beam light in m, relative to the scene's
-    /// centre.
+    /// The position of a point, spot, goniometric or beam light in m about the scene's centre.
     pub fn position(&self) -> Option<DVec3> {
         match &self.emitter {
             Emitter::Point(light) => Some(light.position),
@@ -405,8 +394,7 @@ impl Light {
         }
     }
 
-    /// A point such that the bodies that contain it also contain the light. `None` for distant
-    /// lights, which are in air.
+    /// A point in all bodies that contain the light, or `None` for distant lights, in air.
     pub fn representative_point(&self, geometry: &Geometry) -> Option<RepresentativePoint> {
         match &self.emitter {
             Emitter::Area(light) => Some(light.representative_point(geometry)),
@@ -418,9 +406,8 @@ impl Light {
         }
     }
 
-    /// The lowest and highest corner in m of a box around a local light, relative to the scene's
-    /// centre. `None` for distant and volume lights. `object_bounds` contains one box around each
-    /// object.
+    /// The corners in m of a box around a local light, relative to the scene's centre. `None` for
+    /// distant and volume lights. `object_bounds` has one box per object.
     pub fn bounds(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<(DVec3, DVec3)> {
         let around = |centre: DVec3, radius: f64| Some((centre - radius, centre + radius));
         match &self.emitter {

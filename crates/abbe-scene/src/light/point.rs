@@ -65,8 +65,7 @@ pub struct SpotLight {
     position: DVec3,
     axis: DVec3,
     intensity: f64,
-    /// 1 − cos of the half-angles of the two cones, because cos would be too inaccurate for narrow
-    /// cones.
+    /// 1 − cos of the half-angles of the two cones, accurate for narrow ones.
     inner: f64,
     outer: f64,
     falloff: SpotFalloff,
@@ -177,8 +176,7 @@ impl SpotLight {
     }
 }
 
-/// The light that arrives at `from` from a point source with this intensity (W/sr) in a direction
-/// away from it, if any.
+/// The light at `from` of a point source with an intensity (W/sr) by direction, if any.
 pub(super) fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) -> f64) -> Option<LiSample> {
     let offset = position - from;
     let distance = offset.length();

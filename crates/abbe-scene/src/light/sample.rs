@@ -70,8 +70,7 @@ pub(super) fn distant_origin(point: DVec3, direction: DVec3, world_radius_m: f64
     (across.length_squared() <= world_radius_m * world_radius_m).then(|| across - world_radius_m * direction)
 }
 
-/// The surfaces of a scene, and its bounding sphere around the origin, through which all light from
-/// distant lights passes.
+/// The surfaces of a scene, and the sphere through which light of distant lights passes.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneExtent<'a> {
     pub geometry: &'a Geometry,

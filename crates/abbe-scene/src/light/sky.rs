@@ -1,8 +1,6 @@
-//! The CIE standard general sky (ISO 15469:2004, CIE S 011), and the traditional overcast sky.
-//!
-//! The standard describes the luminance of the sky relative to its zenith by the gradation φ of the
-//! zenith angle Z, and the indicatrix f of the angle χ from the sun. Below the horizon, the ground
-//! has a uniform luminance.
+//! The CIE standard general sky (ISO 15469:2004, CIE S 011), and the traditional overcast sky. The
+//! luminance relative to the zenith is given by the gradation φ of the zenith angle Z and the
+//! indicatrix f of the angle χ from the sun. The ground below has a uniform luminance.
 
 use super::environment_map::EnvironmentMap;
 use abbe_spectra::math::distribution::PiecewiseConstant2d;
@@ -71,9 +69,8 @@ impl SunDirection {
 }
 
 impl StandardSky {
-    /// Creates the sky of a type from 1 to 16, or returns `None` if there is no such type.
-    /// `ground_reflectance` is the luminance of the ground times π, divided by the horizontal
-    /// illuminance from the sky.
+    /// Creates the sky of a type from 1 to 16, or returns `None`. `ground_reflectance` is π times
+    /// the ground's luminance over the horizontal illuminance from the sky.
     pub fn new(number: u32, sun: SunDirection, ground_reflectance: f64) -> Option<Self> {
         let parameters = match number {
             1..=15 => Some(TYPES[number as usize - 1]),
@@ -95,8 +92,7 @@ impl StandardSky {
         TYPES.get((number as usize).wrapping_sub(1)).is_some_and(|[_, _, c, _, e]| *c != 0.0 || *e != 0.0)
     }
 
-    /// The horizontal illuminance from the unobstructed sky, divided by the mean luminance of all
-    /// directions.
+    /// The unobstructed horizontal illuminance divided by the mean luminance of all directions.
     pub fn horizontal_illuminance(&self) -> f64 {
         self.horizontal_illuminance
     }

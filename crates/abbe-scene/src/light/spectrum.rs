@@ -22,9 +22,8 @@ impl LightSpectrum {
         &self.spectrum
     }
 
-    /// Converts a photometric quantity (lm, cd, cd/m², lx) to the radiometric one (W, W/sr,
-    /// W/m²/sr, W/m²) over the band. Returns an error if the quantity is positive but the spectrum
-    /// has no visible light.
+    /// Converts a photometric quantity (lm, cd, cd/m², lx) to the radiometric one in W over the
+    /// band, or returns an error if it is positive but the spectrum has no visible light.
     pub fn watts_from_lumens(&self, value: f64) -> Result<f64> {
         if value > 0.0 && self.lumens_per_watt <= 0.0 {
             return Err(Error::input("the spectrum has no visible light")

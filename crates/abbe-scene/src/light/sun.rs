@@ -19,8 +19,7 @@ pub struct GeographicPlace {
 /// The position of the sun as an observer sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunPosition {
-    /// The direction of the middle of the disk, refracted by the atmosphere, with the azimuth from
-    /// true north.
+    /// The refracted direction of the middle of the disk, with azimuth from true north.
     pub direction: SunDirection,
     /// In astronomical units, accurate to 10⁻⁴.
     pub distance_au: f64,
@@ -29,8 +28,7 @@ pub struct SunPosition {
 /// The Julian day of 2000-01-01 at 12:00.
 const J2000: f64 = 2_451_545.0;
 
-/// Terrestrial time minus universal time in days: 69 s, as in 2020. The sun moves by 0.001° in this
-/// time.
+/// Terrestrial minus universal time in days: 69 s (2020), 0.001° of the sun's motion.
 const DELTA_T_DAYS: f64 = 69.0 / 86_400.0;
 
 /// The horizontal parallax of the sun at 1 au.

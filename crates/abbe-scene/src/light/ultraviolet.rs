@@ -7,10 +7,9 @@ impl Light {
         self.ultraviolet.as_deref().unwrap_or(&self.wavelengths)
     }
 
-    /// Adds ultraviolet, which excites fluorophores, to the wavelengths of the photons. `value` is
-    /// the visual importance of 1 W at a wavelength in nm, to which the sampling is proportional,
-    /// as in the band. The fraction of the ultraviolet is at most one half, so that the noise of
-    /// visible light grows by at most √2.
+    /// Adds ultraviolet, which excites fluorophores, to the photons' wavelengths, sampled as in the
+    /// band in proportion to the visual importance `value` of 1 W at a nm. It gets at most one
+    /// half, so that the noise of visible light grows by at most √2.
     pub fn add_ultraviolet(&mut self, value: &dyn Fn(f64) -> f64) {
         const MOST: f64 = 0.5;
         let importance = self.spectrum.ultraviolet_sum(value);

@@ -63,8 +63,7 @@ impl VirtualLight {
         self.u
     }
 
-    /// The connection from a point to the light, even if the light does not shine towards the
-    /// point.
+    /// The connection from a point to the light, even if the light does not shine there.
     pub fn connection_from(&self, from: DVec3) -> LightConnection {
         let (direction, distance) = match self.kind {
             VirtualLightKind::Point(position) | VirtualLightKind::Surface { position, .. } => {

@@ -1,9 +1,7 @@
-//! A volume light: a medium that emits light, such as hot soot or the gas of a neon tube.
-//!
-//! A box around the medium is divided into cells, whose emission is measured by probes (the points
-//! of a finer grid). Most samples select a cell in proportion to its emission. A small fraction
-//! selects all cells alike, because the probes may miss the emission of a cell. Directions are
-//! sampled uniformly.
+//! A volume light: a medium that emits light, such as hot soot or the gas of a neon tube. The cells
+//! of a box around the medium are measured by probes (the points of a finer grid). Most samples
+//! select a cell in proportion to its emission, and a small fraction selects all cells alike,
+//! because the probes may miss emission. Directions are uniform.
 
 use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
@@ -101,8 +99,7 @@ impl VolumeLight {
         let emitted: Vec<f64> = layers.iter().flat_map(|layer| &layer.emitted).copied().collect();
         let sum: f64 = emitted.iter().sum();
         let mean = sum / emitted.len() as f64;
-        // A cell without emission at its probes may contain a part of the body, so none has the
-        // probability 0.
+        // A cell dark at its probes may contain a part of the body, so none has probability 0.
         let fractions = emitted.iter().map(|here| (1.0 - DEFENSIVE_FRACTION) * here + DEFENSIVE_FRACTION * mean);
         light.cells = DiscreteDistribution::new(fractions)?;
         let probed_m3 = light.box_m3() / (PROBED as f64).powi(3);
@@ -179,8 +176,7 @@ impl VolumeLight {
         LeSample { origin: position, direction, from: None, flux_w: flux_w * solid_angle / (4.0 * PI), spd }
     }
 
-    /// Samples a direction towards a point of the medium, which acts as a point light with the
-    /// sampled flux.
+    /// Samples a direction towards a point of the medium, a point light of the sampled flux.
     pub(super) fn sample_li(&self, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         let VolumeSample { position, flux_w, spd } = self.sample(u);
         let (direction, distance) = (position - from).normalize_and_length();
@@ -227,8 +223,7 @@ impl VolumeLight {
         self.from_unit.transform_point3(DVec3::new(x, y, z) / PROBED as f64)
     }
 
-    /// Returns whether each probe of a row lies inside the body. One ray along the row finds all
-    /// crossings of the surface.
+    /// Returns whether each probe of a row lies inside, by one ray along the row.
     fn inside_along(&self, first: DVec3, step: DVec3) -> [bool; PROBED] {
         let Some(body) = &self.body else { return [true; PROBED] };
         let (direction, spacing) = step.normalize_and_length();

@@ -13,8 +13,7 @@ pub enum MediumEmission {
     /// The same spectrum everywhere.
     /// The same spectrum (W/m³/sr/nm) everywhere, and its integral over the band.
     Uniform { spectrum: Spectrum, band: f64 },
-    /// Thermal emission at a temperature that varies in space: by Kirchhoff's law, j = σ_a(λ)
-    /// B_λ(T).
+    /// Thermal emission at a varying temperature: j = σ_a(λ) B_λ(T) (Kirchhoff).
     Thermal(Box<ThermalEmission>),
 }
 
@@ -22,24 +21,21 @@ pub enum MediumEmission {
 pub struct ThermalEmission {
     temperature: Arc<ScalarField>,
     absorption: Spectrum,
-    /// The logarithm of the emission in W/m³/sr, integrated over the band, in equal steps of the
-    /// inverse temperature from the highest temperature on. By Wien's law, it is a nearly linear
-    /// function of the inverse temperature.
+    /// The log of the emission over the band in W/m³/sr, by equal steps of the inverse temperature
+    /// from the hottest on, in which it is nearly linear (Wien's law).
     log_band: Vec<f64>,
     /// The inverse temperature of the first entry, and its step between entries, in 1/K.
     inverse: (f64, f64),
 }
 
-/// Below this temperature in K, thermal emission counts as 0. Matter that glows dimly emits more
-/// than 10¹⁶ times as much.
+/// Thermal emission below this temperature in K counts as 0: dim glow is 10¹⁶ times stronger.
 const COLDEST_K: f64 = 350.0;
 
 /// The number of steps of the inverse temperature. The relative interpolation error is below 10⁻⁴,
 /// and cancels in the product of the emission and the spectrum that the same value normalises.
 const STEPS: usize = 256;
 
-/// The number of bins per step in the histogram of temperatures from which the mean spectrum is
-/// computed.
+/// The bins per step of the histogram of temperatures for the mean spectrum.
 const BINS_PER_STEP: f64 = 8.0;
 
 impl MediumEmission {
@@ -49,8 +45,7 @@ impl MediumEmission {
         Self::Uniform { spectrum, band }
     }
 
-    /// Creates the thermal emission of matter with this absorption (1/m at density 1) and
-    /// temperature (K).
+    /// Creates thermal emission from absorption (1/m at density 1) and temperature (K).
     pub fn thermal(absorption: Spectrum, temperature: Arc<ScalarField>) -> Self {
         let hottest = temperature.max().max(1.01 * COLDEST_K);
         let first = 1.0 / hottest;
@@ -85,8 +80,7 @@ impl MediumEmission {
         }
     }
 
-    /// The emission at a point over the band, in W/m³/sr at density 1, and the temperature in K if
-    /// it is thermal.
+    /// The emission over the band in W/m³/sr at density 1, and the temperature in K if thermal.
     pub fn band_at(&self, point: DVec3) -> (f64, Option<f64>) {
         match self {
             Self::Uniform { band, .. } => (*band, None),
@@ -97,8 +91,7 @@ impl MediumEmission {
         }
     }
 
-    /// The relative spectrum of the emission at a temperature in K: per nm, with integral 1 over
-    /// the band.
+    /// The relative spectrum at a temperature in K: per nm, with integral 1 over the band.
     pub fn spd_at(&self, temperature: f64, nm: f64) -> f64 {
         match self {
             Self::Uniform { spectrum, band } => spectrum.at(nm) / band,
@@ -106,8 +99,8 @@ impl MediumEmission {
         }
     }
 
-    /// The spectrum of the total emission, up to a factor. `weights` are pairs of a temperature in
-    /// K and an amount of matter.
+    /// The spectrum of the total emission, up to a factor, by pairs of a temperature (K) and an
+    /// amount.
     pub fn mean_spectrum(&self, weights: impl Iterator<Item = (f64, f64)>) -> Spectrum {
         match self {
             Self::Uniform { spectrum, .. } => spectrum.clone(),

@@ -1,5 +1,4 @@
-//! A grid of cells of equal solid angle, over which densities are integrated, to compare them with
-//! a histogram of samples by the χ² test.
+//! A grid of cells of equal solid angle, to compare a pdf with samples by the χ² test.
 
 use std::f64::consts::TAU;
 
@@ -48,8 +47,7 @@ impl SpherePatch {
         [[x, y], [x + size[0], y], [x, y + size[1]], [x + size[0], y + size[1]]].map(|at| Self { at, size })
     }
 
-    /// Integrates `f` by dividing a rectangle into quarters until the result changes by less than
-    /// `tolerance`.
+    /// Integrates `f` by quarters of a rectangle until it changes by less than `tolerance`.
     fn refined(self, f: &impl Fn(DVec3) -> f64, tolerance: f64, known: f64, depth: usize) -> f64 {
         let quarters = self.quarters().map(|quarter| (quarter, quarter.integral(f)));
         let sum: f64 = quarters.iter().map(|(_, value)| value).sum();

@@ -91,8 +91,7 @@ impl<'a> ZmxReader<'a> {
         Some(distances.fold(0.0, f64::max)).filter(|widest| *widest > 0.0)
     }
 
-    /// Removes the object and the image from the surfaces, and returns the distance of the object
-    /// in mm.
+    /// Removes the object and the image, and returns the object's distance in mm.
     pub(super) fn take_ends(&mut self) -> Result<f64> {
         let sensor = self.rows.pop().filter(|_| self.rows.len() > 1);
         let Some(sensor) = sensor else {

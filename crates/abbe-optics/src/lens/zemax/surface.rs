@@ -126,8 +126,7 @@ impl ZmxSurface {
         self.clear.or(Some(self.semi_aperture)).filter(|radius| *radius > 0.0)
     }
 
-    /// Returns the radii of a circular aperture (`CLAP`) and of the central obscuration, in the
-    /// unit of the file.
+    /// Returns the radii of a circular aperture and of the obscuration, in the file's unit.
     pub(super) fn blocking(&self) -> (Option<f64>, f64) {
         (self.clear, self.obscuration)
     }
@@ -142,8 +141,7 @@ impl ZmxSurface {
         }
     }
 
-    /// Converts the surface to a refracting surface in mm, with a semi-aperture of 0 if the file
-    /// does not state it.
+    /// Converts the surface to mm, with a semi-aperture of 0 if the file lacks it.
     pub(super) fn surface(&self, unit_mm: f64) -> Result<LensSurface> {
         if !self.thickness.is_finite() {
             return Err(Error::input("found an infinite thickness").at(self.line, 1));

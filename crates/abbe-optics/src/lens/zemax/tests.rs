@@ -17,8 +17,7 @@ fn lens(text: &str) -> Result<Lens> {
     parse(text.as_bytes(), "triplet.zmx".as_ref(), &[])
 }
 
-/// The rims of the bundles of all fields pass the computed apertures, and each aperture touches
-/// one.
+/// The rims of all fields' bundles pass the apertures, and each aperture touches one.
 #[test]
 fn missing_semi_diameters_follow_from_field_and_pupil() {
     let lens = lens(TRIPLET).unwrap();

@@ -17,8 +17,7 @@ pub(crate) enum FlatShape {
 }
 
 impl FlatShape {
-    /// Returns where the line crosses the plane inside the shape. A line that starts on the shape
-    /// never crosses it again.
+    /// Returns where the line crosses the shape, which a line that starts on it never does.
     pub(crate) fn next_crossing(&self, line: &LocalLine, start_face: Option<u32>, after: f64) -> Option<Crossing> {
         if start_face.is_some() || line.direction.y == 0.0 {
             return None;

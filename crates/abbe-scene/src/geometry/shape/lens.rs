@@ -30,8 +30,7 @@ struct Cap {
     radius: Option<f64>,
     /// The z direction (+1 or −1) that points out of the set at the vertex.
     outward: f64,
-    /// True if the lens lies inside the set (convex or plane surface), false if it lies outside
-    /// (concave surface).
+    /// True if the lens lies inside the set (convex or plane surface), not outside (concave).
     kept: bool,
 }
 
@@ -47,8 +46,7 @@ impl LensSolid {
     pub(crate) const FACES: u32 = 3;
     pub(crate) const ROUND_FACE: u32 = EDGE;
 
-    /// Creates a lens. A radius is positive if the centre of curvature lies towards +z, and 0 for a
-    /// plane.
+    /// Creates a lens from radii: positive towards a centre at +z, and 0 for a plane.
     pub(crate) fn new(radius1: f64, radius2: f64, thickness: f64, diameter: f64) -> Self {
         let front = Cap {
             face: FRONT,
@@ -72,8 +70,7 @@ impl LensSolid {
         (self.front.rim_z(self.edge_radius), self.back.rim_z(self.edge_radius))
     }
 
-    /// Returns the support function of the lens: the largest dot product of `direction`, of any
-    /// length, with a point of the lens.
+    /// Returns the support function: the largest dot product of `direction` with a point of it.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         let across = self.edge_radius * hypot(direction.x, direction.y);
         let (front, back) = self.rims();
@@ -110,8 +107,7 @@ impl LensSolid {
     }
 
     fn next_from(&self, line: &LocalLine, start: u32) -> Option<Crossing> {
-        // The t at which the line leaves the set of its start face, negative if it points out of
-        // the set.
+        // The t at which the line leaves the set of its start face, negative if it points out.
         let (kept, set_exit_t) = match start {
             EDGE => (true, chord_t(&project_xy(line))),
             FRONT => (self.front.kept, self.front.set_exit_t(line)),
@@ -148,8 +144,8 @@ impl LensSolid {
         Some(Crossing { t: exit.t.max(0.0), ..exit }).filter(|exit| exit.t < f64::INFINITY)
     }
 
-    /// Returns the re-entry of a line that starts on a concave face and points into the hollow, or
-    /// `None` if the line misses the lens.
+    /// Returns the re-entry of a line from a concave face through the hollow, or `None` if it
+    /// misses.
     fn entry_from(&self, line: &LocalLine, start: u32, set_exit_t: f64) -> Option<Crossing> {
         let mut entry = Crossing { t: set_exit_t, face: start };
         let other = if start == FRONT { &self.back } else { &self.front };
@@ -213,8 +209,7 @@ impl Cap {
         self.vertex_z - self.outward * self.radius.unwrap_or(0.0)
     }
 
-    /// Returns the height of the cap (the sagitta) over a disk, in a form that is accurate for
-    /// nearly flat caps.
+    /// Returns the sagitta of the cap over a disk, accurate also for nearly flat caps.
     fn sagitta(&self, disk_radius: f64) -> f64 {
         self.radius.map_or(0.0, |radius| {
             let root = ((radius - disk_radius) * (radius + disk_radius)).max(0.0).sqrt();
@@ -226,8 +221,7 @@ impl Cap {
         self.vertex_z - self.outward * self.sagitta(edge_radius)
     }
 
-    /// Returns the support function of the ball, or `None` for a plane, or if the extreme point of
-    /// the ball lies outside the cap.
+    /// Returns the ball's support function, or `None` for a plane or an extreme point off the cap.
     fn support(&self, direction: DVec3, edge_radius: f64) -> Option<f64> {
         let radius = self.radius?;
         let sin = edge_radius / radius;
@@ -274,8 +268,7 @@ impl Cap {
         Some((first + shift, second + shift))
     }
 
-    /// Returns the span of the line inside the half-space behind the plane, or behind the ball's
-    /// centre.
+    /// Returns the span inside the half-space behind the plane or the ball's centre.
     fn half_space(&self, line: &LocalLine) -> Option<Span> {
         let height = self.outward * (line.origin.z - self.centre_z());
         let speed = self.outward * line.direction.z;
@@ -287,8 +280,8 @@ impl Cap {
         Some(Span::of_face(roots, self.face))
     }
 
-    /// Returns the t at which a line that starts on this surface leaves the set: ∞ if it never
-    /// does, and negative if the line points out of the set.
+    /// Returns the t at which a line from this surface leaves the set: ∞ if it never does, and
+    /// negative if it points out.
     fn set_exit_t(&self, line: &LocalLine) -> f64 {
         let Some(radius) = self.radius else {
             return if self.outward * line.direction.z < 0.0 { f64::INFINITY } else { -1.0 };

@@ -65,12 +65,10 @@ pub(crate) fn azimuth_fraction(x: f64, y: f64) -> f64 {
     (atan2(y, x) / TAU).rem_euclid(1.0).min(ONE_MINUS_ULP)
 }
 
-/// Returns the range of t in which a line lies inside a ball about the origin. Serves for cylinders
-/// too, if the axial components of the line are 0.
-///
-/// The discriminant is computed from the point of closest approach, and the roots without
-/// cancellation, so they are accurate also for small and distant balls, and for lines that almost
-/// graze the ball.
+/// Returns the range of t in which a line lies inside a ball about the origin, or in a cylinder if
+/// the axial components of the line are 0. The discriminant is computed from the point of closest
+/// approach, and the roots without cancellation, so they are accurate also for small and distant
+/// balls, and for lines that almost graze the ball.
 #[inline]
 pub(crate) fn ball_roots(line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
     let a = line.direction.length_squared();
@@ -95,8 +93,7 @@ pub(crate) fn chord_t(line: &LocalLine) -> f64 {
     if a == 0.0 { f64::INFINITY } else { -2.0 * line.origin.dot(line.direction) / a }
 }
 
-/// Returns the roots of a t² + 2b t + c in ascending order, computed without cancellation.
-/// `discriminant` is b² − ac ≥ 0.
+/// Returns the roots of a t² + 2b t + c in ascending order without cancellation, by b² − ac ≥ 0.
 #[inline]
 pub(crate) fn ordered_roots(a: f64, b: f64, c: f64, discriminant: f64) -> (f64, f64) {
     let q = -b - discriminant.sqrt().copysign(b);

@@ -32,8 +32,7 @@ pub enum Shape {
     Sphere {
         radius: f64,
     },
-    /// A rectangle in the xz plane (`width` along x, `height` along z), centred on the origin,
-    /// facing +y.
+    /// A rectangle in the xz plane (`width` along x), centred on the origin, facing +y.
     Rectangle {
         width: f64,
         height: f64,
@@ -51,8 +50,7 @@ pub enum Shape {
         radius: f64,
         height: f64,
     },
-    /// A closed triangular prism with its axis along z and its apex towards +y. The centroid of its
-    /// triangle is the origin.
+    /// A closed triangular prism along z, apex towards +y, triangle's centroid at the origin.
     Prism {
         /// Length of each of the two legs that meet at the apex.
         side: f64,
@@ -61,14 +59,11 @@ pub enum Shape {
         /// In (0, 180).
         apex_deg: f64,
     },
-    /// A lens: two spherical surfaces about the z axis and a cylindrical edge, with the front
-    /// vertex at the origin.
+    /// A lens: spherical surfaces about z and a cylindrical edge, front vertex at the origin.
     Lens {
-        /// Radius of curvature of the front surface: positive if its centre lies towards +z, 0 for
-        /// a plane.
+        /// Radius of curvature in front: positive if its centre lies towards +z, 0 for a plane.
         radius1: f64,
-        /// Radius of curvature of the back surface, with the same sign convention: negative for a
-        /// biconvex lens.
+        /// That of the back surface, with the same sign: negative for a biconvex lens.
         radius2: f64,
         /// Distance between the vertices.
         thickness: f64,
@@ -81,8 +76,7 @@ pub enum Shape {
 #[derive(Debug, Clone)]
 pub struct PlacedShape {
     pub shape: Shape,
-    /// From the local frame to the world, in m: any invertible map, including mirroring and unequal
-    /// scales.
+    /// From the local frame to the world, in m: any invertible map, also a mirroring one.
     pub to_world: DAffine3,
     /// Several placed shapes may belong to one object.
     pub object: u32,

@@ -1,7 +1,6 @@
-//! Box and prism: intersections of half-spaces, with one face per half-space.
-//!
-//! A line enters the body at the last of its entries into half-spaces, and leaves it at the first
-//! of its exits. Entries and exits therefore alternate by construction, also at edges and corners.
+//! Box and prism: intersections of half-spaces, one per face. A line enters the body at the last of
+//! its entries into half-spaces, and leaves it at the first of its exits, so entries and exits
+//! alternate by construction, also at edges and corners.
 
 use glam::DVec3;
 
@@ -15,8 +14,7 @@ struct HalfSpace {
     offset: f64,
 }
 
-/// The part of the plane that belongs to the face: the parallelogram that two edges span at a
-/// corner, or the triangle that is half of it.
+/// The face in its plane: the parallelogram of two edges at a corner, or half of it.
 #[derive(Debug, Clone, Copy)]
 struct FaceOutline {
     corner: DVec3,

@@ -25,8 +25,7 @@ pub(crate) enum Solid {
     Lens(LensSolid),
 }
 
-/// Scale factor of a body for the inside test: a point inside the scaled body is inside the
-/// original body, regardless of rounding.
+/// A point inside a body scaled by this factor is inside the body, regardless of rounding.
 const INSIDE_FRACTION: f64 = 1.0 - 1e-9;
 
 pub(crate) enum ValidShape<'a> {
@@ -35,15 +34,14 @@ pub(crate) enum ValidShape<'a> {
 }
 
 impl Shape {
-    /// Checks that the parameters describe a valid body. Returns an error, with the JSON path of
-    /// the parameter, if a number is not finite or not positive, the surfaces of a lens cannot span
-    /// its diameter, or the edge of a lens has negative thickness.
+    /// Checks the parameters. Returns an error, with the JSON path, if a number is not finite or
+    /// not positive, the surfaces of a lens cannot span its diameter, or its edge has negative
+    /// thickness.
     pub fn validate(&self) -> Result<()> {
         self.validated().map(|_| ())
     }
 
-    /// Returns the corners of a bounding box in the local frame, or `None` if the shape is not
-    /// valid.
+    /// Returns the corners of a local bounding box, or `None` for an invalid shape.
     pub(crate) fn bounds(&self) -> Option<(DVec3, DVec3)> {
         Some(match self.validated().ok()? {
             ValidShape::Solid(solid) => solid.bounds(&DMat3::IDENTITY),
@@ -51,8 +49,8 @@ impl Shape {
         })
     }
 
-    /// Returns the analytic solid or the mesh, or the errors of [`Shape::validate`]. A mesh is
-    /// validated when it is created.
+    /// Returns the analytic solid or the (already valid) mesh, or the errors of
+    /// [`Shape::validate`].
     pub(crate) fn validated(&self) -> Result<ValidShape<'_>> {
         Ok(ValidShape::Solid(match *self {
             Self::Sphere { radius } => Solid::Sphere(Sphere { radius: positive("radius", radius)? }),

@@ -43,8 +43,7 @@ impl Sphere {
     }
 }
 
-/// Returns the unit vector at height `y` above the equator, at the azimuth `turn` (0 to 1) about
-/// the y axis.
+/// Returns the unit vector at height `y` and azimuth `turn` (0 to 1) about the y axis.
 fn on_unit_sphere(y: f64, turn: f64) -> DVec3 {
     let ring = ((1.0 - y) * (1.0 + y)).max(0.0).sqrt();
     let (sin, cos) = sin_cos(TAU * turn);

@@ -26,8 +26,7 @@ pub(crate) struct TriangleHit {
 }
 
 impl TriangleRay {
-    /// Creates the frame of a ray with a unit direction (Duff et al., "Building an orthonormal
-    /// basis, revisited", JCGT 6, 2017).
+    /// Creates the frame of a unit direction (Duff et al., JCGT 6, 2017).
     pub(crate) fn new(origin: DVec3, direction: DVec3) -> Self {
         let sign = 1.0_f64.copysign(direction.z);
         let a = -1.0 / (sign + direction.z);

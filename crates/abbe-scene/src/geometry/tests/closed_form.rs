@@ -25,8 +25,7 @@ fn inside(shape: &Shape, p: DVec3) -> bool {
     }
 }
 
-/// Returns all t where a ray crosses the boundary of a shape: small steps along the ray, refined by
-/// bisection.
+/// Returns all t where a ray crosses a shape's boundary: small steps and bisection.
 fn transitions(shape: &Shape, to_local: DAffine3, ray: &Ray, length: f64, steps: u32) -> Vec<f64> {
     let is_inside = |t: f64| inside(shape, to_local.transform_point3(ray.at(t)));
     let step = length / f64::from(steps);
@@ -70,8 +69,7 @@ fn agrees_with_its_definition(shape: &Shape, to_world: DAffine3) {
             assert!(hit.position.distance(ray.at(hit.t)) < 1e-9 * size, "{shape:?}: {hit:?}");
             assert!((hit.normal.length() - 1.0).abs() < 1e-14 && local.is_finite());
         }
-        // The small steps may miss thin regions, so hits without a counterpart are allowed, but
-        // only as pairs that are close together.
+        // Small steps may miss thin regions, so extra hits are allowed as close pairs.
         let too_thin =
             left.chunks(2).all(|pair| pair.len() == 2 && pair[1].t - pair[0].t < 2.0 * length / f64::from(steps));
         assert!(too_thin, "{shape:?}: hits too many: {left:?}");
@@ -264,8 +262,7 @@ fn texture_coordinates_cover_the_unit_square_and_stay_in_it() {
     }
 }
 
-/// Seen from outside with +y up, u increases to the right on every shape. On upright faces, v
-/// increases downwards.
+/// From outside with +y up, u increases to the right, and v down on upright faces.
 #[test]
 fn pictures_are_upright_and_not_mirrored() {
     let (level, facing) = (DAffine3::IDENTITY, DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2));

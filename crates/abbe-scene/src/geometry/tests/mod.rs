@@ -61,8 +61,7 @@ fn lens(radius1: f64, radius2: f64, thickness: f64) -> Shape {
     Shape::Lens { radius1, radius2, thickness, diameter: 0.5 }
 }
 
-/// Returns every combination of convex, concave and plane surfaces, a nearly flat lens and a rod
-/// lens.
+/// Returns all pairs of convex, concave and plane surfaces, a flat and a rod lens.
 fn lenses() -> Vec<Shape> {
     let mut all = Vec::new();
     for radius1 in [0.5, -0.6, 0.0] {

@@ -20,8 +20,7 @@ fn areas_of_plainly_scaled_shapes_are_exact() {
         (Shape::Box { size: DVec3::new(1.0, 2.0, 3.0) }, 22.0),
         (Shape::Cylinder { radius: 1.0, height: 2.0 }, 6.0 * PI),
         (Shape::Prism { side, length, apex_deg: 60.0 }, 3.0 * side * length + 0.5 * 3.0_f64.sqrt() * side * side),
-        // The caps have the areas 2πRh with h = 0.5 − 0.3 and 1 − 0.8. The rims are 0.6 − 0.4
-        // apart.
+        // Caps of areas 2πRh, h = 0.5 − 0.3 and 1 − 0.8, and rims 0.6 − 0.4 apart.
         (
             Shape::Lens { radius1: 0.5, radius2: -0.5, thickness: 0.6, diameter: 0.8 },
             PI * (2.0 * 2.0 * 0.5 * 0.2 + 0.8 * 0.2),
@@ -75,8 +74,7 @@ fn points_lie_on_the_surface_and_pdfs_integrate_to_one() {
         for to_world in [turned(1e-3), stretched()] {
             let geometry = alone(shape.clone(), to_world);
             let size = (geometry.bounds().1 - geometry.bounds().0).length();
-            // The mean of 1/pdf is the area. If the density is uniform, all values of 1/pdf are
-            // equal.
+            // The mean of 1/pdf is the area, and all are equal if the pdf is uniform.
             let (count, mut sum, mut squares) = (4000, 0.0, 0.0);
             for _ in 0..count {
                 let sample = geometry.sample_area(0, numbers(&mut rng));
@@ -99,8 +97,7 @@ fn points_lie_on_the_surface_and_pdfs_integrate_to_one() {
     }
 }
 
-/// χ² test of samples on a sphere and on spherical caps. The bins are slices of equal height along
-/// an axis, which have equal areas.
+/// χ² test on a sphere and spherical caps, in slices of equal height and thus area.
 #[test]
 fn points_are_uniform_over_the_area() {
     let mut rng = random(13);
@@ -198,8 +195,7 @@ fn sphere_pdf_is_one_over_its_cone_solid_angle() {
     }
 }
 
-/// The mean of 1/pdf over the visible sampled points equals the solid angle of the shape, which
-/// random rays estimate.
+/// The mean of 1/pdf over visible points equals the solid angle, which random rays estimate.
 #[test]
 fn directional_pdfs_integrate_to_the_visible_solid_angle() {
     let mut rng = random(16);

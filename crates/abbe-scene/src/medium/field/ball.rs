@@ -56,8 +56,7 @@ impl BallField {
     }
 }
 
-/// Returns 1 inside the inner radius, 0 outside the outer radius, and a smoothstep of the squared
-/// distance in between.
+/// Returns 1 inside, 0 outside, and a smoothstep of the squared distance in between.
 pub(super) fn fade(distance_squared: f64, inner: f64, outer: f64) -> f64 {
     if distance_squared <= inner * inner {
         1.0

@@ -13,8 +13,7 @@ use std::ops::ControlFlow;
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldGrid {
     resolution: [usize; 3],
-    /// At the centres of the cells, with x varying fastest, then y, then z. Single precision saves
-    /// memory.
+    /// At the cell centres, x fastest, then y, then z. Single precision saves memory.
     values: Vec<f32>,
     /// Along each axis.
     blocks: [usize; 3],
@@ -122,8 +121,7 @@ impl FieldGrid {
         f64::from(max)
     }
 
-    /// Divides the line at the planes of cell centres, and visits the pieces that are not in empty
-    /// blocks.
+    /// Divides the line at planes of cell centres, and visits the pieces in no empty block.
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,
@@ -161,8 +159,7 @@ impl FieldGrid {
     }
 }
 
-/// Divides a line at the planes of integer coordinates from 0 to `last` on each axis, and visits
-/// the pieces (Amanatides & Woo 1987).
+/// Visits the pieces of a line between integer planes from 0 to `last` (Amanatides & Woo 1987).
 fn for_each_step(
     line: &FieldLine,
     (from, to): (f64, f64),

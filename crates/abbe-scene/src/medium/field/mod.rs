@@ -76,8 +76,7 @@ impl ScalarField {
     }
 
     /// Returns true if a grid with this number of cells along the longest side of the box can
-    /// interpolate the column densities of the field: the scale height of an atmosphere must be at
-    /// least one cell.
+    /// interpolate column densities: an atmosphere's scale height must be at least one cell.
     pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
         let longest = (self.bounds.1 - self.bounds.0).max_element();
         match &self.shape {
