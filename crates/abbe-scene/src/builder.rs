@@ -207,7 +207,6 @@ pub enum ScenePart {
     WhiteBalance,
 }
 
-/// An error of [`SceneBuilder::build`].
 #[derive(Debug, Clone)]
 pub struct SceneError {
     pub part: ScenePart,

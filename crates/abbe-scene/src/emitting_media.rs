@@ -11,7 +11,6 @@ use abbe_spectra::spectrum::Observer;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// A body that contains a medium.
 struct MediumContainer {
     medium: usize,
     name: String,

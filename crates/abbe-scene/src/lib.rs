@@ -157,7 +157,6 @@ pub struct Body {
 /// The film specified by the scene.
 #[derive(Debug, Clone)]
 pub struct FilmSpec {
-    /// The number of pixels per row.
     pub width: u32,
     pub height: u32,
     pub observer: &'static Observer,

@@ -21,7 +21,6 @@ pub struct DecomposedTransform {
 }
 
 impl DecomposedTransform {
-    /// Decomposes a transform without shear.
     pub fn of(transform: &DAffine3) -> Self {
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         Self { translation, rotation, scale }
@@ -137,9 +136,7 @@ impl AnimatedTransform {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookAt {
     pub from: DVec3,
-    /// The point at which the camera looks.
     pub at: DVec3,
-    /// The direction that is up in the picture.
     pub up: DVec3,
 }
 

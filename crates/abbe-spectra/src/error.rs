@@ -1,6 +1,5 @@
-//! The error type of the library. An [`Error`] is created where the fault is detected, such as a
-//! negative value of a spectrum, and callers add its location, such as the line, the column and the
-//! JSON path in a scene file.
+//! The error type of the library. An [`Error`] is created where the fault is detected, and callers
+//! add its location, such as the line, the column and the JSON path in a scene file.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -13,8 +12,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 pub enum ErrorKind {
     /// The input or the command line is wrong (exit status 2).
     Input,
-    /// The machine failed, for example because of a full disk or a read-only folder (exit status
-    /// 1).
+    /// The machine failed, for example a full disk or a read-only folder (exit status 1).
     Machine,
 }
 
@@ -67,8 +65,7 @@ impl Error {
         Self { kind: ErrorKind::Machine, ..Self::input(what) }
     }
 
-    /// Creates an error for an unknown name of a `kind`, such as "glass", which suggests the name
-    /// of `known` that is similar to `name`.
+    /// Creates an error for an unknown name of a `kind` ("glass"), and suggests one of `known`.
     pub fn unknown_name<'a>(kind: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let suggestion = nearest_name(name, known);
         Self { suggestion, ..Self::input(format!("unknown {kind} \"{name}\"")) }

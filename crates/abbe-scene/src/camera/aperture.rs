@@ -10,7 +10,6 @@ use glam::DVec2;
 pub struct ApertureStop {
     /// The radius in m: for a polygon, that of the circle through the corners.
     pub radius_m: f64,
-    /// `None` for a disk.
     pub blades: Option<Blades>,
 }
 

@@ -158,7 +158,6 @@ impl Camera {
         Self { size: (self.size / factor).ceil(), pixel: self.pixel * factor, ..self.clone() }
     }
 
-    /// Replaces the aperture of a lens by a pinhole.
     pub fn close_aperture(&mut self) {
         if self.aperture != Aperture::Orthographic {
             self.aperture = Aperture::Pinhole;
@@ -170,7 +169,6 @@ impl Camera {
         [self.size.x, self.size.y].map(|pixels| 2.0 * atan(0.5 * pixels * self.pixel_angle()))
     }
 
-    /// The width and the height of an orthographic picture in m. `None` for other cameras.
     pub fn orthographic_size_m(&self) -> Option<[f64; 2]> {
         (self.aperture == Aperture::Orthographic).then(|| (self.size * self.pixel).to_array())
     }

@@ -216,7 +216,6 @@ impl SystemLens {
         [low[0].min(high[0]), low[1].max(high[1])]
     }
 
-    /// Measures `on_axis`.
     fn measure_axis(&self) -> f64 {
         let (at_d, half_extent) = (self.lens.at(lines::D_NM), self.grid_extent_mm());
         let cell = 2.0 * half_extent / AXIS_GRID as f64;
@@ -298,7 +297,6 @@ fn grid(side: usize, extent: f64) -> impl Iterator<Item = DVec2> {
     (0..side).flat_map(move |j| (0..side).map(move |i| DVec2::new(place(i), place(j))))
 }
 
-/// The smallest rectangle around two rectangles.
 fn union(a: Option<[DVec2; 2]>, b: Option<[DVec2; 2]>) -> Option<[DVec2; 2]> {
     match (a, b) {
         (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),

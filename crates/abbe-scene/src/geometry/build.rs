@@ -280,7 +280,6 @@ impl PlacedSolid {
     }
 }
 
-/// Returns true if a linear map preserves angles.
 pub(super) fn is_similarity(map: &DMat3) -> bool {
     let [x, y, z] = [map.x_axis, map.y_axis, map.z_axis];
     let scale = x.length_squared();
@@ -299,7 +298,6 @@ fn shared_meshes(placed: &[PlacedShape]) -> Vec<bool> {
     placed.iter().map(|item| mesh(item).is_some_and(|mesh| uses[&mesh] > 1)).collect()
 }
 
-/// Returns the value of `next`, then increments `next`.
 fn take_number(next: &mut u32) -> u32 {
     let number = *next;
     *next += 1;

@@ -90,7 +90,6 @@ impl Bvh {
         Aabb::new(low.as_vec3a(), high.as_vec3a())
     }
 
-    /// Returns the smallest and largest coordinates of all boxes.
     pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
         (self.low, self.high)
     }

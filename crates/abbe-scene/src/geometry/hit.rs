@@ -60,7 +60,6 @@ impl Hit {
     }
 }
 
-/// A sampled point on the surface of an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceSample {
     /// Position relative to the scene's centre, in m.

@@ -124,7 +124,6 @@ impl InstancedTriangle<'_> {
     }
 }
 
-/// The shared meshes and their instances.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Instances {
     pub(super) shared: Vec<SharedMesh>,

@@ -8,7 +8,6 @@ use super::primitive::Primitive;
 use super::shape::Solid;
 use super::world::Geometry;
 
-/// A triangle of a luminous mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuminousFace {
     /// The lowest corner of a box around the triangle in m, relative to the scene's centre.

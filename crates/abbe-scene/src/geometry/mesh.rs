@@ -51,7 +51,6 @@ impl TriangleMesh {
         Ok(Self { dropped: before - triangles.len(), closed, positions, normals, uvs, triangles })
     }
 
-    /// Returns the mesh with front and back exchanged.
     #[must_use]
     pub fn reversed(mut self) -> Self {
         self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
@@ -86,7 +85,6 @@ impl TriangleMesh {
         Self { normals: Some(normals), ..self }
     }
 
-    /// Replaces the texture coordinate v by 1 − v.
     #[must_use]
     pub fn with_flipped_v(mut self) -> Self {
         self.uvs.iter_mut().flatten().for_each(|uv| uv[1] = 1.0 - uv[1]);
@@ -107,7 +105,6 @@ impl TriangleMesh {
         self.uvs.as_deref()
     }
 
-    /// The vertex indices of each triangle.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }

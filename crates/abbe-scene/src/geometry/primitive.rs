@@ -10,7 +10,6 @@ use super::mesh::triangle_normal;
 use super::ray::Ray;
 use super::shape::{Crossing, LocalLine, Solid};
 
-/// An analytic shape placed in the world.
 #[derive(Debug, Clone)]
 pub(super) struct PlacedSolid {
     pub(super) solid: Solid,
@@ -26,7 +25,6 @@ pub(super) struct PlacedSolid {
     pub(super) face_areas: Vec<f64>,
 }
 
-/// A point of an analytic surface in world coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WorldSurfacePoint {
     pub(super) position: DVec3,
@@ -70,7 +68,6 @@ impl PlacedSolid {
     }
 }
 
-/// A triangle of a placed mesh.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Triangle {
     /// Indices into `Primitives::vertices`.
@@ -112,7 +109,6 @@ pub(super) struct Primitives {
     pub(super) largest_centre_coordinate: f64,
 }
 
-/// A candidate for the nearest crossing.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) t: f64,

@@ -368,12 +368,10 @@ impl Light {
         matches!(&self.emitter, Emitter::Environment(light) if light.is_uniform())
     }
 
-    /// The object of an area light.
     pub fn object(&self) -> Option<u32> {
         if let Emitter::Area(light) = &self.emitter { Some(light.object) } else { None }
     }
 
-    /// The medium of a volume light.
     pub fn medium_name(&self) -> Option<&str> {
         if let Emitter::Volume(light) = &self.emitter { Some(light.medium_name()) } else { None }
     }

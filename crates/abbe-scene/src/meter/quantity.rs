@@ -7,40 +7,27 @@ use std::sync::OnceLock;
 pub enum Quantity {
     /// Illuminance in lx; for a surface, the mean illuminance.
     Illuminance,
-    /// Irradiance over 360–830 nm, in W/m².
     Irradiance,
-    /// Irradiance per wavelength, in W/m²/nm.
     SpectralIrradiance,
-    /// Luminance in cd/m².
     Luminance,
-    /// Radiance over 360–830 nm, in W/m²/sr.
     Radiance,
-    /// Luminous flux through a surface, in lm.
     LuminousFlux,
-    /// Radiant flux through a surface over 360–830 nm, in W.
     RadiantFlux,
     /// Photosynthetic photon flux density: photons of 400–700 nm, in µmol/m²/s.
     Ppfd,
     /// Irradiance weighted by the action spectrum of the S cones, in W/m² (CIE S 026).
     SConeOpic,
-    /// The same for the M cones.
     MConeOpic,
-    /// The same for the L cones.
     LConeOpic,
-    /// The same for the rods.
     Rhodopic,
-    /// The same for melanopsin.
     Melanopic,
     /// The illuminance of D65 that has the same melanopic irradiance, in lx (CIE S 026).
     MelanopicEdi,
     /// Illuminance, as a percentage of the horizontal illuminance from the unobstructed sky.
     DaylightFactor,
-    /// Correlated colour temperature in K.
     ColourTemperature,
     ColourRendering,
-    /// Fidelity index Rf of TM-30.
     Tm30Rf,
-    /// Gamut index Rg of TM-30.
     Tm30Rg,
     /// Unified glare rating (CIE 117) for a view along the normal.
     UnifiedGlareRating,
@@ -137,7 +124,6 @@ impl Quantity {
         self.definition().0
     }
 
-    /// The unit in reports.
     pub fn unit(self) -> &'static str {
         self.definition().1
     }

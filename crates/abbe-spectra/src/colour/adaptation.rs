@@ -3,8 +3,7 @@
 use super::matrix::{Matrix3, apply, diagonal, inverse, product};
 use super::tristimulus::Xyz;
 
-/// A von Kries chromatic adaptation transform, which scales each component of a linear space whose
-/// components are similar to cone responses.
+/// A von Kries chromatic adaptation transform, which scales components like cone responses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationTransform {
     /// Bradford (Lam 1985), which ICC profiles use.

@@ -77,8 +77,7 @@ pub fn from_luv(luv: [f64; 3], white: Xyz) -> Xyz {
     [y * 9.0 * u / (4.0 * v), y, y * (12.0 - 3.0 * u - 20.0 * v) / (4.0 * v)]
 }
 
-/// The matrices from linear sRGB to the cone responses of Oklab, and from the cube roots of these
-/// responses to L, a, b (Ottosson 2020).
+/// The matrices from linear sRGB to Oklab's cones, and from their cube roots to L, a, b.
 const OKLAB_CONES: Matrix3 = [
     [0.412_221_470_8, 0.536_332_536_3, 0.051_445_992_9],
     [0.211_903_498_2, 0.680_699_545_1, 0.107_396_956_6],

@@ -10,9 +10,8 @@ pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001), by the formulas of G. Sharma, W.
-/// Wu and E. Dalal, "The CIEDE2000 color-difference formula", Color Research and Application 30
-/// (2005).
+/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001), by G. Sharma, W. Wu and E. Dalal,
+/// "The CIEDE2000 color-difference formula", Color Research and Application 30 (2005).
 pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let mean_chroma = 0.5 * (hypot(a[1], a[2]) + hypot(b[1], b[2]));
     let stretch = 1.5 - 0.5 * chroma_fraction(mean_chroma);
@@ -49,13 +48,11 @@ pub struct LightDifference {
     /// The distance of the chromaticities x, y.
     pub delta_xy: f64,
     /// ΔE2000 for an observer adapted to daylight: the white point is D65, because the light itself
-    /// as the white point would exaggerate differences in b* for lights with almost no Z, such as
-    /// sodium light.
+    /// would exaggerate differences in b* for lights with almost no Z, such as sodium light.
     pub delta_e_2000: f64,
 }
 
-/// Returns the colour difference of two lights, whose XYZ must have the same scale. The luminance
-/// of the first must not be 0.
+/// Returns the colour difference of two lights with Y > 0, whose XYZ must have the same scale.
 pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
     let seen = |xyz: Xyz| lab(xyz.map(|value| value / light[1]), RgbSpace::Srgb.white());
     let (from, to) = (xy(light), xy(other));

@@ -7,8 +7,7 @@ use crate::spectrum::{BAND_NM, Observer};
 /// The least distance from white, in the x, y plane, of a colour with a dominant wavelength.
 const NEUTRAL: f64 = 1e-4;
 
-/// The dominant wavelength of a colour (CIE 15): mixing white with the spectral colour of this
-/// wavelength matches the colour.
+/// The wavelength whose spectral colour, mixed with white, matches the colour (CIE 15).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DominantWavelength {
     /// The wavelength in nm, or for purples that of the complementary colour.
@@ -20,8 +19,7 @@ pub struct DominantWavelength {
     pub purity: f64,
 }
 
-/// Returns the dominant wavelength of a chromaticity x, y relative to that of white, or `None` for
-/// neutral colours.
+/// Returns the dominant wavelength of x, y relative to white, or `None` for neutral colours.
 pub fn dominant(colour: [f64; 2], white: [f64; 2], observer: &Observer) -> Option<DominantWavelength> {
     let direction = [colour[0] - white[0], colour[1] - white[1]];
     let distance = hypot(direction[0], direction[1]);
@@ -51,9 +49,8 @@ struct LocusPoint {
 }
 
 /// Intersects a ray from white with the spectral locus, and returns the distance in units of the
-/// length of `direction`, and the wavelength. The farthest intersection counts: there may be
-/// several, because the rounded tables of the colour-matching functions make the locus turn back on
-/// itself at both ends.
+/// length of `direction`, and the wavelength. The farthest intersection counts, because rounded
+/// tables of colour-matching functions make the locus turn back on itself at both ends.
 fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let mut farthest: Option<(f64, f64)> = None;
     for pair in locus.windows(2) {

@@ -1,5 +1,4 @@
-//! Gamut mapping: the replacement of a colour that a display cannot show by one whose linear
-//! components are all in [0, 1].
+//! Gamut mapping: moves colours that a display cannot show to linear components in [0, 1].
 
 use super::by_name;
 use super::coordinates;
@@ -17,8 +16,7 @@ pub enum GamutMapping {
     Desaturate,
     /// Clips each component.
     Clip,
-    /// Moves the colour towards the grey of equal Oklab lightness, at constant hue, until it is
-    /// inside.
+    /// Moves the colour towards the grey of equal Oklab lightness and hue until it is inside.
     Oklab,
 }
 
@@ -35,8 +33,7 @@ impl GamutMapping {
         }
     }
 
-    /// Returns a mapping by its name (`desaturate`, `clip` or `oklab`), or an error if it is
-    /// unknown.
+    /// Returns a mapping by its name (`desaturate`, `clip` or `oklab`), or an error.
     pub fn by_name(name: &str) -> Result<Self> {
         by_name("gamut mapping", name, &Self::ALL.map(|any| (any.name(), any)))
     }
@@ -108,8 +105,7 @@ pub fn oklab(rgb: Rgb, space: RgbSpace) -> Rgb {
     if contains(rgb) {
         return rgb;
     }
-    // Oklab is relative to D65, to which the inverse of the picture matrix maps the white of every
-    // space, including ACEScg.
+    // Oklab is relative to D65, to which the inverse picture matrix maps every white.
     let (to_d65, from_d65) = (to_d65(space), from_d65(space));
     let [lightness, a, b] = coordinates::oklab(to_d65(rgb));
     let grey = from_d65(coordinates::from_oklab([unit(lightness), 0.0, 0.0]));

@@ -20,8 +20,7 @@ pub const ALIKE: f64 = 2.0;
 /// The least ΔE2000 of surfaces that look clearly different.
 pub const DIFFERENT: f64 = 5.0;
 
-/// The name prefixes of the ColorChecker patches and of the further surfaces, among all of which
-/// pairs are searched.
+/// The name prefix of the ColorChecker patches.
 const CHART: &str = "colorchecker/";
 const FURTHER: [&str; 2] = ["TCS", "leaf/"];
 
@@ -131,8 +130,8 @@ pub struct PatchDifference {
 }
 
 impl PatchDifference {
-    /// Compares the light `xyz` from a surface under two lights, given the light `whites` from a
-    /// perfect diffuser on the same scale.
+    /// Compares the light `xyz` from a surface, on the scale of the light `whites` of a perfect
+    /// diffuser.
     fn between(name: &str, xyz: [Xyz; 2], whites: [Xyz; 2]) -> Self {
         let scaled = |values: [Xyz; 2]| [0, 1].map(|i| values[i].map(|value| 100.0 * value / whites[i][1]));
         let (xyz, whites) = (scaled(xyz), scaled(whites));
@@ -160,9 +159,8 @@ pub fn compare_lights(
     surfaces.iter().map(compare).collect()
 }
 
-/// Compares surfaces that return light of other wavelengths than they receive. `returned` takes a
-/// light, and returns the names of the surfaces with the XYZ of the light from each, on the scale
-/// of the light.
+/// Compares surfaces that change wavelengths. `returned` takes a light, and returns the names of
+/// the surfaces with the XYZ of the light from each, on the scale of the light.
 pub fn compare_returned_light(
     lights: [&Spectrum; 2],
     returned: impl Fn(&Spectrum) -> Vec<(&'static str, Xyz)>,

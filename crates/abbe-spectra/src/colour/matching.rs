@@ -39,8 +39,7 @@ impl PrimaryMatch {
 /// the target has no luminance.
 ///
 /// An optimal mix needs at most three primaries, because there are three equations (Carathéodory's
-/// theorem). So the problem is solved for every set of at most three, and the best solution is
-/// returned.
+/// theorem), so the best solution of all sets of at most three is returned.
 pub fn match_primaries(target: Xyz, primaries: &[Xyz]) -> Result<PrimaryMatch> {
     if !(target.iter().all(|value| value.is_finite()) && target[1] > 0.0) {
         return Err(Error::input("a match target without luminance").expected("a light with luminance"));

@@ -35,8 +35,7 @@ pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<Colour
     cri_in_steps(lamp, temperature, CIE_STEP_NM)
 }
 
-/// Computes the same as [`cri`], but sums the continua of the light and of the reference illuminant
-/// in steps of `step_nm`.
+/// Computes the same as [`cri`], but sums both continua in steps of `step_nm`.
 pub fn cri_in_steps(lamp: &Spectrum, temperature: CorrelatedTemperature, step_nm: u32) -> Option<ColourRendering> {
     let cct_k = temperature.cct_k;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {

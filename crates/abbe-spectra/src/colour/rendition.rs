@@ -27,8 +27,7 @@ const RANGE_NM: (u32, u32) = (380, 780);
 const STEP_NM: u32 = 5;
 const NODES: usize = ((RANGE_NM.1 - RANGE_NM.0) / STEP_NM) as usize + 1;
 
-/// The reference is a black body up to the first temperature in K, daylight from the second on, and
-/// a mix of both between.
+/// The reference is a black body up to the first temperature in K, daylight from the second on.
 const MIX_K: (f64, f64) = (4000.0, 5000.0);
 
 /// The decrease of the fidelity index for a colour difference of 1 in CAM02-UCS.
@@ -50,9 +49,8 @@ pub struct ColourRendition {
     /// The fidelity index of each sample.
     #[serde(skip)]
     pub samples: [f64; SAMPLES],
-    /// The arrows of the colour vector graphic for each hue bin, from the mean a′, b′ under the
-    /// reference, which lies on the unit circle, to the mean a′, b′ under the light on the same
-    /// scale.
+    /// The arrows of the colour vector graphic: from the mean a′, b′ of each hue bin under the
+    /// reference, on the unit circle, to that under the light on the same scale.
     #[serde(skip)]
     pub arrows: [[[f64; 2]; 2]; HUE_BINS],
 }
@@ -70,8 +68,7 @@ pub fn rendition(light: &Spectrum) -> Option<ColourRendition> {
     rendition_in_steps(light, sum_step_nm(light))
 }
 
-/// Computes the same as [`rendition`], but sums the continua of the light and of the reference
-/// illuminant in steps of `step_nm`.
+/// Computes the same as [`rendition`], but sums both continua in steps of `step_nm`.
 pub fn rendition_in_steps(light: &Spectrum, step_nm: u32) -> Option<ColourRendition> {
     let CorrelatedTemperature { cct_k, .. } = cct_duv(white(&node_weights(light, Observer::cie1931(), step_nm)))?;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
@@ -86,8 +83,7 @@ pub fn rendition_in_steps(light: &Spectrum, step_nm: u32) -> Option<ColourRendit
 type SampleColours = [[f64; 3]; SAMPLES];
 
 impl ColourRendition {
-    /// Computes the rendition from the colours of the samples, or returns `None` if a hue bin is
-    /// empty.
+    /// Computes the rendition from samples' colours, or returns `None` for an empty hue bin.
     fn of_colours(light: &SampleColours, reference: &SampleColours) -> Option<Self> {
         let mut bins = [HueBin::default(); HUE_BINS];
         let mut samples = [0.0; SAMPLES];
@@ -148,8 +144,7 @@ impl HueBin {
         hypot(self.reference[0], self.reference[1])
     }
 
-    /// Returns the shift of the mean colour along the middle of bin `i` and at right angles to it,
-    /// relative to the chroma of the reference.
+    /// Returns the mean shift along the middle of bin `i`, and across, relative to the chroma.
     fn relative_shift(&self, i: usize) -> [f64; 2] {
         let (sin, cos) = sin_cos(bin_angle() * (i as f64 + 0.5));
         let [a, b] = [0, 1].map(|i| (self.light[i] - self.reference[i]) / self.reference_chroma());

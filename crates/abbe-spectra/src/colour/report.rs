@@ -18,14 +18,12 @@ use crate::spectrum::{BAND_NM, LUMENS_PER_WATT, LineSegment, Observer, Spectrum}
 /// The width in nm above which lines are integrated; narrower ones are evaluated at their centre.
 const WIDE_LINE_NM: f64 = 5.0;
 
-/// Returns the XYZ of a light, without the factor 683, by the sums of this module for ∫ Φ x̄ dλ, ∫
-/// Φ ȳ dλ and ∫ Φ z̄ dλ.
+/// Returns the XYZ of a light, without the factor 683, by the sums of this module.
 pub fn xyz(light: &Spectrum, observer: &Observer) -> Xyz {
     xyz_under(&Spectrum::constant(1.0), light, observer)
 }
 
-/// Returns the XYZ of a reflectance under a light, on the scale of the light: a reflectance of 1
-/// has its XYZ.
+/// Returns the XYZ of a reflectance under a light. A reflectance of 1 has that of the light.
 pub fn xyz_under(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) -> Xyz {
     if !reflectance.line_segments().is_empty() {
         return observer.xyz_under(reflectance, light);
@@ -76,8 +74,7 @@ pub struct ColourReport {
     pub xy: [f64; 2],
     /// Linear sRGB, not clipped. Y = 100 in `xyz` is the luminance 1.
     pub linear_srgb: Rgb,
-    /// The colour mapped into sRGB, for a swatch, which for a light is as bright as its
-    /// chromaticity allows.
+    /// The colour mapped into sRGB, for a swatch; that of a light is as bright as possible.
     pub srgb_hex: String,
     /// Dominant wavelength and excitation purity, or `None` for neutral colours. White is the
     /// equal-energy white for a light, and the illuminant for a reflectance.

@@ -70,8 +70,7 @@ impl RgbSpace {
         }
     }
 
-    /// Returns a space by its name (`srgb`, `display-p3`, `rec2020` or `acescg`), or an error if it
-    /// is unknown.
+    /// Returns a space by its name (`srgb`, `display-p3`, `rec2020` or `acescg`), or an error.
     pub fn by_name(name: &str) -> Result<Self> {
         by_name("colour space", name, &Self::ALL.map(|any| (any.name(), any)))
     }
@@ -166,8 +165,7 @@ impl RgbSpace {
     }
 }
 
-/// The constants α and β of ITU-R BT.2020, with enough digits to make the curve and its slope
-/// continuous where the two branches meet.
+/// The constants of ITU-R BT.2020, precise enough for the branches to meet smoothly.
 const BT2020_ALPHA: f64 = 1.099_296_826_809_442_4;
 const BT2020_BETA: f64 = 0.018_053_968_510_807_807;
 
@@ -183,9 +181,8 @@ pub fn linear_srgb_to_xyz(rgb: Rgb) -> Xyz {
     RgbSpace::Srgb.to_xyz(rgb)
 }
 
-/// The linear component at which the two branches of the sRGB curve meet. The rounded thresholds of
-/// the standard (0.0031308 and 0.04045) leave a gap of about 10⁻⁸, which would make the inverse
-/// inexact.
+/// Where the branches of the sRGB curve meet, as a linear component. The rounded thresholds of the
+/// standard (0.0031308 and 0.04045) leave a gap of 10⁻⁸, and the inverse would be inexact.
 const SRGB_JUNCTION: f64 = 0.003_130_668_442_500_6;
 
 /// Encodes a linear component as an sRGB signal (IEC 61966-2-1) by an odd function.
@@ -202,9 +199,8 @@ pub fn decode_srgb(signal: f64) -> f64 {
     component.copysign(signal)
 }
 
-/// The number of entries of the table of first estimates of codes. It makes an estimate at most one
-/// code too low, because even at 0, where the curve is steepest, an entry is a step of 12.92 · 255
-/// / 4096 = 0.80 codes.
+/// The entries of the table of first estimates of codes. An estimate is at most one code too low,
+/// because even at 0, where the curve is steepest, an entry is 12.92 · 255 / 4096 = 0.80 codes.
 const CODE_TABLE_SIZE: usize = 4096;
 
 /// Clips a linear component to [0, 1] and returns its nearest 8-bit sRGB code, which is
@@ -213,8 +209,7 @@ const CODE_TABLE_SIZE: usize = 4096;
 pub fn encode_srgb_u8(component: f64) -> u8 {
     struct CodeTable {
         guess: Vec<u8>,
-        /// The smallest linear component of each code. The last entry is NaN, which no component
-        /// reaches.
+        /// The smallest linear component of each code, and NaN, which no component reaches.
         least: [f64; 257],
     }
     static TABLE: OnceLock<CodeTable> = OnceLock::new();

@@ -7,8 +7,7 @@ use super::tristimulus::Xyz;
 use crate::math::elementary::hypot;
 use crate::spectrum::{BAND_NM, Observer, planck};
 
-/// Colours farther than this from the Planckian locus have no correlated colour temperature (CIE
-/// 15).
+/// The largest distance from the Planckian locus of a colour with a temperature (CIE 15).
 const MAX_DUV: f64 = 0.05;
 
 /// The range of reciprocal temperatures in 1/MK that is searched, from 10⁶ K down to 500 K.
@@ -22,8 +21,7 @@ const LOCUS_STEPS: usize = 200;
 pub struct CorrelatedTemperature {
     /// The temperature in K.
     pub cct_k: f64,
-    /// The distance from the Planckian locus in the CIE 1960 u, v plane, positive above it
-    /// (greenish).
+    /// The distance from the Planckian locus in CIE 1960 u, v, positive above it (greenish).
     pub duv: f64,
 }
 
@@ -44,8 +42,7 @@ pub fn cct_duv(xyz: Xyz) -> Option<CorrelatedTemperature> {
     let (foot, before, after) = (locus(mired), locus(mired - 0.01), locus(mired + 0.01));
     let tangent = [after[0] - before[0], after[1] - before[1]];
     let offset = [target[0] - foot[0], target[1] - foot[1]];
-    // With growing reciprocal temperature, the locus runs towards larger u, so above it is on its
-    // left.
+    // With growing reciprocal temperature, u grows along the locus, so above is left.
     let side = (tangent[0] * offset[1] - tangent[1] * offset[0]).signum();
     let duv = side * hypot(offset[0], offset[1]);
     (duv.abs() <= MAX_DUV).then_some(CorrelatedTemperature { cct_k: 1e6 / mired, duv })

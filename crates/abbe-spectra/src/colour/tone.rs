@@ -25,8 +25,7 @@ pub enum ToneCurve {
 
 const KNEE: f64 = 0.6;
 
-/// The strength with which very bright colours turn white: a component of 1/`DESATURATION` loses
-/// half of its saturation.
+/// Desaturates very bright colours: a component of 1/`DESATURATION` loses half its saturation.
 const DESATURATION: f64 = 0.02;
 
 impl ToneCurve {
@@ -43,8 +42,7 @@ impl ToneCurve {
         }
     }
 
-    /// Returns a curve by its name (`roll_off`, `clip`, `pbr_neutral` or `agx`), or an error if it
-    /// is unknown.
+    /// Returns a curve by its name (`roll_off`, `clip`, `pbr_neutral` or `agx`), or an error.
     pub fn by_name(name: &str) -> Result<Self> {
         by_name("tone curve", name, &Self::ALL.map(|any| (any.name(), any)))
     }
@@ -104,8 +102,7 @@ fn pbr_neutral(rgb: Rgb) -> Rgb {
     shifted.map(|component| compressed * (saturation * component / peak + 1.0 - saturation))
 }
 
-/// The inset of AgX for Rec. 2020, which moves the primaries inwards (E. Chow, `AgXBaseRec2020`,
-/// 2023).
+/// AgX's inset of the primaries for Rec. 2020 (E. Chow, `AgXBaseRec2020`, 2023).
 const AGX_INSET: Matrix3 = [
     [0.856_627_153_315_983, 0.095_121_240_538_158_8, 0.048_251_606_145_858_3],
     [0.137_318_972_929_847, 0.761_241_990_602_591, 0.101_439_036_467_562],
@@ -122,8 +119,8 @@ const AGX_OUTSET: Matrix3 = [
 /// The base-2 logarithms of the darkest and the brightest component of AgX.
 const AGX_RANGE_EV: [f64; 2] = [-12.473_93, 4.026_069];
 
-/// The coefficients of the contrast curve of AgX from the constant term upwards (B. Wrensch,
-/// "Minimal AgX implementation", 2023).
+/// AgX's contrast curve, from the constant term up (B. Wrensch, "Minimal AgX implementation",
+/// 2023).
 const AGX_CONTRAST: [f64; 7] = [-0.002_32, 0.119_1, 0.429_8, -6.868, 31.96, -40.14, 15.5];
 
 /// The exponent with which a display decodes the output of AgX.

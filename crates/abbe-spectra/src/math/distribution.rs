@@ -8,8 +8,7 @@ pub struct DiscreteDistribution {
 }
 
 impl DiscreteDistribution {
-    /// Builds the distribution from finite weights that are not negative, or returns `None` if
-    /// their sum is 0.
+    /// Builds the distribution from finite weights ≥ 0, or returns `None` if their sum is 0.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut cumulative = vec![0.0];
         let mut sum = 0.0;
@@ -49,8 +48,7 @@ impl DiscreteDistribution {
     }
 }
 
-/// A pdf over the unit square that is constant on each cell of a grid (pbrt's
-/// `PiecewiseConstant2D`).
+/// A pdf over the unit square, constant on cells of a grid (pbrt's `PiecewiseConstant2D`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecewiseConstant2d {
     columns: usize,

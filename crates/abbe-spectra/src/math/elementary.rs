@@ -27,8 +27,7 @@ pub use libm::{
     log2, log10, pow as powf, sinh, tan,
 };
 
-/// 1.5·2⁵². The sum of it and a smaller number is rounded to an integer, which its lowest bits
-/// contain in two's complement.
+/// 1.5·2⁵²: adding it rounds a smaller number to an integer, in two's complement in the low bits.
 const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 
 /// The high part of ln 2, whose product with an integer below 2²¹ is exact.
@@ -101,16 +100,14 @@ const COS: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Returns the sine and the cosine of an angle in radians with errors below 1 unit in the last
-/// place.
+/// Returns the sine and the cosine of an angle in radians with errors below 1 ulp.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     // The integer multiple of π/2 must be below 2²⁰. The condition is false for NaN.
     if x.abs() < 1.6e6 { sin_cos_in_range(x) } else { libm::sincos(x) }
 }
 
-/// Returns the sine and the cosine for |x| < 1.6·10⁶, reducing the argument by a multiple of π/2
-/// (Cody & Waite).
+/// Returns them for |x| < 1.6·10⁶, reduced by a multiple of π/2 (Cody & Waite).
 #[inline]
 fn sin_cos_in_range(x: f64) -> (f64, f64) {
     let shifted = x * std::f64::consts::FRAC_2_PI + TO_INTEGER;
@@ -270,8 +267,8 @@ mod tests {
         assert!(between(-20.0, 20.0).all(|x| sin(x).abs() <= 1.0 && cos(x).abs() <= 1.0));
     }
 
-    /// The functions and the limits of their arguments. The crate `libm` and the C library promise
-    /// less than 1 ulp for most of them.
+    /// The functions and the limits of their arguments. Both libraries promise less than 1 ulp for
+    /// most.
     #[test]
     fn other_functions_agree_with_the_c_library() {
         type Case = (&'static str, (f64, f64), fn(f64) -> [f64; 2]);

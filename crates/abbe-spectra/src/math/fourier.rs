@@ -42,8 +42,7 @@ impl Column {
         Self { re: self.re.map(|re| re * factor), im: self.im.map(|im| im * factor) }
     }
 
-    /// Exchanges the parts, which turns a transform of exchanged numbers into the inverse
-    /// transform.
+    /// Exchanges the parts. This turns a transform of exchanged numbers into its inverse.
     #[inline]
     fn exchanged(self) -> Self {
         Self { re: self.im, im: self.re }

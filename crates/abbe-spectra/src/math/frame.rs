@@ -11,8 +11,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Builds a frame around the unit vector `n`, continuous in `n` except on the circle n.z = 0
-    /// (Duff et al. 2017).
+    /// Builds a frame around the unit vector `n`, continuous except at n.z = 0 (Duff et al. 2017).
     #[inline]
     pub fn new(n: DVec3) -> Self {
         let sign = 1.0_f64.copysign(n.z);

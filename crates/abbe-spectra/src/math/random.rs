@@ -115,8 +115,7 @@ impl Seed {
         self.0
     }
 
-    /// Returns a seed from random numbers of a stream, or from what follows from them, which must
-    /// differ from sample to sample.
+    /// Returns a seed from random numbers of a stream, which must differ from sample to sample.
     #[inline]
     pub fn of_numbers<const N: usize>(numbers: [f64; N]) -> Self {
         Self(hash64(numbers.map(f64::to_bits)))
@@ -158,8 +157,7 @@ impl Streams {
     }
 }
 
-/// The key of a stream or of a sequence of points: the hash of a seed, a purpose, a pass, and
-/// further numbers.
+/// The key of a stream or sequence: the hash of a seed, a purpose, a pass, and more numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamKey(u64);
 

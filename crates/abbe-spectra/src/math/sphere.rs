@@ -15,8 +15,7 @@ pub struct BoundingSphere {
 }
 
 impl BoundingSphere {
-    /// Returns the smallest sphere around an axis-aligned box from its lowest to its highest
-    /// corner.
+    /// Returns the smallest sphere around a box from its lowest to its highest corner.
     pub fn around_box(low: DVec3, high: DVec3) -> Self {
         Self { centre: 0.5 * (low + high), radius_m: 0.5 * low.distance(high) }
     }

@@ -33,8 +33,7 @@ impl ExactSum {
     }
 }
 
-/// Converts a term to quanta. The cast saturates, but would turn NaN into 0, so NaN is marked as
-/// out of range instead.
+/// Converts a term to quanta. The cast saturates, but NaN is marked as out of range.
 fn quanta(term: f64) -> i128 {
     if term.is_nan() { i128::MAX } else { (term * SCALE) as i128 }
 }

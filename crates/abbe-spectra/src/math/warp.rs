@@ -5,8 +5,8 @@ use crate::math::rotation::unit_vector;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-/// Maps the unit square onto the unit disk uniformly (pdf 1/π) and with little distortion (Shirley
-/// & Chiu 1997).
+/// Maps the unit square onto the unit disk with pdf 1/π and little distortion (Shirley & Chiu
+/// 1997).
 pub fn disk(u: [f64; 2]) -> DVec2 {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     if a == 0.0 && b == 0.0 {
@@ -22,8 +22,7 @@ pub fn regular_polygon(corners: u32, u: [f64; 2]) -> DVec2 {
     let place = u[0] * f64::from(corners);
     let (triangle, across) = (place.floor(), place.fract());
     let corner = |number: f64| unit_vector(number / f64::from(corners) * TAU);
-    // The square root compensates for the width of a triangle, which grows with the distance from
-    // the centre.
+    // The square root compensates for the width of a triangle away from the centre.
     (corner(triangle) * (1.0 - across) + corner(triangle + 1.0) * across) * u[1].sqrt()
 }
 

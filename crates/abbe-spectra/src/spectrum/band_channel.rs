@@ -13,8 +13,7 @@ pub fn emissive_wavelength_nm(channel: &str) -> Option<f64> {
     wavelength_nm(channel.strip_prefix("S0.")?)
 }
 
-/// Returns the wavelength in nm of a channel for reflectances (`T.550nm`), or `None` for another
-/// channel.
+/// Returns the wavelength in nm of a channel for reflectances (`T.550nm`), or `None`.
 pub fn reflective_wavelength_nm(channel: &str) -> Option<f64> {
     wavelength_nm(channel.strip_prefix("T.")?)
 }

@@ -27,8 +27,7 @@ impl Spectrum {
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)))
     }
 
-    /// Returns the sum of spectrum · weight (a function of nm) over whole nanometres from 300 to
-    /// 359 nm and the lines.
+    /// Returns the sum of spectrum · weight (of nm) over whole nm from 300 to 359 and lines.
     #[cold]
     #[inline(never)]
     pub fn ultraviolet_sum(&self, weight: &dyn Fn(f64) -> f64) -> f64 {
@@ -50,8 +49,7 @@ impl Spectrum {
         WavelengthDistribution::with_ultraviolet(band, band_mass, &self.weighted_ultraviolet(weight), most)
     }
 
-    /// Returns the pieces of spectrum · weight in the ultraviolet, in ascending order. A line is a
-    /// narrow piece.
+    /// Returns ascending pieces of spectrum · weight in the ultraviolet; lines are narrow ones.
     fn weighted_ultraviolet(&self, weight: &dyn Fn(f64) -> f64) -> Vec<WeightedPiece> {
         let ends = self.below_band().lines().iter().flat_map(|line| [line.nm.0, line.nm.1]);
         let mut cuts: Vec<f64> = (0..=STEPS).map(grid_nm).chain(ends).collect();

@@ -1,5 +1,4 @@
-//! The smooth part of a spectrum: a piecewise-linear function over the band, which may be
-//! discontinuous between its pieces.
+//! The smooth part of a spectrum: piecewise linear over the band, with possible jumps.
 
 use super::band::BAND_NM;
 use super::index::BandIndex;
@@ -68,8 +67,7 @@ impl Continuum {
         Self { cells, index }
     }
 
-    /// Builds a continuous function through knots (nm, value), of which the first and the last are
-    /// at the ends of the band.
+    /// Builds a continuous function through knots (nm, value), from end to end of the band.
     pub(crate) fn from_knots(knots: &[(f64, f64)]) -> Self {
         let pieces: Vec<LinearPiece> = knots
             .windows(2)
@@ -78,8 +76,7 @@ impl Continuum {
         Self::from_pieces(&pieces)
     }
 
-    /// Returns the value at a wavelength of the band. At a discontinuity, it is the limit from the
-    /// side of longer wavelengths.
+    /// Returns the value in the band, at a discontinuity the limit from longer wavelengths.
     #[inline]
     pub(crate) fn at(&self, nm: f64) -> f64 {
         if let [only] = self.cells.as_slice()
@@ -88,8 +85,7 @@ impl Continuum {
             return only.value;
         }
         let cell = &self.cells[self.index.find(nm, |i| self.cells[i].lower)];
-        // Rounding may give a fraction above 1, so the minimum keeps values in the range of their
-        // piece.
+        // Rounding may exceed 1, and the minimum keeps values in the range of their piece.
         cell.value + ((nm - cell.lower) * cell.per_width).min(1.0) * cell.rise
     }
 

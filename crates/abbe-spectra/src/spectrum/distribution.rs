@@ -20,12 +20,10 @@ const END_GUARD: f64 = 1e-6;
 /// importance sampling, and large enough for the table to stay in the first-level cache.
 const VISUAL_STEP_NM: u32 = 5;
 
-/// The least number of steps of the guide table per segment, with which most samples find their
-/// segment without a search.
+/// The least number of guide steps per segment, with which most samples need no search.
 const GUIDE_STEPS_PER_SEGMENT: usize = 4;
 
-/// A segment of the band in which the pdf is linear. Reciprocals are stored, so that sampling needs
-/// no divisions.
+/// A segment of the band in which the pdf is linear, stored so that sampling needs no divisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct PdfSegment {
     lower: f64,
@@ -62,8 +60,7 @@ impl PdfSegment {
             pdf_per_nm: part.weights.0 / total,
             rise: (part.weights.1 - part.weights.0) / total,
             before: part.before / total,
-            // The limit prevents an infinite quotient for the smallest masses, whose product with 0
-            // would be NaN.
+            // The limit prevents infinity for the smallest masses, whose product with 0 is NaN.
             per_mass: (total / part.mass).min(f64::MAX),
         }
     }
@@ -102,7 +99,7 @@ impl LinearWeight<'_> {
 
 /// A piecewise-linear pdf over wavelength, in 1/nm, with a knot at each knot of the spectrum and,
 /// if it is visually weighted, at each sample of the visual response, every 5 nm. A spectral line
-/// becomes a narrow segment, which has exactly the probability of the line.
+/// becomes a narrow segment with exactly its probability.
 ///
 /// Because it is linear between knots, the pdf is not exactly the product of the spectrum and the
 /// observer. An estimator that divides by it is still unbiased, because it is positive wherever the

@@ -6,8 +6,7 @@ use super::band::BAND_NM;
 /// several segments, and one with many is searched by bisection.
 const MAX_BUCKETS: usize = 1 << 17;
 
-/// The largest number of segments of a bucket that is searched segment by segment, which is then
-/// faster than bisection.
+/// The largest number of segments of a bucket for which linear search beats bisection.
 const MAX_LINEAR_SEARCH: usize = 6;
 
 /// Buckets of equal width over the band, each with the first segment that reaches into it (the
@@ -21,8 +20,7 @@ pub(crate) struct BandIndex {
 }
 
 impl BandIndex {
-    /// Builds an index over segments from their ascending lower ends in nm. Wavelengths below the
-    /// first belong to the first segment.
+    /// Builds an index from ascending lower ends in nm. The first segment also takes what is below.
     pub(crate) fn new(lower: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let count = lower.len();
         let buckets = count.clamp(1, MAX_BUCKETS);
@@ -49,16 +47,14 @@ impl BandIndex {
         Self { buckets_per_nm, first }
     }
 
-    /// Returns the last segment whose lower end, which `lower` returns, is ≤ `nm`, a wavelength of
-    /// the band.
+    /// Returns the last segment whose lower end, by `lower`, is ≤ `nm` (in the band).
     #[inline]
     pub(crate) fn find(&self, nm: f64, lower: impl Fn(usize) -> f64) -> usize {
         let buckets = self.first.len() - 1;
         let bucket = (((nm - BAND_NM.0) * self.buckets_per_nm) as usize).min(buckets - 1);
         let mut segment = self.first[bucket] as usize;
-        // Because of the margin and of the rounded number of the bucket, the segment may begin
-        // after the stored upper end of this bucket, so the search extends to the end of the next
-        // one.
+        // Because of the margin and of rounding, the segment may begin after the stored upper end
+        // of this bucket, so the search extends to the end of the next one.
         let mut last = self.first[(bucket + 2).min(buckets)] as usize;
         if last - segment <= MAX_LINEAR_SEARCH {
             while segment < last && lower(segment + 1) <= nm {

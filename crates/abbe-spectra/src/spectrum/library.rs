@@ -17,8 +17,8 @@ use serde::Serialize;
 pub enum SpectrumKind {
     /// Power per nm, on a scale of each entry's own, and 0 outside the table.
     Light,
-    /// A reflectance from 0 to 1. Outside the table it keeps the value at the nearest end, as all
-    /// following kinds do.
+    /// A reflectance from 0 to 1. Outside the table, this and all further kinds keep the end
+    /// values.
     Reflectance,
     /// A transmittance from 0 to 1.
     Transmittance,
@@ -144,8 +144,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// The expected input in the error for an unknown spectrum name.
 pub const EXPECTED_NAME: &str = "the name of a built-in spectrum";
 
-/// Returns the spectrum with this name in any letter case, or an error that suggests a similar
-/// name.
+/// Returns the spectrum with this name in any case, or an error with a suggestion.
 pub fn find(name: &str) -> Result<LibrarySpectrum> {
     let listing = list()
         .iter()
@@ -189,8 +188,7 @@ impl LibraryMetal {
     }
 }
 
-/// Returns the metal with this symbol or English name in any letter case, or an error that suggests
-/// a similar name.
+/// Returns the metal of this symbol or name in any case, or an error with a suggestion.
 pub fn metal(name: &str) -> Result<LibraryMetal> {
     metals().find(|metal| metal.is_called(name)).ok_or_else(|| {
         let candidates = metals().flat_map(|metal| [metal.symbol, metal.name]);

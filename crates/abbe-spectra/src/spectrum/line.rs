@@ -16,8 +16,7 @@ pub(crate) const MIN_WIDTH_NM: f64 = 1e-6;
 pub struct SpectralLine {
     /// The centre wavelength in nm (in air).
     pub nm: f64,
-    /// The power in W, or in general the integral of the spectrum over the line, in the unit of the
-    /// spectrum times nm.
+    /// The power in W: the integral of the spectrum over the line, in its unit times nm.
     pub power: f64,
     /// The full width in nm, by default [`DEFAULT_LINE_WIDTH_NM`].
     pub fwhm_nm: Option<f64>,
@@ -43,8 +42,7 @@ impl SpectralLine {
         }
     }
 
-    /// Returns the part of the line within an interval of wavelengths, as a segment of constant
-    /// power per nm, or `None` if there is none.
+    /// Returns the part of the line in an interval, as constant power per nm, if there is one.
     fn segment(&self, (from, to): (f64, f64)) -> Option<LineSegment> {
         let half = 0.5 * self.fwhm_nm.unwrap_or(DEFAULT_LINE_WIDTH_NM);
         let (lower, upper) = (self.nm - half, self.nm + half);
@@ -88,8 +86,7 @@ impl Lines {
         Self::from_segments(Vec::new())
     }
 
-    /// Converts lines to segments. Returns an error with the index of the line if a wavelength,
-    /// power or width is out of range.
+    /// Converts lines to segments, or returns an error with the index of a line out of range.
     pub(crate) fn new(lines: &[SpectralLine]) -> Result<Self> {
         lines.iter().enumerate().try_for_each(|(i, line)| line.check(i))?;
         Ok(Self::from_segments(lines.iter().filter_map(|line| line.segment(BAND_NM)).collect()))
@@ -130,8 +127,7 @@ impl Lines {
     }
 }
 
-/// Splits overlapping segments, sorted by their lower ends, at all segment ends, and adds the power
-/// per nm of the parts that overlap.
+/// Splits segments, sorted by their lower ends, at all ends, and adds the power per nm of overlaps.
 fn disjoint(segments: &[LineSegment]) -> Vec<LineSegment> {
     let mut cuts: Vec<f64> = segments.iter().flat_map(|segment| [segment.nm.0, segment.nm.1]).collect();
     cuts.sort_by(f64::total_cmp);
@@ -170,8 +166,7 @@ impl LineCursor<'_> {
         }
     }
 
-    /// Returns the power per nm on an interval without knots that begins at `lower`, the wavelength
-    /// that was last passed to `knot_after`.
+    /// Returns the power per nm from `lower`, last passed to `knot_after`, to the next knot.
     pub(crate) fn values_on(&self, lower: f64) -> f64 {
         self.rest.first().filter(|segment| segment.nm.0 <= lower).map_or(0.0, LineSegment::power_per_nm)
     }

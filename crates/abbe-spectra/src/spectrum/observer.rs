@@ -22,16 +22,14 @@ pub const OBSERVER_NAMES: [&str; 4] = ["cie1931", "cie1964", "cie2015_2", "cie20
 #[derive(Debug)]
 pub struct Observer {
     name: &'static str,
-    /// One entry per nm. The last is stored twice, so that interpolation needs no special case
-    /// there.
+    /// One entry per nm, the last one twice, so that interpolation has no special case.
     every_nm: Vec<[f64; 3]>,
     bars: [Spectrum; 3],
     sum: Spectrum,
 }
 
 impl Observer {
-    /// Returns the CIE 1931 observer for a field of 2° (ISO/CIE 11664-1), whose ȳ is the luminous
-    /// efficiency function V(λ).
+    /// Returns the CIE 1931 observer for 2° (ISO/CIE 11664-1), whose ȳ is V(λ).
     pub fn cie1931() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie1931", include_str!("../../data/cie/cie1931_2deg_1nm.csv")))
@@ -43,8 +41,7 @@ impl Observer {
         OBSERVER.get_or_init(|| Self::parse("cie1964", include_str!("../../data/cie/cie1964_10deg_1nm.csv")))
     }
 
-    /// Returns the observer of CIE 170-2:2015 for a field of 2°, derived from cone fundamentals,
-    /// whose table starts at 390 nm.
+    /// Returns the observer of CIE 170-2:2015 for 2°, from cone fundamentals, from 390 nm on.
     pub fn cie2015_2() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie2015_2", include_str!("../../data/cie/cie2015_2deg_1nm.csv")))

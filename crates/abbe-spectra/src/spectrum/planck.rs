@@ -7,8 +7,7 @@ const C1_RADIANCE: f64 = 1.191_042_972_397_188e-16;
 /// The second radiation constant, hc/k in m K, exact in the SI of 2019.
 pub(crate) const C2_M_K: f64 = 0.014_387_768_775_039_337;
 
-/// The largest exponent that is evaluated. Above it, the radiance is below the smallest positive
-/// `f64` at every wavelength of the band.
+/// The largest exponent that is evaluated. Above it, the radiance is below the smallest `f64`.
 const LAST_EXPONENT: f64 = 1600.0;
 
 /// Returns the spectral radiance of a black body by Planck's law, in W m⁻² sr⁻¹ m⁻¹, for a positive

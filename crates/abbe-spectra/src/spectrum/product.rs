@@ -41,22 +41,19 @@ impl Spectrum {
         complement.with_part_below(self.below_band().complement())
     }
 
-    /// Returns the sum of weighted black-body radiances in W m⁻² sr⁻¹ nm⁻¹ for pairs of a
-    /// temperature in K (above 0) and a weight.
+    /// Returns the radiance in W m⁻² sr⁻¹ nm⁻¹ of black bodies (K above 0, weight).
     pub fn blackbodies(bodies: &[(f64, f64)]) -> Self {
         let radiance = |nm: f64| bodies.iter().map(|&(kelvin, weight)| weight * planck(nm, kelvin)).sum::<f64>() * 1e-9;
         Self::of_formula(radiance)
     }
 }
 
-/// Returns the mean of the product of two linear functions, which are given by their values at both
-/// ends.
+/// Returns the mean of the product of two linear functions, given at both ends.
 fn mean_product(a: (f64, f64), b: (f64, f64)) -> f64 {
     (2.0 * (a.0 * b.0 + a.1 * b.1) + a.0 * b.1 + a.1 * b.0) / 6.0
 }
 
-/// Approximates the product of two linear functions by as many linear pieces as the tolerance
-/// requires, and appends them to the list.
+/// Appends linear pieces within the tolerance of the product of two linear functions.
 fn add_pieces(nm: (f64, f64), [a, b]: [(f64, f64); 2], tolerance: f64, pieces: &mut Vec<LinearPiece>) {
     // A straight line through the end points of the product is off by at most a quarter of the
     // product of the two rises. The error is proportional to the square of the width of a part.

@@ -55,8 +55,7 @@ mod tests {
         XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
     }
 
-    /// Returns the largest error of any component among 9³ colours on a regular grid in the RGB
-    /// cube, and the colour with this error.
+    /// Returns the largest error of a component among 9³ colours of the RGB cube, and its colour.
     fn worst(back: impl Fn(Vec3) -> Vec3) -> (f64, Vec3) {
         let colours = (0..729).map(|code| [code / 81, code / 9 % 9, code % 9].map(|level| f64::from(level) / 8.0));
         let error = |rgb: Vec3| {

@@ -17,9 +17,8 @@ const MAX_PARTS: f64 = 8.0;
 /// The number of intervals that a task converts at a time.
 const CHUNK: usize = 64;
 
-/// Converts a smooth function to pieces. The initial knots are all whole nm of the band and the
-/// wavelengths `extra`; more are added until the error is at most 10⁻⁶ times the function's
-/// maximum.
+/// Converts a smooth function to pieces. Knots are all whole nm of the band, the wavelengths
+/// `extra`, and more until the error is at most 10⁻⁶ times the function's maximum.
 pub(crate) fn sampled(function: &(dyn Fn(f64) -> f64 + Sync), extra: &[f64]) -> Continuum {
     let mut knots: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     knots.extend(extra.iter().filter(|nm| (BAND_NM.0..=BAND_NM.1).contains(*nm)));

@@ -26,8 +26,7 @@ const FIT_SAMPLES: usize = (BAND_NM.1 - BAND_NM.0) as usize + 1;
 /// The error in linear RGB below which the fit stops, far below one step of an 8-bit display value.
 const FIT_TOLERANCE: f64 = 1e-9;
 
-/// The error in linear RGB of a fit near a known colour, far below one step of an 8-bit display
-/// value, except for the darkest values.
+/// The error of a fit near a known colour, below one 8-bit step except for the darkest values.
 const NEAR_TOLERANCE: f64 = 1e-5;
 
 /// The number of steps of a fit near a known colour, after which the fit starts from a grey.
@@ -42,8 +41,7 @@ pub(super) type Vec3 = [f64; 3];
 pub(super) struct FitBasis {
     /// D65, scaled so that its Y is 1.
     pub(super) d65: Spectrum,
-    /// The contribution of each sample to the linear sRGB colour of a reflectance of 1. Their sum
-    /// is (1, 1, 1).
+    /// The linear sRGB colour of each sample at reflectance 1. Their sum is (1, 1, 1).
     to_rgb: Vec<Vec3>,
 }
 
@@ -97,8 +95,7 @@ impl SmoothReflectance {
         sigmoid(polynomial(self.0, nm))
     }
 
-    /// Returns the coefficients c₀, c₁ and c₂ of a polynomial in x, which is −1 at 360 nm and 1 at
-    /// 830 nm.
+    /// Returns the coefficients c₀, c₁ and c₂ in x, which is −1 at 360 nm and 1 at 830 nm.
     pub fn coefficients(self) -> [f64; 3] {
         self.0
     }

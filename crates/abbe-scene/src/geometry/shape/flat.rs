@@ -7,7 +7,6 @@ use glam::DVec3;
 use super::local::{Crossing, LocalLine, LocalSurfacePoint};
 use abbe_spectra::math::elementary::sin_cos;
 
-/// The extent of a flat shape.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum FlatShape {
     /// |x| ≤ half_width, |z| ≤ half_height.

@@ -233,7 +233,6 @@ impl Cap {
         in_cap.then_some(self.vertex_z * direction.z + bulge)
     }
 
-    /// Returns the span of the line inside the set.
     fn span(&self, line: &LocalLine) -> Option<Span> {
         let Some((first, second)) = self.radius.and_then(|radius| self.roots(line, radius)) else {
             return self.half_space(line);

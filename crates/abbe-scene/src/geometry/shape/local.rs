@@ -39,7 +39,6 @@ impl Span {
         Self { enter: Crossing { t: roots.0, face }, exit: Crossing { t: roots.1, face } }
     }
 
-    /// Returns the intersection of two spans, or `None` if it is empty.
     pub(crate) fn intersection(self, other: Self) -> Option<Self> {
         let enter = if other.enter.t > self.enter.t { other.enter } else { self.enter };
         let exit = if other.exit.t < self.exit.t { other.exit } else { self.exit };

@@ -72,7 +72,6 @@ pub enum Shape {
     Mesh(Arc<TriangleMesh>),
 }
 
-/// A shape placed in the world.
 #[derive(Debug, Clone)]
 pub struct PlacedShape {
     pub shape: Shape,

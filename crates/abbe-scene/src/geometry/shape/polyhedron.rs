@@ -23,7 +23,6 @@ struct FaceOutline {
     triangle: bool,
 }
 
-/// A convex body with flat faces.
 #[derive(Debug, Clone)]
 pub(crate) struct Polyhedron {
     half_spaces: Vec<HalfSpace>,

@@ -158,9 +158,8 @@ impl RegressionReport {
     }
 }
 
-/// Judges the colours of a converter for all cases of some groups, or of all groups if the list is
-/// empty. Returns an error if a case is unknown, occurs twice or is missing, or if a colour has no
-/// form.
+/// Judges the colours of a converter for all cases of some groups, or of all if there are none.
+/// Returns an error if a case is unknown, occurs twice, is missing, or has a colour in no form.
 pub fn compare_groups(
     converted: &[(String, ConvertedColour)],
     groups: &[CaseGroup],
@@ -295,8 +294,7 @@ fn scale_hint(pairs: &[CaseOfConverter<'_>], tolerances: &RegressionTolerances) 
     })
 }
 
-/// Returns the factor between the converted and the expected colours under a light, or `None` if
-/// none explains the differences.
+/// Returns the factor between converted and expected colours under a light, if one explains them.
 fn light_factor(
     form: ColourForm,
     light: &str,

@@ -96,8 +96,7 @@ pub struct RegressionSpectrum {
 pub struct CaseColour {
     /// XYZ. A light and the perfect diffuser have Y = 100.
     pub xyz: Xyz,
-    /// Linear sRGB without chromatic adaptation or clipping. A light and the perfect diffuser have
-    /// the luminance 1.
+    /// Linear sRGB, neither adapted nor clipped. A light and the perfect diffuser have Y = 1.
     pub linear_srgb: Rgb,
     /// The linear components clipped to 0–1 and encoded with the curve of IEC 61966-2-1.
     pub srgb: Rgb,

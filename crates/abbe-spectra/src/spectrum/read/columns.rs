@@ -47,8 +47,7 @@ impl ColumnFormat {
 
     fn number(self, cell: &str) -> Option<f64> {
         let cell = cell.trim_matches('"').trim();
-        // Rust also parses words such as "inf" and "nan", which are reported later as invalid
-        // values.
+        // Rust also parses "inf" and "nan", which are reported later as invalid values.
         if self.decimal_comma { cell.replace(',', ".").parse().ok() } else { cell.parse().ok() }
     }
 
@@ -105,8 +104,7 @@ pub fn parse(text: &str) -> Result<SpectrumSamples> {
             known.number(cell).ok_or_else(|| Error::input(format!("\"{cell}\"")).expected("a number").at(line, column))
         };
         let nm = number(nm_column, nm)?;
-        // The wavelength is rounded to 10⁻⁹ nm, far below the width of any line, so that 0.5005 µm
-        // becomes exactly 500.5 nm.
+        // Rounded to 10⁻⁹ nm, far below the width of any line: 0.5005 µm is exactly 500.5 nm.
         let nm = nm_per_unit.filter(|unit| *unit != 1.0).map_or(nm, |unit| (nm * unit * 1e9).round() / 1e9);
         samples.push(((nm, (line, nm_column)), (number(value_column, value)?, (line, value_column))));
     }
@@ -121,8 +119,7 @@ fn not_two_numbers(row: &str) -> Error {
 /// Returns the factor from the unit that a word in the title of the first column names to nm.
 fn unit_of_header(row: &str) -> f64 {
     let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row).to_lowercase();
-    // The letter µ has two code points, and in a file of another encoding, it is decoded as the
-    // replacement character.
+    // µ has two code points, and in another encoding, it is the replacement character.
     let is_micro =
         |word: &str| ["um", "µm", "μm", "\u{fffd}m", "micron", "microns", "micrometer", "micrometre"].contains(&word);
     let mut words = first.split(|c: char| !(c.is_alphabetic() || c == '\u{fffd}'));
