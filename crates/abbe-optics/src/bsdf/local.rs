@@ -51,14 +51,8 @@ impl Bsdf {
             Bsdf::Mirror(mirror) => Texels::of_reflectance(texel(&mirror.reflectance)),
             Bsdf::Conductor(metal) => Texels::of_reflectance(metal.reflectance().map_or(0, &mut texel)),
             Bsdf::Glossy(glossy) => Texels::of_reflectance(texel(&glossy.reflectance)),
-            Bsdf::Absorber
-            | Bsdf::Fluorescent(_)
-            | Bsdf::Dielectric(_)
-            | Bsdf::CoatedDielectric(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_)
-            | Bsdf::Grating(_)
-            | Bsdf::Mix(_) => Texels::NONE,
+            Bsdf::Absorber | Bsdf::Fluorescent(_) | Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => Texels::NONE,
+            Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) | Bsdf::Mix(_) => Texels::NONE,
         };
         LocalBsdf { model, texels }
     }
@@ -254,13 +248,8 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, mode, nm),
             Bsdf::ThinDielectric(thin) => thin.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
-            Bsdf::Absorber
-            | Bsdf::Diffuse(_)
-            | Bsdf::Fluorescent(_)
-            | Bsdf::Translucent(_)
-            | Bsdf::Grating(_)
-            | Bsdf::Glossy(_)
-            | Bsdf::Mix(_) => 0.0,
+            Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Fluorescent(_) | Bsdf::Translucent(_) => 0.0,
+            Bsdf::Grating(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => 0.0,
         }
     }
 }

@@ -81,19 +81,12 @@ impl Bsdf {
     #[inline]
     pub fn is_transmissive(&self) -> bool {
         match self {
-            Self::Translucent(_)
-            | Self::Dielectric(_)
-            | Self::CoatedDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ThinFilm(_) => true,
+            Self::Translucent(_) | Self::Dielectric(_) | Self::CoatedDielectric(_) => true,
+            Self::ThinDielectric(_) | Self::ThinFilm(_) => true,
             Self::Mix(mix) => mix.components().iter().any(Self::is_transmissive),
             Self::Grating(grating) => grating.transmits(),
-            Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Fluorescent(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::Glossy(_) => false,
+            Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) => false,
+            Self::Mirror(_) | Self::Conductor(_) | Self::Glossy(_) => false,
         }
     }
 
@@ -105,15 +98,8 @@ impl Bsdf {
             Self::ThinFilm(film) => Some(&film.films),
             Self::ThinDielectric(pane) => pane.coating.as_ref(),
             Self::Conductor(metal) => metal.films(),
-            Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Fluorescent(_)
-            | Self::Translucent(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Grating(_)
-            | Self::Glossy(_)
-            | Self::Mix(_) => None,
+            Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) | Self::Mirror(_) => None,
+            Self::Dielectric(_) | Self::Grating(_) | Self::Glossy(_) | Self::Mix(_) => None,
         };
         films.filter(|films| !films.layers().is_empty())
     }
@@ -126,14 +112,8 @@ impl Bsdf {
             Self::ThinDielectric(pane) => Self::ThinDielectric(ThinDielectric { coating: None, ..pane }),
             Self::Conductor(metal) => Self::Conductor(metal.without_films()),
             Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_films)?),
-            Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Fluorescent(_)
-            | Self::Translucent(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Grating(_)
-            | Self::Glossy(_) => self,
+            Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) => self,
+            Self::Mirror(_) | Self::Dielectric(_) | Self::Grating(_) | Self::Glossy(_) => self,
         })
     }
 
@@ -182,13 +162,8 @@ impl Bsdf {
     /// Returns the reflectances and transmittances that may vary over the surface.
     pub fn surface_spectra(&self) -> Vec<&SurfaceSpectrum> {
         match self {
-            Self::Absorber
-            | Self::Fluorescent(_)
-            | Self::Dielectric(_)
-            | Self::CoatedDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ThinFilm(_)
-            | Self::Grating(_) => Vec::new(),
+            Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::CoatedDielectric(_) => Vec::new(),
+            Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) => Vec::new(),
             Self::Diffuse(diffuse) => vec![&diffuse.reflectance],
             Self::Translucent(sheet) => vec![&sheet.reflectance, &sheet.transmittance],
             Self::Mirror(mirror) => vec![&mirror.reflectance],
