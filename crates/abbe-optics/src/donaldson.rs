@@ -67,7 +67,6 @@ impl DonaldsonMatrix {
     }
 }
 
-/// Iterates over the cells of a row, each with its column.
 fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut column = 1;
     row.split(',').map(move |cell| {
@@ -77,7 +76,6 @@ fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Parses a number of at least 0.
 fn number(line: usize, column: usize, cell: &str) -> Result<f64> {
     let value = cell.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
     value

@@ -17,7 +17,6 @@ const POINTS_PER_CELL: usize = 4;
 /// a = √α, the nodes are evenly spaced in the mean of s and (1 + a)·s/(s + a).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct AngleGrid {
-    /// √α.
     root: f64,
     /// The weights of ∫ 2μ·f(μ) dμ for the interpolated function.
     mean_weights: Vec<f64>,
@@ -46,7 +45,6 @@ impl AngleGrid {
         grid
     }
 
-    /// Computes a function at the angles of the grid.
     pub(super) fn tabulate<const N: usize>(&self, f: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]> {
         let computed: Vec<[f64; N]> =
             (0..COMPUTED_ANGLES).map(|angle| f(self.cosine((angle * CELLS_BETWEEN) as f64))).collect();
@@ -61,7 +59,6 @@ impl AngleGrid {
         (0..ANGLES).map(interpolated).collect()
     }
 
-    /// Finds the nodes around a cosine in \[0, 1\].
     pub(super) fn locate(&self, cos: f64) -> GridPoint {
         let s = cos.sqrt();
         let position = 0.5 * (ANGLES - 1) as f64 * (s + (1.0 + self.root) * s / (s + self.root));
@@ -96,7 +93,6 @@ impl AngleGrid {
 }
 
 impl GridPoint {
-    /// Interpolates linearly between the values at the nodes.
     pub(super) fn between(self, value: impl Fn(usize) -> f64) -> f64 {
         let (low, high) = (value(self.cell), value(self.cell + 1));
         low + (high - low) * self.fraction

@@ -31,7 +31,6 @@ pub(super) fn check_fraction(what: &str, spectrum: &SurfaceSpectrum) -> Result<(
     spectrum.uniform().map_or(Ok(()), |uniform| check_within(what, uniform, 1.0))
 }
 
-/// Returns an error if a roughness lies outside \[0, 1\].
 pub(super) fn check_alpha(alpha: f64) -> Result<()> {
     if (0.0..=1.0).contains(&alpha) {
         return Ok(());

@@ -30,7 +30,6 @@ pub struct CoatedDielectric {
     facets: Option<CoatedFacets>,
 }
 
-/// The facets of a rough interface under films.
 #[derive(Debug, Clone, PartialEq)]
 struct CoatedFacets {
     interface: RoughInterface,
@@ -340,7 +339,6 @@ mod tests {
         assert!(coated.powers(DVec3::Z, from_air, 0.0, 400.0).reflected > 0.005);
     }
 
-    /// Without films, the interface is a bare one, also beyond the critical angle.
     #[test]
     fn no_films_are_a_bare_interface() {
         let (air, glass) = (RefractiveIndex::constant(1.0).unwrap(), RefractiveIndex::constant(1.5).unwrap());
@@ -396,7 +394,6 @@ mod tests {
         }
     }
 
-    /// A slightly rough surface reflects and transmits like a polished one, also if a film absorbs.
     #[test]
     fn slightly_rough_films_are_like_polished_ones() {
         let (air, glass) = (RefractiveIndex::constant(1.0).unwrap(), RefractiveIndex::constant(1.52).unwrap());
@@ -419,7 +416,6 @@ mod tests {
         }
     }
 
-    /// Between equal media, the transmitted light goes straight on, and the films reflect.
     #[test]
     fn films_between_equal_media_reflect_and_do_not_refract() {
         let water = RefractiveIndex::constant(1.33).unwrap();
@@ -438,7 +434,6 @@ mod tests {
         assert!((reflected + transmitted - 1.0).abs() < 2e-3, "{transmitted}");
     }
 
-    /// A silver film absorbs more if light meets it from the glass; the transmittance is the same.
     #[test]
     fn absorbing_films_depend_on_the_side() {
         let air = RefractiveIndex::constant(1.0).unwrap();

@@ -167,7 +167,6 @@ fn kept_by_facets(each: f64, missing: f64) -> f64 {
     each * each * (1.0 - missing) / (1.0 - each * missing)
 }
 
-/// The place of a relative index between two tables.
 #[derive(Debug, Clone, Copy)]
 struct Position {
     /// The number of the lower table on each side of index 1.
@@ -239,7 +238,6 @@ struct OneSide<'a> {
     films: Option<FilmChange<'a>>,
 }
 
-/// The change of the missing energy by films.
 #[derive(Debug, Clone, Copy)]
 struct FilmChange<'a> {
     low: &'a FilmSideMoments,
@@ -324,7 +322,6 @@ impl MultipleScattering<'_> {
         (self.sampling.sample([u[0], u[1]]), event)
     }
 
-    /// Returns the pdf of [`Self::sample`] per solid angle.
     pub(super) fn pdf(&self, cos_i: f64, event: ScatterEvent) -> f64 {
         self.far_side(event).1 * self.sampling.pdf(cos_i)
     }
@@ -363,12 +360,10 @@ impl ConductorCompensation {
         FRAC_1_PI * self.albedo(cos_o) * self.albedo(cos_i) / self.missing.mean
     }
 
-    /// Samples a direction with a positive z component.
     pub(super) fn sample(&self, u: [f64; 2]) -> DVec3 {
         self.sampling.sample(u)
     }
 
-    /// Returns the pdf of [`Self::sample`] per solid angle.
     pub(super) fn pdf(&self, cos_i: f64) -> f64 {
         self.sampling.pdf(cos_i)
     }
@@ -378,7 +373,6 @@ impl ConductorCompensation {
 /// nearly follows μ·l(μ), because the missing energy l(μ) falls like 1/(μ² + α²).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LobeSampling {
-    /// α².
     squared: f64,
     /// ln(1 + 1/α²), twice the integral of μ/(μ² + α²) from 0 to 1.
     norm: f64,
@@ -398,7 +392,6 @@ impl LobeSampling {
         DVec3::new(sin * cos_phi, sin * sin_phi, cos)
     }
 
-    /// The pdf per solid angle.
     fn pdf(&self, cos: f64) -> f64 {
         2.0 * cos / ((cos * cos + self.squared) * self.norm * TAU)
     }

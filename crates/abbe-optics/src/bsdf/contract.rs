@@ -16,7 +16,6 @@ use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::spectrum::{Outside, Spectrum};
 use glam::DVec3;
 
-/// A BSDF and the media in front of it and behind it.
 struct BsdfCase {
     name: &'static str,
     bsdf: Bsdf,
@@ -33,7 +32,6 @@ impl BsdfCase {
         }
     }
 
-    /// Treats a mixture as a whole.
     fn local(&self) -> LocalBsdf<'_> {
         LocalBsdf { model: &self.bsdf, texels: Texels::NONE }
     }

@@ -108,7 +108,6 @@ mod tests {
         assert!((through(from_glass, TransportMode::Radiance) - 0.96 * 2.25).abs() < 1e-15);
     }
 
-    /// If both media have the same index, light passes straight on, even if the interface is rough.
     #[test]
     fn equal_indices_transmit_straight_even_if_rough() {
         let water = RefractiveIndex::catalogue("water 20C").unwrap();

@@ -101,7 +101,6 @@ impl FacetQuadrature {
     }
 }
 
-/// The direction from which the facets are seen.
 struct FacetView {
     facets: Ggx,
     kind: FacetKind,

@@ -77,7 +77,6 @@ fn polynomials(x: f64) -> [f64; MOMENTS] {
     values
 }
 
-/// The moments of an interface.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FilmMoments {
     /// For light in the medium of lower index.

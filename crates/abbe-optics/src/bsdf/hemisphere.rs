@@ -15,7 +15,6 @@ pub(super) fn flip_z(w: DVec3, sign: f64) -> DVec3 {
     DVec3::new(w.x, w.y, w.z * sign)
 }
 
-/// Returns true if both directions are on the same side of the surface.
 pub(super) fn same_side(wo: DVec3, wi: DVec3) -> bool {
     wi.z * z_sign(wo) > 0.0
 }

@@ -25,7 +25,6 @@ impl MissingEnergy {
         Self { mean: grid.mean(by_angle.iter().copied()), transmitted, by_angle }
     }
 
-    /// Returns l(μ), linearly interpolated.
     pub(super) fn at(&self, point: GridPoint) -> f64 {
         point.between(|node| self.by_angle[node])
     }

@@ -57,7 +57,6 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
         self.eval_upper(wo, wi) * scale
     }
 
-    /// Returns the pdf of `wi` per solid angle.
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
         if wi.z == 0.0 { 0.0 } else { self.pdf_upper(wo, wi, self.multiple.albedo(wo.z)) }
@@ -133,7 +132,6 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
     }
 }
 
-/// Returns the event that leads to `wi` from the upper hemisphere.
 fn event_towards(wi: DVec3) -> ScatterEvent {
     if wi.z > 0.0 { ScatterEvent::Reflection } else { ScatterEvent::Transmission }
 }

@@ -80,7 +80,6 @@ pub struct BsdfSample {
     /// The fractions of the reflected and of the refracted light that hit another microfacet, for
     /// rough metals (the first) and rough coated interfaces (both).
     pub(super) shadowed: [f64; 2],
-    /// The scattering component of a [`MixBsdf`](super::MixBsdf).
     pub(super) component: usize,
 }
 

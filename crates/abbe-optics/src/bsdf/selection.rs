@@ -12,7 +12,6 @@ pub(super) struct ComponentSelection {
     choice: Option<Choice>,
 }
 
-/// The choice of a component at a point of a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Choice {
     /// The component of this index.

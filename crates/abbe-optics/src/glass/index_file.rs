@@ -17,7 +17,6 @@ use abbe_spectra::spectrum::{BAND_NM, Outside, Spectrum, ULTRAVIOLET_FROM_NM};
 /// In nm, between the wavelengths at which a formula is evaluated.
 const STEP_NM: f64 = 1.0;
 
-/// Pairs of a wavelength in nm and a value.
 type Points = Vec<(f64, f64)>;
 
 #[derive(Debug, Default)]
@@ -26,7 +25,6 @@ struct Columns {
     k: Option<Points>,
 }
 
-/// A function of wavelength as a table.
 #[derive(Debug, Clone, PartialEq)]
 struct IndexTable {
     /// In rising order.
@@ -109,7 +107,6 @@ impl IndexFileData {
     }
 }
 
-/// Reads an entry of refractiveindex.info.
 fn of_yaml(text: &str) -> Result<Columns> {
     let malformed = |error: yaml_rust2::ScanError| Error::input(format!("not a valid YAML file: {error}"));
     // Aliases could expand to a text of any size, and the database uses none.
@@ -153,7 +150,6 @@ fn of_yaml(text: &str) -> Result<Columns> {
     Ok(data)
 }
 
-/// Returns a scalar of a YAML file as text.
 fn text_of(yaml: &Yaml) -> String {
     if let Yaml::Real(text) | Yaml::String(text) = yaml {
         return text.clone();
@@ -266,7 +262,6 @@ fn of_csv(text: &str) -> Result<Columns> {
     Ok(data)
 }
 
-/// The unit of a column of wavelengths.
 fn nm_per_unit(name: &str) -> Option<f64> {
     match name {
         "nm" => Some(1.0),
@@ -284,7 +279,6 @@ mod tests {
         IndexFileData::parse(text, Path::new(name))
     }
 
-    /// Schott N-BK7, with the coefficients of the data sheet.
     const BK7: &str = "# a comment\nREFERENCES: |\n    Schott Zemax catalog\nDATA:\n  - type: formula 2 \n\
         \x20   wavelength_range: 0.3 2.5\n    coefficients: 0 1.03961212 0.00600069867 0.231792344 0.0200179144 \
         1.01046945 103.560653\n  - type: tabulated k\n    data: |\n        0.300 2.8607E-06\n        2.5 8.1E-06\n";
@@ -348,7 +342,6 @@ mod tests {
         }
     }
 
-    /// A formula reaches into the ultraviolet as far as it is valid.
     #[test]
     fn formulas_reach_into_the_ultraviolet() {
         let n = |range: &str, nm: f64| {

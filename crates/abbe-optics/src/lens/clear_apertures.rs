@@ -13,7 +13,6 @@ use std::f64::consts::TAU;
 const NM: [f64; 3] = [lines::F_NM, lines::D_NM, lines::C_NM];
 /// Each divided by half of the field of view.
 const FIELDS: [f64; 5] = [-1.0, -0.7, 0.0, 0.7, 1.0];
-/// Number of rays on the rim of the entrance pupil.
 const RIM_RAYS: u32 = 16;
 
 impl Prescription {

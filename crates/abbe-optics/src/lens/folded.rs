@@ -95,7 +95,6 @@ pub struct FoldedAnalysis {
 const DEFAULT_HALF_FIELD_DEG: f64 = 1.0;
 /// Each divided by half of the field of view.
 const FIELD_FRACTIONS: [f64; 4] = [0.0, 0.7, 1.0, -1.0];
-/// Number of rays across the entering bundle.
 const RAYS_ACROSS_BUNDLE: u32 = 64;
 /// Maximum number of Newton steps for the ray through the centre of the stop.
 const MAX_AIM_STEPS: usize = 50;
@@ -139,7 +138,6 @@ impl FoldedSystem {
         (origin - direction * (origin.z / direction.z)).truncate()
     }
 
-    /// Returns true if the apertures of a surface let light pass at a point.
     fn passes(&self, i: usize, point: DVec3) -> bool {
         let FoldedSurface { aperture_mm, obscuration_mm, .. } = &self.surfaces[i];
         let height_mm = point.truncate().length();

@@ -191,7 +191,6 @@ mod tests {
         }
     }
 
-    /// A line beside a ball and a line parallel to a plane have no intersection.
     #[test]
     fn lines_beside_a_ball_and_within_a_plane_miss() {
         let ball = SurfaceProfile::sphere(5.0);

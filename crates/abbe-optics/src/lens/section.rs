@@ -48,7 +48,6 @@ pub struct LensSection {
     pub foci: Vec<FocusDetail>,
 }
 
-/// Number of segments along a surface.
 const CURVE_POINTS: u32 = 48;
 const RAYS_PER_BUNDLE: u32 = 5;
 /// Width of the bundle of drawn rays, divided by that of the bundle that passes the lens at the d
@@ -75,7 +74,6 @@ pub fn section(lens: &Lens, analysis: &LensAnalysis) -> Result<LensSection> {
     })
 }
 
-/// Returns the outlines of all glass elements, separately for cemented ones.
 fn elements(lens: &Lens) -> Vec<Vec<DVec2>> {
     let is_glass = |i: &usize| lens.surfaces()[*i].index.nd() != 1.0;
     (0..lens.surfaces().len() - 1).filter(is_glass).map(|i| outline(lens, i)).collect()
@@ -101,7 +99,6 @@ fn outline(lens: &Lens, i: usize) -> Vec<DVec2> {
     outline
 }
 
-/// Returns the upper half of a surface from the axis to its rim.
 fn curve(lens: &Lens, i: usize) -> Vec<DVec2> {
     let surface = &lens.surfaces()[i];
     let heights = (0..=CURVE_POINTS).map(|step| surface.semi_aperture_mm * f64::from(step) / f64::from(CURVE_POINTS));

@@ -41,7 +41,6 @@ const MAX_SIZE_PARAMETER: f64 = 1000.0;
 const RADIUS_STEPS: i32 = 100;
 const RADIUS_RANGE_SIGMAS: f64 = 3.5;
 
-/// Number of wavelength steps over the band in a table.
 const TABLE_STEPS: u32 = 16;
 
 /// The coefficients of the series at one size parameter, as real and imaginary parts: `sums`
@@ -280,7 +279,6 @@ mod tests {
         assert!((found.cross_section_um2 / expected - 1.0).abs() < 2e-3, "{}", found.cross_section_um2);
     }
 
-    /// Compares phase function, cross-section and mean cosine.
     #[test]
     fn fog_matches_an_independent_mie_program() {
         let (angles, columns) = table("mie_fog_phase.csv");

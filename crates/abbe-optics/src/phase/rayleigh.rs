@@ -3,7 +3,6 @@
 use abbe_spectra::math::elementary::{asinh, sinh};
 use std::f64::consts::PI;
 
-/// Returns the density per steradian.
 pub(super) fn eval(cos_theta: f64) -> f64 {
     3.0 / (16.0 * PI) * (1.0 + cos_theta * cos_theta)
 }

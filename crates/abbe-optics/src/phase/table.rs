@@ -23,13 +23,11 @@ pub struct PhaseTable {
     nm: Vec<f64>,
     /// 1 − cos θ of the angles, ascending from 0 to 2.
     versines: Vec<f64>,
-    /// One column per wavelength.
     columns: Vec<PhaseColumn>,
     /// The first cell that overlaps each equal step of sin(θ/2), and the last cell.
     guide: Vec<u32>,
 }
 
-/// The phase function at one wavelength.
 #[derive(Debug, Clone, PartialEq)]
 struct PhaseColumn {
     /// Per steradian, at each angle.
@@ -59,7 +57,6 @@ impl PhaseTable {
         Ok(Self { nm: nm.to_vec(), versines, columns: columns?, guide })
     }
 
-    /// Returns true if the columns differ between wavelengths.
     pub(super) fn depends_on_wavelength(&self) -> bool {
         self.columns.iter().any(|column| column.pdf_per_sr != self.columns[0].pdf_per_sr)
     }
@@ -262,7 +259,6 @@ mod tests {
 
     const FORM: &str = "angle_deg,p_400nm_per_sr,p_700nm_per_sr\n0,3,1\n90,1,1\n180,0,1\n";
 
-    /// Between its wavelengths, a table is interpolated, and beyond them it is held.
     #[test]
     fn table_interpolates_wavelengths_and_holds_its_ends() {
         let table = parse(FORM).unwrap();

@@ -1,7 +1,6 @@
 use abbe_spectra::spectrum::SmoothReflectance;
 use rayon::prelude::*;
 
-/// The spectra of the texels of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Palette {
     /// Coefficients of smooth reflectances, 12 bytes for each texel.
@@ -43,7 +42,6 @@ impl Palette {
         Self::Smooth(coefficients)
     }
 
-    /// Returns the value of a texel at a wavelength (nm).
     #[inline]
     pub(super) fn at(&self, texel: u32, nm: f64) -> f64 {
         match self {

@@ -149,7 +149,6 @@ mod tests {
         }
     }
 
-    /// A footprint over a quarter of the second stripe selects it in a quarter of the lookups.
     #[test]
     fn a_footprint_averages_a_pattern() {
         let point = TexturePoint { uv: [0.75, 0.5], footprint: [[1.0, 0.0], [0.0, 1.0]] };

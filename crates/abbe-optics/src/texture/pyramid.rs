@@ -220,7 +220,6 @@ mod tests {
         ImagePattern::new(ImageSize { width, height }, [wrap; 2], filter, UvTransform::IDENTITY).unwrap()
     }
 
-    /// All levels of a picture of odd size have the mean of the picture.
     #[test]
     fn reduced_copies_keep_the_mean() {
         let image = image(13, 6, Wrap::Repeat, Filter::Bilinear);
@@ -248,7 +247,6 @@ mod tests {
         }
     }
 
-    /// Between two texels, their frequencies are the weights of linear interpolation.
     #[test]
     fn texels_are_selected_with_bilinear_weights() {
         let image = image(2, 2, Wrap::Clamp, Filter::Bilinear);

@@ -218,7 +218,6 @@ mod tests {
         }
     }
 
-    /// A millimetre of silver transmits nothing and reflects like a half-space.
     #[test]
     fn thick_absorbing_layers_do_not_overflow() {
         let silver = Complex::new(0.06, 3.6);
@@ -231,7 +230,6 @@ mod tests {
         }
     }
 
-    /// The transmittance is the same in both directions, also if a layer absorbs.
     #[test]
     fn the_transmittance_is_reciprocal() {
         let layers =

@@ -20,7 +20,6 @@ pub const ALIKE: f64 = 2.0;
 /// The least ΔE2000 of surfaces that look clearly different.
 pub const DIFFERENT: f64 = 5.0;
 
-/// The name prefix of the ColorChecker patches.
 const CHART: &str = "colorchecker/";
 const FURTHER: [&str; 2] = ["TCS", "leaf/"];
 

@@ -16,7 +16,6 @@ use crate::math::elementary::{atan2, cbrt, exp, hypot, ln_1p, powf, sin_cos};
 use crate::spectrum::{Observer, Outside, Spectrum, daylight_extended, library};
 use serde::Serialize;
 
-/// The number of colour evaluation samples.
 const SAMPLES: usize = 99;
 
 /// The number of hue bins, which have equal angles and begin at the hue angle 0.
@@ -152,17 +151,14 @@ impl HueBin {
     }
 }
 
-/// The angle of a hue bin in radians.
 fn bin_angle() -> f64 {
     std::f64::consts::TAU / HUE_BINS as f64
 }
 
-/// Returns the hue bin of J′, a′ and b′.
 fn hue_bin([_, a, b]: [f64; 3]) -> usize {
     (atan2(b, a) / bin_angle()).floor().rem_euclid(HUE_BINS as f64) as usize
 }
 
-/// Returns the area of a polygon around the origin.
 fn polygon_area(corners: &[[f64; 2]; HUE_BINS]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     0.5 * corners.iter().zip(next).map(|(from, to)| from[0] * to[1] - from[1] * to[0]).sum::<f64>()
@@ -183,7 +179,6 @@ fn samples() -> &'static [Vec<f64>] {
 /// For each node, the XYZ of a reflectance that is 1 there and 0 at all other nodes.
 type NodeWeights = [Xyz; NODES];
 
-/// Returns the step of the sums in nm.
 fn sum_step_nm(light: &Spectrum) -> u32 {
     /// Deviations below this fraction of the value are rounding errors.
     const ROUNDING: f64 = 1e-9;
@@ -293,7 +288,6 @@ const HUNT_POINTER_ESTEVEZ: Matrix3 =
     [[0.389_71, 0.688_98, -0.078_68], [-0.229_81, 1.183_40, 0.046_41], [0.0, 0.0, 1.0]];
 const CAT02_TO_CONES: Matrix3 = product(&HUNT_POINTER_ESTEVEZ, &inverse(&CAT02));
 
-/// The adapting luminance in cd/m².
 const ADAPTING_LUMINANCE: f64 = 100.0;
 /// The luminance of the background divided by the luminance of white.
 const BACKGROUND: f64 = 0.2;
@@ -414,7 +408,6 @@ mod tests {
         }
     }
 
-    /// Narrow peaks have the rendition of lines.
     #[test]
     fn narrow_peaks_equal_lines() {
         let light = |fwhm_nm: Option<f64>| {

@@ -32,7 +32,6 @@ const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 
 /// The high part of ln 2, whose product with an integer below 2²¹ is exact.
 const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
-/// ln 2 minus its high part.
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
 /// The coefficients of r² to r¹¹ of a polynomial that approximates exp(r) for |r| ≤ ln(2)/2; those
@@ -196,13 +195,11 @@ mod tests {
         (found - expected).abs() / (expected.abs().next_up() - expected.abs())
     }
 
-    /// Returns numbers that are uniform between two limits.
     fn between(from: f64, to: f64) -> impl Iterator<Item = f64> {
         let mut stream = Stream::new(Seed::new(7), Purpose::Pass, 0, from.to_bits() ^ to.to_bits());
         (0..40_000).map(move |_| from + (to - from) * stream.uniform())
     }
 
-    /// Checks a function against the C library.
     #[track_caller]
     fn agrees(name: &str, arguments: impl Iterator<Item = f64>, most_ulps: f64, pair: impl Fn(f64) -> [f64; 2]) {
         let mut largest = 0.0_f64;

@@ -55,7 +55,6 @@ mod tests {
         assert!(seen.iter().all(|count| (56..=72).contains(count)), "{seen:?}");
     }
 
-    /// The coordinates of a few points must be no more correlated than independent random numbers.
     #[test]
     fn few_pairs_of_points_are_uncorrelated() {
         for count in [8_u32, 11, 16, 32] {

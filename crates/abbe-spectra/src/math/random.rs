@@ -185,7 +185,6 @@ impl StreamKey {
     /// Returns a key with independent numbers, for a second sequence of the same samples.
     #[inline]
     pub fn second_sequence(self) -> Self {
-        /// Any constant.
         const SECOND: u64 = 0x5eed;
         Self(hash64([self.0, SECOND]))
     }
@@ -330,7 +329,6 @@ mod tests {
         }
     }
 
-    /// Pictures depend on the streams, so the hashed words of a purpose must not change.
     #[test]
     fn the_words_of_a_purpose_stay() {
         let key = |purpose: Purpose| Seed::new(7).streams(purpose).pass(3).part(5).hash();

@@ -50,7 +50,6 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// The functions agree with those of `glam` up to rounding.
     #[test]
     fn rotations_agree_with_glam() {
         let axis = DVec3::new(1.0, -2.0, 0.5).normalize();

@@ -8,7 +8,6 @@ use std::ops::AddAssign;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExactSum(i128);
 
-/// The reciprocal of the quantum, 2⁶⁴.
 const SCALE: f64 = 18_446_744_073_709_551_616.0;
 
 impl ExactSum {

@@ -34,7 +34,6 @@ struct ContinuumCell {
     rise: f64,
 }
 
-/// Adjacent pieces that cover the whole band.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Continuum {
     cells: Vec<ContinuumCell>,
@@ -99,7 +98,6 @@ impl Continuum {
         LinearPiece { nm: (cell.lower, end), values: (cell.value, cell.value + cell.rise) }
     }
 
-    /// Returns the value if the function is constant.
     pub(crate) fn is_constant(&self) -> Option<f64> {
         match self.cells.as_slice() {
             [only] if only.rise == 0.0 => Some(only.value),
@@ -117,7 +115,6 @@ impl Continuum {
         self.pieces().map(|piece| piece.integral()).sum()
     }
 
-    /// Returns a cursor at the lower end of the band.
     pub(crate) fn cursor(&self) -> ContinuumCursor<'_> {
         ContinuumCursor { continuum: self, i: 0, piece: self.piece(0) }
     }

@@ -83,7 +83,6 @@ pub struct LibrarySpectrum {
     pub spectrum: Spectrum,
 }
 
-/// A data file that is part of the program.
 #[derive(Debug, PartialEq, Eq)]
 struct LibraryFile {
     path: &'static str,
@@ -231,7 +230,6 @@ pub(crate) fn columns<const N: usize>(text: &str) -> [Vec<f64>; N] {
     columns
 }
 
-/// Parses one column of a table whose first column contains the wavelengths.
 fn table(text: &str, column: &str, outside: Outside) -> Spectrum {
     let header = text.lines().next().expect("a built-in table has a header");
     let place = header.split(',').position(|title| title == column).expect("the catalogue names an existing column");

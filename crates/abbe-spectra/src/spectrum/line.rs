@@ -74,7 +74,6 @@ impl LineSegment {
     }
 }
 
-/// Line segments in ascending order, without overlap.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lines {
     segments: Vec<LineSegment>,
@@ -92,7 +91,6 @@ impl Lines {
         Ok(Self::from_segments(lines.iter().filter_map(|line| line.segment(BAND_NM)).collect()))
     }
 
-    /// Returns the parts of lines that lie in the ultraviolet.
     pub(super) fn below_band(lines: &[SpectralLine]) -> Vec<LineSegment> {
         lines.iter().filter_map(|line| line.segment((ULTRAVIOLET_FROM_NM, BAND_NM.0))).collect()
     }

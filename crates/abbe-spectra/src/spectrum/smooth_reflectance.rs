@@ -20,7 +20,6 @@ pub(super) const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
     [0.055_630_079_696_993_59, -0.203_976_958_888_976_5, 1.056_971_514_242_878],
 ];
 
-/// The number of samples of a fit: one per nm of the band.
 const FIT_SAMPLES: usize = (BAND_NM.1 - BAND_NM.0) as usize + 1;
 
 /// The error in linear RGB below which the fit stops, far below one step of an 8-bit display value.
@@ -37,7 +36,6 @@ const BLACK_OR_WHITE: f64 = 1e9;
 
 pub(super) type Vec3 = [f64; 3];
 
-/// The illuminant and observer of the fit: D65 and CIE 1931.
 pub(super) struct FitBasis {
     /// D65, scaled so that its Y is 1.
     pub(super) d65: Spectrum,
@@ -256,7 +254,6 @@ fn step(c: Vec3, error: Vec3, jacobian: [Vec3; 3], damping: f64) -> Vec3 {
     if next.iter().all(|coefficient| coefficient.is_finite()) { next } else { c }
 }
 
-/// Solves three linear equations by Cramer's rule.
 fn solve(m: [Vec3; 3], right: Vec3) -> Vec3 {
     let determinant = |m: [Vec3; 3]| {
         m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])

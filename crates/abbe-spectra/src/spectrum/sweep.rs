@@ -5,7 +5,6 @@ use super::band::BAND_NM;
 use super::continuum::{Continuum, ContinuumCursor};
 use super::line::{LineCursor, Lines};
 
-/// The two parts of a spectrum: the continuum and the lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SpectrumParts<'a> {
     pub(crate) continuum: &'a Continuum,

@@ -47,7 +47,6 @@ pub(super) fn is_fine_within(nm: &[f64], (from, to): (f64, f64)) -> bool {
     nm.windows(2).any(|pair| pair[1] - pair[0] < FINE_STEP_NM && pair[1] > from && pair[0] < to)
 }
 
-/// Converts a table to a function over the band.
 pub(crate) fn continuum(nm: &[f64], values: &[f64], outside: Outside) -> Result<Continuum> {
     if nm.len() != values.len() {
         let what = format!("{} wavelengths and {} values", nm.len(), values.len());

@@ -8,10 +8,8 @@ use super::continuum::Continuum;
 use super::line::LineSegment;
 use super::table::{self, Outside};
 
-/// The number of steps of 1 nm.
 pub(super) const STEPS: usize = (BAND_NM.0 - ULTRAVIOLET_FROM_NM) as usize;
 
-/// The ultraviolet part of a spectrum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ultraviolet {
     /// The values at whole nanometres from 300 to 360 nm.
@@ -23,14 +21,12 @@ pub(super) struct Ultraviolet {
 pub(super) struct BelowBand<'a> {
     /// `None` if the value at the lower end of the band is held.
     pub(super) part: Option<&'a Ultraviolet>,
-    /// The continuum within the band.
     pub(super) within: &'a Continuum,
 }
 
 /// A piece of a weighted spectrum: its ends in nm, and the values at the ends.
 pub(super) type WeightedPiece = ((f64, f64), (f64, f64));
 
-/// Returns the wavelength of a grid point in nm.
 pub(super) fn grid_nm(i: usize) -> f64 {
     ULTRAVIOLET_FROM_NM + i as f64
 }
@@ -162,7 +158,6 @@ impl<'a> BelowBand<'a> {
         Ultraviolet::combined(&|nm| self.continuum_at(nm) * other.continuum_at(nm), lines)
     }
 
-    /// Returns the part of 1 minus the continuum.
     pub(super) fn complement(self) -> Option<Box<Ultraviolet>> {
         self.part?;
         Ultraviolet::combined(&|nm| 1.0 - self.continuum_at(nm), Vec::new())

@@ -259,7 +259,6 @@ impl Spectrum {
         Self { upsampled: true, ..Self::from_continuum(continuum) }
     }
 
-    /// Creates a spectrum without lines and without a narrow part.
     pub(crate) fn from_continuum(continuum: Continuum) -> Self {
         Self { continuum, lines: Lines::none(), narrow: None, upsampled: false, ultraviolet: None }
     }
@@ -268,13 +267,11 @@ impl Spectrum {
         Self { ultraviolet, ..self }
     }
 
-    /// Converts a smooth function.
     pub(super) fn of_formula(function: impl Fn(f64) -> f64 + Sync) -> Self {
         let ultraviolet = Ultraviolet::sampled(&function, false);
         Self { ultraviolet, ..Self::from_continuum(smooth::sampled(&function, &[])) }
     }
 
-    /// Returns the values below the band.
     #[inline]
     pub(super) fn below_band(&self) -> BelowBand<'_> {
         BelowBand { part: self.ultraviolet.as_deref(), within: &self.continuum }

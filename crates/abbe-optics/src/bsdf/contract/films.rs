@@ -65,7 +65,6 @@ pub(super) fn cases() -> Vec<BsdfCase> {
     ]
 }
 
-/// Rough glass under clear films scatters all light, at any index, roughness and angle.
 #[test]
 fn clear_films_on_rough_glass_keep_the_energy() {
     let layer = |n: f64, thickness_nm: f64| FilmLayer {

@@ -8,7 +8,6 @@ use crate::lens::profile::SurfaceProfile;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{hypot, sin};
 
-/// The field points of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FieldKind {
     /// Angles in degrees.
@@ -19,7 +18,6 @@ pub(super) enum FieldKind {
     ImageHeight,
 }
 
-/// The contents of a file during parsing.
 pub(super) struct ZmxReader<'a> {
     catalogues: &'a [AgfCatalogue],
     pub(super) name: String,
@@ -111,7 +109,6 @@ impl<'a> ZmxReader<'a> {
         Ok(object_mm)
     }
 
-    /// Returns the system as a lens without mirrors.
     pub(super) fn unfolded(mut self) -> Result<Lens> {
         let object_mm = self.take_ends()?;
         for row in &self.rows {
@@ -136,7 +133,6 @@ impl<'a> ZmxReader<'a> {
         }
     }
 
-    /// Returns the system as a lens without mirrors.
     pub(super) fn lens(self, object_mm: f64) -> Result<Lens> {
         let lines: Vec<usize> = self.rows.iter().map(|row| row.line).collect();
         let surfaces = self.rows.iter().map(|row| row.surface(self.unit_mm)).collect::<Result<_>>()?;

@@ -8,7 +8,6 @@ use abbe_spectra::error::{Error, Result};
 
 const GLASSES: &str = "a glass of the built-in catalogue, or of an .agf catalogue that is read with the lens";
 
-/// What a surface does with light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SurfaceKind {
     /// Refraction, or nothing if the media on both sides are equal.
@@ -106,7 +105,6 @@ impl ZmxSurface {
         Ok(())
     }
 
-    /// Sets the coefficient of h^(2·order).
     fn read_term(&mut self, order: f64, value: f64) -> Result<()> {
         if value == 0.0 {
             return Ok(());

@@ -143,7 +143,6 @@ fn a_cassegrain_telescope_has_its_focal_length() {
     assert!((analysis.fields[0].passing - 0.84).abs() < 0.02, "{}", analysis.fields[0].passing);
 }
 
-/// A plane mirror at 45° between a lens and its image changes no figure of the lens.
 #[test]
 fn a_fold_mirror_changes_no_figure() {
     let lens = "SURF 1\n  STOP\n  CURV 0.01\n  DISZ 5\n  GLAS N-BK7\n  DIAM 10\nSURF 2\n  CURV -0.01\n";
@@ -173,7 +172,6 @@ fn a_fold_mirror_changes_no_figure() {
     }
 }
 
-/// Shift and then rotation, or the other way round.
 #[test]
 fn the_order_of_a_coordinate_break_is_respected() {
     let text = |order: u32| {

@@ -58,7 +58,6 @@ impl ColumnFormat {
     }
 }
 
-/// Splits a row into trimmed cells.
 fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterator<Item = TextCell<'_>> {
     let mut start = 0;
     row.split(is_separator).map(move |cell| {
