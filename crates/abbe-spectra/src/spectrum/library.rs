@@ -90,11 +90,10 @@ struct LibraryFile {
     text: &'static str,
 }
 
-/// A file of the folder `data`, with its source.
-macro_rules! library_file {
-    ($path:literal, $source:literal) => {
-        LibraryFile { path: $path, source: $source, text: include_str!(concat!("../../data/", $path)) }
-    };
+impl LibraryFile {
+    const fn new(path: &'static str, source: &'static str, text: &'static str) -> Self {
+        Self { path, source, text }
+    }
 }
 
 /// The file of spectral lines. All others are tables with one column per entry.
@@ -105,28 +104,74 @@ static METALS: &str = include_str!("../../data/metals/metals.csv");
 static METALS_NK: &str = include_str!("../../data/metals/metals_nk.csv");
 
 static FILES: [LibraryFile; 16] = [
-    library_file!(
+    LibraryFile::new(
         "illuminants/cie_standard_1nm.csv",
-        "CIE 15; A by its formula, D beyond 780 nm from the CIE daylight components"
+        "CIE 15; A by its formula, D beyond 780 nm from the CIE daylight components",
+        include_str!("../../data/illuminants/cie_standard_1nm.csv"),
     ),
-    library_file!("illuminants/cie_C.csv", "CIE 15"),
-    library_file!("illuminants/cie_fl.csv", "CIE 15, sets of 1986 and 2004"),
-    library_file!("illuminants/cie_hp.csv", "CIE 15"),
-    library_file!("illuminants/cie_led.csv", "CIE 15:2018"),
-    library_file!("illuminants/lamps_measured_5nm.csv", "NIST Colour Quality Scale lamps (Davis and Ohno 2008)"),
-    library_file!("illuminants/led_models_1nm.csv", "model of Ohno 2005"),
-    library_file!("illuminants/solar_astm_g173.csv", "ASTM G173-03 (SMARTS 2.9.2, NREL)"),
-    library_file!("illuminants/lines.csv", "NIST Atomic Spectra Database, wavelengths in air; makers' tables"),
-    library_file!("reflectance/colorchecker_ohta_5nm.csv", "N. Ohta, The Basis of Color Reproduction Engineering"),
-    library_file!("reflectance/colorchecker_babelcolor_10nm.csv", "BabelColor (D. Pascale), mean of 30 charts"),
-    library_file!("reflectance/cie_tcs_5nm.csv", "CIE 13.3-1995"),
-    library_file!("reflectance/leaf_prospectD.csv", "PROSPECT-D (Féret et al. 2017), computed"),
-    library_file!(
+    LibraryFile::new("illuminants/cie_C.csv", "CIE 15", include_str!("../../data/illuminants/cie_C.csv")),
+    LibraryFile::new(
+        "illuminants/cie_fl.csv",
+        "CIE 15, sets of 1986 and 2004",
+        include_str!("../../data/illuminants/cie_fl.csv"),
+    ),
+    LibraryFile::new("illuminants/cie_hp.csv", "CIE 15", include_str!("../../data/illuminants/cie_hp.csv")),
+    LibraryFile::new("illuminants/cie_led.csv", "CIE 15:2018", include_str!("../../data/illuminants/cie_led.csv")),
+    LibraryFile::new(
+        "illuminants/lamps_measured_5nm.csv",
+        "NIST Colour Quality Scale lamps (Davis and Ohno 2008)",
+        include_str!("../../data/illuminants/lamps_measured_5nm.csv"),
+    ),
+    LibraryFile::new(
+        "illuminants/led_models_1nm.csv",
+        "model of Ohno 2005",
+        include_str!("../../data/illuminants/led_models_1nm.csv"),
+    ),
+    LibraryFile::new(
+        "illuminants/solar_astm_g173.csv",
+        "ASTM G173-03 (SMARTS 2.9.2, NREL)",
+        include_str!("../../data/illuminants/solar_astm_g173.csv"),
+    ),
+    LibraryFile::new(
+        LINES_FILE,
+        "NIST Atomic Spectra Database, wavelengths in air; makers' tables",
+        include_str!("../../data/illuminants/lines.csv"),
+    ),
+    LibraryFile::new(
+        "reflectance/colorchecker_ohta_5nm.csv",
+        "N. Ohta, The Basis of Color Reproduction Engineering",
+        include_str!("../../data/reflectance/colorchecker_ohta_5nm.csv"),
+    ),
+    LibraryFile::new(
+        "reflectance/colorchecker_babelcolor_10nm.csv",
+        "BabelColor (D. Pascale), mean of 30 charts",
+        include_str!("../../data/reflectance/colorchecker_babelcolor_10nm.csv"),
+    ),
+    LibraryFile::new(
+        "reflectance/cie_tcs_5nm.csv",
+        "CIE 13.3-1995",
+        include_str!("../../data/reflectance/cie_tcs_5nm.csv"),
+    ),
+    LibraryFile::new(
+        "reflectance/leaf_prospectD.csv",
+        "PROSPECT-D (Féret et al. 2017), computed",
+        include_str!("../../data/reflectance/leaf_prospectD.csv"),
+    ),
+    LibraryFile::new(
         "reflectance/sky_zenith_single_scatter.csv",
-        "ASTM G173 sunlight with single Rayleigh scattering, computed"
+        "ASTM G173 sunlight with single Rayleigh scattering, computed",
+        include_str!("../../data/reflectance/sky_zenith_single_scatter.csv"),
     ),
-    library_file!("media/water.csv", "Pope and Fry 1997, Hale and Querry 1973; Morel 1974, Smith and Baker 1981"),
-    library_file!("media/rayleigh_air.csv", "Bodhaine et al. 1999, computed"),
+    LibraryFile::new(
+        "media/water.csv",
+        "Pope and Fry 1997, Hale and Querry 1973; Morel 1974, Smith and Baker 1981",
+        include_str!("../../data/media/water.csv"),
+    ),
+    LibraryFile::new(
+        "media/rayleigh_air.csv",
+        "Bodhaine et al. 1999, computed",
+        include_str!("../../data/media/rayleigh_air.csv"),
+    ),
 ];
 
 /// Returns the whole catalogue in its order.
