@@ -59,22 +59,10 @@ impl<'a> CameraPass<'a> {
         if self.plan.wavelengths == WavelengthPlan::Free {
             return false;
         }
-        match interaction.bsdf.model {
-            Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => {
-                interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive()
-            }
-            Bsdf::Grating(_) => true,
-            Bsdf::Absorber
-            | Bsdf::Diffuse(_)
-            | Bsdf::Fluorescent(_)
-            | Bsdf::Translucent(_)
-            | Bsdf::Mirror(_)
-            | Bsdf::Conductor(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_)
-            | Bsdf::Glossy(_)
-            | Bsdf::Mix(_) => false,
-        }
+        let model = interaction.bsdf.model;
+        let refracts = matches!(model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_));
+        let is_dispersive = interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
+        (refracts && is_dispersive) || matches!(model, Bsdf::Grating(_))
     }
 
     /// Scatters a free path at dispersive glass. The reflected path stays free. The refracted path

@@ -48,20 +48,11 @@ impl SensorResponses {
     /// light of a wavelength (nm). Returns `None` if no material is diffuse and uniform, or if the
     /// tables would need too much memory.
     pub fn new(scene: &Scene, spectra: &PhotonSpectra, sensitivity: impl Fn(f64) -> [f64; 3]) -> Option<Self> {
-        let diffuse = |surface: &Bsdf| match surface {
-            Bsdf::Diffuse(diffuse) => diffuse.reflectance().uniform().cloned().map(TabulatedSurface::Diffuse),
-            Bsdf::Fluorescent(surface) => Some(TabulatedSurface::fluorescent(surface, &sensitivity)),
-            Bsdf::Absorber
-            | Bsdf::Translucent(_)
-            | Bsdf::Mirror(_)
-            | Bsdf::Conductor(_)
-            | Bsdf::Dielectric(_)
-            | Bsdf::CoatedDielectric(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_)
-            | Bsdf::Grating(_)
-            | Bsdf::Glossy(_)
-            | Bsdf::Mix(_) => None,
+        let diffuse = |surface: &Bsdf| {
+            if let Bsdf::Diffuse(diffuse) = surface {
+                return diffuse.reflectance().uniform().cloned().map(TabulatedSurface::Diffuse);
+            }
+            surface.as_fluorescent().map(|surface| TabulatedSurface::fluorescent(surface, &sensitivity))
         };
         let materials: Vec<Option<TabulatedSurface>> =
             scene.materials.iter().map(|material| diffuse(&material.surface)).collect();
