@@ -108,6 +108,7 @@
 //! To use the renderer without the command line, depend on it as
 //! `abbe = { version = "…", default-features = false }`.
 
+#![warn(missing_docs)]
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -127,10 +128,8 @@ pub use abbe_spectra::{Error, ErrorKind, ErrorLocation, Observer, Result, Spectr
 pub use api::{Image, PixelSpectrum, RenderOptions, Scene};
 
 /// Returns a spectrum of the built-in library, such as `D65`. `abbe spectrum --list` prints all
-/// names. Letter case does not matter.
-///
-/// # Errors
-/// Returns an error if the name is unknown. If a similar name exists, the error suggests it.
+/// names. Letter case does not matter. Returns an error if the name is unknown. If a similar name
+/// exists, the error suggests it.
 pub fn spectrum_by_name(name: &str) -> Result<Spectrum> {
     Ok(abbe_spectra::spectrum::library::find(name)?.spectrum)
 }

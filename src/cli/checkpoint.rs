@@ -36,7 +36,6 @@ impl CheckpointFile<'_> {
         SavedRun::resume(&self.path, self.job, self.identity, part)
     }
 
-    /// Writes a run to the checkpoint file.
     pub(crate) fn write(&self, run: &Run) -> Result<()> {
         self.write_to(&self.path, run, self.metadata.clone())
     }

@@ -21,7 +21,6 @@ const END_TIME: Duration = Duration::from_secs(3);
 /// The largest number of images that wait. They have different names.
 const MOST_WAITING: usize = 4;
 
-/// The address of a display server.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ServerAddress {
     host: String,

@@ -54,10 +54,8 @@ fn half_of_last_digit(number: &str) -> Option<f64> {
 }
 
 impl Expectation {
-    /// Checks a JSON report. Returns a sentence if the value differs.
-    ///
-    /// # Errors
-    /// Returns an input error if the report has no such figure, or if the number of values differs.
+    /// Checks a JSON report. Returns a sentence if the value differs. Returns an input error if the
+    /// report has no such figure, or if the number of values differs.
     pub(crate) fn failure(&self, report: &Value) -> Result<Option<String>> {
         let figures = report.as_object().into_iter().flatten().filter(|(key, _)| is_measured(key));
         let names: Vec<&str> = figures.map(|(key, _)| key.as_str()).collect();

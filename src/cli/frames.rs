@@ -60,10 +60,8 @@ impl SequenceFrame {
     }
 
     /// Returns the file name for this frame. The number of the frame replaces the group of `#`
-    /// signs in the file name of `pattern`.
-    ///
-    /// # Errors
-    /// Returns an error if the file name has no `#` sign, or has several groups of `#` signs.
+    /// signs in the file name of `pattern`. Returns an error if the file name has no `#` sign, or
+    /// has several groups of `#` signs.
     pub(crate) fn name(&self, pattern: &Path) -> Result<PathBuf> {
         let wrong = |what: &str| {
             let what = format!("the file name {} {what}", pattern.display());

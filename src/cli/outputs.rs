@@ -29,7 +29,6 @@ impl OutputFiles {
         Ok(Self { png: exr.with_extension("png"), exr, stats })
     }
 
-    /// The path of the checkpoint.
     pub(crate) fn checkpoint(&self) -> PathBuf {
         self.exr.with_extension("checkpoint.exr")
     }

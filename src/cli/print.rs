@@ -100,7 +100,6 @@ pub(crate) fn error(error: &Error) {
     }
 }
 
-/// Prints the text of an error on one line.
 pub(crate) fn error_line(text: &str) {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     remark(&format!("error: {}", lines.join(" ")));

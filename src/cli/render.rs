@@ -152,11 +152,8 @@ pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
 }
 
 /// Checks the scene and the options of a render whose parts are jobs of a cluster. Returns the
-/// number of passes of the scene.
-///
-/// # Errors
-/// Returns an input error if the scene is wrong, or if an option is given that the scripts of the
-/// jobs set themselves.
+/// number of passes of the scene. Returns an input error if the scene is wrong, or if an option is
+/// given that the scripts of the jobs set themselves.
 pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<Option<u64>> {
     let owned = [
         ("--output", arguments.output.is_some()),

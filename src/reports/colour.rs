@@ -6,8 +6,6 @@ use abbe_spectra::spectrum::{Observer, Spectrum};
 use serde::Serialize;
 
 /// Computes the colour of a light, or of a reflectance under a light. Errors name the spectrum.
-///
-/// # Errors
 /// Returns an error if the light has no luminance for the observer.
 pub fn colour(name: &str, spectrum: &Spectrum, under: Option<&Spectrum>, observer: &Observer) -> Result<ColourReport> {
     let report = match under {

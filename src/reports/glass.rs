@@ -97,11 +97,8 @@ impl<'a> GlassList<'a> {
     }
 }
 
-/// Returns the indices of refraction of a glass at wavelengths in nm.
-///
-/// # Errors
-/// Returns an error if a wavelength outside the visible band is also outside the valid range of the
-/// data.
+/// Returns the indices of refraction of a glass at wavelengths in nm. Returns an error if a
+/// wavelength outside the visible band is also outside the valid range of the data.
 pub fn indices(glass: &Glass, nm: &[f64]) -> Result<Vec<f64>> {
     let (from, to) = glass.index.range_nm();
     let is_valid = |nm: f64| (BAND_NM.0..=BAND_NM.1).contains(&nm) || (from..=to).contains(&nm);
@@ -114,9 +111,6 @@ pub fn indices(glass: &Glass, nm: &[f64]) -> Result<Vec<f64>> {
 
 impl<'a> GlassReport<'a> {
     /// Describes a glass, with its index at wavelengths in nm.
-    ///
-    /// # Errors
-    /// Returns the error of [`indices`].
     pub fn of(glass: &'a Glass, nm: &[f64]) -> Result<Self> {
         let index = &glass.index;
         let (from, to) = index.range_nm();

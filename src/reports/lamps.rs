@@ -45,11 +45,9 @@ pub struct PrimaryMix {
 }
 
 impl LampsCompared {
-    /// Compares the lamp A with B, or else with its match from the primaries, and with C.
-    ///
-    /// # Errors
-    /// Returns an error if there is neither B nor a primary, if a lamp has no luminance for the
-    /// observer, or if a primary has no colour.
+    /// Compares the lamp A with B, or else with its match from the primaries, and with C. Returns
+    /// an error if there is neither B nor a primary, if a lamp has no luminance for the observer,
+    /// or if a primary has no colour.
     pub fn of(
         a: NamedSpectrum,
         others: [Option<NamedSpectrum>; 2],
@@ -95,8 +93,6 @@ impl LampsCompared {
     }
 
     /// The HTML page of the comparison of A and B, with spectra, colour swatches and all numbers.
-    ///
-    /// # Errors
     /// Returns a machine error if an image cannot be encoded as PNG.
     #[cfg(feature = "pages")]
     pub fn html(&self) -> Result<String> {

@@ -131,10 +131,8 @@ pub struct LensListing<'a> {
 }
 
 impl LensList<'static> {
-    /// Lists the built-in lenses.
-    ///
-    /// # Errors
-    /// Returns an error if a lens has no paraxial properties. This is a bug of the catalogue.
+    /// Lists the built-in lenses. Returns an error if a lens has no paraxial properties. This is a
+    /// bug of the catalogue.
     pub fn built_in() -> Result<Self> {
         let listed = |lens: &'static Lens| {
             let paraxial = lens.at(LINES[1].1).paraxial()?;
@@ -151,10 +149,8 @@ impl LensList<'static> {
 }
 
 /// Returns the built-in lens with this name, or the system in this file: a prescription in JSON, or
-/// a Zemax file (`.zmx`). The catalogues in the files `glasses` are searched first.
-///
-/// # Errors
-/// Returns an error if the name is unknown, or if a file cannot be read or is wrong.
+/// a Zemax file (`.zmx`). The catalogues in the files `glasses` are searched first. Returns an
+/// error if the name is unknown, or if a file cannot be read or is wrong.
 pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     let catalogues: Vec<AgfCatalogue> = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
     let unknown = match catalogue::find(name) {
@@ -173,10 +169,8 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
 }
 
 impl<'a> LensReport<'a> {
-    /// Reports an analysis, with the image quality at its fields.
-    ///
-    /// # Errors
-    /// Returns an error if no light passes at one of the fields.
+    /// Reports an analysis, with the image quality at its fields. Returns an error if no light
+    /// passes at one of the fields.
     pub fn of(lens: &'a Lens, analysis: &LensAnalysis) -> Result<Self> {
         let quality = ImageQuality::of(lens, analysis)?;
         let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
@@ -229,10 +223,8 @@ impl<'a> LensReport<'a> {
     }
 }
 
-/// Draws the cross-section of a lens with rays of the F, d and C lines.
-///
-/// # Errors
-/// Returns an error if no light passes.
+/// Draws the cross-section of a lens with rays of the F, d and C lines. Returns an error if no
+/// light passes.
 pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
     let LensSection { elements, stop, sensor, rays, foci } = section(lens, analysis)?;
     let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };

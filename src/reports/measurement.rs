@@ -15,10 +15,8 @@ use abbe_spectra::math::elementary::log10;
 
 /// Measures with the meters of a planned scene, on the number of threads that the scene states.
 /// Also returns true if the monitor stopped the measurement. Errors name the scene file `path`.
-/// `integrator` replaces the choice of the plan.
-///
-/// # Errors
-/// Returns an error if the integrator cannot measure the scene, or if threads cannot be started.
+/// `integrator` replaces the choice of the plan. Returns an error if the integrator cannot measure
+/// the scene, or if threads cannot be started.
 pub fn measure(
     job: &Job,
     path: &Path,

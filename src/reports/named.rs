@@ -21,10 +21,8 @@ pub struct NamedSpectrum {
 }
 
 /// Returns the spectrum that a text describes: a name of the library, the path of a file, or a
-/// spectrum in the JSON form of scenes.
-///
-/// # Errors
-/// Returns an error if the text is none of these, or if the file or the JSON is wrong.
+/// spectrum in the JSON form of scenes. Returns an error if the text is none of these, or if the
+/// file or the JSON is wrong.
 pub fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     let origin = Path::new("the command line");
     let is_colour = is_hex_colour(text);

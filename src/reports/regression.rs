@@ -130,10 +130,8 @@ fn lines(entry: &RegressionSpectrum) -> impl Iterator<Item = ExportedLine> {
         .map(move |line| ExportedLine { nm: rounded(line.centre()), power: line.power })
 }
 
-/// Writes the set to a folder, as JSON and as CSV files. Returns the number of cases.
-///
-/// # Errors
-/// Returns an error if the folder or a file cannot be written.
+/// Writes the set to a folder, as JSON and as CSV files. Returns the number of cases. Returns an
+/// error if the folder or a file cannot be written.
 pub fn write_set(folder: &Path) -> Result<usize> {
     std::fs::create_dir_all(folder)
         .map_err(|error| Error::machine(format!("cannot be created: {error}")).in_file(folder))?;
@@ -179,10 +177,8 @@ pub fn write_set(folder: &Path) -> Result<usize> {
 }
 
 /// Reads the colours of a converter. A file whose name ends in `.json` is JSON, and any other file
-/// is CSV. Each colour has the name of its case.
-///
-/// # Errors
-/// Returns an error if the file cannot be read, or if it has another form.
+/// is CSV. Each colour has the name of its case. Returns an error if the file cannot be read, or if
+/// it has another form.
 pub fn read_colours(path: &Path) -> Result<Vec<(String, ConvertedColour)>> {
     let text = std::fs::read_to_string(path).map_err(|error| Error::input(format!("cannot be read: {error}")))?;
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
@@ -246,8 +242,6 @@ fn columns(count: usize) -> String {
 }
 
 /// Reads the colours of a converter from JSON: a list of cases, or an object with this list.
-///
-/// # Errors
 /// Returns an error if the text is not JSON, if it has another form, or if it belongs to another
 /// set.
 pub fn colours_of_json(text: &str) -> Result<Vec<(String, ConvertedColour)>> {

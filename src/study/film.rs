@@ -40,7 +40,6 @@ const PATH_PASSES: f64 = 64.0;
 /// The largest share of the sweep's time that pilots may take.
 const PILOT_FRACTION: f64 = 0.3;
 
-/// The number of passes of a rehearsal.
 const REHEARSAL_PASSES: u64 = 2;
 
 /// Returns the number of renders that are needed to choose the film size.

@@ -76,10 +76,7 @@ fn image(screen: &DisplayImage, words: &str) -> Result<Markup> {
     Ok(html! { img src=(source) alt=(words) width=(screen.width) height=(screen.height); })
 }
 
-/// Writes the page.
-///
-/// # Errors
-/// Returns an error if a picture is too large for PNG.
+/// Writes the page. Returns an error if a picture is too large for PNG.
 pub(super) fn page(report: &StudyReport, pictures: &StudyPictures<'_>) -> Result<String> {
     let title = format!("What accuracy costs: {}", report.title);
     let body = html! {

@@ -43,11 +43,9 @@ pub enum StudyOutcome {
 /// The file name of the study's page.
 pub const PAGE: &str = "study.html";
 
-/// Studies a scene on the current thread pool, and writes the results.
-///
-/// # Errors
-/// Returns an error if the scene is invalid, if the given reference and the scene's film have
-/// different aspect ratios, or if the folder cannot be written.
+/// Studies a scene on the current thread pool, and writes the results. Returns an error if the
+/// scene is invalid, if the given reference and the scene's film have different aspect ratios, or
+/// if the folder cannot be written.
 pub fn run(
     study_scene: &StudyScene,
     options: &StudyOptions,

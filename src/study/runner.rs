@@ -12,7 +12,6 @@ use abbe_session::output::hash::IdentityHash;
 use abbe_session::render::{Integrator, Request, StopRules, current_threads};
 use abbe_transport::sensor::Picture;
 
-/// A render of the study.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RenderStep {
     /// The name of the step's files.

@@ -48,10 +48,8 @@ const STEPS: &str = "steps";
 const STEP: &str = "abbe.step";
 
 impl StepCache {
-    /// Opens the folder, and creates it if it does not exist.
-    ///
-    /// # Errors
-    /// Returns an error if the folder cannot be created or written.
+    /// Opens the folder, and creates it if it does not exist. Returns an error if the folder cannot
+    /// be created or written.
     pub(super) fn open(folder: &Path) -> Result<Self> {
         let steps = folder.join(STEPS);
         fs::create_dir_all(&steps)

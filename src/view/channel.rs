@@ -29,7 +29,6 @@ pub(super) struct Orders {
     pub(super) interrupted: bool,
 }
 
-/// The state of the session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SessionState {
     /// The session loads the scene, or runs the pilot.

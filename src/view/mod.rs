@@ -39,10 +39,8 @@ pub struct LiveView {
 }
 
 impl LiveView {
-    /// Starts the server. If `port` is 0, the system chooses a free port.
-    ///
-    /// # Errors
-    /// Returns a machine error if the address cannot be used.
+    /// Starts the server. If `port` is 0, the system chooses a free port. Returns a machine error
+    /// if the address cannot be used.
     pub fn listen(bind: IpAddr, port: u16) -> Result<Self> {
         let channel = Arc::new(ViewChannel::new());
         let token = access::random_token();
@@ -61,28 +59,21 @@ impl LiveView {
     }
 
     /// Reads a picture with which the page compares the render, or the picture in the file
-    /// `picture`.
-    ///
-    /// # Errors
-    /// Returns an error if a file cannot be read, or if the pictures in both files have different
-    /// sizes.
+    /// `picture`. Returns an error if a file cannot be read, or if the pictures in both files have
+    /// different sizes.
     pub fn compare_with(&self, reference: &Path, picture: Option<&Path>) -> Result<()> {
         pictures::set_reference(&self.channel, reference, picture)
     }
 
-    /// Shows the picture in an EXR file until the user interrupts the program.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read at first, or if a thread cannot be started.
+    /// Shows the picture in an EXR file until the user interrupts the program. Returns an error if
+    /// the file cannot be read at first, or if a thread cannot be started.
     pub fn show(&self, picture: &Path, is_interrupted: fn() -> bool) -> Result<()> {
         pictures::run(&self.channel, picture, is_interrupted)
     }
 
     /// Renders the scene until the host is interrupted. The page may pause the render and change
-    /// the scene.
-    ///
-    /// # Errors
-    /// Returns an error if the first load of the scene fails, or if a thread cannot be started.
+    /// the scene. Returns an error if the first load of the scene fails, or if a thread cannot be
+    /// started.
     pub fn run(&self, host: &dyn ViewHost, stop: StopRules) -> Result<SessionEnd> {
         watch::start(host.scene_path(), host.interruption(), Arc::clone(&self.channel))?;
         session::run(host, &self.channel, stop)

@@ -18,7 +18,6 @@ pub(super) struct ProbeArea {
 /// The mean values of an area.
 #[derive(Debug, Serialize)]
 pub(super) struct AreaReport {
-    /// The number of the picture.
     picture: u64,
     passes: u64,
     area: [usize; 4],

@@ -41,7 +41,6 @@ impl<'a> Publisher<'a> {
         Self { channel, loaded, scene, revision, last: None, schedule: PublicationSchedule::new() }
     }
 
-    /// Publishes a coarse picture.
     pub(super) fn coarse(&self, picture: &Picture) {
         self.channel.publish(self.revision, self.snapshot(picture.clone(), None));
     }
@@ -60,7 +59,6 @@ impl<'a> Publisher<'a> {
         }
     }
 
-    /// Publishes the picture of a run.
     pub(super) fn publish(&mut self, run: &Run, picture: Picture) {
         if self.last.as_ref().is_none_or(|last| last.passes < run.passes()) {
             let snapshot = self.snapshot(picture, Some(run));

@@ -59,10 +59,8 @@ struct ViewServer {
     tracing: tokio::sync::Mutex<()>,
 }
 
-/// Starts the thread of the server.
-///
-/// # Errors
-/// Returns an error if the thread or its event loop cannot be started.
+/// Starts the thread of the server. Returns an error if the thread or its event loop cannot be
+/// started.
 pub(super) fn start(listener: std::net::TcpListener, access: Access, channel: Arc<ViewChannel>) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;

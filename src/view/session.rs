@@ -26,10 +26,8 @@ pub struct SessionEnd {
 /// Renders until the host is interrupted.
 ///
 /// Each render has its own thread. If the scene changes, the session abandons the render, and
-/// starts the next one at once. The abandoned render ends after its pass.
-///
-/// # Errors
-/// Returns an error if the first load of the scene fails, or if a thread cannot be started.
+/// starts the next one at once. The abandoned render ends after its pass. Returns an error if the
+/// first load of the scene fails, or if a thread cannot be started.
 pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRules) -> Result<SessionEnd> {
     let mut number = 0;
     loop {

@@ -42,6 +42,7 @@
 //! This crate depends on no other crate of Abbe. The tables of `data/` are part of the compiled
 //! crate; `data/SOURCES.md` names the source of each table.
 
+#![warn(missing_docs)]
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

@@ -50,7 +50,6 @@ pub struct PathQuery {
 pub struct PhotonPaths {
     /// The paths, in the order of their photons.
     pub paths: Vec<RecordedPath>,
-    /// The number of traced photons.
     pub traced: u64,
 }
 

@@ -32,7 +32,6 @@ enum AxisScale {
     Logarithmic,
 }
 
-/// A tick of an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
     pub(super) value: f64,

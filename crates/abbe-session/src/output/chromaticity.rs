@@ -49,10 +49,8 @@ const DIAGRAM_LABEL: &str =
     "fill=\"#000\" stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\" font-weight=\"700\" font-size=\"16\"";
 
 impl ChromaticityDiagram<'_> {
-    /// Returns the diagram as a self-contained SVG document.
-    ///
-    /// # Errors
-    /// Returns a machine error if the background cannot be encoded as PNG.
+    /// Returns the diagram as a self-contained SVG document. Returns a machine error if the
+    /// background cannot be encoded as PNG.
     pub fn svg(&self) -> Result<String> {
         let parts = [
             head("plot", DIAGRAM_SIZE, 13.0),

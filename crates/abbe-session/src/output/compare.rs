@@ -12,7 +12,6 @@ use abbe_transport::sensor::{Picture, exposure};
 /// Colour differences ΔE2000 over the selected pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DeltaE {
-    /// The mean.
     pub mean: f64,
     /// The 95th percentile.
     pub p95: f64,
@@ -81,19 +80,13 @@ const TRIMMED: f64 = 0.02;
 
 /// Compares a picture with a reference. The colour differences are measured at the automatic
 /// exposure of the reference.
-///
-/// # Errors
-/// Returns the errors of [`compare_at`].
 pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) -> Result<Comparison> {
     compare_at(picture, reference, selection, exposure::automatic(reference))
 }
 
 /// Compares a picture with a reference. The colour differences are measured at an exposure in
-/// 1/(cd/m²).
-///
-/// # Errors
-/// Returns an input error if the sizes differ, if a region is empty or extends beyond the picture,
-/// or if no pixel is selected.
+/// 1/(cd/m²). Returns an input error if the sizes differ, if a region is empty or extends beyond
+/// the picture, or if no pixel is selected.
 pub fn compare_at(picture: &Picture, reference: &Picture, selection: &Selection, exposure: f64) -> Result<Comparison> {
     let selected = selection.selected(picture, reference)?;
     let scale = ErrorScale::of(reference);

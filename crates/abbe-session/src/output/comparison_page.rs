@@ -35,10 +35,7 @@ const WHITE_DELTA_E: f64 = 10.0;
 /// The description of the error maps.
 const ERROR_CAPTION: &str = "√(noise² + bias²) relative to Y, blue-green if it is unknown.";
 
-/// Returns the page.
-///
-/// # Errors
-/// Returns a machine error if a picture is too large for PNG.
+/// Returns the page. Returns a machine error if a picture is too large for PNG.
 pub fn page(pair: PicturePair<'_>, selection: &Selection, comparison: &Comparison) -> Result<String> {
     let PicturePair { picture: (name_a, a), reference: (name_b, b), tone } = pair;
     let development = Development { tone, ..Development::default() };

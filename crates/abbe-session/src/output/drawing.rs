@@ -23,7 +23,6 @@ pub struct RayStroke {
 pub struct FocusInset {
     /// The title of the window.
     pub title: String,
-    /// The centre.
     pub centre: DVec2,
     /// Half the width and half the height, both above 0.
     pub half_size: DVec2,
@@ -35,7 +34,6 @@ pub struct FocusInset {
 /// The content of a drawing. All lengths are in mm; the optical axis has the height 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LensDrawing {
-    /// The title.
     pub title: String,
     /// A description below the title.
     pub caption: String,
@@ -45,7 +43,6 @@ pub struct LensDrawing {
     pub stop: [[DVec2; 2]; 2],
     /// The ends of the sensor.
     pub sensor: [DVec2; 2],
-    /// The rays.
     pub strokes: Vec<RayStroke>,
     /// The colours of the rays. Each entry contains the meaning of the colour, and the colour in
     /// SVG notation.

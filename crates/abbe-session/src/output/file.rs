@@ -14,8 +14,6 @@ impl<T: Read + Write + Seek> WritableFile for T {}
 /// Writes a file atomically. The data is first written to a temporary file in the same folder. Then
 /// the temporary file is renamed. Readers never see a partial file, and a failure leaves the
 /// previous file in place. Pipes and devices are written directly. Symbolic links are followed.
-///
-/// # Errors
 /// Returns a machine error that names `path` if the folder is missing or not writable, or the disk
 /// is full.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
@@ -25,9 +23,6 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
 /// Writes a file atomically, like [`write_whole`]. The function `fill` writes the data into the
 /// empty file, so that the memory need not hold all of it. Only the data of pipes and devices is
 /// collected first.
-///
-/// # Errors
-/// Returns the errors of [`write_whole`] and of `fill`.
 pub fn write_whole_with(path: &Path, fill: impl FnOnce(&mut dyn WritableFile) -> io::Result<()>) -> Result<()> {
     let target = followed(path);
     if is_special(&target) {
@@ -50,11 +45,8 @@ pub fn write_whole_with(path: &Path, fill: impl FnOnce(&mut dyn WritableFile) ->
 }
 
 /// Checks that [`write_whole`] will probably succeed. Call this function before a long computation
-/// of the data.
-///
-/// # Errors
-/// Returns those errors of [`write_whole`] that can be foreseen. Also returns an error if the file
-/// is write-protected.
+/// of the data. Returns those errors of [`write_whole`] that can be foreseen. Also returns an error
+/// if the file is write-protected.
 pub fn check_writable(path: &Path) -> Result<()> {
     let target = followed(path);
     let refused = |what: &str| Err(Error::machine(format!("cannot be written: {what}")).in_file(path));
@@ -74,10 +66,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
 }
 
 /// Removes a file if it exists. If the path is a symbolic link, the link is removed, and its target
-/// stays.
-///
-/// # Errors
-/// Returns a machine error if the file cannot be removed.
+/// stays. Returns a machine error if the file cannot be removed.
 pub fn remove_if_present(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {

@@ -8,7 +8,6 @@ use abbe_spectra::error::{Error, Result};
 pub struct Gate {
     /// The name of the figure.
     pub figure: String,
-    /// The limit.
     pub limit: f64,
     /// The side of the limit on which the gate fails.
     pub fails: GateSide,
@@ -47,11 +46,8 @@ impl Comparison {
 
 impl Gate {
     /// Checks a comparison. Returns a sentence if the gate fails. A figure that is not a number
-    /// fails every gate.
-    ///
-    /// # Errors
-    /// Returns an input error if the figure is unknown, or if the pictures do not contain the error
-    /// layers that the figure needs.
+    /// fails every gate. Returns an input error if the figure is unknown, or if the pictures do not
+    /// contain the error layers that the figure needs.
     pub fn failure(&self, comparison: &Comparison) -> Result<Option<String>> {
         let Self { figure, limit, fails } = self;
         let figures = comparison.figures();

@@ -3,7 +3,6 @@
 use super::axis::Axis;
 use super::svg::{CURVE_COLOURS, append, escape_xml, head};
 
-/// The style of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeriesStyle {
     /// A line through the points, and a dot at each point.
@@ -24,7 +23,6 @@ pub enum SeriesStyle {
 pub struct PlotSeries {
     /// The name in the legend. A series with an empty name is not in the legend.
     pub name: String,
-    /// The style.
     pub style: SeriesStyle,
     /// The index of the colour.
     pub colour: usize,
@@ -35,7 +33,6 @@ pub struct PlotSeries {
 /// A plot whose axes are both logarithmic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogLogPlot {
-    /// The title.
     pub title: String,
     /// The quantity and unit of the horizontal axis.
     pub across: String,

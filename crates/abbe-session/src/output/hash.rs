@@ -6,7 +6,6 @@
 pub struct IdentityHash(blake3::Hasher);
 
 impl IdentityHash {
-    /// Adds bytes.
     pub fn add(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
@@ -39,7 +38,6 @@ impl SumsHash {
         self.0 = self.0.wrapping_add(half);
     }
 
-    /// Returns the hash as bytes.
     pub fn bytes(self) -> [u8; 16] {
         self.0.to_le_bytes()
     }

@@ -17,10 +17,7 @@ const MADE: [u8; 12] = [7, 228, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0];
 const MADE_AT: std::ops::Range<usize> = 24..36;
 
 /// Returns the bytes of the ICC profile of a colour space. It is a matrix profile of version 4. The
-/// bytes are the same in every run.
-///
-/// # Errors
-/// Returns a machine error if the profile cannot be encoded.
+/// bytes are the same in every run. Returns a machine error if the profile cannot be encoded.
 pub fn profile(space: RgbSpace) -> Result<Vec<u8>> {
     let [red, green, blue] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
         .map(|rgb| xyz_of(adapt(space.to_xyz(rgb), space.white(), D50, AdaptationTransform::Bradford)));

@@ -17,7 +17,6 @@ use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer, Spectrum};
 /// A lamp with its name and its origin.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedLamp<'a> {
-    /// The name.
     pub name: &'a str,
     /// A description and the source of the data.
     pub origin: &'a str,
@@ -25,16 +24,13 @@ pub struct NamedLamp<'a> {
     pub spectrum: &'a Spectrum,
 }
 
-/// The content of the page.
 #[derive(Debug, Clone)]
 pub struct LampsPage<'a> {
     /// The lamps A and B.
     pub lamps: [NamedLamp<'a>; 2],
-    /// The comparison of the lamps.
     pub comparison: &'a LampComparison,
     /// Fluorescent surfaces under the lamps.
     pub fluorescent: &'a [PatchDifference],
-    /// The observer.
     pub observer: &'a Observer,
     /// The primaries that are mixed to match A, or an empty list if A is not matched.
     pub primaries: Vec<NamedLamp<'a>>,
@@ -48,10 +44,7 @@ pub const SHOWN_PAIRS: usize = 12;
 /// The maximum number of characters of a name in the title of a plot.
 const LONGEST_TITLE: usize = 70;
 
-/// Returns the page.
-///
-/// # Errors
-/// Returns a machine error if an image cannot be encoded as PNG.
+/// Returns the page. Returns a machine error if an image cannot be encoded as PNG.
 pub fn page(page: &LampsPage<'_>) -> Result<String> {
     let LampsPage { lamps: [a, b], comparison, fluorescent, observer, primaries: _, warning } = page;
     let title = format!("{} against {}", a.name, b.name);

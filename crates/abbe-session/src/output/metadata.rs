@@ -65,7 +65,6 @@ impl Metadata {
         self
     }
 
-    /// Adds a value as JSON.
     #[must_use]
     pub fn with_json<T: Serialize + ?Sized>(self, name: &str, value: &T) -> Self {
         let text = serde_json::to_string(value).expect("reports have text keys and no fallible values");

@@ -7,7 +7,6 @@ use super::heat;
 use super::page::document;
 use super::plan_map::PlanMap;
 
-/// A meter on the page.
 #[derive(Debug, Clone)]
 pub struct MeterSection {
     /// The name and the quantity of the meter.

@@ -16,7 +16,6 @@ pub struct PlanMap {
     pub count: [usize; 2],
     /// One value for each cell. The index along u changes fastest.
     pub values: Vec<f64>,
-    /// The unit of the values.
     pub unit: &'static str,
     /// Formats a value.
     pub number: fn(f64) -> String,

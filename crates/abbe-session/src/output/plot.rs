@@ -19,7 +19,6 @@ pub struct SpectralCurve {
 /// axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralPlot {
-    /// The title.
     pub title: String,
     /// Quantity and unit of the values.
     pub values: String,

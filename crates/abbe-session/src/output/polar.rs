@@ -17,9 +17,7 @@ pub struct PolarCurve {
 /// A polar diagram. The angle 0 points down, as for a ceiling luminaire.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarDiagram {
-    /// The title.
     pub title: String,
-    /// The unit of the values.
     pub unit: String,
     /// The curves. A later curve is drawn on top of an earlier curve.
     pub curves: Vec<PolarCurve>,

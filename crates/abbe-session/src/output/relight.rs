@@ -31,10 +31,8 @@ pub fn light_groups(picture: &Picture) -> Vec<&str> {
 
 /// Returns the picture in which each light group has the given gain. Groups without a gain keep
 /// their light. The errors of the new picture are unknown. The new picture has no layers of path
-/// classes and no spectral bands.
-///
-/// # Errors
-/// Returns an input error if the picture has no light groups, or if a gain names an unknown group.
+/// classes and no spectral bands. Returns an input error if the picture has no light groups, or if
+/// a gain names an unknown group.
 pub fn relight(picture: &Picture, gains: &[LightGain]) -> Result<Picture> {
     let groups = light_groups(picture);
     if groups.is_empty() {

@@ -21,7 +21,6 @@ pub(super) fn head(classes: &str, (width, height): (f64, f64), font_size: f64) -
     )
 }
 
-/// Escapes text for XML.
 pub(super) fn escape_xml(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

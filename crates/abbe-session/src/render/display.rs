@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 pub struct DisplaySettings {
     /// White balance, colour space, tone curve and gamut mapping.
     pub development: Development,
-    /// The exposure.
     pub exposure: Exposure,
     /// The sum of the XYZ values of all lights of the scene, weighted by their power. `None` if the
     /// picture has no scene. White balance may use this colour.

@@ -48,14 +48,11 @@ pub(super) struct ErrorHistory {
 pub struct RunTimes {
     /// The number of passes done.
     pub passes: u64,
-    /// The time of the whole run in s.
     pub total_s: f64,
-    /// The time before the first pass in s.
     pub before_first_pass_s: f64,
 }
 
 impl RunTimes {
-    /// Returns the times of a run with this many passes.
     pub(super) fn of(passes: u64, seconds: &StageSeconds) -> Self {
         Self { passes, total_s: seconds.total, before_first_pass_s: seconds.pilot }
     }

@@ -98,10 +98,8 @@ impl RenderIdentity {
         pairs.into_iter().flatten().next()
     }
 
-    /// Compares a file's identity with the expected one.
-    ///
-    /// # Errors
-    /// Returns an input error that names the first difference.
+    /// Compares a file's identity with the expected one. Returns an input error that names the
+    /// first difference.
     pub(super) fn check(&self, expected: &Self) -> Result<()> {
         match self.difference(expected) {
             None => Ok(()),

@@ -39,11 +39,8 @@ pub struct Job {
 }
 
 impl Job {
-    /// Plans a scene.
-    ///
-    /// # Errors
-    /// Returns an input error if the scene forces or forbids an unknown effect, forbids a necessary
-    /// effect, or has no light between 360 nm and 830 nm.
+    /// Plans a scene. Returns an input error if the scene forces or forbids an unknown effect,
+    /// forbids a necessary effect, or has no light between 360 nm and 830 nm.
     pub fn new(mut scene: Scene) -> Result<Self> {
         let (plan, rows) = abbe_transport::plan::prepare(&mut scene)?;
         let lights = LightSampler::new(&scene)

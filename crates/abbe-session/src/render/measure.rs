@@ -27,7 +27,6 @@ pub struct MeasurementReport {
     pub meters: Vec<MeterReport>,
     /// The integrator: `path` or `photon`.
     pub integrator: &'static str,
-    /// The number of passes.
     pub passes: u64,
     /// The time in s.
     pub seconds: f64,
@@ -38,11 +37,9 @@ pub struct MeasurementReport {
 /// The readings of a meter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeterReport {
-    /// The name.
     pub name: String,
     /// The name of the quantity.
     pub quantity: &'static str,
-    /// The unit of all values.
     pub unit: &'static str,
     /// The centres of the spectral bands in nm, if the quantity is a spectrum.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -68,7 +65,6 @@ pub struct PointReport {
     pub position: [f64; 3],
     /// The normal, the axis or the direction of view.
     pub normal: Option<[f64; 3]>,
-    /// The value.
     pub value: Value,
     /// The standard error.
     pub noise: Option<Value>,
@@ -90,7 +86,6 @@ pub struct PointReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// A number.
     Number(f64),
     /// One number for each spectral band.
     Spectrum(Vec<f64>),
@@ -198,9 +193,6 @@ impl Job {
     /// Measures with all meters of the scene, on the current thread pool. `integrator` is the
     /// integrator, or `None` for the integrator that suits the meters. Also returns true if the
     /// monitor ended the measurement before a stop rule was satisfied.
-    ///
-    /// # Errors
-    /// See [`Self::continue_run`].
     pub fn measure(
         &self,
         integrator: Option<Integrator>,
@@ -254,7 +246,6 @@ impl Job {
     }
 }
 
-/// Returns the report of a meter.
 fn report(meter: &Meter, points: Vec<PointReport>) -> MeterReport {
     let numbers: Option<Vec<f64>> = points
         .iter()
@@ -283,7 +274,6 @@ fn report(meter: &Meter, points: Vec<PointReport>) -> MeterReport {
     }
 }
 
-/// Returns the report of a reading.
 fn point(quantity: Quantity, known: &MeterReading, reading: &Reading, sky_lx: f64) -> PointReport {
     let (mean, flux) = (known.factor * quantity.scale(), known.area_m2);
     let per_value = if quantity.is_flux() {

@@ -22,7 +22,6 @@ pub struct PartSet {
     gaps: Option<String>,
 }
 
-/// A merged picture.
 #[derive(Debug)]
 pub struct MergedPicture {
     /// The picture with its error layers.
@@ -36,11 +35,9 @@ pub struct MergedPicture {
 }
 
 impl PartSet {
-    /// Reads the records of the parts.
-    ///
-    /// # Errors
-    /// Returns an input error if a file has no exact sums, if the parts belong to different
-    /// renders, or if two parts contain the same pass. The error names the file and the difference.
+    /// Reads the records of the parts. Returns an input error if a file has no exact sums, if the
+    /// parts belong to different renders, or if two parts contain the same pass. The error names
+    /// the file and the difference.
     pub fn new(paths: &[PathBuf]) -> Result<Self> {
         let mut parts: Vec<(PathBuf, SavedRun)> = Vec::with_capacity(paths.len());
         let mut header = Metadata::new();
@@ -88,10 +85,7 @@ impl PartSet {
     /// Adds the sums of all parts. Only the film and a few rows of a part are in memory.
     ///
     /// A job may have replaced a file by one with more passes of the same part. Then the new file
-    /// is merged.
-    ///
-    /// # Errors
-    /// Returns an input error if a file is damaged, or was replaced by another part.
+    /// is merged. Returns an input error if a file is damaged, or was replaced by another part.
     pub fn merge(mut self) -> Result<MergedPicture> {
         // The sums already contain the observer's response, so developing them ignores the
         // observer.
@@ -162,10 +156,8 @@ fn check(identity: &RenderIdentity, first: &RenderIdentity, path: &Path) -> Resu
 /// Returns the missing passes in words.
 ///
 /// The records are not checked yet, and may contain any number of passes. Therefore the time and
-/// the memory of this function do not grow with the number of passes.
-///
-/// # Errors
-/// Returns an input error if two parts contain the same pass.
+/// the memory of this function do not grow with the number of passes. Returns an input error if two
+/// parts contain the same pass.
 fn gaps(parts: &[(PathBuf, SavedRun)]) -> Result<Option<String>> {
     for (number, (path, saved)) in parts.iter().enumerate() {
         for (other_path, other) in &parts[..number] {

@@ -17,10 +17,8 @@ impl PassPart {
     /// All passes.
     pub const WHOLE: Self = Self { index: 0, of: 1 };
 
-    /// Creates part `index`, counted from 0, of `of` parts.
-    ///
-    /// # Errors
-    /// Returns an input error if `index` is not less than `of`.
+    /// Creates part `index`, counted from 0, of `of` parts. Returns an input error if `index` is
+    /// not less than `of`.
     pub fn new(index: u32, of: u32) -> Result<Self> {
         if index < of {
             return Ok(Self { index, of });

@@ -44,11 +44,9 @@ impl StopRules {
     }
 }
 
-/// A request for a render.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Request {
     /// The algorithm that solves the light transport.
     pub integrator: Integrator,
-    /// The rules that stop the render.
     pub stop: StopRules,
 }

@@ -49,10 +49,7 @@ pub struct SavedRun {
 
 impl SavedRun {
     /// Writes a run and its picture so far. The file is replaced as a whole or not at all.
-    /// `metadata` describes the scene.
-    ///
-    /// # Errors
-    /// Returns a machine error if the file cannot be written.
+    /// `metadata` describes the scene. Returns a machine error if the file cannot be written.
     pub fn write(path: &Path, job: &Job, identity: &RenderIdentity, run: &Run, metadata: Metadata) -> Result<()> {
         let PassSums { film, ledger, tally, seconds } = &run.sums;
         let (picture, squares) = film.picture_and_error();
@@ -74,11 +71,9 @@ impl SavedRun {
         write_with_sums(path, film, &picture, &metadata.with_json(RECORD, &record))
     }
 
-    /// Reads the record of a saved run, and the header of its file.
-    ///
-    /// # Errors
-    /// Returns an input error if the file is missing, is not an EXR file, was written by another
-    /// version, is damaged, or has no exact sums.
+    /// Reads the record of a saved run, and the header of its file. Returns an input error if the
+    /// file is missing, is not an EXR file, was written by another version, is damaged, or has no
+    /// exact sums.
     pub fn read(path: &Path) -> Result<(Self, Metadata)> {
         let metadata = read_metadata(path)?;
         let fault = |what: &str| Error::input(what).in_file(path);
@@ -95,11 +90,8 @@ impl SavedRun {
         Ok((record, metadata))
     }
 
-    /// Reads a saved run, from which a render can continue.
-    ///
-    /// # Errors
-    /// Returns an input error if the file is damaged, or belongs to another render or another part.
-    /// The error names the difference.
+    /// Reads a saved run, from which a render can continue. Returns an input error if the file is
+    /// damaged, or belongs to another render or another part. The error names the difference.
     pub fn resume(path: &Path, job: &Job, identity: &RenderIdentity, part: PassPart) -> Result<Run> {
         let (saved, _) = Self::read(path)?;
         saved.identity.check(identity).map_err(|error| error.in_file(path))?;
@@ -125,10 +117,8 @@ impl SavedRun {
         Ok(film)
     }
 
-    /// Returns an unexposed film for the sums of the file.
-    ///
-    /// # Errors
-    /// Returns an input error if the file is damaged.
+    /// Returns an unexposed film for the sums of the file. Returns an input error if the file is
+    /// damaged.
     pub(super) fn blank_film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ([width, height], bands) = self.identity.film_size();
         let layers = self.identity.layers();
@@ -142,10 +132,8 @@ impl SavedRun {
         Ok(film.with_diffraction(diffraction).with_layers(layers))
     }
 
-    /// Adds the sums of the file to a film, and counts its passes.
-    ///
-    /// # Errors
-    /// Returns an input error if the file is damaged. The film is then useless.
+    /// Adds the sums of the file to a film, and counts its passes. Returns an input error if the
+    /// file is damaged. The film is then useless.
     pub(super) fn add_to(&self, path: &Path, film: &mut Film) -> Result<()> {
         let hash = add_sums(path, film)?;
         if self.hash_with(hash) != self.hash {

@@ -36,9 +36,6 @@ pub struct Rendered {
 
 impl Job {
     /// Renders passes on the current thread pool until a stop rule is satisfied.
-    ///
-    /// # Errors
-    /// See [`Self::continue_run`].
     pub fn render(&self, request: Request, monitor: &mut dyn Monitor) -> Result<Rendered> {
         self.continue_run(request, Run::new(self, PassPart::WHOLE), monitor)
     }
@@ -58,10 +55,8 @@ impl Job {
     }
 
     /// Renders a coarse picture in the size of the film on the current thread pool, without bands
-    /// and without errors. Returns `None` if the film is small.
-    ///
-    /// # Errors
-    /// Returns an error if the scene cannot be posed.
+    /// and without errors. Returns `None` if the film is small. Returns an error if the scene
+    /// cannot be posed.
     pub fn coarse_picture(&self) -> Result<Option<Picture>> {
         let context = self.pass_context();
         let portals = find_portals(&context, &mut StageSeconds::default());
@@ -71,12 +66,9 @@ impl Job {
     /// Continues a run until a stop rule is satisfied. The run is either new or a saved run.
     ///
     /// The stop rules count from the beginning of the run. A resumed run stops at the same pass as
-    /// an uninterrupted run.
-    ///
-    /// # Errors
-    /// Returns an input error in these cases: the part of the run contains no passes, the run
-    /// already has more passes than wanted, the scene cannot be posed, or the radiance of a pixel
-    /// is too large.
+    /// an uninterrupted run. Returns an input error in these cases: the part of the run contains no
+    /// passes, the run already has more passes than wanted, the scene cannot be posed, or the
+    /// radiance of a pixel is too large.
     pub fn continue_run(&self, request: Request, mut run: Run, monitor: &mut dyn Monitor) -> Result<Rendered> {
         let clock = RunClock::start(&run);
         let mut conditions = StopConditions::new(self, request.stop, &mut run);

@@ -91,7 +91,6 @@ pub struct ForecastStats {
 pub struct EffectStats {
     /// The state: `on`, `off`, `forced` or `forbidden`.
     pub state: String,
-    /// The number of events.
     pub events: u64,
 }
 

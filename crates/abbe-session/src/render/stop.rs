@@ -48,11 +48,8 @@ impl StopConditions {
         Self { rules, wanted, error: ErrorTracker::default() }
     }
 
-    /// Checks the number of wanted passes.
-    ///
-    /// # Errors
-    /// Returns an input error if the run's part has no passes, or if the run has more passes than
-    /// wanted.
+    /// Checks the number of wanted passes. Returns an input error if the run's part has no passes,
+    /// or if the run has more passes than wanted.
     pub(super) fn check(&self, run: &Run) -> Result<()> {
         let (part, wanted) = (run.part, self.wanted.unwrap_or(u64::MAX));
         if wanted == 0 {

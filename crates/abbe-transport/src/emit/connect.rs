@@ -15,7 +15,6 @@ use std::f64::consts::FRAC_1_PI;
 /// The contribution of a connected photon to one pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Splat {
-    /// The pixel.
     pub pixel: u32,
     /// The wavelengths in nm, and the radiance at each of them in W/m²/sr. This radiance is already
     /// divided by all probability densities. The first entries are for the wavelengths of the
@@ -35,7 +34,6 @@ impl Splat {
 /// Connects photons to the camera.
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonConnector<'a> {
-    /// The scene.
     pub scene: &'a Scene,
     /// The plan for bodies and media.
     pub media_plan: MediumPlan,

@@ -14,7 +14,6 @@ pub struct PhotonState {
     /// True if the path is beyond the depth limit of the scene. The photon then contributes only to
     /// the estimated bias.
     pub truncated: bool,
-    /// The wavelengths.
     pub wavelengths: Wavelengths,
     /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
     pub power: Lanes,

@@ -35,7 +35,6 @@ pub enum WavelengthSampling {
 /// The inputs common to all photons of one set.
 #[derive(Debug)]
 pub struct PhotonSource<'a> {
-    /// The scene.
     pub scene: &'a Scene,
     /// The strata of the emitted rays.
     pub strata: &'a EmissionStrata,
@@ -43,7 +42,6 @@ pub struct PhotonSource<'a> {
     pub spectra: &'a PhotonSpectra,
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub ray_densities: Option<&'a RayDensities>,
-    /// The wavelengths of the photons.
     pub wavelengths: WavelengthSampling,
     /// True if the scene has fluorophores.
     pub fluorescent: bool,

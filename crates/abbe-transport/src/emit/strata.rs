@@ -40,7 +40,6 @@ pub struct EmissionStrata {
 /// A part of the rays that a light emits.
 #[derive(Debug, Clone)]
 pub struct Stratum {
-    /// The number of the light.
     pub light: usize,
     /// The target of the rays. `None` for the stratum of all other rays.
     sphere: Option<BoundingSphere>,

@@ -9,7 +9,6 @@ use glam::DVec3;
 /// A photon that arrives at a surface.
 #[derive(Debug)]
 pub struct SurfaceArrival<'a> {
-    /// The surface.
     pub interaction: &'a SurfaceInteraction<'a>,
     /// The photon before the surface scatters it.
     pub photon: &'a PhotonState,
@@ -20,7 +19,6 @@ pub struct SurfaceArrival<'a> {
 /// A straight part of a photon path. No surface interrupts it.
 #[derive(Debug)]
 pub struct PhotonFlight<'a> {
-    /// The ray.
     pub ray: Ray,
     /// The length in m. It is infinite if the photon leaves the scene.
     pub length_m: f64,
@@ -55,11 +53,9 @@ pub struct MediumCrossing<'a> {
 /// A photon that collides with a medium.
 #[derive(Debug)]
 pub struct MediumCollision<'a> {
-    /// The position of the collision.
     pub position: DVec3,
     /// The photon's direction before the collision, as a unit vector.
     pub incoming: DVec3,
-    /// The medium.
     pub medium: NumberedMedium<'a>,
     /// The photon. Its power is the total power that the medium scatters at this point into all
     /// directions. In a fluorescent medium, it includes the power that the dye absorbs.

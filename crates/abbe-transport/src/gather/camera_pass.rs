@@ -17,7 +17,6 @@ use abbe_spectra::spectrum::{LANES, Lanes};
 /// The inputs common to all camera paths of one pass.
 #[derive(Debug)]
 pub struct CameraPass<'a> {
-    /// The scene.
     pub scene: &'a Scene,
     /// The plan of the render.
     pub plan: &'a Plan,

@@ -36,7 +36,6 @@ pub(super) struct Luminescence<'a> {
 
 /// A sample of light that excites a fluorophore.
 pub(super) struct ExcitingLight<'s> {
-    /// The number of the light.
     pub(super) number: usize,
     pub(super) light: &'s Light,
     pub(super) spd: EmittedSpd,

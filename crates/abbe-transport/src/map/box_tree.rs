@@ -26,7 +26,6 @@ pub(super) struct BoxTree {
     nodes: Vec<BoxNode>,
 }
 
-/// A box of the tree.
 #[derive(Debug, Clone, Copy)]
 struct BoxNode {
     /// The centre, in m relative to the scene's centre.
@@ -42,7 +41,6 @@ struct BoxNode {
 /// The leaf number of an inner node.
 const INNER: u32 = u32::MAX;
 
-/// The boxes in the leaves of a tree.
 #[derive(Debug, Default)]
 pub(super) struct Leaves {
     /// The numbers of the boxes, in the order of the leaves.

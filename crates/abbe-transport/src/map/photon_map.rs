@@ -17,7 +17,6 @@ pub struct PhotonMap {
 /// A photon found by a query.
 #[derive(Debug, Clone, Copy)]
 pub struct NearbyPhoton<'m> {
-    /// The photon.
     pub photon: &'m Photon,
     /// The photon's position in m, relative to the scene's centre.
     pub position: [f32; 3],
@@ -36,7 +35,6 @@ impl PhotonMap {
         Self { photons: order.iter().map(|&number| photons[number as usize].0).collect(), tree: Some(tree) }
     }
 
-    /// Returns the number of photons.
     pub fn len(&self) -> usize {
         self.photons.len()
     }

@@ -34,12 +34,10 @@ pub struct PhotonSpectra {
     /// For each fluorophore and each number of a light's spectrum, the distribution of the photons
     /// that the fluorophore absorbs. `None` if it absorbs nothing.
     excitation: Vec<Option<WavelengthDistribution>>,
-    /// The number of different spectra.
     different: usize,
 }
 
 impl WavelengthCode {
-    /// The number of quantiles.
     pub const QUANTILES: usize = 1 << u16::BITS;
 
     /// Returns the position of the code in a table that has a row of `cells` cells for each
@@ -52,11 +50,8 @@ impl WavelengthCode {
 
 impl PhotonSpectra {
     /// Numbers the spectra of the lights and of the fluorophores. If `by_group` is true, lights of
-    /// different groups have different numbers.
-    ///
-    /// # Errors
-    /// Returns an input error if the scene has more different spectra than the numbers can
-    /// distinguish.
+    /// different groups have different numbers. Returns an input error if the scene has more
+    /// different spectra than the numbers can distinguish.
     pub fn new(scene: &Scene, by_group: bool) -> Result<Self> {
         let lights = &scene.lights;
         let mut distributions: Vec<WavelengthDistribution> = Vec::new();

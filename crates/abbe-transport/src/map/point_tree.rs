@@ -13,7 +13,6 @@ use wide::f32x4;
 /// The largest number of points in a leaf.
 const LEAF: usize = 32;
 
-/// The number of points in a group.
 const GROUP: usize = 4;
 
 /// Parts of the tree with fewer points are built by one thread.

@@ -5,7 +5,6 @@ use abbe_scene::geometry::Ray;
 /// A part of a ray, and a radius around this part. The radius may grow linearly along the ray.
 #[derive(Debug, Clone, Copy)]
 pub struct QueryCone {
-    /// The ray.
     pub ray: Ray,
     /// The length in m.
     pub length_m: f64,

@@ -16,14 +16,12 @@ pub struct PixelRadii<T = f32> {
     pub volume: PerSet<PerClass<T>>,
 }
 
-/// The first radii of all pixels.
 #[derive(Debug, Default)]
 pub struct FirstRadii {
     /// The radii of each kind, in the order of [`PixelRadii::all`].
     kinds: [RadiiOfKind; 8],
 }
 
-/// The first radii of one kind.
 #[derive(Debug)]
 enum RadiiOfKind {
     /// One radius for all pixels.
@@ -59,7 +57,6 @@ impl FirstRadii {
         Self { kinds: std::array::from_fn(of_kind) }
     }
 
-    /// Returns the radii of a pixel.
     #[inline]
     pub fn of(&self, pixel: usize) -> PixelRadii {
         let mut radii = PixelRadii::default();
@@ -76,7 +73,6 @@ impl FirstRadii {
 /// A value for each kind of kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PerKernel<T> {
-    /// The values on surfaces.
     pub surface: PerClass<T>,
     /// The values for photon points in media.
     pub points: PerClass<T>,

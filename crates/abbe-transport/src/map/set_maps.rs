@@ -7,7 +7,6 @@ use crate::plan::partition::PerClass;
 /// The maps of the photons of one class.
 #[derive(Debug, Default)]
 pub struct ClassMaps {
-    /// Photons on surfaces.
     pub surface: PhotonMap,
     /// Photons in media.
     pub volume: VolumeMaps,

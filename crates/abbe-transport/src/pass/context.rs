@@ -47,7 +47,6 @@ pub(crate) struct SharedWavelengths {
 }
 
 impl SharedWavelengths {
-    /// Returns how the photons of a set sample their wavelengths.
     pub(crate) fn sampling(self, set: PhotonSet) -> WavelengthSampling {
         let Self { nm, pdf } = self;
         match set {
@@ -162,10 +161,7 @@ impl<'a> PassContext<'a> {
     ///
     /// A low-discrepancy sequence samples the shutter times in proportion to the shutter's
     /// transmission. Each replicate has a sequence of its own. This sequence is independent of the
-    /// wavelengths.
-    ///
-    /// # Errors
-    /// Returns an error if the scene cannot be posed at this time.
+    /// wavelengths. Returns an error if the scene cannot be posed at this time.
     pub(super) fn scene_of_pass(&self, pass: u64, sums: &mut PassSums) -> Result<Cow<'a, Scene>> {
         if self.plan.motion == MotionPlan::Still {
             return Ok(Cow::Borrowed(self.scene));

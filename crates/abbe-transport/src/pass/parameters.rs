@@ -51,12 +51,10 @@ impl PassParameters {
         PerSet::from_fn(|set| self.photons[set] as f64 / self.camera_samples.mean())
     }
 
-    /// Returns how the photons of a set are recorded.
     pub(crate) fn recording(&self, set: PhotonSet) -> RecordingOptions<'static> {
         RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set], sensors: None }
     }
 
-    /// Returns a source of the photons of a pass.
     pub(crate) fn photon_source<'s>(
         &'s self,
         context: &PassContext<'s>,
@@ -85,7 +83,6 @@ impl PassParameters {
 }
 
 impl CameraSamples {
-    /// Returns the number of samples of a pixel.
     #[inline]
     pub(crate) fn of(&self, pixel: usize) -> u64 {
         match self {

@@ -23,10 +23,7 @@ use std::time::Instant;
 /// Traces one pass of photon mapping and adds it to `sums`.
 ///
 /// `light_maps` holds the light maps of earlier passes. If the scene is still, the pass reuses or
-/// updates them.
-///
-/// # Errors
-/// Returns an error if the scene cannot be posed at the pass's time.
+/// updates them. Returns an error if the scene cannot be posed at the pass's time.
 pub fn photon_pass<'a>(
     context: PassContext<'a>,
     parameters: &PassParameters,

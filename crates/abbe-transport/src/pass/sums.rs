@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 /// The sums over all passes so far.
 #[derive(Debug)]
 pub struct PassSums {
-    /// The film.
     pub film: Film,
     /// The energy balance in W, summed over passes.
     pub ledger: Ledger,

@@ -33,7 +33,6 @@ const FRACTION_OF_MEAN: f64 = 0.2;
 /// The largest threshold. The others differ by factors of √2.
 const LARGEST_THRESHOLD: f64 = 2.0;
 
-/// The number of thresholds.
 const THRESHOLDS: i32 = 16;
 
 /// The largest variance of a square relative to the mean of the picture, as a multiple of the mean
@@ -62,7 +61,6 @@ enum SampleNumber {
     ByNoise { threshold: f64 },
 }
 
-/// A camera sample of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ProbedPixel {
     /// X, Y and Z of the sample in W/m²/sr.
@@ -73,7 +71,6 @@ pub(super) struct ProbedPixel {
     pub(super) work: f64,
 }
 
-/// The noise of camera samples on the film.
 #[derive(Debug)]
 pub(super) struct FilmNoise {
     /// The width and the height of the film in pixels.

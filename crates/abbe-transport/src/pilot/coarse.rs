@@ -40,9 +40,6 @@ pub(super) struct CoarseScene {
 }
 
 /// Renders a coarse picture by path tracing. Returns `None` if the film has few pixels.
-///
-/// # Errors
-/// See [`path_pass`].
 pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
     let Some(coarse) = CoarseScene::of(context, context.scene) else { return Ok(None) };
     let passes = |context: PassContext<'_>, sums: &mut PassSums| {
@@ -54,9 +51,6 @@ pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>>
 /// Renders a coarse picture with the emission distributions of a pilot. `scene` is the scene at one
 /// of the pilot's times. Returns `None` if the film has few pixels. Afterwards, the pilot must
 /// measure the scene.
-///
-/// # Errors
-/// See [`photon_pass`].
 pub(super) fn coarse_photon_picture(
     context: &PassContext<'_>,
     scene: &Scene,

@@ -246,7 +246,6 @@ fn spheres_around(lines: &[EscapedLine], centre: DVec3) -> impl Iterator<Item = 
     })
 }
 
-/// Returns the distance of a point from a ray.
 fn distance(ray: &Ray, point: DVec3) -> f64 {
     let offset = point - ray.origin;
     offset.distance(offset.dot(ray.direction).max(0.0) * ray.direction)

@@ -62,10 +62,7 @@ fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
 impl Pilot {
     /// Runs the pilot. Adds the duration of the pilot to `seconds`. If `show` is given and the film
     /// is not small, the function calls `show` with a coarse picture of the scene as soon as
-    /// possible.
-    ///
-    /// # Errors
-    /// Returns an error if the scene cannot be posed at one of the pilot's times.
+    /// possible. Returns an error if the scene cannot be posed at one of the pilot's times.
     pub fn run(
         context: &PassContext<'_>,
         seconds: &mut StageSeconds,
@@ -93,9 +90,6 @@ impl Pilot {
 
     /// Renders only the coarse picture of a pilot, with fewer photons for the emission
     /// distributions. Returns `None` if the film is small.
-    ///
-    /// # Errors
-    /// See [`Self::run`].
     pub fn coarse_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
         let photons = context.budget.photons.min(COARSE_AIM_PHOTONS);
         let budget = Budget { photons, ..context.budget.clone() };

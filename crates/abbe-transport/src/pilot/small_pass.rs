@@ -38,9 +38,7 @@ pub(super) struct SmallPass {
     pub(super) tally: Tally,
 }
 
-/// The photons of one pass of the trial.
 pub(super) struct TrialPhotons {
-    /// The number of the pass.
     number: u64,
     pub(super) maps: PerSet<SetMaps>,
     /// The splats of all pixels.

@@ -58,7 +58,6 @@ struct SampleVariance {
     mean: [f64; 3],
     /// The variance of the light that the maps of a pass give.
     gathered: [f64; 3],
-    /// The variance of a camera sample.
     camera: [f64; 3],
 }
 

@@ -39,7 +39,6 @@ pub(super) struct NearbyPhotons {
     /// The weighted number of points. The weight of a point is the transmittance of the medium
     /// between the point and the start of the camera segment.
     pub(super) points: f32,
-    /// The number of beams.
     pub(super) beams: f32,
     /// The mean optical depth around the points, with the same weights as `points`. It is measured
     /// at each point, along a length that appears one radian wide from the camera.
@@ -56,7 +55,6 @@ pub(super) struct VolumeSamples {
     points: Vec<PointSample>,
     /// Beams in the order of emission.
     beams: Vec<PhotonBeam>,
-    /// The number of beams in a pass for each beam of the sample.
     pass_per_beam: f64,
     /// The probabilities of storing photons, as far as the limits of a pass determine them.
     keep: KeepProbability,
@@ -66,7 +64,6 @@ pub(super) struct VolumeSamples {
 #[derive(Debug)]
 struct PointSample {
     map: VolumeMap,
-    /// The number of points in a pass for each point of the sample.
     pass_per_point: f64,
 }
 

@@ -42,9 +42,7 @@ impl EffectState {
 /// The decision on one effect.
 #[derive(Debug, Clone)]
 pub struct EffectRow {
-    /// The effect.
     pub effect: &'static Effect,
-    /// Its state.
     pub state: EffectState,
     /// The reason, in words.
     pub because: String,
@@ -53,8 +51,6 @@ pub struct EffectRow {
 /// Decides all effects in the order of [`EFFECTS`]. Returns the plan and one row per effect.
 ///
 /// A negligible effect is on only if it is forced. `force` and `forbid` contain names of effects.
-///
-/// # Errors
 /// Returns an input error if a name is not an effect, or is both forced and forbidden.
 pub(super) fn decide(
     facts: &Facts,

@@ -64,17 +64,14 @@ pub enum EffectId {
 /// The properties of one effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
-    /// The effect.
     pub id: EffectId,
     /// The name in scene files, command lines and reports.
     pub name: &'static str,
     /// The switch of the effect: a field of the plan, or a part of the scene.
     pub field: &'static str,
-    /// The cost if the effect is on.
     pub cost: &'static str,
     /// The consequence if the effect is off.
     pub absent: &'static str,
-    /// Returns the number of events of the effect.
     pub events: fn(&Tally, &Plan) -> u64,
     /// A plural noun for the parts of the scene that need the effect.
     pub(super) required_by: &'static str,

@@ -20,7 +20,6 @@ use abbe_spectra::spectrum::WavelengthDistribution;
 /// An effect that cannot be seen.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct NegligibleEffect {
-    /// The effect.
     pub(super) effect: EffectId,
     /// The reason, with the bound and the tolerance.
     pub(super) because: String,

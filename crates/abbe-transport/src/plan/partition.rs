@@ -49,7 +49,6 @@ impl PhotonClass {
     /// All classes, in the order in which they are gathered.
     pub const ALL: [Self; 2] = [Self::Caustic, Self::Indirect];
 
-    /// Returns the path class of these photons.
     pub fn light_path(self) -> LightPath {
         match self {
             Self::Caustic => LightPath::Caustic,
@@ -118,7 +117,6 @@ impl PhotonSet {
     }
 }
 
-/// One value for each photon set.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PerSet<T> {
     /// The value for free photons.

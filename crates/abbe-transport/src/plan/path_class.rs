@@ -39,7 +39,6 @@ impl PathClass {
 /// The origin of a contribution to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LightOrigin {
-    /// The class of the path.
     pub class: PathClass,
     /// The number of the light. For light from photons, it may be the number of another light of
     /// the same group and the same spectrum.

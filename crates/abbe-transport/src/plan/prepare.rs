@@ -18,11 +18,9 @@ const D_LINE_NM: f64 = 587.5618;
 /// Plans the scene according to its settings. Removes negligible and forbidden effects from the
 /// scene.
 ///
-/// Returns the plan and one row per effect. Adds notes to the scene.
-///
-/// # Errors
-/// Returns an input error in three cases: the name of an effect is unknown, the scene forbids an
-/// effect that cannot be forbidden, or the plan contains diffraction without an aperture.
+/// Returns the plan and one row per effect. Adds notes to the scene. Returns an input error in
+/// three cases: the name of an effect is unknown, the scene forbids an effect that cannot be
+/// forbidden, or the plan contains diffraction without an aperture.
 pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     let negligible = negligible(scene);
     let light_nm = light_centre_nm(scene);

@@ -15,7 +15,6 @@ pub struct Tally {
     pub stored: u64,
     /// Photon arrivals connected to the camera.
     pub connections: u64,
-    /// Camera samples.
     pub camera_samples: u64,
     /// Segments of photon paths.
     pub photon_segments: u64,
@@ -35,7 +34,6 @@ pub struct Tally {
     pub dispersions: u64,
     /// Camera paths that continued at one of the pass's shared wavelengths.
     pub shared_paths: u64,
-    /// Shadow rays.
     pub shadow_rays: u64,
     /// Rays that left the scene and evaluated the lights at infinity.
     pub environment_rays: u64,
@@ -73,7 +71,6 @@ pub struct Tally {
     pub volume_points: u64,
     /// Photons stored in media as beams.
     pub volume_beams: u64,
-    /// Lookups in light maps.
     #[serde(rename = "light_map_looks")]
     pub light_map_lookups: u64,
     /// Photons emitted with a learned aim.

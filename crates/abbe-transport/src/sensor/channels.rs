@@ -30,7 +30,6 @@ impl Channels {
         Self { layers: Some(Arc::new(LayerSet { paths, ..LayerSet::default() })), ..Self::default() }
     }
 
-    /// Returns the number of channels.
     pub(super) fn count(&self) -> usize {
         self.first_surface_channel() + self.layers.as_ref().map_or(0, |layers| layers.surface_channels().len())
     }

@@ -49,7 +49,6 @@ impl NameCounts {
         }
     }
 
-    /// Returns the number of names.
     pub(super) fn len(&self) -> usize {
         self.0.len()
     }

@@ -87,7 +87,6 @@ impl DiffractionPsf {
         edges_nm(light_nm).len()
     }
 
-    /// Returns the number of slices.
     pub(super) fn slices(&self) -> usize {
         self.edges_nm.len()
     }
@@ -213,7 +212,6 @@ pub(super) fn add_product(sum: &mut PlaneTransform, a: &PlaneTransform, b: &Plan
     sum.par_iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += *a * *b);
 }
 
-/// Transforms each line of a plane.
 fn each_line(transform: &FourierTransform, plane: &mut PlaneTransform, direction: Direction) {
     let lines = plane.par_chunks_mut(fourier::LINES * transform.line_length());
     lines.for_each_init(FourierBuffers::default, |buffers, lines| transform.transform(lines, direction, buffers));

@@ -140,7 +140,6 @@ impl ErrorBars {
 }
 
 impl ErrorSquares {
-    /// Returns the relative error.
     pub fn relative(&self) -> f64 {
         (self.bias + self.kernel_noise + self.sampling).sqrt()
     }

@@ -335,12 +335,10 @@ impl Film {
         (picture, squares)
     }
 
-    /// Returns the value of a channel at a pixel.
     fn channel(&self, pixel: usize, channel: usize) -> f64 {
         self.channel_sum(pixel, channel).value()
     }
 
-    /// Returns the sum of a channel at a pixel.
     fn channel_sum(&self, pixel: usize, channel: usize) -> ExactSum {
         self.by_channel.get(pixel * self.channels.count() + channel).copied().unwrap_or_default()
     }

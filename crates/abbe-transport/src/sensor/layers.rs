@@ -34,7 +34,6 @@ pub struct LayerSet {
 pub enum SurfaceLayer {
     /// The share of light that the surface reflects or transmits.
     Albedo,
-    /// The normal.
     Normal,
     /// The distance.
     Depth,
@@ -56,9 +55,7 @@ pub struct FirstSurface {
     pub depth_m: f64,
     /// The texture coordinates.
     pub uv: [f64; 2],
-    /// The number of the object.
     pub object: usize,
-    /// The number of the material.
     pub material: usize,
 }
 
@@ -203,9 +200,7 @@ impl LayerSet {
 /// The kinds of names that a film counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
-    /// Objects.
     Object,
-    /// Materials.
     Material,
 }
 
@@ -232,7 +227,6 @@ impl NameKind {
 pub(super) struct NameLayer {
     pub(super) kind: NameKind,
     names: Vec<String>,
-    /// The hash of each name.
     hashes: Vec<u32>,
     pub(super) pixels: Vec<NameCounts>,
 }
@@ -251,7 +245,6 @@ impl NameLayer {
         self.pixels.iter().map(NameCounts::len).max().unwrap_or(0)
     }
 
-    /// Returns the rows of the layer.
     pub(super) fn rows(&mut self, width: usize) -> impl Iterator<Item = NameRow<'_>> {
         let Self { kind, hashes, pixels, .. } = self;
         pixels.chunks_mut(width).map(|pixels| NameRow { kind: *kind, hashes, pixels })
@@ -262,24 +255,19 @@ impl NameLayer {
 #[derive(Debug)]
 pub(super) struct NameRow<'f> {
     pub(super) kind: NameKind,
-    /// The hash of each name.
     pub(super) hashes: &'f [u32],
     pub(super) pixels: &'f mut [NameCounts],
 }
 
-/// The layers of a picture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PictureLayers {
-    /// The channels of all layers.
     pub channels: Vec<LayerChannel>,
     /// The names of the Cryptomatte layers.
     pub mattes: Vec<MatteNames>,
 }
 
-/// One channel of a layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerChannel {
-    /// The name of the channel.
     pub name: String,
     /// The value of each pixel.
     pub values: Vec<f32>,
@@ -288,7 +276,6 @@ pub struct LayerChannel {
 /// The names of a Cryptomatte layer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MatteNames {
-    /// The name of the layer.
     pub layer: String,
     /// The names of the objects or materials, with their hashes.
     pub names: Vec<(String, u32)>,

@@ -8,7 +8,6 @@ use abbe_spectra::math::sum::ExactSum;
 pub(super) struct PixelSums {
     pub(super) x: ExactSum,
     pub(super) z: ExactSum,
-    /// Y of each replicate. The sum of the replicates is Y.
     pub(super) y: [ExactSum; REPLICATES],
     /// The bias of Y as two sums: over the even replicates, and over the odd replicates. The two
     /// estimates have independent noise.

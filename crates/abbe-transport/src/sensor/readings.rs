@@ -19,7 +19,6 @@ use std::sync::Arc;
 /// The readings of a film.
 #[derive(Debug, Clone)]
 pub struct ReadingLayout {
-    /// The number of rows of each reading.
     pub rows: usize,
     /// The owners of the readings, in the order of their rows.
     pub readings: Vec<ReadingOwner>,
@@ -31,7 +30,6 @@ pub struct ReadingLayout {
 /// The meter to which a reading belongs.
 #[derive(Debug, Clone, Copy)]
 pub struct ReadingOwner {
-    /// The number of the meter.
     pub meter: usize,
     /// The observer whose function ȳ weights the wavelengths of the reading.
     pub observer: &'static Observer,

@@ -35,7 +35,6 @@ pub struct SplatSink {
     pub(super) rejected: u64,
 }
 
-/// One row of the film.
 #[derive(Debug)]
 pub struct FilmRow<'f> {
     /// The index of the first pixel of the row.

@@ -66,7 +66,6 @@ pub struct RayDensities {
 /// The mean density of the emitted rays in one stratum.
 #[derive(Debug, Clone, Copy)]
 pub struct StratumDensity {
-    /// The number of the light.
     pub light: usize,
     /// The stratum contains the rays through this sphere. `None` for the stratum of all other rays.
     pub sphere: Option<BoundingSphere>,

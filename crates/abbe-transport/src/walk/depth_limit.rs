@@ -70,7 +70,6 @@ pub fn long_path_survival(depth: u32) -> f64 {
 pub struct TruncatedLight<'s> {
     /// The sink of the picture.
     pub sink: &'s mut dyn Sink,
-    /// The factor for the light.
     pub factor: f64,
 }
 

@@ -28,7 +28,6 @@ pub struct MediumSegment<'a> {
 pub struct NumberedMedium<'a> {
     /// The index into `Scene::media`.
     pub number: usize,
-    /// The medium.
     pub medium: &'a Medium,
 }
 

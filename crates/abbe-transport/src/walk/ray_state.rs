@@ -7,7 +7,6 @@ use abbe_scene::medium_stack::MediumStack;
 /// origin.
 #[derive(Debug, Clone, Copy)]
 pub struct RayState {
-    /// The ray.
     pub ray: Ray,
     /// The surface that the ray leaves. The ray cannot hit this surface again at distance 0.
     pub from: Option<SurfaceId>,

@@ -25,7 +25,6 @@ pub enum SegmentTransmittance<'a> {
     },
     /// Beer's law from the column density of a medium.
     Column {
-        /// The medium.
         medium: &'a Medium,
         /// The column density: the integral of the relative density, in m.
         column_m: f64,
@@ -37,9 +36,7 @@ pub enum SegmentTransmittance<'a> {
     /// Attenuation in Participating Media"). The estimate is unbiased at every wavelength. All
     /// wavelengths use the same random positions.
     Tracked {
-        /// The medium.
         medium: &'a Medium,
-        /// The ray.
         ray: Ray,
         /// The length in m.
         length_m: f64,
@@ -48,7 +45,6 @@ pub enum SegmentTransmittance<'a> {
     },
     /// A thin pane that the path crosses in a straight line.
     Pane {
-        /// The pane.
         pane: &'a ThinDielectric,
         /// The cosine of the angle of incidence.
         cosine: f64,

@@ -18,7 +18,6 @@ use abbe_spectra::spectrum::emissive_wavelength_nm;
 use abbe_transport::sensor::layers::{LayerChannel, PictureLayers};
 use abbe_transport::sensor::{Picture, SpectralBands};
 
-/// The content of an EXR file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExrFile {
     /// The picture. Noise, bias and edges are unknown if the file has no channels for them.
@@ -39,7 +38,6 @@ const COLOUR_CHANNELS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or
 /// - `NAME.R NAME.G NAME.B` for the first such NAME in alphabetical order
 /// - `Y`, as grey
 ///
-/// # Errors
 /// Returns an input error if the file is missing or not an EXR, contains no colours, or contains
 /// layers of different sizes.
 pub fn read(path: &Path) -> Result<ExrFile> {

@@ -25,7 +25,6 @@ impl<'a> ChannelSamples<'a> {
     }
 }
 
-/// Writes the lines of a channel.
 pub(super) struct LineWriter<'s, 'a> {
     samples: &'s ChannelSamples<'a>,
     /// The number of pixels of a row of the picture.

@@ -40,10 +40,8 @@ pub(super) fn channels(film: &Film) -> impl Iterator<Item = AnyChannel<ChannelSa
     })
 }
 
-/// Reads the texts of the header without the pixels.
-///
-/// # Errors
-/// Returns an input error if the file is missing or not an EXR.
+/// Reads the texts of the header without the pixels. Returns an input error if the file is missing
+/// or not an EXR.
 pub fn read_metadata(path: &Path) -> Result<Metadata> {
     let read = || {
         let meta = read_headers(path)?;
@@ -55,10 +53,8 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
 }
 
 /// Returns true if the header can belong to a film of this width, height and number of planes of
-/// bands and layers. Call this function before you allocate the film.
-///
-/// # Errors
-/// Returns an input error if the file is missing or not an EXR.
+/// bands and layers. Call this function before you allocate the film. Returns an input error if the
+/// file is missing or not an EXR.
 pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), planes: usize) -> Result<bool> {
     let meta = read_headers(path).map_err(|error| error.in_file(path))?;
     let fits = |header: &Header| {
@@ -84,8 +80,6 @@ pub fn hash_sums(film: &Film) -> SumsHash {
 /// spectral bands and the same layers. Returns the hash of the sums in the file.
 ///
 /// The file is decoded in blocks of rows, so it needs little memory in addition to the film.
-///
-/// # Errors
 /// Returns an input error if the file is missing or not an EXR, or if its sums do not fit the size
 /// and the bands of the film. The film may then contain a part of the file.
 pub fn add_sums(path: &Path, film: &mut Film) -> Result<SumsHash> {

@@ -24,36 +24,25 @@ use abbe_transport::sensor::{Film, Picture, SpectralBands};
 const PICTURE_ENCODING: Encoding =
     Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
 
-/// Writes a picture atomically.
-///
-/// # Errors
-/// Returns a machine error if the folder is missing or not writable, or the disk is full.
+/// Writes a picture atomically. Returns a machine error if the folder is missing or not writable,
+/// or the disk is full.
 pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
     write_whole_with(path, |file| write_channels(file, channels(picture), picture, metadata, PICTURE_ENCODING))
 }
 
 /// Atomically writes a picture that another picture will soon replace. The file is not compressed,
 /// because compression takes longer than writing.
-///
-/// # Errors
-/// Returns the errors of [`write()`].
 pub fn write_uncompressed(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
     write_whole_with(path, |file| write_channels(file, channels(picture), picture, metadata, Encoding::UNCOMPRESSED))
 }
 
 /// Atomically writes a file that contains the exact sums of a film and the film's current picture.
-///
-/// # Errors
-/// Returns the errors of [`write()`].
 pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &Metadata) -> Result<()> {
     let channels = channels(picture).into_iter().chain(sums::channels(film)).collect();
     write_whole_with(path, |file| write_channels(file, channels, picture, metadata, Encoding::SMALL_LOSSLESS))
 }
 
-/// Returns the bytes of a picture's file.
-///
-/// # Errors
-/// Returns a machine error if the picture cannot be encoded.
+/// Returns the bytes of a picture's file. Returns a machine error if the picture cannot be encoded.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     write_channels(&mut bytes, channels(picture), picture, metadata, PICTURE_ENCODING)

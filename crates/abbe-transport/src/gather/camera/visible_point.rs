@@ -8,11 +8,9 @@ use glam::DVec3;
 /// surface (Hachisuka & Jensen 2009, "Stochastic Progressive Photon Mapping").
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisiblePoint {
-    /// The position.
     pub position: DVec3,
     /// The surface's unit normal on the visible side.
     pub facing: DVec3,
-    /// The number of the object.
     pub object: u32,
     /// The side length (m) of the pixel's footprint. The footprint is computed as if the path were
     /// straight.
@@ -31,13 +29,11 @@ pub struct VisiblePoint {
 /// A segment of a camera path in a scattering medium. The path gathered photons along this segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraSegment {
-    /// The ray.
     pub ray: Ray,
     /// The length in m.
     pub length_m: f64,
     /// The length of the path from the camera to the ray's origin, in m.
     pub behind_m: f64,
-    /// The number of the medium.
     pub medium: usize,
     /// True if the path carries a shared wavelength.
     pub shared: bool,

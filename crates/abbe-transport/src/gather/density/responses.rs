@@ -134,7 +134,6 @@ impl CellSamples {
 enum TabulatedSurface {
     /// A surface with this reflectance.
     Diffuse(Spectrum),
-    /// A fluorescent surface.
     Fluorescent {
         surface: Box<Fluorescent>,
         /// For each emission, the response of the sensor for an excitation of 1 W·nm/m².

@@ -42,7 +42,6 @@ pub struct LightTrial {
     pub position: DVec3,
     /// The unit normal of the surface, on the side of the path.
     pub normal: DVec3,
-    /// The number of the emitter.
     pub(super) emitter: u32,
     /// The ratio between the light and the importance of the emitter. It is 0 if a surface hides
     /// the emitter.
@@ -52,9 +51,7 @@ pub struct LightTrial {
 /// The trials of one emitter in a part of the scene.
 #[derive(Debug, Clone, Copy)]
 struct EmitterTrials {
-    /// The number of the emitter.
     emitter: u32,
-    /// The number of trials.
     count: f64,
     /// The number of trials that found light.
     lit: f64,
@@ -80,10 +77,8 @@ enum CellNode {
     Cell { from: u32, to: u32, fraction: f64 },
 }
 
-/// An emitter that lights a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LearnedEmitter {
-    /// The number of the emitter.
     number: u32,
     /// The root mean square of [`LightTrial::light_per_importance`].
     light_per_importance: f64,

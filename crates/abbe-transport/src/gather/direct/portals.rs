@@ -42,7 +42,6 @@ impl Portals {
 }
 
 impl PortalSpheres {
-    /// Returns the number of spheres.
     #[inline]
     pub(in crate::gather) fn count(&self) -> usize {
         self.0.len()

@@ -38,13 +38,15 @@ pub struct LightSelector {
 /// One sample that each point takes.
 #[derive(Debug, Clone, Copy)]
 enum Sampled {
-    /// The light of this number.
     Light(usize),
     /// One of the lights outside the tree.
     Outside,
     /// One emitter of the tree with this root. The emitter is selected by the component `by` of the
     /// random numbers.
-    Tree { root: usize, by: usize },
+    Tree {
+        root: usize,
+        by: usize,
+    },
 }
 
 /// How a light is sampled.
@@ -61,7 +63,6 @@ enum SampledBy {
 /// A light that a point samples.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct SelectedLight {
-    /// The number of the light.
     pub(in crate::gather) number: usize,
     /// The random numbers that sample a point of the light.
     pub(in crate::gather) u: [f64; 3],
@@ -182,7 +183,6 @@ impl LightSelector {
         Some((self.selected(emitter, 1.0, u), emitter as u32, importance))
     }
 
-    /// Returns the light of an emitter that was selected with this probability.
     fn selected(&self, emitter: usize, probability: f64, u: [f64; 3]) -> SelectedLight {
         let emitter = self.emitters.list[emitter];
         let mut selected = SelectedLight { number: emitter.light as usize, u, probability };

@@ -37,7 +37,6 @@ const LEAST_SURVIVAL: f64 = 0.05;
 /// The path tracer of one pass.
 #[derive(Debug)]
 pub struct PathTracer<'a> {
-    /// The scene.
     pub scene: &'a Scene,
     /// Next-event estimation.
     pub direct: DirectLighting<'a>,
@@ -89,7 +88,6 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Follows a path to its end.
     #[inline(never)]
     fn follow_to_end<S: Sink>(
         &self,

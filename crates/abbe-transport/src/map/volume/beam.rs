@@ -103,7 +103,6 @@ struct BeamPiece {
     beam: u32,
     /// The number of this piece, counted from 0.
     number: u16,
-    /// The number of pieces of the beam.
     count: u16,
 }
 

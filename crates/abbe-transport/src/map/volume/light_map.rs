@@ -125,7 +125,6 @@ impl<'a> LightMaps<'a> {
         *self = Self { maps: virtual_lights.flat_map(of_light).collect(), cells };
     }
 
-    /// Returns the maps of all lights over a medium.
     pub fn over(&self, medium: usize) -> impl Iterator<Item = &LightMap<'a>> {
         self.maps.iter().filter(move |map| map.medium == medium)
     }

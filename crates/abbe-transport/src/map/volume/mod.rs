@@ -44,12 +44,10 @@ impl Default for VolumeIndex {
 }
 
 impl VolumeMap {
-    /// Creates a map of points.
     pub fn of_points(points: Vec<VolumePhoton>) -> Self {
         Self { index: VolumeIndex::Points(PointMap::new(points)) }
     }
 
-    /// Creates a map of beams.
     pub fn of_beams(beams: Vec<PhotonBeam>) -> Self {
         Self { index: VolumeIndex::Beams(BeamMap::new(beams)) }
     }

@@ -30,7 +30,6 @@ pub struct PhotonNearRay<'m> {
 /// The part of a beam between its start and a camera ray.
 #[derive(Debug, Clone, Copy)]
 pub struct BeamPath {
-    /// The start of the beam.
     pub start: DVec3,
     /// The distance from the start to the closest approach, in m.
     pub distance_m: f64,

@@ -33,7 +33,6 @@ impl VolumePhoton {
         }
     }
 
-    /// Returns the photon if the cone contains it.
     pub(super) fn near_ray(&self, cone: &QueryCone) -> Option<PhotonNearRay<'_>> {
         let offset = Vec3::from(self.position).as_dvec3() - cone.ray.origin;
         let t = offset.dot(cone.ray.direction);

@@ -204,7 +204,6 @@ fn minus_angle((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, 
     if cos_a >= cos_b { (0.0, 1.0) } else { (sin_a * cos_b - cos_a * sin_b, cos_a * cos_b + sin_a * sin_b) }
 }
 
-/// A point that receives light.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct ReceivingPoint {
     /// The position, relative to the scene's centre, in m.

@@ -14,9 +14,7 @@ const MOST_TRIANGLES: usize = 1 << 16;
 /// An emitter: a light, or one triangle of a luminous mesh.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather::direct) struct TreeEmitter {
-    /// The number of the light.
     pub(in crate::gather::direct) light: u32,
-    /// The triangle of the light, if the emitter is a triangle.
     pub(in crate::gather::direct) triangle: Option<SelectedTriangle>,
 }
 
