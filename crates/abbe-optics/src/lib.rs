@@ -56,6 +56,7 @@
 //! [`Error`](abbe_spectra::Error) appear in its interface.
 
 #![warn(missing_docs)]
+
 pub mod aperture;
 pub mod bsdf;
 pub mod donaldson;
