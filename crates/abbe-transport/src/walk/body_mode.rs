@@ -1,12 +1,9 @@
-//! The inner loops exist in two versions: one for scenes with bodies, and one for scenes without
-//! bodies.
+//! The inner loops exist twice: for scenes with bodies (objects with an inside: glass, a liquid,
+//! fog), and for scenes that have air on both sides of every surface. Without bodies, paths need no
+//! medium stack and keep all their wavelengths, because no glass disperses the light.
 //!
-//! A *body* is an object with an inside: glass, a liquid, or a region of fog. A scene without
-//! bodies has air on both sides of every surface. In such a scene, paths need no medium stack, and
-//! they keep all their wavelengths because no glass disperses the light. The loops of photons and
-//! of camera paths take a [`BodyMode`] as a type parameter, so that the compiler removes the unused
-//! half of the code. All functions called by one loop carry the same type parameter. Therefore a
-//! loop cannot mix the two modes.
+//! The loops of photons and of camera paths take a [`BodyMode`] as a type parameter, so that the
+//! compiler removes the unused half of the code and no loop can mix the two modes.
 
 use super::next_interaction::{next_interaction, next_interaction_in_air};
 use super::ray_state::RayState;
@@ -19,10 +16,8 @@ use abbe_scene::medium_stack::MediumStack;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Wavelengths};
 
-/// Tells whether the scene has bodies. The decision is made once for each loop over photons or
-/// camera paths.
+/// Tells whether the scene has bodies, once for each loop over photons or camera paths.
 pub trait BodyMode {
-    /// True if the scene has bodies.
     const HAS_BODIES: bool;
 
     /// Returns the medium stack at the start of a path. Calls `find` only if the scene has bodies.
@@ -35,7 +30,6 @@ pub trait BodyMode {
         lookup: SurfaceLookup,
     ) -> Option<SurfaceInteraction<'a>>;
 
-    /// Scatters a path. Returns `None` if the surface absorbs the path.
     fn scatter(
         interaction: &SurfaceInteraction<'_>,
         wavelengths: &Wavelengths,
@@ -43,19 +37,15 @@ pub trait BodyMode {
         stream: &mut Stream,
     ) -> Option<ScatteredRay>;
 
-    /// Returns the number of wavelengths that a path carries.
     fn wavelength_count(wavelengths: &Wavelengths) -> usize;
 
-    /// Returns the ray that leaves the surface after scattering.
     fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState;
 }
 
-/// The scene has bodies.
 #[derive(Debug)]
 pub enum WithBodies {}
 
-/// The scene has no bodies: air is on both sides of every surface, and paths keep all their
-/// wavelengths.
+/// The scene has no bodies: paths have air on both sides of every surface and keep all wavelengths.
 #[derive(Debug)]
 pub enum WithoutBodies {}
 

@@ -13,8 +13,8 @@ use std::ops::ControlFlow;
 /// `Continue(Some)`: a visible surface. `Continue(None)`: the ray left the scene.
 pub type SegmentEnd<'a> = ControlFlow<(), Option<SurfaceInteraction<'a>>>;
 
-/// Finds the next visible surface along the ray. Returns `None` if the ray leaves the scene.
-/// Media between surfaces are ignored.
+/// Finds the next visible surface along the ray, or `None` if the ray leaves the scene. Media are
+/// ignored.
 #[inline]
 pub fn next_interaction<'a>(
     scene: &'a Scene,
@@ -30,8 +30,8 @@ pub fn next_interaction<'a>(
     }
 }
 
-/// Does the same as [`next_interaction`] in a scene without bodies: every face is visible, and air
-/// is on both sides.
+/// Like [`next_interaction`], for a scene without bodies: every face is visible, with air on both
+/// sides.
 #[inline(always)]
 pub fn next_interaction_in_air<'a>(
     scene: &'a Scene,
@@ -44,8 +44,8 @@ pub fn next_interaction_in_air<'a>(
     Some(SurfaceInteraction::new(scene, ray.direction, hit, [MediumStack::AIR; 2], sides, lookup))
 }
 
-/// Does the same as [`next_interaction`], and also calls `visit` for each medium segment on the
-/// way. If `visit` returns `Break`, the search ends at that segment.
+/// Like [`next_interaction`], but calls `visit` for each medium segment on the way. If `visit`
+/// returns `Break`, the search ends at that segment.
 pub fn next_interaction_through_media<'a>(
     scene: &'a Scene,
     ray_state: RayState,
@@ -66,7 +66,7 @@ pub fn next_interaction_through_media<'a>(
     }
 }
 
-/// The state of a search for the next visible surface. The search passes through hidden faces.
+/// A search for the next visible surface, which passes through hidden faces.
 struct InteractionSearch {
     ray_state: RayState,
     distance_m: f64,
@@ -74,8 +74,7 @@ struct InteractionSearch {
 }
 
 impl InteractionSearch {
-    /// Advances to a hit. Returns the interaction there, or `None` if the face is hidden (inside a
-    /// body of higher priority).
+    /// Advances to a hit. Returns `None` if the face is hidden.
     #[inline]
     fn process_hit<'a>(&mut self, scene: &'a Scene, hit: Hit, lookup: SurfaceLookup) -> Option<SurfaceInteraction<'a>> {
         self.distance_m += hit.t;
@@ -84,7 +83,7 @@ impl InteractionSearch {
         let is_body = scene.body_of(hit.object).is_some();
         let dielectric_here = scene.dominant_dielectric(&medium_stack);
         let dielectric_there = if is_body { scene.dominant_dielectric(&there) } else { dielectric_here };
-        // A hidden face lies inside a body of higher priority. This body dominates on both sides.
+        // A hidden face lies inside a body of higher priority, which dominates on both sides.
         if is_body && dielectric_there == dielectric_here {
             let ray = Ray { origin: hit.position, ..ray };
             self.ray_state = RayState { ray, from: Some(hit.surface), medium_stack: there };

@@ -8,8 +8,7 @@ use abbe_scene::medium_stack::MediumStack;
 #[derive(Debug, Clone, Copy)]
 pub struct RayState {
     pub ray: Ray,
-    /// The surface that the ray leaves. The ray cannot hit this surface again at distance 0.
+    /// The ray cannot hit this surface again at distance 0.
     pub from: Option<SurfaceId>,
-    /// The bodies that contain the ray's origin.
     pub medium_stack: MediumStack,
 }

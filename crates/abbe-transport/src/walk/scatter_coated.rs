@@ -10,10 +10,10 @@ use glam::DVec3;
 
 /// Scatters a path at an interface under thin films.
 ///
-/// The probability of reflection is ΣR / Σ(R + T) over the wavelengths. Therefore no weight exceeds
-/// the number of wavelengths, even if the films reflect only some of them. If a medium disperses,
-/// refraction keeps one wavelength, which is selected in proportion to its transmittance. The films
-/// absorb the fraction 1 − R − T of each wavelength. Returns `None` if they absorb all power.
+/// The probability of reflection is ΣR / Σ(R + T) over the wavelengths, so no weight exceeds the
+/// number of wavelengths, even if the films reflect only some of them. If a medium disperses,
+/// refraction keeps one wavelength, selected in proportion to its transmittance. The films absorb
+/// the fraction 1 − R − T of each wavelength; `None` if they absorb all power.
 #[inline(never)]
 pub(super) fn scatter_at_coated_interface(
     interaction: &SurfaceInteraction<'_>,
@@ -70,8 +70,8 @@ pub(super) fn scatter_at_coated_interface(
     })
 }
 
-/// Selects a lane in proportion to its weight. `rest` is a random number, uniform between 0 and the
-/// sum of the weights.
+/// Selects a lane in proportion to its weight. `rest` is uniform between 0 and the sum of the
+/// weights.
 fn sample_lane(weights: &Lanes, mut rest: f64) -> Option<usize> {
     let lane = weights.iter().position(|weight| {
         rest -= weight;
