@@ -1,5 +1,5 @@
-//! Photon maps and kernels for density estimation: photons on surfaces, photons and beams in media,
-//! kernel radii, and maps of direct light in media.
+//! Photon maps and kernels for density estimation, on surfaces and in media, kernel radii, and maps
+//! of direct light in media.
 
 mod box_tree;
 pub mod kernel;

@@ -13,7 +13,7 @@ pub struct SphereTree {
 }
 
 impl SphereTree {
-    /// Builds the index. A sphere is a pair of its centre and its radius, both in m.
+    /// Takes spheres as pairs of centre and radius, in m.
     pub fn build(spheres: impl Iterator<Item = (DVec3, f64)>) -> Self {
         // The rounding to single precision must not make a box smaller than its sphere.
         let around = |(centre, radius_m): (DVec3, f64)| {
@@ -24,8 +24,7 @@ impl SphereTree {
         Self { tree, leaves }
     }
 
-    /// Calls `visit` with the number of each sphere that the first `length_m` metres of the ray may
-    /// touch.
+    /// Calls `visit` with each sphere that the first `length_m` metres of the ray may touch.
     pub fn visit(&self, ray: Ray, length_m: f64, mut visit: impl FnMut(usize)) {
         let line = QueryCone { ray, length_m, radius_m: 0.0, slope: 0.0 };
         self.tree.visit(&line, |leaf| {

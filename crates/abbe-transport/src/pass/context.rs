@@ -15,34 +15,26 @@ use abbe_spectra::spectrum::{LANES, Lanes};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// The inputs common to all passes of a render.
 #[derive(Debug, Clone, Copy)]
 pub struct PassContext<'a> {
     /// The scene at the time when the shutter opens.
     pub scene: &'a Scene,
-    /// The plan of the scene.
     pub plan: &'a Plan,
-    /// The numbers that fix the render.
     pub budget: &'a Budget,
-    /// The lights of the scene, as one distribution.
     pub lights: &'a LightSampler,
-    /// Selects the lights that a point samples, in the scene at this time.
+    /// For the scene at this time.
     pub selector: &'a LightSelector,
-    /// The spectra of the lights.
     pub spectra: &'a PhotonSpectra,
-    /// The responses of the sensor to photons at diffuse surfaces. `None` if the sensor needs the
-    /// wavelengths.
+    /// `None` if the sensor needs the wavelengths.
     pub responses: Option<&'a SensorResponses>,
-    /// The openings of the scene.
     pub portals: &'a Portals,
 }
 
 /// The shared wavelengths of a pass, and their densities.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SharedWavelengths {
-    /// The wavelengths in nm.
     pub(crate) nm: Lanes,
-    /// The probability densities of the wavelengths, per nm.
+    /// Per nm.
     pub(crate) pdf: Lanes,
 }
 
@@ -56,11 +48,10 @@ impl SharedWavelengths {
     }
 }
 
-/// The emission of a photon set: the number of photons, their wavelengths and their random streams.
+/// The emission of a photon set: the photons, their wavelengths and their random streams.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EmissionRequest {
     pub(crate) wavelengths: WavelengthSampling,
-    /// The number of photon paths.
     pub(crate) count: u64,
     pub(crate) purpose: Purpose,
     /// The pass of the random streams.
@@ -68,8 +59,7 @@ pub(crate) struct EmissionRequest {
 }
 
 impl<'a> PassContext<'a> {
-    /// Returns a source of photons in `scene`. `scene` is the scene of this context, or a posed
-    /// copy of this scene.
+    /// Returns a source of photons in the scene of this context or a posed copy of it.
     pub(crate) fn photon_source<'s>(
         &self,
         scene: &'s Scene,
@@ -146,8 +136,7 @@ impl<'a> PassContext<'a> {
         coverage.add_pass(&nm, &pdf);
     }
 
-    /// Returns the selector of the lights in `scene`. `scene` is the scene of this context, or a
-    /// posed copy of this scene.
+    /// Returns the selector of the lights in the scene of this context or a posed copy of it.
     pub(crate) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
         match self.plan.motion {
             MotionPlan::Still => Cow::Borrowed(self.selector),
@@ -157,11 +146,10 @@ impl<'a> PassContext<'a> {
         }
     }
 
-    /// Poses the scene at the shutter time of a pass. Adds the duration of this step to `sums`.
+    /// Poses the scene at the shutter time of a pass, and adds the time for this to `sums`.
     ///
-    /// A low-discrepancy sequence samples the shutter times in proportion to the shutter's
-    /// transmission. Each replicate has a sequence of its own. This sequence is independent of the
-    /// wavelengths. Returns an error if the scene cannot be posed at this time.
+    /// The shutter times follow the shutter's transmission, by a low-discrepancy sequence of each
+    /// replicate, independent of the wavelengths. Returns an error if the scene cannot be posed.
     pub(super) fn scene_of_pass(&self, pass: u64, sums: &mut PassSums) -> Result<Cow<'a, Scene>> {
         if self.plan.motion == MotionPlan::Still {
             return Ok(Cow::Borrowed(self.scene));

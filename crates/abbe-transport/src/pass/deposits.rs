@@ -9,9 +9,9 @@ pub(crate) type PositionedPhoton = (Photon, [f32; 3]);
 /// The photons of one class stored in media.
 #[derive(Debug, Default)]
 pub(crate) struct VolumeDeposits {
-    /// Photon points: one for each stored scattering event.
+    /// One for each stored scattering event.
     pub(crate) points: Vec<VolumePhoton>,
-    /// Photon beams: one for each stored path segment.
+    /// One for each stored path segment.
     pub(crate) beams: Vec<PhotonBeam>,
 }
 
@@ -28,15 +28,13 @@ impl VolumeDeposits {
         self.beams.extend_from_slice(&other.beams);
     }
 
-    /// Moves the photons into maps.
     fn into_maps(self) -> VolumeMaps {
         VolumeMaps { points: VolumeMap::of_points(self.points), beams: VolumeMap::of_beams(self.beams) }
     }
 }
 
 impl PhotonDeposits {
-    /// Appends photons. The order of the photons decides the layout of the maps, so callers append
-    /// the parts of a set in a fixed order.
+    /// Appends photons. Their order decides the layout of the maps, so it must not vary.
     pub(crate) fn append(&mut self, other: &Self) {
         for class in PhotonClass::ALL {
             self.surface[class].extend_from_slice(&other.surface[class]);
@@ -44,7 +42,6 @@ impl PhotonDeposits {
         }
     }
 
-    /// Moves the photons into maps.
     pub(crate) fn into_maps(self) -> SetMaps {
         self.surface.zip_with(self.volume, |surface, volume| ClassMaps {
             surface: PhotonMap::build(&surface),

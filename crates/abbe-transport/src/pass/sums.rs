@@ -5,32 +5,25 @@ use crate::sensor::Film;
 use crate::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 
-/// The sums over all passes so far.
 #[derive(Debug)]
 pub struct PassSums {
     pub film: Film,
-    /// The energy balance in W, summed over passes.
+    /// In W, summed over passes.
     pub ledger: Ledger,
-    /// The event counters.
     pub tally: Tally,
-    /// The duration of each stage.
     pub seconds: StageSeconds,
 }
 
 /// Wall-clock time of a render in s, by stage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageSeconds {
-    /// The whole render.
     pub total: f64,
-    /// The pilot: learning emission distributions and first kernel radii.
+    /// The pilot: learning emission distributions and first radii.
     pub pilot: f64,
-    /// Posing the scene.
     pub pose: f64,
-    /// Tracing photons.
     pub emit: f64,
     /// Building photon maps and light maps.
     pub map: f64,
-    /// Tracing camera paths.
     pub gather: f64,
     /// Developing the film's sums to XYZ.
     pub develop: f64,

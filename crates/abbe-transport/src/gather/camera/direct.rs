@@ -14,8 +14,7 @@ use abbe_scene::geometry::{Hit, Ray};
 use glam::DVec3;
 
 impl<'a> CameraPass<'a> {
-    /// Adds the radiance of the lights at the end of a path segment. These lights are on a surface
-    /// or at infinity.
+    /// Adds the radiance of the lights on the surface or at infinity at the end of a path segment.
     #[inline(always)]
     pub(super) fn add_emitters_hit<S: Sink>(
         &self,
@@ -33,7 +32,6 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Gathers direct light by shadow rays.
     #[inline(always)]
     pub(super) fn gather_direct<M: BodyMode, S: Sink>(
         &self,
@@ -118,8 +116,8 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Adds the radiance of a light that a path hit. The function takes a copy of the path, so that the
-/// path of the calling loop stays in registers.
+/// Adds the radiance of a light that a path hit. A copy of the path lets the calling loop keep its
+/// own in registers.
 fn add_emitter<S: Sink>(
     path: CameraPath,
     number: usize,

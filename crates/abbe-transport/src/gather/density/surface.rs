@@ -16,8 +16,7 @@ use abbe_optics::bsdf::BsdfClass;
 use std::f64::consts::PI;
 
 /// Returns the view that selects the estimator of photons. Only free photons are connected to the
-/// camera. Therefore, even if a shared camera path sees the surface directly, it uses the photon
-/// map.
+/// camera, so a shared path uses the photon map even if it sees the surface directly.
 #[inline(always)]
 fn photon_view(path: &CameraPath) -> CameraView {
     match path.spectral_mode {
@@ -26,17 +25,16 @@ fn photon_view(path: &CameraPath) -> CameraView {
     }
 }
 
-/// The photons that a camera path gathers at a surface, and their effect.
+/// The photons that a camera path gathers at a surface.
 #[derive(Clone, Copy)]
 struct Gathered<'l, 'a> {
     set: PhotonSet,
-    /// The emission that the photons excite. `None` if the surface scatters the photons.
+    /// `None` if the surface scatters the photons.
     luminescence: Option<&'l Luminescence<'a>>,
 }
 
 impl<'a> CameraPass<'a> {
-    /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
-    /// the partition assigns these classes to the photon map.
+    /// Gathers the photons of the path classes that the partition assigns to the photon map.
     #[inline(always)]
     pub(in crate::gather) fn gather_photons<S: Sink>(
         &self,
@@ -55,8 +53,8 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Adds the light that photons excite at a fluorescent surface. Free photons excite it, because
-    /// their wavelengths represent the whole light, also if the path carries a shared wavelength.
+    /// Adds the light that free photons excite, also if the path carries a shared wavelength,
+    /// because their wavelengths represent the whole light.
     #[inline(never)]
     pub(in crate::gather) fn gather_excitation<S: Sink>(
         &self,
@@ -74,7 +72,7 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Returns the kernel radius (m) of a photon class at a surface point.
+    /// In m, at a surface point.
     #[inline(always)]
     fn kernel_radius<S: Sink>(
         &self,
@@ -87,8 +85,7 @@ impl<'a> CameraPass<'a> {
         radius.max(radius::least(interaction.hit.position))
     }
 
-    /// Returns the weights of caustic photons and of camera paths at a surface point. `None` if the
-    /// two do not compete there.
+    /// Returns the weights of caustic photons and of camera paths, if the two compete.
     #[inline(always)]
     pub(in crate::gather) fn caustic_weights<S: Sink>(
         &self,
@@ -102,7 +99,6 @@ impl<'a> CameraPass<'a> {
         }
         let set = path.spectral_mode.photon_set();
         let area_m2 = if estimator(LightPath::Caustic, bsdf_class, photon_view(path)) == Estimator::Connection {
-            // Each camera sample covers one pixel.
             self.scene.camera.pixel_width_m(path.distance_m).powi(2)
         } else {
             PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
@@ -110,7 +106,7 @@ impl<'a> CameraPass<'a> {
         Some(CausticWeights { photons_m2: self.photons_per_sample[set] * area_m2 })
     }
 
-    /// Returns true if the camera paths of the plan gather this class from the photon map.
+    /// Returns true if camera paths gather this class from the photon map.
     #[inline(always)]
     fn gathers(&self, class: PhotonClass, bsdf_class: BsdfClass, view: CameraView) -> bool {
         let planned = match class {
@@ -120,7 +116,7 @@ impl<'a> CameraPass<'a> {
         planned && estimator(class.light_path(), bsdf_class, view) == Estimator::PhotonMap
     }
 
-    /// Returns the outline of the surface within the kernel radius (m) around a surface point.
+    /// Returns the surface extent within the kernel radius (m) around a surface point.
     #[inline(always)]
     fn outline_around(
         &self,
@@ -142,7 +138,6 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Gathers the photons of one set around a surface point.
     #[inline(always)]
     fn gather_set<S: Sink>(
         &self,
@@ -194,17 +189,17 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// The outline of the surface around a gather point.
+/// The surface extent around a gather point.
 enum KernelOutline<'o> {
     /// The kernel does not reach over an edge.
     Absent,
     Stored(&'o SurfaceExtent),
-    /// Measured for this gather point.
+    /// For this gather point.
     Measured(SurfaceExtent),
 }
 
 impl KernelOutline<'_> {
-    /// Returns the outline if it may limit the kernel.
+    /// Returns the extent if it may limit the kernel.
     #[inline(always)]
     fn limiting(&self) -> Option<&SurfaceExtent> {
         match self {
@@ -215,19 +210,17 @@ impl KernelOutline<'_> {
     }
 }
 
-/// The photons around a gather point.
 struct PhotonsAround<'m> {
     map: &'m PhotonMap,
     centre: [f32; 3],
-    /// The kernel radius in m.
+    /// In m.
     radius: f32,
-    /// The edge of the surface. Photons beyond it are on another surface.
+    /// Photons beyond it are on another surface.
     surface_extent: Option<&'m SurfaceExtent>,
 }
 
 impl PhotonsAround<'_> {
-    /// Calls `add` for each photon within the outline. Returns the number of photons within the
-    /// radius.
+    /// Calls `add` for each photon within the surface extent. Returns the number within the radius.
     #[inline(always)]
     fn visit(&self, mut add: impl FnMut(&NearbyPhoton<'_>)) -> u64 {
         let mut count = 0;
@@ -241,8 +234,7 @@ impl PhotonsAround<'_> {
     }
 }
 
-/// Adds the responses of the sensor to the photons around a gather point. Returns the number of
-/// photons within the radius.
+/// Adds the responses to the photons around a gather point. Returns their number within the radius.
 #[inline(always)]
 fn add_responses<S: Sink>(
     photons: &PhotonsAround<'_>,

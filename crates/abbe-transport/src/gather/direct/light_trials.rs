@@ -7,7 +7,7 @@ use abbe_scene::geometry::{Ray, SurfaceId};
 
 impl DirectLighting<'_> {
     /// Samples an emitter of the tree for one side of a surface, and measures its irradiance.
-    /// Returns `None` if there is no such side, or if the tree has no light for it.
+    /// Returns `None` if there is no such side or no light.
     pub(in crate::gather) fn light_trial(
         &self,
         receiver: ReceivingPoint,
@@ -23,7 +23,7 @@ impl DirectLighting<'_> {
             towards && self.line_to_light(ray, from, incident.target, incident.distance).is_some()
         });
         let light_per_importance = incident.map_or(0.0, |incident| {
-            // The probability of a triangle changes the density of the samples of its mesh.
+            // The tree's probability of a triangle replaces that of its mesh.
             let irradiance = incident.irradiance * incident.direction.dot(normal) / selected.probability;
             irradiance * light.importance_per_watt / importance
         });

@@ -7,8 +7,7 @@ use abbe_scene::light::IntensityBounds;
 use abbe_spectra::math::distribution::DiscreteDistribution;
 use std::f64::consts::PI;
 
-/// The largest number of triangles that count as emitters of their own. If the luminous meshes of a
-/// scene have more triangles, each mesh is one emitter.
+/// If the luminous meshes of a scene have more triangles, each mesh is one emitter.
 const MOST_TRIANGLES: usize = 1 << 16;
 
 /// An emitter: a light, or one triangle of a luminous mesh.
@@ -18,12 +17,11 @@ pub(in crate::gather::direct) struct TreeEmitter {
     pub(in crate::gather::direct) triangle: Option<SelectedTriangle>,
 }
 
-/// How a triangle is selected from its mesh.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather::direct) struct SelectedTriangle {
-    /// A random number with which the sampling of the mesh selects the triangle.
+    /// With which the sampling of the mesh selects the triangle.
     pub(in crate::gather::direct) selecting: f64,
-    /// The probability with which the sampling of the mesh selects the triangle.
+    /// With which the sampling of the mesh selects the triangle.
     pub(in crate::gather::direct) probability: f64,
 }
 
@@ -41,8 +39,8 @@ impl Emitters {
         objects.map(|object| scene.geometry.triangle_count(object)).sum::<usize>() <= MOST_TRIANGLES
     }
 
-    /// Adds a tree over some lights. `powers` is the distribution of photons over all lights. The
-    /// lights must have bounds. Returns the root of the tree, or `None` if there are no emitters.
+    /// Adds a tree over lights that have bounds. `powers` is the distribution of photons over all
+    /// lights. Returns the root, or `None` without emitters.
     pub(in crate::gather::direct) fn add_tree(
         &mut self,
         scene: &Scene,
@@ -71,7 +69,7 @@ impl Emitters {
     }
 }
 
-/// Returns the bounds of an emitter. `per_watt` converts the intensity to the unit of the tree.
+/// `per_watt` converts the intensity to the unit of the tree.
 fn light_bounds(bounds: &IntensityBounds, per_watt: f64) -> LightBounds {
     let cone = OrientationCone { axis: bounds.axis, theta_o: bounds.normals_rad, theta_e: bounds.emission_rad };
     LightBounds::new((bounds.low, bounds.high), bounds.intensity * per_watt, cone)

@@ -7,7 +7,7 @@ use abbe_spectra::math::warp;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A test emitter: points that shine within a cone around a normal.
+/// Points that shine within a cone around a normal.
 struct TestEmitter {
     points: Vec<DVec3>,
     normal: DVec3,
@@ -16,7 +16,6 @@ struct TestEmitter {
 }
 
 impl TestEmitter {
-    /// Returns true if the emitter illuminates a point of a surface with this normal.
     fn lights(&self, receiver: &ReceivingPoint) -> bool {
         self.points.iter().any(|point| {
             let direction = (receiver.position - point).normalize();
@@ -25,7 +24,6 @@ impl TestEmitter {
     }
 }
 
-/// Returns a random point of a cube of 10 m.
 fn random_point(stream: &mut Stream) -> DVec3 {
     DVec3::from(stream.triple()) * 10.0
 }
@@ -34,7 +32,7 @@ fn random_direction(stream: &mut Stream) -> DVec3 {
     warp::sphere(stream.pair())
 }
 
-/// Returns points, panels and spots. Some are in a row, some at the same place.
+/// Some are in a row, some at the same place.
 fn random_emitters(count: usize, stream: &mut Stream) -> Vec<TestEmitter> {
     let emitter = |i: usize| {
         let at = match i % 5 {
@@ -76,8 +74,8 @@ fn receivers(count: usize, stream: &mut Stream) -> Vec<ReceivingPoint> {
     (0..count).map(receiver).collect()
 }
 
-/// The probabilities of all emitters, and of no emitter, sum to 1. The frequencies of samples agree
-/// with the probabilities.
+/// The probabilities of all emitters and of none sum to 1, and agree with the frequencies of
+/// samples.
 #[test]
 fn samples_have_their_probabilities() {
     let mut stream = stream();
@@ -106,7 +104,7 @@ fn samples_have_their_probabilities() {
     }
 }
 
-/// If no bound excludes light, the probabilities alone sum to 1.
+/// No bound excludes light here.
 #[test]
 fn probabilities_of_point_lights_sum_to_one() {
     let mut stream = stream();
@@ -121,7 +119,6 @@ fn probabilities_of_point_lights_sum_to_one() {
     }
 }
 
-/// A receiver never excludes an emitter that illuminates it.
 #[test]
 fn bounds_are_conservative() {
     let mut stream = stream();
@@ -138,7 +135,6 @@ fn bounds_are_conservative() {
     assert!(excluded > 50_000, "{excluded}");
 }
 
-/// A segment never excludes an emitter that illuminates one of its points.
 #[test]
 fn bounds_of_segments_are_conservative() {
     let mut stream = stream();
@@ -157,7 +153,6 @@ fn bounds_of_segments_are_conservative() {
     assert!(excluded > 1_000, "{excluded}");
 }
 
-/// The importance of a segment that sees one point light is the integral of its irradiance.
 #[test]
 fn importance_of_a_segment_is_the_integral_of_the_irradiance() {
     let at = DVec3::new(1.0, 2.0, 0.0);
@@ -168,7 +163,7 @@ fn importance_of_a_segment_is_the_integral_of_the_irradiance() {
     assert!((importance / expected - 1.0).abs() < 1e-5, "{importance} {expected}");
 }
 
-/// Lights whose distances double lie in a very deep tree. All trails stay within 64 bits.
+/// The distances of the lights double. All trails stay within 64 bits.
 #[test]
 fn deep_trees_have_valid_trails() {
     let at = |i: i32| DVec3::X * 2.0_f64.powi(i);
@@ -185,7 +180,6 @@ fn deep_trees_have_valid_trails() {
     }
 }
 
-/// Two builds over the same emitters give the same samples.
 #[test]
 fn trees_are_deterministic() {
     let trees = [0, 1].map(|_| tree_over(&random_emitters(100, &mut stream())));
