@@ -83,10 +83,9 @@ impl<'a> PassContext<'a> {
         }
     }
 
-    /// Returns the inputs of camera paths in `scene` with the first kernel radii. No light is
-    /// missing, and no photon competes with camera paths. `scene` is the scene of this context, or
-    /// a posed copy of this scene. `photons_per_sample` is the number of photon paths of each set,
-    /// divided by the number of camera samples per pixel.
+    /// Returns the inputs of camera paths in the scene of this context or a posed copy of it, with
+    /// the first radii, no missing light and no photon that competes with camera paths.
+    /// `photons_per_sample` is the number of photon paths of each set per camera sample of a pixel.
     pub(crate) fn camera_pass<'s>(
         &self,
         (scene, selector): (&'s Scene, &'s LightSelector),
@@ -117,11 +116,9 @@ impl<'a> PassContext<'a> {
         }
     }
 
-    /// Samples the shared wavelengths of a pass.
-    ///
-    /// The wavelength distribution of the lights is divided into four strata of equal probability.
-    /// Each stratum gives one wavelength. A golden-ratio sequence shifts the samples from pass to
-    /// pass. Each replicate has a sequence of its own.
+    /// Samples the shared wavelengths of a pass, one in each of four strata of equal probability of
+    /// the lights' wavelengths. A golden-ratio sequence of each replicate shifts them from pass to
+    /// pass.
     pub(crate) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
         let shift = golden_ratio(index as u32, self.budget.seed.streams(Purpose::Pass).pass(replicate).hash());

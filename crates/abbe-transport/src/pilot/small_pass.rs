@@ -11,43 +11,37 @@ use abbe_spectra::math::kronecker::golden_ratio;
 use abbe_spectra::math::random::Purpose;
 use rayon::prelude::*;
 
-/// The number of passes in the trial, and the number of camera samples per pixel in each pass.
+/// The passes, and the camera samples per pixel in each.
 pub(super) const TRIALS: usize = 2;
 
-/// The trial samples square tiles of this many pixels in each direction.
+/// The side of a tile in pixels.
 pub(super) const TILE: usize = 4;
 
-/// The largest number of tiles.
 const MOST_TILES: usize = 128;
 
-/// X, Y and Z of a pixel in one pass of the trial, in W/m²/sr.
+/// X, Y and Z of a pixel in one pass, in W/m²/sr.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TrialPixel {
-    /// All light of each camera sample.
+    /// Of each camera sample.
     pub(super) samples: [[f64; 3]; TRIALS],
-    /// The part of the samples that media scatter.
+    /// The part that media scatter.
     pub(super) media: [[f64; 3]; TRIALS],
     pub(super) splats: [f64; 3],
 }
 
-/// The camera samples of one pass of the trial.
 pub(super) struct SmallPass {
-    /// The light of the pixels of each tile.
     pub(super) tiles: Vec<Vec<TrialPixel>>,
-    /// The events of the camera paths.
     pub(super) tally: Tally,
 }
 
 pub(super) struct TrialPhotons {
     number: u64,
     pub(super) maps: PerSet<SetMaps>,
-    /// The splats of all pixels.
+    /// Of all pixels.
     pub(super) splats: Vec<[f64; 3]>,
-    /// The events of the photon paths.
     pub(super) tally: Tally,
 }
 
-/// Returns the mean of a value over X, Y and Z.
 pub(super) fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
     (0..3).map(value).sum::<f64>() / 3.0
 }
@@ -70,8 +64,7 @@ impl TrialPixel {
 }
 
 impl TrialPhotons {
-    /// Traces few photons. `number` is the number of the pass, and `counts` contains the number of
-    /// photon paths of each set.
+    /// Traces few photons in the pass `number`, with these `counts` of paths of each set.
     pub(super) fn trace(
         context: &PassContext<'_>,
         scene: &Scene,
@@ -100,7 +93,7 @@ impl TrialPhotons {
     }
 }
 
-/// Takes a camera sample of a pixel. Returns X, Y and Z of each path class.
+/// Returns X, Y and Z of each path class.
 pub(super) fn sample_light<'a>(
     context: &PassContext<'_>,
     parameters: &PassParameters,
@@ -116,7 +109,7 @@ pub(super) fn sample_light<'a>(
 }
 
 impl SmallPass {
-    /// Renders the tiles with the photons of a pass.
+    /// With the photons of a pass.
     #[inline(never)]
     pub(super) fn run(
         context: &PassContext<'_>,
@@ -147,7 +140,7 @@ impl SmallPass {
     }
 }
 
-/// Returns the pixels of tiles that are spread over the film.
+/// Spread over the film.
 pub(super) fn tiles((width, height): (usize, usize)) -> Vec<Vec<usize>> {
     let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
     let wanted = (columns * rows).min(MOST_TILES);

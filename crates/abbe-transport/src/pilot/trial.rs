@@ -1,10 +1,9 @@
 //! The pilot's trial: small passes that measure the variance and the work of photons and of camera
 //! samples.
-//!
-//! The trial traces the photons of two small passes, and two camera samples per pixel in each of
-//! them. The samples of a pixel in one pass differ by the noise of the camera samples. The passes
-//! differ by the noise of the photons (analysis of variance with nested groups). The means of tiles
-//! tell how much of the noise neighbouring pixels have in common.
+//! The trial traces the photons of two small passes, and two camera samples per pixel in each. The
+//! samples of a pixel in one pass differ by the noise of the camera samples, and the passes by that
+//! of the photons (analysis of variance with nested groups). The means of tiles tell how much of
+//! the noise neighbouring pixels have in common.
 
 use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{FilmNoise, ProbedPixel};
@@ -17,53 +16,51 @@ use crate::plan::Tally;
 use crate::plan::partition::PerSet;
 use abbe_scene::Scene;
 
-/// The share of a pass's photon paths that one pass of the trial traces.
+/// The fraction of a pass's photon paths in one pass of the trial.
 const PHOTON_FRACTION: f64 = 1.0 / 16.0;
 
-/// The least number of photon paths in one pass of the trial.
+/// In one pass of the trial.
 const MIN_PHOTONS: f64 = 4_000.0;
 
-/// The largest contribution of one tile to the variance, as a multiple of the mean over the tiles.
+/// The largest part of one tile in the variance, as a multiple of the mean over the tiles.
 const LARGEST_TILE: f64 = 8.0;
 
-/// The number of light map cells along the longest side of a medium's box. The cells are coarser
-/// than those of a pass.
+/// Along the longest side of a medium's box; coarser than in a pass.
 const LIGHT_MAP_CELLS: u32 = 8;
 
-/// The least share of noise in the variance of neighbouring pixels.
+/// The least fraction of noise in the variance of neighbouring pixels.
 const LEAST_FRACTION_OF_NOISE: f64 = 0.1;
 
 /// If the noise in the tiles is more than this multiple of the variance around their pixels, rare
 /// bright samples cause it.
 const RARE_SAMPLES: f64 = 4.0;
 
-/// The pass number of the camera samples that measure the noise of the pixels.
+/// Of the camera samples that measure the noise of the pixels.
 const PROBE_PASS: u64 = (TRIALS * TRIALS) as u64;
 
-/// The mean of X, Y and Z in a tile, and their variances.
+/// X, Y and Z in a tile.
 struct TileVariance {
     mean: [f64; 3],
-    /// The part of the mean that comes from camera samples.
+    /// The part from camera samples.
     mean_sampled: [f64; 3],
-    /// The variance of the light that the photons of a pass on surfaces give.
+    /// Of the photons of a pass on surfaces.
     surfaces: [f64; 3],
-    /// The variance of the light that the photons of a pass in media give.
+    /// Of the photons of a pass in media.
     media: [f64; 3],
-    /// The variance of a camera sample.
+    /// Of a camera sample.
     camera: [f64; 3],
 }
 
-/// The mean of one part of the light of camera samples, and its variances.
+/// One part of the light of camera samples.
 struct SampleVariance {
     mean: [f64; 3],
-    /// The variance of the light that the maps of a pass give.
+    /// Of the light from the maps of a pass.
     gathered: [f64; 3],
     camera: [f64; 3],
 }
 
 impl TileVariance {
-    /// Computes the variances of the pixels of each tile, and the variances of the mean of each
-    /// tile.
+    /// Returns the variances of the pixels of each tile, and of its mean.
     fn of_tiles([first, second]: [&[Vec<TrialPixel>]; 2]) -> [Vec<Self>; 2] {
         let pairs = || first.iter().zip(second);
         let of_pixels = pairs().map(|(first, second)| Self::of(first, second));
@@ -71,7 +68,7 @@ impl TileVariance {
         [of_pixels.collect(), of_means.collect()]
     }
 
-    /// Computes the variances from the same pixels in both passes.
+    /// From the same pixels in both passes.
     fn of(first: &[TrialPixel], second: &[TrialPixel]) -> Self {
         let all = SampleVariance::of(first, second, |pixel| pixel.samples);
         let media = SampleVariance::of(first, second, |pixel| pixel.media).gathered;
@@ -87,7 +84,6 @@ impl TileVariance {
 }
 
 impl SampleVariance {
-    /// Computes the variances of a part of the samples from the same pixels in both passes.
     fn of(first: &[TrialPixel], second: &[TrialPixel], part: fn(&TrialPixel) -> [[f64; 3]; TRIALS]) -> Self {
         let mean = |[one, other]: [[f64; 3]; TRIALS], c: usize| 0.5 * (one[c] + other[c]);
         let camera = mean_of_pixels(first, second, |a, b, c| variance_of_sample([part(a), part(b)], c));
@@ -101,19 +97,18 @@ impl SampleVariance {
     }
 }
 
-/// Returns the variance of two values, estimated from their difference.
+/// Returns the variance of two values.
 fn half_square(one: f64, other: f64) -> f64 {
     0.5 * (one - other).powi(2)
 }
 
-/// Returns the variance of a camera sample of a pixel in X, Y or Z. `passes` contains the samples of
-/// both passes.
+/// In X, Y or Z, from the samples of both passes.
 fn variance_of_sample(passes: [[[f64; 3]; TRIALS]; 2], c: usize) -> f64 {
     let [first, second] = passes.map(|[one, other]| half_square(one[c], other[c]));
     0.5 * (first + second)
 }
 
-/// Returns the mean of a value over pairs of equal pixels, for X, Y and Z.
+/// Over pairs of equal pixels.
 fn mean_of_pixels(
     first: &[TrialPixel],
     second: &[TrialPixel],
@@ -123,9 +118,8 @@ fn mean_of_pixels(
     std::array::from_fn(|c| sum(c) / first.len() as f64)
 }
 
-/// Divides the work of a pass between photons and camera samples. Returns the division, and the
-/// number of camera samples of each pixel. All pixels get the same number if different numbers
-/// would gain little.
+/// Divides the work of a pass between photons and camera samples, and chooses the camera samples of
+/// each pixel: all the same if different numbers would gain little.
 pub(super) fn balanced(
     context: &PassContext<'_>,
     scene: &Scene,
@@ -179,13 +173,13 @@ pub(super) fn balanced(
     (balance, samples)
 }
 
-/// Measures the noise of camera samples on the film. `probe` takes a sample of each of some pixels,
-/// and `passes` contains the light of `tiles`.
+/// Measures the noise of camera samples on the film by `probe`, which samples some pixels, and
+/// `passes`, the light of `tiles`.
 ///
 /// The samples of neighbouring pixels differ by noise and by details of the picture. The tiles have
-/// several samples of the same pixel, so they tell which share of the variance is noise. If this
-/// share is much more than 1, rare bright samples cause most of the noise. The few samples around a
-/// pixel do not show them, so the result is `None`. It is also `None` if the film has few pixels.
+/// several samples of the same pixel, so they tell which fraction of the variance is noise. If this
+/// is much more than 1, rare bright samples, which the few samples around a pixel do not show,
+/// cause most of the noise. The result is then `None`, as for a film of few pixels.
 fn film_noise(
     size: (usize, usize),
     probe: impl Fn(&[usize]) -> Vec<ProbedPixel> + Sync,
@@ -196,18 +190,18 @@ fn film_noise(
     (fraction <= RARE_SAMPLES).then(|| noise.scaled(fraction.max(LEAST_FRACTION_OF_NOISE)))
 }
 
-/// The splats of a square block of pixels in both passes of the trial.
+/// A square block of pixels.
 #[derive(Debug, Clone, Copy, Default)]
 struct SplatBlock {
     pixels: f64,
-    /// The sums over the pixels, for each pass.
+    /// Over the pixels, for each pass.
     sums: [[f64; 3]; TRIALS],
-    /// The sum of the variances of the pixels.
+    /// Summed over the pixels.
     variances: [f64; 3],
 }
 
 impl SplatBlock {
-    /// Divides the film into blocks of [`TILE`] × [`TILE`] pixels.
+    /// Blocks of [`TILE`] × [`TILE`] pixels.
     fn of_film([first, second]: [&[[f64; 3]]; 2], width: usize) -> Vec<Self> {
         let columns = width.div_ceil(TILE);
         let mut blocks = vec![Self::default(); columns * (first.len() / width).div_ceil(TILE)];
@@ -223,23 +217,20 @@ impl SplatBlock {
         blocks
     }
 
-    /// Returns the mean of the pixels in a pass.
     fn mean(&self, pass: usize, c: usize) -> f64 {
         self.sums[pass][c] / self.pixels
     }
 }
 
-/// The mean to which a variance is relative.
+/// To what a variance is relative.
 #[derive(Debug, Clone, Copy)]
 enum Reference {
-    /// The mean of the block of pixels. The mean of the picture limits the weight of dark blocks.
+    /// The mean of the block, limited for dark blocks by that of the picture.
     Block,
-    /// The mean of the picture.
     Picture,
 }
 
 impl Reference {
-    /// Returns the square by which a variance is divided.
     fn square(self, of_block: f64, of_picture: f64) -> f64 {
         let square = match self {
             Self::Block => of_block.powi(2) + 0.01 * of_picture.powi(2),
@@ -249,11 +240,10 @@ impl Reference {
     }
 }
 
-/// Returns three measures of the variance of the picture for one photon path and one camera sample:
-/// the mean of the relative variances of the pixels, their variance relative to the mean of the
-/// picture, and the mean of the relative variances of the means of square blocks. Camera samples
-/// are known in some blocks, and splats are known in all of them. `photons` is the number of photon
-/// paths in a pass of the trial.
+/// Measures the variance of the picture for one photon path and one camera sample: the mean of the
+/// relative variances of the pixels, their variance relative to the mean of the picture, and the
+/// mean of the relative variances of the means of square blocks. Camera samples are known in some
+/// blocks, splats in all. `photons` is the number of paths in a pass of the trial.
 fn variances(
     [of_pixels, of_means]: &[Vec<TileVariance>; 2],
     splats: [&[[f64; 3]]; 2],
@@ -300,7 +290,7 @@ fn variances(
     ]
 }
 
-/// Returns the pixels of the tiles and the variance of a camera sample in each of them.
+/// Returns the pixels of the tiles, with their variance.
 fn sample_variances<'p>(
     [first, second]: &'p [SmallPass; 2],
     tiles: &'p [Vec<usize>],
@@ -316,7 +306,6 @@ mod tests {
     use super::*;
     use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
-    /// Two passes with noise of known variance give these variances.
     #[test]
     fn nested_samples_separate_photon_noise_from_camera_noise() {
         const TILES: usize = 1000;

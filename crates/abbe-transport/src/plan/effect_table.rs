@@ -1,6 +1,5 @@
-//! The table of effects. Each entry contains the facts that make the effect necessary, the plan
-//! field that switches the effect on or off, the event counter, the method of removal, and the
-//! texts of `abbe explain`.
+//! The table of effects: the facts that require each effect, its field of the plan, its event
+//! counter, its removal, and the texts of `abbe explain`.
 
 use super::effects::{Effect, EffectId, Removal};
 use super::fields::{
@@ -14,13 +13,13 @@ use abbe_scene::light::{Emitter, Light};
 use abbe_scene::{Body, Scene};
 
 impl EffectId {
-    /// Returns the row of the effect in [`EFFECTS`].
+    /// In [`EFFECTS`].
     pub fn effect(self) -> &'static Effect {
         &EFFECTS[self as usize]
     }
 }
 
-/// All effects, in the order of decision.
+/// In the order of decision.
 pub static EFFECTS: [Effect; EffectId::ALL.len()] = {
     let mut rows = [row(EffectId::ALL[0]); EffectId::ALL.len()];
     let mut i = 0;
@@ -32,8 +31,7 @@ pub static EFFECTS: [Effect; EffectId::ALL.len()] = {
     rows
 };
 
-/// Returns the properties of an effect. The match is exhaustive: the code does not compile if a
-/// variant has no row, or if a row lacks a part.
+/// Exhaustive, so that no variant lacks a row and no row a part.
 const fn row(id: EffectId) -> Effect {
     match id {
         EffectId::Dispersion => Effect {
@@ -450,7 +448,7 @@ const fn row(id: EffectId) -> Effect {
     }
 }
 
-/// The interiors of all materials that have an interior.
+/// Of all materials that have one.
 fn bodies(scene: &mut Scene) -> impl Iterator<Item = &mut Body> {
     scene.materials.iter_mut().filter_map(|material| material.body.as_mut())
 }

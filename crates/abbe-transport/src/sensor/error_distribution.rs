@@ -2,44 +2,40 @@
 
 use super::picture::Picture;
 
-/// The relative errors of a picture's pixels.
-///
-/// A few glints with large errors dominate the mean square error of a picture. The median and the
-/// 95th percentile describe the other pixels. The relative error of a pixel is
-/// √(noise² + bias²) / √(Y² + 0.01 m²), where m is the mean of Y over the picture.
+/// The relative errors √(noise² + bias²) / √(Y² + 0.01 m²) of a picture's pixels, for the mean m of
+/// Y. A few glints dominate the mean square error, so the median and the 95th percentile describe
+/// the other pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorDistribution {
-    /// The median over the pixels with known errors.
+    /// Of the pixels with known errors.
     pub median: f64,
-    /// The 95th percentile over the pixels with known errors.
+    /// Of the pixels with known errors.
     pub p95: f64,
-    /// The block of pixels that contributes most to the mean square error.
+    /// That contributes most to the mean square error.
     pub worst: WorstRegion,
 }
 
-/// The block of pixels with the largest errors. The side of a block is a sixteenth of the longer
-/// side of the picture.
+/// The block with the largest errors. Its side is a sixteenth of the longer side of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstRegion {
-    /// The first column, the first row, the first column to the right of the block, and the first
-    /// row below the block.
+    /// The first column and row, and the column and row after the last.
     pub corners: [usize; 4],
-    /// The share of the block in the sum of noise² + bias² over the picture.
+    /// In the sum of noise² + bias² over the picture.
     pub fraction: f64,
 }
 
-/// The number of blocks along the longer side of a picture.
+/// Along the longer side of a picture.
 const BLOCKS: usize = 16;
 
 impl Picture {
-    /// Returns the relative error of each pixel. Unknown errors are `None`.
+    /// `None` if unknown.
     pub fn relative_errors(&self) -> impl Iterator<Item = Option<f64>> {
         let dark = 0.01 * self.mean_y().powi(2);
         let unit = move |pixel: usize| (self.xyz[pixel][1].powi(2) + dark).sqrt();
         (0..self.xyz.len()).map(move |pixel| self.error(pixel).map(|error| error / unit(pixel)))
     }
 
-    /// Returns the distribution of the relative error, or `None` if no pixel has a known error.
+    /// `None` if no pixel has a known error.
     pub fn error_distribution(&self) -> Option<ErrorDistribution> {
         let mut errors: Vec<f64> = self.relative_errors().flatten().filter(|error| error.is_finite()).collect();
         if errors.is_empty() {

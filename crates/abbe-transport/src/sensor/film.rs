@@ -15,38 +15,36 @@ use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The sums of all pixels. Adding passes in any order gives the same bits.
+/// The sums of all pixels. Passes in any order give the same bits.
 ///
-/// A film allocates the memory of its sums when light is added first. The pilot of a render runs
-/// before this, so the memory of the pilot and that of the film are not needed at the same time.
+/// The memory is allocated when light is added first, after the pilot of a render, so that the
+/// memory of the pilot and that of the film are not needed at the same time.
 #[derive(Debug)]
 pub struct Film {
     width: usize,
     height: usize,
     observer: &'static Observer,
-    /// The sums of the pixels. Empty if the film is unexposed.
+    /// Empty if the film is unexposed.
     pixels: Vec<PixelSums>,
     channels: Channels,
-    /// The sums of the channels, pixel by pixel. Empty if the film is unexposed.
+    /// Pixel by pixel. Empty if the film is unexposed.
     by_channel: Vec<ExactSum>,
-    /// The names that camera samples hit: one layer for each requested kind of names.
+    /// One layer for each requested kind.
     names: Vec<NameLayer>,
-    /// The data of a measurement with meters. `None` if the film records a picture.
+    /// `None` for a picture.
     pub(super) measurement: Option<Measurement>,
     pub(super) passes: [u64; REPLICATES],
 }
 
-/// The index of the first plane of the bias, after X and Z.
+/// After X and Z.
 const FIRST_BIAS: usize = 2;
 
-/// The index of the first plane of Y.
 const FIRST_Y: usize = FIRST_BIAS + 2;
 
-/// The index of the first plane of a channel.
 const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
 
 impl Film {
-    /// Returns an unexposed film with `bands` spectral bands.
+    /// Unexposed.
     pub fn new(width: usize, height: usize, observer: &'static Observer, bands: usize) -> Self {
         Self {
             width,
@@ -61,14 +59,14 @@ impl Film {
         }
     }
 
-    /// Adds this diffraction to the film. The film must still be unexposed.
+    /// The film must still be unexposed.
     #[must_use]
     pub fn with_diffraction(mut self, diffraction: Option<Arc<DiffractionPsf>>) -> Self {
         self.channels.diffraction = diffraction;
         self
     }
 
-    /// Adds these layers to the film. The film must still be unexposed.
+    /// The film must still be unexposed.
     #[must_use]
     pub fn with_layers(mut self, layers: &LayerSet) -> Self {
         let pixels = self.pixel_count();
@@ -77,8 +75,8 @@ impl Film {
         self
     }
 
-    /// Turns the film into the film of a measurement. The film must still be unexposed. Its width
-    /// must be 1, and the layout must cover all its rows.
+    /// Turns the film, still unexposed and of the width 1, into that of a measurement. The layout
+    /// must cover all its rows.
     #[must_use]
     pub fn with_readings(mut self, layout: Arc<ReadingLayout>) -> Self {
         self.channels.moments = layout.moments;
@@ -87,7 +85,6 @@ impl Film {
         self
     }
 
-    /// Allocates the sums of an unexposed film.
     fn allocate(&mut self) {
         if self.pixels.is_empty() {
             self.pixels = vec![PixelSums::default(); self.pixel_count()];
@@ -99,52 +96,47 @@ impl Film {
         self.width * self.height
     }
 
-    /// Returns the number of pixels per row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Returns true if the film has spectral bands, slices for diffraction or readings. They need
-    /// the wavelength of each contribution.
+    /// Returns true if spectral bands, slices for diffraction or readings need the wavelength of
+    /// each contribution.
     pub fn needs_wavelengths(&self) -> bool {
         self.channels.spectral_count() > 0 || self.measurement.is_some()
     }
 
-    /// Returns true if the film records the first surfaces of camera rays.
+    /// Of camera rays.
     pub fn records_surfaces(&self) -> bool {
         self.channels.layers.as_ref().is_some_and(|layers| layers.has_surfaces())
     }
 
-    /// Returns true if the film belongs to a measurement with meters.
+    /// With meters.
     pub fn measures(&self) -> bool {
         self.measurement.is_some()
     }
 
-    /// Returns the number of passes that the film has counted.
     pub fn passes(&self) -> u64 {
         self.passes.iter().sum()
     }
 
-    /// Returns the memory of the sums of a film of `pixels` pixels in bytes, including spectral
-    /// bands, slices for diffraction, and layers.
+    /// With spectral bands, slices for diffraction, and layers.
     pub fn memory_bytes(pixels: usize, bands: usize, slices: usize, layers: &LayerSet) -> usize {
         let channels = bands + 3 * slices + layers.planes();
         let names = layers.name_tables().count() * NameLayer::BYTES_PER_PIXEL;
         pixels.saturating_mul(size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names)
     }
 
-    /// Counts a pass. The light of the pass must already be added.
+    /// The light of the pass must already be added.
     pub fn count_pass(&mut self, pass: u64) {
         self.passes[replicate(pass)] += 1;
     }
 
-    /// Returns the rows of the film. Each row can be exposed by a different thread with
-    /// [`FilmRow::expose`].
+    /// Returns rows that different threads can expose with [`FilmRow::expose`].
     pub fn rows(&mut self) -> impl Iterator<Item = FilmRow<'_>> {
         self.allocate();
         let (observer, width, channels) = (self.observer, self.width, &self.channels);
@@ -166,14 +158,13 @@ impl Film {
         })
     }
 
-    /// Returns a sink for splats. A splat can contribute to any pixel of the film.
+    /// A splat can contribute to any pixel.
     pub fn splat_sink(&self) -> SplatSink {
         let layout = self.measurement.as_ref().map(|measurement| measurement.layout.clone());
         SplatSink::new(self.observer, self.channels.clone()).with_layout(layout)
     }
 
-    /// Adds the light of a sink. Returns the number of samples that were NaN, infinite or negative
-    /// and were discarded.
+    /// Returns the number of samples that were NaN, infinite or negative and were discarded.
     pub fn add_splats(&mut self, pass: u64, sink: &SplatSink) -> u64 {
         self.allocate();
         let replicate = replicate(pass);
@@ -198,8 +189,7 @@ impl Film {
         sink.rejected
     }
 
-    /// Adds the light of a sink to the estimated bias. The light is not part of the picture, so the
-    /// bias is negative.
+    /// Adds the light of a sink to the bias, negative because the light is not part of the picture.
     pub fn add_truncated_splats(&mut self, pass: u64, sink: &SplatSink) {
         self.allocate();
         let half = replicate(pass) % 2;
@@ -208,29 +198,26 @@ impl Film {
         }
     }
 
-    /// Returns the names of the planes of sums: `X`, `Z`, the bias of both halves, Y of the
-    /// replicates, the channels, and the entries of the lists of names.
+    /// Returns `X`, `Z`, the bias of both halves, Y of the replicates, the channels, and the
+    /// entries of the lists of names.
     pub fn plane_names(&self) -> Vec<String> {
         let names = self.names.iter().flat_map(|layer| (0..layer.ranks()).map(|place| layer.kind.plane_name(place)));
         self.light_plane_names().into_iter().chain(names).collect()
     }
 
-    /// Returns the names of the planes of sums without the entries of the lists of names. These
-    /// planes come first in [`Self::plane_names`], and they do not depend on the passes.
+    /// Returns the first of [`Self::plane_names`], without names; they do not depend on the passes.
     pub fn light_plane_names(&self) -> Vec<String> {
         let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
         let first = ["X", "Z", "bias0", "bias1"].map(String::from);
         first.into_iter().chain(replicates).chain(self.channels.names()).collect()
     }
 
-    /// Returns the sums of one plane, pixel by pixel. `plane` is an index into
-    /// [`Self::plane_names`].
+    /// Pixel by pixel, for an index into [`Self::plane_names`].
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
         (0..self.pixel_count()).map(self.plane_sums(plane))
     }
 
-    /// Returns a function that returns the sum of one plane at a pixel. `plane` is an index into
-    /// [`Self::plane_names`].
+    /// Returns a function of the pixel, for an index into [`Self::plane_names`].
     pub fn plane_sums(&self, plane: usize) -> impl Fn(usize) -> ExactSum {
         let count = self.channels.count();
         let names = plane.checked_sub(FIRST_CHANNEL + count).and_then(|plane| self.list_of_names(plane));
@@ -244,8 +231,8 @@ impl Film {
         }
     }
 
-    /// Returns the list of names of a plane, and the place of the plane's entries in the lists of
-    /// the pixels. `plane` counts the planes of names.
+    /// Returns the list of a plane (counted among those of names), and the place of its entries in
+    /// the lists of the pixels.
     fn list_of_names(&self, mut plane: usize) -> Option<(&NameLayer, usize)> {
         self.names.iter().find_map(|layer| {
             let ranks = layer.ranks();
@@ -257,20 +244,19 @@ impl Film {
         })
     }
 
-    /// Returns the kinds of the lists of names.
     pub fn name_kinds(&self) -> Vec<NameKind> {
         self.names.iter().map(|layer| layer.kind).collect()
     }
 
-    /// Adds the entries of a plane of names, pixel by pixel from the pixel `first`.
+    /// From the pixel `first`.
     pub fn add_names(&mut self, kind: NameKind, first: usize, entries: impl Iterator<Item = ExactSum>) {
         if let Some(layer) = self.names.iter_mut().find(|layer| layer.kind == kind) {
             layer.pixels.iter_mut().skip(first).zip(entries).for_each(|(names, entry)| names.add_sum(entry));
         }
     }
 
-    /// Adds sums to one plane, pixel by pixel from the pixel `first`. `plane` is an index into
-    /// [`Self::light_plane_names`]. [`Self::add_names`] adds the planes of names.
+    /// Adds sums from the pixel `first` to a plane of [`Self::light_plane_names`].
+    /// [`Self::add_names`] adds the others.
     pub fn add_plane(&mut self, plane: usize, first: usize, sums: impl Iterator<Item = ExactSum>) {
         self.allocate();
         let count = self.channels.count();
@@ -285,20 +271,18 @@ impl Film {
         }
     }
 
-    /// Returns the picture so far: means over the passes, with error bars.
+    /// Means over the passes, with error bars.
     pub fn picture(&self) -> Picture {
         self.picture_and_error().0
     }
 
-    /// Returns the picture so far, and the parts of the squared relative error of the picture. The
-    /// parts are `None` if the error is unknown.
+    /// Also returns the parts of the squared relative error, `None` if it is unknown.
     pub fn picture_and_error(&self) -> (Picture, Option<ErrorSquares>) {
         let (picture, squares) = self.picture_without_layers();
         (Picture { layers: self.layers(), ..picture }, squares)
     }
 
-    /// Returns the parts of the squared relative error of the picture so far, or `None` if the
-    /// error is unknown.
+    /// `None` if the error is unknown.
     pub fn error_squares(&self) -> Option<ErrorSquares> {
         match &self.measurement {
             Some(measurement) => measurement.layout.largest_error(&self.readings()),
@@ -343,7 +327,6 @@ impl Film {
         self.by_channel.get(pixel * self.channels.count() + channel).copied().unwrap_or_default()
     }
 
-    /// Returns the layers of the picture so far.
     fn layers(&self) -> PictureLayers {
         let mut layers = PictureLayers::default();
         let Some(set) = self.channels.layers.as_deref() else { return layers };
@@ -367,7 +350,7 @@ impl Film {
         self.pixels.get(pixel).copied().unwrap_or_default()
     }
 
-    /// Returns the readings of a measurement so far. Returns none if the film records a picture.
+    /// None for a picture.
     pub fn readings(&self) -> Vec<Reading> {
         let Some(measurement) = &self.measurement else { return Vec::new() };
         let rows = measurement.layout.rows;
@@ -376,17 +359,17 @@ impl Film {
         (0..measurement.layout.readings.len()).map(of_reading).collect()
     }
 
-    /// States that the rows of a reading share no random numbers. A film without meters ignores it.
+    /// Declares that the rows of a reading share no random numbers.
     pub fn assume_independent_rows(&mut self) {
         self.measurement.iter_mut().for_each(|measurement| measurement.independent_rows = true);
     }
 
-    /// Returns the number of passes of the even replicates and of the odd replicates.
+    /// Of the even and of the odd replicates.
     pub(super) fn passes_by_half(&self) -> [u64; 2] {
         passes_by_half(self.passes)
     }
 
-    /// Returns the number of spectral bands, and the number of their channels.
+    /// And the number of their channels.
     pub(super) fn bands(&self) -> (usize, usize) {
         (self.channels.bands, self.channels.band_channels())
     }
@@ -404,10 +387,9 @@ impl Film {
         ErrorBars::new((self.width, self.pixel_count()), measured, self.passes)
     }
 
-    /// Returns the light of all pixels and their spectral bands after diffraction. Each slice and
-    /// each band has its own kernel. The film stores the replicates and the bias only as sums of Y
-    /// over all wavelengths. The function convolves these sums with a mean kernel: the mean of the
-    /// kernels of all slices, weighted by the Y of each slice.
+    /// Returns the light of all pixels and their bands after diffraction. Each slice and each band
+    /// has its own kernel. The replicates and the bias, stored only as Y over all wavelengths, are
+    /// convolved with the mean kernel of all slices, weighted by their Y.
     fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelMean>, Vec<f64>) {
         let convolution = Convolution::new(diffraction, (self.width, self.height));
         let value = |pixel: usize, channel: usize| self.channel(pixel, channel);
@@ -456,7 +438,6 @@ impl Film {
         (light, values)
     }
 
-    /// Returns whether any sum of light has overflowed its range.
     pub fn overflowed(&self) -> bool {
         let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
         self.pixels.iter().any(pixel) || self.by_channel.iter().any(|sum| sum.overflowed())

@@ -1,65 +1,59 @@
 //! The layers of a film: quantities by pixel that are recorded on request.
 //!
-//! The light of path classes and of light groups is recorded as X, Y and Z, like the picture. The
-//! quantities of first surfaces are sums over camera samples. All sums are exact, so layers do not
-//! depend on the order of the passes.
+//! The light of path classes and of light groups is X, Y and Z, like the picture. Those of first
+//! surfaces are sums over camera samples. All sums are exact, so the order of the passes does not
+//! matter.
 
 use super::cryptomatte::{NameCounts, hash_name, normal_hash};
 use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum, library};
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
-/// The layers that a film records.
+/// Of a film.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerSet {
-    /// The quantities of first surfaces that the film records.
+    /// Of first surfaces.
     pub surfaces: Vec<SurfaceLayer>,
-    /// The names of the objects in the order of their numbers, if the film records objects.
+    /// In the order of their numbers, if the film records objects.
     pub objects: Option<Vec<String>>,
-    /// The names of the materials in the order of their numbers, if the film records materials.
+    /// In the order of their numbers, if the film records materials.
     pub materials: Option<Vec<String>>,
-    /// The names of the path classes in the order of their numbers. Empty if the film does not
-    /// separate path classes.
+    /// In the order of their numbers. Empty if the film does not separate path classes.
     pub paths: Vec<String>,
-    /// The names of the light groups. Empty if the film does not separate lights.
+    /// Empty if the film does not separate lights.
     pub light_groups: Vec<String>,
-    /// For each light, the number of its group. Empty if the film does not separate lights.
+    /// Empty if the film does not separate lights.
     pub group_of_light: Vec<u16>,
 }
 
-/// A quantity of the first surfaces on camera rays.
+/// Of the first surfaces on camera rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceLayer {
-    /// The share of light that the surface reflects or transmits.
+    /// The light that the surface reflects or transmits.
     Albedo,
     Normal,
-    /// The distance.
     Depth,
-    /// The texture coordinates.
     Uv,
-    /// The number of camera samples, also of those that hit no surface.
+    /// Of the camera, also those that hit no surface.
     Samples,
 }
 
-/// The first surface on a camera ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstSurface {
-    /// The share of light that the surface reflects or transmits, at each wavelength of
-    /// [`ALBEDO_NM`].
+    /// The light that the surface reflects or transmits, at each of [`ALBEDO_NM`].
     pub albedo: [f64; ALBEDO_NM.len()],
-    /// The unit normal in world space, on the visible side.
+    /// In world space, on the visible side.
     pub normal: [f64; 3],
-    /// The distance along the ray in m.
+    /// Along the ray in m.
     pub depth_m: f64,
-    /// The texture coordinates.
     pub uv: [f64; 2],
     pub object: usize,
     pub material: usize,
 }
 
-/// The wavelengths (nm) at which the albedo of a surface is evaluated.
+/// The wavelengths (nm) of an albedo.
 pub const ALBEDO_NM: [f64; 32] = {
     let mut nm = [0.0; 32];
     let mut i = 0;
@@ -70,8 +64,8 @@ pub const ALBEDO_NM: [f64; 32] = {
     nm
 };
 
-/// For each wavelength of [`ALBEDO_NM`]: the contribution of an albedo of 1 to linear sRGB under
-/// D65. The sum over all wavelengths is white, (1, 1, 1).
+/// The linear sRGB under D65 of an albedo of 1 at each of [`ALBEDO_NM`]. They sum to white, (1, 1,
+/// 1).
 static ALBEDO_RGB: LazyLock<[[f64; 3]; ALBEDO_NM.len()]> = LazyLock::new(|| {
     let (observer, d65) = (Observer::cie1931(), d65());
     let mut rgb = [[0.0; 3]; ALBEDO_NM.len()];
@@ -91,16 +85,14 @@ fn d65() -> Spectrum {
     library::find("D65").map_or_else(|_| constant(), |found| found.spectrum)
 }
 
-/// The number of components of a colour.
 pub(super) const COMPONENTS: usize = 3;
 
 impl LayerSet {
-    /// Returns true if the film records no layers.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Returns true if the film records first surfaces or the number of samples.
+    /// Also true for the number of samples.
     pub fn has_surfaces(&self) -> bool {
         !self.surfaces.is_empty() || self.objects.is_some() || self.materials.is_some()
     }
@@ -109,12 +101,11 @@ impl LayerSet {
         self.surfaces.contains(&layer)
     }
 
-    /// Returns true if the film separates path classes or lights.
     pub fn separates_light(&self) -> bool {
         !(self.paths.is_empty() && self.light_groups.is_empty())
     }
 
-    /// Returns the names of the layers, for messages.
+    /// For messages.
     pub fn words(&self) -> String {
         let flags = [
             (self.has(SurfaceLayer::Albedo), "albedo"),
@@ -131,30 +122,28 @@ impl LayerSet {
         if words.is_empty() { "no layers".to_string() } else { format!("the layers {}", words.join(", ")) }
     }
 
-    /// Returns the number of planes of sums that the film has in any case. Lists of names may need
-    /// more.
+    /// The planes of sums in any case. Lists of names may need more.
     pub fn planes(&self) -> usize {
         self.light_channels() + self.surface_channels().len()
     }
 
-    /// Returns the number of channels for the light of path classes and light groups.
+    /// Of path classes and light groups.
     pub(super) fn light_channels(&self) -> usize {
         COMPONENTS * (self.paths.len() + self.light_groups.len())
     }
 
-    /// Returns the first channel of a path class, if the film separates path classes.
+    /// If the film separates path classes.
     pub(super) fn channel_of_class(&self, class: usize) -> Option<usize> {
         (class < self.paths.len()).then_some(COMPONENTS * class)
     }
 
-    /// Returns the first channel of a light's group, if the film separates lights.
+    /// If the film separates lights.
     pub(super) fn channel_of_light(&self, light: usize) -> Option<usize> {
         let group = self.group_of_light.get(light)?;
         Some(COMPONENTS * (self.paths.len() + usize::from(*group)))
     }
 
-    /// Returns the names of the sums over first surfaces, in the order in which
-    /// [`Self::add_surface`] fills them.
+    /// The names of the sums over first surfaces, in the order of [`Self::add_surface`].
     pub(super) fn surface_channels(&self) -> Vec<&'static str> {
         if !self.has_surfaces() {
             return Vec::new();
@@ -168,8 +157,7 @@ impl LayerSet {
         names
     }
 
-    /// Adds a camera sample to the sums over first surfaces. `surface` is `None` if the camera ray
-    /// hits nothing.
+    /// `surface` is `None` if the camera ray hits nothing.
     pub(super) fn add_surface(&self, sums: &mut [f64], surface: Option<&FirstSurface>) {
         let mut slots = sums.iter_mut();
         let mut add = |values: &[f64]| values.iter().zip(&mut slots).for_each(|(value, slot)| *slot += value);
@@ -190,14 +178,14 @@ impl LayerSet {
         }
     }
 
-    /// Returns the tables of names, in a fixed order: objects, then materials.
+    /// Objects, then materials.
     pub(super) fn name_tables(&self) -> impl Iterator<Item = (NameKind, &Vec<String>)> {
         let objects = self.objects.iter().map(|names| (NameKind::Object, names));
         objects.chain(self.materials.iter().map(|names| (NameKind::Material, names)))
     }
 }
 
-/// The kinds of names that a film counts.
+/// That a film counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
     Object,
@@ -205,7 +193,7 @@ pub enum NameKind {
 }
 
 impl NameKind {
-    /// Returns the name of the Cryptomatte layer.
+    /// Of Cryptomatte.
     pub fn layer_name(self) -> &'static str {
         match self {
             Self::Object => "CryptoObject",
@@ -213,7 +201,7 @@ impl NameKind {
         }
     }
 
-    /// Returns the name of the plane with the entries at a place of the pixels' lists.
+    /// With the entries at a place of the pixels' lists.
     pub fn plane_name(self, place: usize) -> String {
         match self {
             Self::Object => format!("object{place}"),
@@ -222,7 +210,7 @@ impl NameKind {
     }
 }
 
-/// The names of one kind that camera samples hit, by pixel.
+/// Of one kind, by pixel.
 #[derive(Debug)]
 pub(super) struct NameLayer {
     pub(super) kind: NameKind,
@@ -232,7 +220,7 @@ pub(super) struct NameLayer {
 }
 
 impl NameLayer {
-    /// The expected memory of one pixel: its list, which usually has room for four entries.
+    /// The expected list of a pixel, usually with room for four entries.
     pub(super) const BYTES_PER_PIXEL: usize = size_of::<NameCounts>() + 4 * size_of::<(u32, u32)>();
 
     pub(super) fn new(kind: NameKind, names: &[String], pixels: usize) -> Self {
@@ -240,7 +228,7 @@ impl NameLayer {
         Self { kind, names: names.to_vec(), hashes, pixels: vec![NameCounts::default(); pixels] }
     }
 
-    /// Returns the largest number of names in a pixel.
+    /// The most names in a pixel.
     pub(super) fn ranks(&self) -> usize {
         self.pixels.iter().map(NameCounts::len).max().unwrap_or(0)
     }
@@ -251,7 +239,7 @@ impl NameLayer {
     }
 }
 
-/// The names of one kind in a row of the film.
+/// In a row of the film.
 #[derive(Debug)]
 pub(super) struct NameRow<'f> {
     pub(super) kind: NameKind,
@@ -262,30 +250,30 @@ pub(super) struct NameRow<'f> {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PictureLayers {
     pub channels: Vec<LayerChannel>,
-    /// The names of the Cryptomatte layers.
+    /// Of the Cryptomatte layers.
     pub mattes: Vec<MatteNames>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerChannel {
     pub name: String,
-    /// The value of each pixel.
+    /// Of each pixel.
     pub values: Vec<f32>,
 }
 
-/// The names of a Cryptomatte layer.
+/// Of a Cryptomatte layer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MatteNames {
     pub layer: String,
-    /// The names of the objects or materials, with their hashes.
+    /// With their hashes.
     pub names: Vec<(String, u32)>,
 }
 
-/// The largest number of names that a Cryptomatte layer shows in a pixel.
+/// The most names of a layer in a pixel.
 const MOST_RANKS: usize = 16;
 
 impl PictureLayers {
-    /// Adds the red, green and blue channel of a layer.
+    /// Red, green and blue.
     pub(super) fn add_colours(&mut self, layer: &str, rgb: &[[f64; 3]]) {
         for (c, colour) in ["R", "G", "B"].into_iter().enumerate() {
             self.add(format!("{layer}.{colour}"), rgb.iter().map(|rgb| rgb[c] as f32));
@@ -296,8 +284,7 @@ impl PictureLayers {
         self.channels.push(LayerChannel { name, values: values.collect() });
     }
 
-    /// Adds the layers of first surfaces. `sums` returns the sum of a channel of
-    /// [`LayerSet::surface_channels`] at a pixel.
+    /// `sums` returns the sum of a channel of [`LayerSet::surface_channels`] at a pixel.
     pub(super) fn add_surfaces(&mut self, set: &LayerSet, pixels: usize, sums: impl Fn(usize, usize) -> f64) {
         let mean = |channel: usize, by: usize, without: f64| {
             let sums = &sums;
@@ -325,8 +312,8 @@ impl PictureLayers {
         }
     }
 
-    /// Adds a Cryptomatte layer: pairs of identity and coverage, the largest coverage first.
-    /// `samples` returns the number of samples of a pixel.
+    /// Adds pairs of identity and coverage, the largest coverage first. `samples` is that of a
+    /// pixel.
     pub(super) fn add_names(&mut self, layer: &NameLayer, samples: impl Fn(usize) -> f64) {
         let levels = layer.ranks().clamp(1, MOST_RANKS).div_ceil(2);
         let name = layer.kind.layer_name();

@@ -4,69 +4,63 @@ use super::channels::band_nm;
 use super::layers::PictureLayers;
 use abbe_spectra::math::elementary::hypot;
 
-/// The observer's XYZ of every pixel, row by row from the top.
+/// XYZ of the observer, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// Pixels per row.
     pub width: usize,
-    /// Number of rows.
     pub height: usize,
-    /// X, Y and Z of each pixel. Y is in cd/m².
+    /// Y in cd/m².
     pub xyz: Vec<[f64; 3]>,
-    /// The standard error of Y in cd/m², if it is known.
+    /// The standard error of Y in cd/m².
     pub noise: Vec<Option<f32>>,
-    /// The magnitude of the estimated bias of Y in cd/m², if it is known.
+    /// Of Y in cd/m².
     pub bias: Vec<Option<f32>>,
-    /// True if kernels blur an edge of the illumination at the pixel. In this case, the bias is
-    /// probably larger than the estimate. `None` means that the edges are unknown.
+    /// Kernels blur an edge of the illumination, so the bias is probably larger than the estimate.
     pub edge: Vec<Option<bool>>,
-    /// Spectral radiance, if it was recorded.
+    /// If it was recorded.
     pub bands: Option<SpectralBands>,
-    /// The layers that were recorded on request.
+    /// If they were recorded.
     pub layers: PictureLayers,
 }
 
-/// Spectral radiance in bands of equal width.
+/// In bands of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralBands {
-    /// The centres of the bands in nm.
     pub centres_nm: Vec<f64>,
-    /// Radiance in W/m²/sr/nm, pixel by pixel and band by band.
+    /// In W/m²/sr/nm, pixel by pixel and band by band.
     pub values: Vec<f32>,
 }
 
 impl SpectralBands {
-    /// Returns the centres of the bands in nm if the simulated range is divided into `count` bands.
+    /// Of `count` bands.
     pub fn centres_nm(count: usize) -> Vec<f64> {
         let centre = |(from_nm, to_nm): (f64, f64)| 0.5 * (from_nm + to_nm);
         (0..count).map(|band| centre(band_nm(band, count))).collect()
     }
 }
 
-/// Means of the error layers over the pixels with known errors.
+/// Over the pixels with known errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorMeans {
-    /// The mean standard error of Y in cd/m².
+    /// Of Y in cd/m².
     pub noise: f64,
-    /// The mean bias of Y in cd/m².
+    /// Of Y in cd/m².
     pub bias: f64,
-    /// The square root of the mean of noise² + bias², divided by the mean of Y. The value is `None`
-    /// if the noise is unknown in all pixels. A value of 0 is replaced by `None` if some pixels
-    /// have received no light.
+    /// The root of the mean of noise² + bias², divided by the mean of Y. `None` if the noise is
+    /// unknown in all pixels, or if it is 0 and some pixels have no light.
     pub relative: Option<f64>,
-    /// The number of pixels with unknown noise.
+    /// With unknown noise.
     pub unknown_pixels: usize,
-    /// The number of pixels at an edge of the illumination, where the bias is probably larger than
-    /// estimated.
+    /// At an edge of the illumination, where the bias is probably larger than estimated.
     pub edge_pixels: usize,
 }
 
-/// Returns half the width of the 95 % interval around a value. `noise` is the standard error of the
-/// value. `bias` is the magnitude of its bias.
+/// Returns half the width of the 95 % interval around a value with the standard error `noise` and
+/// the magnitude `bias`.
 ///
-/// The interval is two-sided if the bias is negligible and one-sided otherwise. The factors are
-/// quantiles of Student's t with 9 degrees of freedom: 7 from the eight replicates of a pixel and 2
-/// from its neighbours. Therefore the factors are valid only after at least eight passes.
+/// It is two-sided if the bias is negligible and one-sided otherwise. The factors are quantiles of
+/// Student's t with 9 degrees of freedom (7 from the eight replicates of a pixel and 2 from its
+/// neighbours), so they are valid only after at least eight passes.
 pub fn half_interval_95(noise: f64, bias: f64) -> f64 {
     const TWO_SIDED: f64 = 2.262;
     const ONE_SIDED: f64 = 1.833;
@@ -74,7 +68,7 @@ pub fn half_interval_95(noise: f64, bias: f64) -> f64 {
 }
 
 impl Picture {
-    /// Returns a picture without light. All errors are unknown.
+    /// All errors are unknown.
     pub fn black(width: usize, height: usize) -> Self {
         let count = width * height;
         Self {
@@ -89,12 +83,11 @@ impl Picture {
         }
     }
 
-    /// Enlarges a picture by bilinear interpolation of X, Y and Z. A pixel of this picture becomes
-    /// `factor` × `factor` pixels. The centres of both pictures coincide. The errors are unknown.
+    /// Enlarges a picture by bilinear interpolation of X, Y and Z. A pixel becomes `factor` ×
+    /// `factor` pixels, with the same centre of the picture and unknown errors.
     #[must_use]
     pub fn enlarged(&self, factor: usize, (width, height): (usize, usize)) -> Self {
-        // The two pixels of a row or column whose centres enclose a position, and the share of the
-        // second pixel.
+        // The two pixels of a row or column around a position, and the fraction of the second.
         let between = |position: usize, large: usize, small: usize| {
             let centred = (position as f64 + 0.5 - 0.5 * large as f64) / factor as f64;
             let position = (centred + 0.5 * small as f64 - 0.5).clamp(0.0, (small - 1) as f64);
@@ -113,30 +106,27 @@ impl Picture {
         enlarged
     }
 
-    /// Returns the mean of Y (cd/m²) over all pixels.
+    /// In cd/m².
     pub fn mean_y(&self) -> f64 {
         self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
     }
 
-    /// Returns the error of a pixel in cd/m²: √(noise² + bias²). Returns `None` if the noise or the
-    /// bias is unknown.
+    /// Returns √(noise² + bias²) in cd/m², `None` if one is unknown.
     pub fn error(&self, pixel: usize) -> Option<f64> {
         self.bars(pixel).map(|(noise, bias)| hypot(noise, bias))
     }
 
-    /// Returns half the width of a pixel's 95 % interval in cd/m², for a comparison with another
-    /// value. `other_noise` is the standard error of the other value. Returns `None` if the error
-    /// of the pixel is unknown.
+    /// Returns half the width of a pixel's 95 % interval in cd/m², for a value with the standard
+    /// error `other_noise`. `None` if the error of the pixel is unknown.
     pub fn half_interval_95(&self, pixel: usize, other_noise: f64) -> Option<f64> {
         self.bars(pixel).map(|(noise, bias)| half_interval_95(hypot(noise, other_noise), bias))
     }
 
-    /// Returns the noise and the bias of a pixel if both are known.
+    /// If both are known.
     fn bars(&self, pixel: usize) -> Option<(f64, f64)> {
         self.noise[pixel].zip(self.bias[pixel]).map(|(noise, bias)| (f64::from(noise), f64::from(bias)))
     }
 
-    /// Returns the means of the error layers.
     pub fn error_means(&self) -> ErrorMeans {
         let (mut noise, mut bias, mut square, mut known) = (0.0, 0.0, 0.0, 0_usize);
         for (&n, &b) in self.noise.iter().zip(&self.bias) {
@@ -150,8 +140,8 @@ impl Picture {
         }
         let count = known.max(1) as f64;
         let mean_y = self.mean_y();
-        // If all lit pixels have the error 0, they do not represent the pixels that no light has
-        // reached yet.
+        // If all lit pixels have the error 0, they do not represent those that no light has reached
+        // yet.
         let is_known = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
         let relative = is_known.then(|| (square / count).sqrt() / mean_y);
         ErrorMeans {
@@ -168,7 +158,6 @@ impl Picture {
 mod tests {
     use super::*;
 
-    /// A linear gradient stays the same gradient, also if the size is not a multiple of the factor.
     #[test]
     fn an_enlarged_gradient_keeps_its_values() {
         let (small, factor, (width, height)) = ((5, 4), 3, (13, 11));
@@ -186,7 +175,7 @@ mod tests {
         assert!(enlarged.noise.iter().all(Option::is_none));
     }
 
-    /// The quantiles of Student's t with 9 degrees of freedom are 2.262 (97.5 %) and 1.833 (95 %).
+    /// 2.262 (97.5 %) and 1.833 (95 %).
     #[test]
     fn intervals_take_students_quantiles_of_nine_degrees() {
         assert!((half_interval_95(1.0, 0.0) - 2.262_157).abs() < 5e-4);
@@ -207,7 +196,7 @@ mod tests {
         assert_eq!(picture.error_means().relative, Some(0.0), "all pixels are known exactly");
     }
 
-    /// Checks that the error combines noise and bias, and is unknown if one of them is unknown.
+    /// Unknown if one of them is unknown.
     #[test]
     fn an_error_combines_noise_and_bias() {
         let mut picture = Picture::black(3, 1);

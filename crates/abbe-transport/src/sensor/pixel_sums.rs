@@ -3,19 +3,18 @@
 use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::math::sum::ExactSum;
 
-/// The sums of one pixel over all passes. They take 192 bytes. Each channel takes 16 more bytes.
+/// Over all passes, in 192 bytes. Each channel takes 16 more.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct PixelSums {
     pub(super) x: ExactSum,
     pub(super) z: ExactSum,
     pub(super) y: [ExactSum; REPLICATES],
-    /// The bias of Y as two sums: over the even replicates, and over the odd replicates. The two
-    /// estimates have independent noise.
+    /// Over the even and over the odd replicates, with independent noise.
     pub(super) bias: [ExactSum; 2],
 }
 
-/// The light of a pixel summed over all passes, in W/m²/sr. Each value is radiance times a
-/// colour-matching function. Y is also given for each replicate.
+/// The light over all passes in W/m²/sr, radiance times a colour-matching function, and Y for each
+/// replicate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelMean {
     pub(super) xyz: [f64; 3],
@@ -30,12 +29,12 @@ impl PixelSums {
     }
 }
 
-/// Returns the replicate to which a pass belongs.
+/// Of a pass.
 pub(super) fn replicate(pass: u64) -> usize {
     (pass % REPLICATES as u64) as usize
 }
 
-/// Returns the number of passes of the even replicates and of the odd replicates.
+/// Of the even and of the odd replicates.
 pub(super) fn passes_by_half(passes: [u64; REPLICATES]) -> [u64; 2] {
     [0, 1].map(|parity| passes.iter().skip(parity).step_by(2).sum())
 }

@@ -1,5 +1,7 @@
 //! The learned visibility of the lights: which emitters light which part of the scene (compare
 //! Vévoda, Kondapaneni & Křivánek 2018, "Bayesian Online Regression for Adaptive Direct
+//! Illumination Sampling").
+//!
 //! A light tree does not know that a wall hides a light. Before pass 0, trials from camera paths
 //! measure the light that reaches surfaces. The surfaces are divided into cells: by the axis
 //! nearest to the normal, and then at the medians of the positions. Each cell keeps the emitters

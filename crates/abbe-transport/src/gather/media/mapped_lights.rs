@@ -1,5 +1,6 @@
 //! Single scattering, computed with light maps: direct light that a medium scatters into a camera
 //! ray.
+//!
 //! The estimator interpolates the transmittance in the light map at several random points of the
 //! ray, which add noise but no bias; the only bias is the interpolation error of the map.
 //! Visibility is not interpolated. A point casts a shadow ray if any map node around it sees the
