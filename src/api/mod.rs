@@ -1,8 +1,8 @@
 //! The interface of the library for its users: scenes, options, images.
 //!
 //! The crate root re-exports the public items of this module. The command line also uses the
-//! helpers [`PlanReport`], [`memory`] and [`provenance`]. Therefore the library and the command line
-//! write the same files.
+//! helpers [`PlanReport`], [`memory`] and [`provenance`]. Therefore the library and the command
+//! line write the same files.
 
 pub mod memory;
 mod observer;

@@ -15,8 +15,7 @@ pub fn colour(name: &str, spectrum: &Spectrum, under: Option<&Spectrum>, observe
     report.map_err(|error| Error { what: format!("{name}: {}", error.what), ..error })
 }
 
-/// The colour of a light or of a surface, with its name. [`ColourReport`] defines the
-/// figures.
+/// The colour of a light or of a surface, with its name. [`ColourReport`] defines the figures.
 #[derive(Debug, Serialize)]
 pub struct NamedColour<'a> {
     /// The name of the light or of the reflectance.

@@ -158,8 +158,8 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
         Err(unknown) => unknown,
     };
     let path = Path::new(name);
-    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if
-    // the file exists, or if it has the extension of a lens file.
+    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if the
+    // file exists, or if it has the extension of a lens file.
     let is_lens_file =
         |ending: &std::ffi::OsStr| ["json", "zmx"].iter().any(|known| ending.eq_ignore_ascii_case(known));
     if path.exists() || path.extension().is_some_and(is_lens_file) {

@@ -47,8 +47,8 @@ pub struct ReferencePicture {
     scale: ErrorScale,
     /// The relative variance of each pixel of the reference.
     variance: Vec<f64>,
-    /// One value per pixel: true if the pixel is in a smooth region. The list is empty if the picture
-    /// has too few such pixels.
+    /// One value per pixel: true if the pixel is in a smooth region. The list is empty if the
+    /// picture has too few such pixels.
     smooth: Vec<bool>,
 }
 

@@ -122,8 +122,8 @@ impl Runner<'_> {
         Ok((StepResult { points, stats, memory_bytes, passes_wanted }, rendered.picture))
     }
 
-    /// Hashes all inputs that affect the result of a step. The number of threads affects the measured
-    /// times.
+    /// Hashes all inputs that affect the result of a step. The number of threads affects the
+    /// measured times.
     pub(super) fn identity(&self, step: &RenderStep, changes: &[String], reference: Option<&str>) -> String {
         let mut hash = IdentityHash::default();
         let parts = [

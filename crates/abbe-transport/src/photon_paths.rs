@@ -17,23 +17,23 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Of one task.
+/// The number of paths that one task traces.
 const PATHS_PER_TASK: u64 = 256;
 
-/// The tasks that run before the paths are counted.
+/// The number of tasks that run before the paths are counted.
 const TASKS_PER_ROUND: u64 = 32;
 
-/// Of a recorded path. Later segments are left out.
+/// The largest number of segments of a recorded path. Later segments are left out.
 const MOST_SEGMENTS: usize = 64;
 
-/// Paths that arrive at a target are selected from this many times as many.
+/// Paths that arrive at a target are selected from this many times as many paths.
 const CANDIDATES: usize = 4;
 
 #[derive(Debug, Clone, Copy)]
 pub struct PathQuery {
-    /// Or all lights in proportion to their power.
+    /// The number of the light, or `None` for all lights in proportion to their power.
     pub light: Option<usize>,
-    /// The most paths.
+    /// The largest number of paths.
     pub count: usize,
     /// Only paths that arrive at a surface or collide with a medium in this sphere are wanted, and
     /// end there.
@@ -44,16 +44,16 @@ pub struct PathQuery {
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PhotonPaths {
-    /// In the order of their photons.
+    /// The paths, in the order of their photons.
     pub paths: Vec<RecordedPath>,
     pub traced: u64,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedPath {
-    /// In m, relative to the scene's centre.
+    /// The origin in m, relative to the scene's centre.
     pub origin: DVec3,
-    /// In the order of the photon.
+    /// The segments in the order in which the photon passes them.
     pub segments: Vec<RecordedSegment>,
 }
 
@@ -61,9 +61,9 @@ pub struct RecordedPath {
 pub struct RecordedSegment {
     /// In m, relative to the scene's centre; outside if the photon leaves the scene.
     pub end: DVec3,
-    /// Of the photon.
+    /// The wavelengths that the photon carries.
     pub wavelengths: Wavelengths,
-    /// At the end, in W.
+    /// The power of each wavelength at the end, in W.
     pub power_w: Lanes,
 }
 
@@ -109,7 +109,7 @@ pub fn photon_paths(context: &PassContext<'_>, query: &PathQuery) -> PhotonPaths
     PhotonPaths { paths, traced }
 }
 
-/// `None` if the light emits nothing.
+/// Returns the strata of one light. Returns `None` if the light emits no light.
 fn of_light(strata: EmissionStrata, light: Option<usize>) -> Option<EmissionStrata> {
     let Some(light) = light else { return Some(strata) };
     let weight = |(number, of): (usize, usize)| if of == light { strata.choice.probability(number) } else { 0.0 };
@@ -131,7 +131,7 @@ fn selected_by_power(paths: Vec<RecordedPath>, count: usize) -> Vec<RecordedPath
     paths.into_iter().zip(is_selected).filter(|(_, is_selected)| *is_selected).map(|(path, _)| path).collect()
 }
 
-/// For paths with these powers.
+/// Returns which of the paths with these powers are selected.
 fn selection(powers: &[f64], count: usize) -> Vec<bool> {
     let mut selected = vec![false; powers.len()];
     let step = loop {
@@ -143,7 +143,7 @@ fn selection(powers: &[f64], count: usize) -> Vec<bool> {
         }
         selected.iter_mut().zip(powers).for_each(|(selected, power)| *selected |= *power > step);
     };
-    // Half a step keeps away from the total, which rounding may miss.
+    // Half a step keeps the selection away from the total, which rounding may miss.
     let mut sum = 0.5 * step;
     for (selected, power) in selected.iter_mut().zip(powers).filter(|(selected, _)| !**selected) {
         let before = (sum / step).floor();
@@ -158,9 +158,9 @@ struct PathRecorder<'a> {
     scene: &'a Scene,
     target: Option<BoundingSphere>,
     paths: Vec<RecordedPath>,
-    /// `None` before its start and after its end.
+    /// The present path, or `None` before its start and after its end.
     path: Option<RecordedPath>,
-    /// At the target.
+    /// True if the present path has arrived at the target.
     has_arrived: bool,
 }
 
@@ -169,7 +169,7 @@ impl<'a> PathRecorder<'a> {
         Self { scene, target, paths: Vec::new(), path: None, has_arrived: false }
     }
 
-    /// Unless the path has arrived at the target.
+    /// Adds a vertex, unless the path has arrived at the target.
     fn add(&mut self, end: DVec3, photon: &PhotonState) {
         let Some(path) = self.path.as_mut().filter(|_| !self.has_arrived && !photon.truncated) else { return };
         if path.segments.len() < MOST_SEGMENTS {
@@ -213,7 +213,7 @@ impl PhotonVisitor for PathRecorder<'_> {
 mod tests {
     use super::*;
 
-    /// Some paths have more than their fraction of the power.
+    /// Some paths may have more than their fraction of the power.
     #[test]
     fn as_many_paths_are_selected_as_are_wanted() {
         let uneven: Vec<f64> = (0..60).map(|i| 1.3_f64.powi(i)).collect();

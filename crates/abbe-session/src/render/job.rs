@@ -112,12 +112,12 @@ impl Job {
 /// arrays with four complex numbers for each pixel.
 const CONVOLUTION_BYTES_PER_PIXEL: u64 = 5 * 64;
 
-/// The memory of the pilot in bytes per pixel: the kernel radii, the visible points, and the photons
-/// in media. It is free again when the film is allocated.
+/// The memory of the pilot in bytes per pixel: the kernel radii, the visible points, and the
+/// photons in media. It is free again when the film is allocated.
 const PILOT_BYTES_PER_PIXEL: u64 = 250;
 
-/// The memory of the results of the pilot and of a preview in bytes per pixel: the kernel radii, the
-/// outlines, the display codes, and free memory that the allocator keeps.
+/// The memory of the results of the pilot and of a preview in bytes per pixel: the kernel radii,
+/// the outlines, the display codes, and free memory that the allocator keeps.
 const PASS_BYTES_PER_PIXEL: u64 = 64;
 
 /// Returns the largest memory of a render whose film has this number of pixels, in bytes. A picture

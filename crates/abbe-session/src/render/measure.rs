@@ -370,8 +370,8 @@ fn with_function_of_spectrum(
             Some(temperature.cct_k)
         }
     };
-    // The bands approximate the spectrum, but the colour is known exactly. The error of the bands is
-    // estimated by its change when the bands become twice as wide.
+    // The bands approximate the spectrum, but the colour is known exactly. The error of the bands
+    // is estimated by its change when the bands become twice as wide.
     let value = of(&spectrum.mean, Some(reading.xyz));
     let wide_bands = spectrum.mean.merged(spectrum.mean.values.len() / 2);
     let of_wide_bands = of(&wide_bands, Some(reading.xyz));

@@ -70,8 +70,8 @@ impl Run {
         self.error_squares().map(|squares| squares.relative())
     }
 
-    /// Returns the parts of the squared relative error of the picture. Returns `None` if the error is
-    /// unknown, or if the passes lack the light of a spectrum.
+    /// Returns the parts of the squared relative error of the picture. Returns `None` if the error
+    /// is unknown, or if the passes lack the light of a spectrum.
     pub(super) fn error_squares(&self) -> Option<ErrorSquares> {
         self.coverage.is_complete().then(|| self.sums.film.error_squares()).flatten()
     }

@@ -30,7 +30,8 @@ fn scene_of_passes(scene: &Value) -> Value {
 }
 
 /// Finds the first value that differs between two scenes and affects their passes. Returns the path
-/// with the value in each scene, such as `film.width is 64`. Returns `None` if the values are equal.
+/// with the value in each scene, such as `film.width is 64`. Returns `None` if the values are
+/// equal.
 pub(super) fn first_difference(found: &Value, expected: &Value) -> Option<[String; 2]> {
     difference(String::new(), Some(&scene_of_passes(found)), Some(&scene_of_passes(expected)))
 }

@@ -59,7 +59,7 @@ impl Aim {
         })
     }
 
-    /// Returns the cell of a point in a grid with `side` cells per row.
+    /// Returns the index of the cell that contains a point. The grid has `side` cells per row.
     pub fn cell(point: [f64; 2], side: usize) -> usize {
         let cell = |x: f64| ((x * side as f64) as usize).min(side - 1);
         cell(point[1]) * side + cell(point[0])

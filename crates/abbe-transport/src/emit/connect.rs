@@ -32,7 +32,7 @@ impl Splat {
 pub struct PhotonConnector<'a> {
     pub scene: &'a Scene,
     pub media_plan: MediumPlan,
-    /// Of the photon's set.
+    /// The number of photon paths in the photon's set.
     pub photons_per_sample: f64,
 }
 

@@ -156,9 +156,9 @@ struct ExcitedEmissions {
 
 #[derive(Debug, Clone, Copy, Default)]
 struct ExcitedEmission {
-    /// The index in its fluorophore.
+    /// The index of the emission in its fluorophore.
     index: usize,
-    /// In W·nm.
+    /// The excitation in W·nm.
     excitation: f64,
     power_w: f64,
 }

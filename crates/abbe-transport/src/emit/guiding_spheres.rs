@@ -21,7 +21,7 @@ use glam::DVec3;
 /// The fraction of the photons that a surface scatters towards spheres.
 const GUIDED_FRACTION: f64 = 0.1;
 
-/// A sphere is distant from this multiple of its radius.
+/// A sphere is distant if its distance is at least this multiple of its radius.
 const LEAST_DISTANCE: f64 = 2.0;
 
 /// Scatters a photon at a surface, a fraction of the photons towards a distant sphere. Returns
@@ -74,12 +74,12 @@ impl<'a> DistantSpheres<'a> {
         self.spheres.iter().filter(|sphere| sphere.centre.distance(self.position) >= LEAST_DISTANCE * sphere.radius_m)
     }
 
-    /// Returns the pdf (1/sr) of the directions to the spheres.
+    /// Returns the density of the sampled directions, per steradian.
     fn pdf(&self, direction: DVec3) -> f64 {
         self.all().map(|sphere| sphere.pdf_direction(self.position, direction)).sum::<f64>() / self.count as f64
     }
 
-    /// Returns the pdf (1/sr) of the mixture. `pdf_bsdf` is that of the BSDF.
+    /// Returns the density of the mixture, per steradian. `pdf_bsdf` is the density of the BSDF.
     fn mixture_pdf(&self, pdf_bsdf: f64, direction: DVec3) -> f64 {
         (1.0 - GUIDED_FRACTION) * pdf_bsdf + GUIDED_FRACTION * self.pdf(direction)
     }

@@ -30,7 +30,7 @@ const RADIANT_FRACTION: f64 = 0.15;
 const EQUAL_FRACTION: f64 = 0.5;
 
 impl LightSampler {
-    /// Returns `None` if the lights emit no power in the band.
+    /// Creates the distributions for a scene, or `None` if its lights emit no power in the band.
     pub fn new(scene: &Scene) -> Option<Self> {
         let powers: Vec<f64> = scene.lights.iter().map(|light| light.power_w(scene.extent())).collect();
         let visible: Vec<f64> = scene.lights.iter().zip(&powers).map(|(l, p)| l.importance_per_watt * p).collect();

@@ -9,13 +9,13 @@ use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
 /// The state of a photon at one vertex of its path.
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonState {
-    /// The class so far.
+    /// The class of the path so far.
     pub light_path: LightPath,
     /// True beyond the depth limit of the scene, where the photon contributes only to the estimated
     /// bias.
     pub truncated: bool,
     pub wavelengths: Wavelengths,
-    /// In W for free photons, and in W/nm for shared photons.
+    /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
     pub power: Lanes,
     /// The code with which the map stores the wavelengths of a free photon. It does not change
     /// along the path.
@@ -34,12 +34,12 @@ pub struct PhotonState {
 pub(super) struct PhotonPath {
     pub(super) ray_state: RayState,
     pub(super) photon: PhotonState,
-    /// The factor that converts each lane of `PhotonState::power` to W.
+    /// For each lane: the factor that converts `PhotonState::power` to W.
     pub(super) watts: Lanes,
 }
 
 impl PhotonPath {
-    /// In W over all wavelengths.
+    /// Returns the power of all wavelengths together, in W.
     #[inline]
     pub(super) fn total_w(&self) -> f64 {
         // Lanes that are not in use hold no power.

@@ -14,7 +14,7 @@ use abbe_spectra::math::random::{Stream, StreamKey};
 use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 
-/// The fraction of the shared set that are excitation photons.
+/// The fraction of the photons of the shared set that are excitation photons.
 const EXCITATION_FRACTION: f64 = 0.5;
 
 /// The wavelengths of the photons of a set.
@@ -26,7 +26,7 @@ pub enum WavelengthSampling {
     /// All photons carry the pass's shared wavelengths.
     Shared {
         nm: Lanes,
-        /// Per nm.
+        /// The density of each wavelength, per nm.
         pdf: Lanes,
     },
 }
@@ -37,7 +37,7 @@ pub struct PhotonSource<'a> {
     pub scene: &'a Scene,
     pub strata: &'a EmissionStrata,
     pub spectra: &'a PhotonSpectra,
-    /// `None` if no photon competes with camera paths.
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub ray_densities: Option<&'a RayDensities>,
     pub wavelengths: WavelengthSampling,
     pub fluorescent: bool,
@@ -49,7 +49,7 @@ pub struct PhotonSource<'a> {
 }
 
 impl PhotonSource<'_> {
-    /// Returns the set's low-discrepancy points, scrambled differently in each pass.
+    /// Returns the set's low-discrepancy points. The points are scrambled differently in each pass.
     pub fn points(&self) -> Sobol {
         Sobol::of(self.streams)
     }

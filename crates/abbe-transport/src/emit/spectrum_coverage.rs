@@ -14,7 +14,7 @@ const LEAST_FRACTION: f64 = 0.1;
 /// the picture lacks the light of these lights, and the replicates do not show it.
 #[derive(Debug, Default)]
 pub struct SpectrumCoverage {
-    /// The name of a light, and its wavelengths.
+    /// The spectra that no pass has sampled: the name of a light, and its wavelengths.
     missing: Vec<(String, WavelengthDistribution)>,
 }
 

@@ -21,13 +21,13 @@ const FRACTION_RAYS: u32 = 64;
 /// A sphere is used only if a smaller fraction of the light's power passes through it.
 const LARGEST_FRACTION: f64 = 1.0 / 256.0;
 
-/// The same for an outer sphere.
+/// A surrounding sphere is used only if a smaller fraction of the light's power passes through it.
 const LARGEST_OUTER_FRACTION: f64 = 1.0 / 4.0;
 
 /// The strata of all lights.
 #[derive(Debug, Clone)]
 pub struct EmissionStrata {
-    /// Light by light.
+    /// The strata, light by light.
     pub list: Vec<Stratum>,
     pub choice: DiscreteDistribution,
     /// The spheres of the strata, if the world is much larger than they are. Distant surfaces
@@ -39,12 +39,12 @@ pub struct EmissionStrata {
 #[derive(Debug, Clone)]
 pub struct Stratum {
     pub light: usize,
-    /// The guiding sphere, or `None` for the stratum of all other rays.
+    /// The target of the rays. `None` for the stratum of all other rays.
     sphere: Option<BoundingSphere>,
     /// The strata of the same light whose rays do not belong to this one, even if they pass through
     /// its sphere.
     excluded: Range<usize>,
-    /// The fraction of the light's power, including that of rays in excluded strata.
+    /// The fraction of the light's power in this stratum. Rays in excluded strata are included.
     pub fraction: f64,
     pub aim: Aim,
 }

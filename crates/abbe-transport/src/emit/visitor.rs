@@ -10,9 +10,9 @@ use glam::DVec3;
 #[derive(Debug)]
 pub struct SurfaceArrival<'a> {
     pub interaction: &'a SurfaceInteraction<'a>,
-    /// Before the surface scatters it.
+    /// The photon before the surface scatters it.
     pub photon: &'a PhotonState,
-    /// The number of surface events on the path, with this arrival.
+    /// The number of surface events on the path, including this arrival.
     pub depth: u32,
 }
 
@@ -23,7 +23,7 @@ pub struct PhotonFlight<'a> {
     /// The length in m. It is infinite if the photon leaves the scene.
     pub length_m: f64,
     pub photon: &'a PhotonState,
-    /// `None` if nothing absorbs or scatters.
+    /// The media along the flight. `None` if nothing absorbs or scatters.
     pub(super) segment: Option<&'a MediumSegment<'a>>,
 }
 
@@ -44,7 +44,7 @@ pub struct MediumCrossing<'a> {
     /// before.
     pub segment: &'a MediumSegment<'a>,
     pub medium: NumberedMedium<'a>,
-    /// At the start of the segment.
+    /// The photon at the start of the segment.
     pub photon: &'a PhotonState,
 }
 
@@ -52,7 +52,7 @@ pub struct MediumCrossing<'a> {
 #[derive(Debug)]
 pub struct MediumCollision<'a> {
     pub position: DVec3,
-    /// A unit vector before the collision.
+    /// The photon's direction before the collision, as a unit vector.
     pub incoming: DVec3,
     pub medium: NumberedMedium<'a>,
     /// The photon. Its power is all that the medium scatters here, or that a dye absorbs.
@@ -61,10 +61,10 @@ pub struct MediumCollision<'a> {
 
 /// Receives the events of photon paths.
 pub trait PhotonVisitor {
-    /// `stratum` is that of the path's first ray, and `aim` its point in the aiming grid.
+    /// Called with the stratum of the path's first ray, and `aim` its point in the aiming grid.
     fn on_emission(&mut self, stratum: usize, aim: [f64; 2]);
 
-    /// A photon with power starts.
+    /// A photon with power starts along this ray.
     #[inline]
     fn on_start(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 

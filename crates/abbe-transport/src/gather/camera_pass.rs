@@ -21,16 +21,16 @@ pub struct CameraPass<'a> {
     /// Next-event estimation.
     pub direct: DirectLighting<'a>,
     pub maps: PerSet<&'a SetMaps>,
-    /// The photon paths of each set per camera sample of a pixel.
+    /// The number of photon paths of each set, divided by the number of camera samples per pixel.
     pub photons_per_sample: PerSet<f64>,
     pub truncated: Option<TruncatedMaps<'a>>,
-    /// In nm.
+    /// The pass's shared wavelengths in nm.
     pub shared_nm: Lanes,
     /// Per nm; 0 if the lights have no power there.
     pub shared_pdf: Lanes,
-    /// At each shared wavelength. `None` without a lens system.
+    /// The camera's lens system at each shared wavelength. `None` if the camera has no lens system.
     pub lens_systems: Option<[SystemAt<'a>; LANES]>,
-    /// Empty if the plan uses no light maps.
+    /// The light maps for direct light in media. Empty if the plan uses no light maps.
     pub light_maps: &'a LightMaps<'a>,
     pub spectra: &'a PhotonSpectra,
     /// `None` if the sink needs the wavelength of each contribution.
@@ -38,7 +38,7 @@ pub struct CameraPass<'a> {
     pub surface_extents: &'a SurfaceExtents,
     /// The weights of paths from sensors. Empty if no photon finds the same light.
     pub sensors: &'a [CausticWeights],
-    /// By which this pass scales the first radii.
+    /// The factors by which this pass scales the first kernel radii.
     pub scales: PerKernel<f64>,
     /// The first kernel radius (m) of the scene file. Without it, each pixel has its own.
     pub explicit_radius_m: Option<f64>,
@@ -48,9 +48,9 @@ pub struct CameraPass<'a> {
 /// estimated bias.
 #[derive(Debug, Clone, Copy)]
 pub struct TruncatedMaps<'a> {
-    /// With the distribution of the missing light.
+    /// Photon maps with the distribution of the missing light.
     pub maps: PerSet<&'a SetMaps>,
-    /// From the light of these photons to the missing light.
+    /// The ratio of the missing light to the light of these photons.
     pub factor: f64,
 }
 

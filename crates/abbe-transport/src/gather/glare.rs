@@ -21,9 +21,9 @@ use std::f64::consts::{LN_10, PI};
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Glare {
-    /// In cd²/m⁴.
+    /// The sum of L²ω/p² over the luminaires, in cd²/m⁴.
     pub sum: f64,
-    /// The direct light of the luminaires across the view, in lx.
+    /// The direct light of the luminaires on the plane at right angles to the view, in lx.
     pub direct_lx: f64,
 }
 
@@ -35,7 +35,7 @@ impl Glare {
         (self.sum > 0.0 && background > 0.0).then(|| 8.0 * log10(0.25 * self.sum / background))
     }
 
-    /// In 1/lx, by the illuminance.
+    /// Returns the derivative of the rating by the illuminance, in 1/lx.
     pub fn slope(self, illuminance_lx: f64) -> f64 {
         8.0 / (LN_10 * (illuminance_lx - self.direct_lx))
     }
@@ -62,7 +62,7 @@ impl DirectLighting<'_> {
         (number, light): (usize, &Light),
         key: StreamKey,
     ) -> Glare {
-        /// The points of a luminaire that each replicate samples.
+        /// The number of points of a luminaire that each replicate samples.
         const SAMPLES: u32 = 256;
         let view = eye.response.normal();
         // A sphere receives light from all directions alike.

@@ -10,10 +10,10 @@ use abbe_spectra::math::random::Streams;
 use abbe_spectra::spectrum::{REFERENCE_NM, Wavelengths};
 use std::ops::Range;
 
-/// The surface events of a path.
+/// The largest number of surface events of a path.
 const MAX_SURFACES: usize = 6;
 
-/// The trials on a path.
+/// The largest number of trials on a path.
 const MAX_TRIALS: usize = 3;
 
 impl DirectLighting<'_> {

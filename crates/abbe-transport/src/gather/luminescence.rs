@@ -23,15 +23,15 @@ use std::f64::consts::FRAC_1_PI;
 pub(super) struct Luminescence<'a> {
     fluorophore: &'a Fluorophore,
     wavelengths: Wavelengths,
-    /// The wavelengths (nm) at which the camera sees them.
+    /// The wavelengths at which the camera sees these wavelengths, in nm.
     observed: Lanes,
     /// The throughput divided by the density of the wavelengths and by π, or 4π in a medium.
     weights: Lanes,
-    /// Of the first emission, for an excitation of 1 W·nm/m².
+    /// The radiance of the first emission for an excitation of 1 W·nm/m².
     first: Lanes,
 }
 
-/// Light that excites a fluorophore.
+/// A sample of light that excites a fluorophore.
 pub(super) struct ExcitingLight<'s> {
     pub(super) number: usize,
     pub(super) light: &'s Light,
@@ -39,7 +39,7 @@ pub(super) struct ExcitingLight<'s> {
     /// Irradiance, or fluence in a medium, divided by the spectrum of the light, without
     /// attenuation.
     pub(super) irradiance: f64,
-    /// Between the light and the fluorophore.
+    /// The transmittance between the light and the fluorophore.
     pub(super) along: &'s [SegmentTransmittance<'s>],
 }
 
@@ -81,7 +81,7 @@ impl<'a> Luminescence<'a> {
         radiance
     }
 
-    /// Adds the radiance that the irradiance (W/m²) at the wavelength `nm` excites.
+    /// Adds the radiance that light of the wavelength `nm` excites. `irradiance` is in W/m².
     #[inline]
     pub(super) fn excite(&self, nm: f64, irradiance: f64, radiance: &mut Lanes) {
         for i in self.fluorophore.excited_by(nm) {
@@ -95,14 +95,14 @@ impl<'a> Luminescence<'a> {
         }
     }
 
-    /// Between the fluorophore and the camera.
+    /// Attenuates radiance along segments between the fluorophore and the camera.
     pub(super) fn attenuate(&self, along: &[SegmentTransmittance<'_>], radiance: &mut Lanes) {
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
             radiance[k] *= transmittance(along, nm);
         }
     }
 
-    /// Adds radiance and its bias, as factors of `radiance`.
+    /// Adds an estimate of the radiance and of its bias. Both are given as factors of `radiance`.
     pub(super) fn add<S: Sink>(
         &self,
         origin: LightOrigin,

@@ -12,7 +12,7 @@ pub struct KernelValues {
     pub estimate: f64,
     /// Uniform: 1/(πr²) on the disk, and 1/(2r) on the line.
     pub uniform: f64,
-    /// The value that a limit removed from `estimate`; see [`Self::limited`].
+    /// The value that a limit removed from `estimate`, in the same unit. See [`Self::limited`].
     clamped: f64,
     /// μ_e/(μ_u − μ_e), for the second moments of the Epanechnikov and of the uniform kernel.
     moment_ratio: f64,
@@ -28,7 +28,7 @@ pub struct DiskKernel {
 }
 
 impl DiskKernel {
-    /// Takes the squared radius in m².
+    /// Creates the kernels on a disk with the squared radius `r2` in m².
     #[inline]
     pub fn new(r2: f64) -> Self {
         let per_r2 = 1.0 / r2;
@@ -148,7 +148,7 @@ struct KernelSideMoments {
 }
 
 impl KernelSideMoments {
-    /// Integrates the kernels from 0 to `extent`, in kernel radii.
+    /// Integrates the kernels over distances between 0 and `extent`, in units of the kernel radius.
     fn new(domain: KernelDomain, extent: f64) -> Self {
         let [e, e2] = [extent, extent * extent];
         match domain {

@@ -9,7 +9,7 @@ use glam::DVec3;
 pub(super) struct Octahedral<const BITS: u32>(pub(super) u32);
 
 impl<const BITS: u32> Octahedral<BITS> {
-    /// The largest coordinate. The smallest is its negative.
+    /// The largest value of a coordinate. The smallest value is its negative.
     const LARGEST: i32 = (1 << (BITS - 1)) - 1;
 
     const MASK: u32 = (1 << BITS) - 1;

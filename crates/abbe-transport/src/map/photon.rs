@@ -66,7 +66,7 @@ impl PhotonPower {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Photon {
     pub power: PhotonPower,
-    /// The encoded direction, and the four lower bits of the ray density.
+    /// The direction to the light, and the four lower bits of the ray density.
     to_light: u32,
     /// The encoded normal, and the other bits of the ray density.
     normal: u32,
@@ -86,7 +86,7 @@ impl Photon {
         Self { power, to_light: EncodedDirection::encode(to_light).0, normal: Normal::encode(normal).0 }
     }
 
-    /// Sets the density of the light's rays, which is 0 in [`Self::new`].
+    /// Adds the density of the rays of the photon's light. [`Self::new`] sets it to 0.
     #[must_use]
     pub fn with_ray_density(self, ray_density: RayDensity) -> Self {
         let bits = ray_density.to_bits();

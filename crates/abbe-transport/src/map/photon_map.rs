@@ -16,7 +16,7 @@ pub struct PhotonMap {
 #[derive(Debug, Clone, Copy)]
 pub struct NearbyPhoton<'m> {
     pub photon: &'m Photon,
-    /// In m, relative to the scene's centre.
+    /// The photon's position in m, relative to the scene's centre.
     pub position: [f32; 3],
     /// The squared distance from the query's centre, in m².
     pub distance2: f32,

@@ -11,7 +11,7 @@ use abbe_spectra::spectrum::{LANES, WavelengthDistribution};
 pub struct WavelengthCode {
     /// The random number, rounded down to 16 bits.
     pub(super) quantile: u16,
-    /// In [`PhotonSpectra`].
+    /// The number of the spectrum in [`PhotonSpectra`].
     pub(super) spectrum: u16,
 }
 
@@ -121,7 +121,7 @@ impl PhotonSpectra {
         WavelengthCode { quantile: quantile(u), spectrum: number as u16 }
     }
 
-    /// Returns the number of different spectra, independently of the groups.
+    /// Returns the number of different spectra. It does not depend on the groups of the lights.
     pub fn different(&self) -> usize {
         self.different
     }
@@ -141,7 +141,7 @@ impl PhotonSpectra {
         self.distributions.is_empty()
     }
 
-    /// Returns the code of the wavelengths that a light samples from `u` in [0, 1).
+    /// Returns the code of the wavelengths that a light samples from the number `u` in [0, 1).
     #[inline]
     pub fn code(&self, light: usize, u: f64) -> WavelengthCode {
         WavelengthCode { quantile: quantile(u), spectrum: self.of_light[light] }

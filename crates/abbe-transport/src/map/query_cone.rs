@@ -1,8 +1,8 @@
-//! The region around a camera ray in which photons contribute to it.
+//! The region around a camera ray. Photons in this region contribute to the ray.
 
 use abbe_scene::geometry::Ray;
 
-/// A part of a ray, with a radius that may grow linearly along it.
+/// A part of a ray, and a radius around this part. The radius may grow linearly along the ray.
 #[derive(Debug, Clone, Copy)]
 pub struct QueryCone {
     pub ray: Ray,
@@ -16,7 +16,7 @@ pub struct QueryCone {
 /// The width of the kernels along a camera path.
 #[derive(Debug, Clone, Copy)]
 pub enum KernelWidth {
-    /// In m along the whole path.
+    /// The radius is constant along the path. This number is the radius in m.
     Constant(f64),
     /// In proportion to the distance from the camera.
     PerDistance(f64),
@@ -32,7 +32,7 @@ impl QueryCone {
         Self { ray, length_m, radius_m, slope }
     }
 
-    /// Returns the radius in m at the distance `t` (m).
+    /// Returns the radius in m at the distance `t` (m) along the ray.
     pub fn radius_at(&self, t: f64) -> f64 {
         self.radius_m + self.slope * t
     }

@@ -100,7 +100,7 @@ impl<T: Copy> PixelRadii<T> {
         copy.all_mut().map(|radius| *radius)
     }
 
-    /// In the order of [`Self::all`].
+    /// Returns mutable references to all radii, in the order of [`Self::all`].
     pub fn all_mut(&mut self) -> [&mut T; 8] {
         let Self { surface, volume } = self;
         [

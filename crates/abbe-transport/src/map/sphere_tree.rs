@@ -13,7 +13,7 @@ pub struct SphereTree {
 }
 
 impl SphereTree {
-    /// Takes spheres as pairs of centre and radius, in m.
+    /// Builds the index. A sphere is a pair of its centre and its radius, both in m.
     pub fn build(spheres: impl Iterator<Item = (DVec3, f64)>) -> Self {
         // The rounding to single precision must not make a box smaller than its sphere.
         let around = |(centre, radius_m): (DVec3, f64)| {

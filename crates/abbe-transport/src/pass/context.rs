@@ -22,7 +22,7 @@ pub struct PassContext<'a> {
     pub plan: &'a Plan,
     pub budget: &'a Budget,
     pub lights: &'a LightSampler,
-    /// For the scene at this time.
+    /// Selects the lights that a point samples, in the scene at this time.
     pub selector: &'a LightSelector,
     pub spectra: &'a PhotonSpectra,
     /// `None` if the sensor needs the wavelengths.
@@ -34,7 +34,7 @@ pub struct PassContext<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SharedWavelengths {
     pub(crate) nm: Lanes,
-    /// Per nm.
+    /// The probability densities of the wavelengths, per nm.
     pub(crate) pdf: Lanes,
 }
 
@@ -48,7 +48,7 @@ impl SharedWavelengths {
     }
 }
 
-/// The emission of a photon set: the photons, their wavelengths and their random streams.
+/// The emission of a photon set: the number of photons, their wavelengths and their random streams.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EmissionRequest {
     pub(crate) wavelengths: WavelengthSampling,

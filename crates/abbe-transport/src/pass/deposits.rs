@@ -9,9 +9,9 @@ pub(crate) type PositionedPhoton = (Photon, [f32; 3]);
 /// The photons of one class stored in media.
 #[derive(Debug, Default)]
 pub(crate) struct VolumeDeposits {
-    /// One for each stored scattering event.
+    /// Photon points: one for each stored scattering event.
     pub(crate) points: Vec<VolumePhoton>,
-    /// One for each stored path segment.
+    /// Photon beams: one for each stored path segment.
     pub(crate) beams: Vec<PhotonBeam>,
 }
 

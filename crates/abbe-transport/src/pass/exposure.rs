@@ -29,7 +29,7 @@ impl Sink for PixelSink<'_> {
     }
 }
 
-/// Exposes all rows in parallel. `expose` returns the number of rejected samples.
+/// Exposes all rows of the film in parallel. `expose` returns the number of rejected samples.
 pub(super) fn expose_rows(sums: &mut PassSums, expose: impl Fn(&mut FilmRow<'_>, &mut Tally) -> u64 + Sync) {
     let rows: Vec<FilmRow<'_>> = sums.film.rows().collect();
     let tallies = rows

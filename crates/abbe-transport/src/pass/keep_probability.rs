@@ -4,11 +4,11 @@ use crate::plan::partition::PerClass;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct KeepProbability {
-    /// For photons on surfaces.
+    /// The probability that a photon is stored on a surface.
     pub(crate) surface: f64,
-    /// For scattering events in media.
+    /// The probability that a scattering event in a medium is stored.
     pub(crate) points: f64,
-    /// For path segments in media.
+    /// The probability that a path segment in a medium is stored.
     pub(crate) beams: f64,
 }
 

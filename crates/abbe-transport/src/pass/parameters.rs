@@ -16,13 +16,13 @@ use abbe_scene::Scene;
 #[derive(Debug)]
 pub struct PassParameters {
     pub(crate) strata: EmissionStrata,
-    /// `None` if no photon competes with camera paths.
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub(crate) ray_densities: Option<RayDensities>,
     pub(crate) radii: FirstRadii,
-    /// The first kernel radius of each sensor in m. Empty without sensors or caustics.
+    /// The first kernel radius of each sensor in m. Empty if there are no sensors or caustics.
     pub(crate) sensor_radii: Vec<f64>,
     pub(crate) surface_extents: SurfaceExtents,
-    /// The number of paths.
+    /// The number of photon paths of each set.
     pub(crate) photons: PerSet<u64>,
     pub(crate) camera_samples: CameraSamples,
     /// The number of photons that a pass stores, divided by the number for which the first radii
@@ -34,9 +34,9 @@ pub struct PassParameters {
 /// The number of camera samples of each pixel in a pass.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum CameraSamples {
-    /// In each pixel.
+    /// The same number in all pixels.
     Same(u64),
-    /// Of each pixel, and the mean.
+    /// A number for each pixel, and the mean over the pixels.
     Each(Vec<u8>, f64),
 }
 

@@ -23,9 +23,9 @@ const EVENTS_RECORDED_ALWAYS: u32 = 8;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RecordingOptions<'r> {
     pub(crate) keep: PerClass<KeepProbability>,
-    /// The photon paths of the set per camera sample of a pixel.
+    /// The number of photon paths in the set, divided by the number of camera samples per pixel.
     pub(crate) photons_per_sample: f64,
-    /// `None` if the scene has no sensors.
+    /// The kernels of the sensors of meters. `None` if the set has no sensors.
     pub(crate) sensors: Option<&'r SensorKernels<'r>>,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct PhotonRecorder<'a> {
     options: RecordingOptions<'a>,
     pub(crate) deposits: PhotonDeposits,
     pub(crate) splats: SplatSink,
-    /// Beyond the depth limit of the scene.
+    /// The photons beyond the depth limit of the scene.
     pub(crate) truncated: PhotonDeposits,
     pub(crate) truncated_splats: SplatSink,
     pub(crate) tally: Tally,

@@ -30,9 +30,9 @@ use std::f64::consts::{FRAC_1_PI, PI};
 pub(crate) struct SensorKernels<'a> {
     scene: &'a Scene,
     portals: &'a Portals,
-    /// In m, in this pass.
+    /// The radius of each sensor in this pass, in m.
     radii_m: Vec<f64>,
-    /// Of photons and of paths.
+    /// The weights of photons and of paths at each sensor.
     weights: Vec<CausticWeights>,
     /// The number of rows of each sensor.
     rows: usize,
@@ -44,12 +44,12 @@ pub(crate) struct SensorKernels<'a> {
 #[derive(Debug)]
 pub(crate) struct PointDisks {
     tree: SphereTree,
-    /// In the order of the spheres of the tree.
+    /// The numbers of the sensors, in the order of the spheres of the tree.
     sensors: Vec<u32>,
 }
 
 impl PointDisks {
-    /// `radius_m` returns the radius of a sensor's disk in m.
+    /// Creates the index. `radius_m` returns the radius of the disk of a sensor in m.
     pub(crate) fn new(sensors: &[Sensor], radius_m: impl Fn(usize) -> f64) -> Self {
         let points = || {
             let numbered = sensors.iter().enumerate();
@@ -59,7 +59,7 @@ impl PointDisks {
         Self { tree, sensors: points().map(|(number, _)| number as u32).collect() }
     }
 
-    /// Calls `visit` with each sensor whose disk the flight may cross.
+    /// Calls `visit` with the number of each sensor whose disk the flight may cross.
     pub(crate) fn visit(&self, flight: &PhotonFlight<'_>, mut visit: impl FnMut(usize)) {
         self.tree.visit(flight.ray, flight.length_m, |sphere| visit(self.sensors[sphere] as usize));
     }
@@ -67,14 +67,14 @@ impl PointDisks {
 
 /// The part of a photon's power that a sensor receives.
 struct Received {
-    /// From the photon's power to the mean radiance.
+    /// The factor from the photon's power to the mean radiance of the sensor.
     estimate: f64,
-    /// From the photon's power to the bias of the mean radiance.
+    /// The factor from the photon's power to the bias of the mean radiance.
     bias: f64,
 }
 
 impl<'a> SensorKernels<'a> {
-    /// Returns `None` without first radii.
+    /// Creates the kernels of a pass. Returns `None` if there are no first radii.
     pub(super) fn of_pass(
         context: &PassContext<'a>,
         scene: &'a Scene,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug)]
 pub struct PassSums {
     pub film: Film,
-    /// In W, summed over passes.
+    /// The energy balance in W, summed over passes.
     pub ledger: Ledger,
     pub tally: Tally,
     pub seconds: StageSeconds,
@@ -18,7 +18,7 @@ pub struct PassSums {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageSeconds {
     pub total: f64,
-    /// The pilot: learning emission distributions and first radii.
+    /// The pilot: learning emission distributions and first kernel radii.
     pub pilot: f64,
     pub pose: f64,
     pub emit: f64,

@@ -17,12 +17,12 @@ const PHOTONS_PER_TASK: u64 = 2048;
 #[derive(Debug, Default)]
 pub(crate) struct TracedPhotons {
     pub(crate) deposits: PhotonDeposits,
-    /// One sink per task.
+    /// The contributions of connections to the camera, one sink per task.
     pub(crate) splats: Vec<SplatSink>,
-    /// Beyond the depth limit, for the estimated bias.
+    /// The photons beyond the depth limit of the scene, for the estimated bias.
     pub(crate) truncated: PhotonDeposits,
     pub(crate) truncated_splats: Vec<SplatSink>,
-    /// In W.
+    /// The energy balance in W.
     pub(crate) ledger: Ledger,
     pub(crate) tally: Tally,
 }

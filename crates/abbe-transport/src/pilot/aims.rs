@@ -17,7 +17,7 @@ use std::borrow::Cow;
 /// If that learned nothing, the rounds end.
 const PATHS_PER_STRATUM: [u64; 2] = [1 << 14, 1 << 15];
 
-/// The paths of a round grow with the number of strata, up to this number.
+/// The number of paths per round grows with the number of strata, up to this many strata.
 const MAX_STRATA: u64 = 4;
 
 /// The largest number of paths per round, as a fraction of a pass. Both rounds together then take
@@ -34,15 +34,15 @@ const BY_CONTRIBUTION: f64 = 0.5;
 /// contributes little to the whole picture, but it is bright.
 const BY_STRATUM: f64 = 0.3;
 
-/// What the aiming rounds learned.
+/// The results of the aiming rounds.
 pub(crate) struct LearnedAims {
     pub(crate) strata: EmissionStrata,
-    /// The specular objects that no photon reached.
+    /// The names of the specular objects that no photon reached.
     pub(crate) unlit: Vec<String>,
 }
 
 impl LearnedAims {
-    /// Without aims.
+    /// Returns strata that follow the emission distributions of the lights.
     pub(crate) fn plain(context: &PassContext<'_>) -> Self {
         Self { strata: EmissionStrata::plain(&context.lights.lights), unlit: Vec::new() }
     }
@@ -52,7 +52,7 @@ impl LearnedAims {
 pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
     let (spheres, lights) = (GuidingSpheres::new(scenes, &context.portals.all()), &context.lights.lights);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
-    // Half of the pilot's paths belong to all lights in equal parts, to find the dim ones.
+    // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.
     let probability = |light: usize| 0.5 * (lights.probability(light) + 1.0 / count);
     let spheres = [&spheres.inner[..], &spheres.outer];
     let strata = EmissionStrata::new(&context.scene.lights, extent, spheres, probability);
@@ -103,7 +103,7 @@ fn unlit_objects(scene: &Scene, reached: &[bool]) -> Vec<String> {
     unlit.map(|((_, object), _)| object.name.clone()).collect()
 }
 
-/// `round` is the number of the round and of its paths.
+/// Traces the photons of a round. `round` contains the number of the round and of its paths.
 fn trace_round<'a>(
     context: &PassContext<'a>,
     scenes: &'a [Cow<'_, Scene>],

@@ -18,26 +18,26 @@ use super::work::Work;
 use crate::plan::{PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 use abbe_spectra::math::elementary::powf;
 
-/// Divides the work of a pass between photons and camera samples.
+/// The division of the work of a pass between photons and camera samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Balance {
     pub(super) photons: u64,
-    /// Of the indirect photons on surfaces.
+    /// The fraction of the indirect photons that the pass stores on surfaces.
     pub(super) stored_fraction: f64,
-    /// On the number of photons that a path stores in media.
+    /// The factor on the number of photons that a path stores in media.
     pub(super) medium_factor: f64,
-    /// Per pixel.
+    /// The number of camera samples per pixel.
     pub(super) camera_samples: u64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BalanceLimits {
-    /// The paths, explicit or of the plain division.
+    /// The number of photon paths, if the scene sets it, or the number of the plain division.
     pub(super) photons: u64,
     pub(super) photons_are_explicit: bool,
-    /// Per pixel, if explicit.
+    /// The number of camera samples per pixel, if the scene sets it.
     pub(super) camera_samples: Option<u64>,
-    /// The largest factor with an effect on the photons that a path stores in media.
+    /// The largest factor that has an effect on the number of photons that a path stores in media.
     pub(super) largest_medium_factor: f64,
 }
 
@@ -45,13 +45,13 @@ pub(super) struct BalanceLimits {
 /// sample per pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Variances {
-    /// Of photons connected to the camera.
+    /// The variance of the photons that are connected to the camera.
     pub(super) traced: f64,
-    /// Of photons stored on surfaces.
+    /// The variance of the photons that are stored on surfaces.
     pub(super) surfaces: f64,
-    /// Of photons stored in media.
+    /// The variance of the photons that are stored in media.
     pub(super) media: f64,
-    /// Of camera samples.
+    /// The variance of the camera samples.
     pub(super) camera: f64,
 }
 
@@ -61,7 +61,7 @@ const HALVINGS: i32 = PHOTON_HALVINGS as i32;
 /// The binary logarithm of the most camera samples per pixel.
 const DOUBLINGS_OF_SAMPLES: i32 = 4;
 
-/// The largest work of a pass, as a multiple of the plain division.
+/// The work of a pass is at most this multiple of the work of the plain division.
 const LONGEST_PASS: f64 = 4.0;
 
 /// A longer pass shows its picture later, so its error at equal time must be lower by this power of
@@ -76,7 +76,7 @@ const WORTHWHILE: f64 = 0.9;
 const TOLERANCE: f64 = 1.05;
 
 impl BalanceLimits {
-    /// If there is nothing to choose.
+    /// The plain division, which is taken if there is nothing to choose.
     pub(super) fn plain(self) -> Balance {
         let Self { photons, camera_samples, .. } = self;
         Balance { photons, stored_fraction: 1.0, medium_factor: 1.0, camera_samples: camera_samples.unwrap_or(1) }
@@ -176,14 +176,14 @@ impl Balance {
         self.work_of_photons(work) + self.work_of_samples(work) * self.camera_samples as f64
     }
 
-    /// Without camera samples.
+    /// Returns the work of a pass without camera samples.
     fn work_of_photons(self, work: Work) -> f64 {
         let Work { pass, trace, store_on_surfaces, store_in_media, .. } = work;
         let stored = store_on_surfaces * self.stored_fraction + store_in_media * self.medium_factor;
         pass + (trace + stored) * self.photons as f64
     }
 
-    /// Of one sample in every pixel.
+    /// Returns the work of one camera sample in every pixel.
     fn work_of_samples(self, work: Work) -> f64 {
         let Work { sample, gather_on_surfaces, gather_in_media, .. } = work;
         let gathered = gather_on_surfaces * self.stored_fraction + gather_in_media * self.medium_factor;
@@ -204,7 +204,7 @@ mod tests {
         largest_medium_factor: 8.0,
     };
 
-    /// Photons take most of the time of a small film.
+    /// The work of a small film, on which photons take most of the time.
     const SMALL_FILM: Work = Work {
         pass: 1e6,
         trace: 6_000.0,
@@ -226,7 +226,7 @@ mod tests {
         assert_eq!(FREE.choose([exact], SMALL_FILM).camera_samples, 1);
     }
 
-    /// The noise comes from connections here.
+    /// If the noise comes from connections, a pass traces many photons but stores few.
     #[test]
     fn photons_that_only_add_work_are_not_stored() {
         let large_film = Work { sample: 3e9, gather_on_surfaces: 30_000.0, ..SMALL_FILM };

@@ -12,7 +12,7 @@ use crate::pass::CameraSamples;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// The most camera samples of a pixel in a pass, unless the scene sets the number.
+/// The most camera samples of a pixel in a pass, if the scene does not state the number.
 pub(super) const MOST_SAMPLES: f64 = 16.0;
 
 /// The side in pixels of the squares of the film whose pixels have the same number of samples.
@@ -22,10 +22,10 @@ const SQUARE: usize = 2;
 /// surroundings of a square are a large part of the film.
 const LEAST_SQUARES: usize = 100;
 
-/// The noise of a square is estimated from the squares up to this distance.
+/// The noise of a square is estimated from the squares up to this distance in each direction.
 const RADIUS: usize = 1;
 
-/// The fraction of the film's mean in the relative variance of a square.
+/// The fraction of the mean over the film in the relative variance of a square.
 const FRACTION_OF_MEAN: f64 = 0.2;
 
 /// The largest threshold. The others differ by factors of √2.
@@ -39,18 +39,18 @@ const LARGEST_SQUARE: f64 = 64.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SampleChoice {
-    /// Per pixel.
+    /// The mean number of samples per pixel.
     pub(super) mean: f64,
-    /// Divided by the work of one sample per pixel.
+    /// The work of the samples of a pass, divided by the work of one sample per pixel.
     pub(super) work: f64,
-    /// Measures of the variance by the samples of a pass.
+    /// The measures of the variance that the samples of a pass cause.
     pub(super) variances: [f64; 3],
     number: SampleNumber,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum SampleNumber {
-    /// In all pixels.
+    /// The same number in all pixels.
     Same(u64),
     /// As many as σ/√c contains the threshold, for the relative standard deviation σ of a sample,
     /// and its work c divided by the mean.
@@ -59,30 +59,30 @@ enum SampleNumber {
 
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ProbedPixel {
-    /// X, Y and Z in W/m²/sr.
+    /// X, Y and Z of the sample in W/m²/sr.
     pub(super) sample: [f64; 3],
-    /// X, Y and Z in W/m²/sr.
+    /// X, Y and Z of the splats of the pixel in W/m²/sr.
     pub(super) splats: [f64; 3],
-    /// In instructions.
+    /// The work of the sample in instructions.
     pub(super) work: f64,
 }
 
 #[derive(Debug)]
 pub(super) struct FilmNoise {
     size: (usize, usize),
-    /// Row by row.
+    /// The squares of the film, row by row.
     squares: Vec<SampleNoise>,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct SampleNoise {
-    /// Relative to the light around the square.
+    /// The variance relative to the light around the square.
     relative: f64,
-    /// Relative to the mean of the picture.
+    /// The variance relative to the mean of the picture.
     of_picture: f64,
-    /// Of X, Y and Z, to which `relative` refers.
+    /// The squares of X, Y and Z to which `relative` refers.
     squares: [f64; 3],
-    /// Divided by the mean work of a sample.
+    /// The work of the sample, divided by the mean work of a sample.
     work: f64,
 }
 
@@ -197,7 +197,7 @@ impl FilmNoise {
 }
 
 impl SampleNumber {
-    /// Of each pixel of a square.
+    /// Returns the number of samples of each pixel of a square.
     fn of(self, square: &SampleNoise) -> u64 {
         match self {
             Self::Same(count) => count,
@@ -229,7 +229,7 @@ impl ProbeSums {
         self.work += pixel.work;
     }
 
-    /// As X, Y or Z.
+    /// Returns the mean light of the pixels, as X, Y or Z.
     fn mean(&self, c: usize) -> f64 {
         (self.samples[c] + self.splats[c]) / self.count
     }

@@ -34,11 +34,11 @@ pub(super) struct CoarseScene {
     scene: Scene,
     plan: Plan,
     budget: Budget,
-    /// The side of a coarse pixel in pixels of the film.
+    /// The side length of a coarse pixel in pixels of the film.
     factor: u32,
 }
 
-/// By path tracing. `None` if the film has few pixels.
+/// Renders a coarse picture by path tracing. Returns `None` if the film has few pixels.
 pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
     let Some(coarse) = CoarseScene::of(context, context.scene) else { return Ok(None) };
     let passes = |context: PassContext<'_>, sums: &mut PassSums| {
@@ -47,8 +47,8 @@ pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>>
     coarse.picture(context, passes).map(Some)
 }
 
-/// With the emission distributions of a pilot, in the scene at one of its times. `None` if the film
-/// has few pixels. Afterwards, the pilot must measure the scene.
+/// Renders with the emission distributions of a pilot, in the scene at one of its times. `None` if
+/// the film has few pixels. Afterwards, the pilot must measure the scene.
 pub(super) fn coarse_photon_picture(
     context: &PassContext<'_>,
     scene: &Scene,
@@ -87,7 +87,7 @@ impl CoarseScene {
         })
     }
 
-    /// Renders passes, and enlarges their picture to the film.
+    /// Renders passes, and enlarges their picture to the size of the film.
     fn picture(
         &self,
         full: &PassContext<'_>,

@@ -11,13 +11,13 @@ use std::iter;
 /// The largest number of spheres around objects. More objects share them with their neighbours.
 const MAX_INNER_SPHERES: usize = 16;
 
-/// The largest number of outer spheres.
+/// The largest number of spheres around these spheres.
 const MAX_OUTER_SPHERES: usize = 24;
 
-/// The ratio of the radii of successive outer spheres.
+/// The ratio of the radii of successive spheres around a guiding sphere.
 const OUTER_RATIO: f64 = 4.0;
 
-/// The spheres through which lights aim photons, the smallest first.
+/// The spheres through which lights aim photons, each list with the smallest sphere first.
 pub(super) struct GuidingSpheres {
     /// Around the objects that can focus light or are filled with a medium, around the portals, and
     /// around most of the visible points. Lights use only spheres that receive a small fraction of
@@ -34,7 +34,7 @@ pub(super) struct GuidingSpheres {
 }
 
 impl GuidingSpheres {
-    /// `scenes` is the scene at several shutter times.
+    /// Returns the spheres of a scene. `scenes` contains the scene at several shutter times.
     pub(super) fn new(scenes: &[Cow<'_, Scene>], portals: &[BoundingSphere]) -> Self {
         let mut boxes: Vec<Option<Bounds>> = Vec::new();
         for scene in scenes {
@@ -85,7 +85,7 @@ fn needs_photons(scene: &Scene, object: u32) -> bool {
         || material.body.as_ref().is_some_and(|b| b.medium.is_some())
 }
 
-/// Divides boxes into at most `most` groups of neighbours, and adds a sphere around each.
+/// Divides boxes into at most `most` groups of neighbours, and adds a sphere around each group.
 fn cluster(boxes: &mut [Bounds], most: usize, inner: &mut Vec<BoundingSphere>) {
     let Some(around) = boxes.iter().copied().reduce(union) else { return };
     if boxes.len() == 1 || most <= 1 {

@@ -16,11 +16,11 @@ const MIN_CELLS: usize = 4;
 /// A distribution is used only if it reduces the mean square of the contributions to this fraction.
 const WORTHWHILE: f64 = 0.9;
 
-/// The grids of all strata in one list of cells.
+/// The positions of the grids of all strata in one list of cells.
 pub(super) struct GridLayout {
-    /// Of each stratum, in cells.
+    /// For each stratum, the number of cells along each side of its grid.
     sides: Vec<usize>,
-    /// Of each stratum.
+    /// For each stratum, the index of its first cell.
     first_cells: Vec<usize>,
     cells: usize,
 }
@@ -55,22 +55,22 @@ pub(super) struct Importance<'a> {
     scene: &'a Scene,
     layout: &'a GridLayout,
     halves: [CellSums; 2],
-    /// Of the current path.
+    /// The half to which the current path belongs.
     half: usize,
-    /// For each object, whether a path reached it.
+    /// For each object: true if a path reached the object.
     pub(super) reached: Vec<bool>,
-    /// The cell of the current path.
+    /// The index of the current path's cell.
     current: usize,
-    /// The power of the current photon at its start.
+    /// The power of the current path's photon at its start.
     start_power: f64,
-    /// Of the current path's arrivals at surfaces.
+    /// The score of the current path's arrivals at surfaces.
     surface_score: f64,
     /// Of the current path's segments in media: the largest, because those in a dense medium have
     /// nearly the same information.
     volume_score: f64,
 }
 
-/// Of one half of the paths, per cell.
+/// The scores of one half of the paths.
 #[derive(Clone)]
 struct CellSums {
     paths: Vec<f64>,
@@ -78,7 +78,7 @@ struct CellSums {
 }
 
 impl<'a> Importance<'a> {
-    /// Even and odd tasks form the two halves.
+    /// Prepares the scoring of the paths of one task. Even and odd tasks form the two halves.
     pub(super) fn new(scene: &'a Scene, layout: &'a GridLayout, task: u64) -> Self {
         let none = CellSums { paths: vec![0.0; layout.cells], squares: vec![0.0; layout.cells] };
         let (halves, reached) = ([none.clone(), none], vec![false; scene.objects.len()]);
@@ -101,7 +101,7 @@ impl<'a> Importance<'a> {
         (self.surface_score, self.volume_score) = (0.0, 0.0);
     }
 
-    /// Returns the photon's power, relative to the start of the path.
+    /// Returns the photon's power, divided by its power at the start of the path.
     fn relative_power(&self, photon: &PhotonState) -> f64 {
         photon.power.iter().sum::<f64>() / self.start_power
     }
@@ -225,7 +225,7 @@ impl PhotonVisitor for Importance<'_> {
         if photon.truncated || !medium.medium.scatters() || !segment.length_m.is_finite() {
             return;
         }
-        // The visible fraction of the segment, from five points.
+        // Estimates the visible fraction of the segment from five points.
         let points = [0.1, 0.3, 0.5, 0.7, 0.9].map(|fraction| segment.ray.at(fraction * segment.length_m));
         let in_view = points.iter().filter(|&&point| self.scene.camera.connect(point, [0.5; 2]).is_some()).count();
         let weight = match class {

@@ -7,10 +7,10 @@ use crate::pass::{KeepProbability, VolumeDeposits};
 /// leaves hundreds, most of which add little information.
 const MAX_POINTS: f64 = 50_000.0;
 
-/// The most photon beams of one class that a set stores in a pass.
+/// The largest number of photon beams of one class that a photon set stores in a pass.
 const MAX_BEAMS: f64 = 15_000.0;
 
-/// The photons of one class that media would store in a pass.
+/// The number of photons of one class that the media would store in a pass.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct DepositCounts {
     points: f64,
@@ -39,13 +39,13 @@ impl KeepProbability {
         Self { surface: 1.0, points: at_most(stored.points, MAX_POINTS), beams: at_most(stored.beams, MAX_BEAMS) }
     }
 
-    /// Multiplies the probabilities in media, up to 1.
+    /// Multiplies the probabilities in media by a factor. They do not exceed 1.
     pub(super) fn with_medium_factor(self, factor: f64) -> Self {
         let times = |probability: f64| (factor * probability).min(1.0);
         Self { points: times(self.points), beams: times(self.beams), ..self }
     }
 
-    /// Returns the largest effective factor of [`Self::with_medium_factor`].
+    /// Returns the largest factor of [`Self::with_medium_factor`] that has an effect.
     pub(super) fn largest_medium_factor(self) -> f64 {
         1.0 / self.points.min(self.beams)
     }

@@ -7,13 +7,13 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// The most camera paths.
+/// The largest number of camera paths.
 const MOST_PATHS: u64 = 1 << 17;
 
-/// The camera paths of a small film.
+/// The number of camera paths of a small film.
 const FEWEST_PATHS: u64 = 1 << 12;
 
-/// The paths of one parallel task.
+/// The number of paths in one parallel task.
 const TASK: u64 = 256;
 
 /// Returns the selector with learned weights, if the scene has many local lights, and adds the

@@ -12,7 +12,7 @@ use crate::plan::partition::PerSet;
 use abbe_scene::Scene;
 use std::borrow::Cow;
 
-/// The least fraction of the photons of each set that is in use.
+/// If both sets are in use, each set receives at least this fraction of the photons.
 const MIN_SET_FRACTION: f64 = 0.08;
 
 /// Measures the radii, the probabilities of storing photons in media, and the division of the
@@ -61,13 +61,13 @@ pub(super) fn measure_surface_extents(
     }
 }
 
-/// Evenly between the sets that are in use.
+/// Divides the photons evenly between the sets that are in use.
 fn even_division(in_use: PerSet<bool>, photons: u64) -> PerSet<u64> {
     let fraction = if in_use.free && in_use.shared { (photons / 2).max(1) } else { photons };
     PerSet::from_fn(|set| if in_use[set] { fraction } else { 0 })
 }
 
-/// In proportion to the pixels that read each set.
+/// Divides the photons between the sets in proportion to the number of pixels that read each set.
 fn divided(photons: u64, readers: PerSet<u64>) -> PerSet<u64> {
     let total = (readers.free + readers.shared).max(1) as f64;
     let fraction = (readers.shared as f64 / total).clamp(MIN_SET_FRACTION, 1.0 - MIN_SET_FRACTION);

@@ -23,30 +23,30 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
 
-/// The camera paths in one batch of the search.
+/// The number of camera paths in one batch of the search.
 const BATCH: u64 = 4096;
 
-/// The search traces batches until it has enough lines, but at most this number.
+/// The largest number of batches. The search traces batches until it has enough lines.
 const MAX_BATCHES: u64 = 16;
 
 /// The same for a measurement that finds few lines. Without portals, the sky behind a tiny hole
 /// would need far more samples than the search.
 const MAX_BATCHES_OF_MEASUREMENT: u64 = 256;
 
-/// A measurement ends the longer search with this number of lines.
+/// A measurement stops the longer search when it has this number of lines.
 const FEW_LINES: usize = 8 * MIN_LINES;
 
 /// The factor on the radii for a measurement with fewer than [`MAX_LINES`] lines. Few lines do not
 /// reach the edges of a portal, and the light beyond a sphere would be rare and bright.
 const MARGIN_OF_FEW_LINES: f64 = 1.5;
 
-/// The paths of one parallel task.
+/// The number of paths in one parallel task.
 const TASK: u64 = 256;
 
-/// The surface events of these paths.
+/// The largest number of surface events of these paths.
 const MAX_SURFACES: usize = 6;
 
-/// The lines that the search uses.
+/// The search uses at most this number of lines.
 const MAX_LINES: usize = 512;
 
 /// With fewer lines, the search finds nothing.
@@ -54,7 +54,7 @@ const MIN_LINES: usize = 24;
 
 const MAX_PORTALS: usize = 8;
 
-/// The pairs of lines whose nearest points are tried as the centre of a sphere.
+/// The number of pairs of lines whose nearest points are tried as the centre of a sphere.
 const PAIRS: u64 = 256;
 
 /// The fractions of the lines that a sphere of the search contains.
@@ -66,13 +66,13 @@ const MIN_GAIN: f64 = 0.15;
 /// The total rise for which the portals are used: a typical line is three times as likely.
 const MIN_TOTAL_GAIN: f64 = 1.1;
 
-/// A path that left the scene.
+/// The end of a path that left the scene.
 #[derive(Debug, Clone, Copy)]
 struct EscapedLine {
     ray: Ray,
-    /// The density (1/sr) of next-event estimation without portals.
+    /// The density (1/sr) with which next-event estimation without portals finds this ray.
     pdf_solid_angle: f64,
-    /// The line passes through glass that does not bend it.
+    /// True if the line passes through glass that does not bend it.
     glazed: bool,
 }
 
@@ -162,7 +162,7 @@ fn trace_lines(
     lines
 }
 
-/// Returns no spheres if they do not help.
+/// Finds spheres that explain the lines. Returns no spheres if they do not help.
 fn fit_spheres(lines: &[EscapedLine], seed: Seed) -> Vec<BoundingSphere> {
     if lines.len() < MIN_LINES {
         return Vec::new();
@@ -185,15 +185,15 @@ fn fit_spheres(lines: &[EscapedLine], seed: Seed) -> Vec<BoundingSphere> {
     if mean >= MIN_TOTAL_GAIN { mixture.spheres } else { Vec::new() }
 }
 
-/// Rays are sent to all spheres with equal probability.
+/// The spheres found so far. Rays are sent to all of them with equal probability.
 struct Mixture {
     spheres: Vec<BoundingSphere>,
-    /// For each line, over all spheres.
+    /// For each line, the sum of the densities through all spheres.
     sums: Vec<f64>,
 }
 
 impl Mixture {
-    /// Returns how much a sphere raises the log-likelihood of the lines.
+    /// Returns how much a sphere raises the logarithm of the likelihood of the lines.
     fn gain_of(&self, lines: &[EscapedLine], sphere: &BoundingSphere) -> f64 {
         let count = self.spheres.len() as f64;
         let gain = |(line, sum): (&EscapedLine, &f64)| {
@@ -204,7 +204,7 @@ impl Mixture {
     }
 }
 
-/// Returns the sphere that raises the log-likelihood most, and the rise.
+/// Returns the sphere that raises the likelihood most, and the rise of its logarithm.
 fn best_sphere(lines: &[EscapedLine], mixture: &Mixture, key: StreamKey) -> Option<(BoundingSphere, f64)> {
     let count = lines.len() as u64;
     let line = |pair: u64, side: u64| &lines[key.part(pair).part(side).index(count) as usize].ray;
@@ -224,9 +224,9 @@ fn best_sphere(lines: &[EscapedLine], mixture: &Mixture, key: StreamKey) -> Opti
     Some((best, gain))
 }
 
-/// Returns spheres that contain increasing parts of the lines.
+/// Returns spheres around a point that contain increasing parts of the lines.
 fn spheres_around(lines: &[EscapedLine], centre: DVec3) -> impl Iterator<Item = BoundingSphere> {
-    /// On the distance of the lines.
+    /// The sphere is larger than the distance of its lines by this factor.
     const MARGIN: f64 = 1.05;
     let mut distances: Vec<f64> = lines.iter().map(|line| distance(&line.ray, centre)).collect();
     distances.sort_by(f64::total_cmp);
@@ -273,7 +273,7 @@ impl EscapedLine {
         self.pdf_solid_angle.max(sum / count)
     }
 
-    /// Of shadow rays through a sphere.
+    /// Returns the density with which shadow rays through a sphere find the line.
     fn pdf_through(&self, sphere: &BoundingSphere) -> f64 {
         PORTAL_FRACTION * sphere.pdf_direction(self.ray.origin, self.ray.direction)
     }

@@ -32,14 +32,14 @@ use std::time::Instant;
 /// The photon paths of a pass for which a single coarse picture learns its emission distributions.
 const COARSE_AIM_PHOTONS: u64 = 40_000;
 
-/// The shutter times of a moving scene.
+/// The number of shutter times in the pilot's survey of a moving scene.
 const MOMENTS: usize = 4;
 
 #[derive(Debug)]
 pub struct Pilot {
-    /// Of all passes.
+    /// What all passes use.
     pub parameters: PassParameters,
-    /// The specular objects that no pilot photon reached.
+    /// The names of the specular objects that no pilot photon reached.
     pub unlit: Vec<String>,
 }
 
@@ -98,7 +98,7 @@ impl Pilot {
         coarse_photon_picture(context, &scenes[0], &mut pilot.parameters)
     }
 
-    /// Has measured nothing. The emitted rays follow the lights.
+    /// Returns a pilot that has measured nothing. The emitted rays follow the lights.
     fn with_plain_aims(context: &PassContext<'_>) -> Self {
         let LearnedAims { strata, unlit } = LearnedAims::plain(context);
         let parameters = PassParameters {
@@ -143,7 +143,7 @@ impl Pilot {
     }
 }
 
-/// Divides the work of a pass.
+/// Divides the work of a pass between photons and camera samples.
 fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &Scene) {
     let Budget { photons, photons_are_explicit, camera_samples, .. } = *context.budget;
     let largest_medium_factor = PhotonClass::ALL.map(|class| parameters.keep[class].largest_medium_factor());

@@ -15,7 +15,7 @@ use glam::DVec3;
 
 const PILOT_PATHS: u64 = 1 << 16;
 
-/// As a fraction of the radius of the largest specular object.
+/// The largest first radius, as a fraction of the radius of the largest specular object.
 const LARGEST_RADIUS: f64 = 0.5;
 
 /// Returns the first radii in m, none without sensors or caustics.

@@ -11,20 +11,20 @@ use abbe_spectra::math::kronecker::golden_ratio;
 use abbe_spectra::math::random::Purpose;
 use rayon::prelude::*;
 
-/// The passes, and the camera samples per pixel in each.
+/// The number of passes in the trial, and the number of camera samples per pixel in each pass.
 pub(super) const TRIALS: usize = 2;
 
-/// The side of a tile in pixels.
+/// The trial samples square tiles of this many pixels in each direction.
 pub(super) const TILE: usize = 4;
 
 const MOST_TILES: usize = 128;
 
-/// X, Y and Z of a pixel in one pass, in W/m²/sr.
+/// X, Y and Z of a pixel in one pass of the trial, in W/m²/sr.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TrialPixel {
-    /// Of each camera sample.
+    /// All light of each camera sample.
     pub(super) samples: [[f64; 3]; TRIALS],
-    /// The part that media scatter.
+    /// The part of the samples that media scatter.
     pub(super) media: [[f64; 3]; TRIALS],
     pub(super) splats: [f64; 3],
 }
@@ -37,7 +37,7 @@ pub(super) struct SmallPass {
 pub(super) struct TrialPhotons {
     number: u64,
     pub(super) maps: PerSet<SetMaps>,
-    /// Of all pixels.
+    /// The splats of all pixels.
     pub(super) splats: Vec<[f64; 3]>,
     pub(super) tally: Tally,
 }
@@ -93,7 +93,7 @@ impl TrialPhotons {
     }
 }
 
-/// Returns X, Y and Z of each path class.
+/// Takes a camera sample of a pixel. Returns X, Y and Z of each path class.
 pub(super) fn sample_light<'a>(
     context: &PassContext<'_>,
     parameters: &PassParameters,
@@ -109,7 +109,7 @@ pub(super) fn sample_light<'a>(
 }
 
 impl SmallPass {
-    /// With the photons of a pass.
+    /// Renders the tiles with the photons of a pass.
     #[inline(never)]
     pub(super) fn run(
         context: &PassContext<'_>,
@@ -140,7 +140,7 @@ impl SmallPass {
     }
 }
 
-/// Spread over the film.
+/// Returns the pixels of tiles that are spread over the film.
 pub(super) fn tiles((width, height): (usize, usize)) -> Vec<Vec<usize>> {
     let (columns, rows) = (width.div_ceil(TILE), height.div_ceil(TILE));
     let wanted = (columns * rows).min(MOST_TILES);

@@ -1,4 +1,4 @@
-//! The surface extents around directly visible points.
+//! The surface extents of surfaces around directly visible points.
 
 use super::survey::MAX_SURFACE_RADIUS_PX;
 use crate::gather::{SurfaceExtent, SurfaceExtentSurvey, SurfaceExtents, VisiblePoint};
@@ -12,10 +12,10 @@ use abbe_scene::sweep::Bounds;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Below this kernel radius in pixels, the extent varies within a pixel.
+/// If a kernel's radius is below this number of pixels, its surface extent varies within a pixel.
 const PIXELS_PER_EXTENT: f64 = 3.0;
 
-/// The tested pixels, in kernel radii.
+/// The test for edges looks at pixels at these fractions of the kernel radius.
 const EDGE_DISTANCES: [f64; 3] = [0.25, 0.5, 1.0];
 
 /// The side in pixels of blocks of pixels, which share a measurement of the same plane.
@@ -68,13 +68,13 @@ pub(super) fn surface_extents(
     SurfaceExtents::of_bands(width, rows.into_par_iter().map(of_band).collect::<Vec<_>>())
 }
 
-/// What a pixel needs to correct its kernel.
+/// The surface extent that a pixel needs for the correction of its kernel.
 #[derive(Clone, Copy)]
 enum Need<'v> {
     Nothing,
-    /// An extent for each camera sample.
+    /// An surface extent for each camera sample.
     PerSample,
-    /// An extent around this point, with this reach in m.
+    /// An surface extent around this point, with this reach in m.
     SurfaceExtent(&'v VisiblePoint, f64),
 }
 

@@ -29,7 +29,7 @@ pub(super) const MAX_SURFACE_RADIUS_PX: PerClass<f64> = PerClass { caustic: 3.0,
 /// pixels would be wider than the view.
 const MAX_SURFACE_RADIUS_OF_PICTURE: f64 = 0.25;
 
-/// The fraction of a pass's photon paths in the survey, over all shutter times.
+/// The fraction of a pass's photon paths that the survey traces, over all shutter times.
 const PHOTON_FRACTION: f64 = 0.25;
 
 /// The least number of photon paths of each set at each shutter time, unless a pass has fewer.
@@ -54,18 +54,18 @@ const BLOCK: usize = 2;
 /// edge of a body, segments are short and few photons are near them.
 const SIMILAR_LENGTH: f64 = 0.9;
 
-/// The survey of all pixels, or of some.
+/// The measurements of the pilot in all pixels, or in some of them.
 #[derive(Default)]
 pub(super) struct PixelSurvey {
     /// The first radii on surfaces, `None` for a set that the pixel's path did not read there.
     pub(super) radii: Vec<PixelRadii<Option<f32>>>,
-    /// Directly visible.
+    /// The directly visible surface point of each pixel.
     pub(super) visible: Vec<Option<VisiblePoint>>,
     /// The photons near the camera rays of each pixel. Empty without media.
     pub(super) volume: Vec<PixelVolumeCounts>,
-    /// In media.
+    /// The number of photons stored in media.
     pub(super) stored: PerClass<DepositCounts>,
-    /// The number of pixels whose paths read each set.
+    /// For each photon set, the number of pixels whose camera paths read this set.
     pub(super) readers: PerSet<u64>,
 }
 
@@ -150,7 +150,7 @@ impl PixelSurvey {
             .collect()
     }
 
-    /// Merges another time. A pixel keeps the smaller radii.
+    /// Merges the measurements of the same pixels at another time. A pixel keeps the smaller radii.
     pub(super) fn merge(&mut self, other: Self) {
         if self.radii.is_empty() {
             *self = other;
@@ -169,12 +169,12 @@ impl PixelSurvey {
     }
 }
 
-/// A band of [`BLOCK`] rows.
+/// The measurements in a band of [`BLOCK`] rows.
 struct BandSurvey<'s> {
     first_pixel: usize,
     radii: &'s mut [PixelRadii<Option<f32>>],
     visible: &'s mut [Option<VisiblePoint>],
-    /// Empty without media.
+    /// This slice is empty if the scene has no media.
     volume: &'s mut [PixelVolumeCounts],
     readers: PerSet<u64>,
 }
@@ -226,7 +226,7 @@ impl BandSurvey<'_> {
 /// Pixels of a block share measurements where they see the same surface or cross the same media.
 #[derive(Default)]
 struct BlockSurvey {
-    /// A visible point and the first radii there.
+    /// For each photon set, a visible point and the first radii there.
     surface: PerSet<Option<(VisiblePoint, PerClass<f64>)>>,
     volume: Option<(Vec<CameraSegment>, PixelVolumeCounts)>,
 }
@@ -268,7 +268,7 @@ impl BlockSurvey {
         radii
     }
 
-    /// `count` counts the photons near the segments of a pixel.
+    /// Returns the photons near the segments of a pixel. `count` counts them.
     fn volume_counts(
         &mut self,
         segments: &[CameraSegment],
@@ -288,7 +288,7 @@ impl BlockSurvey {
     }
 }
 
-/// Returns true if the segments cross the same media along similar lengths.
+/// Returns true if the segments of two pixels cross the same media along similar lengths.
 fn segments_are_alike(one: &[CameraSegment], other: &[CameraSegment]) -> bool {
     let similar = |(one, other): (&CameraSegment, &CameraSegment)| {
         let (shorter, longer) = (one.length_m.min(other.length_m), one.length_m.max(other.length_m));
@@ -297,13 +297,13 @@ fn segments_are_alike(one: &[CameraSegment], other: &[CameraSegment]) -> bool {
     one.len() == other.len() && one.iter().zip(other).all(similar)
 }
 
-/// In pixels.
+/// Returns the upper limits of the first kernel radii on surfaces, in pixels.
 fn largest_surface_radii_px(width: usize, pixels: usize) -> PerClass<f64> {
     let of_picture = MAX_SURFACE_RADIUS_OF_PICTURE * width.min(pixels / width) as f64;
     PerClass { indirect: MAX_SURFACE_RADIUS_PX.indirect.min(of_picture.max(1.0)), ..MAX_SURFACE_RADIUS_PX }
 }
 
-/// Returns true for close points of the same surface.
+/// Returns true if two visible points are close to each other on the same surface.
 fn is_alike(one: &VisiblePoint, other: &VisiblePoint) -> bool {
     one.object == other.object
         && one.is_diffuse == other.is_diffuse
@@ -330,30 +330,30 @@ fn photon_fraction(photons: u64, moments: usize) -> f64 {
     (PHOTON_FRACTION / moments as f64).max(MIN_PHOTONS / photons.max(1) as f64).min(1.0)
 }
 
-/// Of a first kernel radius on a surface.
+/// The limits of a first kernel radius on a surface.
 #[derive(Clone, Copy)]
 struct RadiusLimits {
-    /// In m.
+    /// The lower limit in m.
     least_m: f64,
-    /// In m.
+    /// The upper limit in m.
     largest_m: f64,
     /// The upper limit in m if the kernel contained almost no photons.
     object_m: f64,
 }
 
-/// The photons of one set at one shutter time.
+/// The photons of one set that the survey traced at one shutter time.
 struct SurveyMaps {
     surface: PerClass<PhotonMap>,
     volume: PerClass<VolumeSamples>,
     /// The survey's photons within the first radius, where a pass has as many as the budget
     /// specifies.
     nearest: NonZero<usize>,
-    /// The least number of the survey's indirect photons within the first radius.
+    /// The least number of indirect photons of the survey within the first radius on a surface.
     fewest: NonZero<usize>,
 }
 
 impl SurveyMaps {
-    /// `fraction` is that of the photon paths of a pass in the survey.
+    /// Indexes the photons of a survey of the `fraction` of a pass's paths.
     fn new(deposits: &PhotonDeposits, context: &PassContext<'_>, fraction: f64) -> Self {
         let of_pass = |count: f64| NonZero::new((fraction * count).round() as usize).unwrap_or(NonZero::<usize>::MIN);
         let volume = context.plan.volume;

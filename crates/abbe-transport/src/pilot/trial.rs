@@ -1,9 +1,8 @@
 //! The pilot's trial: small passes that measure the variance and the work of photons and of camera
-//! samples.
-//! The trial traces the photons of two small passes, and two camera samples per pixel in each. The
-//! samples of a pixel in one pass differ by the noise of the camera samples, and the passes by that
-//! of the photons (analysis of variance with nested groups). The means of tiles tell how much of
-//! the noise neighbouring pixels have in common.
+//! samples. The trial traces the photons of two small passes, and two camera samples per pixel in
+//! each. The samples of a pixel in one pass differ by the noise of the camera samples, and the
+//! passes by that of the photons (analysis of variance with nested groups). The means of tiles tell
+//! how much of the noise neighbouring pixels have in common.
 
 use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{FilmNoise, ProbedPixel};
@@ -16,13 +15,13 @@ use crate::plan::Tally;
 use crate::plan::partition::PerSet;
 use abbe_scene::Scene;
 
-/// The fraction of a pass's photon paths in one pass of the trial.
+/// The fraction of a pass's photon paths that one pass of the trial traces.
 const PHOTON_FRACTION: f64 = 1.0 / 16.0;
 
-/// In one pass of the trial.
+/// The least number of photon paths in one pass of the trial.
 const MIN_PHOTONS: f64 = 4_000.0;
 
-/// The largest part of one tile in the variance, as a multiple of the mean over the tiles.
+/// The largest contribution of one tile to the variance, as a multiple of the mean over the tiles.
 const LARGEST_TILE: f64 = 8.0;
 
 /// Along the longest side of a medium's box; coarser than in a pass.
@@ -35,26 +34,26 @@ const LEAST_FRACTION_OF_NOISE: f64 = 0.1;
 /// bright samples cause it.
 const RARE_SAMPLES: f64 = 4.0;
 
-/// Of the camera samples that measure the noise of the pixels.
+/// The pass number of the camera samples that measure the noise of the pixels.
 const PROBE_PASS: u64 = (TRIALS * TRIALS) as u64;
 
-/// X, Y and Z in a tile.
+/// The mean of X, Y and Z in a tile, and their variances.
 struct TileVariance {
     mean: [f64; 3],
-    /// The part from camera samples.
+    /// The part of the mean that comes from camera samples.
     mean_sampled: [f64; 3],
-    /// Of the photons of a pass on surfaces.
+    /// The variance of the light that the photons of a pass on surfaces give.
     surfaces: [f64; 3],
-    /// Of the photons of a pass in media.
+    /// The variance of the light that the photons of a pass in media give.
     media: [f64; 3],
-    /// Of a camera sample.
+    /// The variance of a camera sample.
     camera: [f64; 3],
 }
 
-/// One part of the light of camera samples.
+/// The mean of one part of the light of camera samples, and its variances.
 struct SampleVariance {
     mean: [f64; 3],
-    /// Of the light from the maps of a pass.
+    /// The variance of the light that the maps of a pass give.
     gathered: [f64; 3],
     camera: [f64; 3],
 }
@@ -68,7 +67,7 @@ impl TileVariance {
         [of_pixels.collect(), of_means.collect()]
     }
 
-    /// From the same pixels in both passes.
+    /// Computes the variances from the same pixels in both passes.
     fn of(first: &[TrialPixel], second: &[TrialPixel]) -> Self {
         let all = SampleVariance::of(first, second, |pixel| pixel.samples);
         let media = SampleVariance::of(first, second, |pixel| pixel.media).gathered;
@@ -97,18 +96,18 @@ impl SampleVariance {
     }
 }
 
-/// Returns the variance of two values.
+/// Returns the variance of two values, estimated from their difference.
 fn half_square(one: f64, other: f64) -> f64 {
     0.5 * (one - other).powi(2)
 }
 
-/// In X, Y or Z, from the samples of both passes.
+/// Returns the variance of X, Y or Z, from the samples of both passes.
 fn variance_of_sample(passes: [[[f64; 3]; TRIALS]; 2], c: usize) -> f64 {
     let [first, second] = passes.map(|[one, other]| half_square(one[c], other[c]));
     0.5 * (first + second)
 }
 
-/// Over pairs of equal pixels.
+/// Returns the mean of a value over pairs of equal pixels, for X, Y and Z.
 fn mean_of_pixels(
     first: &[TrialPixel],
     second: &[TrialPixel],
@@ -190,18 +189,18 @@ fn film_noise(
     (fraction <= RARE_SAMPLES).then(|| noise.scaled(fraction.max(LEAST_FRACTION_OF_NOISE)))
 }
 
-/// A square block of pixels.
+/// The splats of a square block of pixels in both passes of the trial.
 #[derive(Debug, Clone, Copy, Default)]
 struct SplatBlock {
     pixels: f64,
-    /// Over the pixels, for each pass.
+    /// The sums over the pixels, for each pass.
     sums: [[f64; 3]; TRIALS],
-    /// Summed over the pixels.
+    /// The sum of the variances of the pixels.
     variances: [f64; 3],
 }
 
 impl SplatBlock {
-    /// Blocks of [`TILE`] × [`TILE`] pixels.
+    /// Divides the film into blocks of [`TILE`] × [`TILE`] pixels.
     fn of_film([first, second]: [&[[f64; 3]]; 2], width: usize) -> Vec<Self> {
         let columns = width.div_ceil(TILE);
         let mut blocks = vec![Self::default(); columns * (first.len() / width).div_ceil(TILE)];
@@ -222,10 +221,10 @@ impl SplatBlock {
     }
 }
 
-/// To what a variance is relative.
+/// The mean to which a variance is relative.
 #[derive(Debug, Clone, Copy)]
 enum Reference {
-    /// The mean of the block, limited for dark blocks by that of the picture.
+    /// The mean of the block of pixels. The mean of the picture limits the weight of dark blocks.
     Block,
     Picture,
 }
@@ -290,7 +289,7 @@ fn variances(
     ]
 }
 
-/// Returns the pixels of the tiles, with their variance.
+/// Returns the pixels of the tiles and the variance of a camera sample in each of them.
 fn sample_variances<'p>(
     [first, second]: &'p [SmallPass; 2],
     tiles: &'p [Vec<usize>],

@@ -15,7 +15,7 @@ use std::iter;
 /// point, because a ray collects along its whole length.
 const PHOTONS_PER_RAY: f64 = 10.0;
 
-/// The smallest first radius in media, in pixels.
+/// The lower limit of the first kernel radius in media, in pixels.
 const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
 
 /// The largest, in pixels. Caustics have sharp edges.
@@ -41,11 +41,11 @@ const MAX_SEGMENTS: usize = 8;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VolumeKernelWidths {
-    /// In rad.
+    /// The angle that a pixel subtends, in rad.
     pixel_angle: f64,
-    /// In pixels.
+    /// The upper limit of the first kernel width, in pixels.
     largest_px: PerClass<f64>,
-    /// In m, if the scene fixes it.
+    /// The radius in m, if the scene fixes it.
     radius_m: Option<f64>,
 }
 
@@ -54,7 +54,7 @@ pub(super) struct VolumeKernelWidths {
 pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
 
 impl VolumeKernelWidths {
-    /// By the camera and the budget of a render.
+    /// Returns the first kernel widths for a render. They depend on its camera and its budget.
     pub(super) fn of(context: &PassContext<'_>) -> Self {
         let camera = &context.scene.camera;
         let (width, pixels) = (camera.width(), camera.pixel_count());
@@ -77,7 +77,7 @@ impl VolumeKernelWidths {
         explicit.into_iter().chain(per_distance.take(if explicit.is_some() { 0 } else { usize::MAX }))
     }
 
-    /// Returns the upper limit for caustics, divided by the lower.
+    /// Returns the upper limit of the first kernel width of caustics, divided by its lower limit.
     fn caustic_ratio(&self) -> f64 {
         if self.radius_m.is_some() { 1.0 } else { self.largest_px.caustic / MIN_VOLUME_RADIUS_PX }
     }
@@ -105,7 +105,7 @@ impl PixelVolumeCounts {
         counts
     }
 
-    /// Returns the larger of each count, at two shutter times.
+    /// Compares the counts at two shutter times. Returns the larger value of each count.
     pub(super) fn max(self, other: Self) -> Self {
         Self(self.0.zip_with(other.0, |one, other| match (one, other) {
             (Some(one), Some(other)) => Some(one.zip_with(other, NearbyPhotons::denser)),
@@ -113,7 +113,7 @@ impl PixelVolumeCounts {
         }))
     }
 
-    /// `keep` is that of a pass.
+    /// Sets the first radii in media, for the `keep` of a pass.
     pub(super) fn set_radii(
         &self,
         radii: &mut PixelRadii<Option<f32>>,

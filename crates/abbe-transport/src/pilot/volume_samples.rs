@@ -13,14 +13,14 @@ use abbe_spectra::spectrum::REFERENCE_NM;
 /// The points in the samples, in the order of the search.
 const POINT_SAMPLES: [usize; 4] = [256, 1024, 4096, 16_384];
 
-/// The beams in the sample.
+/// The number of photon beams in the sample.
 const BEAM_SAMPLE: usize = 256;
 
 /// The number of photons at which a segment stops counting. More would hardly change the radius,
 /// which depends on a root of the number.
 const ENOUGH: f64 = 16.0;
 
-/// The least number of photons that a pass stores within a sufficient kernel width.
+/// A kernel width contains enough photons if a pass stores at least this number within it.
 const FEWEST: f64 = 8.0;
 
 /// The number of points at which a segment stops counting, even if most are invisible behind the
@@ -43,15 +43,15 @@ pub(super) struct NearbyPhotons {
     pub(super) width: f32,
 }
 
-/// Of one set and class.
+/// Samples of the photons of one set and class that the pilot traced in media.
 #[derive(Debug)]
 pub(super) struct VolumeSamples {
     plan: VolumePlan,
     points: Vec<PointSample>,
-    /// In the order of emission.
+    /// Beams in the order of emission.
     beams: Vec<PhotonBeam>,
     pass_per_beam: f64,
-    /// As far as the limits of a pass determine them.
+    /// The probabilities of storing photons, as far as the limits of a pass determine them.
     keep: KeepProbability,
 }
 
@@ -127,7 +127,7 @@ impl VolumeSamples {
         found * self.pass_per_beam * self.beams.len() as f64 / f64::max(tested, 1.0)
     }
 
-    /// Also measures the optical depth around the points.
+    /// Counts the points near a camera segment, and measures the optical depth around them.
     fn count_points(
         &self,
         CameraSegment { ray, behind_m, medium: number, .. }: &CameraSegment,
@@ -173,7 +173,7 @@ impl NearbyPhotons {
     }
 }
 
-/// At most `most` items of a list.
+/// Returns at most `most` items of a list. These items are evenly spaced in the list.
 fn evenly_spaced<T: Copy>(items: &[T], most: usize) -> Vec<T> {
     items.iter().copied().step_by(items.len().div_ceil(most).max(1)).collect()
 }
@@ -190,7 +190,7 @@ mod tests {
     use glam::DVec3;
     use std::iter;
 
-    /// A cube of fog, where each photon has a point and a beam.
+    /// Returns photons in a cube of fog. Each photon has a point and a beam.
     fn deposits(count: usize) -> VolumeDeposits {
         let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         let mut place = || DVec3::new(stream.uniform(), stream.uniform(), stream.uniform());
@@ -202,7 +202,7 @@ mod tests {
         }
     }
 
-    /// The counts in the small samples agree with those among all photons.
+    /// The samples are small, and the counts in them agree with the counts among all photons.
     #[test]
     fn nearby_photons_are_counted_in_small_samples() {
         const COUNT: usize = 100_000;

@@ -19,32 +19,32 @@ mod instructions {
     pub(super) const PIXEL: f64 = 400.0;
 }
 
-/// In instructions.
+/// The work of the parts of a pass, in instructions.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Work {
-    /// Independent of photons and camera samples.
+    /// The work that depends neither on the photons nor on the camera samples.
     pub(super) pass: f64,
-    /// Of one photon path.
+    /// The work to trace one photon path.
     pub(super) trace: f64,
-    /// Of the indirect photons of one path.
+    /// The work to store the indirect photons of one path on surfaces.
     pub(super) store_on_surfaces: f64,
-    /// Of the photons of one path.
+    /// The work to store the photons of one path in media.
     pub(super) store_in_media: f64,
-    /// Of one camera sample in every pixel, without photons.
+    /// The work of one camera sample in every pixel, without the photons in the kernels.
     pub(super) sample: f64,
     /// Of the photons in the kernels during these samples, per photon path.
     pub(super) gather_on_surfaces: f64,
     pub(super) gather_in_media: f64,
 }
 
-/// In instructions.
+/// The work of camera samples, in instructions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SampleWork {
-    /// Without the photons in the kernels.
+    /// The work without the photons in the kernels.
     sample: f64,
-    /// Of the photons in the kernels at surfaces.
+    /// The work of the photons in the kernels at surfaces.
     gather_on_surfaces: f64,
-    /// Of the photons in the kernels in media.
+    /// The work of the photons in the kernels in media.
     gather_in_media: f64,
 }
 

@@ -5,14 +5,14 @@ use abbe_scene::Scene;
 use abbe_spectra::math::elementary::exp2;
 use abbe_spectra::math::random::{REPLICATES, Seed};
 
-/// If the request contains no stop rule.
+/// The number of passes if the request contains no stop rule.
 pub const DEFAULT_PASSES: u64 = 64;
 
 /// The least default number of photon paths per pass: enough for small first radii, and few enough
 /// for many short passes, which sample many wavelengths.
 pub const DEFAULT_PHOTONS: u64 = 200_000;
 
-/// The largest, which limits the memory of the photons.
+/// The largest default number of photon paths per pass. It limits the memory of the photons.
 const MOST_DEFAULT_PHOTONS: u64 = 1_000_000;
 
 /// Returns the default number of photon paths per pass for a film: one per pixel, so that kernels
@@ -22,13 +22,13 @@ fn photons_for_film(pixels: u64) -> u64 {
     pixels.clamp(DEFAULT_PHOTONS, MOST_DEFAULT_PHOTONS)
 }
 
-/// Within the first kernel radius.
+/// The number of photons within the first kernel radius.
 pub const DEFAULT_NEAREST: u32 = 50;
 
-/// In the first pass, along the longest side of a medium's box.
+/// The number of light map cells in the first pass, along the longest side of a medium's box.
 pub const DEFAULT_LIGHT_MAP_CELLS: u32 = 32;
 
-/// For the visibility flag of a node.
+/// Bytes per light map node for its visibility flag.
 const LIGHT_MAP_NODE_BYTES: u64 = 1;
 
 /// For the mean density of one absorbing medium at one node, twice while the map removes the media
@@ -39,23 +39,23 @@ const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 /// their order.
 const PHOTON_BYTES: u64 = 2 * 32 + 4;
 
-/// For a photon path, which stores two photons on average.
+/// Bytes per photon path. A path stores two photons on average.
 const PATH_BYTES: u64 = 2 * PHOTON_BYTES;
 
 /// For the pilot's results: eight radii, the index of the surface extent, and a third of an extent
 /// of 44 bytes, stored near edges only.
 const PILOT_PIXEL_BYTES: u64 = 8 * 4 + 4 + 44 / 3;
 
-/// The pilot may halve the default photon paths this many times.
+/// The pilot may halve the default number of photon paths this many times.
 pub const PHOTON_HALVINGS: u32 = 3;
 
-/// The pilot may double them this many times.
+/// The pilot may double the default number of photon paths this many times.
 pub const PHOTON_DOUBLINGS: u32 = 2;
 
-/// The numbers that fix a render, from the scene's settings or defaults.
+/// The numbers that fix a render. Each number comes from the scene's settings or has a default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
-    /// If the request contains no stop rule.
+    /// The number of passes if the request contains no stop rule.
     pub passes: u64,
     /// The paths per pass. Unless explicit, the pilot may halve or double them
     /// ([`PHOTON_HALVINGS`], [`PHOTON_DOUBLINGS`]).
@@ -63,14 +63,14 @@ pub struct Budget {
     pub photons_are_explicit: bool,
     /// Per pixel and pass, if explicit. Otherwise, the pilot chooses them.
     pub camera_samples: Option<u64>,
-    /// Within the first kernel radius.
+    /// The number of photons within the first kernel radius.
     pub nearest: u32,
-    /// In m, if the scene fixes it.
+    /// The first kernel radius in m, if the scene fixes it.
     pub radius_m: Option<f64>,
-    /// In the first pass, along the longest side of a medium's box.
+    /// The number of light map cells in the first pass, along the longest side of a medium's box.
     pub light_map_cells: u32,
     pub seed: Seed,
-    /// Of the film, the photons, the geometry and the light maps.
+    /// The estimated memory of the film, the photons, the geometry and the light maps, in bytes.
     pub memory_bytes: u64,
     /// The largest distance (pixels) that an object moves while the shutter is open.
     pub motion_px: f64,
@@ -106,13 +106,13 @@ fn light_map_bytes(scene: &Scene, cells: u32, passes: u64) -> u64 {
     nodes.saturating_mul((LIGHT_MAP_NODE_BYTES + media * LIGHT_MAP_MEDIUM_BYTES) * lights * scattering)
 }
 
-/// `cells` is that of the first pass.
+/// Returns the cells of a pass, from those of the first pass.
 fn cells_in_pass(cells: u32, pass: u64) -> u32 {
     (f64::from(cells) * exp2(f64::from((pass + 1).ilog2()) / 6.0)).round() as u32
 }
 
 impl Budget {
-    /// Returns true if a moving object may appear as separate images.
+    /// Returns true if there are so few passes that a moving object may appear as separate images.
     pub fn strobes(&self) -> bool {
         (self.passes as f64) < 2.0 * self.motion_px
     }
@@ -139,7 +139,7 @@ impl Budget {
         Self {
             passes,
             photons,
-            // The balance is measured on pictures.
+            // The balance of photons and camera samples is measured on pictures.
             photons_are_explicit: settings.photons.is_some() || measures,
             camera_samples: settings.camera_samples.map(u64::from).or(measures.then(|| sensor_samples(pixels))),
             nearest: settings.nearest.unwrap_or(DEFAULT_NEAREST),
@@ -151,7 +151,7 @@ impl Budget {
         }
     }
 
-    /// In bytes, for a pass that stores this number of photons.
+    /// Returns the memory in bytes of a pass that stores this number of photons.
     pub fn memory_keeping(&self, photons: u64) -> u64 {
         self.memory_without_photons().saturating_add(photons.saturating_mul(PHOTON_BYTES))
     }
@@ -171,7 +171,7 @@ impl Budget {
         photons / digit * digit
     }
 
-    /// In bytes.
+    /// Returns the memory in bytes of all data except the photons.
     fn memory_without_photons(&self) -> u64 {
         self.memory_bytes.saturating_sub(self.photons.saturating_mul(PATH_BYTES))
     }

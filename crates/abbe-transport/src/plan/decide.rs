@@ -9,13 +9,13 @@ use abbe_spectra::error::{Error, Result};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EffectState {
-    /// Simulated, because the scene needs it.
+    /// The effect is simulated, because the scene needs it.
     On,
     /// Not simulated, because nothing needs it or it is negligible.
     Off,
     /// Simulated only because the user requests it.
     Forced,
-    /// Not simulated, because the user forbids it, although the scene needs it.
+    /// The effect is not simulated, because the user forbids it. The scene needs the effect.
     Forbidden,
 }
 
@@ -24,7 +24,7 @@ impl EffectState {
         matches!(self, Self::On | Self::Forced)
     }
 
-    /// The name in reports.
+    /// Returns the name of the state in reports.
     pub fn word(self) -> &'static str {
         match self {
             Self::On => "on",
@@ -39,7 +39,7 @@ impl EffectState {
 pub struct EffectRow {
     pub effect: &'static Effect,
     pub state: EffectState,
-    /// In words.
+    /// The reason, in words.
     pub because: String,
 }
 

@@ -13,13 +13,13 @@ use abbe_scene::light::{Emitter, Light};
 use abbe_scene::{Body, Scene};
 
 impl EffectId {
-    /// In [`EFFECTS`].
+    /// Returns the row of the effect in [`EFFECTS`].
     pub fn effect(self) -> &'static Effect {
         &EFFECTS[self as usize]
     }
 }
 
-/// In the order of decision.
+/// All effects, in the order of decision.
 pub static EFFECTS: [Effect; EffectId::ALL.len()] = {
     let mut rows = [row(EffectId::ALL[0]); EffectId::ALL.len()];
     let mut i = 0;
@@ -31,7 +31,7 @@ pub static EFFECTS: [Effect; EffectId::ALL.len()] = {
     rows
 };
 
-/// Exhaustive, so that no variant lacks a row and no row a part.
+/// Matches exhaustively, so that no variant lacks a row and no row a part.
 const fn row(id: EffectId) -> Effect {
     match id {
         EffectId::Dispersion => Effect {
@@ -448,7 +448,7 @@ const fn row(id: EffectId) -> Effect {
     }
 }
 
-/// Of all materials that have one.
+/// The interiors of all materials that have an interior.
 fn bodies(scene: &mut Scene) -> impl Iterator<Item = &mut Body> {
     scene.materials.iter_mut().filter_map(|material| material.body.as_mut())
 }

@@ -59,38 +59,38 @@ pub enum EffectId {
     Meters,
 }
 
-/// The properties of an effect.
+/// The properties of one effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
     pub id: EffectId,
-    /// In scene files, command lines and reports.
+    /// The name in scene files, command lines and reports.
     pub name: &'static str,
-    /// A field of the plan, or a part of the scene.
+    /// The switch of the effect: a field of the plan, or a part of the scene.
     pub field: &'static str,
     pub cost: &'static str,
     /// The consequence if the effect is off.
     pub absent: &'static str,
     pub events: fn(&Tally, &Plan) -> u64,
-    /// A plural noun for what needs the effect.
+    /// A plural noun for the parts of the scene that need the effect.
     pub(super) required_by: &'static str,
-    /// The reason in reports if nothing needs the effect.
+    /// Reports show this reason if the effect is off because no part of the scene needs it.
     pub(super) not_required: &'static str,
     /// Returns the objects, lights, media or settings that need the effect.
     pub(super) requires: fn(&Facts) -> Vec<String>,
-    /// Switches the effect on or off.
+    /// Switches the effect on or off in a plan.
     pub(super) set: fn(&mut Plan, &Facts, bool),
-    /// If it is forbidden or negligible.
+    /// How the effect is removed if it is forbidden or negligible.
     pub(super) removal: Removal,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Removal {
-    /// By the plan's field. The scene does not change.
+    /// The plan's field switches the effect off. The scene does not change.
     FromPlan,
     /// From the scene too. The second argument is a wavelength in nm, at which a forbidden
     /// dispersion leaves the refractive indices.
     FromScene(fn(&mut Scene, f64) -> Result<()>),
-    /// A property of the scene, which cannot be forbidden.
+    /// The effect is a property of the scene and cannot be forbidden.
     Refused {
         /// What the user can do instead.
         alternative: &'static str,
@@ -98,7 +98,7 @@ pub(super) enum Removal {
 }
 
 impl EffectId {
-    /// In the order of decision.
+    /// All effects, in the order of decision.
     pub const ALL: [Self; 23] = [
         Self::Dispersion,
         Self::Shared,

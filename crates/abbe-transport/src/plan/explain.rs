@@ -68,7 +68,7 @@ fn motion_text(scene: &Scene, budget: &Budget) -> Option<String> {
     })
 }
 
-/// Describes field of view, depth of field and diffraction.
+/// Describes the field of view, the depth of field and the diffraction of the camera.
 fn camera_text(camera: &Camera) -> String {
     if let Some([width, height]) = camera.orthographic_size_m() {
         return format!("Camera: {width:.4} m × {height:.4} m, orthographic: all distances are sharp");

@@ -8,23 +8,23 @@ use super::partition::PerSet;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plan {
     pub wavelengths: WavelengthPlan,
-    /// Through glass or from mirrors.
+    /// Light arriving at a surface through glass or from mirrors.
     pub caustics: CausticPlan,
-    /// From surface to surface.
+    /// Light scattered from surface to surface.
     pub indirect: IndirectPlan,
-    /// Straight from its source.
+    /// Light straight from its source.
     pub direct: DirectPlan,
     pub aperture: AperturePlan,
-    /// Between surfaces.
+    /// The media between surfaces.
     pub media_plan: MediumPlan,
-    /// Caustic and indirect light in media.
+    /// Caustic and indirect light scattered in a medium.
     pub volume: VolumePlan,
-    /// In which lights emit photons.
+    /// The directions in which lights emit photons.
     pub aim: AimPlan,
     pub motion: MotionPlan,
-    /// Surfaces or media are fluorescent.
+    /// True if surfaces or media are fluorescent.
     pub fluorescence: bool,
-    /// Light from 300 to 360 nm excites fluorophores.
+    /// True if light from 300 to 360 nm excites fluorophores.
     pub ultraviolet: bool,
 }
 
@@ -52,19 +52,19 @@ impl Plan {
     }
 }
 
-/// How photons and camera paths share wavelengths.
+/// The sharing of wavelengths between photons and camera paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WavelengthPlan {
-    /// Each photon has its own. No camera path reaches dispersive glass.
+    /// Every photon has its own wavelengths. No camera path reaches dispersive glass.
     Free,
-    /// Each camera path starts with one of the shared wavelengths.
+    /// Every camera path starts with one of the pass's shared wavelengths.
     Shared,
     /// Camera paths carry all wavelengths until they refract dispersively, and then one of the
     /// shared ones.
     Both,
 }
 
-/// Light through glass or from mirrors.
+/// The method of computing light that arrives through glass or from mirrors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CausticPlan {
     Absent,
@@ -73,19 +73,19 @@ pub enum CausticPlan {
     Photons,
 }
 
-/// Light from surface to surface.
+/// The method of computing light scattered from surface to surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IndirectPlan {
     Absent,
-    /// By density estimation.
+    /// Density estimation in a photon map computes this light.
     Photons,
 }
 
-/// Light straight from its source.
+/// The method of computing direct light (light straight from its source).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DirectPlan {
     Absent,
-    /// No scattered ray can hit a light.
+    /// Shadow rays alone compute this light, because no scattered ray can hit a light source.
     ShadowRays,
     /// Combined by multiple importance sampling.
     ShadowAndScatteredRays,
@@ -96,7 +96,7 @@ impl DirectPlan {
         self == Self::Absent
     }
 
-    /// Returns true if scattered rays may hit a light.
+    /// Returns true if direct light includes scattered rays that hit a light.
     pub fn traces_scattered_rays(self) -> bool {
         self == Self::ShadowAndScatteredRays
     }
@@ -106,23 +106,23 @@ impl DirectPlan {
 pub enum AperturePlan {
     /// A point.
     Pinhole,
-    /// With depth of field.
+    /// A thin lens with depth of field.
     ThinLens(Rim),
     /// Of real glass. Each wavelength has its own camera ray.
     LensSystem(Rim),
 }
 
-/// The effect of the aperture's rim.
+/// The effect of the aperture's rim on light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rim {
-    /// Only blocks rays.
+    /// The rim only blocks rays.
     Stops,
     /// Also diffracts light: each slice of the film's spectrum is convolved with its pattern.
     Diffracts,
 }
 
 impl AperturePlan {
-    /// Camera rays start at sampled points of a lens.
+    /// Returns true if camera rays start at sampled points of a lens.
     pub fn is_finite(self) -> bool {
         self != Self::Pinhole
     }
@@ -137,27 +137,27 @@ impl AperturePlan {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MediumPlan {
-    /// No object has an interior.
+    /// No object has an interior: all space is air.
     Air,
-    /// All interiors are clear.
+    /// Objects have interiors, and all interiors are clear.
     Clear,
-    /// By the Beer–Lambert law.
+    /// Bodies absorb light by the Beer–Lambert law.
     Absorbing,
-    /// Media absorb, scatter or emit.
+    /// Media absorb, scatter or emit light.
     Scattering(VolumeDirectLighting),
 }
 
-/// The direct light that a medium scatters into a camera ray.
+/// The method of computing the direct light that a medium scatters into a camera ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumeDirectLighting {
-    /// From a sampled distance along the ray.
+    /// A shadow ray computes this light. It starts at a sampled distance along the camera ray.
     ShadowRays,
     /// Lights without a map are sampled by shadow rays.
     LightMaps,
 }
 
 impl MediumPlan {
-    /// No medium attenuates the light between two mutually visible points.
+    /// Returns true if no medium attenuates the light between two mutually visible points.
     pub fn is_clear(self) -> bool {
         matches!(self, Self::Air | Self::Clear)
     }
@@ -167,13 +167,13 @@ impl MediumPlan {
     }
 }
 
-/// How media store caustic and indirect light.
+/// The storage of caustic and indirect light in media.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumePlan {
     Absent,
     Points,
     Beams,
-    /// Points in dense media, beams in thin ones.
+    /// Dense media store photon points, and thin media store photon beams.
     ByDensity,
 }
 
@@ -187,30 +187,30 @@ impl VolumePlan {
         }
     }
 
-    /// In a medium that may be `dense`.
+    /// Returns whether a medium stores photon points. `dense` is true if the medium is dense.
     pub fn keeps_points(self, dense: bool) -> bool {
         self == Self::Points || (self == Self::ByDensity && dense)
     }
 
-    /// In a medium that may be `dense`.
+    /// Returns whether a medium stores photon beams. `dense` is true if the medium is dense.
     pub fn keeps_beams(self, dense: bool) -> bool {
         self == Self::Beams || (self == Self::ByDensity && !dense)
     }
 }
 
-/// In which lights emit photons.
+/// The directions in which lights emit photons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AimPlan {
-    /// By the emission distribution of the light.
+    /// Photons follow the emission distribution of their light.
     Plain,
-    /// By the pilot.
+    /// Photons follow distributions learned by the pilot.
     Learned,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionPlan {
-    /// As when the shutter opens.
+    /// All passes use the scene at the time when the shutter opens.
     Still,
-    /// Each pass samples a time for all its rays and photons.
+    /// Each pass samples a time. All its rays and photons use the scene at that time.
     PosedPerPass,
 }

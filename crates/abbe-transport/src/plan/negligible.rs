@@ -17,7 +17,7 @@ use abbe_spectra::spectrum::WavelengthDistribution;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct NegligibleEffect {
     pub(super) effect: EffectId,
-    /// With the bound and the tolerance.
+    /// The reason, with the bound and the tolerance.
     pub(super) because: String,
 }
 
@@ -31,22 +31,22 @@ const TAN_MAX_INCIDENCE: f64 = 5.671;
 /// The magnification that this bound covers, by curved surfaces and repeated refraction.
 const MAX_MAGNIFICATION: f64 = 100.0;
 
-/// The tolerance for depth of field: the width in pixels of a point's image.
+/// The tolerance for depth of field: the largest width in pixels of a point's image.
 const MAX_BLUR_PX: f64 = 0.5;
 
-/// The negligible loss of light: 0.1 %, a tenth of an error of 1 %.
+/// The largest loss of light that may be ignored: 0.1 %, a tenth of an error of 1 %.
 const MAX_LOSS: f64 = 1e-3;
 
-/// The segments of a path, unless the scene limits them.
+/// The largest number of straight segments of a path, if the scene does not limit the number.
 const MAX_SEGMENTS: u32 = 10_000;
 
-/// In nm, of the scene's lights and fluorophores.
+/// Returns the centre of the wavelength range of the scene's lights and fluorophores, in nm.
 pub(super) fn light_centre_nm(scene: &Scene) -> f64 {
     let (from, to) = light_range_nm(scene);
     0.5 * (from + to)
 }
 
-/// In nm, of the scene's lights and fluorophores.
+/// Returns the smallest and the largest wavelength of the scene's lights and fluorophores, in nm.
 fn light_range_nm(scene: &Scene) -> (f64, f64) {
     let of_lights = scene.lights.iter().map(|light| &light.wavelengths);
     let of_fluorophores = scene.fluorophores().map(Fluorophore::wavelengths);
@@ -55,7 +55,7 @@ fn light_range_nm(scene: &Scene) -> (f64, f64) {
     all.fold((f64::INFINITY, 0.0), |(low, high), [from, to]| (low.min(from), high.max(to)))
 }
 
-/// Returns all negligible effects with their reasons.
+/// Returns all effects that cannot be seen, each with its reason.
 pub(super) fn negligible(scene: &Scene) -> Vec<NegligibleEffect> {
     let facts = Facts::of(scene);
     let mut all = unreachable(scene, &facts);
@@ -202,7 +202,7 @@ fn media(scene: &Scene, facts: &Facts) -> Option<String> {
     if_thin(scene, bodies.sum())
 }
 
-/// If the optical depth of a straight segment is negligible.
+/// Returns the reason if the optical depth of a straight segment is negligible.
 fn if_thin(scene: &Scene, depth: f64) -> Option<String> {
     let segments = scene.settings.max_depth.unwrap_or(MAX_SEGMENTS).saturating_add(1);
     let loss = depth * f64::from(segments);

@@ -12,10 +12,10 @@
 use abbe_optics::bsdf::BsdfClass;
 use std::ops::{Index, IndexMut};
 
-/// The events before a path reaches a surface or a point in a medium.
+/// The events on a light path before it reaches a surface or a point in a medium.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LightPath {
-    /// None: straight from the light.
+    /// No event: the light comes straight from its source.
     Direct,
     /// Specular reflections or refractions only: L S+ in Heckbert's notation.
     Caustic,
@@ -36,14 +36,14 @@ impl LightPath {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhotonClass {
-    /// Only through mirrors and clear glass.
+    /// The photon interacted only with mirrors and clear glass.
     Caustic,
-    /// Scattered at least once.
+    /// The photon was scattered at least once.
     Indirect,
 }
 
 impl PhotonClass {
-    /// In the order in which they are gathered.
+    /// All classes, in the order in which they are gathered.
     pub const ALL: [Self; 2] = [Self::Caustic, Self::Indirect];
 
     pub fn light_path(self) -> LightPath {
@@ -54,7 +54,7 @@ impl PhotonClass {
     }
 }
 
-/// For each class of stored photons.
+/// One value for each class of stored photons.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PerClass<T> {
     pub caustic: T,
@@ -62,12 +62,12 @@ pub struct PerClass<T> {
 }
 
 impl<T> PerClass<T> {
-    /// Caustics first.
+    /// Computes the value of each class, caustics first.
     pub fn from_fn(mut value: impl FnMut(PhotonClass) -> T) -> Self {
         Self { caustic: value(PhotonClass::Caustic), indirect: value(PhotonClass::Indirect) }
     }
 
-    /// Caustics first.
+    /// Combines the values of each class, caustics first.
     pub fn zip_with<U, V>(self, other: PerClass<U>, mut combine: impl FnMut(T, U) -> V) -> PerClass<V> {
         PerClass { caustic: combine(self.caustic, other.caustic), indirect: combine(self.indirect, other.indirect) }
     }
@@ -95,17 +95,17 @@ impl<T> IndexMut<PhotonClass> for PerClass<T> {
     }
 }
 
-/// The photon sets of a pass.
+/// The two photon sets of a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhotonSet {
-    /// With their own wavelengths.
+    /// Each photon has wavelengths of its own.
     Free,
-    /// With the shared wavelengths of the pass.
+    /// All photons have the shared wavelengths of the pass.
     Shared,
 }
 
 impl PhotonSet {
-    /// Read by a camera path, which may be on a `shared` wavelength.
+    /// Returns the set that a camera path reads, on a `shared` wavelength or not.
     pub fn of_path(shared: bool) -> Self {
         if shared { Self::Shared } else { Self::Free }
     }
@@ -118,7 +118,7 @@ pub struct PerSet<T> {
 }
 
 impl<T> PerSet<T> {
-    /// Free photons first.
+    /// Computes the value of each set, free photons first.
     pub fn from_fn(mut value: impl FnMut(PhotonSet) -> T) -> Self {
         Self { free: value(PhotonSet::Free), shared: value(PhotonSet::Shared) }
     }
@@ -127,7 +127,7 @@ impl<T> PerSet<T> {
         PerSet { free: &self.free, shared: &self.shared }
     }
 
-    /// Free photons first.
+    /// Combines the values of each set, free photons first.
     pub fn zip_with<U, V>(self, other: PerSet<U>, mut combine: impl FnMut(T, U) -> V) -> PerSet<V> {
         PerSet { free: combine(self.free, other.free), shared: combine(self.shared, other.shared) }
     }
@@ -155,16 +155,16 @@ impl<T> IndexMut<PhotonSet> for PerSet<T> {
     }
 }
 
-/// The events before a camera path reaches a surface.
+/// The events on a camera path before it reaches a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CameraView {
-    /// None: along a straight line.
+    /// No event: the camera sees the surface along a straight line.
     Direct,
     /// At least one reflection, refraction or scattering event.
     Indirect,
 }
 
-/// Of a class of paths.
+/// The estimator of a class of paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimator {
     /// With scattered rays that hit the light, by multiple importance sampling.
@@ -172,9 +172,9 @@ pub enum Estimator {
     /// From the photon to the camera, without a kernel.
     Connection,
     PhotonMap,
-    /// The camera path continues to the next surface.
+    /// The camera path continues in a scattered direction, and the next surface is evaluated.
     Continuation,
-    /// The surface reflects no light.
+    /// No estimator: the surface reflects no light.
     None,
 }
 

@@ -6,10 +6,10 @@
 
 use super::partition::LightPath;
 
-/// From a light to the camera.
+/// The class of a path from a light to the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathClass {
-    /// The camera sees the light, directly or by specular events (L S* E).
+    /// The camera sees the light directly, or by specular events only (L S* E).
     Emission,
     /// The first scattering event is at a surface that the light reaches straight.
     Direct,
@@ -22,17 +22,17 @@ pub enum PathClass {
 }
 
 impl PathClass {
-    /// In the order of their numbers.
+    /// The names of the classes, in the order of their numbers.
     pub const NAMES: [&'static str; 5] = ["emission", "direct", "caustic", "indirect", "volume"];
 
-    /// Its index in [`Self::NAMES`].
+    /// Returns the number of the class: its index in [`Self::NAMES`].
     #[inline(always)]
     pub fn number(self) -> usize {
         self as usize
     }
 }
 
-/// Of a contribution to a pixel.
+/// The origin of a contribution to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LightOrigin {
     pub class: PathClass,
@@ -40,24 +40,24 @@ pub struct LightOrigin {
     pub light: usize,
 }
 
-/// The events on a camera path so far that decide the class of its light.
+/// The events on a camera path so far, as far as they decide the class of its light.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum CameraEvents {
-    /// Only specular ones, or none.
+    /// Only specular events, or no events.
     #[default]
     Specular,
-    /// Scattering at one surface, as the last event.
+    /// The path was scattered at one diffuse or glossy surface. This was the last event.
     Surface,
-    /// Scattering at one surface, then only specular events.
+    /// The path was scattered at one diffuse or glossy surface. Then came only specular events.
     SurfaceThenSpecular,
-    /// Scattering at a surface, and at least once more.
+    /// The path was scattered at a diffuse or glossy surface, and at least once more.
     Scattered,
     /// The first scattering event was in a medium.
     Medium,
 }
 
 impl CameraEvents {
-    /// Also after a hidden face.
+    /// Returns the events after a specular event, or after a hidden face.
     #[inline]
     #[must_use]
     pub fn after_specular_event(self) -> Self {
@@ -86,7 +86,7 @@ impl CameraEvents {
         }
     }
 
-    /// Of the light that a source emits into the path.
+    /// Returns the class of the light that a source emits into the path.
     #[inline]
     pub fn class_of_emission(self) -> PathClass {
         match self {
@@ -98,7 +98,7 @@ impl CameraEvents {
         }
     }
 
-    /// Of light that arrives by `light_path` at a diffuse or glossy surface.
+    /// Returns the class of light that arrives by `light_path` at a diffuse or glossy surface.
     #[inline]
     pub fn class_at_surface(self, light_path: LightPath) -> PathClass {
         match (self, light_path) {

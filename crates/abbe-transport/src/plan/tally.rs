@@ -1,50 +1,50 @@
-//! Event counters, which stay 0 for effects that are not planned.
+//! Event counters for the planned effects. If an effect is not in the plan, its counter stays 0.
 
 use serde::{Deserialize, Serialize};
 use std::iter::Sum;
 
-/// Integer sums do not depend on the order of the threads.
+/// Counts of events. Integer sums do not depend on the order of the threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tally {
-    /// Emitted paths.
+    /// Photon paths emitted.
     pub photons: u64,
-    /// The part of `photons` at the shared wavelengths.
+    /// Photon paths emitted at the pass's shared wavelengths. `photons` includes these paths.
     pub shared_photons: u64,
-    /// In maps.
+    /// Photons stored in maps.
     pub stored: u64,
     /// Photon arrivals connected to the camera.
     pub connections: u64,
     pub camera_samples: u64,
-    /// Of photon paths.
+    /// Segments of photon paths.
     pub photon_segments: u64,
-    /// Of camera paths.
+    /// Segments of camera paths.
     pub camera_segments: u64,
-    /// In the kernels at surfaces, evaluated at each wavelength.
+    /// Photons within the kernels of camera paths at surfaces, evaluated at each wavelength.
     pub gathered: u64,
-    /// In the kernels at diffuse surfaces with tabulated responses.
+    /// Photons within the kernels of camera paths at diffuse surfaces with tabulated responses.
     pub tabulated: u64,
-    /// In the kernels in media.
+    /// Photons within the kernels of camera paths in media.
     pub volume_gathered: u64,
-    /// Of photon maps.
+    /// Queries of photon maps.
     pub map_queries: u64,
     /// Dispersive refractions that split a camera path, plus surface arrivals of photons that carry
     /// one wavelength after a dispersive refraction.
     pub dispersions: u64,
-    /// Camera paths that continued at a shared wavelength.
+    /// Camera paths that continued at one of the pass's shared wavelengths.
     pub shared_paths: u64,
     pub shadow_rays: u64,
     /// Rays that left the scene and evaluated the lights at infinity.
     pub environment_rays: u64,
-    /// Through a lens of finite aperture.
+    /// Rays through a lens of finite aperture.
     pub lens_rays: u64,
-    /// Of meters.
+    /// Samples of the sensors of meters.
     #[serde(rename = "receptor_samples", default)]
     pub sensor_samples: u64,
-    /// Arrivals of camera paths at textured surfaces.
+    /// Arrivals of camera paths at surfaces with textures.
     #[serde(default)]
     pub texture_lookups: u64,
-    /// Camera paths that start with a ghost of the lens.
+    /// Camera paths that start with a ghost of the camera's lens.
     #[serde(default)]
     pub ghost_rays: u64,
     /// Scattering of camera paths at thin films, and camera paths through a coated lens.
@@ -53,16 +53,16 @@ pub struct Tally {
     /// Arrivals of camera paths at fluorescent surfaces and in fluorescent media.
     #[serde(default)]
     pub fluorescent_events: u64,
-    /// Emitted paths with a wavelength below 360 nm.
+    /// Emitted photon paths with at least one wavelength below 360 nm.
     #[serde(default)]
     pub ultraviolet_photons: u64,
-    /// Scattering at rough or coated surfaces.
+    /// Scattering events at rough or coated surfaces.
     pub rough_events: u64,
-    /// Arrivals at faces of bodies and at gratings, and segments of camera paths inside bodies.
+    /// Arrivals at the faces of bodies and at gratings, and segments of camera paths inside bodies.
     pub body_events: u64,
     /// Segments of camera paths in absorbing glass or liquid.
     pub absorptions: u64,
-    /// Of camera paths.
+    /// Segments of camera paths in participating media.
     #[serde(rename = "media_stretches")]
     pub medium_segments: u64,
     /// Photons stored in media as points.
@@ -71,9 +71,9 @@ pub struct Tally {
     pub volume_beams: u64,
     #[serde(rename = "light_map_looks")]
     pub light_map_lookups: u64,
-    /// Photons with a learned aim.
+    /// Photons emitted with a learned aim.
     pub aimed: u64,
-    /// Passes at a sampled shutter time.
+    /// Passes for which the scene was posed at a sampled shutter time.
     pub moments: u64,
     /// Camera paths that ended at the cap of the number of events.
     #[serde(default)]

@@ -6,7 +6,7 @@ use super::layers::{COMPONENTS, LayerSet};
 use abbe_spectra::spectrum::BAND_NM;
 use std::sync::Arc;
 
-/// X, Y and Z.
+/// The number of components of a slice: X, Y and Z.
 const COMPONENTS_OF_SLICE: usize = 3;
 
 /// The additional channels of a pixel: radiance in each band, the first moments of the bands if
@@ -19,7 +19,7 @@ pub(super) struct Channels {
     /// where its light lies.
     pub(super) moments: bool,
     pub(super) diffraction: Option<Arc<DiffractionPsf>>,
-    /// `None` if the film records no layers.
+    /// The layers. `None` if the film records no layers.
     pub(super) layers: Option<Arc<LayerSet>>,
 }
 
@@ -33,7 +33,7 @@ impl Channels {
         self.first_surface_channel() + self.layers.as_ref().map_or(0, |layers| layers.surface_channels().len())
     }
 
-    /// Returns the channels that need the wavelength of each contribution.
+    /// Returns the number of channels that need the wavelength of each contribution.
     pub(super) fn spectral_count(&self) -> usize {
         self.band_channels() + COMPONENTS_OF_SLICE * self.slices()
     }
@@ -42,7 +42,7 @@ impl Channels {
         if self.moments { 2 * self.bands } else { self.bands }
     }
 
-    /// Follows all channels that contain light.
+    /// Returns the number of channels that contain light. The sums over first surfaces follow them.
     pub(super) fn first_surface_channel(&self) -> usize {
         self.spectral_count() + self.layers.as_ref().map_or(0, |layers| layers.light_channels())
     }
@@ -55,7 +55,7 @@ impl Channels {
         self.band_channels() + COMPONENTS_OF_SLICE * slice + component
     }
 
-    /// In their order.
+    /// Returns the names of the channels in their order.
     pub(super) fn names(&self) -> impl Iterator<Item = String> {
         let slices = (0..self.slices()).flat_map(|slice| ["X", "Y", "Z"].map(|c| format!("slice{slice}{c}")));
         let layers = self.layers.as_deref();
@@ -108,19 +108,19 @@ impl Channels {
     }
 }
 
-/// Of `count` equal bands.
+/// Returns the band of a wavelength. The simulated range is divided into `count` equal bands.
 fn band_of(nm: f64, count: usize) -> usize {
     let fraction = (nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0);
     ((fraction * count as f64) as usize).min(count - 1)
 }
 
-/// In nm.
+/// Returns the centre of a band in nm.
 pub(super) fn band_centre_nm(band: usize, count: usize) -> f64 {
     let (from, to) = band_nm(band, count);
     0.5 * (from + to)
 }
 
-/// The lower and the upper end in nm of one of `count` equal bands.
+/// Returns the lower and the upper end in nm of one of `count` equal bands.
 pub(super) fn band_nm(band: usize, count: usize) -> (f64, f64) {
     let width_nm = (BAND_NM.1 - BAND_NM.0) / count as f64;
     (BAND_NM.0 + band as f64 * width_nm, BAND_NM.0 + (band + 1) as f64 * width_nm)

@@ -4,7 +4,7 @@
 
 use abbe_spectra::math::sum::ExactSum;
 
-/// MurmurHash3_x86_32 (A. Appleby) with the seed 0.
+/// Returns the hash of a name: MurmurHash3_x86_32 (A. Appleby) with the seed 0.
 pub fn hash_name(name: &str) -> u32 {
     let mix = |block: u32| block.wrapping_mul(0xcc9e_2d51).rotate_left(15).wrapping_mul(0x1b87_3593);
     let bytes = name.as_bytes();
@@ -38,7 +38,7 @@ pub fn normal_hash(hash: u32) -> u32 {
 pub(super) struct NameCounts(Vec<(u32, u32)>);
 
 impl NameCounts {
-    /// Counts `samples` samples of a name.
+    /// Counts `samples` samples that hit the name with this hash.
     pub(super) fn add(&mut self, hash: u32, samples: u32) {
         match self.0.binary_search_by_key(&hash, |&(known, _)| known) {
             Ok(place) => self.0[place].1 = self.0[place].1.saturating_add(samples),
@@ -64,7 +64,7 @@ impl NameCounts {
         }
     }
 
-    /// With their samples, the most first.
+    /// Returns the hashes and their numbers of samples, the largest number first.
     pub(super) fn ranked(&self) -> Vec<(u32, u32)> {
         let mut ranked = self.0.clone();
         ranked.sort_by_key(|&(hash, samples)| (std::cmp::Reverse(samples), hash));
@@ -76,7 +76,7 @@ impl NameCounts {
 mod tests {
     use super::*;
 
-    /// MurmurHash3_x86_32 with the seed 0, and the hash of the name "hello".
+    /// Test vectors of MurmurHash3_x86_32 with the seed 0, and the hash of the name "hello".
     #[test]
     fn hashes_have_their_published_values() {
         for (name, hash) in [

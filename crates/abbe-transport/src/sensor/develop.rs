@@ -10,22 +10,22 @@ use abbe_spectra::colour::space::encode_srgb_u8;
 use abbe_spectra::colour::tone::ToneCurve;
 use abbe_spectra::colour::{Rgb, RgbSpace, Xyz};
 
-/// From a picture's XYZ to display codes.
+/// The parameters of the conversion from a picture's XYZ to display codes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Development {
-    /// Of the display.
+    /// The colour space of the display.
     pub space: RgbSpace,
     /// The XYZ of light that is shown as white, at any scale. `None` balances nothing.
     pub white: Option<Xyz>,
     /// How colours outside the colour space move into it.
     pub gamut: GamutMapping,
-    /// Before the gamut mapping.
+    /// The tone curve. It is applied before the gamut mapping.
     pub tone: ToneCurve,
 }
 
 impl Development {
-    /// From XYZ to linear components of the display.
+    /// Returns the matrix from XYZ to linear components of the display.
     pub fn matrix(&self) -> [[f64; 3]; 3] {
         match self.white {
             None => self.space.picture_matrix(),
@@ -34,28 +34,28 @@ impl Development {
     }
 }
 
-/// Encoded colours, row by row from the top.
+/// Encoded colours for a display, row by row from the top.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DisplayImage {
     pub width: usize,
     pub height: usize,
-    /// With its primaries and encoding.
+    /// The colour space, which defines the primaries and the encoding.
     pub space: RgbSpace,
-    /// Red, green and blue of every pixel.
+    /// The codes of red, green and blue of every pixel.
     pub codes: Codes,
 }
 
-/// With enough bits to avoid visible steps.
+/// The codes of all pixels, with enough bits per component to avoid visible steps.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Codes {
-    /// sRGB and Display P3.
+    /// 8 bits per component: sRGB and Display P3.
     Eight(Vec<[u8; 3]>),
     /// Rec. 2020, whose standard requires at least 10 bits, and ACEScg, whose codes are linear.
     Sixteen(Vec<[u16; 3]>),
 }
 
 impl DisplayImage {
-    /// `width` × `height` sRGB codes.
+    /// Builds an image from `width` × `height` sRGB codes.
     pub fn of_srgb(width: usize, height: usize, rgb: Vec<[u8; 3]>) -> Self {
         Self { width, height, space: RgbSpace::Srgb, codes: Codes::Eight(rgb) }
     }
@@ -108,7 +108,7 @@ mod tests {
         picture
     }
 
-    /// From linear sRGB to codes between 0 and 1.
+    /// Converts pixels from linear sRGB to codes. The codes are scaled to the range from 0 to 1.
     fn shown(pixels: &[[f64; 3]], exposure: f64, development: &Development) -> Vec<[f64; 3]> {
         match develop(&picture(pixels), exposure, development).codes {
             Codes::Eight(codes) => codes.iter().map(|rgb| rgb.map(|code| f64::from(code) / 255.0)).collect(),

@@ -29,20 +29,20 @@ const MAX_SAMPLES_PER_UNIT: f64 = 24.0;
 /// The most samples from the centre to an edge: 8 per λN for the largest radius.
 const MAX_SAMPLES_PER_RADIUS: f64 = 1024.0;
 
-/// By wavelength.
+/// The point spread function of the film as a function of wavelength.
 #[derive(Debug)]
 pub struct DiffractionPsf {
-    /// λN in pixels, divided by λ in nm, for the f-number N.
+    /// The diffraction length λN in pixels, divided by the wavelength λ in nm. N is the f-number.
     spread_px_per_nm: f64,
     /// In ascending order. Each represents an equal fraction of the light.
     light_nm: Vec<f64>,
-    /// The lower ends of the slices.
+    /// The lower ends of the slices in nm.
     edges_nm: Vec<f64>,
-    /// The samples per λN.
+    /// The number of samples of the pattern per λN.
     steps: f64,
-    /// The samples from edge to edge.
+    /// The number of samples of the pattern from edge to edge.
     across: usize,
-    /// Rows from the bottom and columns from the left.
+    /// The samples of the pattern, with rows from the bottom and columns from the left.
     pattern: Vec<f32>,
 }
 
@@ -87,7 +87,7 @@ impl DiffractionPsf {
         self.edges_nm.partition_point(|&edge| edge <= nm).saturating_sub(1)
     }
 
-    /// The lower and the upper wavelength in nm.
+    /// Returns the lower and upper wavelength of a slice in nm.
     pub(super) fn slice_nm(&self, slice: usize) -> (f64, f64) {
         (self.edges_nm[slice], self.edges_nm.get(slice + 1).copied().unwrap_or(f64::INFINITY))
     }
@@ -110,10 +110,10 @@ fn edges_nm(light_nm: &[f64]) -> Vec<f64> {
     cells.into_iter().map(|cell| BAND_NM.0 * exp(cell as f64 * ratio)).collect()
 }
 
-/// The Fourier transform of a plane that reflection extends beyond its edges.
+/// The Fourier transform of a plane. Reflection extends the plane beyond its edges.
 pub(super) type PlaneTransform = Vec<Complex>;
 
-/// Of films of one size.
+/// Convolves the planes of films of one size.
 pub(super) struct Convolution<'a> {
     diffraction: &'a DiffractionPsf,
     width: usize,
@@ -139,7 +139,7 @@ impl<'a> Convolution<'a> {
         self.forward((0..4 * self.width * self.height).into_par_iter().map(value).collect())
     }
 
-    /// The inverse of `transform`.
+    /// Returns the planes of a transform. This function is the inverse of `transform`.
     pub(super) fn planes(&self, mut spectrum: PlaneTransform) -> Vec<[f64; 2]> {
         let (width, height) = (2 * self.width, 2 * self.height);
         each_line(&self.columns, &mut spectrum, Direction::Inverse);
@@ -150,7 +150,7 @@ impl<'a> Convolution<'a> {
         (0..self.width * self.height).map(|i| [pixel(i).re, pixel(i).im]).collect()
     }
 
-    /// For light between two wavelengths in nm.
+    /// Returns the transform of the kernel for light between two wavelengths in nm.
     pub(super) fn kernel(&self, between_nm: (f64, f64)) -> PlaneTransform {
         let (width, height) = (2 * self.width, 2 * self.height);
         let mut kernel = vec![0.0; width * height];
@@ -187,7 +187,7 @@ impl<'a> Convolution<'a> {
         self.forward(kernel.into_iter().map(Complex::from).collect())
     }
 
-    /// Transforms rows and then columns, which it stores column by column.
+    /// Transforms rows and then columns. The result is stored column by column.
     fn forward(&self, mut plane: PlaneTransform) -> PlaneTransform {
         each_line(&self.rows, &mut plane, Direction::Forward);
         let mut spectrum = transposed(&plane, 2 * self.width);
@@ -205,13 +205,13 @@ fn each_line(transform: &FourierTransform, plane: &mut PlaneTransform, direction
     lines.for_each_init(FourierBuffers::default, |buffers, lines| transform.transform(lines, direction, buffers));
 }
 
-/// Rows have `length` values.
+/// Transposes a plane whose rows have `length` values.
 fn transposed(lines: &PlaneTransform, length: usize) -> PlaneTransform {
     let count = lines.len() / length;
     (0..lines.len()).into_par_iter().map(|i| lines[i % count * length + i / count]).collect()
 }
 
-/// The pixels that overlap a sample, and the fraction in each.
+/// The pixels that overlap a sample of the pattern, and the fraction of the sample in each pixel.
 type SampleOverlaps = Vec<(usize, f64)>;
 
 /// Returns the overlaps of each sample along a line of the pattern, which is linear between
@@ -220,7 +220,7 @@ type SampleOverlaps = Vec<(usize, f64)>;
 /// of the film, are ignored: no light moves farther.
 fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<SampleOverlaps> {
     let half = step_px.abs();
-    // The integral from −∞ to x of a triangle of half-width 1 and area 1.
+    // The integral of a triangle function from −∞ to x. The triangle has half-width 1 and area 1.
     let below = |x: f64| {
         let x = x.clamp(-1.0, 1.0);
         if x < 0.0 { 0.5 * (1.0 + x) * (1.0 + x) } else { 1.0 - 0.5 * (1.0 - x) * (1.0 - x) }

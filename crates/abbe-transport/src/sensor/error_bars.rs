@@ -16,10 +16,10 @@
 
 use abbe_spectra::math::random::REPLICATES;
 
-/// Of a pixel over passes, in cd/m².
+/// The measured means of a pixel over passes, in cd/m².
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelMeans {
-    /// Meaningless for replicates without passes.
+    /// Y of each replicate. The value is meaningless for replicates without passes.
     pub(super) y: [f64; REPLICATES],
     /// The means of the bias of Y over the even and over the odd replicates, meaningless without
     /// passes.
@@ -29,9 +29,9 @@ pub(super) struct PixelMeans {
 /// Pixel by pixel, in cd/m². Pixels without light have none.
 #[derive(Debug)]
 pub(super) struct ErrorBars {
-    /// The standard error of Y.
+    /// The standard error of Y, if it is known.
     pub(super) noise: Vec<Option<f32>>,
-    /// The magnitude for Y.
+    /// The magnitude of the estimated bias of Y, if it is known.
     pub(super) bias: Vec<Option<f32>>,
     /// An edge of the illumination is within reach of a kernel, so the bias is probably larger than
     /// estimated.
@@ -43,9 +43,9 @@ pub(super) struct ErrorBars {
 /// The parts of the squared relative error of a picture, by their dependence on the passes n.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSquares {
-    /// Falls as n^(−2/3) in smooth illumination, more slowly at edges.
+    /// The squared bias. It falls as n^(−2/3) in smooth illumination, and more slowly at edges.
     pub bias: f64,
-    /// The variance of the kernel estimates: falls as n^(−2/3), because the kernels shrink.
+    /// The variance of the kernel estimates. It falls as n^(−2/3), because the kernels shrink.
     pub kernel_noise: f64,
     /// The variance of all else: falls as n⁻¹ for independent samples, and up to n⁻² for stratified
     /// ones.
@@ -55,17 +55,17 @@ pub struct ErrorSquares {
 /// The degrees of freedom of the neighbours in the noise of a pixel.
 const NEIGHBOUR_DEGREES: f64 = 2.0;
 
-/// The farthest neighbour in the noise of a pixel.
+/// The largest distance (pixels) at which a neighbour contributes to a pixel's noise estimate.
 const NOISE_RADIUS_PX: usize = 1;
 
-/// The farthest neighbour in the bias of a pixel.
+/// The largest distance (pixels) at which a neighbour contributes to a pixel's bias estimate.
 const BIAS_RADIUS_PX: usize = 2;
 
 /// A pixel can be an edge if its squared bias exceeds this factor times the variance of the kernel
 /// estimates, which it seldom does under uniform light.
 const EDGE_THRESHOLD: f64 = 3.0;
 
-/// The farthest neighbour in any estimate.
+/// The largest distance (pixels) at which a neighbour contributes to any estimate.
 const RADIUS_PX: usize = if NOISE_RADIUS_PX > BIAS_RADIUS_PX { NOISE_RADIUS_PX } else { BIAS_RADIUS_PX };
 
 /// The rows that are computed at a time, so that single estimates need little memory.
@@ -172,10 +172,10 @@ impl PixelMeans {
     }
 }
 
-/// Of some rows. Pixels without light have none.
+/// The estimates of single pixels in some rows. Pixels without light have none.
 struct PixelEstimates {
     width: usize,
-    /// Of the mean of Y.
+    /// The variance of the mean of Y.
     variances: Vec<Option<f64>>,
     squares: Vec<Option<f64>>,
     signed: Vec<Option<f64>>,
@@ -203,7 +203,7 @@ impl PixelEstimates {
         all
     }
 
-    /// Squared, for a variance with these degrees of freedom.
+    /// Returns the squared noise of a pixel, whose own variance has some degrees of freedom.
     fn noise(&self, pixel: usize, degrees: f64) -> Option<f64> {
         let around = mean_around(&self.variances, self.width, pixel, NOISE_RADIUS_PX);
         self.variances[pixel]
@@ -214,7 +214,7 @@ impl PixelEstimates {
         self.squares[pixel].map(|_| mean_around(&self.squares, self.width, pixel, BIAS_RADIUS_PX))
     }
 
-    /// `square` is the mean squared bias around the pixel.
+    /// Tells whether a pixel with this mean squared bias around it is an edge.
     fn is_edge(&self, pixel: usize, square: f64) -> bool {
         let around = |values: &[Option<f64>]| mean_around(values, self.width, pixel, BIAS_RADIUS_PX);
         square > EDGE_THRESHOLD * around(&self.noise_of_bias)
@@ -222,7 +222,7 @@ impl PixelEstimates {
     }
 }
 
-/// The mean of the known values up to `radius` pixels away, 0 without any.
+/// Returns the mean of the known values up to `radius` pixels away, 0 without any.
 fn mean_around(values: &[Option<f64>], width: usize, pixel: usize, radius: usize) -> f64 {
     let (x, y) = (pixel % width, pixel / width);
     let (mut sum, mut count) = (0.0, 0.0_f64);
@@ -246,7 +246,8 @@ mod tests {
         PixelMeans { y: [y; REPLICATES], bias }
     }
 
-    /// Replicate means that alternate between `y` ± `spread`, with the standard error `spread`/√7.
+    /// Returns replicate means that alternate between `y` ± `spread`, with the standard error
+    /// `spread`/√7.
     fn noisy(y: f64, spread: f64) -> PixelMeans {
         let sign = |r: usize| if r.is_multiple_of(2) { 1.0 } else { -1.0 };
         PixelMeans { y: std::array::from_fn(|r| y + sign(r) * spread), bias: [0.0; 2] }

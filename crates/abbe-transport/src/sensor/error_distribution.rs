@@ -7,11 +7,11 @@ use super::picture::Picture;
 /// the other pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorDistribution {
-    /// Of the pixels with known errors.
+    /// The median over the pixels with known errors.
     pub median: f64,
-    /// Of the pixels with known errors.
+    /// The 95th percentile over the pixels with known errors.
     pub p95: f64,
-    /// That contributes most to the mean square error.
+    /// The block of pixels that contributes most to the mean square error.
     pub worst: WorstRegion,
 }
 
@@ -20,22 +20,22 @@ pub struct ErrorDistribution {
 pub struct WorstRegion {
     /// The first column and row, and the column and row after the last.
     pub corners: [usize; 4],
-    /// In the sum of noise² + bias² over the picture.
+    /// The fraction of the block in the sum of noise² + bias² over the picture.
     pub fraction: f64,
 }
 
-/// Along the longer side of a picture.
+/// The number of blocks along the longer side of a picture.
 const BLOCKS: usize = 16;
 
 impl Picture {
-    /// `None` if unknown.
+    /// Returns the relative error of each pixel. Unknown errors are `None`.
     pub fn relative_errors(&self) -> impl Iterator<Item = Option<f64>> {
         let dark = 0.01 * self.mean_y().powi(2);
         let unit = move |pixel: usize| (self.xyz[pixel][1].powi(2) + dark).sqrt();
         (0..self.xyz.len()).map(move |pixel| self.error(pixel).map(|error| error / unit(pixel)))
     }
 
-    /// `None` if no pixel has a known error.
+    /// Returns the distribution of the relative error, or `None` if no pixel has a known error.
     pub fn error_distribution(&self) -> Option<ErrorDistribution> {
         let mut errors: Vec<f64> = self.relative_errors().flatten().filter(|error| error.is_finite()).collect();
         if errors.is_empty() {

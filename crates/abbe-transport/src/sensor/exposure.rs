@@ -3,19 +3,19 @@
 use super::picture::Picture;
 use abbe_spectra::math::elementary::{exp, ln};
 
-/// Relative to white.
+/// The luminance of middle grey relative to white.
 const MIDDLE_GREY: f64 = 0.18;
 
-/// Of the highlights at least, relative to white.
+/// The luminance relative to white that the highlights reach at least.
 const LEAST_HIGHLIGHT: f64 = 0.5;
 
-/// The pixels brighter than the highlights.
+/// The fraction of the pixels that are brighter than the highlights.
 const ABOVE_HIGHLIGHT: f64 = 0.005;
 
 /// Of a display. Pixels darker than the highlights by more than this factor count less.
 const CONTRAST: f64 = 1000.0;
 
-/// Of a pixel on the metered luminance, as a natural logarithm: two stops.
+/// The largest influence of a pixel on the metered luminance, as a natural logarithm: two stops.
 const LARGEST_INFLUENCE: f64 = 2.0 * std::f64::consts::LN_2;
 
 /// The most pixels of the log-average, evenly spaced by luminance.
@@ -95,7 +95,7 @@ fn is_uniform(sorted: &[f32]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    /// Of white light.
+    /// Returns a picture of white light with these luminances.
     fn picture(luminances: impl IntoIterator<Item = f64>) -> Picture {
         let xyz: Vec<[f64; 3]> = luminances.into_iter().map(|y| [0.9505 * y, y, 1.089 * y]).collect();
         let mut picture = Picture::black(xyz.len(), 1);
@@ -103,7 +103,7 @@ mod tests {
         picture
     }
 
-    /// From 10 to 100 cd/m².
+    /// Returns the luminances of a room, from 10 to 100 cd/m².
     fn room() -> impl Iterator<Item = f64> {
         (0..10_000).map(|i| 10.0 * 10.0_f64.powf(f64::from(i) * 1e-4))
     }

@@ -24,19 +24,19 @@ pub struct Film {
     width: usize,
     height: usize,
     observer: &'static Observer,
-    /// Empty if the film is unexposed.
+    /// The sums of the pixels. Empty if the film is unexposed.
     pixels: Vec<PixelSums>,
     channels: Channels,
-    /// Pixel by pixel. Empty if the film is unexposed.
+    /// The sums of the channels, pixel by pixel. Empty if the film is unexposed.
     by_channel: Vec<ExactSum>,
-    /// One layer for each requested kind.
+    /// The names that camera samples hit: one layer for each requested kind of names.
     names: Vec<NameLayer>,
-    /// `None` for a picture.
+    /// The data of a measurement with meters. `None` if the film records a picture.
     pub(super) measurement: Option<Measurement>,
     pub(super) passes: [u64; REPLICATES],
 }
 
-/// After X and Z.
+/// The index of the first plane of the bias, after X and Z.
 const FIRST_BIAS: usize = 2;
 
 const FIRST_Y: usize = FIRST_BIAS + 2;
@@ -44,7 +44,7 @@ const FIRST_Y: usize = FIRST_BIAS + 2;
 const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
 
 impl Film {
-    /// Unexposed.
+    /// Returns an unexposed film with `bands` spectral bands.
     pub fn new(width: usize, height: usize, observer: &'static Observer, bands: usize) -> Self {
         Self {
             width,
@@ -59,14 +59,14 @@ impl Film {
         }
     }
 
-    /// The film must still be unexposed.
+    /// Adds diffraction to a film that is still unexposed.
     #[must_use]
     pub fn with_diffraction(mut self, diffraction: Option<Arc<DiffractionPsf>>) -> Self {
         self.channels.diffraction = diffraction;
         self
     }
 
-    /// The film must still be unexposed.
+    /// Adds layers to a film that is still unexposed.
     #[must_use]
     pub fn with_layers(mut self, layers: &LayerSet) -> Self {
         let pixels = self.pixel_count();
@@ -110,12 +110,12 @@ impl Film {
         self.channels.spectral_count() > 0 || self.measurement.is_some()
     }
 
-    /// Of camera rays.
+    /// Returns true if the film records the first surfaces of camera rays.
     pub fn records_surfaces(&self) -> bool {
         self.channels.layers.as_ref().is_some_and(|layers| layers.has_surfaces())
     }
 
-    /// With meters.
+    /// Returns true if the film belongs to a measurement with meters.
     pub fn measures(&self) -> bool {
         self.measurement.is_some()
     }
@@ -124,14 +124,14 @@ impl Film {
         self.passes.iter().sum()
     }
 
-    /// With spectral bands, slices for diffraction, and layers.
+    /// Counts also spectral bands, slices for diffraction, and layers.
     pub fn memory_bytes(pixels: usize, bands: usize, slices: usize, layers: &LayerSet) -> usize {
         let channels = bands + 3 * slices + layers.planes();
         let names = layers.name_tables().count() * NameLayer::BYTES_PER_PIXEL;
         pixels.saturating_mul(size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names)
     }
 
-    /// The light of the pass must already be added.
+    /// Counts a pass. The light of the pass must already be added.
     pub fn count_pass(&mut self, pass: u64) {
         self.passes[replicate(pass)] += 1;
     }
@@ -158,7 +158,7 @@ impl Film {
         })
     }
 
-    /// A splat can contribute to any pixel.
+    /// Returns a sink for splats. A splat can contribute to any pixel of the film.
     pub fn splat_sink(&self) -> SplatSink {
         let layout = self.measurement.as_ref().map(|measurement| measurement.layout.clone());
         SplatSink::new(self.observer, self.channels.clone()).with_layout(layout)
@@ -212,7 +212,7 @@ impl Film {
         first.into_iter().chain(replicates).chain(self.channels.names()).collect()
     }
 
-    /// Pixel by pixel, for an index into [`Self::plane_names`].
+    /// Yields the sums pixel by pixel, for an index into [`Self::plane_names`].
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
         (0..self.pixel_count()).map(self.plane_sums(plane))
     }
@@ -248,7 +248,7 @@ impl Film {
         self.names.iter().map(|layer| layer.kind).collect()
     }
 
-    /// From the pixel `first`.
+    /// Adds the entries of a plane of names, pixel by pixel from the pixel `first`.
     pub fn add_names(&mut self, kind: NameKind, first: usize, entries: impl Iterator<Item = ExactSum>) {
         if let Some(layer) = self.names.iter_mut().find(|layer| layer.kind == kind) {
             layer.pixels.iter_mut().skip(first).zip(entries).for_each(|(names, entry)| names.add_sum(entry));
@@ -271,7 +271,7 @@ impl Film {
         }
     }
 
-    /// Means over the passes, with error bars.
+    /// Returns the picture so far: means over the passes, with error bars.
     pub fn picture(&self) -> Picture {
         self.picture_and_error().0
     }
@@ -282,7 +282,7 @@ impl Film {
         (Picture { layers: self.layers(), ..picture }, squares)
     }
 
-    /// `None` if the error is unknown.
+    /// Returns `None` if the error is unknown.
     pub fn error_squares(&self) -> Option<ErrorSquares> {
         match &self.measurement {
             Some(measurement) => measurement.layout.largest_error(&self.readings()),
@@ -350,7 +350,7 @@ impl Film {
         self.pixels.get(pixel).copied().unwrap_or_default()
     }
 
-    /// None for a picture.
+    /// Returns the readings of a measurement so far. Returns none if the film records a picture.
     pub fn readings(&self) -> Vec<Reading> {
         let Some(measurement) = &self.measurement else { return Vec::new() };
         let rows = measurement.layout.rows;
@@ -359,17 +359,18 @@ impl Film {
         (0..measurement.layout.readings.len()).map(of_reading).collect()
     }
 
-    /// Declares that the rows of a reading share no random numbers.
+    /// Declares that the rows of a reading share no random numbers. A film without meters ignores
+    /// it.
     pub fn assume_independent_rows(&mut self) {
         self.measurement.iter_mut().for_each(|measurement| measurement.independent_rows = true);
     }
 
-    /// Of the even and of the odd replicates.
+    /// Returns the number of passes of the even replicates and of the odd replicates.
     pub(super) fn passes_by_half(&self) -> [u64; 2] {
         passes_by_half(self.passes)
     }
 
-    /// And the number of their channels.
+    /// Returns the number of spectral bands, and the number of their channels.
     pub(super) fn bands(&self) -> (usize, usize) {
         (self.channels.bands, self.channels.band_channels())
     }

@@ -9,34 +9,34 @@ use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum, library};
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
-/// Of a film.
+/// The layers that a film records.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerSet {
-    /// Of first surfaces.
+    /// The quantities of first surfaces that the film records.
     pub surfaces: Vec<SurfaceLayer>,
-    /// In the order of their numbers, if the film records objects.
+    /// The names of the objects in the order of their numbers, if the film records objects.
     pub objects: Option<Vec<String>>,
-    /// In the order of their numbers, if the film records materials.
+    /// The names of the materials in the order of their numbers, if the film records materials.
     pub materials: Option<Vec<String>>,
     /// In the order of their numbers. Empty if the film does not separate path classes.
     pub paths: Vec<String>,
-    /// Empty if the film does not separate lights.
+    /// The names of the light groups. Empty if the film does not separate lights.
     pub light_groups: Vec<String>,
-    /// Empty if the film does not separate lights.
+    /// For each light, the number of its group. Empty if the film does not separate lights.
     pub group_of_light: Vec<u16>,
 }
 
-/// Of the first surfaces on camera rays.
+/// A quantity of the first surfaces on camera rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceLayer {
-    /// The light that the surface reflects or transmits.
+    /// The fraction of light that the surface reflects or transmits.
     Albedo,
     Normal,
     Depth,
     Uv,
-    /// Of the camera, also those that hit no surface.
+    /// The number of camera samples, also of those that hit no surface.
     Samples,
 }
 
@@ -44,16 +44,16 @@ pub enum SurfaceLayer {
 pub struct FirstSurface {
     /// The light that the surface reflects or transmits, at each of [`ALBEDO_NM`].
     pub albedo: [f64; ALBEDO_NM.len()],
-    /// In world space, on the visible side.
+    /// The unit normal in world space, on the visible side.
     pub normal: [f64; 3],
-    /// Along the ray in m.
+    /// The distance along the ray in m.
     pub depth_m: f64,
     pub uv: [f64; 2],
     pub object: usize,
     pub material: usize,
 }
 
-/// The wavelengths (nm) of an albedo.
+/// The wavelengths (nm) at which the albedo of a surface is evaluated.
 pub const ALBEDO_NM: [f64; 32] = {
     let mut nm = [0.0; 32];
     let mut i = 0;
@@ -92,7 +92,7 @@ impl LayerSet {
         *self == Self::default()
     }
 
-    /// Also true for the number of samples.
+    /// Returns true if the film records first surfaces or the number of samples.
     pub fn has_surfaces(&self) -> bool {
         !self.surfaces.is_empty() || self.objects.is_some() || self.materials.is_some()
     }
@@ -105,7 +105,7 @@ impl LayerSet {
         !(self.paths.is_empty() && self.light_groups.is_empty())
     }
 
-    /// For messages.
+    /// Returns the names of the layers, for messages.
     pub fn words(&self) -> String {
         let flags = [
             (self.has(SurfaceLayer::Albedo), "albedo"),
@@ -122,28 +122,28 @@ impl LayerSet {
         if words.is_empty() { "no layers".to_string() } else { format!("the layers {}", words.join(", ")) }
     }
 
-    /// The planes of sums in any case. Lists of names may need more.
+    /// Returns the planes of sums in any case. Lists of names may need more.
     pub fn planes(&self) -> usize {
         self.light_channels() + self.surface_channels().len()
     }
 
-    /// Of path classes and light groups.
+    /// Returns the number of channels for the light of path classes and light groups.
     pub(super) fn light_channels(&self) -> usize {
         COMPONENTS * (self.paths.len() + self.light_groups.len())
     }
 
-    /// If the film separates path classes.
+    /// Returns the first channel of a path class, if the film separates path classes.
     pub(super) fn channel_of_class(&self, class: usize) -> Option<usize> {
         (class < self.paths.len()).then_some(COMPONENTS * class)
     }
 
-    /// If the film separates lights.
+    /// Returns the first channel of a light's group, if the film separates lights.
     pub(super) fn channel_of_light(&self, light: usize) -> Option<usize> {
         let group = self.group_of_light.get(light)?;
         Some(COMPONENTS * (self.paths.len() + usize::from(*group)))
     }
 
-    /// The names of the sums over first surfaces, in the order of [`Self::add_surface`].
+    /// Returns the names of the sums over first surfaces, in the order of [`Self::add_surface`].
     pub(super) fn surface_channels(&self) -> Vec<&'static str> {
         if !self.has_surfaces() {
             return Vec::new();
@@ -178,14 +178,14 @@ impl LayerSet {
         }
     }
 
-    /// Objects, then materials.
+    /// Returns the tables of names, in a fixed order: objects, then materials.
     pub(super) fn name_tables(&self) -> impl Iterator<Item = (NameKind, &Vec<String>)> {
         let objects = self.objects.iter().map(|names| (NameKind::Object, names));
         objects.chain(self.materials.iter().map(|names| (NameKind::Material, names)))
     }
 }
 
-/// That a film counts.
+/// The kinds of names that a film counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
     Object,
@@ -193,7 +193,7 @@ pub enum NameKind {
 }
 
 impl NameKind {
-    /// Of Cryptomatte.
+    /// Returns the name of the Cryptomatte layer.
     pub fn layer_name(self) -> &'static str {
         match self {
             Self::Object => "CryptoObject",
@@ -201,7 +201,7 @@ impl NameKind {
         }
     }
 
-    /// With the entries at a place of the pixels' lists.
+    /// Returns the name of the plane with the entries at a place of the pixels' lists.
     pub fn plane_name(self, place: usize) -> String {
         match self {
             Self::Object => format!("object{place}"),
@@ -210,7 +210,7 @@ impl NameKind {
     }
 }
 
-/// Of one kind, by pixel.
+/// The names of one kind that camera samples hit, by pixel.
 #[derive(Debug)]
 pub(super) struct NameLayer {
     pub(super) kind: NameKind,
@@ -220,7 +220,7 @@ pub(super) struct NameLayer {
 }
 
 impl NameLayer {
-    /// The expected list of a pixel, usually with room for four entries.
+    /// The expected memory of one pixel: its list, which usually has room for four entries.
     pub(super) const BYTES_PER_PIXEL: usize = size_of::<NameCounts>() + 4 * size_of::<(u32, u32)>();
 
     pub(super) fn new(kind: NameKind, names: &[String], pixels: usize) -> Self {
@@ -228,7 +228,7 @@ impl NameLayer {
         Self { kind, names: names.to_vec(), hashes, pixels: vec![NameCounts::default(); pixels] }
     }
 
-    /// The most names in a pixel.
+    /// Returns the largest number of names in a pixel.
     pub(super) fn ranks(&self) -> usize {
         self.pixels.iter().map(NameCounts::len).max().unwrap_or(0)
     }
@@ -239,7 +239,7 @@ impl NameLayer {
     }
 }
 
-/// In a row of the film.
+/// The names of one kind in a row of the film.
 #[derive(Debug)]
 pub(super) struct NameRow<'f> {
     pub(super) kind: NameKind,
@@ -250,30 +250,30 @@ pub(super) struct NameRow<'f> {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PictureLayers {
     pub channels: Vec<LayerChannel>,
-    /// Of the Cryptomatte layers.
+    /// The names of the Cryptomatte layers.
     pub mattes: Vec<MatteNames>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerChannel {
     pub name: String,
-    /// Of each pixel.
+    /// The value of each pixel.
     pub values: Vec<f32>,
 }
 
-/// Of a Cryptomatte layer.
+/// The names of a Cryptomatte layer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MatteNames {
     pub layer: String,
-    /// With their hashes.
+    /// The names of the objects or materials, with their hashes.
     pub names: Vec<(String, u32)>,
 }
 
-/// The most names of a layer in a pixel.
+/// The largest number of names that a Cryptomatte layer shows in a pixel.
 const MOST_RANKS: usize = 16;
 
 impl PictureLayers {
-    /// Red, green and blue.
+    /// Adds the red, green and blue channel of a layer.
     pub(super) fn add_colours(&mut self, layer: &str, rgb: &[[f64; 3]]) {
         for (c, colour) in ["R", "G", "B"].into_iter().enumerate() {
             self.add(format!("{layer}.{colour}"), rgb.iter().map(|rgb| rgb[c] as f32));

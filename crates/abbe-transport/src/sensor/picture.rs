@@ -4,52 +4,52 @@ use super::channels::band_nm;
 use super::layers::PictureLayers;
 use abbe_spectra::math::elementary::hypot;
 
-/// XYZ of the observer, row by row from the top.
+/// The observer's XYZ of every pixel, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     pub width: usize,
     pub height: usize,
-    /// Y in cd/m².
+    /// X, Y and Z of each pixel. Y is in cd/m².
     pub xyz: Vec<[f64; 3]>,
-    /// The standard error of Y in cd/m².
+    /// The standard error of Y in cd/m², if it is known.
     pub noise: Vec<Option<f32>>,
-    /// Of Y in cd/m².
+    /// The magnitude of the estimated bias of Y in cd/m², if it is known.
     pub bias: Vec<Option<f32>>,
     /// Kernels blur an edge of the illumination, so the bias is probably larger than the estimate.
     pub edge: Vec<Option<bool>>,
-    /// If it was recorded.
+    /// Spectral radiance, if it was recorded.
     pub bands: Option<SpectralBands>,
-    /// If they were recorded.
+    /// The layers that were recorded on request.
     pub layers: PictureLayers,
 }
 
-/// In bands of equal width.
+/// Spectral radiance in bands of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralBands {
     pub centres_nm: Vec<f64>,
-    /// In W/m²/sr/nm, pixel by pixel and band by band.
+    /// Radiance in W/m²/sr/nm, pixel by pixel and band by band.
     pub values: Vec<f32>,
 }
 
 impl SpectralBands {
-    /// Of `count` bands.
+    /// Returns the centres of the bands in nm if the simulated range is divided into `count` bands.
     pub fn centres_nm(count: usize) -> Vec<f64> {
         let centre = |(from_nm, to_nm): (f64, f64)| 0.5 * (from_nm + to_nm);
         (0..count).map(|band| centre(band_nm(band, count))).collect()
     }
 }
 
-/// Over the pixels with known errors.
+/// Means of the error layers over the pixels with known errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorMeans {
-    /// Of Y in cd/m².
+    /// The mean standard error of Y in cd/m².
     pub noise: f64,
-    /// Of Y in cd/m².
+    /// The mean bias of Y in cd/m².
     pub bias: f64,
     /// The root of the mean of noise² + bias², divided by the mean of Y. `None` if the noise is
     /// unknown in all pixels, or if it is 0 and some pixels have no light.
     pub relative: Option<f64>,
-    /// With unknown noise.
+    /// The number of pixels with unknown noise.
     pub unknown_pixels: usize,
     /// At an edge of the illumination, where the bias is probably larger than estimated.
     pub edge_pixels: usize,
@@ -68,7 +68,7 @@ pub fn half_interval_95(noise: f64, bias: f64) -> f64 {
 }
 
 impl Picture {
-    /// All errors are unknown.
+    /// Returns a picture without light. All errors are unknown.
     pub fn black(width: usize, height: usize) -> Self {
         let count = width * height;
         Self {
@@ -106,7 +106,7 @@ impl Picture {
         enlarged
     }
 
-    /// In cd/m².
+    /// Returns the mean of Y (cd/m²) over all pixels.
     pub fn mean_y(&self) -> f64 {
         self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
     }
@@ -122,7 +122,7 @@ impl Picture {
         self.bars(pixel).map(|(noise, bias)| half_interval_95(hypot(noise, other_noise), bias))
     }
 
-    /// If both are known.
+    /// Returns the noise and the bias of a pixel if both are known.
     fn bars(&self, pixel: usize) -> Option<(f64, f64)> {
         self.noise[pixel].zip(self.bias[pixel]).map(|(noise, bias)| (f64::from(noise), f64::from(bias)))
     }
@@ -175,7 +175,7 @@ mod tests {
         assert!(enlarged.noise.iter().all(Option::is_none));
     }
 
-    /// 2.262 (97.5 %) and 1.833 (95 %).
+    /// The quantiles of Student's t with 9 degrees of freedom are 2.262 (97.5 %) and 1.833 (95 %).
     #[test]
     fn intervals_take_students_quantiles_of_nine_degrees() {
         assert!((half_interval_95(1.0, 0.0) - 2.262_157).abs() < 5e-4);
@@ -196,7 +196,7 @@ mod tests {
         assert_eq!(picture.error_means().relative, Some(0.0), "all pixels are known exactly");
     }
 
-    /// Unknown if one of them is unknown.
+    /// Checks that the error combines noise and bias, and is unknown if one of them is unknown.
     #[test]
     fn an_error_combines_noise_and_bias() {
         let mut picture = Picture::black(3, 1);

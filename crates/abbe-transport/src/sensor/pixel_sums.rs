@@ -3,7 +3,7 @@
 use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::math::sum::ExactSum;
 
-/// Over all passes, in 192 bytes. Each channel takes 16 more.
+/// The sums of one pixel over all passes. They take 192 bytes. Each channel takes 16 more bytes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct PixelSums {
     pub(super) x: ExactSum,
@@ -29,12 +29,12 @@ impl PixelSums {
     }
 }
 
-/// Of a pass.
+/// Returns the replicate to which a pass belongs.
 pub(super) fn replicate(pass: u64) -> usize {
     (pass % REPLICATES as u64) as usize
 }
 
-/// Of the even and of the odd replicates.
+/// Returns the number of passes of the even replicates and of the odd replicates.
 pub(super) fn passes_by_half(passes: [u64; REPLICATES]) -> [u64; 2] {
     [0, 1].map(|parity| passes.iter().skip(parity).step_by(2).sum())
 }

@@ -5,30 +5,30 @@ use super::film::Film;
 use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::spectrum::{LineSegment, Spectrum};
 
-/// The mean spectral radiance at a sensor.
+/// The mean spectral radiance at a sensor, in bands of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadingSpectrum {
-    /// Of all passes.
+    /// The mean of all passes.
     pub mean: ReadingBands,
-    /// Of the replicates with passes.
+    /// The means of the replicates. Only replicates with passes are listed.
     pub by_replicate: Vec<ReadingBands>,
 }
 
-/// Of equal width.
+/// Spectral radiance in bands of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadingBands {
-    /// In W/m²/sr/nm.
+    /// The spectral radiance of each band in W/m²/sr/nm.
     pub values: Vec<f64>,
     /// The spectral radiance times the mean distance of the light from the centre of the band, in
     /// W/m²/sr. Empty if the layout has no moments.
     moments: Vec<f64>,
 }
 
-/// Of [`ReadingBands::light`], as a fraction of the width of its band.
+/// The least width of a line of [`ReadingBands::light`], as a fraction of the width of its band.
 const NARROWEST_LINE: f64 = 0.01;
 
 impl Film {
-    /// `None` without bands or for a picture.
+    /// Returns `None` without bands or for a picture.
     pub fn reading_spectrum(&self, number: usize) -> Option<ReadingSpectrum> {
         let ((bands, channels), measurement) = (self.bands(), self.measurement.as_ref()?);
         if bands == 0 {
@@ -64,7 +64,7 @@ impl Film {
 }
 
 impl ReadingBands {
-    /// In `count` bands, a divisor of their number.
+    /// Returns `count` bands, a divisor of their number.
     #[must_use]
     pub fn merged(&self, count: usize) -> Self {
         let all = self.values.len();
@@ -95,7 +95,7 @@ impl ReadingBands {
 }
 
 impl ReadingSpectrum {
-    /// In `count` bands, a divisor of their number.
+    /// Returns `count` bands, a divisor of their number.
     #[must_use]
     pub fn merged(&self, count: usize) -> Self {
         Self {
@@ -104,7 +104,7 @@ impl ReadingSpectrum {
         }
     }
 
-    /// Of [`Self::noise_of`].
+    /// Returns the number of degrees of freedom of [`Self::noise_of`].
     pub fn degrees(&self) -> f64 {
         self.by_replicate.len().saturating_sub(1) as f64
     }

@@ -15,11 +15,11 @@ use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
 
-/// Of a film.
+/// The readings of a film.
 #[derive(Debug, Clone)]
 pub struct ReadingLayout {
     pub rows: usize,
-    /// In the order of their rows.
+    /// The owners of the readings, in the order of their rows.
     pub readings: Vec<ReadingOwner>,
     /// The bands of a spectrum have first moments, so that the wavelengths of lines are known.
     pub moments: bool,
@@ -28,46 +28,46 @@ pub struct ReadingLayout {
 #[derive(Debug, Clone, Copy)]
 pub struct ReadingOwner {
     pub meter: usize,
-    /// Whose function ȳ weights the wavelengths.
+    /// The observer whose function ȳ weights the wavelengths of the reading.
     pub observer: &'static Observer,
-    /// A stop rule for the error waits for the reading.
+    /// True if a stop rule for the error waits for the reading.
     pub decides_stop: bool,
 }
 
-/// In the film.
+/// The data of a measurement in the film.
 #[derive(Debug)]
 pub(super) struct Measurement {
     pub(super) layout: Arc<ReadingLayout>,
     /// For each row and each replicate, one sum for each band and, if the layout has moments, then
     /// one moment for each band.
     pub(super) by_replicate: Vec<f64>,
-    /// The rows of a reading share no random numbers.
+    /// True if the rows of a reading share no random numbers.
     pub(super) independent_rows: bool,
 }
 
 /// The mean radiance at a sensor over the directions of its response, weighted by an observer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
-    /// The weighted radiance times 683 lm/W: cd/m² for the observer of the luminance.
+    /// The weighted mean radiance times 683 lm/W: cd/m² for the observer of the luminance.
     pub value: f64,
-    /// The standard error.
+    /// The standard error of the value, if it is known.
     pub noise: Option<f64>,
-    /// The magnitude.
+    /// The magnitude of the estimated bias of the value, if it is known.
     pub bias: Option<f64>,
     /// The mean radiance, in W/m²/sr. Y is meaningless unless the observer is one of the
     /// colour-matching observers.
     pub xyz: [f64; 3],
-    /// Of the noise.
+    /// The number of degrees of freedom of the noise.
     pub degrees: f64,
 }
 
-/// Student's t (97.5 %) with 1 to 6 degrees of freedom.
+/// The 97.5 % quantiles of Student's t with 1 to 6 degrees of freedom.
 const TWO_SIDED: [f64; REPLICATES - 2] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447];
 
-/// Student's t (95 %) with 1 to 6 degrees of freedom.
+/// The 95 % quantiles of Student's t with 1 to 6 degrees of freedom.
 const ONE_SIDED: [f64; REPLICATES - 2] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.943];
 
-/// The 97.5 % and the 95 % quantile.
+/// The 97.5 % and the 95 % quantile of the normal distribution.
 const NORMAL: [f64; 2] = [1.959_964, 1.644_854];
 
 /// A reading is judged relative to its value, or to this fraction of the largest of its meter, if
@@ -75,8 +75,8 @@ const NORMAL: [f64; 2] = [1.959_964, 1.644_854];
 const LEAST_FRACTION: f64 = 0.1;
 
 impl ReadingLayout {
-    /// The channels of a film that need the memory of `bands` bands: sums over all passes, and of
-    /// each replicate in half the precision.
+    /// Returns the channels of a film that need the memory of `bands` bands: sums over all passes,
+    /// and of each replicate in half the precision.
     pub fn equivalent_channels(&self, bands: usize) -> usize {
         let channels = if self.moments { 2 * bands } else { bands };
         channels * (1 + REPLICATES / 2)
@@ -112,7 +112,7 @@ impl ReadingLayout {
 }
 
 impl Reading {
-    /// `None` if the noise is unknown.
+    /// Returns half the width of the 95 % interval of the value. `None` if the noise is unknown.
     pub fn half_interval_95(&self) -> Option<f64> {
         Some(half_interval_with_degrees(self.noise?, self.bias.unwrap_or(0.0), self.degrees))
     }
@@ -185,7 +185,7 @@ fn student(z: f64, degrees: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// For a standard error of 1 without bias.
+    /// The half-widths for a standard error of 1 without bias are the quantiles of Student's t.
     #[test]
     fn intervals_have_the_quantiles_of_student() {
         let known = [(1.0, 12.706), (6.0, 2.447), (7.0, 2.364_6), (10.0, 2.228_1), (21.0, 2.079_6), (224.0, 1.970_6)];

@@ -1,4 +1,4 @@
-//! Sinks of a film, for camera samples and for splats.
+//! The sinks of a film: they collect the light of camera samples and of splats.
 
 use super::channels::Channels;
 use super::layers::{FirstSurface, NameKind, NameRow};
@@ -8,7 +8,7 @@ use abbe_spectra::math::sum::ExactSum;
 use abbe_spectra::spectrum::Observer;
 use std::sync::Arc;
 
-/// Of one pixel in one pass.
+/// Collects the light of one pixel in one pass.
 #[derive(Debug)]
 pub struct PixelSink<'f> {
     observer: &'static Observer,
@@ -16,21 +16,21 @@ pub struct PixelSink<'f> {
     bias_y: f64,
     channels: &'f Channels,
     by_channel: &'f mut [f64],
-    /// The object and the material of each sample.
+    /// The objects and materials that the samples hit.
     hits: Vec<[usize; 2]>,
     rejected: u64,
 }
 
-/// The contributions of photons to pixels anywhere on the film.
+/// Collects splats: the contributions of photons to pixels anywhere on the film.
 #[derive(Debug)]
 pub struct SplatSink {
     observer: &'static Observer,
     channels: Channels,
     pub(super) splats: Vec<([f32; 3], u32)>,
     pub(super) channel_splats: Vec<(f32, u32, u32)>,
-    /// Of Y, with their pixels.
+    /// The biases of Y, and their pixels.
     pub(super) bias_splats: Vec<(f32, u32)>,
-    /// For a measurement.
+    /// The readings of the film, if it belongs to a measurement.
     layout: Option<Arc<ReadingLayout>>,
     pub(super) rejected: u64,
 }
@@ -42,7 +42,7 @@ pub struct FilmRow<'f> {
     pub(super) pixels: &'f mut [PixelSums],
     pub(super) channels: &'f Channels,
     pub(super) by_channel: &'f mut [ExactSum],
-    /// The bands, for a measurement.
+    /// The bands of each replicate, if the film belongs to a measurement.
     pub(super) by_replicate: &'f mut [f64],
     pub(super) names: Vec<NameRow<'f>>,
 }
@@ -173,7 +173,7 @@ impl<'f> PixelSink<'f> {
         !self.by_channel.is_empty() && self.channels.separates_lights()
     }
 
-    /// Adds the part of a light of the next [`Self::respond`] to its layer.
+    /// Adds a part of the next [`Self::respond`] to the layer of a light: the part of this light.
     pub fn respond_of_light(&mut self, light: usize, xyz: [f64; 3]) {
         self.respond_in_layers((None, Some(light)), xyz);
     }
@@ -184,7 +184,7 @@ impl<'f> PixelSink<'f> {
         self.channels.distribute_to_layers(origin, xyz, |channel, value| by_channel[channel] += value);
     }
 
-    /// `None` if the camera ray hits nothing.
+    /// Adds the first surface of a camera sample. `None` means that the camera ray hits nothing.
     pub fn add_surface(&mut self, surface: Option<&FirstSurface>) {
         let first = self.channels.first_surface_channel();
         if let Some(layers) = &self.channels.layers {
@@ -241,7 +241,7 @@ impl SplatSink {
         self.splats.push((xyz.map(|c| c as f32), pixel));
     }
 
-    /// The pixel, and X, Y and Z in W/m²/sr.
+    /// Returns the pixel of each splat, and X, Y and Z in W/m²/sr.
     pub fn splats(&self) -> impl Iterator<Item = (u32, [f32; 3])> {
         self.splats.iter().map(|&(xyz, pixel)| (pixel, xyz))
     }

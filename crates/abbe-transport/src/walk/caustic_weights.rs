@@ -26,7 +26,7 @@ pub struct RayDensity(u16);
 const DROPPED_BITS: u32 = 19;
 
 impl RayDensity {
-    /// Lights that no camera path can hit.
+    /// The density of lights that no camera path can hit.
     pub const NONE: Self = Self(0);
 
     pub fn new(per_m2_sr: f64) -> Self {
@@ -60,7 +60,7 @@ pub struct RayDensities {
 #[derive(Debug, Clone, Copy)]
 pub struct StratumDensity {
     pub light: usize,
-    /// The sphere through which the rays pass, or `None` for the stratum of all other rays.
+    /// The stratum contains the rays through this sphere. `None` for the stratum of all other rays.
     pub sphere: Option<BoundingSphere>,
     /// The fraction of the photon paths, divided by the power of the stratum, in 1/W.
     pub per_watt: f64,

@@ -24,7 +24,7 @@ const PATHS_PER_TRUNCATED_PATH: f64 = 8.0;
 /// The number of surface events after which a path ends.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DepthLimit {
-    /// The limit of the scene, or `None` if only the cap ends paths.
+    /// The limit that the scene sets, or `None` if only the cap ends paths.
     explicit: Option<u32>,
 }
 
@@ -40,7 +40,7 @@ impl DepthLimit {
         self.explicit.unwrap_or(MAX_EVENTS).min(MAX_EVENTS)
     }
 
-    /// Returns true if the scene has a limit below the cap.
+    /// Returns true if the scene sets a limit below the cap.
     #[inline]
     pub fn is_explicit(self) -> bool {
         self.events() < MAX_EVENTS

@@ -18,7 +18,7 @@ pub struct Ledger {
     /// Power that was added (positive) or removed (negative) by Russian roulette, by the choice of
     /// one wavelength and by importance sampling.
     pub sampling: f64,
-    /// Entry i is for material number i.
+    /// Power absorbed by surfaces. Entry i is for material number i.
     pub absorbed: Vec<f64>,
     /// Power absorbed by bodies of glass, liquid or fog.
     pub absorbed_inside: f64,

@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 /// A part of a ray inside one body, or in the air between bodies.
 #[derive(Debug, Clone, Copy)]
 pub struct MediumSegment<'a> {
-    /// The ray from the start of the segment.
+    /// The ray, with its origin at the start of the segment.
     pub ray: Ray,
     /// The length in m. It is infinite if the ray leaves the scene.
     pub length_m: f64,

@@ -66,7 +66,7 @@ pub fn next_interaction_through_media<'a>(
     }
 }
 
-/// A search for the next visible surface, which passes through hidden faces.
+/// The state of a search for the next visible surface. The search passes through hidden faces.
 struct InteractionSearch {
     ray_state: RayState,
     distance_m: f64,
@@ -83,7 +83,7 @@ impl InteractionSearch {
         let is_body = scene.body_of(hit.object).is_some();
         let dielectric_here = scene.dominant_dielectric(&medium_stack);
         let dielectric_there = if is_body { scene.dominant_dielectric(&there) } else { dielectric_here };
-        // A hidden face lies inside a body of higher priority, which dominates on both sides.
+        // A hidden face lies inside a body of higher priority. This body dominates on both sides.
         if is_body && dielectric_there == dielectric_here {
             let ray = Ray { origin: hit.position, ..ray };
             self.ray_state = RayState { ray, from: Some(hit.surface), medium_stack: there };

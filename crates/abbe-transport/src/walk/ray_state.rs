@@ -8,7 +8,7 @@ use abbe_scene::medium_stack::MediumStack;
 #[derive(Debug, Clone, Copy)]
 pub struct RayState {
     pub ray: Ray,
-    /// The ray cannot hit this surface again at distance 0.
+    /// The surface that the ray leaves. The ray cannot hit this surface again at distance 0.
     pub from: Option<SurfaceId>,
     pub medium_stack: MediumStack,
 }

@@ -182,7 +182,7 @@ fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> 
     lane.or_else(|| reflectance.iter().rposition(|&f| f < 1.0))
 }
 
-/// A BSDF sample in a frame.
+/// A BSDF sample with the frame in which it was drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct ConsistentBsdfSample {
     /// The shading frame, or the frame of the geometric normal.

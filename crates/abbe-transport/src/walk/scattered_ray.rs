@@ -12,7 +12,7 @@ pub struct ScatteredRay {
     pub direction: DVec3,
     /// The factor of the power or radiance of each wavelength, 0 if the path no longer carries it.
     pub weight: Lanes,
-    /// The fraction of the power of each wavelength that the surface absorbs.
+    /// For each wavelength, the fraction of the power that the surface absorbs.
     pub absorbed: Lanes,
     /// The lane of the only remaining wavelength, if the event was dispersive.
     pub kept: Option<usize>,

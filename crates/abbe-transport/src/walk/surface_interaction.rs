@@ -47,11 +47,11 @@ pub struct SurfaceInteraction<'a> {
     pub distance_m: f64,
     pub incoming: DVec3,
     pub material: usize,
-    /// The BSDF of the selected component and texels.
+    /// The BSDF at this point. The component of a mixed material and the texels are selected.
     pub bsdf: LocalBsdf<'a>,
     /// True if a property of the material varies over the surface.
     pub textured: bool,
-    /// See [`Hit::frame`].
+    /// The shading frame ([`Hit::frame`]).
     pub frame: Frame,
     /// The direction back along the path, in the shading frame.
     pub wo: DVec3,
@@ -190,7 +190,7 @@ fn with_grooves<'a>(
         }
     };
     let local = frame.to_local(across);
-    // Seen from outside, the angle runs from u towards −v, which points upwards in a picture.
+    // Seen from the outside, the angle runs from u towards −v, which points upwards in a picture.
     let outwards = if frame.to_local(along_u.cross(along_v)).z > 0.0 { -turn } else { turn };
     let groove_angle = (atan2(local.y, local.x) + outwards) as f32;
     LocalBsdf { texels: Texels { groove_angle, ..bsdf.texels }, ..bsdf }

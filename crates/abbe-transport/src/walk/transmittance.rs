@@ -18,14 +18,14 @@ use std::ops::ControlFlow;
 pub enum SegmentTransmittance<'a> {
     /// Beer's law in clear glass or liquid.
     Clear {
-        /// In 1/m.
+        /// The absorption coefficient in 1/m.
         absorption: &'a Spectrum,
         length_m: f64,
     },
     /// Beer's law from the column density of a medium.
     Column {
         medium: &'a Medium,
-        /// The integral of the relative density, in m.
+        /// The column density: the integral of the relative density, in m.
         column_m: f64,
         /// The error of ray marching in the column density (estimate minus exact), in m.
         excess_m: f64,
@@ -145,7 +145,7 @@ pub fn path_transmittance<'a>(
     collect_segments(scene, ray_state, length_m, seed, MediumSegment::path_transmittance)
 }
 
-/// Like [`path_transmittance`], with ratio tracking in all media.
+/// Does the same as [`path_transmittance`], but uses ratio tracking in all media.
 pub fn path_transmittance_tracked<'a>(
     scene: &'a Scene,
     ray_state: RayState,

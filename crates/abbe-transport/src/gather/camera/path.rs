@@ -15,12 +15,12 @@ use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
 #[derive(Debug, Default)]
 pub struct PathBuffers<'a> {
     pub(in crate::gather) factors: Vec<Factor<'a>>,
-    /// Of all media and bodies that attenuate the light in a light map, in 1/m.
+    /// The extinction coefficients of all media and bodies that attenuate the light in a light map.
     pub(in crate::gather) coefficients: Vec<Lanes>,
     /// True if the camera walk fills `visible_points` and `camera_segments`.
     pub(in crate::gather) records: bool,
     pub visible_points: Vec<VisiblePoint>,
-    /// The segments of the last sample in scattering media.
+    /// The path segments of the last sample that lie in scattering media.
     pub camera_segments: Vec<CameraSegment>,
 }
 
@@ -31,16 +31,16 @@ impl PathBuffers<'_> {
     }
 }
 
-/// A camera path that arrives at a glossy surface.
+/// The data of a camera path that arrives at a glossy surface.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct GlossyEvent {
     pub(in crate::gather) caustic: Option<CausticWeights>,
-    /// [`CameraPath::reference_nm`] before the event.
+    /// The wavelength (nm) of [`CameraPath::reference_nm`] before the event.
     pub(in crate::gather) reference_nm: f64,
 }
 
 impl GlossyEvent {
-    /// For specular surfaces.
+    /// The value for events at specular surfaces.
     pub(in crate::gather) const NONE: Self = Self { caustic: None, reference_nm: REFERENCE_NM };
 }
 
@@ -49,21 +49,21 @@ pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) ray_state: RayState,
     pub(in crate::gather) spectral_mode: SpectralMode,
     pub(in crate::gather) view: CameraView,
-    /// Decide the class of the path's light.
+    /// The events that decide the class of the path's light.
     pub(in crate::gather) events: CameraEvents,
     pub(in crate::gather) hit_weighting: HitWeighting,
-    /// At the reference wavelength, for Russian roulette.
+    /// The throughput at the reference wavelength. Russian roulette uses this value.
     pub(in crate::gather) reference_throughput: f64,
     /// The length of the path so far, in m.
     pub(in crate::gather) distance_m: f64,
     /// The number of surface events so far.
     pub(in crate::gather) depth: u32,
-    /// The error of ray marching in the path's optical depth.
+    /// The error that ray marching causes in the path's optical depth.
     pub(in crate::gather) excess_depth: f64,
 }
 
 impl CameraPath {
-    /// Creates a free path at the camera.
+    /// Creates a path at the camera. The path is free: its throughput is a function of wavelength.
     pub(in crate::gather) fn new(ray: Ray, medium_stack: MediumStack) -> Self {
         Self {
             ray_state: RayState { ray, from: None, medium_stack },

@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 pub(in crate::gather) struct SensorSample {
     pub(in crate::gather) point: SensorPoint,
     pub(in crate::gather) ray_state: RayState,
-    /// The density of the direction per steradian.
+    /// The density with which the direction was sampled, per steradian.
     pub(in crate::gather) pdf: f64,
     /// The density of the sensor's response, divided by `pdf`.
     pub(in crate::gather) weight: f64,
@@ -26,7 +26,7 @@ pub(in crate::gather) struct SensorSample {
 #[derive(Debug)]
 pub struct PixelSampler {
     point: [f64; DIMENSIONS],
-    /// The numbers beyond the dimensions of the low-discrepancy point.
+    /// Gives the random numbers for all dimensions beyond those of the low-discrepancy point.
     pub stream: Stream,
     /// The number in [0, 1) that selects the wavelengths, from a separate sequence so that they do
     /// not correlate with any other number.
@@ -34,12 +34,12 @@ pub struct PixelSampler {
 }
 
 impl PixelSampler {
-    /// For the only camera sample of `pixel` in `pass`.
+    /// Creates the sampler of the only camera sample of `pixel` in `pass`.
     pub fn new(streams: Streams, pass: u64, pixel: u64) -> Self {
         Self::nth(streams, pass, pixel, (0, 1))
     }
 
-    /// For the camera sample number `nth` of the `samples` of `pixel` in `pass`.
+    /// Creates the sampler of the camera sample number `nth` of the `samples` of `pixel` in `pass`.
     pub fn nth(streams: Streams, pass: u64, pixel: u64, (nth, samples): (u64, u64)) -> Self {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64 * samples + nth);
         let key = streams.pass(replicate).part(pixel);
@@ -55,12 +55,12 @@ impl PixelSampler {
         [self.point[0], self.point[1]]
     }
 
-    /// Returns the numbers that select a point of the aperture.
+    /// Returns the numbers in [0, 1)² that select a point of the aperture.
     fn lens(&self) -> [f64; 2] {
         [self.point[2], self.point[3]]
     }
 
-    /// Returns the numbers that select a light and a point of it.
+    /// Returns the numbers in [0, 1)³ that select a light and a point of the light.
     pub fn light(&self) -> [f64; 3] {
         [self.point[4], self.point[5], self.point[6]]
     }
@@ -127,7 +127,7 @@ impl PixelSampler {
     }
 }
 
-/// Returns the density per steradian with which paths from a sensor start in a direction.
+/// Returns the density with which paths from a sensor start in a direction, per steradian.
 pub fn sensor_pdf((position, response): (DVec3, Response), portals: &Portals, direction: DVec3) -> f64 {
     let pdf = response.pdf(direction);
     if portals.glazed.count() == 0 {

@@ -15,7 +15,7 @@ use abbe_spectra::spectrum::LANES;
 /// The walk follows both paths at a smooth interface if both have at least this weight.
 const LEAST_BRANCH_WEIGHT: f64 = 0.01;
 
-/// The surface events after which Russian roulette may end a camera path.
+/// The number of surface events after which Russian roulette may end a camera path.
 const CAMERA_DEPTH_BEFORE_ROULETTE: u32 = 8;
 
 impl<'a> CameraPass<'a> {
@@ -129,7 +129,7 @@ impl<'a> CameraPass<'a> {
         weight * reflectance.min(1.0 - reflectance) > LEAST_BRANCH_WEIGHT
     }
 
-    /// Follows the reflected path to its end.
+    /// Follows the path that is reflected at a smooth interface to its end.
     fn follow_reflection<S: Sink>(
         &self,
         mut path: CameraPath,
@@ -230,7 +230,7 @@ fn is_smooth_interface(interaction: &SurfaceInteraction<'_>) -> bool {
 enum SplitEvent {
     /// Holds the probability with which the caller selected this event.
     Refraction(f64),
-    /// At rough glass or a grating.
+    /// Each wavelength samples the BSDF of rough glass or of a grating.
     Glossy(GlossyEvent),
 }
 
@@ -265,7 +265,7 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathCon
 /// paths whose mirrors reflect only light of other wavelengths would end too often, and the
 /// surviving ones would become too bright.
 fn largest_throughput(factors: &[Factor<'_>]) -> f64 {
-    /// In nm, over the visible part of the band.
+    /// Wavelengths (nm) over the visible part of the band.
     const PROBES_NM: [f64; 6] = [420.0, 470.0, 520.0, 570.0, 620.0, 670.0];
     PROBES_NM.iter().map(|&nm| product(factors, nm)).fold(0.0, f64::max)
 }

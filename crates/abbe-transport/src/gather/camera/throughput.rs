@@ -9,7 +9,7 @@ use abbe_scene::medium_stack::MediumStack;
 use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 
-/// The factor by which one event changes the radiance.
+/// The factor by which one event changes the radiance of a camera path.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum Factor<'a> {
     /// Scattering at a surface.
@@ -18,10 +18,10 @@ pub(in crate::gather) enum Factor<'a> {
         wo: DVec3,
         sample: BsdfSample,
         sides: InterfaceIors<'a>,
-        /// The probability (or density) of the direction.
+        /// The probability (or density) of the selected direction.
         probability: f64,
     },
-    /// Glass, liquid or fog.
+    /// Transmittance of glass, liquid or fog.
     SegmentTransmittance(SegmentTransmittance<'a>),
     /// The same factor for all wavelengths.
     Grey(f64),
@@ -56,12 +56,12 @@ pub(in crate::gather) fn relative_n2(scene: &Scene, ray_state: &RayState, nm: f6
 pub(in crate::gather) enum SpectralMode {
     /// Without a fixed wavelength: the throughput is the product of the path's factors.
     Free,
-    /// With one of the pass's shared wavelengths.
+    /// The path carries one of the pass's shared wavelengths.
     Shared {
-        /// The index of the wavelength.
+        /// The number of the shared wavelength.
         lane: usize,
         nm: f64,
-        /// Divided by the density of the wavelength.
+        /// The throughput, divided by the probability density of the wavelength.
         throughput: f64,
     },
 }

@@ -9,22 +9,22 @@ use glam::DVec3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisiblePoint {
     pub position: DVec3,
-    /// The unit normal on the visible side.
+    /// The surface's unit normal on the visible side.
     pub facing: DVec3,
     pub object: u32,
     /// The side length (m) of the pixel's footprint on a straight path.
     pub footprint_m: f64,
-    /// The events before the point.
+    /// The events on the camera path before it reaches the point.
     pub view: CameraView,
     /// With a shared wavelength.
     pub shared: bool,
-    /// The path then ends here.
+    /// True if the surface is diffuse. The path then ends at the point.
     pub is_diffuse: bool,
     /// Free photons excite the surface, also if the path carries a shared wavelength.
     pub is_fluorescent: bool,
 }
 
-/// A segment in a scattering medium, along which a camera path gathered photons.
+/// A segment of a camera path in a scattering medium. The path gathered photons along this segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraSegment {
     pub ray: Ray,

@@ -1,4 +1,4 @@
-//! A point of a camera path on a surface, which gathers the photons around it.
+//! The gather point: a point of a camera path on a surface, and the photons around this point.
 
 use super::responses::SurfaceResponses;
 use crate::gather::camera::path::CameraPath;
@@ -36,24 +36,24 @@ pub(in crate::gather) struct GatherPoint<'e> {
     position: DVec3,
     normal: DVec3,
     facing: DVec3,
-    /// The largest distance (m) of photons from the tangent plane.
+    /// Photons count only up to this distance (m) from the tangent plane.
     height_m: f64,
     kernel: DiskKernel,
     spectral_mode: SpectralMode,
     factors: &'e [Factor<'e>],
-    /// `None` if caustic photons do not compete with camera paths.
+    /// The weights of caustic photons, if they compete with camera paths.
     weights: Option<CausticWeights>,
     reference_nm: f64,
     /// The relative bias of the path's throughput.
     bias: f64,
-    /// Photons on the other side contribute too.
+    /// True if photons on the other side of the surface contribute too.
     transmits: bool,
-    /// The shading normal differs from the geometric normal.
+    /// True if the shading normal differs from the geometric normal.
     interpolated: bool,
 }
 
 impl<'e> GatherPoint<'e> {
-    /// Takes the kernel radius in m.
+    /// Creates the gather point at the end of a path. `radius` is the kernel radius in m.
     #[inline(always)]
     pub(in crate::gather) fn new(
         interaction: &SurfaceInteraction<'e>,
@@ -139,7 +139,7 @@ impl<'e> GatherPoint<'e> {
         kernels.times(if own_cosine == 0.0 { 0.0 } else { (shading_cosine / own_cosine).abs() })
     }
 
-    /// Adds the emission that a nearby free photon excites.
+    /// Adds the emission that a nearby photon excites. The photon must be a free photon.
     #[inline(always)]
     pub(in crate::gather) fn add_excitation<S: Sink>(
         &self,
@@ -190,21 +190,21 @@ impl<'e> GatherPoint<'e> {
     }
 }
 
-/// The responses to all photons around a gather point.
+/// The sums of the responses to all photons around a gather point.
 #[derive(Debug, Default)]
 pub(in crate::gather) struct ResponseSums {
-    /// To the estimated radiance.
+    /// The response to the estimated radiance.
     pub(in crate::gather) estimate: SensorResponse,
-    /// To its bias.
+    /// The response to the bias of the estimate.
     pub(in crate::gather) bias: SensorResponse,
 }
 
-/// The wavelengths and powers of a photon, and the spectra that they refer to.
+/// The wavelengths and powers of a photon, with the spectra that the wavelengths refer to.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct PhotonLight<'p> {
     pub(in crate::gather) power: &'p PhotonPower,
     pub(in crate::gather) spectra: &'p PhotonSpectra,
-    /// From the light to the camera.
+    /// The class of the path from the light to the camera.
     pub(in crate::gather) class: PathClass,
 }
 

@@ -21,25 +21,25 @@ use wide::f32x4;
 /// fits in the first-level cache.
 const CELLS: usize = 256;
 
-/// The number of wavelengths of each lane whose mean is the response of a cell.
+/// The number of wavelengths of each lane over which the response of a cell is averaged.
 const SAMPLES_PER_CELL: usize = 4;
 
 /// The largest number of tables. Scenes that need more evaluate each wavelength of each photon.
 const MOST_TABLES: usize = 256;
 
-/// For a power of 1 in each lane. The fourth component is 0.
+/// The responses of the sensor to a power of 1 in each lane. The fourth component is 0.
 type Cell = [f32x4; LANES];
 
-/// A table for each uniform diffuse material and each spectrum of the lights.
+/// A table of responses for each uniform diffuse material and each spectrum of the lights.
 #[derive(Debug, Clone)]
 pub struct SensorResponses {
     cells: Vec<Cell>,
-    /// For each material.
+    /// For each material, the position of its first cell.
     first_cells: Vec<Option<usize>>,
     cells_per_material: usize,
 }
 
-/// At one diffuse surface.
+/// The responses at one diffuse surface.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct SurfaceResponses<'r>(&'r [Cell]);
 
@@ -91,7 +91,7 @@ impl SensorResponses {
 }
 
 impl SurfaceResponses<'_> {
-    /// For a photon that the surface reflects.
+    /// Returns the response of the sensor to a photon that the surface reflects.
     #[inline(always)]
     pub(in crate::gather) fn of_photon(self, photon: &PhotonPower) -> [f64; 3] {
         let cell = &self.0[photon.wavelength_code().cell(CELLS)];
@@ -102,7 +102,7 @@ impl SurfaceResponses<'_> {
     }
 }
 
-/// The wavelengths (nm) of a cell and their sensitivities, for each lane.
+/// The wavelengths (nm) of a cell and the sensitivities of the sensor, for each lane.
 struct CellSamples([[(f64, [f64; 3]); SAMPLES_PER_CELL]; LANES]);
 
 impl CellSamples {
@@ -128,18 +128,18 @@ impl CellSamples {
 }
 
 enum TabulatedSurface {
-    /// The reflectance.
+    /// A surface with this reflectance.
     Diffuse(Spectrum),
     Fluorescent {
         surface: Box<Fluorescent>,
-        /// For each emission, the response for an excitation of 1 W·nm/m².
+        /// For each emission, the response of the sensor for an excitation of 1 W·nm/m².
         emissions: Vec<[f64; 3]>,
     },
 }
 
 impl TabulatedSurface {
     fn fluorescent(surface: &Fluorescent, sensitivity: &impl Fn(f64) -> [f64; 3]) -> Self {
-        /// The samples per nm of the integral over the emission.
+        /// The number of samples per nm of the integral over the emission.
         const SAMPLES_PER_NM: f64 = 4.0;
         let mut emissions = vec![[0.0; 3]; surface.fluorophore.emissions().len()];
         for sample in 0..((BAND_NM.1 - BAND_NM.0) * SAMPLES_PER_NM) as usize {

@@ -25,11 +25,11 @@ fn photon_view(path: &CameraPath) -> CameraView {
     }
 }
 
-/// The photons that a camera path gathers at a surface.
+/// The photons that a camera path gathers at a surface, and their effect.
 #[derive(Clone, Copy)]
 struct Gathered<'l, 'a> {
     set: PhotonSet,
-    /// `None` if the surface scatters the photons.
+    /// The emission that the photons excite. `None` if the surface scatters the photons.
     luminescence: Option<&'l Luminescence<'a>>,
 }
 
@@ -72,7 +72,7 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// In m, at a surface point.
+    /// Returns the kernel radius (m) of a photon class at a surface point.
     #[inline(always)]
     fn kernel_radius<S: Sink>(
         &self,
@@ -106,7 +106,7 @@ impl<'a> CameraPass<'a> {
         Some(CausticWeights { photons_m2: self.photons_per_sample[set] * area_m2 })
     }
 
-    /// Returns true if camera paths gather this class from the photon map.
+    /// Returns true if the camera paths of the plan gather this class from the photon map.
     #[inline(always)]
     fn gathers(&self, class: PhotonClass, bsdf_class: BsdfClass, view: CameraView) -> bool {
         let planned = match class {
@@ -116,7 +116,8 @@ impl<'a> CameraPass<'a> {
         planned && estimator(class.light_path(), bsdf_class, view) == Estimator::PhotonMap
     }
 
-    /// Returns the surface extent within the kernel radius (m) around a surface point.
+    /// Returns the surface extent of the surface within the kernel radius (m) around a surface
+    /// point.
     #[inline(always)]
     fn outline_around(
         &self,
@@ -189,17 +190,17 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// The surface extent around a gather point.
+/// The surface extent of the surface around a gather point.
 enum KernelOutline<'o> {
     /// The kernel does not reach over an edge.
     Absent,
     Stored(&'o SurfaceExtent),
-    /// For this gather point.
+    /// Measured for this gather point.
     Measured(SurfaceExtent),
 }
 
 impl KernelOutline<'_> {
-    /// Returns the extent if it may limit the kernel.
+    /// Returns the surface extent if it may limit the kernel.
     #[inline(always)]
     fn limiting(&self) -> Option<&SurfaceExtent> {
         match self {
@@ -213,9 +214,9 @@ impl KernelOutline<'_> {
 struct PhotonsAround<'m> {
     map: &'m PhotonMap,
     centre: [f32; 3],
-    /// In m.
+    /// The kernel radius in m.
     radius: f32,
-    /// Photons beyond it are on another surface.
+    /// The edge of the surface. Photons beyond it are on another surface.
     surface_extent: Option<&'m SurfaceExtent>,
 }
 

@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::num::NonZeroU32;
 
-/// The number of directions in which an extent is stored.
+/// The number of directions in which an surface extent stores the extent of the surface.
 const DIRECTIONS: usize = 16;
 
 /// The height of the rays that search for the end of the surface, as a fraction of the search
@@ -37,18 +37,18 @@ const COPLANAR: f64 = 1e-3;
 pub struct SurfaceExtent {
     position: Vec3,
     facing: Vec3,
-    /// The first direction.
+    /// The direction in which the extent is measured first.
     right: Vec3,
-    /// The direction a quarter turn later.
+    /// The direction that is measured a quarter turn later.
     ahead: Vec3,
     /// The largest distance of the search, in m.
     search_m: f32,
-    /// In equally spaced directions, in units of `search_m` / 255.
+    /// The extent of the surface in equally spaced directions. The unit is `search_m` / 255.
     steps: [u8; DIRECTIONS],
 }
 
 impl SurfaceExtent {
-    /// Measures the surface around a visible point up to `search_m` (m).
+    /// Measures the surface around a visible point, up to the distance `search_m` (m).
     pub fn around(geometry: &Geometry, visible_point: &VisiblePoint, search_m: f64) -> Self {
         let (right, ahead) = visible_point.facing.any_orthonormal_pair();
         Self::new(visible_point, search_m, |i| {
@@ -79,7 +79,7 @@ impl SurfaceExtent {
         radius_m * (1.0 + 1e-6) / cos(TAU / 2.0 / DIRECTIONS as f64)
     }
 
-    /// Returns true if the surface ends within reach.
+    /// Returns true if the surface ends within the reach.
     pub fn is_limited(&self) -> bool {
         self.steps.iter().any(|&step| step < u8::MAX)
     }
@@ -127,7 +127,7 @@ impl SurfaceExtent {
     }
 }
 
-/// In the coordinates `right` and `ahead`.
+/// Returns one of the directions of an surface extent, in the coordinates `right` and `ahead`.
 fn direction(i: usize) -> DVec2 {
     unit_vector(i as f64 / DIRECTIONS as f64 * TAU)
 }
@@ -137,7 +137,7 @@ fn direction(i: usize) -> DVec2 {
 fn distance_to_polygon(corners: &[DVec2; DIRECTIONS], direction: DVec2) -> f64 {
     let left = corners.map(|corner| direction.perp_dot(corner));
     let sides = (0..DIRECTIONS).map(|i| (i, (i + 1) % DIRECTIONS));
-    // These sides are crossed from the right to the left.
+    // The line along the direction crosses these sides from the right to the left.
     let crossed = sides.filter(|&(start, end)| left[start] <= 0.0 && left[end] > 0.0);
     let distance = |(start, end): (usize, usize)| corners[start].perp_dot(corners[end]) / (left[end] - left[start]);
     crossed.map(distance).filter(|&distance| distance >= 0.0).reduce(f64::min).unwrap_or(0.0)
@@ -167,24 +167,25 @@ fn extent_along(geometry: &Geometry, visible_point: &VisiblePoint, direction: DV
     0.5 * (on + off)
 }
 
-/// The surface extent at a visible point.
+/// The surface extent of the surface at a visible point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PixelSurfaceExtent<'o> {
     /// The kernel does not reach over an edge.
     Absent,
-    /// Measured by the pilot.
+    /// The pilot has measured the surface extent.
     Stored(&'o SurfaceExtent),
-    /// Varies within the pixel, so each gather point measures its own.
+    /// The surface extent varies within the pixel, so each gather point measures its own.
     Varies,
 }
 
-/// An extent that the pilot measured, or why it did not.
+/// An surface extent that the pilot measured, or the reason why it did not.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SurfaceExtentSurvey {
     /// The kernel does not reach over an edge.
     Absent,
     Measured(SurfaceExtent),
-    /// The pixel is not small compared with its kernel, so the extent varies within it.
+    /// The pixel is not small, compared with its kernel, so the surface extent varies within the
+    /// pixel.
     Varies,
 }
 
@@ -197,7 +198,7 @@ pub struct SurfaceExtents {
     list: Vec<SurfaceExtent>,
 }
 
-/// The number of an extent that varies within its pixel.
+/// The number of an surface extent that varies within its pixel.
 const VARIES: NonZeroU32 = NonZeroU32::MAX;
 
 impl SurfaceExtents {

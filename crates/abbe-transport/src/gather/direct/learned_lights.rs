@@ -37,29 +37,29 @@ const MOST_EMITTERS: usize = 24;
 /// The light of one emitter at one point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightTrial {
-    /// In m.
+    /// The position of the point in m.
     pub position: DVec3,
-    /// On the side of the path.
+    /// The unit normal of the surface, on the side of the path.
     pub normal: DVec3,
     pub(super) emitter: u32,
     /// The light divided by the importance of the emitter, 0 if a surface hides it.
     pub(super) light_per_importance: f64,
 }
 
-/// Of one emitter in a part of the scene.
+/// The trials of one emitter in a part of the scene.
 #[derive(Debug, Clone, Copy)]
 struct EmitterTrials {
     emitter: u32,
     count: f64,
-    /// The trials that found light.
+    /// The number of trials that found light.
     lit: f64,
-    /// Of [`LightTrial::light_per_importance`].
+    /// The sum of the squares of [`LightTrial::light_per_importance`].
     squares: f64,
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct LearnedLights {
-    /// The root of a tree of cells for each direction of an axis.
+    /// For each direction of an axis, the root of a tree of cells in `nodes`.
     roots: [Option<u32>; 6],
     nodes: Vec<CellNode>,
     emitters: Vec<LearnedEmitter>,
@@ -70,7 +70,8 @@ pub(super) struct LearnedLights {
 enum CellNode {
     /// Positions below `middle_m` on the axis belong to the first child.
     Divided { axis: usize, middle_m: f64, second: u32 },
-    /// The emitters `emitters[from..to]`, and the fraction of the samples that follows them.
+    /// The emitters of the cell are `emitters[from..to]`. This fraction of the samples follows
+    /// them.
     Cell { from: u32, to: u32, fraction: f64 },
 }
 
@@ -81,13 +82,13 @@ struct LearnedEmitter {
     light_per_importance: f64,
 }
 
-/// The weights of a point for the emitters of its cell.
+/// The weights with which a point samples the emitters of its cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LearnedWeights<'a> {
     emitters: &'a [LearnedEmitter],
     weights: [f64; MOST_EMITTERS],
     sum: f64,
-    /// Of the samples that follow the weights.
+    /// The fraction of the samples that follow the weights.
     pub(super) fraction: f64,
 }
 
@@ -135,7 +136,7 @@ impl LearnedLights {
         self.divide(above, around, importance);
     }
 
-    /// Appends a cell, without emitters if no trial in its group found light.
+    /// Appends a cell. It has no emitters if no trial in its group found light.
     fn add_cell(
         &mut self,
         trials: &[LightTrial],

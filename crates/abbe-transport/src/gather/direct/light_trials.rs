@@ -23,7 +23,7 @@ impl DirectLighting<'_> {
             towards && self.line_to_light(ray, from, incident.target, incident.distance).is_some()
         });
         let light_per_importance = incident.map_or(0.0, |incident| {
-            // The tree's probability of a triangle replaces that of its mesh.
+            // The probability of a triangle changes the density of the samples of its mesh.
             let irradiance = incident.irradiance * incident.direction.dot(normal) / selected.probability;
             irradiance * light.importance_per_watt / importance
         });

@@ -25,21 +25,21 @@ pub struct DirectLighting<'a> {
     pub(super) selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
     pub(in crate::gather) portals: &'a Portals,
-    /// `None` if no photon competes with camera paths.
+    /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub(in crate::gather) ray_densities: Option<&'a RayDensities>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ShadowAttenuation {
-    /// Nothing absorbs or scatters between surfaces.
+    /// Nothing in the scene absorbs or scatters between surfaces.
     Absent,
-    /// By the transmittance estimator of each medium.
+    /// Each medium uses its own transmittance estimator.
     PerMedium,
     /// By ratio tracking in all media. Shadow rays may pass through thin panes.
     Tracked { panes: bool },
 }
 
-/// A shadow ray that reaches its light.
+/// The straight line of a shadow ray that reaches its light.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum ShadowLine {
     Clear,
@@ -47,7 +47,7 @@ pub(in crate::gather) enum ShadowLine {
     ThroughPanes(Option<SurfaceId>),
 }
 
-/// At a surface point.
+/// A surface point where direct light is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct LightSampleContext<'e, 'a> {
     pub(in crate::gather) interaction: &'e SurfaceInteraction<'a>,
@@ -56,17 +56,17 @@ pub(in crate::gather) struct LightSampleContext<'e, 'a> {
     pub(in crate::gather) nm: f64,
 }
 
-/// At a point in a medium.
+/// A point in a medium where direct light is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct VolumeLightSampleContext<'a> {
-    /// The path's ray from the point.
+    /// The path's ray. The origin of this ray is the point in the medium.
     pub(in crate::gather) ray_state: RayState,
     /// The density of the path's next direction. `None` if the estimator ignores lights that
     /// scattered rays hit; the shadow ray then has the weight 1.
     pub(in crate::gather) phase: Option<PhaseMixture<'a>>,
 }
 
-/// Direct light at a surface, without the attenuation by media.
+/// A sample of direct light at a surface. The sample does not include the attenuation by media.
 pub(in crate::gather) struct LightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The unit direction towards the light, in the interaction's frame.
@@ -75,33 +75,33 @@ pub(in crate::gather) struct LightSample<'a> {
     /// f. It includes the cosine, the density and the weight of multiple importance sampling.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
-    /// In world space, towards the light.
+    /// The unit direction towards the light, in world space.
     pub(in crate::gather) direction: DVec3,
     pub(in crate::gather) line: ShadowLine,
-    /// In m.
+    /// The distance to the light in m.
     pub(in crate::gather) distance_m: f64,
 }
 
-/// At a point in a medium.
+/// Direct light at a point in a medium.
 pub(in crate::gather) struct VolumeLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
-    /// The unit direction in which the light travels.
+    /// The unit direction in which the light travels, in world space.
     pub(in crate::gather) incoming: DVec3,
     /// The scattered radiance without attenuation is `strength` × S(λ) × σ_s(λ) × p(cos θ, λ), for
     /// the light's spectrum S, the scattering coefficient σ_s and the phase function p.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
-    /// Between the light and the point.
+    /// The transmittance between the light and the point.
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 
-/// At a sensor of a meter.
+/// Direct light at a sensor of a meter.
 pub(in crate::gather) struct SensorLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The mean radiance without attenuation is `strength` × S(λ), for the light's spectrum S.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
-    /// Between the light and the sensor.
+    /// The transmittance between the light and the sensor.
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 
@@ -115,7 +115,7 @@ pub(in crate::gather) struct EmitterHit<'a> {
 /// The weight of a light that a path happens to hit, by the path vertex before the light.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum HitWeighting {
-    /// 1, because no shadow ray could have sampled this light.
+    /// The weight is 1, because no shadow ray could have sampled this light.
     Full,
     /// By multiple importance sampling with shadow rays. The ray was sampled at `from` with the
     /// density `pdf` per steradian. `caustic` weights the light that the path hits after a specular
@@ -124,12 +124,12 @@ pub(in crate::gather) enum HitWeighting {
     /// By multiple importance sampling with photons. The path was sampled with `pdf` per steradian
     /// at a glossy surface, and then had only specular events.
     Caustic { pdf: f64, weights: CausticWeights },
-    /// 0, because another estimator counts the light.
+    /// The weight is 0, because another estimator counts the light.
     Ignored,
 }
 
 impl HitWeighting {
-    /// After a specular event, which a shadow ray does not follow.
+    /// Returns the weighting after a specular event. A shadow ray does not follow such events.
     pub(in crate::gather) fn after_specular_event(self) -> Self {
         match self {
             Self::Full | Self::Caustic { .. } | Self::Ignored => self,
@@ -144,7 +144,7 @@ impl<'a> DirectLighting<'a> {
         Self::attenuated(scene, selector, media_plan, ShadowAttenuation::PerMedium)
     }
 
-    /// For the reference path tracer: ratio tracking in all media, and shadow rays through thin
+    /// Serves the reference path tracer: ratio tracking in all media, and shadow rays through thin
     /// panes.
     pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
         let panes = scene.materials.iter().any(|material| material.surface.uniform_pane().is_some());
@@ -200,7 +200,7 @@ impl<'a> DirectLighting<'a> {
         true
     }
 
-    /// For a scene in which photons compete with camera paths.
+    /// Sets the densities of rays, if photons compete with camera paths.
     #[must_use]
     pub fn with_ray_densities(self, ray_densities: Option<&'a RayDensities>) -> Self {
         Self { ray_densities, ..self }
@@ -238,7 +238,7 @@ impl<'a> DirectLighting<'a> {
         self.path_transmittance(ray_state, line, length_m, u)
     }
 
-    /// Along a straight line of this length.
+    /// Returns the transmittance along a straight line of this length.
     fn path_transmittance(
         &self,
         ray_state: RayState,
@@ -411,7 +411,7 @@ impl<'a> DirectLighting<'a> {
         (radiance * weight > 0.0).then_some(EmitterHit { light, radiance: radiance * weight, spd })
     }
 
-    /// See [`Light::sample_li`].
+    /// Samples a direction from a point towards a light; see [`Light::sample_li`].
     #[inline(always)]
     pub(super) fn sample_li(&self, light: &Light, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         if self.portals.open.count() == 0 || !light.surrounds() {
@@ -438,7 +438,7 @@ impl<'a> DirectLighting<'a> {
         (pdf > 0.0).then_some(sample)
     }
 
-    /// Returns the density of [`Self::sample_li`] for a ray that leaves the scene.
+    /// Returns the density of [`Self::sample_li`] for the direction of a ray that leaves the scene.
     fn pdf_li_escaped(&self, light: &Light, from: DVec3, direction: DVec3) -> f64 {
         let pdf = light.pdf_li_escaped(direction);
         if self.portals.open.count() == 0 || !light.surrounds() {

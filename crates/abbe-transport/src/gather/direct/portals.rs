@@ -14,13 +14,13 @@ pub const PORTAL_FRACTION: f64 = 0.75;
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Portals {
-    /// Without glass, for shadow rays.
+    /// The portals without glass. Shadow rays pass through them.
     pub open: PortalSpheres,
-    /// With some glass, for the paths of meters only.
+    /// The portals of which at least some have glass. Only the paths of meters use them.
     pub glazed: PortalSpheres,
 }
 
-/// Rays are sent to all spheres with equal probability.
+/// The spheres around portals. Rays are sent to all of them with equal probability.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PortalSpheres(pub Vec<BoundingSphere>);
 
@@ -31,7 +31,7 @@ impl Portals {
         [self.open.0.as_slice(), &self.glazed.0].concat()
     }
 
-    /// For an estimator whose shadow rays pass through panes.
+    /// Returns the portals for an estimator whose shadow rays pass through panes.
     #[must_use]
     pub fn without_glass(&self) -> Self {
         Self { open: PortalSpheres(self.all()), glazed: PortalSpheres::default() }
@@ -44,7 +44,7 @@ impl PortalSpheres {
         self.0.len()
     }
 
-    /// Samples a direction through the portal that `choice` in [0, 1) selects.
+    /// Samples a direction from a point through an portal. `choice` in [0, 1) selects the portal.
     pub(in crate::gather) fn sample(&self, from: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
         let count = self.0.len();
         let number = ((choice * count as f64) as usize).min(count - 1);
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
     use abbe_spectra::math::sobol::Sobol;
 
-    /// The mean of 1/pdf over the samples is the solid angle of the portals.
+    /// The mean of 1/pdf over the samples is the solid angle that the portals cover.
     #[test]
     fn samples_have_their_pdf() {
         let sphere = |x: f64, radius_m: f64| BoundingSphere { centre: DVec3::new(x, 2.0, 0.0), radius_m };

@@ -15,7 +15,7 @@ use abbe_scene::geometry::Hit;
 use abbe_spectra::math::distribution::DiscreteDistribution;
 use std::ops::Range;
 
-/// With at most this number of lights, each point samples all of them.
+/// If a scene has at most this number of lights, each point samples all lights.
 const SAMPLE_ALL_LIGHTS: usize = 8;
 
 #[derive(Debug, Clone)]
@@ -23,12 +23,12 @@ pub struct LightSelector {
     light_count: usize,
     /// Those of each point. Empty if each point samples all lights, and no light has a tree.
     samples: Vec<Sampled>,
-    /// For each light. Empty if `samples` is empty.
+    /// For each light, how it is sampled. Empty if `samples` is empty.
     lights: Vec<SampledBy>,
     emitters: Emitters,
-    /// Selects a light outside the tree. `None` if there are none.
+    /// Selects one of the lights that are not in the tree. `None` if there are none.
     outside: Option<DiscreteDistribution>,
-    /// For the tree over all local lights.
+    /// The learned weights of the emitters in the tree over all local lights.
     learned: LearnedLights,
 }
 
@@ -47,9 +47,9 @@ enum Sampled {
 #[derive(Debug, Clone, Copy)]
 enum SampledBy {
     EveryPoint,
-    /// One of the lights outside the tree.
+    /// The light is one of the lights outside the tree.
     Outside,
-    /// In the tree with this root, from this first emitter.
+    /// The light is in the tree with this root. `emitter` is the first emitter of the light.
     Tree {
         root: usize,
         emitter: usize,
@@ -59,7 +59,7 @@ enum SampledBy {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct SelectedLight {
     pub(in crate::gather) number: usize,
-    /// Sample a point of the light.
+    /// The random numbers that sample a point of the light.
     pub(in crate::gather) u: [f64; 3],
     /// The factor on the density of the samples of the light: the probability of a whole light, or
     /// that of the tree divided by that of the sampling of the whole mesh for a triangle.
@@ -67,7 +67,7 @@ pub(in crate::gather) struct SelectedLight {
 }
 
 impl LightSelector {
-    /// For a posed scene. `powers` is the distribution of photons over the lights.
+    /// Serves a posed scene. `powers` is the distribution of photons over the lights.
     pub fn new(scene: &Scene, powers: &DiscreteDistribution) -> Self {
         let light_count = scene.lights.len();
         let selector = Self {
@@ -149,7 +149,7 @@ impl LightSelector {
         self.samples.is_empty()
     }
 
-    /// `u` holds the random numbers of all samples.
+    /// Selects the lights that a receiver samples. `u` holds the random numbers of all samples.
     #[inline]
     pub(in crate::gather) fn select<R: Receiver>(&self, receiver: R, u: [f64; 3]) -> LightSelection<'_, R> {
         let count = if self.samples_all() { self.light_count } else { self.samples.len() };
@@ -182,7 +182,7 @@ impl LightSelector {
         selected
     }
 
-    /// Returns `None` if the receiver gets no light from the tree.
+    /// Takes one sample. Returns `None` if the receiver gets no light from the tree.
     #[inline(never)]
     fn take(&self, sample: usize, receiver: &impl Receiver, mut u: [f64; 3]) -> Option<SelectedLight> {
         match self.samples[sample] {
@@ -215,13 +215,13 @@ impl LightSelector {
         Some((emitter, learned.mixed(emitter, in_tree)))
     }
 
-    /// Of [`Self::sample_emitter`].
+    /// Returns the probability with which a receiver samples an emitter of a tree.
     fn emitter_probability(&self, root: usize, emitter: usize, receiver: &impl Receiver) -> f64 {
         let in_tree = self.emitters.tree.probability(root, emitter, receiver);
         self.learned_weights(receiver).map_or(in_tree, |learned| learned.mixed(emitter, in_tree))
     }
 
-    /// Of the receiver's cell.
+    /// Returns the learned weights of the emitters in the cell of a receiver.
     fn learned_weights(&self, receiver: &impl Receiver) -> Option<LearnedWeights<'_>> {
         let importance = |emitter| receiver.importance(self.emitters.tree.cluster_of(emitter));
         self.learned.weights(receiver.surface()?, importance)
@@ -294,7 +294,7 @@ mod tests {
     use abbe_format::resolve::resolve;
     use glam::DVec3;
 
-    /// So many points, a sphere that emits, and two distant lights.
+    /// Returns a scene with so many points, a sphere that emits, and two distant lights.
     fn scene(points: usize) -> Scene {
         let point = |i| format!(r#"{{"point": {{"at": [{i}, 3, 3], "spectrum": "E", "power": 1}}}}"#);
         let lights: Vec<String> = (0..points).map(point).collect();

@@ -34,12 +34,12 @@ pub(super) fn sample(medium: &Medium, ray: &Ray, lit: &LitInterval, u: [f64; 2])
     (pdf > 0.0 && t.is_finite()).then_some(DistanceSample { t_m: t, pdf_per_m: pdf })
 }
 
-/// One of several stratified distances.
+/// One of several stratified distances along a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StratifiedDistance {
     /// In m.
     pub(super) t_m: f64,
-    /// From the ray's origin, in m.
+    /// The column density (m) between the ray's origin and this distance.
     pub(super) column_m: f64,
     /// The relative density ρ divided by the sampling density (1/m). For any f, the sum of
     /// `strength_m` × f over the distances estimates the integral of ρ f along the ray.
@@ -120,13 +120,13 @@ pub(super) fn for_each_stratified(
 
 struct Techniques<'a> {
     medium: &'a Medium,
-    /// Within the light's reach.
+    /// The part of the ray within the light's reach.
     ray: Ray,
-    /// From the origin of the whole ray, in m.
+    /// The distance (m) from the origin of the whole ray to the start of this part.
     start: f64,
-    /// In m.
+    /// The length of this part in m.
     length: f64,
-    /// In m.
+    /// The column density of this part in m.
     column: f64,
     /// The least and the largest extinction coefficient over the band, in 1/m.
     sigma: [f64; 2],
@@ -162,7 +162,7 @@ impl<'a> Techniques<'a> {
         }
     }
 
-    /// Returns the mean pdf (1/m) of the two transmittance techniques.
+    /// Returns the mean of the probability densities (1/m) of the two transmittance techniques.
     fn transmittance_pdf(&self, t: f64) -> f64 {
         let along = t - self.start;
         let density = self.medium.density_at(self.ray.at(along));
@@ -177,20 +177,20 @@ impl<'a> Techniques<'a> {
     }
 }
 
-/// Distances at equal angles as seen from a pivot (Kulla & Fajardo 2012).
+/// Equiangular sampling: distances at equal angles as seen from a pivot (Kulla & Fajardo 2012).
 struct Equiangular {
-    /// Along the ray to the point nearest to the pivot, in m.
+    /// The distance along the ray to the point nearest to the pivot, in m.
     nearest: f64,
-    /// From the pivot to that point, in m.
+    /// The distance from the pivot to the nearest point of the ray, in m.
     height: f64,
-    /// The first angle.
+    /// The angle at the start of the sampled range.
     from: f64,
-    /// The last angle.
+    /// The angle at the end of the sampled range.
     to: f64,
 }
 
 impl Equiangular {
-    /// For distances between `from` and `to` (m). `None` if the ray passes through the pivot.
+    /// Prepares distances between `from` and `to` (m). `None` if the ray passes through the pivot.
     fn new(ray: &Ray, pivot: glam::DVec3, from: f64, to: f64) -> Option<Self> {
         let nearest = (pivot - ray.origin).dot(ray.direction);
         let height = (ray.at(nearest) - pivot).length();

@@ -21,27 +21,27 @@ use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::exp;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 
-/// Into the camera along a segment, at each wavelength.
+/// The light scattered into the camera along a segment of a camera ray, at each wavelength.
 struct InScattering<'s, 'a> {
     scene: &'a Scene,
     map: &'s LightMap<'a>,
     medium: &'a Medium,
     wavelengths: Wavelengths,
-    /// σ_s of the medium, in 1/m.
+    /// The scattering coefficient σ_s of the medium, in 1/m.
     scattering: Lanes,
-    /// σ_t of the medium, in 1/m.
+    /// The extinction coefficient σ_t of the medium, in 1/m.
     extinction: Lanes,
-    /// Of the clear body around the medium, in 1/m.
+    /// The absorption coefficient of the clear body around the medium, in 1/m.
     absorption: Lanes,
-    /// Of all media and bodies that attenuate the light in the map, in 1/m.
+    /// The coefficients (1/m) of all media and bodies that attenuate the light in the map.
     coefficients: &'s [Lanes],
-    /// At each wavelength.
+    /// The estimate at each wavelength.
     sum: Lanes,
-    /// At each wavelength.
+    /// The estimated bias at each wavelength.
     bias: Lanes,
-    /// The lookup that casts a shadow ray even if its point is probably in shadow.
+    /// The number of the lookup that casts a shadow ray even if its point is probably in shadow.
     dark_lookup: usize,
-    /// So far.
+    /// The number of lookups so far.
     lookups: usize,
 }
 
@@ -116,7 +116,7 @@ impl InScattering<'_, '_> {
         if self.scene.geometry.occluded(&shadow_ray, None, incident.target, incident.distance) {
             return;
         }
-        // Both vectors point against the light, which does not change the cosine.
+        // Both vectors point against the direction of the light. This does not change the cosine.
         let cosine = incident.direction.dot(ray.direction);
         let phase = self.wavelengths.each(|nm| self.medium.phase.eval(cosine, nm));
         let [fine, coarse] = self.map.optical_depths(&lookup, incident.distance, self.coefficients);

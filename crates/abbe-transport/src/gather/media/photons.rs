@@ -20,17 +20,17 @@ use abbe_scene::medium::Medium;
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
 use glam::DVec3;
 
-/// The least path length of a kernel radius is at most this number of mean free paths.
+/// The least path length that determines a kernel radius is at most this number of mean free paths.
 const NEAR_FREE_PATHS: f64 = 0.5;
 
-/// The least path length of a kernel radius, as a fraction of the segment's length.
+/// The least path length that determines a kernel radius, as a fraction of the segment's length.
 const NEAR_FRACTION: f64 = 0.1;
 
-/// The photons that a segment gathers.
+/// The photons that a segment gathers, and their effects.
 #[derive(Clone, Copy)]
 struct VolumeGather<'l, 'a> {
     set: PhotonSet,
-    /// The medium scatters these photons into the path.
+    /// True if the medium scatters these photons into the path.
     scatters: bool,
     luminescence: Option<&'l Luminescence<'a>>,
 }
@@ -145,7 +145,7 @@ impl<'a> CameraPass<'a> {
             // The power of a point in a fluorescent medium includes what excites the dye.
             let per_coefficient = |nm| match &along_beam {
                 Some((along, density)) => transmittance(along, nm) * density,
-                // The stored wavelength may be rounded to one without events.
+                // Rounding of the stored wavelength may lead to a wavelength without events.
                 None => Some(medium.stored_coefficient(nm)).filter(|sigma| *sigma > 0.0).map_or(0.0, f64::recip),
             };
             let response = |nm| {

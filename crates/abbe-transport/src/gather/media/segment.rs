@@ -13,7 +13,7 @@ use abbe_spectra::math::random::Seed;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// The positions on a segment at which emission is evaluated.
+/// The number of positions on a segment at which emission is evaluated.
 const EMISSION_POSITIONS: u32 = 16;
 
 impl<'a> CameraPass<'a> {

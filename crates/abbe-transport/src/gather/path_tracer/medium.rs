@@ -112,13 +112,13 @@ impl<'a> PathTracer<'a> {
 
 #[derive(Debug, Clone, Copy)]
 pub(super) enum MediumEvent {
-    /// Of the light into the path.
+    /// The medium scatters the light into the path.
     Scattering,
     /// The dye emits into the path, which now carries wavelengths of the exciting light.
     Emission,
 }
 
-/// A dye, and the wavelengths that excite it.
+/// The dye of a medium, and the distribution of the wavelengths that excite it.
 #[derive(Clone, Copy)]
 struct ExcitableDye<'d> {
     dye: &'d Fluorophore,

@@ -27,10 +27,10 @@ use abbe_spectra::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use glam::DVec3;
 use std::ops::{ControlFlow, Range};
 
-/// The surface events after which Russian roulette may end a path.
+/// The number of surface events after which Russian roulette may end a path of the path tracer.
 const TRACER_DEPTH_BEFORE_ROULETTE: u32 = 3;
 
-/// Of Russian roulette.
+/// The least survival probability of Russian roulette.
 const LEAST_SURVIVAL: f64 = 0.05;
 
 #[derive(Debug)]
@@ -42,7 +42,7 @@ pub struct PathTracer<'a> {
     pub spectra: &'a PhotonSpectra,
     /// The wavelengths that excite each fluorophore in the light of all lights and fluorophores.
     pub excitation: &'a [Option<WavelengthDistribution>],
-    /// Paths need a medium stack if the scene contains bodies or media.
+    /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
     pub media_plan: MediumPlan,
 }
 
@@ -52,14 +52,14 @@ pub(super) struct TracedPath {
     /// The wavelengths (nm) at which the camera sees each lane. They differ from `wavelengths`
     /// behind a fluorescent surface.
     pub(super) observed: Lanes,
-    /// Divided by all sampling densities.
+    /// The throughput at each wavelength, divided by all sampling densities.
     pub(super) throughput: Lanes,
-    /// At the start of the path, for Russian roulette.
+    /// The throughput at the start of the path, for Russian roulette.
     initial_throughput: Lanes,
-    /// At the start of the path.
+    /// The number of wavelengths at the start of the path.
     initial_count: usize,
     pub(super) hit_weighting: HitWeighting,
-    /// Decide the class of the path's light.
+    /// The events that decide the class of the path's light.
     pub(super) events: CameraEvents,
 }
 
@@ -136,7 +136,7 @@ impl<'a> PathTracer<'a> {
             }
             self.add_emitters_hit(path, interaction.incoming, Some(interaction.hit), tally, sink);
             if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
-                // A path from a sensor has used these numbers there.
+                // A path from a sensor has used these numbers at the sensor.
                 let first = depth == 0 && path.events == CameraEvents::Specular;
                 let u = if first { sampler.light() } else { sampler.stream.triple() };
                 let fluorescent = interaction.bsdf.model.as_fluorescent();
@@ -216,7 +216,7 @@ impl<'a> PathTracer<'a> {
         })
     }
 
-    /// In nm, with the inverses of their densities.
+    /// Samples four stratified wavelengths (nm). Returns them, and the inverses of their densities.
     fn stratified_wavelengths(&self, sampler: &PixelSampler) -> (Lanes, Lanes) {
         let (mut nm, mut throughput) = ([0.0; LANES], [0.0; LANES]);
         for k in 0..LANES {
@@ -351,7 +351,7 @@ impl TracedPath {
         depth: u32,
         sampler: &mut PixelSampler,
     ) {
-        /// The limits of the probability of exciting light.
+        /// The limits of the probability that the path continues as exciting light.
         const EXCITATION: (f64, f64) = (0.1, 0.9);
         let active = || self.wavelengths.active().iter();
         let emits = active().any(|&nm| surface.fluorophore.emitted_power().at(nm) > 0.0);

@@ -22,10 +22,10 @@ pub struct PhotonBeam {
 /// parallel rays would make it infinite. The light that the limit removes counts as bias.
 const LEAST_SINE: f64 = 1e-3;
 
-/// The same limit in the estimate of the bias, which must stay finite.
+/// The lower limit of the sine in the estimate of the bias. The bias bars must stay finite.
 const LEAST_SINE_OF_BIAS: f64 = 1e-6;
 
-/// The number of pieces of the longest beam. All pieces have about the same length.
+/// The number of pieces of the longest beam. Pieces of all beams have about the same length.
 const MOST_PIECES: f64 = 48.0;
 
 impl PhotonBeam {
@@ -91,11 +91,11 @@ impl PhotonBeam {
     }
 }
 
-/// A part of a beam. Long beams are cut, so that the boxes of the pieces stay small.
+/// A part of a beam. Long beams are cut into pieces, so that the boxes of the pieces stay small.
 #[derive(Debug, Clone, Copy, Default)]
 struct BeamPiece {
     beam: u32,
-    /// From 0.
+    /// The number of this piece, counted from 0.
     number: u16,
     count: u16,
 }
@@ -129,7 +129,7 @@ fn pieces(beams: &[PhotonBeam]) -> Vec<BeamPiece> {
 /// The pieces in a leaf of the tree. Unused places have a negative length.
 #[derive(Debug, Clone, Copy)]
 struct PieceBlock {
-    /// In m: x of all pieces, then y, then z.
+    /// The coordinates of the starts, in m: x of all pieces, then y, then z.
     starts: [[f32; LEAF]; 3],
     directions: [[f32; LEAF]; 3],
     lengths: [f32; LEAF],

@@ -32,7 +32,7 @@ use std::ops::ControlFlow;
 #[derive(Debug, Default)]
 pub struct LightMaps<'a> {
     maps: Vec<LightMap<'a>>,
-    /// Along the longest side of each medium's box.
+    /// The number of cells along the longest side of each medium's box.
     cells: u32,
 }
 
@@ -44,14 +44,14 @@ pub struct LightMap<'a> {
     pub virtual_light: VirtualLight,
     /// Transforms scene coordinates to cells of the fine lattice.
     to_cells: DAffine3,
-    /// Along each axis; an even number.
+    /// The number of cells along each axis. It is an even number.
     cells: [usize; 3],
     attenuators: Vec<Attenuator<'a>>,
     /// The mean density along the line from the light to each node, or the column density (m) if
     /// the light is at infinity. The values of all attenuators at one node are adjacent, and x
     /// varies fastest.
     means: Vec<f32>,
-    /// For each node, whether it sees the light.
+    /// One value per node: true if the light is visible from the node.
     visible: Vec<bool>,
 }
 
@@ -63,7 +63,7 @@ enum Attenuator<'a> {
     Clear(&'a Spectrum),
 }
 
-/// The eight nodes around a position, with their weights.
+/// Trilinear interpolation: the eight nodes around a position, with their weights.
 #[derive(Debug, Clone, Copy)]
 struct TrilinearWeights {
     nodes: [usize; 8],
@@ -73,14 +73,14 @@ struct TrilinearWeights {
 #[derive(Debug, Clone, Copy)]
 pub struct LightMapLookup([TrilinearWeights; 2]);
 
-/// A light, and the position or direction that represents it.
+/// The number of a light in the scene, and the position or direction that represents the light.
 #[derive(Debug, Clone, Copy)]
 struct PickedLight {
     number: usize,
     virtual_light: VirtualLight,
 }
 
-/// A medium, and the transform from the unit cube to its box.
+/// The number of a medium, and the transform from the unit cube to the box of the medium.
 #[derive(Debug, Clone, Copy)]
 struct MediumBox {
     medium: usize,
@@ -174,7 +174,7 @@ impl<'a> LightMap<'a> {
         self.attenuators = (0..count).filter(kept).map(|index| self.attenuators[index]).collect();
     }
 
-    /// Positions outside the grid are clamped to it.
+    /// Looks up a position. Positions outside the grid are clamped to the grid.
     pub fn lookup(&self, position: DVec3) -> LightMapLookup {
         let in_cells = self.to_cells.transform_point3(position);
         LightMapLookup([1, 2].map(|step| self.trilinear_weights(in_cells, step)))
@@ -310,8 +310,8 @@ mod tests {
     use abbe_format::{self as format, resolve::resolve};
     use abbe_spectra::math::sobol::Sobol;
 
-    /// A ball of smoke that fades towards its surface, a light beside it, and a wall that covers
-    /// half of it.
+    /// Returns a ball of smoke that fades towards its surface, a light beside it, and a wall that
+    /// covers half of it.
     fn scene(light: &str) -> Scene {
         let text = format!(
             r#"{{

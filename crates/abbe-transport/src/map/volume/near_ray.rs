@@ -9,11 +9,11 @@ pub struct PhotonNearRay<'m> {
     pub power: &'m PhotonPower,
     pub incoming: DVec3,
     pub medium: usize,
-    /// The distance (m) along the ray to the closest approach.
+    /// The distance (m) along the ray to the point of closest approach.
     pub t: f64,
-    /// From the ray's closest approach to the photon, in m.
+    /// The vector from the point of closest approach on the ray to the photon, in m.
     pub offset: DVec3,
-    /// In m at the closest approach.
+    /// The kernel radius at the point of closest approach, in m.
     pub radius_m: f64,
     /// In 1/m². Those of a beam are divided by the sine of its angle to the ray.
     pub kernels: KernelValues,
@@ -24,6 +24,6 @@ pub struct PhotonNearRay<'m> {
 #[derive(Debug, Clone, Copy)]
 pub struct BeamPath {
     pub start: DVec3,
-    /// In m to the closest approach.
+    /// The distance from the start to the closest approach, in m.
     pub distance_m: f64,
 }

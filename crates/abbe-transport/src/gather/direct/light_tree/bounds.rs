@@ -11,9 +11,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct OrientationCone {
     pub(super) axis: DVec3,
-    /// In radians.
+    /// The bound θ_o of the angle between the axis and a normal, in radians.
     pub(super) theta_o: f64,
-    /// In radians.
+    /// The bound θ_e of the angle between a normal and the emitted light, in radians.
     pub(super) theta_e: f64,
 }
 
@@ -50,28 +50,28 @@ impl OrientationCone {
     }
 }
 
-/// In radians, accurate for small angles too.
+/// Returns the angle between two unit vectors in radians. It is accurate for small angles too.
 fn angle_between(a: DVec3, b: DVec3) -> f64 {
     atan2(a.cross(b).length(), a.dot(b))
 }
 
-/// Of an emitter or a cluster.
+/// The bounds of an emitter or of a cluster.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LightBounds {
-    /// The lowest corner of a box, in m.
+    /// The lowest corner of a box around the emitters, in m.
     pub(super) low: DVec3,
-    /// The highest corner, in m.
+    /// The highest corner of the box, in m.
     pub(super) high: DVec3,
     /// The sum of the largest radiant intensities Φ of the emitters, as a fraction of the power of
     /// all lights per steradian.
     pub(super) intensity: f64,
     pub(super) cone: OrientationCone,
-    /// The light does not grow below this distance in m.
+    /// The light does not grow further below this distance in m.
     pub(super) least_distance_m: f64,
 }
 
 impl LightBounds {
-    /// For one emitter. An area light nearer than its own size does not grow brighter.
+    /// Bounds one emitter. An area light nearer than its own size does not grow brighter.
     pub(super) fn new((low, high): (DVec3, DVec3), intensity: f64, cone: OrientationCone) -> Self {
         Self { low, high, intensity, cone, least_distance_m: 0.5 * low.distance(high) }
     }
@@ -105,11 +105,11 @@ pub(in crate::gather) trait Receiver {
     /// Returns a bound of the light from a cluster, 0 only if the place receives none.
     fn importance(&self, cluster: &Cluster) -> f64;
 
-    /// Returns the position and the normal of a place on one side of a surface.
+    /// Returns the position and the normal if the place is on one side of a surface.
     fn surface(&self) -> Option<(DVec3, DVec3)>;
 }
 
-/// In single precision, around the exact bounds.
+/// The bounds of a cluster in single precision. They contain the exact bounds.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct Cluster {
     low: [f32; 3],
@@ -122,7 +122,7 @@ pub(in crate::gather) struct Cluster {
     least_distance_m: f32,
 }
 
-/// The angle (rad) by which a cone is widened to contain the exact cone despite rounding.
+/// The angle (rad) by which a cone is widened, so that it contains the exact cone despite rounding.
 const CONE_MARGIN: f64 = 1e-3;
 
 impl Cluster {
@@ -194,14 +194,14 @@ fn minus_angle((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, 
 
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct ReceivingPoint {
-    /// In m, relative to the scene's centre.
+    /// The position, relative to the scene's centre, in m.
     pub(in crate::gather) position: DVec3,
     /// The normal of a surface that scatters only light from its side, or 0 for all directions.
     pub(in crate::gather) normal: DVec3,
 }
 
 impl ReceivingPoint {
-    /// An opaque surface scatters only light from the side of the path.
+    /// A point of a surface. An opaque surface scatters only light from the side of the path.
     #[inline]
     pub(in crate::gather) fn on_surface(interaction: &SurfaceInteraction<'_>) -> Self {
         let normal = interaction.frame.normal() * interaction.wo.z.signum();
@@ -214,7 +214,7 @@ impl ReceivingPoint {
         Self { position: point.position, normal: point.response.normal() }
     }
 
-    /// A medium scatters light from all directions.
+    /// A point in a medium, which scatters light from all directions.
     #[inline]
     pub(in crate::gather) fn in_medium(position: DVec3) -> Self {
         Self { position, normal: DVec3::ZERO }
@@ -248,7 +248,7 @@ impl Receiver for ReceivingPoint {
     }
 }
 
-/// From the height above the plane of the normal.
+/// Returns the cosine of the angle to a normal from a height above the plane of the normal.
 #[inline]
 fn cosine(height: f64, distance2: f64) -> f64 {
     if height <= 0.0 {
@@ -260,10 +260,10 @@ fn cosine(height: f64, distance2: f64) -> f64 {
     }
 }
 
-/// A segment of a ray through a medium, which scatters light along the whole segment.
+/// A segment of a ray through a medium. The medium scatters light along the whole segment.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct ReceivingSegment {
-    /// In m, relative to the scene's centre.
+    /// The start of the segment, relative to the scene's centre, in m.
     pub(in crate::gather) from: DVec3,
     pub(in crate::gather) to: DVec3,
 }

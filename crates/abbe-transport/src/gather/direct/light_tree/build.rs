@@ -6,14 +6,14 @@ use abbe_spectra::math::elementary::cbrt;
 use abbe_spectra::math::sort::sort_by_number;
 use glam::DVec3;
 
-/// The buckets along an axis at whose borders a cluster may be split.
+/// The number of buckets along an axis at whose borders a cluster may be split.
 const BUCKETS: usize = 12;
 
 /// Below this depth, clusters are split into halves of equal numbers, because the path to a leaf
 /// must fit into the 64 bits of a trail.
 const BALANCED_DEPTH: u32 = 30;
 
-/// The margin around boxes, as a fraction of the largest extent of the cluster.
+/// The margin around boxes, as a fraction of the largest extent of the cluster that is split.
 const MARGIN: f64 = 0.01;
 
 impl LightTree {

@@ -19,9 +19,9 @@ pub(in crate::gather::direct) struct TreeEmitter {
 
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather::direct) struct SelectedTriangle {
-    /// With which the sampling of the mesh selects the triangle.
+    /// A random number with which the sampling of the mesh selects the triangle.
     pub(in crate::gather::direct) selecting: f64,
-    /// With which the sampling of the mesh selects the triangle.
+    /// The probability with which the sampling of the mesh selects the triangle.
     pub(in crate::gather::direct) probability: f64,
 }
 
@@ -69,7 +69,7 @@ impl Emitters {
     }
 }
 
-/// `per_watt` converts the intensity to the unit of the tree.
+/// Returns the bounds of an emitter. `per_watt` converts the intensity to the unit of the tree.
 fn light_bounds(bounds: &IntensityBounds, per_watt: f64) -> LightBounds {
     let cone = OrientationCone { axis: bounds.axis, theta_o: bounds.normals_rad, theta_e: bounds.emission_rad };
     LightBounds::new((bounds.low, bounds.high), bounds.intensity * per_watt, cone)

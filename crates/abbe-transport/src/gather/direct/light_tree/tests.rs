@@ -7,7 +7,7 @@ use abbe_spectra::math::warp;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Points that shine within a cone around a normal.
+/// A test emitter: points that shine within a cone around a normal.
 struct TestEmitter {
     points: Vec<DVec3>,
     normal: DVec3,
@@ -32,7 +32,7 @@ fn random_direction(stream: &mut Stream) -> DVec3 {
     warp::sphere(stream.pair())
 }
 
-/// Some are in a row, some at the same place.
+/// Returns points, panels and spots. Some are in a row, some at the same place.
 fn random_emitters(count: usize, stream: &mut Stream) -> Vec<TestEmitter> {
     let emitter = |i: usize| {
         let at = match i % 5 {
@@ -104,7 +104,7 @@ fn samples_have_their_probabilities() {
     }
 }
 
-/// No bound excludes light here.
+/// If no bound excludes light, the probabilities alone sum to 1.
 #[test]
 fn probabilities_of_point_lights_sum_to_one() {
     let mut stream = stream();
@@ -163,7 +163,7 @@ fn importance_of_a_segment_is_the_integral_of_the_irradiance() {
     assert!((importance / expected - 1.0).abs() < 1e-5, "{importance} {expected}");
 }
 
-/// The distances of the lights double. All trails stay within 64 bits.
+/// Lights whose distances double lie in a very deep tree. All trails stay within 64 bits.
 #[test]
 fn deep_trees_have_valid_trails() {
     let at = |i: i32| DVec3::X * 2.0_f64.powi(i);

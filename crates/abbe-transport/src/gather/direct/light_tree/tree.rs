@@ -6,7 +6,7 @@ use abbe_spectra::math::random::ONE_MINUS_ULP;
 /// The bit of [`LightNode::link`] that marks a leaf.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// The first child of an inner node follows the node in the list.
+/// A node of the tree. The first child of an inner node follows the node in the list.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightNode {
     pub(super) cluster: Cluster,
@@ -22,7 +22,7 @@ pub(in crate::gather::direct) struct LightTree {
     /// The path from the root to each emitter, from the lowest bit. A bit is 1 for the second
     /// child.
     pub(super) trails: Vec<u64>,
-    /// The position of each emitter's leaf.
+    /// For each emitter, the position of its leaf in the list.
     pub(super) leaves: Vec<u32>,
 }
 
@@ -77,7 +77,7 @@ impl LightTree {
         &self.nodes[self.leaves[emitter] as usize].cluster
     }
 
-    /// Of [`Self::sample`] for this receiver.
+    /// Returns the probability with which [`Self::sample`] samples an emitter for this receiver.
     pub(in crate::gather::direct) fn probability(&self, root: usize, emitter: usize, receiver: &impl Receiver) -> f64 {
         let (mut index, mut probability, mut trail) = (root, 1.0, self.trails[emitter]);
         while self.nodes[index].link & LEAF == 0 {
