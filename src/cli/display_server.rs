@@ -63,7 +63,7 @@ impl fmt::Display for ServerAddress {
 }
 
 /// A connection to a display server. A thread sends the images, so a slow server does not delay the
-/// render. If a newer image with the same name arrives, the older one is not sent.
+/// render. A newer image replaces an older one with the same name.
 #[derive(Debug)]
 pub(crate) struct DisplayServer {
     address: ServerAddress,

@@ -37,15 +37,15 @@ impl OutputFiles {
         [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
     }
 
-    /// Checks that all files can be written, and removes the unfinished files that killed runs left
-    /// behind. Call this function before a long render.
+    /// Checks before a long render that all files can be written, and removes the unfinished files
+    /// of killed runs.
     pub(crate) fn check(&self) -> Result<()> {
         self.all().for_each(files::remove_temporary_files);
         self.all().try_for_each(files::check_writable)
     }
 
-    /// Writes the PNG of a finished picture again, with other settings. The header of the EXR file
-    /// then states these settings and the scene that contains them.
+    /// Writes the PNG of a finished picture with other settings, which the header of the EXR file
+    /// then states with the scene that contains them.
     pub(crate) fn develop_again(&self, of_scene: &Metadata, display: &DisplaySettings) -> Result<()> {
         let ExrFile { picture, metadata } = read(&self.exr)?;
         let explicit = [names::SCENE, names::DISPLAY].into_iter().filter_map(|name| Some((name, of_scene.get(name)?)));
@@ -66,14 +66,12 @@ impl OutputFiles {
         format!("{} and {}", self.exr.display(), self.png.display())
     }
 
-    /// Returns true if the pictures can be refreshed during a render. Pipes and devices receive
-    /// only the finished picture.
+    /// Returns false for pipes and devices, which receive only the finished picture.
     pub(crate) fn can_be_refreshed(&self) -> bool {
         [&self.exr, &self.png].into_iter().all(|path| !std::fs::metadata(path).is_ok_and(|found| !found.is_file()))
     }
 
-    /// Saves the EXR and the PNG file. `write_picture` writes the EXR file. Returns the exposure of
-    /// the PNG file in 1/(cd/m²).
+    /// Saves the EXR file by `write_picture`, and the PNG file. Returns its exposure in 1/(cd/m²).
     pub(crate) fn save_pictures(
         &self,
         write_picture: impl FnOnce(&Path) -> Result<()>,
@@ -86,8 +84,8 @@ impl OutputFiles {
         Ok(exposure)
     }
 
-    /// Saves a picture and its statistics. `write_picture` writes the EXR file. Returns the
-    /// exposure of the PNG file in 1/(cd/m²).
+    /// Saves a picture by `write_picture`, and its statistics. Returns the exposure of the PNG file
+    /// in 1/(cd/m²).
     pub(crate) fn save(
         &self,
         write_picture: impl FnOnce(&Path) -> Result<()>,

@@ -5,8 +5,8 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::{Observer, Spectrum};
 use serde::Serialize;
 
-/// Computes the colour of a light, or of a reflectance under a light. Errors name the spectrum.
-/// Returns an error if the light has no luminance for the observer.
+/// Computes the colour of a light, or of a reflectance under a light. Returns an error that names
+/// the spectrum if the light has no luminance for the observer.
 pub fn colour(name: &str, spectrum: &Spectrum, under: Option<&Spectrum>, observer: &Observer) -> Result<ColourReport> {
     let report = match under {
         Some(light) => ColourReport::of_reflectance(spectrum, light, observer),
@@ -24,8 +24,7 @@ pub struct NamedColour<'a> {
     pub observer: &'static str,
     /// The lamp that illuminates the reflectance, or `None` for a light.
     pub under: Option<&'a str>,
-    /// Tristimulus values. A light has Y = 100. The scale for a reflectance gives the perfect
-    /// diffuser Y = 100.
+    /// Tristimulus values, with Y = 100 for a light, or for the perfect diffuser under it.
     pub xyz: [f64; 3],
     /// Chromaticity.
     pub xy: [f64; 2],
@@ -56,8 +55,7 @@ pub struct NamedColour<'a> {
 }
 
 impl<'a> NamedColour<'a> {
-    /// Names the figures of a report. `under` is the name of the lamp that illuminates a
-    /// reflectance, or `None` for a light.
+    /// Names the figures of a report. `under` is the lamp that illuminates a reflectance.
     pub fn new(name: &'a str, report: &'a ColourReport, observer: &'static Observer, under: Option<&'a str>) -> Self {
         let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, .. } = report;
         let ColourReport { rendering, rendition, melanopic_ratio, efficacy_lm_per_w, .. } = report;

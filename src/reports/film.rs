@@ -61,8 +61,8 @@ pub struct FilmReport {
 }
 
 impl FilmReport {
-    /// Computes the powers at angles of incidence in degrees and at wavelengths in nm, and the
-    /// colours under a lamp.
+    /// Computes the powers at angles in degrees and wavelengths in nm, and the colours under a
+    /// lamp.
     pub fn of(system: &FilmSystem, degrees: &[f64], wavelengths: &[f64], lamp: &Spectrum) -> Self {
         Self { angles: degrees.iter().map(|&degrees| at_angle(system, degrees, wavelengths, lamp)).collect() }
     }
@@ -89,8 +89,8 @@ fn at_angle(system: &FilmSystem, degrees: f64, wavelengths: &[f64], lamp: &Spect
     FilmAngle { degrees, wavelength_nm: wavelengths.to_vec(), reflectance, transmittance, xy }
 }
 
-/// Returns the CIE 1931 chromaticity of a light times a factor. The continuum is summed over whole
-/// nanometres, and the factor of a line is that at its centre. Returns `None` if there is no light.
+/// Returns the CIE 1931 chromaticity of a light times a factor, or `None` without light. The
+/// continuum is summed over whole nanometres, and a line counts with the factor at its centre.
 fn chromaticity(light: &Spectrum, factor: impl Fn(f64) -> f64) -> Option<[f64; 2]> {
     let observer = Observer::cie1931();
     let mut sum = [0.0; 3];
@@ -103,8 +103,7 @@ fn chromaticity(light: &Spectrum, factor: impl Fn(f64) -> f64) -> Option<[f64; 2
     (sum.iter().sum::<f64>() > 0.0).then(|| xy(sum))
 }
 
-/// Plots the powers of unpolarised light. If the substrate transmits nothing, only the reflectance
-/// is plotted.
+/// Plots the powers of unpolarised light, only reflected if the substrate transmits nothing.
 pub fn plot(system: &FilmSystem, angles: &[f64]) -> SpectralPlot {
     let mut curves = Vec::new();
     for &degrees in angles {

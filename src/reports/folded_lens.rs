@@ -52,8 +52,8 @@ pub struct FoldedFieldReport {
 }
 
 impl<'a> FoldedLensReport<'a> {
-    /// Analyses a system. `half_field_deg` replaces the half field of the system. Returns an error
-    /// if the system has no focus, or if no light passes at one of the fields.
+    /// Analyses a system, with a half field that may replace its own. Returns an error if the
+    /// system has no focus, or if no light passes at one of the fields.
     pub fn of(system: &'a FoldedSystem, half_field_deg: Option<f64>) -> Result<Self> {
         let analysis = system.analysis(half_field_deg)?;
         let field = |field: &FoldedField| FoldedFieldReport {

@@ -44,8 +44,7 @@ pub struct SellmeierCoefficients {
     pub c: Vec<f64>,
 }
 
-/// The Cauchy formula n = a + b/λ² + c/λ⁴, with λ in µm. The coefficients were fitted to the index
-/// at the wavelengths in `range_nm`.
+/// The Cauchy formula n = a + b/λ² + c/λ⁴, with λ in µm, fitted to the index within `range_nm`.
 #[derive(Debug, Serialize)]
 pub struct CauchyCoefficients {
     /// Dimensionless.
@@ -97,8 +96,8 @@ impl<'a> GlassList<'a> {
     }
 }
 
-/// Returns the indices of refraction of a glass at wavelengths in nm. Returns an error if a
-/// wavelength outside the visible band is also outside the valid range of the data.
+/// Returns the indices of a glass at wavelengths in nm, or an error if one outside the visible band
+/// is also outside the valid range of the data.
 pub fn indices(glass: &Glass, nm: &[f64]) -> Result<Vec<f64>> {
     let (from, to) = glass.index.range_nm();
     let is_valid = |nm: f64| (BAND_NM.0..=BAND_NM.1).contains(&nm) || (from..=to).contains(&nm);

@@ -14,8 +14,8 @@ pub struct GratingSetup {
     pub lines_per_mm: f64,
     /// The angle of incidence, from -90 to 90.
     pub angle_deg: f64,
-    /// The angle between the plane of incidence and the plane across the grooves. It is 0 if there
-    /// is a slit or a stop.
+    /// The angle between the plane of incidence and the plane across the grooves, 0 with a slit or
+    /// a stop.
     pub azimuth_deg: f64,
     /// The fraction of the light that is reflected, from 0 to 1. The rest is transmitted.
     pub reflectance: f64,
@@ -45,7 +45,7 @@ pub struct OrderReport {
     /// Left out without a stop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resolving_power: Option<f64>,
-    /// The difference of the wavelengths whose images of the slit are side by side, in nm. Left out
+    /// The difference in nm of the wavelengths whose images of the slit are side by side. Left out
     /// without a slit, and for the order 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slit_nm: Option<f64>,
@@ -89,7 +89,7 @@ impl GratingReport {
 }
 
 impl GratingSetup {
-    /// Returns the resolving power. The stop is across the light of the order, so the order
+    /// Returns the resolving power. The stop is across the light of the order, which therefore
     /// illuminates it through a longer part of the grating.
     fn resolving_power(&self, order: &DiffractedOrder) -> Option<f64> {
         let grooves = self.stop_mm? * self.lines_per_mm / order.direction.z.abs();

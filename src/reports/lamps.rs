@@ -92,8 +92,8 @@ impl LampsCompared {
         ))
     }
 
-    /// The HTML page of the comparison of A and B, with spectra, colour swatches and all numbers.
-    /// Returns a machine error if an image cannot be encoded as PNG.
+    /// Returns the HTML page of the comparison of A and B, or a machine error if an image cannot be
+    /// encoded as PNG.
     #[cfg(feature = "pages")]
     pub fn html(&self) -> Result<String> {
         let Self { observer, lamps, comparison, fluorescent, third: _, mix } = self;
@@ -107,7 +107,6 @@ impl LampsCompared {
     }
 }
 
-/// Returns the XYZ of the light that a fluorescent surface returns, on the scale of the light.
 fn xyz_of_fluorescent(surface: &Fluorescent, light: &Spectrum, observer: &Observer) -> Xyz {
     let reflected = report::xyz_under(surface.reflectance(), light, observer);
     let fluorophore = &surface.fluorophore;
@@ -127,7 +126,6 @@ impl PrimaryMix {
         Ok(Self { primaries, found, difference })
     }
 
-    /// The mix as a lamp. The field `origin` of the lamp contains the weights of the primaries.
     fn lamp(&self, of: &NamedSpectrum) -> NamedSpectrum {
         NamedSpectrum {
             name: format!("its match from {}", self.names()),
@@ -136,13 +134,11 @@ impl PrimaryMix {
         }
     }
 
-    /// The weights of the primaries as text.
     pub fn weights_text(&self) -> String {
         let part = |(primary, weight): (&NamedSpectrum, &f64)| format!("{weight:.6} × {}", primary.name);
         self.primaries.iter().zip(&self.found.weights).map(part).collect::<Vec<String>>().join(" + ")
     }
 
-    /// The names of the primaries, joined as "a, b and c".
     fn names(&self) -> String {
         let names: Vec<&str> = self.primaries.iter().map(|primary| primary.name.as_str()).collect();
         match names.split_last() {
@@ -159,8 +155,7 @@ pub struct LampsReport<'a> {
     pub a: NamedColour<'a>,
     /// The lamp B, or the match of A.
     pub b: NamedColour<'a>,
-    /// The difference between the colours of the lamps. Both lamps have equal luminance, and the
-    /// observer is adapted to D65.
+    /// The colour difference of the lamps at equal luminance, with the observer adapted to D65.
     pub lights: LampDifference,
     /// The match of A, if primaries were given.
     pub r#match: Option<LampMatch<'a>>,
@@ -225,8 +220,7 @@ pub struct LampMatch<'a> {
     pub exact: bool,
 }
 
-/// The colours of a surface under A and under B. The white point for each colour is the lamp that
-/// illuminates the surface.
+/// The colours of a surface under A and under B, each with the lamp as the white point.
 #[derive(Debug, Serialize)]
 pub struct PatchColours<'a> {
     /// The name of the surface.

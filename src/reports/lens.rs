@@ -12,8 +12,7 @@ use abbe_session::output::drawing::{FocusInset, LensDrawing, RayStroke};
 use abbe_spectra::error::Result;
 use serde::Serialize;
 
-/// The analysis of a lens. [`LensAnalysis`] and [`abbe_optics::lens::Paraxial`] define the
-/// quantities.
+/// The analysis of a lens, as [`LensAnalysis`] and [`abbe_optics::lens::Paraxial`] define it.
 #[derive(Debug, Serialize)]
 pub struct LensReport<'a> {
     /// The name of the design.
@@ -131,8 +130,8 @@ pub struct LensListing<'a> {
 }
 
 impl LensList<'static> {
-    /// Lists the built-in lenses. Returns an error if a lens has no paraxial properties. This is a
-    /// bug of the catalogue.
+    /// Lists the built-in lenses. Returns an error if one has no paraxial properties, which would
+    /// be a bug of the catalogue.
     pub fn built_in() -> Result<Self> {
         let listed = |lens: &'static Lens| {
             let paraxial = lens.at(LINES[1].1).paraxial()?;
@@ -149,7 +148,7 @@ impl LensList<'static> {
 }
 
 /// Returns the built-in lens with this name, or the system in this file: a prescription in JSON, or
-/// a Zemax file (`.zmx`). The catalogues in the files `glasses` are searched first. Returns an
+/// a Zemax file (`.zmx`), whose glasses are searched in the catalogues `glasses` first. Returns an
 /// error if the name is unknown, or if a file cannot be read or is wrong.
 pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     let catalogues: Vec<AgfCatalogue> = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
@@ -159,7 +158,7 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     };
     let path = Path::new(name);
     // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if the
-    // file exists, or if it has the extension of a lens file.
+    // file exists or has the extension of a lens file.
     let is_lens_file =
         |ending: &std::ffi::OsStr| ["json", "zmx"].iter().any(|known| ending.eq_ignore_ascii_case(known));
     if path.exists() || path.extension().is_some_and(is_lens_file) {
@@ -169,8 +168,8 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
 }
 
 impl<'a> LensReport<'a> {
-    /// Reports an analysis, with the image quality at its fields. Returns an error if no light
-    /// passes at one of the fields.
+    /// Reports an analysis with the image quality, or an error if no light passes at one of the
+    /// fields.
     pub fn of(lens: &'a Lens, analysis: &LensAnalysis) -> Result<Self> {
         let quality = ImageQuality::of(lens, analysis)?;
         let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
@@ -223,8 +222,7 @@ impl<'a> LensReport<'a> {
     }
 }
 
-/// Draws the cross-section of a lens with rays of the F, d and C lines. Returns an error if no
-/// light passes.
+/// Draws the cross-section with rays of the F, d and C lines. Returns an error if no light passes.
 pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
     let LensSection { elements, stop, sensor, rays, foci } = section(lens, analysis)?;
     let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };

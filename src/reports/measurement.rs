@@ -13,10 +13,10 @@ use abbe_session::render::{
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::log10;
 
-/// Measures with the meters of a planned scene, on the number of threads that the scene states.
-/// Also returns true if the monitor stopped the measurement. Errors name the scene file `path`.
-/// `integrator` replaces the choice of the plan. Returns an error if the integrator cannot measure
-/// the scene, or if threads cannot be started.
+/// Measures with the meters of a planned scene, on the threads that it sets, with `integrator` or
+/// the one that suits the meters. Also returns true if the monitor stopped the measurement. Errors
+/// name the scene file `path`: the integrator cannot measure the scene, or threads cannot be
+/// started.
 pub fn measure(
     job: &Job,
     path: &Path,
@@ -48,12 +48,10 @@ pub fn table(report: &MeasurementReport) -> String {
     text
 }
 
-/// Returns the name of a meter, its quantity and its unit.
 fn title(meter: &MeterReport) -> String {
     format!("{}: {} ({})", meter.name, meter.quantity.replace('_', " "), meter.unit)
 }
 
-/// Returns the position of a reading.
 fn position(point: &PointReport) -> String {
     let short = |value: f64| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string();
     point.position.map(short).join(", ")
@@ -68,7 +66,6 @@ fn summary(meter: &MeterReport) -> Option<String> {
     })
 }
 
-/// Returns the columns of a reading.
 fn row(meter: &MeterReport, point: &PointReport) -> String {
     let Value::Number(value) = &point.value else {
         return spectrum_rows(meter, point);
@@ -150,7 +147,6 @@ pub fn csv(report: &MeasurementReport) -> String {
     text
 }
 
-/// Returns a text as a CSV cell.
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }
@@ -164,7 +160,6 @@ pub fn page(report: &MeasurementReport, scene: &Path) -> String {
     meters_page::page(&format!("Light in {name}"), &sections, &report.notes)
 }
 
-/// Returns the section of a meter on the page.
 #[cfg(feature = "pages")]
 fn section(meter: &MeterReport) -> MeterSection {
     let bands = meter.wavelength_nm.as_deref();

@@ -40,8 +40,8 @@ pub struct MetalList {
 }
 
 impl MetalReport {
-    /// Describes the metal with this symbol or English name, with its index at wavelengths in nm.
-    /// Returns an error if the name is unknown, or if a wavelength is outside the visible band.
+    /// Describes the metal with this symbol or English name, at wavelengths in nm. Returns an error
+    /// if the name is unknown, or if a wavelength is outside the visible band.
     pub fn of(name: &str, nm: &[f64]) -> Result<Self> {
         if let Some(nm) = nm.iter().find(|nm| !(BAND_NM.0..=BAND_NM.1).contains(*nm)) {
             let expected = format!("wavelengths from {} to {} nm", BAND_NM.0, BAND_NM.1);

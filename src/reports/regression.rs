@@ -1,5 +1,4 @@
-//! The regression set for code that converts spectra to colours: its export, and the colours of a
-//! converter.
+//! The regression set for code that converts spectra to colours, and the colours of a converter.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -130,8 +129,8 @@ fn lines(entry: &RegressionSpectrum) -> impl Iterator<Item = ExportedLine> {
         .map(move |line| ExportedLine { nm: rounded(line.centre()), power: line.power })
 }
 
-/// Writes the set to a folder, as JSON and as CSV files. Returns the number of cases. Returns an
-/// error if the folder or a file cannot be written.
+/// Writes the set to a folder, as JSON and CSV files. Returns the number of cases, or an error if
+/// the folder or a file cannot be written.
 pub fn write_set(folder: &Path) -> Result<usize> {
     std::fs::create_dir_all(folder)
         .map_err(|error| Error::machine(format!("cannot be created: {error}")).in_file(folder))?;
@@ -176,9 +175,8 @@ pub fn write_set(folder: &Path) -> Result<usize> {
     Ok(set.cases.len())
 }
 
-/// Reads the colours of a converter. A file whose name ends in `.json` is JSON, and any other file
-/// is CSV. Each colour has the name of its case. Returns an error if the file cannot be read, or if
-/// it has another form.
+/// Reads the named colours of a converter, as JSON if the file's name ends in `.json`, and as CSV
+/// otherwise. Returns an error if the file cannot be read, or has another form.
 pub fn read_colours(path: &Path) -> Result<Vec<(String, ConvertedColour)>> {
     let text = std::fs::read_to_string(path).map_err(|error| Error::input(format!("cannot be read: {error}")))?;
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
@@ -241,9 +239,8 @@ fn columns(count: usize) -> String {
     if count == 1 { "1 column".to_string() } else { format!("{count} columns") }
 }
 
-/// Reads the colours of a converter from JSON: a list of cases, or an object with this list.
-/// Returns an error if the text is not JSON, if it has another form, or if it belongs to another
-/// set.
+/// Reads the colours of a converter from a JSON list of cases, or an object with it. Returns an
+/// error if the text has another form or belongs to another set.
 pub fn colours_of_json(text: &str) -> Result<Vec<(String, ConvertedColour)>> {
     let document: Value = serde_json::from_str(text).map_err(|error| {
         let what = format!("is not JSON: {error}");

@@ -24,8 +24,8 @@ pub struct StudyFiles<'a> {
     pub reference: Option<&'a Path>,
 }
 
-/// Runs a study of a scene. The number of threads is `threads`, or the one of the scene. Returns an
-/// error if a file cannot be read or written, or if the scene cannot be rendered.
+/// Runs a study of a scene, on `threads` or those of the scene. Returns an error if a file cannot
+/// be read or written, or if the scene cannot be rendered.
 pub fn study(
     scene: &SceneFile,
     source: &JsonSource,

@@ -20,8 +20,7 @@ pub struct ConvergencePoint {
     pub error: PictureError,
 }
 
-/// Measures the error of a render after 1, 2, 4, 8 … passes, and after the number of passes in the
-/// scene's settings.
+/// Measures the error after 1, 2, 4, 8 … passes, and after those in the scene's settings.
 pub(super) struct ConvergenceMonitor<'a> {
     monitor: &'a mut (dyn StudyMonitor + Send),
     reference: Option<&'a ReferencePicture>,
@@ -45,8 +44,7 @@ impl<'a> ConvergenceMonitor<'a> {
         Self { monitor, reference, passes_wanted, next_passes: 1, seconds, measuring, points }
     }
 
-    /// Records the error of a picture. If an error was already recorded for this number of passes,
-    /// nothing changes.
+    /// Records the error of a picture, unless one is known for this number of passes.
     pub(super) fn measure(&mut self, passes: u64, picture: &Picture) {
         let Some(reference) = self.reference else { return };
         if self.points.last().is_none_or(|last| last.passes < passes) {

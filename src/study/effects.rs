@@ -39,8 +39,8 @@ pub enum AblationResult {
     Measured {
         /// Time and memory without the effect.
         cost: RenderCost,
-        /// The relative mean square difference between two pictures, one without the effect and one
-        /// with it. Both have the same number of passes and the same seeds.
+        /// The relative mean square difference between the pictures without and with the effect,
+        /// with the same passes and seeds.
         relative_mse: f64,
         /// The colour difference between the pictures with and without the effect.
         delta_e_2000: DeltaE,
@@ -61,8 +61,7 @@ pub struct RenderCost {
     pub seconds: f64,
     /// Seconds per pass.
     pub seconds_per_pass: f64,
-    /// The memory of film, scene and photons, in bytes. The photons' memory is computed from their
-    /// number.
+    /// The memory of film, scene and photons (by their number), in bytes.
     pub memory_bytes: u64,
 }
 
@@ -89,8 +88,8 @@ pub struct EffectStudy {
     /// The error of the picture with all effects.
     #[serde(rename = "wrong")]
     pub error: MeanEstimate,
-    /// The relative mean square difference caused by noise alone. The difference is measured
-    /// between two pictures that have all effects but different seeds.
+    /// The relative mean square difference caused by noise alone, between two pictures with all
+    /// effects but different seeds.
     pub noise_relative_mse: f64,
     /// The colour difference caused by noise alone.
     pub noise_delta_e_2000: DeltaE,
@@ -103,8 +102,7 @@ pub struct EffectStudy {
     pub picture: Picture,
 }
 
-/// The seed offset of the second render with all effects. The difference between both renders
-/// measures the noise.
+/// The seed offset of the second render with all effects, which measures the noise.
 const OTHER_SEED: u64 = 301;
 
 /// Returns the largest number of renders that the measurements need.
@@ -125,8 +123,8 @@ impl RenderCost {
 }
 
 impl EffectStudy {
-    /// Renders the scene with all effects, and once more with another seed. Then renders the scene
-    /// once for each active effect. Each of these renders omits only this effect.
+    /// Renders the scene with all effects, once more with another seed, and then once without each
+    /// active effect.
     pub(super) fn of(
         runner: &mut Runner<'_>,
         scene_file: &SceneFile,
@@ -179,7 +177,6 @@ fn final_error(step: &FinishedStep) -> MeanEstimate {
     step.result.points.last().map_or(none, |point| point.error.whole)
 }
 
-/// Renders the picture without an effect, with as many passes as the picture with all effects.
 fn without(
     runner: &mut Runner<'_>,
     scene_file: &SceneFile,
@@ -209,8 +206,7 @@ fn without(
     Ok((measured, Some(finished.picture)))
 }
 
-/// Returns changes of the scene that switch an effect off. With these changes, the scene forbids
-/// the effect or no longer forces it.
+/// Returns changes of the scene that forbid an effect, or no longer force it.
 fn changes_without(scene_file: &SceneFile, row: &EffectRow) -> Vec<String> {
     let name = row.effect.name;
     let list = |names: Vec<&str>| {

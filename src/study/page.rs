@@ -29,7 +29,7 @@ pub(super) struct StudyPictures<'a> {
     development: Development,
     exposure: f64,
     /// The pictures for comparison and their names: the reference, photon mapping, the path tracer,
-    /// and then one picture without each effect.
+    /// and then one without each effect.
     full: Vec<(String, &'a Picture)>,
     /// The picture with all effects.
     whole: &'a Picture,
@@ -392,8 +392,7 @@ fn method(report: &StudyReport) -> Markup {
     }
 }
 
-/// Makes a picture smaller by averaging square blocks of pixels. The result is at most
-/// [`THUMBNAIL`] pixels wide.
+/// Averages square blocks of pixels, to a picture at most [`THUMBNAIL`] pixels wide.
 fn shrunk(picture: &Picture) -> Picture {
     let step = picture.width.div_ceil(THUMBNAIL);
     let (width, height) = ((picture.width / step).max(1), (picture.height / step).max(1));

@@ -26,7 +26,7 @@ pub struct Recommendation {
     pub seconds: f64,
     /// The seconds at the scene's own film size. They are extrapolated from the number of pixels.
     pub seconds_own_film: f64,
-    /// True if no measured render reached the error. If so, the numbers are extrapolated with the
+    /// True if no measured render reached the error, so that the numbers are extrapolated with the
     /// expected slope.
     pub extrapolated: bool,
 }
@@ -34,8 +34,8 @@ pub struct Recommendation {
 /// The relative mean square errors of the table.
 pub const ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
 
-/// The limit of extrapolation. A predicted number of passes is at most this factor times the number
-/// of passes at the last measured point.
+/// The limit of extrapolation: a predicted number of passes, divided by that of the last measured
+/// point.
 const MAX_EXTRAPOLATION: f64 = 1000.0;
 
 /// Settings with their measured errors.
@@ -43,13 +43,12 @@ struct TriedSettings<'a> {
     settings: RenderSettings,
     points: Vec<&'a ConvergencePoint>,
     render_time: RenderTime,
-    /// The expected slope of the error beyond the measurements, or `None` if the error hardly
-    /// falls.
+    /// Of the error beyond the measurements, or `None` if the error hardly falls.
     slope: Option<f64>,
 }
 
-/// Returns the theoretical slope. If the errors of the last points fall more slowly, returns the
-/// slope of these points. If these errors hardly fall at all, returns `None`.
+/// Returns the theoretical slope, or that of the last points if their errors fall more slowly, or
+/// `None` if they hardly fall.
 fn slope_at_the_end(points: &[&ConvergencePoint], curve: &ConvergenceCurve) -> Option<f64> {
     const LAST_POINTS: usize = 4;
     const SHALLOWEST: f64 = -0.3;
@@ -107,8 +106,8 @@ impl TriedSettings<'_> {
         self.render_time.seconds(passes, 1.0)
     }
 
-    /// Returns the number of passes after which the render first reached the error. The number is
-    /// interpolated logarithmically between two points.
+    /// Returns after how many passes the render first reached the error, interpolated
+    /// logarithmically.
     fn passes_to(&self, error: f64) -> Option<f64> {
         let value = |i: usize| self.points[i].error.whole.value;
         let passes = |i: usize| self.points[i].passes as f64;
@@ -120,8 +119,7 @@ impl TriedSettings<'_> {
         Some(exp(ln(passes(i - 1)) + fraction * ln(passes(i) / passes(i - 1))))
     }
 
-    /// Returns the number of passes needed for this error if the error falls with the expected
-    /// slope.
+    /// Returns after how many passes the error is reached with the expected slope.
     fn passes_beyond(&self, error: f64) -> Option<f64> {
         let last = self.points.last()?;
         let more = powf(error / last.error.whole.value, 1.0 / self.slope?);

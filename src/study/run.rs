@@ -26,8 +26,7 @@ pub struct StudyOptions {
     pub folder: PathBuf,
     /// The approximate limit on the time of the study.
     pub budget: Duration,
-    /// An existing reference picture, and its name. If this is `None`, the study renders a
-    /// reference.
+    /// An existing reference picture, and its name, or `None` to render one.
     pub reference: Option<(String, Picture)>,
 }
 
@@ -44,8 +43,8 @@ pub enum StudyOutcome {
 pub const PAGE: &str = "study.html";
 
 /// Studies a scene on the current thread pool, and writes the results. Returns an error if the
-/// scene is invalid, if the given reference and the scene's film have different aspect ratios, or
-/// if the folder cannot be written.
+/// scene is invalid, if the given reference has another aspect ratio than the scene's film, or if
+/// the folder cannot be written.
 pub fn run(
     study_scene: &StudyScene,
     options: &StudyOptions,

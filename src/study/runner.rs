@@ -25,8 +25,7 @@ pub(super) struct RenderStep {
 }
 
 impl RenderStep {
-    /// Creates a render by photon mapping with the scene's own settings. The render takes about
-    /// `seconds`.
+    /// Creates a render of about `seconds` by photon mapping with the scene's own settings.
     pub(super) fn new(name: &str, label: &str, seconds: f64) -> Self {
         let stop = StopRules { time: Some(Duration::from_secs_f64(seconds)), ..StopRules::default() };
         let request = Request { integrator: Integrator::Photon, stop };
@@ -64,8 +63,7 @@ pub(super) struct Runner<'a> {
     pub(super) study_scene: &'a StudyScene,
     pub(super) step_cache: StepCache,
     pub(super) monitor: &'a mut (dyn StudyMonitor + Send),
-    /// The changes of the scene that set the film size. All renders after the choice of the film
-    /// size have these changes.
+    /// The changes of the scene that set the film size, once it is chosen.
     pub(super) film_changes: Vec<String>,
     pub(super) steps_done: usize,
     pub(super) steps_total: usize,
@@ -74,8 +72,8 @@ pub(super) struct Runner<'a> {
 }
 
 impl Runner<'_> {
-    /// Renders a step, or loads its cached result. `reference` is a picture and its identity as
-    /// text. If it is given, the error is measured against this picture.
+    /// Renders a step, or loads its cached result. Measures the error against `reference`, a
+    /// picture and its identity, if given.
     pub(super) fn render(
         &mut self,
         step: &RenderStep,
@@ -122,8 +120,7 @@ impl Runner<'_> {
         Ok((StepResult { points, stats, memory_bytes, passes_wanted }, rendered.picture))
     }
 
-    /// Hashes all inputs that affect the result of a step. The number of threads affects the
-    /// measured times.
+    /// Hashes all inputs of a step, also the number of threads, which affects the measured times.
     pub(super) fn identity(&self, step: &RenderStep, changes: &[String], reference: Option<&str>) -> String {
         let mut hash = IdentityHash::default();
         let parts = [

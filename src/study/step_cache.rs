@@ -19,8 +19,7 @@ pub(super) struct StepResult {
     pub(super) points: Vec<ConvergencePoint>,
     /// The statistics of the render.
     pub(super) stats: Stats,
-    /// The memory of film, scene and photons, in bytes. The photons' memory is computed from their
-    /// number.
+    /// The memory of film, scene and photons (by their number), in bytes.
     pub(super) memory_bytes: u64,
     /// The number of passes in the settings.
     pub(super) passes_wanted: u64,
@@ -43,13 +42,11 @@ struct CachedStep {
 /// The subfolder of the steps.
 const STEPS: &str = "steps";
 
-/// The name of a header attribute in the picture file of a step. The attribute stores the identity
-/// of the step.
+/// The header attribute in the picture file of a step that stores its identity.
 const STEP: &str = "abbe.step";
 
 impl StepCache {
-    /// Opens the folder, and creates it if it does not exist. Returns an error if the folder cannot
-    /// be created or written.
+    /// Opens or creates the folder. Returns an error if it cannot be created or written.
     pub(super) fn open(folder: &Path) -> Result<Self> {
         let steps = folder.join(STEPS);
         fs::create_dir_all(&steps)
@@ -67,8 +64,7 @@ impl StepCache {
         self.folder.join(STEPS).join(name).with_added_extension(extension)
     }
 
-    /// Returns the cached result of a step. A step with another identity or with damaged files
-    /// counts as missing.
+    /// Returns the cached result of a step, unless it has another identity or damaged files.
     pub(super) fn find(&self, name: &str, identity: &str) -> Option<(StepResult, Picture)> {
         let text = fs::read(self.step(name, "json")).ok()?;
         let cached: CachedStep =
@@ -78,7 +74,7 @@ impl StepCache {
     }
 
     /// Stores the result of a step. The picture is written before the record, so that every record
-    /// has its picture. Returns the picture in the precision of the file.
+    /// has one. Returns the picture in the precision of the file.
     pub(super) fn store(
         &self,
         name: &str,

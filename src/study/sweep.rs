@@ -1,5 +1,5 @@
-//! Varies one setting at a time, and finds the fastest settings for each error. Only settings with
-//! an effect on the picture are varied.
+//! Varies one setting with an effect on the picture at a time, and finds the fastest for each
+//! error.
 
 use super::convergence::ConvergencePoint;
 use super::curves::ConvergenceCurve;
@@ -55,8 +55,8 @@ pub struct SettingSweep {
     pub runs: Vec<SweepRun>,
     /// The Pareto front in order of time.
     pub front: Vec<ParetoPoint>,
-    /// The error and the time with the scene's own settings and number of passes. The value is null
-    /// if the study had no time for these passes.
+    /// The error and the time with the scene's own settings and passes, or null without time for
+    /// them.
     pub default: Option<ConvergencePoint>,
     /// Changes that were skipped for lack of time.
     pub left_out: Vec<SettingChange>,
@@ -71,8 +71,7 @@ const MARCH_STEPS: [f64; 3] = [0.125, 0.5, 2.0];
 /// Values of the maximum path depth.
 const DEPTHS: [f64; 2] = [4.0, 12.0];
 
-/// Returns the changes of settings. Only settings with an effect on the picture of the scene are
-/// changed.
+/// Returns the changes of settings that affect the picture of the scene.
 pub(super) fn changes(scene_file: &SceneFile, job: &Job) -> Vec<SettingChange> {
     let budget = &job.budget;
     let fractions = |setting: Setting, own: f64, fractions: &[f64]| {
@@ -113,8 +112,8 @@ impl RenderTime {
         Self { pilot: stats.seconds.pilot, fixed, gather }
     }
 
-    /// Predicts the time (s) of a number of passes. The film has `pixel_ratio` times as many pixels
-    /// as the film of the study.
+    /// Predicts the time (s) of these passes on a film with `pixel_ratio` times the pixels of the
+    /// study.
     pub fn seconds(&self, passes: f64, pixel_ratio: f64) -> f64 {
         self.pilot + passes * (self.fixed + self.gather * pixel_ratio)
     }
@@ -161,8 +160,8 @@ impl SettingSweep {
     }
 }
 
-/// Returns the Pareto front. It contains a point if no other point is better in both time and
-/// error. Errors that are not significant are ignored.
+/// Returns the points that no other point beats in both time and error, without errors that are not
+/// significant.
 fn front(runs: &[SweepRun]) -> Vec<ParetoPoint> {
     let places =
         |(run, of): (usize, &SweepRun)| of.points.clone().into_iter().map(move |point| ParetoPoint { run, point });

@@ -1,7 +1,7 @@
 //! The division of a study's time.
 
-/// The time of each part of a study, as a share of the study's budget. The rehearsals for the
-/// choice of the film size are not included.
+/// The time of each part, as a fraction of the study's budget, without the rehearsals that choose
+/// the film size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeFractions {
     /// The trials for the choice of the reference's integrator.
@@ -18,6 +18,6 @@ pub struct TimeFractions {
     pub effects: f64,
 }
 
-/// The shares of every study.
+/// The fractions of every study.
 pub const TIME_FRACTIONS: TimeFractions =
     TimeFractions { trial: 0.06, reference: 0.34, photon_curve: 0.14, path_curve: 0.1, sweep: 0.2, effects: 0.16 };

@@ -20,8 +20,7 @@ pub(super) struct Orders {
     pub(super) changes: Vec<String>,
     /// The names of forbidden effects.
     pub(super) forbidden: Vec<String>,
-    /// True while the reader moves a slider or the camera. The session then renders only coarse
-    /// pictures.
+    /// True while the reader moves a slider or the camera, when only coarse pictures are rendered.
     pub(super) is_draft: bool,
     /// Counts the wishes for more passes.
     pub(super) extensions: u64,
@@ -31,11 +30,9 @@ pub(super) struct Orders {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SessionState {
-    /// The session loads the scene, or runs the pilot.
     Starting,
     /// The session renders passes.
     Rendering,
-    /// The render has all its passes.
     Finished,
     /// The scene has a fault. The last picture stays.
     Failed,
@@ -197,8 +194,8 @@ impl ViewChannel {
         });
     }
 
-    /// Publishes a coarse picture while the reader moves a slider or the camera. The slider may
-    /// have moved on, but the picture still shows its way.
+    /// Publishes a coarse picture while the reader moves a slider or the camera, also if it has
+    /// moved on.
     pub(super) fn publish_draft(&self, snapshot: Arc<Snapshot>) {
         self.update(|state| state.snapshot = Some(snapshot));
     }
@@ -234,7 +231,6 @@ impl ViewChannel {
         self.lock().reference.clone()
     }
 
-    /// Returns the scene that is rendered, with its number.
     pub(super) fn loaded(&self) -> Option<(Arc<LoadedScene>, u64)> {
         let state = self.lock();
         Some((state.loaded.clone()?, state.scene.as_ref()?.number))
@@ -244,7 +240,6 @@ impl ViewChannel {
         self.lock().scene.clone()
     }
 
-    /// Returns a receiver of the version of the state.
     pub(super) fn versions(&self) -> watch::Receiver<u64> {
         self.version.subscribe()
     }

@@ -22,9 +22,8 @@ pub trait ViewHost: Sync {
     /// The path of the scene file.
     fn scene_path(&self) -> &Path;
 
-    /// Loads the scene with its own settings and these changes. Each change has the form
-    /// `PATH=JSON`. The page has forbidden the effects in `forbidden`. Returns an input error if
-    /// the scene or a change is wrong.
+    /// Loads the scene with these changes in the form `PATH=JSON`, without the effects that the
+    /// page has forbidden. Returns an input error if the scene or a change is wrong.
     fn load(&self, changes: &[String], forbidden: &[String]) -> Result<LoadedScene>;
 
     /// A function that returns true if the user has interrupted the program.

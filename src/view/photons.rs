@@ -24,14 +24,13 @@ pub(super) struct PhotonQuery {
     count: usize,
     /// The number of the light. All lights if absent.
     light: Option<usize>,
-    /// The column and the row of a pixel. Only paths that reach the surface in this pixel are
-    /// shown.
+    /// The column of a pixel. Only paths that reach the surface in the pixel are shown.
     x: Option<u32>,
     y: Option<u32>,
 }
 
-/// Traces photons, and returns the visible parts of their paths as JSON. Returns `None` if the
-/// query is wrong.
+/// Traces photons, and returns the visible parts of their paths as JSON, or `None` for a wrong
+/// query.
 pub(super) fn paths(loaded: &LoadedScene, scene: u64, query: PhotonQuery) -> Option<Value> {
     let PhotonQuery { count, light, x, y } = query;
     let job = &loaded.job;

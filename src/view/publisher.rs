@@ -12,8 +12,7 @@ use abbe_transport::sensor::Picture;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// The largest share of the render's time that published pictures take. The share of the first
-/// picture may be larger.
+/// The largest fraction of the render's time for published pictures. The first one may take more.
 const LARGEST_FRACTION: f64 = 0.03;
 
 /// The shortest time between two pictures of passes.
@@ -129,8 +128,8 @@ impl PublicationSchedule {
         now >= self.next
     }
 
-    /// Notes a picture that took the time `cost`. The next picture is due when all pictures
-    /// together, and another one, take at most [`LARGEST_FRACTION`] of the time.
+    /// Notes a picture that took `cost`. The next one is due when all together, with another one,
+    /// take at most [`LARGEST_FRACTION`] of the time.
     fn published(&mut self, begin: Instant, cost: Duration) {
         self.spent += cost;
         let end = begin + cost;

@@ -81,7 +81,7 @@ fn space_json(space: RgbSpace, development: &Development) -> Value {
     })
 }
 
-/// Returns the spectral power of all lights in each band, in W/nm, with the limits of the bands in
+/// Returns the spectral power of all lights in W/nm in each band, and the limits of the bands in
 /// nm.
 fn light_spectrum(job: &Job) -> Value {
     let bands = job.scene.film.spectral_bands;

@@ -16,8 +16,8 @@ const RINGS: [f64; 2] = [0.8, 1.2];
 /// The lines between the hue bins end at this radius, and the numbers of the bins stand there.
 const EDGE: f64 = 1.45;
 
-/// Returns the colour vector graphic as a self-contained SVG document. The circle is the reference.
-/// The polygon contains the mean colours of the hue bins under the light. An arrow joins both.
+/// Returns the colour vector graphic as a self-contained SVG document. Arrows lead from the circle
+/// of the reference to the polygon of the mean colours of the hue bins under the light.
 pub fn colour_vector_graphic(rendition: &ColourRendition) -> String {
     let mut svg = head("plot", (GRAPHIC_SIZE, GRAPHIC_SIZE), 13.0);
     let circle = |radius: f64, style: &str| {
@@ -89,7 +89,6 @@ fn arrow_path(arrow: &[[f64; 2]; 2]) -> String {
     )
 }
 
-/// Returns the position of a′, b′ on the page.
 fn place([a, b]: [f64; 2]) -> (f64, f64) {
     (GRAPHIC_CENTRE + REFERENCE_RADIUS * a, GRAPHIC_CENTRE - REFERENCE_RADIUS * b)
 }

@@ -10,24 +10,21 @@ use super::svg::{append, escape_xml};
 pub struct RayStroke {
     /// The index of the polyline's colour in [`LensDrawing::colours`].
     pub colour: usize,
-    /// The index of the window that magnifies the polyline. The index refers to
-    /// [`LensDrawing::windows`].
+    /// The index in [`LensDrawing::windows`] of the window that magnifies the polyline.
     pub window: usize,
-    /// The points. The coordinates of each point are its position along the axis and its height
-    /// above the axis.
+    /// Each point is a position along the axis and a height above the axis.
     pub points: Vec<DVec2>,
 }
 
 /// A magnified view. The horizontal and the vertical direction have different scales.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FocusInset {
-    /// The title of the window.
     pub title: String,
     pub centre: DVec2,
     /// Half the width and half the height, both above 0.
     pub half_size: DVec2,
-    /// The slope of a line through the centre. The window shows this line as horizontal, so that
-    /// steep bundles of rays fill the window too.
+    /// The slope of a line through the centre, which the window shows as horizontal, so that steep
+    /// bundles of rays fill the window too.
     pub slope: f64,
 }
 
@@ -37,17 +34,13 @@ pub struct LensDrawing {
     pub title: String,
     /// A description below the title.
     pub caption: String,
-    /// Closed outlines of the glass.
     pub glass: Vec<Vec<DVec2>>,
     /// The two blades of the stop.
     pub stop: [[DVec2; 2]; 2],
-    /// The ends of the sensor.
     pub sensor: [DVec2; 2],
     pub strokes: Vec<RayStroke>,
-    /// The colours of the rays. Each entry contains the meaning of the colour, and the colour in
-    /// SVG notation.
+    /// The meaning of each colour, and the colour in SVG notation.
     pub colours: Vec<(String, String)>,
-    /// The magnified views.
     pub windows: Vec<FocusInset>,
 }
 
@@ -56,7 +49,6 @@ const DRAWING_MARGIN: f64 = 28.0;
 const DRAWING_TOP: f64 = 76.0;
 /// The largest height of the lens on the page.
 const DRAWING_TALLEST: f64 = 460.0;
-/// The height of a window on the page.
 const WINDOW_HEIGHT: f64 = 190.0;
 const DRAWING_BELOW: f64 = 52.0;
 
@@ -157,8 +149,8 @@ impl LensDrawing {
         svg
     }
 
-    /// Draws the rays through the lens. The rays that are drawn first have wider lines. Therefore
-    /// all colours stay visible where rays coincide.
+    /// Draws the rays through the lens, the first ones wider, so that all colours stay visible
+    /// where rays coincide.
     fn rays(&self, scale: &DrawingScale) -> String {
         let mut svg = String::new();
         for (i, (_, colour)) in self.colours.iter().enumerate() {
@@ -170,7 +162,6 @@ impl LensDrawing {
         svg
     }
 
-    /// Draws the magnified view of a focus.
     fn window(&self, i: usize, top: f64) -> String {
         let FocusInset { title, centre, half_size, slope: _ } = &self.windows[i];
         let pitch = (DRAWING_WIDTH - DRAWING_MARGIN) / self.windows.len() as f64;
@@ -213,8 +204,8 @@ fn ray(svg: &mut String, path: &str, colour: &str, width: f64) {
     );
 }
 
-/// Extends the last segment of a polyline to both sides of a window. The returned heights are
-/// measured from the sloped line that the window shows as horizontal.
+/// Extends the last segment of a polyline to both sides of a window. Heights are measured from the
+/// sloped line that the window shows as horizontal.
 fn across(window: &FocusInset, points: &[DVec2]) -> Vec<DVec2> {
     let [.., before, last] = points else { return Vec::new() };
     let slope = (last.y - before.y) / (last.x - before.x);
@@ -258,8 +249,8 @@ mod tests {
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
         assert!(svg.contains("a &lt;lens&gt; &amp; more") && !svg.contains("NaN") && !svg.contains("inf"));
         let count = |class: &str| svg.matches(&format!("class=\"{class}\"")).count();
-        // Each ray is drawn once in the lens and once in its window. The sensor is drawn in the
-        // lens and in both windows.
+        // Each ray is drawn in the lens and in its window, and the sensor in the lens and both
+        // windows.
         assert_eq!([count("glass"), count("stop"), count("ray"), count("sensor")], [1, 2, 4, 3]);
     }
 

@@ -11,8 +11,8 @@ pub enum SeriesStyle {
     Dashed,
     /// Small dots without a line.
     Dots,
-    /// A step function, for example for the best value so far. Between two points, the function
-    /// keeps the value of the first one.
+    /// A step function, such as the best value so far, which keeps the value of a point until the
+    /// next one.
     Steps,
     /// Rings around the points.
     Rings,
@@ -24,9 +24,7 @@ pub struct PlotSeries {
     /// The name in the legend. A series with an empty name is not in the legend.
     pub name: String,
     pub style: SeriesStyle,
-    /// The index of the colour.
     pub colour: usize,
-    /// The points, as pairs of the horizontal and the vertical coordinate.
     pub points: Vec<(f64, f64)>,
 }
 

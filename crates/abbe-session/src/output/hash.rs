@@ -1,7 +1,6 @@
 //! The hash that identifies scenes, saved runs and study steps.
 
-/// A BLAKE3 hash. The same data has the same hash on every machine and in every version of the
-/// program.
+/// BLAKE3: the same for the same data on every machine and in every version of the program.
 #[derive(Debug, Clone, Default)]
 pub struct IdentityHash(blake3::Hasher);
 
@@ -22,13 +21,11 @@ impl IdentityHash {
     }
 }
 
-/// The hash of the sums of a film. It is the sum of the hashes of all rows of all planes, so the
-/// rows may be added in any order.
+/// The sum of the hashes of all rows of all planes of a film, in any order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SumsHash(u128);
 
 impl SumsHash {
-    /// Adds a row of a plane. `words` contains the bits of the sums.
     pub fn add_row(&mut self, plane: &str, row: usize, words: &[u8]) {
         let mut hash = IdentityHash::default();
         hash.add_part(plane.as_bytes());

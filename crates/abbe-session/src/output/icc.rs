@@ -1,5 +1,4 @@
-//! ICC profiles of RGB spaces, for programs that cannot read the code points in the `cICP` chunk of
-//! a PNG.
+//! ICC profiles of RGB spaces, for programs that cannot read the chunk `cICP` of a PNG.
 
 use moxcms::{ColorProfile, LocalizableString, Matrix3d, ProfileText, ToneReprCurve, Xyzd};
 
@@ -9,15 +8,15 @@ use abbe_spectra::error::{Error, Result};
 /// The white of the profile connection space (ICC.1:2022, 7.2.16): D50, rounded as in the header.
 const D50: Xyz = [0.9642, 1.0, 0.8249];
 
-/// The creation date of all profiles, 2020-01-01 0:00:00, as six 16-bit numbers. A constant date
-/// makes the files reproducible.
+/// The creation date of all profiles, 2020-01-01 0:00:00 as six 16-bit numbers, so that files are
+/// reproducible.
 const MADE: [u8; 12] = [7, 228, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0];
 
 /// The position of the creation date in the header.
 const MADE_AT: std::ops::Range<usize> = 24..36;
 
-/// Returns the bytes of the ICC profile of a colour space. It is a matrix profile of version 4. The
-/// bytes are the same in every run. Returns a machine error if the profile cannot be encoded.
+/// Returns the bytes of a matrix profile of version 4, the same in every run, or a machine error if
+/// it cannot be encoded.
 pub fn profile(space: RgbSpace) -> Result<Vec<u8>> {
     let [red, green, blue] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
         .map(|rgb| xyz_of(adapt(space.to_xyz(rgb), space.white(), D50, AdaptationTransform::Bradford)));
@@ -53,9 +52,9 @@ fn title(space: RgbSpace) -> &'static str {
     }
 }
 
-/// Returns the decoding curve. It maps a signal X to (aX + b)^g if X ≥ d, and to cX otherwise. The
-/// parameters are stored in the order g, a, b, c, d (ICC.1:2022, 10.18, type 3). For a linear
-/// space, the curve is an empty table.
+/// Returns the curve that decodes a signal X to (aX + b)^g if X ≥ d, and to cX otherwise, with the
+/// parameters in the order g, a, b, c, d (ICC.1:2022, 10.18, type 3), or an empty table for a
+/// linear space.
 fn curve(space: RgbSpace) -> ToneReprCurve {
     match space {
         RgbSpace::Srgb | RgbSpace::DisplayP3 => {
@@ -79,8 +78,7 @@ mod tests {
             let bytes = profile(space).unwrap();
             assert_eq!(bytes, profile(space).unwrap());
             let read = ColorProfile::new_from_slice(&bytes).unwrap();
-            // The sum of the colorants is D50. The file stores the colorants as s15Fixed16 numbers,
-            // so they are rounded.
+            // The colorants sum to D50. The file rounds them to s15Fixed16 numbers.
             let sum = [
                 read.red_colorant.x + read.green_colorant.x + read.blue_colorant.x,
                 read.red_colorant.y + read.green_colorant.y + read.blue_colorant.y,

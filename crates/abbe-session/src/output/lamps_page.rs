@@ -1,5 +1,5 @@
-//! The HTML page that compares two lamps. It contains their spectra, their colours, and the colours
-//! of surfaces under both lamps. The page needs no other file.
+//! The self-contained HTML page that compares two lamps: their spectra, their colours, and the
+//! colours of surfaces under both.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -26,15 +26,12 @@ pub struct NamedLamp<'a> {
 
 #[derive(Debug, Clone)]
 pub struct LampsPage<'a> {
-    /// The lamps A and B.
     pub lamps: [NamedLamp<'a>; 2],
     pub comparison: &'a LampComparison,
-    /// Fluorescent surfaces under the lamps.
     pub fluorescent: &'a [PatchDifference],
     pub observer: &'a Observer,
     /// The primaries that are mixed to match A, or an empty list if A is not matched.
     pub primaries: Vec<NamedLamp<'a>>,
-    /// A warning at the top of the page.
     pub warning: Option<&'a str>,
 }
 
@@ -74,7 +71,6 @@ pub fn page(page: &LampsPage<'_>) -> Result<String> {
     Ok(document(&title, include_str!("lamps_page.css"), &body))
 }
 
-/// Renders the section with the colours of the lamps: a table and a chromaticity diagram.
 fn lights(page: &LampsPage<'_>) -> Result<Markup> {
     let LampsPage { comparison, observer, primaries, .. } = page;
     let [a, b] = &comparison.reports;
@@ -109,7 +105,6 @@ fn lights(page: &LampsPage<'_>) -> Result<Markup> {
     })
 }
 
-/// Plots the spectral power of a lamp, scaled to one lumen.
 fn plot(badge: &str, lamp: &NamedLamp<'_>, observer: &Observer) -> SpectralPlot {
     let lumens = LUMENS_PER_WATT * report::xyz(lamp.spectrum, observer)[1];
     let mut name: String = lamp.name.chars().take(LONGEST_TITLE).collect();
@@ -124,7 +119,6 @@ fn plot(badge: &str, lamp: &NamedLamp<'_>, observer: &Observer) -> SpectralPlot 
     )
 }
 
-/// Renders the section with the colour rendition of both lamps.
 fn rendition(comparison: &LampComparison) -> Markup {
     let lamps = [0, 1].map(|i| (["A", "B"][i], comparison.reports[i].rendition.as_ref()));
     let bins = lamps.iter().find_map(|(_, found)| *found).map_or(0, |found| found.rf_bins.len());
@@ -264,8 +258,7 @@ fn table(patches: &[PatchDifference], largest: f64) -> Markup {
     }
 }
 
-/// Formats a number. A negative number has the minus sign (−) instead of a hyphen. Zero has no
-/// sign.
+/// Formats a number with a minus sign (−) instead of a hyphen, and zero without a sign.
 fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -288,8 +281,8 @@ fn notes(observer: &Observer) -> Markup {
     }
 }
 
-/// Returns the factor that scales XYZ for the display. Before scaling, both whites have Y = 100.
-/// After scaling, the largest RGB component of the two whites is 1.
+/// Returns the factor on XYZ, whose whites have Y = 100, for which the largest RGB component of
+/// both whites is 1.
 fn exposure(comparison: &LampComparison) -> f64 {
     let components = comparison.reports.iter().flat_map(|report| report.linear_srgb);
     0.01 / components.fold(1.0, f64::max)

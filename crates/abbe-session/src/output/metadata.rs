@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-/// An ordered list of named texts in the header of an EXR. Values are ASCII. Structured values are
-/// JSON.
+/// An ordered list of named ASCII texts in the header of an EXR. Structured values are JSON.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Metadata {
     entries: Vec<(String, String)>,
@@ -38,19 +37,17 @@ pub mod names {
     pub const PREVIEW: &str = "abbe.preview";
     /// The gains of the light groups as JSON, in a picture that `abbe relight` wrote.
     pub const RELIGHT: &str = "abbe.relight";
-    /// Notes for the user as JSON, such as residuals of matched spectra, clamped indices and
-    /// forbidden effects.
+    /// Notes for the user as JSON: residuals of matched spectra, clamped indices, forbidden effects
+    /// and so on.
     pub const NOTES: &str = "abbe.notes";
 }
 
 impl Metadata {
-    /// Returns metadata without texts.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a text, or replaces the text of this name. Characters beyond ASCII are escaped as in a
-    /// JSON string.
+    /// Adds or replaces a text. Characters beyond ASCII are escaped as in a JSON string.
     #[must_use]
     pub fn with(mut self, name: &str, value: &str) -> Self {
         self.entries.retain(|(known, _)| known != name);
@@ -58,7 +55,6 @@ impl Metadata {
         self
     }
 
-    /// Removes the text of this name.
     #[must_use]
     pub fn without(mut self, name: &str) -> Self {
         self.entries.retain(|(known, _)| known != name);
@@ -71,19 +67,17 @@ impl Metadata {
         self.with(name, &text)
     }
 
-    /// Returns the text of the entry with this name.
     pub fn get(&self, name: &str) -> Option<&str> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// Returns all names and texts.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
         self.entries.iter().map(|(name, value)| (name.as_str(), value.as_str()))
     }
 }
 
-/// Replaces every character of a JSON text that is not ASCII with an escape sequence that begins
-/// with `\u`. Such characters occur only inside JSON strings.
+/// Replaces the characters of a JSON text that are not ASCII, which occur only inside strings, by
+/// escape sequences that begin with `\u`.
 pub fn escape_non_ascii(json: &str) -> String {
     let mut ascii = String::with_capacity(json.len());
     for character in json.chars() {

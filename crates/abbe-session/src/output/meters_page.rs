@@ -1,5 +1,5 @@
-//! The HTML page of a measurement: the readings of every meter in a table, and the plan of every
-//! grid in false colours with isolines. The page needs no other file.
+//! The self-contained HTML page of a measurement: the readings of every meter in a table, and the
+//! plan of every grid in false colours with isolines.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -13,7 +13,6 @@ pub struct MeterSection {
     pub title: String,
     /// The plan, if the meter is a grid of numbers.
     pub plan: Option<PlanMap>,
-    /// The names of the columns of the table.
     pub columns: Vec<String>,
     /// The rows of the table. Numbers are aligned by their columns.
     pub rows: Vec<Vec<String>>,
@@ -53,7 +52,6 @@ pub fn page(title: &str, sections: &[MeterSection], notes: &[String]) -> String 
     document(title, STYLE, &body)
 }
 
-/// Renders a plan with the legend of its colours.
 fn map(plan: &PlanMap) -> Markup {
     let bar = format!("background: linear-gradient(to right, {})", heat::css_colours());
     html! {

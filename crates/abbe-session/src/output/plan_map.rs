@@ -9,15 +9,14 @@ use super::svg::{append, escape_xml, head};
 /// A grid of readings.
 #[derive(Debug, Clone)]
 pub struct PlanMap {
-    /// The edges u and v of the parallelogram in the scene's unit, and the normal of the meter. The
-    /// plan is seen from the side of this normal, with u to the right.
+    /// The edges u and v of the parallelogram in the scene's unit, and the normal of the meter,
+    /// from whose side the plan is seen, with u to the right.
     pub frame: [DVec3; 3],
     /// The numbers of cells along u and v.
     pub count: [usize; 2],
     /// One value for each cell. The index along u changes fastest.
     pub values: Vec<f64>,
     pub unit: &'static str,
-    /// Formats a value.
     pub number: fn(f64) -> String,
 }
 
@@ -31,7 +30,6 @@ const MARGIN: f64 = 34.0;
 const LEAST_CELL_WITH_NUMBER: [f64; 2] = [54.0, 20.0];
 
 impl PlanMap {
-    /// Returns the plan as an SVG document.
     pub fn svg(&self) -> String {
         let (corners, scale) = self.layout();
         let [origin, along_u, along_v] = corners;
@@ -101,7 +99,6 @@ impl PlanMap {
         svg
     }
 
-    /// Returns the value of the brightest colour.
     fn most(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE)
     }
@@ -159,9 +156,8 @@ impl PlanMap {
         ([DVec2::splat(MARGIN) - low * scale, u * scale, v * scale], scale)
     }
 
-    /// Returns the segments of an isoline, in cells. The point (0, 0) is the middle of the first
-    /// cell. Between four readings, the values are interpolated linearly in the four triangles
-    /// around their mean.
+    /// Returns the segments of an isoline in cells, from the middle of the first one. Between four
+    /// readings, the values are interpolated linearly in the four triangles around their mean.
     fn isoline(&self, level: f64) -> Vec<[DVec2; 2]> {
         let [columns, rows] = self.count;
         let value = |column: usize, row: usize| self.values[row * columns + column];
@@ -213,7 +209,6 @@ mod tests {
         PlanMap { frame: [u, v, DVec3::Y], count, values, unit: "lx", number: |value| format!("{value:.0}") }
     }
 
-    /// The isolines of a linear function are straight, and those of a cone are circles.
     #[test]
     fn isolines_lie_where_the_function_has_their_value() {
         let linear = plan(DVec3::X, DVec3::Z, [9, 7], |x, y| 10.0 * x + 3.0 * y);
@@ -233,8 +228,7 @@ mod tests {
         assert!(plan(DVec3::X, DVec3::Z, [3, 3], |_, _| 5.0).levels().is_empty());
     }
 
-    /// From above, x leads to the right and z leads down. The edges of a skew grid keep their
-    /// angle.
+    /// From above, x leads to the right and z down. A skew grid keeps its angles.
     #[test]
     fn plans_are_seen_from_the_side_of_the_normal() {
         let ([_, u, v], scale) = plan(4.0 * DVec3::X, 2.0 * DVec3::Z, [2, 2], |x, _| x).layout();

@@ -6,7 +6,6 @@ use abbe_spectra::colour::{srgb_hex, xyz_to_linear_srgb};
 use abbe_spectra::math::elementary::powf;
 use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum};
 
-/// A curve over wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralCurve {
     /// The name in the legend.
@@ -15,17 +14,15 @@ pub struct SpectralCurve {
     pub points: Vec<(f64, f64)>,
 }
 
-/// A plot of functions of wavelength. The colours of the spectrum are drawn along the horizontal
-/// axis.
+/// A plot of functions of wavelength, with the colours of the spectrum along the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralPlot {
     pub title: String,
-    /// Quantity and unit of the values.
     pub values: String,
     /// The curves. If the vertical axis begins at 0, the area under the first curve is coloured.
     pub curves: Vec<SpectralCurve>,
-    /// Spectral lines, as pairs of the wavelength in nm and the height of the stroke. The height is
-    /// a fraction of the height of the plot.
+    /// Pairs of the wavelength in nm and the height of the stroke, as a fraction of that of the
+    /// plot.
     pub lines: Vec<(f64, f64)>,
     /// True if the vertical axis always includes 0, even if all values are larger.
     pub from_zero: bool,
@@ -40,9 +37,8 @@ const PLOT_BOTTOM: f64 = 84.0;
 const PLOT_STRIP: f64 = 14.0;
 
 impl SpectralPlot {
-    /// Plots a spectrum over the band. The continuum is a curve. Spectral lines are vertical
-    /// strokes. The height of a stroke is proportional to the power of the line. `density` is the
-    /// quantity and unit of the continuum, and `power` is the unit of a line's power.
+    /// Plots a spectrum over the band: the continuum as a curve with the quantity and unit
+    /// `density`, and spectral lines as strokes in proportion to their power with the unit `power`.
     pub fn of_spectrum(title: &str, spectrum: &Spectrum, density: &str, power: Option<&str>) -> Self {
         let lines = spectrum.line_segments();
         let strongest = lines.iter().map(|line| line.power).fold(0.0, f64::max);
@@ -69,7 +65,7 @@ impl SpectralPlot {
         }
     }
 
-    /// Returns the plot as a self-contained SVG document. A curve has gaps at points that are not
+    /// Returns the plot as a self-contained SVG document. Curves have gaps at points that are not
     /// finite.
     pub fn svg(&self) -> String {
         let values = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
@@ -102,7 +98,6 @@ impl SpectralPlot {
         svg
     }
 
-    /// Draws the names of the curves if there are several.
     fn legend(&self) -> String {
         let mut svg = String::new();
         if self.curves.len() < 2 {
@@ -121,7 +116,6 @@ impl SpectralPlot {
     }
 }
 
-/// Returns the horizontal position of a wavelength in nm on the page.
 fn x(nm: f64) -> f64 {
     PLOT_LEFT + (nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0) * (PLOT_SIZE.0 - PLOT_LEFT - PLOT_RIGHT)
 }
@@ -150,7 +144,6 @@ fn axes(up: &Axis, values: &str) -> String {
     svg
 }
 
-/// Draws the colours of the spectrum along the axis.
 fn strip() -> String {
     let (from, to) = (x(BAND_NM.0), x(BAND_NM.1));
     let place = format!("gradientUnits=\"userSpaceOnUse\" x1=\"{from}\" x2=\"{to}\"");
@@ -165,9 +158,9 @@ fn strip() -> String {
     svg
 }
 
-/// Returns the display colour of a wavelength. The colour is mixed with white until it is within
-/// sRGB, and then scaled to the largest brightness. Towards the ends of the visible range, the
-/// colour is darker. (At the true luminance, violet would be almost black.)
+/// Returns the display colour of a wavelength: mixed with white until it is within sRGB, scaled to
+/// the largest brightness, and darker towards the ends of the visible range. (At the true
+/// luminance, violet would be almost black.)
 fn spectral_colour(nm: f64) -> String {
     let bar = Observer::cie1931().xyz_bar(nm);
     let linear = xyz_to_linear_srgb(bar);
@@ -180,7 +173,6 @@ fn spectral_colour(nm: f64) -> String {
     srgb_hex(linear.map(|component| (component + white) / brightest * seen))
 }
 
-/// Returns the path of a curve. The path has gaps at values that are not finite.
 fn path(up: &Axis, points: &[(f64, f64)]) -> String {
     let mut path = String::new();
     let mut command = 'M';
@@ -195,8 +187,7 @@ fn path(up: &Axis, points: &[(f64, f64)]) -> String {
     path
 }
 
-/// Fills the area between a curve and zero with the colours of the spectrum. The result is empty if
-/// a point is not finite.
+/// Fills the area under a curve with the colours of the spectrum, unless a point is not finite.
 fn area(up: &Axis, points: &[(f64, f64)]) -> String {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return String::new() };
     if !points.iter().all(|(nm, value)| nm.is_finite() && value.is_finite()) {

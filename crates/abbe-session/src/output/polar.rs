@@ -4,13 +4,12 @@ use super::axis::Axis;
 use super::svg::{CURVE_COLOURS, append, escape_xml, head};
 use abbe_spectra::math::elementary::sin_cos;
 
-/// The curve of one plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarCurve {
     /// The name in the legend.
     pub name: String,
-    /// Pairs of an angle in degrees and a value of at least 0. The angle 0 points down, and
-    /// positive angles lie to the right.
+    /// Pairs of an angle in degrees, from below and positive to the right, and a value of at least
+    /// 0.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -35,7 +34,6 @@ const SPOKE_DEG: u16 = 30;
 const LABEL_DEG: f64 = 15.0;
 
 impl PolarDiagram {
-    /// Returns the diagram as a self-contained SVG document.
     pub fn svg(&self) -> String {
         let values = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
         let radius = Axis::linear(values, true, (0.0, POLAR_RADIUS));
@@ -111,8 +109,7 @@ impl PolarDiagram {
     }
 }
 
-/// Returns the colour of a curve: red, blue and so on. Black is left out, because it does not show
-/// on a dark page.
+/// Returns red, blue and so on. Black does not show on a dark page.
 fn colour(number: usize) -> &'static str {
     CURVE_COLOURS[1 + number % (CURVE_COLOURS.len() - 1)]
 }

@@ -20,7 +20,6 @@ use glam::DVec3;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
-/// The readings of all meters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasurementReport {
     /// The meters, in the order of the scene file.
@@ -34,31 +33,27 @@ pub struct MeasurementReport {
     pub notes: Vec<String>,
 }
 
-/// The readings of a meter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeterReport {
     pub name: String,
-    /// The name of the quantity.
     pub quantity: &'static str,
     pub unit: &'static str,
     /// The centres of the spectral bands in nm, if the quantity is a spectrum.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wavelength_nm: Option<Vec<f64>>,
-    /// The readings.
     pub points: Vec<PointReport>,
     /// The grid of the readings, if the meter is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<MeterGrid>,
     /// The mean of the readings. `None` for spectra.
     pub mean: Option<f64>,
-    /// The uniformity U0: the least reading divided by the mean reading. `None` for spectra, for
-    /// glare ratings, and if the mean is 0.
+    /// The uniformity U0: the least reading divided by the mean. `None` for spectra, for glare
+    /// ratings, and if the mean is 0.
     pub uniformity: Option<f64>,
     /// The least reading divided by the largest reading. `None` if `uniformity` is `None`.
     pub least_to_largest: Option<f64>,
 }
 
-/// A reading.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PointReport {
     /// The position in the unit of the scene file.
@@ -69,12 +64,11 @@ pub struct PointReport {
     /// The standard error.
     pub noise: Option<Value>,
     /// The magnitude of the estimated bias. For a function of the spectrum, it is the effect of the
-    /// spectral bands.
+    /// bands.
     pub bias: Option<Value>,
     /// The interval that contains the true value with a probability of 95 %.
     pub interval_95: Option<[Value; 2]>,
-    /// The flux through the surface, if the meter is a surface: lm for illuminance, W for
-    /// irradiance.
+    /// For a surface: lm for illuminance, W for irradiance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flux: Option<f64>,
     /// The area of the surface in m².
@@ -91,12 +85,11 @@ pub enum Value {
     Spectrum(Vec<f64>),
 }
 
-/// The relative error of every reading at which a measurement stops if the request has no stop
-/// rule.
+/// The relative error of every reading at which a measurement stops without a stop rule.
 const DEFAULT_ERROR: f64 = 0.003;
 
-/// Returns the stop rules of a measurement without stop rules of its own. A pass with photons takes
-/// much longer than a pass of the path tracer.
+/// Returns the stop rules of a measurement without its own. A pass with photons takes much longer
+/// than one of the path tracer.
 fn default_stop(integrator: Integrator) -> StopRules {
     let passes = match integrator {
         Integrator::Path => 2048,
@@ -106,11 +99,9 @@ fn default_stop(integrator: Integrator) -> StopRules {
 }
 
 impl Job {
-    /// Returns the integrator that suits the meters.
-    ///
-    /// The path tracer has no bias. It does not find the light of lamps without extent behind glass
-    /// or mirrors, and seldom finds the sun there. Its shadow rays pass through thin panes, so
-    /// panes alone need no photons.
+    /// Returns the integrator that suits the meters. The path tracer has no bias, but it does not
+    /// find the light of lamps without extent behind glass or mirrors, and seldom the sun there.
+    /// Its shadow rays pass through thin panes, so panes alone need no photons.
     pub fn integrator_for_meters(&self) -> Integrator {
         let caustics = self.plan.caustics != CausticPlan::Absent;
         let focuses = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
@@ -137,11 +128,11 @@ impl Job {
         ))
     }
 
-    /// Returns a note if a point receptor lies in a hollow, where photons that pass through glass
-    /// may not reach the disk around it.
+    /// Returns a note if a point sensor lies in a hollow, where photons through glass may not reach
+    /// the disk around it.
     fn note_of_hollows(&self, integrator: Integrator) -> Option<String> {
-        /// The distance at which the surface below a receptor is found, divided by the radius of
-        /// the scene. It is larger than the shift of receptors above surfaces.
+        /// The distance at which the surface below a sensor is found, by the radius of the scene;
+        /// more than the shift of sensors above surfaces.
         const SEARCH_FRACTION: f64 = 1e-6;
         /// In a hollow, the surface beside a receptor is nearly parallel to the surface below it.
         const PARALLEL: f64 = 0.5;
@@ -182,17 +173,16 @@ impl Job {
         }
     }
 
-    /// Returns the estimates of the glare at a receptor. A moving scene is at rest at the moment
-    /// when the shutter opens.
+    /// Estimates the glare at a sensor. A moving scene is as when the shutter opens.
     fn glare_at(&self, number: usize) -> [Glare; REPLICATES] {
         let scene = &self.scene;
         let eye = scene.sensor_point(&scene.camera.sensors()[number], [0.0; 4]);
         DirectLighting::tracked(scene, self.selector(), self.plan.media_plan).glare(scene, &eye, self.budget.seed)
     }
 
-    /// Measures with all meters of the scene, on the current thread pool. `integrator` is the
-    /// integrator, or `None` for the integrator that suits the meters. Also returns true if the
-    /// monitor ended the measurement before a stop rule was satisfied.
+    /// Measures with all meters on the current thread pool, by default with the integrator that
+    /// suits them. Also returns true if the monitor ended the measurement before a stop rule was
+    /// satisfied.
     pub fn measure(
         &self,
         integrator: Option<Integrator>,
@@ -370,8 +360,8 @@ fn with_function_of_spectrum(
             Some(temperature.cct_k)
         }
     };
-    // The bands approximate the spectrum, but the colour is known exactly. The error of the bands
-    // is estimated by its change when the bands become twice as wide.
+    // The bands approximate the spectrum, but the colour is exact. The error of the bands is
+    // estimated by its change when they become twice as wide.
     let value = of(&spectrum.mean, Some(reading.xyz));
     let wide_bands = spectrum.mean.merged(spectrum.mean.values.len() / 2);
     let of_wide_bands = of(&wide_bands, Some(reading.xyz));
@@ -385,11 +375,10 @@ fn with_function_of_spectrum(
     });
 }
 
-/// Returns the horizontal illuminance in lx of all lights that surround the scene, without
-/// obstacles: the integral of L cos θ over the upper hemisphere.
+/// Returns the horizontal illuminance in lx of all lights around the scene, without obstacles: the
+/// integral of L cos θ over the upper hemisphere.
 fn sky_illuminance_lx(lights: &[Light]) -> f64 {
-    /// The numbers of directions in elevation and in azimuth. The rule is exact to 10⁻⁵ for skies
-    /// without steps.
+    /// In elevation and in azimuth: exact to 10⁻⁵ for skies without steps.
     const STEPS: [u32; 2] = [512, 512];
     let mut sum = 0.0;
     for light in lights.iter().filter(|light| light.surrounds()) {

@@ -5,16 +5,12 @@ use super::run::Run;
 use abbe_transport::sensor::Picture;
 use std::time::Duration;
 
-/// The progress of a render after a pass.
 #[derive(Debug, Clone, Copy)]
 pub struct Progress {
-    /// The number of passes done.
     pub passes: u64,
-    /// The number of passes at which the render stops, or `None` if the number of passes is not
-    /// limited.
+    /// `None` if the number of passes is not limited.
     pub passes_wanted: Option<u64>,
-    /// The time of the run so far. The time between an interruption and the continuation does not
-    /// count.
+    /// Without the time between an interruption and the continuation.
     pub elapsed: Duration,
     /// The time at which the render stops, or `None` if the time is not limited.
     pub time_wanted: Option<Duration>,
@@ -33,8 +29,8 @@ pub trait Monitor {
     /// Called once before the pilot, if the render has a pilot.
     fn before_pilot(&mut self) {}
 
-    /// Returns true if the monitor shows a coarse picture before pass 0. A coarse picture takes a
-    /// fraction of a pass.
+    /// Returns true if the monitor shows a coarse picture before pass 0, for a fraction of the time
+    /// of a pass.
     fn wants_coarse_picture(&self) -> bool {
         false
     }

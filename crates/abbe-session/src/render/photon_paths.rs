@@ -28,7 +28,7 @@ impl Job {
     }
 
     /// Returns the first surface under a film position in pixels, and the width of a pixel there in
-    /// m. Returns `None` if the camera sees no surface there.
+    /// m.
     pub fn point_under(&self, film: DVec2) -> Option<(DVec3, f64)> {
         let camera = &self.scene.camera;
         let ray = camera.ray(film, [0.5; 2]);
@@ -36,8 +36,8 @@ impl Job {
         Some((hit.position, camera.pixel_width_m(hit.t)))
     }
 
-    /// Returns the parts of a segment that the camera sees, as film positions in pixels. Glass does
-    /// not hide the points behind it, and it does not move them in the drawing.
+    /// Returns the parts of a segment that the camera sees, as film positions in pixels. Glass
+    /// neither hides points behind it, nor moves them.
     pub fn visible_parts(&self, from: DVec3, to: DVec3) -> Vec<[DVec2; 2]> {
         let camera = &self.scene.camera;
         let size = DVec2::new(camera.width() as f64, (camera.pixel_count() / camera.width()) as f64);
@@ -67,8 +67,8 @@ impl Job {
     }
 }
 
-/// Returns the part of a segment that lies in front of the camera. It ends a little before the
-/// plane of the lens.
+/// Returns the part of a segment in front of the camera, up to a little before the plane of the
+/// lens.
 fn in_front(camera: &Camera, from: DVec3, to: DVec3) -> Option<[DVec3; 2]> {
     let is_seen = |point: DVec3| camera.project(point).is_some();
     let last_seen = |seen: DVec3, unseen: DVec3| {

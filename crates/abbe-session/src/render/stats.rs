@@ -15,28 +15,24 @@ use std::collections::BTreeMap;
 /// The mean energy balance of a pass, in W.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LedgerStats {
-    /// The emitted power.
     pub emitted: f64,
-    /// The part of `emitted` below 360 nm. `lamps` does not include it.
+    /// The part of `emitted` below 360 nm, which `lamps` does not include.
     #[serde(default)]
     pub ultraviolet: f64,
     /// The power gained (positive) or lost by random decisions, such as Russian roulette.
     pub sampling: f64,
     /// The power absorbed by surfaces and bodies.
     pub absorbed: f64,
-    /// The power that fluorophores absorbed and did not emit, because the emitted photons have less
-    /// energy.
+    /// What fluorophores absorbed and did not emit, because the emitted photons have less energy.
     #[serde(default)]
     pub stokes_loss: f64,
     /// The power of the photons that fluorophores absorbed without emitting a photon.
     #[serde(default)]
     pub quantum_loss: f64,
-    /// The power that left the scene.
     pub escaped: f64,
     /// The part of `escaped` that left the scene inside a body.
     #[serde(default)]
     pub escaped_inside: f64,
-    /// The power of the paths that ended at the depth limit.
     pub depth_limit: f64,
     /// The imbalance of the power, relative to the emitted power.
     pub balance: f64,
@@ -56,37 +52,33 @@ pub struct ErrorStats {
     pub bias: f64,
     /// The relative error: √mean(noise² + bias²) / mean Y. `None` means that the error is unknown.
     pub relative: Option<f64>,
-    /// The median of the pixels' relative errors. `None` means that no error is known.
+    /// Of the pixels' relative errors, `None` if no error is known.
     #[serde(default)]
     pub median: Option<f64>,
-    /// The 95th percentile of the pixels' relative errors. `None` means that no error is known.
+    /// Of the pixels' relative errors, `None` if no error is known.
     #[serde(default)]
     pub p95: Option<f64>,
-    /// The block of pixels that contributes most to `relative`: the first column, the first row,
-    /// the first column to its right, and the first row below it.
+    /// The block of pixels that contributes most to `relative`: the first column and row, and the
+    /// column and row after the last.
     #[serde(default)]
     pub worst_region: Option<[usize; 4]>,
-    /// The share of the worst region in the sum of noise² + bias² over the picture.
+    /// The fraction of the worst region in the sum of noise² + bias² over the picture.
     #[serde(rename = "worst_share", default)]
     pub worst_fraction: Option<f64>,
     /// The number of pixels with unknown noise, such as pixels that no light has reached.
     pub unknown_pixels: usize,
-    /// The number of pixels near an edge of the illumination. The bias of these pixels is probably
-    /// larger than reported.
+    /// Near an edge of the illumination, where the bias is probably larger than reported.
     pub edge_pixels: usize,
 }
 
 /// The forecast of the error if the render continued.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForecastStats {
-    /// The relative error after four times the time of the run.
     pub error_after_four_times: f64,
-    /// The two largest round errors below the present error. Each entry contains the error, and the
-    /// number of passes and the time after which the render reaches this error.
+    /// When the render reaches the two largest round errors below the present one.
     pub milestones: Vec<ErrorMilestone>,
 }
 
-/// The state of an effect, and how often the effect occurred.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectStats {
     /// The state: `on`, `off`, `forced` or `forbidden`.
@@ -94,13 +86,10 @@ pub struct EffectStats {
     pub events: u64,
 }
 
-/// The statistics of a render.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Stats {
-    /// The number of passes done.
     pub passes: u64,
-    /// The number of photon paths.
     pub photons_emitted: u64,
     /// The number of photon paths that carry the shared wavelengths of their pass.
     pub photons_shared: u64,
@@ -115,9 +104,7 @@ pub struct Stats {
     pub photons_per_second: f64,
     /// The largest resident memory of the process so far, or 0 if the system does not report it.
     pub peak_memory_bytes: u64,
-    /// The energy balance.
     pub ledger_w: LedgerStats,
-    /// The error of the picture.
     pub error: ErrorStats,
     /// The forecast of the error, or `None` if the error is unknown.
     pub forecast: Option<ForecastStats>,
@@ -125,13 +112,11 @@ pub struct Stats {
     pub effects: BTreeMap<String, EffectStats>,
     /// The wavelength plan: `free`, `shared` or `both`.
     pub wavelengths: String,
-    /// The number of samples that were NaN, infinite or negative and were discarded. A value other
-    /// than 0 means that the program has a bug.
+    /// NaN, infinite or negative samples, which were discarded: 0 unless the program has a bug.
     pub rejected_samples: u64,
-    /// The number of worker threads.
     pub threads: usize,
-    /// The names of lights whose spectra the shared wavelengths of no pass have sampled. Behind
-    /// dispersive glass, the picture lacks the light of these lights, and its error is unknown.
+    /// Lights whose spectra the shared wavelengths of no pass have sampled. Behind dispersive
+    /// glass, the picture lacks their light, and its error is unknown.
     #[serde(default)]
     pub unsampled_lights: Vec<String>,
     /// Notes on light that the picture lacks.
@@ -140,8 +125,7 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// Returns the statistics of a run and its picture. `unlit` contains the names of the specular
-    /// objects that no pilot photon reached.
+    /// `unlit` names the specular objects that no pilot photon reached.
     pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>, unlit: &[String]) -> Self {
         let PassSums { tally, seconds, .. } = &run.sums;
         let unsampled_lights: Vec<String> = run.coverage.missing().map(str::to_owned).collect();
@@ -166,11 +150,9 @@ impl Stats {
         }
     }
 
-    /// Merges the statistics of several runs of one scene.
-    ///
-    /// Counts and times are sums, and the energy balance is the mean over all passes. The error and
-    /// the forecast belong to the merged picture, as if one machine had rendered all passes.
-    /// `squares` is the squared error of that picture, if the error is known.
+    /// Merges the statistics of several runs of one scene: sums of counts and times, the mean
+    /// energy balance over all passes, and the error and the forecast of the merged picture, as if
+    /// one machine had rendered all passes. `squares` is its squared error, if known.
     pub(super) fn merged(runs: &[&Self], picture: &Picture, squares: Option<ErrorSquares>) -> Self {
         let count = |of: fn(&Self) -> u64| runs.iter().map(|run| of(run)).sum::<u64>();
         let mut effects: BTreeMap<String, EffectStats> = BTreeMap::new();
@@ -216,7 +198,6 @@ impl Run {
         ledger_stats(job, &ledger)
     }
 
-    /// Returns the states of all effects with their numbers of events so far.
     pub fn effect_stats(&self, job: &Job) -> BTreeMap<String, EffectStats> {
         effect_stats(job, &self.sums.tally)
     }
@@ -232,8 +213,8 @@ impl Run {
     }
 }
 
-/// A note names the different spectra of the lights if only one in so many wavelengths suits one of
-/// them. A pass has four wavelengths, so four passes may lack its light.
+/// If only one in so many wavelengths suits a spectrum of the lights, a note names it. A pass has
+/// four wavelengths, so four passes may lack its light.
 const MANY_WAVELENGTHS: f64 = 16.0;
 
 /// Returns the names of objects or lights for a note.
@@ -246,8 +227,8 @@ fn named(all: &[String]) -> String {
     format!("{}{more}", names.join(", "))
 }
 
-/// Returns notes on light that the picture lacks. A note contains no measured number, so that the
-/// parts of a picture have the same notes.
+/// Returns notes on light that the picture lacks, without measured numbers, so that all parts of a
+/// picture have the same.
 fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
     let PassSums { ledger, tally, .. } = &run.sums;
     let limited = job.scene.settings.max_depth.map(|depth| {
@@ -280,8 +261,7 @@ fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
     limited.into_iter().chain(capped).chain(open).chain(unlit).chain(rare).collect()
 }
 
-/// Returns a note that names lights whose spectra no pass has sampled. Returns `None` if there are
-/// none.
+/// Names lights whose spectra no pass has sampled, if there are any.
 fn unsampled_note(lights: &[String]) -> Option<String> {
     (!lights.is_empty()).then(|| {
         format!(
@@ -350,8 +330,7 @@ impl LedgerStats {
             escaped: mean(&|ledger| ledger.escaped),
             escaped_inside: mean(&|ledger| ledger.escaped_inside),
             depth_limit: mean(&|ledger| ledger.depth_limit),
-            // The balance is relative to the emitted power, which is the same in all runs apart
-            // from noise.
+            // Relative to the emitted power, which is the same in all runs apart from noise.
             balance: mean(&|ledger| ledger.balance),
             lights: mean(&|ledger| ledger.lights),
             by_material: by_material.collect(),
@@ -412,8 +391,7 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
     stats.collect()
 }
 
-/// Returns the largest resident memory of this process so far. Only Linux reports this number.
-/// Returns 0 on other systems.
+/// Returns the largest resident memory of this process so far on Linux, and 0 elsewhere.
 fn peak_memory_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

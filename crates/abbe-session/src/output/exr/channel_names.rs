@@ -2,7 +2,6 @@
 
 pub(super) const XYZ: [&str; 3] = ["xyz.X", "xyz.Y", "xyz.Z"];
 
-/// The channel of the standard error.
 pub(super) const NOISE: &str = "error.noise";
 
 pub(super) const BIAS: &str = "error.bias";

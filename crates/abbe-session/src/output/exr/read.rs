@@ -22,7 +22,6 @@ use abbe_transport::sensor::{Picture, SpectralBands};
 pub struct ExrFile {
     /// The picture. Noise, bias and edges are unknown if the file has no channels for them.
     pub picture: Picture,
-    /// The texts of the header.
     pub metadata: Metadata,
 }
 
@@ -75,8 +74,7 @@ fn known(sample: f32) -> Option<f32> {
     (sample >= 0.0).then_some(sample)
 }
 
-/// Adds the channels of a layer under their full names. Exact sums and subsampled channels are
-/// skipped.
+/// Adds the channels of a layer under their full names, without exact sums and subsampled channels.
 fn collect(
     layer: &Layer<AnyChannels<FlatSamples>>,
     size: Vec2<usize>,
@@ -97,8 +95,7 @@ fn collect(
         }
         let full = prefix.as_ref().map_or(name.clone(), |prefix| format!("{prefix}.{name}"));
         let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
-        // A channel is also available without the layer's name. If several layers have a channel of
-        // this name, the first layer is used.
+        // A channel is also available without the layer's name, of the first layer that has it.
         if prefix.is_some() {
             channels.entry(name).or_insert_with(|| samples.clone());
         }
@@ -166,7 +163,7 @@ fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &RgbToXyz) -> Result<Vec<
     Ok(grey.iter().map(|&y| white.map(|value| value * f64::from(y))).collect())
 }
 
-/// Returns the layers of a picture that Abbe wrote. `header` contains the names of Cryptomatte
+/// Returns the layers of a picture of Abbe, whose `header` contains the names of Cryptomatte
 /// layers.
 fn layers(channels: &BTreeMap<String, Vec<f32>>, header: &Metadata) -> PictureLayers {
     let is_layer = |name: &str| LAYER_PREFIXES.iter().any(|prefix| name.starts_with(prefix));

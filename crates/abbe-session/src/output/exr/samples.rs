@@ -27,7 +27,6 @@ impl<'a> ChannelSamples<'a> {
 
 pub(super) struct LineWriter<'s, 'a> {
     samples: &'s ChannelSamples<'a>,
-    /// The number of pixels of a row of the picture.
     width: usize,
 }
 
