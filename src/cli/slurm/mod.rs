@@ -102,8 +102,7 @@ impl SlurmArgs {
         self.scene.file_stem().unwrap_or("scene".as_ref()).to_string_lossy().into_owned()
     }
 
-    /// Checks the scene and the options of the render. Returns the number of passes, or `None` if
-    /// it is not limited.
+    /// Checks the scene and the options. Returns the number of passes, `None` without limit.
     fn check_render(&self) -> Result<Option<u64>> {
         let words = ["abbe".into(), "render".into(), self.scene.clone().into_os_string()];
         let options = self.render_options.iter().map(Into::into);
@@ -161,8 +160,8 @@ impl SlurmArgs {
         ))
     }
 
-    /// Returns the program that the jobs run. In the Python package, this process is Python, and
-    /// the jobs find `abbe` in their path.
+    /// Returns the program that the jobs run. From the Python package, whose process is Python,
+    /// they find `abbe` in their path.
     fn program(&self) -> Result<PathBuf> {
         if let Some(program) = &self.abbe {
             return Ok(program.clone());
