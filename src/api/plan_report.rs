@@ -63,7 +63,7 @@ struct DiffractionReport {
     /// True if the Airy disk is wider than a pixel.
     matters: bool,
     simulated: bool,
-    /// The number of wavelength slices stored on the film. Each slice needs 48 bytes per pixel.
+    /// The number of wavelength slices, of three sums per pixel each, on the film.
     slices: usize,
 }
 
