@@ -134,6 +134,7 @@ impl PrimaryMix {
         }
     }
 
+    /// Returns the weights of the primaries as text.
     pub fn weights_text(&self) -> String {
         let part = |(primary, weight): (&NamedSpectrum, &f64)| format!("{weight:.6} × {}", primary.name);
         self.primaries.iter().zip(&self.found.weights).map(part).collect::<Vec<String>>().join(" + ")

@@ -17,7 +17,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The number of paths that one task traces.
 const PATHS_PER_TASK: u64 = 256;
 
 /// The number of tasks that run before the paths are counted.
@@ -61,7 +60,6 @@ pub struct RecordedPath {
 pub struct RecordedSegment {
     /// In m, relative to the scene's centre; outside if the photon leaves the scene.
     pub end: DVec3,
-    /// The wavelengths that the photon carries.
     pub wavelengths: Wavelengths,
     /// The power of each wavelength at the end, in W.
     pub power_w: Lanes,
@@ -131,7 +129,6 @@ fn selected_by_power(paths: Vec<RecordedPath>, count: usize) -> Vec<RecordedPath
     paths.into_iter().zip(is_selected).filter(|(_, is_selected)| *is_selected).map(|(path, _)| path).collect()
 }
 
-/// Returns which of the paths with these powers are selected.
 fn selection(powers: &[f64], count: usize) -> Vec<bool> {
     let mut selected = vec![false; powers.len()];
     let step = loop {

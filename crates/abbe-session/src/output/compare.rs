@@ -17,7 +17,6 @@ pub struct DeltaE {
     pub p95: f64,
 }
 
-/// A test whether the differences agree with their standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ZTest {
     /// The fraction of pixels with |z| < 1.96, for the difference z in Y divided by its standard

@@ -14,12 +14,9 @@ use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::exp2;
 use abbe_transport::sensor::{Development, DisplayImage, Picture, develop};
 
-/// Two pictures with their names.
 #[derive(Debug, Clone, Copy)]
 pub struct PicturePair<'a> {
-    /// The name of the picture, and the picture.
     pub picture: (&'a str, &'a Picture),
-    /// The name of the reference, and the reference.
     pub reference: (&'a str, &'a Picture),
     /// The tone curve with which both pictures are shown.
     pub tone: ToneCurve,

@@ -5,7 +5,6 @@ use glam::DVec2;
 
 use super::svg::{append, escape_xml};
 
-/// A polyline with a colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayStroke {
     /// The index of the polyline's colour in [`LensDrawing::colours`].

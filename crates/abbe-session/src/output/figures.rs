@@ -33,7 +33,6 @@ pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// Formats the difference of two lights.
 pub fn difference_text(lights: LightDifference) -> String {
     format!("Δxy {:.5}, ΔE2000 {:.2}", lights.delta_xy, lights.delta_e_2000)
 }

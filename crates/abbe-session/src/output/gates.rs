@@ -3,7 +3,6 @@
 use super::compare::Comparison;
 use abbe_spectra::error::{Error, Result};
 
-/// A limit on a figure of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gate {
     pub figure: String,
@@ -13,7 +12,6 @@ pub struct Gate {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GateSide {
-    /// The gate fails if the figure is larger than the limit.
     Above,
     /// The gate fails if the figure is smaller than the limit.
     Below,

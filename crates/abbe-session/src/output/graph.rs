@@ -14,7 +14,6 @@ pub enum SeriesStyle {
     /// A step function, such as the best value so far, which keeps the value of a point until the
     /// next one.
     Steps,
-    /// Rings around the points.
     Rings,
 }
 
@@ -32,7 +31,6 @@ pub struct PlotSeries {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogLogPlot {
     pub title: String,
-    /// The quantity and unit of the horizontal axis.
     pub across: String,
     /// The quantity and unit of the vertical axis.
     pub up: String,

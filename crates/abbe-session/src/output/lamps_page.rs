@@ -14,7 +14,6 @@ use abbe_spectra::colour::{ColourRendition, RgbSpace, Xyz, from_lab, report, srg
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer, Spectrum};
 
-/// A lamp with its name and its origin.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedLamp<'a> {
     pub name: &'a str,

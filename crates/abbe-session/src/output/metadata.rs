@@ -23,7 +23,6 @@ pub mod names {
     pub const SEED: &str = "abbe.seed";
     /// The number of completed passes.
     pub const PASSES: &str = "abbe.passes";
-    /// The number of photon paths in a pass.
     pub const PHOTONS: &str = "abbe.photons";
     /// The integrator: `photon` or `path`.
     pub const INTEGRATOR: &str = "abbe.integrator";

@@ -11,7 +11,6 @@ use super::plan_map::PlanMap;
 pub struct MeterSection {
     /// The name and the quantity of the meter.
     pub title: String,
-    /// The plan, if the meter is a grid of numbers.
     pub plan: Option<PlanMap>,
     pub columns: Vec<String>,
     /// The rows of the table. Numbers are aligned by their columns.

@@ -12,7 +12,6 @@ pub struct PlanMap {
     /// The edges u and v of the parallelogram in the scene's unit, and the normal of the meter,
     /// from whose side the plan is seen, with u to the right.
     pub frame: [DVec3; 3],
-    /// The numbers of cells along u and v.
     pub count: [usize; 2],
     /// One value for each cell. The index along u changes fastest.
     pub values: Vec<f64>,

@@ -16,7 +16,6 @@ pub struct LightGain {
 /// The names of the channels of light groups begin with this prefix.
 const PREFIX: &str = "light.";
 
-/// The ends of the names of channels.
 const COLOURS: [&str; 3] = [".R", ".G", ".B"];
 
 pub fn light_groups(picture: &Picture) -> Vec<&str> {

@@ -6,7 +6,6 @@ use std::fmt::Write;
 /// by the classes `s0` to `s5`.
 pub(super) const CURVE_COLOURS: [&str; 6] = ["#1b1b1b", "#c0392b", "#2471a3", "#1e8449", "#8e44ad", "#a0690b"];
 
-/// Appends formatted text.
 pub(super) fn append(text: &mut String, arguments: std::fmt::Arguments<'_>) {
     text.write_fmt(arguments).expect("writing to a string cannot fail");
 }

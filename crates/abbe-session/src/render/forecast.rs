@@ -69,7 +69,6 @@ pub struct Forecast {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorMilestone {
     pub error: f64,
-    /// The number of passes from the beginning.
     pub passes: f64,
     /// The time from the beginning in s.
     pub seconds: f64,
@@ -240,7 +239,6 @@ mod tests {
         }
     }
 
-    /// The time of the pilot is not a time of passes.
     #[test]
     fn the_present_time_has_the_present_error() {
         let forecast = history(&[20], |_| [0.01, 0.02, 0.03]).forecast(times(20, 42.0, 22.0)).unwrap();

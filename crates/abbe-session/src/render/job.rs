@@ -13,7 +13,6 @@ use abbe_transport::plan::{Budget, EffectRow, IndirectPlan, Plan, WavelengthPlan
 use abbe_transport::sensor::{Film, LayerSet, ReadingLayout, ReadingOwner};
 use std::sync::Arc;
 
-/// A scene with its plan and its budget.
 #[derive(Debug)]
 pub struct Job {
     /// The scene without the omitted effects.

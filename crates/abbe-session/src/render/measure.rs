@@ -42,7 +42,6 @@ pub struct MeterReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wavelength_nm: Option<Vec<f64>>,
     pub points: Vec<PointReport>,
-    /// The grid of the readings, if the meter is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<MeterGrid>,
     /// The mean of the readings. `None` for spectra.
@@ -76,7 +75,6 @@ pub struct PointReport {
     pub area_m2: Option<f64>,
 }
 
-/// A number, or one number for each spectral band.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
@@ -318,7 +316,6 @@ fn with_glare(point: &mut PointReport, estimates: &[Glare; REPLICATES]) {
     point.value = Value::Number(rating);
 }
 
-/// Writes the spectrum of a reading into its report.
 fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f64, reading: &Reading) {
     let values: Vec<f64> = spectrum.mean.values.iter().map(|value| value * factor).collect();
     report.value = Value::Spectrum(values.clone());

@@ -26,7 +26,6 @@ pub struct Progress {
 
 /// Observes a render, and may end it.
 pub trait Monitor {
-    /// Called once before the pilot, if the render has a pilot.
     fn before_pilot(&mut self) {}
 
     /// Returns true if the monitor shows a coarse picture before pass 0, for a fraction of the time

@@ -9,7 +9,6 @@ const KEYS_WITHOUT_EFFECT_ON_A_PASS: [(&str, &[&str]); 2] = [
     ("film", &["exposure", "white_balance", "output_space", "tone", "gamut"]),
 ];
 
-/// The longest value that a difference contains, in characters.
 const LONGEST_VALUE: usize = 60;
 
 /// Returns whether an entry of a section of a scene can change the result of a pass.

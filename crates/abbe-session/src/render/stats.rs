@@ -71,7 +71,6 @@ pub struct ErrorStats {
     pub edge_pixels: usize,
 }
 
-/// The forecast of the error if the render continued.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForecastStats {
     pub error_after_four_times: f64,
@@ -93,7 +92,6 @@ pub struct Stats {
     pub photons_emitted: u64,
     /// The number of photon paths that carry the shared wavelengths of their pass.
     pub photons_shared: u64,
-    /// The number of photons stored on surfaces.
     pub photons_stored: u64,
     /// The number of camera samples, over all pixels.
     #[serde(default)]

@@ -71,7 +71,6 @@ impl StopConditions {
             || target.zip(self.error.history.latest()).is_some_and(|(target, error)| error <= target)
     }
 
-    /// Returns the progress of the run for a monitor.
     pub(super) fn progress(&self, run: &Run) -> Progress {
         Progress {
             passes: run.done,
@@ -102,7 +101,6 @@ fn elapsed(run: &Run) -> Duration {
 #[derive(Debug, Default)]
 struct ErrorTracker {
     history: ErrorHistory,
-    /// The next measurement is due after this many passes or later.
     next_pass: u64,
     /// The next measurement is due at this time or later.
     next_time: Duration,

@@ -11,7 +11,6 @@ use abbe_spectra::math::random::Seed;
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
 use std::f64::consts::FRAC_1_PI;
 
-/// The contribution of a connected photon to one pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Splat {
     pub pixel: u32,

@@ -156,7 +156,6 @@ struct ExcitedEmissions {
 
 #[derive(Debug, Clone, Copy, Default)]
 struct ExcitedEmission {
-    /// The index of the emission in its fluorophore.
     index: usize,
     /// The excitation in W·nm.
     excitation: f64,

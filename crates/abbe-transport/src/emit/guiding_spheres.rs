@@ -48,7 +48,6 @@ pub(super) fn scatter_with_guiding<M: BodyMode>(
     scattered
 }
 
-/// The distant spheres of a point.
 struct DistantSpheres<'a> {
     spheres: &'a [BoundingSphere],
     position: DVec3,

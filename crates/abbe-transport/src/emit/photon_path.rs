@@ -6,7 +6,6 @@ use crate::walk::{RayDensity, RayState};
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
 
-/// The state of a photon at one vertex of its path.
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonState {
     /// The class of the path so far.

@@ -17,7 +17,6 @@ use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 /// The fraction of the photons of the shared set that are excitation photons.
 const EXCITATION_FRACTION: f64 = 0.5;
 
-/// The wavelengths of the photons of a set.
 #[derive(Debug, Clone, Copy)]
 pub enum WavelengthSampling {
     /// Each photon samples its own wavelengths, by the spectrum of its light and the sensitivity of
@@ -41,7 +40,6 @@ pub struct PhotonSource<'a> {
     pub ray_densities: Option<&'a RayDensities>,
     pub wavelengths: WavelengthSampling,
     pub fluorescent: bool,
-    /// The number of photon paths in the set.
     pub count: u64,
     /// The streams of the set in a pass, one per path.
     pub streams: StreamKey,

@@ -24,7 +24,6 @@ const LARGEST_FRACTION: f64 = 1.0 / 256.0;
 /// A surrounding sphere is used only if a smaller fraction of the light's power passes through it.
 const LARGEST_OUTER_FRACTION: f64 = 1.0 / 4.0;
 
-/// The strata of all lights.
 #[derive(Debug, Clone)]
 pub struct EmissionStrata {
     /// The strata, light by light.
@@ -35,7 +34,6 @@ pub struct EmissionStrata {
     pub guiding_spheres: Vec<BoundingSphere>,
 }
 
-/// A part of the rays that a light emits.
 #[derive(Debug, Clone)]
 pub struct Stratum {
     pub light: usize,

@@ -6,7 +6,6 @@ use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::{Seed, Stream};
 use glam::DVec3;
 
-/// A photon that arrives at a surface.
 #[derive(Debug)]
 pub struct SurfaceArrival<'a> {
     pub interaction: &'a SurfaceInteraction<'a>,
@@ -48,7 +47,6 @@ pub struct MediumCrossing<'a> {
     pub photon: &'a PhotonState,
 }
 
-/// A photon that collides with a medium.
 #[derive(Debug)]
 pub struct MediumCollision<'a> {
     pub position: DVec3,

@@ -48,13 +48,11 @@ pub struct CameraPass<'a> {
 /// estimated bias.
 #[derive(Debug, Clone, Copy)]
 pub struct TruncatedMaps<'a> {
-    /// Photon maps with the distribution of the missing light.
     pub maps: PerSet<&'a SetMaps>,
     /// The ratio of the missing light to the light of these photons.
     pub factor: f64,
 }
 
-/// What all paths of one camera sample share.
 pub(super) struct PathContext<'s, 'a, S> {
     pub(super) pixel: u64,
     /// The number of surface events after which the paths end.

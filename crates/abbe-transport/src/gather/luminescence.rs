@@ -39,7 +39,6 @@ pub(super) struct ExcitingLight<'s> {
     /// Irradiance, or fluence in a medium, divided by the spectrum of the light, without
     /// attenuation.
     pub(super) irradiance: f64,
-    /// The transmittance between the light and the fluorophore.
     pub(super) along: &'s [SegmentTransmittance<'s>],
 }
 
@@ -95,7 +94,6 @@ impl<'a> Luminescence<'a> {
         }
     }
 
-    /// Attenuates radiance along segments between the fluorophore and the camera.
     pub(super) fn attenuate(&self, along: &[SegmentTransmittance<'_>], radiance: &mut Lanes) {
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
             radiance[k] *= transmittance(along, nm);

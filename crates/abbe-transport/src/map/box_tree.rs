@@ -33,7 +33,6 @@ struct BoxNode {
     leaf: u32,
 }
 
-/// The leaf number of an inner node.
 const INNER: u32 = u32::MAX;
 
 #[derive(Debug, Default)]

@@ -13,7 +13,6 @@ pub struct QueryCone {
     pub slope: f64,
 }
 
-/// The width of the kernels along a camera path.
 #[derive(Debug, Clone, Copy)]
 pub enum KernelWidth {
     /// The radius is constant along the path. This number is the radius in m.

@@ -4,7 +4,6 @@ use super::photon_map::PhotonMap;
 use super::volume::VolumeMaps;
 use crate::plan::partition::PerClass;
 
-/// The maps of the photons of one class.
 #[derive(Debug, Default)]
 pub struct ClassMaps {
     pub surface: PhotonMap,
@@ -12,5 +11,4 @@ pub struct ClassMaps {
     pub volume: VolumeMaps,
 }
 
-/// The maps of one set of photons, by class.
 pub type SetMaps = PerClass<ClassMaps>;

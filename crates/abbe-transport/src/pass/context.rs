@@ -30,7 +30,6 @@ pub struct PassContext<'a> {
     pub portals: &'a Portals,
 }
 
-/// The shared wavelengths of a pass, and their densities.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SharedWavelengths {
     pub(crate) nm: Lanes,

@@ -4,7 +4,6 @@ use crate::plan::partition::PerClass;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct KeepProbability {
-    /// The probability that a photon is stored on a surface.
     pub(crate) surface: f64,
     /// The probability that a scattering event in a medium is stored.
     pub(crate) points: f64,

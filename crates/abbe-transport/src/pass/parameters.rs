@@ -31,7 +31,6 @@ pub struct PassParameters {
     pub(crate) keep: PerClass<KeepProbability>,
 }
 
-/// The number of camera samples of each pixel in a pass.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum CameraSamples {
     /// The same number in all pixels.

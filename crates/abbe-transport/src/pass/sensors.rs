@@ -25,7 +25,6 @@ use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// The kernels of the sensors in one pass.
 #[derive(Debug)]
 pub(crate) struct SensorKernels<'a> {
     scene: &'a Scene,
@@ -34,7 +33,6 @@ pub(crate) struct SensorKernels<'a> {
     radii_m: Vec<f64>,
     /// The weights of photons and of paths at each sensor.
     weights: Vec<CausticWeights>,
-    /// The number of rows of each sensor.
     rows: usize,
     disks: PointDisks,
     /// The sensors that are surfaces: the object and the sensor, sorted.
@@ -65,7 +63,6 @@ impl PointDisks {
     }
 }
 
-/// The part of a photon's power that a sensor receives.
 struct Received {
     /// The factor from the photon's power to the mean radiance of the sensor.
     estimate: f64,

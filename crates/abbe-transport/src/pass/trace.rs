@@ -13,7 +13,6 @@ use rayon::prelude::*;
 /// order of the stored photons.
 const PHOTONS_PER_TASK: u64 = 2048;
 
-/// The photons of one set, traced and recorded.
 #[derive(Debug, Default)]
 pub(crate) struct TracedPhotons {
     pub(crate) deposits: PhotonDeposits,

@@ -47,7 +47,6 @@ pub(super) struct BalanceLimits {
 pub(super) struct Variances {
     /// The variance of the photons that are connected to the camera.
     pub(super) traced: f64,
-    /// The variance of the photons that are stored on surfaces.
     pub(super) surfaces: f64,
     /// The variance of the photons that are stored in media.
     pub(super) media: f64,

@@ -197,7 +197,6 @@ impl FilmNoise {
 }
 
 impl SampleNumber {
-    /// Returns the number of samples of each pixel of a square.
     fn of(self, square: &SampleNoise) -> u64 {
         match self {
             Self::Same(count) => count,

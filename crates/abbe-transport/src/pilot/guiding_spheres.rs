@@ -58,7 +58,6 @@ impl GuidingSpheres {
     }
 }
 
-/// Returns spheres that are smaller than the world.
 fn outer(inner: &[BoundingSphere], world_m: f64) -> Vec<BoundingSphere> {
     let mut spheres = Vec::new();
     for inner_sphere in inner {

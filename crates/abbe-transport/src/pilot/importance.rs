@@ -55,15 +55,12 @@ pub(super) struct Importance<'a> {
     scene: &'a Scene,
     layout: &'a GridLayout,
     halves: [CellSums; 2],
-    /// The half to which the current path belongs.
     half: usize,
     /// For each object: true if a path reached the object.
     pub(super) reached: Vec<bool>,
     /// The index of the current path's cell.
     current: usize,
-    /// The power of the current path's photon at its start.
     start_power: f64,
-    /// The score of the current path's arrivals at surfaces.
     surface_score: f64,
     /// Of the current path's segments in media: the largest, because those in a dense medium have
     /// nearly the same information.

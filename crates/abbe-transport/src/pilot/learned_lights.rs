@@ -13,7 +13,6 @@ const MOST_PATHS: u64 = 1 << 17;
 /// The number of camera paths of a small film.
 const FEWEST_PATHS: u64 = 1 << 12;
 
-/// The number of paths in one parallel task.
 const TASK: u64 = 256;
 
 /// Returns the selector with learned weights, if the scene has many local lights, and adds the

@@ -40,7 +40,6 @@ const FEW_LINES: usize = 8 * MIN_LINES;
 /// reach the edges of a portal, and the light beyond a sphere would be rare and bright.
 const MARGIN_OF_FEW_LINES: f64 = 1.5;
 
-/// The number of paths in one parallel task.
 const TASK: u64 = 256;
 
 /// The largest number of surface events of these paths.

@@ -109,7 +109,6 @@ pub(super) fn sample_light<'a>(
 }
 
 impl SmallPass {
-    /// Renders the tiles with the photons of a pass.
     #[inline(never)]
     pub(super) fn run(
         context: &PassContext<'_>,

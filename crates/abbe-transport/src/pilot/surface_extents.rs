@@ -72,7 +72,6 @@ pub(super) fn surface_extents(
 #[derive(Clone, Copy)]
 enum Need<'v> {
     Nothing,
-    /// An surface extent for each camera sample.
     PerSample,
     /// An surface extent around this point, with this reach in m.
     SurfaceExtent(&'v VisiblePoint, f64),

@@ -63,7 +63,6 @@ pub(super) struct PixelSurvey {
     pub(super) visible: Vec<Option<VisiblePoint>>,
     /// The photons near the camera rays of each pixel. Empty without media.
     pub(super) volume: Vec<PixelVolumeCounts>,
-    /// The number of photons stored in media.
     pub(super) stored: PerClass<DepositCounts>,
     /// For each photon set, the number of pixels whose camera paths read this set.
     pub(super) readers: PerSet<u64>,

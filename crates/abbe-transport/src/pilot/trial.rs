@@ -46,7 +46,6 @@ struct TileVariance {
     surfaces: [f64; 3],
     /// The variance of the light that the photons of a pass in media give.
     media: [f64; 3],
-    /// The variance of a camera sample.
     camera: [f64; 3],
 }
 

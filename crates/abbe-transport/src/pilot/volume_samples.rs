@@ -13,7 +13,6 @@ use abbe_spectra::spectrum::REFERENCE_NM;
 /// The points in the samples, in the order of the search.
 const POINT_SAMPLES: [usize; 4] = [256, 1024, 4096, 16_384];
 
-/// The number of photon beams in the sample.
 const BEAM_SAMPLE: usize = 256;
 
 /// The number of photons at which a segment stops counting. More would hardly change the radius,

@@ -24,11 +24,9 @@ mod instructions {
 pub(super) struct Work {
     /// The work that depends neither on the photons nor on the camera samples.
     pub(super) pass: f64,
-    /// The work to trace one photon path.
     pub(super) trace: f64,
     /// The work to store the indirect photons of one path on surfaces.
     pub(super) store_on_surfaces: f64,
-    /// The work to store the photons of one path in media.
     pub(super) store_in_media: f64,
     /// The work of one camera sample in every pixel, without the photons in the kernels.
     pub(super) sample: f64,
@@ -42,9 +40,7 @@ pub(super) struct Work {
 pub(super) struct SampleWork {
     /// The work without the photons in the kernels.
     sample: f64,
-    /// The work of the photons in the kernels at surfaces.
     gather_on_surfaces: f64,
-    /// The work of the photons in the kernels in media.
     gather_in_media: f64,
 }
 

@@ -47,7 +47,6 @@ pub enum EffectId {
     Media,
     /// Direct light in media comes from light maps.
     LightMap,
-    /// Media store photon points.
     VolumePhotons,
     /// Media store photon beams.
     PhotonBeams,

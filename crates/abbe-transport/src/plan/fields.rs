@@ -52,7 +52,6 @@ impl Plan {
     }
 }
 
-/// The sharing of wavelengths between photons and camera paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WavelengthPlan {
     /// Every photon has its own wavelengths. No camera path reaches dispersive glass.
@@ -106,13 +105,11 @@ impl DirectPlan {
 pub enum AperturePlan {
     /// A point.
     Pinhole,
-    /// A thin lens with depth of field.
     ThinLens(Rim),
     /// Of real glass. Each wavelength has its own camera ray.
     LensSystem(Rim),
 }
 
-/// The effect of the aperture's rim on light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rim {
     /// The rim only blocks rays.

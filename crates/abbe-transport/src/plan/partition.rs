@@ -54,7 +54,6 @@ impl PhotonClass {
     }
 }
 
-/// One value for each class of stored photons.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PerClass<T> {
     pub caustic: T,
@@ -95,7 +94,6 @@ impl<T> IndexMut<PhotonClass> for PerClass<T> {
     }
 }
 
-/// The two photon sets of a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhotonSet {
     /// Each photon has wavelengths of its own.

@@ -6,7 +6,6 @@
 
 use super::partition::LightPath;
 
-/// The class of a path from a light to the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathClass {
     /// The camera sees the light directly, or by specular events only (L S* E).

@@ -7,18 +7,14 @@ use std::iter::Sum;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tally {
-    /// Photon paths emitted.
     pub photons: u64,
     /// Photon paths emitted at the pass's shared wavelengths. `photons` includes these paths.
     pub shared_photons: u64,
-    /// Photons stored in maps.
     pub stored: u64,
     /// Photon arrivals connected to the camera.
     pub connections: u64,
     pub camera_samples: u64,
-    /// Segments of photon paths.
     pub photon_segments: u64,
-    /// Segments of camera paths.
     pub camera_segments: u64,
     /// Photons within the kernels of camera paths at surfaces, evaluated at each wavelength.
     pub gathered: u64,
@@ -26,7 +22,6 @@ pub struct Tally {
     pub tabulated: u64,
     /// Photons within the kernels of camera paths in media.
     pub volume_gathered: u64,
-    /// Queries of photon maps.
     pub map_queries: u64,
     /// Dispersive refractions that split a camera path, plus surface arrivals of photons that carry
     /// one wavelength after a dispersive refraction.
@@ -38,13 +33,11 @@ pub struct Tally {
     pub environment_rays: u64,
     /// Rays through a lens of finite aperture.
     pub lens_rays: u64,
-    /// Samples of the sensors of meters.
     #[serde(rename = "receptor_samples", default)]
     pub sensor_samples: u64,
     /// Arrivals of camera paths at surfaces with textures.
     #[serde(default)]
     pub texture_lookups: u64,
-    /// Camera paths that start with a ghost of the camera's lens.
     #[serde(default)]
     pub ghost_rays: u64,
     /// Scattering of camera paths at thin films, and camera paths through a coated lens.
@@ -65,7 +58,6 @@ pub struct Tally {
     /// Segments of camera paths in participating media.
     #[serde(rename = "media_stretches")]
     pub medium_segments: u64,
-    /// Photons stored in media as points.
     pub volume_points: u64,
     /// Photons stored in media as beams.
     pub volume_beams: u64,

@@ -6,7 +6,6 @@ use super::layers::{COMPONENTS, LayerSet};
 use abbe_spectra::spectrum::BAND_NM;
 use std::sync::Arc;
 
-/// The number of components of a slice: X, Y and Z.
 const COMPONENTS_OF_SLICE: usize = 3;
 
 /// The additional channels of a pixel: radiance in each band, the first moments of the bands if

@@ -14,7 +14,6 @@ use abbe_spectra::colour::{Rgb, RgbSpace, Xyz};
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Development {
-    /// The colour space of the display.
     pub space: RgbSpace,
     /// The XYZ of light that is shown as white, at any scale. `None` balances nothing.
     pub white: Option<Xyz>,

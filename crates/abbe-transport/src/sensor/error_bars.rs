@@ -29,7 +29,6 @@ pub(super) struct PixelMeans {
 /// Pixel by pixel, in cd/m². Pixels without light have none.
 #[derive(Debug)]
 pub(super) struct ErrorBars {
-    /// The standard error of Y, if it is known.
     pub(super) noise: Vec<Option<f32>>,
     /// The magnitude of the estimated bias of Y, if it is known.
     pub(super) bias: Vec<Option<f32>>,
@@ -179,7 +178,6 @@ struct PixelEstimates {
     variances: Vec<Option<f64>>,
     squares: Vec<Option<f64>>,
     signed: Vec<Option<f64>>,
-    /// The variance of the kernel estimates.
     noise_of_bias: Vec<Option<f64>>,
 }
 

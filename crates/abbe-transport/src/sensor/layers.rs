@@ -9,7 +9,6 @@ use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum, library};
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
-/// The layers that a film records.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerSet {
@@ -193,7 +192,6 @@ pub enum NameKind {
 }
 
 impl NameKind {
-    /// Returns the name of the Cryptomatte layer.
     pub fn layer_name(self) -> &'static str {
         match self {
             Self::Object => "CryptoObject",
@@ -239,7 +237,6 @@ impl NameLayer {
     }
 }
 
-/// The names of one kind in a row of the film.
 #[derive(Debug)]
 pub(super) struct NameRow<'f> {
     pub(super) kind: NameKind,
@@ -250,7 +247,6 @@ pub(super) struct NameRow<'f> {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PictureLayers {
     pub channels: Vec<LayerChannel>,
-    /// The names of the Cryptomatte layers.
     pub mattes: Vec<MatteNames>,
 }
 
@@ -261,7 +257,6 @@ pub struct LayerChannel {
     pub values: Vec<f32>,
 }
 
-/// The names of a Cryptomatte layer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MatteNames {
     pub layer: String,

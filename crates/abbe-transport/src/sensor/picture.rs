@@ -17,7 +17,6 @@ pub struct Picture {
     pub bias: Vec<Option<f32>>,
     /// Kernels blur an edge of the illumination, so the bias is probably larger than the estimate.
     pub edge: Vec<Option<bool>>,
-    /// Spectral radiance, if it was recorded.
     pub bands: Option<SpectralBands>,
     /// The layers that were recorded on request.
     pub layers: PictureLayers,

@@ -29,7 +29,6 @@ impl PixelSums {
     }
 }
 
-/// Returns the replicate to which a pass belongs.
 pub(super) fn replicate(pass: u64) -> usize {
     (pass % REPLICATES as u64) as usize
 }

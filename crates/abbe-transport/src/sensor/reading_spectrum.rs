@@ -8,7 +8,6 @@ use abbe_spectra::spectrum::{LineSegment, Spectrum};
 /// The mean spectral radiance at a sensor, in bands of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadingSpectrum {
-    /// The mean of all passes.
     pub mean: ReadingBands,
     /// The means of the replicates. Only replicates with passes are listed.
     pub by_replicate: Vec<ReadingBands>,

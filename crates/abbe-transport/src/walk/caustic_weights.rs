@@ -49,7 +49,6 @@ impl RayDensity {
     }
 }
 
-/// The densities of the emitted rays of all lights.
 #[derive(Debug, Clone, Default)]
 pub struct RayDensities {
     strata: Vec<StratumDensity>,

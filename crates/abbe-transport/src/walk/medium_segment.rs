@@ -16,13 +16,11 @@ pub struct MediumSegment<'a> {
     /// The length in m. It is infinite if the ray leaves the scene.
     pub length_m: f64,
     pub medium_stack: MediumStack,
-    /// The participating medium that fills the segment.
     pub medium: Option<NumberedMedium<'a>>,
     /// The absorption coefficient (1/m) of the clear body that fills the segment.
     pub absorption: Option<&'a Spectrum>,
 }
 
-/// A medium and its number in the scene.
 #[derive(Debug, Clone, Copy)]
 pub struct NumberedMedium<'a> {
     /// The index into `Scene::media`.

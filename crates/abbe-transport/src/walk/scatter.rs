@@ -182,7 +182,6 @@ fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> 
     lane.or_else(|| reflectance.iter().rposition(|&f| f < 1.0))
 }
 
-/// A BSDF sample with the frame in which it was drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct ConsistentBsdfSample {
     /// The shading frame, or the frame of the geometric normal.
@@ -231,7 +230,6 @@ mod tests {
         0.5 * (s * s + p * p)
     }
 
-    /// Returns a box of flint glass.
     fn flint_box() -> Scene {
         let text = r#"{
   "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},

@@ -6,7 +6,6 @@ use abbe_optics::bsdf::{ScatterEvent, TransportMode};
 use abbe_spectra::spectrum::{LANES, Lanes};
 use glam::DVec3;
 
-/// The result of scattering a path at a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct ScatteredRay {
     pub direction: DVec3,

@@ -21,7 +21,6 @@ pub(super) fn attributes(matte: &MatteNames) -> [(String, String); 4] {
     ]
 }
 
-/// Returns the Cryptomatte layers that a header describes.
 pub(super) fn mattes(header: &Metadata) -> Vec<MatteNames> {
     let layer = |(attribute, layer): (&str, &str)| {
         let key = attribute.strip_prefix("cryptomatte/")?.strip_suffix("/name")?;

@@ -80,7 +80,6 @@ pub fn add_sums(path: &Path, film: &mut Film) -> Result<SumsHash> {
     decode(path, film).map_err(|error| error.in_file(path))
 }
 
-/// The target of a plane in a film.
 #[derive(Debug, Clone, Copy)]
 enum PlaneTarget {
     Light(usize),

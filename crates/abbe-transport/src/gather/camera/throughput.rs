@@ -51,7 +51,6 @@ pub(in crate::gather) fn relative_n2(scene: &Scene, ray_state: &RayState, nm: f6
     (n(&ray_state.medium_stack) / n(&scene.camera.medium_stack)).powi(2)
 }
 
-/// The wavelengths of a camera path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::gather) enum SpectralMode {
     /// Without a fixed wavelength: the throughput is the product of the path's factors.

@@ -101,7 +101,6 @@ impl<'a> CameraPass<'a> {
         self.follow(path, context);
     }
 
-    /// Follows a free path from a sensor to its end.
     #[inline(never)]
     pub(super) fn follow_free<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         self.follow(path, context);

@@ -193,9 +193,7 @@ impl<'e> GatherPoint<'e> {
 /// The sums of the responses to all photons around a gather point.
 #[derive(Debug, Default)]
 pub(in crate::gather) struct ResponseSums {
-    /// The response to the estimated radiance.
     pub(in crate::gather) estimate: SensorResponse,
-    /// The response to the bias of the estimate.
     pub(in crate::gather) bias: SensorResponse,
 }
 
@@ -204,7 +202,6 @@ pub(in crate::gather) struct ResponseSums {
 pub(in crate::gather) struct PhotonLight<'p> {
     pub(in crate::gather) power: &'p PhotonPower,
     pub(in crate::gather) spectra: &'p PhotonSpectra,
-    /// The class of the path from the light to the camera.
     pub(in crate::gather) class: PathClass,
 }
 

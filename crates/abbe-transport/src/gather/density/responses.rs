@@ -39,7 +39,6 @@ pub struct SensorResponses {
     cells_per_material: usize,
 }
 
-/// The responses at one diffuse surface.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct SurfaceResponses<'r>(&'r [Cell]);
 

@@ -116,7 +116,7 @@ impl<'a> CameraPass<'a> {
         planned && estimator(class.light_path(), bsdf_class, view) == Estimator::PhotonMap
     }
 
-    /// Returns the surface extent of the surface within the kernel radius (m) around a surface
+    /// Returns the surface extent within the kernel radius (m) around a surface
     /// point.
     #[inline(always)]
     fn outline_around(
@@ -190,17 +190,14 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// The surface extent of the surface around a gather point.
 enum KernelOutline<'o> {
     /// The kernel does not reach over an edge.
     Absent,
     Stored(&'o SurfaceExtent),
-    /// Measured for this gather point.
     Measured(SurfaceExtent),
 }
 
 impl KernelOutline<'_> {
-    /// Returns the surface extent if it may limit the kernel.
     #[inline(always)]
     fn limiting(&self) -> Option<&SurfaceExtent> {
         match self {

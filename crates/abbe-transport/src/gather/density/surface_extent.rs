@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::num::NonZeroU32;
 
-/// The number of directions in which an surface extent stores the extent of the surface.
+/// The number of directions in which a surface extent is stored.
 const DIRECTIONS: usize = 16;
 
 /// The height of the rays that search for the end of the surface, as a fraction of the search
@@ -127,7 +127,7 @@ impl SurfaceExtent {
     }
 }
 
-/// Returns one of the directions of an surface extent, in the coordinates `right` and `ahead`.
+/// Returns one of the directions of a surface extent, in the coordinates `right` and `ahead`.
 fn direction(i: usize) -> DVec2 {
     unit_vector(i as f64 / DIRECTIONS as f64 * TAU)
 }
@@ -167,18 +167,16 @@ fn extent_along(geometry: &Geometry, visible_point: &VisiblePoint, direction: DV
     0.5 * (on + off)
 }
 
-/// The surface extent of the surface at a visible point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PixelSurfaceExtent<'o> {
     /// The kernel does not reach over an edge.
     Absent,
-    /// The pilot has measured the surface extent.
     Stored(&'o SurfaceExtent),
     /// The surface extent varies within the pixel, so each gather point measures its own.
     Varies,
 }
 
-/// An surface extent that the pilot measured, or the reason why it did not.
+/// A surface extent that the pilot measured, or the reason why it did not.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SurfaceExtentSurvey {
     /// The kernel does not reach over an edge.
@@ -198,7 +196,6 @@ pub struct SurfaceExtents {
     list: Vec<SurfaceExtent>,
 }
 
-/// The number of an surface extent that varies within its pixel.
 const VARIES: NonZeroU32 = NonZeroU32::MAX;
 
 impl SurfaceExtents {

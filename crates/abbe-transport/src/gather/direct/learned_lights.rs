@@ -34,7 +34,6 @@ const IMPORTANCE_POINTS: usize = 32;
 
 const MOST_EMITTERS: usize = 24;
 
-/// The light of one emitter at one point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightTrial {
     /// The position of the point in m.
@@ -51,7 +50,6 @@ pub struct LightTrial {
 struct EmitterTrials {
     emitter: u32,
     count: f64,
-    /// The number of trials that found light.
     lit: f64,
     /// The sum of the squares of [`LightTrial::light_per_importance`].
     squares: f64,

@@ -47,7 +47,6 @@ pub(in crate::gather) enum ShadowLine {
     ThroughPanes(Option<SurfaceId>),
 }
 
-/// A surface point where direct light is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct LightSampleContext<'e, 'a> {
     pub(in crate::gather) interaction: &'e SurfaceInteraction<'a>,
@@ -56,7 +55,6 @@ pub(in crate::gather) struct LightSampleContext<'e, 'a> {
     pub(in crate::gather) nm: f64,
 }
 
-/// A point in a medium where direct light is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct VolumeLightSampleContext<'a> {
     /// The path's ray. The origin of this ray is the point in the medium.
@@ -91,7 +89,6 @@ pub(in crate::gather) struct VolumeLightSample<'a> {
     /// the light's spectrum S, the scattering coefficient σ_s and the phase function p.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
-    /// The transmittance between the light and the point.
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 
@@ -101,7 +98,6 @@ pub(in crate::gather) struct SensorLightSample<'a> {
     /// The mean radiance without attenuation is `strength` × S(λ), for the light's spectrum S.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
-    /// The transmittance between the light and the sensor.
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 

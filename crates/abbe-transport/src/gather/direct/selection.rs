@@ -103,7 +103,6 @@ impl LightSelector {
         self
     }
 
-    /// Adds a tree for each mesh of many triangles.
     fn with_meshes(mut self, scene: &Scene, powers: &DiscreteDistribution) -> Self {
         let is_large = |number: usize| {
             let object = scene.lights[number].object();

@@ -183,7 +183,6 @@ struct Equiangular {
     nearest: f64,
     /// The distance from the pivot to the nearest point of the ray, in m.
     height: f64,
-    /// The angle at the start of the sampled range.
     from: f64,
     /// The angle at the end of the sampled range.
     to: f64,

@@ -35,7 +35,6 @@ struct InScattering<'s, 'a> {
     absorption: Lanes,
     /// The coefficients (1/m) of all media and bodies that attenuate the light in the map.
     coefficients: &'s [Lanes],
-    /// The estimate at each wavelength.
     sum: Lanes,
     /// The estimated bias at each wavelength.
     bias: Lanes,

@@ -112,7 +112,6 @@ impl<'a> PathTracer<'a> {
 
 #[derive(Debug, Clone, Copy)]
 pub(super) enum MediumEvent {
-    /// The medium scatters the light into the path.
     Scattering,
     /// The dye emits into the path, which now carries wavelengths of the exciting light.
     Emission,

@@ -10,7 +10,6 @@ use crate::map::photon::PhotonPower;
 use crate::map::query_cone::QueryCone;
 use glam::{DVec3, Vec3};
 
-/// A collision of a photon with a medium.
 #[derive(Debug, Clone, Copy)]
 pub struct VolumePhoton {
     /// The position in m, relative to the scene's centre.

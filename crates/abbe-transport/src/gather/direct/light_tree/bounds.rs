@@ -55,7 +55,6 @@ fn angle_between(a: DVec3, b: DVec3) -> f64 {
     atan2(a.cross(b).length(), a.dot(b))
 }
 
-/// The bounds of an emitter or of a cluster.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LightBounds {
     /// The lowest corner of a box around the emitters, in m.
@@ -100,7 +99,6 @@ impl LightBounds {
     }
 }
 
-/// A place that receives light.
 pub(in crate::gather) trait Receiver {
     /// Returns a bound of the light from a cluster, 0 only if the place receives none.
     fn importance(&self, cluster: &Cluster) -> f64;

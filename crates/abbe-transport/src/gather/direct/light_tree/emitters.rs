@@ -25,7 +25,6 @@ pub(in crate::gather::direct) struct SelectedTriangle {
     pub(in crate::gather::direct) probability: f64,
 }
 
-/// The emitters of a scene in light trees.
 #[derive(Debug, Clone, Default)]
 pub(in crate::gather::direct) struct Emitters {
     pub(in crate::gather::direct) list: Vec<TreeEmitter>,
@@ -33,7 +32,6 @@ pub(in crate::gather::direct) struct Emitters {
 }
 
 impl Emitters {
-    /// Returns true if the triangles of luminous meshes count as emitters.
     pub(in crate::gather::direct) fn splits_meshes(scene: &Scene) -> bool {
         let objects = scene.lights.iter().filter_map(|light| light.object());
         objects.map(|object| scene.geometry.triangle_count(object)).sum::<usize>() <= MOST_TRIANGLES
