@@ -21,107 +21,69 @@ pub trait BodyMode {
     const HAS_BODIES: bool;
 
     /// Returns the medium stack at the start of a path. Calls `find` only if the scene has bodies.
-    fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack;
+    #[inline(always)]
+    fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack {
+        if Self::HAS_BODIES { find() } else { MediumStack::AIR }
+    }
 
     /// Finds the next visible surface along the ray and ignores media on the way.
+    #[inline(always)]
     fn next_interaction<'a>(
         scene: &'a Scene,
         ray_state: RayState,
         lookup: SurfaceLookup,
-    ) -> Option<SurfaceInteraction<'a>>;
+    ) -> Option<SurfaceInteraction<'a>> {
+        if Self::HAS_BODIES {
+            next_interaction(scene, ray_state, lookup)
+        } else {
+            next_interaction_in_air(scene, ray_state, lookup)
+        }
+    }
 
+    /// Scatters a path. Returns `None` if the surface absorbs the path.
+    #[inline(always)]
     fn scatter(
         interaction: &SurfaceInteraction<'_>,
         wavelengths: &Wavelengths,
         transport: TransportMode,
         stream: &mut Stream,
-    ) -> Option<ScatteredRay>;
+    ) -> Option<ScatteredRay> {
+        if Self::HAS_BODIES {
+            scatter(interaction, wavelengths, transport, stream)
+        } else {
+            // The constant count lets the compiler unroll the loops over wavelengths.
+            scatter_all_wavelengths(interaction, &Wavelengths::new(wavelengths.nm), transport, stream)
+        }
+    }
 
-    fn wavelength_count(wavelengths: &Wavelengths) -> usize;
+    /// Returns the number of wavelengths that a path carries.
+    #[inline(always)]
+    fn wavelength_count(wavelengths: &Wavelengths) -> usize {
+        if Self::HAS_BODIES { wavelengths.count } else { LANES }
+    }
 
-    fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState;
+    /// Returns the ray that leaves the surface after scattering.
+    #[inline(always)]
+    fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState {
+        if Self::HAS_BODIES {
+            interaction.spawn_scattered(scattered)
+        } else {
+            interaction.spawn_ray(scattered.direction, MediumStack::AIR)
+        }
+    }
 }
 
 #[derive(Debug)]
 pub enum WithBodies {}
 
-/// The scene has no bodies: paths have air on both sides of every surface and keep all wavelengths.
+/// Paths have air on both sides of every surface and keep all wavelengths.
 #[derive(Debug)]
 pub enum WithoutBodies {}
 
 impl BodyMode for WithBodies {
     const HAS_BODIES: bool = true;
-
-    #[inline(always)]
-    fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack {
-        find()
-    }
-
-    #[inline(always)]
-    fn next_interaction<'a>(
-        scene: &'a Scene,
-        ray_state: RayState,
-        lookup: SurfaceLookup,
-    ) -> Option<SurfaceInteraction<'a>> {
-        next_interaction(scene, ray_state, lookup)
-    }
-
-    #[inline(always)]
-    fn scatter(
-        interaction: &SurfaceInteraction<'_>,
-        wavelengths: &Wavelengths,
-        transport: TransportMode,
-        stream: &mut Stream,
-    ) -> Option<ScatteredRay> {
-        scatter(interaction, wavelengths, transport, stream)
-    }
-
-    #[inline(always)]
-    fn wavelength_count(wavelengths: &Wavelengths) -> usize {
-        wavelengths.count
-    }
-
-    #[inline(always)]
-    fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState {
-        interaction.spawn_scattered(scattered)
-    }
 }
 
 impl BodyMode for WithoutBodies {
     const HAS_BODIES: bool = false;
-
-    #[inline(always)]
-    fn initial_medium_stack(_: impl FnOnce() -> MediumStack) -> MediumStack {
-        MediumStack::AIR
-    }
-
-    #[inline(always)]
-    fn next_interaction<'a>(
-        scene: &'a Scene,
-        ray_state: RayState,
-        lookup: SurfaceLookup,
-    ) -> Option<SurfaceInteraction<'a>> {
-        next_interaction_in_air(scene, ray_state, lookup)
-    }
-
-    #[inline(always)]
-    fn scatter(
-        interaction: &SurfaceInteraction<'_>,
-        wavelengths: &Wavelengths,
-        transport: TransportMode,
-        stream: &mut Stream,
-    ) -> Option<ScatteredRay> {
-        // The constant count lets the compiler unroll the loops over wavelengths.
-        scatter_all_wavelengths(interaction, &Wavelengths::new(wavelengths.nm), transport, stream)
-    }
-
-    #[inline(always)]
-    fn wavelength_count(_: &Wavelengths) -> usize {
-        LANES
-    }
-
-    #[inline(always)]
-    fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState {
-        interaction.spawn_ray(scattered.direction, MediumStack::AIR)
-    }
 }

@@ -65,8 +65,8 @@ impl Ledger {
         self.escaped_inside += if inside { power_w } else { 0.0 };
     }
 
-    pub fn scale(&mut self, factor: f64) {
-        for entry in [
+    fn powers_mut(&mut self) -> [&mut f64; 10] {
+        [
             &mut self.emitted,
             &mut self.ultraviolet,
             &mut self.sampling,
@@ -77,27 +77,21 @@ impl Ledger {
             &mut self.escaped_inside,
             &mut self.depth_limit,
             &mut self.depth_limit_indirect,
-        ] {
-            *entry *= factor;
-        }
-        self.absorbed.iter_mut().for_each(|entry| *entry *= factor);
+        ]
+    }
+
+    pub fn scale(&mut self, factor: f64) {
+        self.powers_mut().into_iter().for_each(|power| *power *= factor);
+        self.absorbed.iter_mut().for_each(|power| *power *= factor);
     }
 
     /// Adds another ledger. The same ledgers in the same order give a bit-identical sum.
     pub fn add(&mut self, other: &Self) {
-        self.emitted += other.emitted;
-        self.ultraviolet += other.ultraviolet;
-        self.sampling += other.sampling;
-        self.absorbed_inside += other.absorbed_inside;
-        self.stokes_loss += other.stokes_loss;
-        self.quantum_loss += other.quantum_loss;
-        self.escaped += other.escaped;
-        self.escaped_inside += other.escaped_inside;
-        self.depth_limit += other.depth_limit;
-        self.depth_limit_indirect += other.depth_limit_indirect;
+        let mut other = other.clone();
+        self.powers_mut().into_iter().zip(other.powers_mut()).for_each(|(power, more)| *power += *more);
         if self.absorbed.len() < other.absorbed.len() {
             self.absorbed.resize(other.absorbed.len(), 0.0);
         }
-        self.absorbed.iter_mut().zip(&other.absorbed).for_each(|(a, b)| *a += b);
+        self.absorbed.iter_mut().zip(&other.absorbed).for_each(|(power, more)| *power += more);
     }
 }

@@ -110,15 +110,7 @@ fn scatter_at_smooth_interface(
             let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
             (refracted, ScatterEvent::Transmission, transmitted_scale(transport, n_here, n_there))
         };
-        Some(ScatteredRay {
-            direction: interaction.frame.to_world(wi),
-            weight: single_lane(0, scale),
-            absorbed: [0.0; LANES],
-            kept: None,
-            delta: true,
-            pdf: 0.0,
-            event,
-        })
+        Some(ScatteredRay::specular(interaction.frame.to_world(wi), single_lane(0, scale), event))
     })
 }
 
@@ -146,15 +138,8 @@ fn split_at_dispersive_interface(
             reflectance[k] = fresnel::dielectric(wo.z.abs(), n_here[k], n_there[k]);
         }
         let mean = reflectance.iter().sum::<f64>() / count;
-        let base = ScatteredRay {
-            direction: interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z)),
-            weight: reflectance.map(|f| f / mean),
-            absorbed: [0.0; LANES],
-            kept: None,
-            delta: true,
-            pdf: 0.0,
-            event: ScatterEvent::Reflection,
-        };
+        let reflected = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
+        let base = ScatteredRay::specular(reflected, reflectance.map(|f| f / mean), ScatterEvent::Reflection);
         if u < mean {
             return Some(base);
         }

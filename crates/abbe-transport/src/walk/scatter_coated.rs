@@ -38,15 +38,9 @@ pub(super) fn scatter_at_coated_interface(
             return None;
         }
         let probability = reflected_sum / both;
-        let base = ScatteredRay {
-            direction: interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z)),
-            weight: reflected.map(|fraction| fraction / probability),
-            absorbed,
-            kept: None,
-            delta: true,
-            pdf: 0.0,
-            event: ScatterEvent::Reflection,
-        };
+        let direction = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
+        let weight = reflected.map(|fraction| fraction / probability);
+        let base = ScatteredRay { absorbed, ..ScatteredRay::specular(direction, weight, ScatterEvent::Reflection) };
         if u < probability {
             return Some(base);
         }

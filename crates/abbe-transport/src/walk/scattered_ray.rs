@@ -22,6 +22,13 @@ pub struct ScatteredRay {
     pub event: ScatterEvent,
 }
 
+impl ScatteredRay {
+    /// Creates an event of a delta distribution that absorbs nothing and keeps all wavelengths.
+    pub(super) fn specular(direction: DVec3, weight: Lanes, event: ScatterEvent) -> Self {
+        Self { direction, weight, absorbed: [0.0; LANES], kept: None, delta: true, pdf: 0.0, event }
+    }
+}
+
 impl SurfaceInteraction<'_> {
     #[inline]
     pub fn spawn_scattered(&self, scattered: &ScatteredRay) -> RayState {
