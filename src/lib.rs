@@ -114,11 +114,15 @@
 
 pub mod api;
 #[cfg(feature = "cli")]
+#[allow(missing_docs, reason = "no public interface")]
 pub mod cli;
+#[allow(missing_docs, reason = "no public interface")]
 pub mod reports;
 #[cfg(feature = "pages")]
+#[allow(missing_docs, reason = "no public interface")]
 pub mod study;
 #[cfg(feature = "view")]
+#[allow(missing_docs, reason = "no public interface")]
 pub mod view;
 
 pub use abbe_format as format;

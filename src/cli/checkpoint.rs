@@ -55,10 +55,8 @@ impl CheckpointFile<'_> {
     }
 }
 
-/// The time between two checkpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CheckpointInterval {
-    /// The next checkpoint is written after this time.
     Fixed(Duration),
     /// The next checkpoint is written after a minute, or later if saving is slow.
     Automatic,

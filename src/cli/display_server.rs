@@ -12,7 +12,6 @@ use abbe_spectra::error::{Error, Result};
 
 use super::print;
 
-/// The longest time to wait for a connection.
 const CONNECTION_TIME: Duration = Duration::from_secs(3);
 
 /// After the last picture, the program waits at most this time until all pictures are sent.
@@ -91,7 +90,6 @@ impl ImageQueue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the next image.
     fn next(&self) -> TevImage {
         let mut state = self.lock();
         state.is_sending = false;

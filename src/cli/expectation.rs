@@ -3,7 +3,6 @@
 use abbe_spectra::error::{Error, Result};
 use serde_json::Value;
 
-/// An expected value of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Expectation {
     /// The key of the figure in the JSON report.

@@ -54,7 +54,6 @@ impl SequenceFrame {
         [format!("camera.shutter.open={open_s:?}"), format!("camera.shutter.close={close_s:?}")]
     }
 
-    /// The name of the frame in progress lines.
     pub(crate) fn label(&self) -> String {
         format!("frame {} of {}", self.number, self.last)
     }

@@ -67,7 +67,6 @@ fn one(name: &str, arguments: &LensArgs) -> Result<()> {
     if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
 }
 
-/// Prints the remarks of the reader of a lens file.
 fn notes(notes: &[String]) {
     notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
 }

@@ -11,7 +11,6 @@ use abbe_session::render::{DisplaySettings, Stats};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;
 
-/// The output files of a render.
 #[derive(Debug)]
 pub(crate) struct OutputFiles {
     pub(crate) exr: PathBuf,
@@ -56,12 +55,10 @@ impl OutputFiles {
         write_png(&self.png, &display.screen(&picture))
     }
 
-    /// The name of the EXR file without its folder.
     pub(crate) fn name(&self) -> String {
         self.exr.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// The names of the pictures as text.
     pub(crate) fn named(&self) -> String {
         format!("{} and {}", self.exr.display(), self.png.display())
     }

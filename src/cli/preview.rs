@@ -78,7 +78,6 @@ impl<'a> Preview<'a> {
         }
     }
 
-    /// Sends the picture to the display server.
     pub(crate) fn send(&self, picture: &Picture) {
         if let Some(server) = self.server {
             let exposure = self.display.factor(picture);
@@ -93,10 +92,8 @@ impl<'a> Preview<'a> {
     }
 }
 
-/// The times of previews.
 #[derive(Debug, Clone, Copy)]
 struct PreviewSchedule {
-    /// The time at which the next preview is due.
     next: Duration,
     /// The time that all previews have taken.
     spent: Duration,

@@ -19,7 +19,6 @@ pub(crate) struct ProgressDisplay {
     trend: ErrorTrend,
 }
 
-/// Remembers whether the measured error rises.
 #[derive(Debug, Default)]
 struct ErrorTrend {
     last: Option<f64>,
@@ -43,7 +42,6 @@ impl ErrorTrend {
 /// The form of the progress display.
 #[derive(Debug)]
 enum ProgressOutput {
-    /// A bar on a terminal.
     Bar(ProgressBar),
     /// A line every few seconds. The value is the time at which the last line was printed.
     Lines(Option<Duration>),
@@ -51,7 +49,6 @@ enum ProgressOutput {
     Quiet,
 }
 
-/// The number of steps of the bar.
 const STEPS: u64 = 1000;
 
 /// The time between two lines if standard error is not a terminal.
@@ -80,13 +77,11 @@ impl ProgressDisplay {
         bar
     }
 
-    /// The progress line with the label in front.
     fn line(label: Option<&str>, progress: &Progress, error_rises: bool) -> String {
         let line = line(progress, error_rises);
         label.map_or_else(|| line.clone(), |label| format!("{label}: {line}"))
     }
 
-    /// Removes the bar.
     pub(crate) fn finish(&self) {
         match &self.output {
             ProgressOutput::Bar(bar) => bar.finish_and_clear(),

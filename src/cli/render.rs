@@ -294,7 +294,6 @@ fn save(
 }
 
 impl RenderArgs {
-    /// Returns the arguments for one frame of a sequence.
     fn of_frame(&self, frame: &SequenceFrame) -> Result<Self> {
         let pattern = self.output.clone().unwrap_or_else(|| self.stem().with_added_extension("####.exr"));
         let mut arguments = Self { output: Some(frame.name(&pattern)?), ..self.clone() };

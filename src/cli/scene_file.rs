@@ -19,7 +19,6 @@ pub(crate) struct SceneFileArgs {
 }
 
 impl SceneFileArgs {
-    /// Returns which files the scene may name.
     pub(super) fn file_access(&self) -> FileAccess {
         if self.allow_outside { FileAccess::Anywhere } else { FileAccess::WithinFolder }
     }

@@ -30,7 +30,6 @@ pub struct NamedColour<'a> {
     pub xy: [f64; 2],
     /// Linear sRGB. A colour with Y = 100 in `xyz` has the luminance 1 in these components.
     pub linear_srgb: [f64; 3],
-    /// The colour as `#rrggbb`.
     pub srgb_hex: &'a str,
     /// The dominant wavelength in nm.
     pub dominant_nm: Option<f64>,
@@ -38,7 +37,6 @@ pub struct NamedColour<'a> {
     pub complementary: Option<bool>,
     /// Excitation purity, from 0 to 1.
     pub purity: Option<f64>,
-    /// The correlated colour temperature in K.
     pub cct_k: Option<f64>,
     /// The distance from the Planckian locus in CIE 1960 uv, positive above it.
     pub duv: Option<f64>,

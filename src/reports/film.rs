@@ -32,7 +32,6 @@ impl Polarised {
 /// CIE 1931 chromaticities of unpolarised light. `None` if there is no light.
 #[derive(Debug, Serialize)]
 pub struct FilmColours {
-    /// The chromaticity of the reflected light.
     pub reflected: Option<[f64; 2]>,
     /// The chromaticity of the transmitted light.
     pub transmitted: Option<[f64; 2]>,
@@ -41,11 +40,8 @@ pub struct FilmColours {
 /// The films at an angle of incidence. Powers are fractions of the incident power.
 #[derive(Debug, Serialize)]
 pub struct FilmAngle {
-    /// The angle of incidence.
     pub degrees: f64,
-    /// The wavelengths of the values.
     pub wavelength_nm: Vec<f64>,
-    /// The reflected power.
     pub reflectance: Polarised,
     /// The transmitted power.
     pub transmittance: Polarised,
@@ -56,7 +52,6 @@ pub struct FilmAngle {
 /// The powers and the colours of a stack of thin films.
 #[derive(Debug, Serialize)]
 pub struct FilmReport {
-    /// The requested angles.
     pub angles: Vec<FilmAngle>,
 }
 

@@ -10,17 +10,11 @@ use super::lens::SpotReport;
 /// quantities.
 #[derive(Debug, Serialize)]
 pub struct FoldedLensReport<'a> {
-    /// The name of the design.
     pub name: &'a str,
-    /// The number of surfaces.
     pub surfaces: usize,
-    /// The number of surfaces that are mirrors.
     pub mirrors: usize,
-    /// The focal length along y.
     pub efl_mm: f64,
-    /// The focal length along x.
     pub efl_x_mm: f64,
-    /// The back focus along y.
     pub bfd_mm: f64,
     /// The back focus along x.
     pub bfd_x_mm: f64,
@@ -39,9 +33,7 @@ pub struct FoldedLensReport<'a> {
 /// The image of a distant point.
 #[derive(Debug, Serialize)]
 pub struct FoldedFieldReport {
-    /// The field angle.
     pub angle_deg: f64,
-    /// The x coordinate of the centre of the spot.
     pub image_x_mm: f64,
     /// The y coordinate of the centre of the spot.
     pub image_height_mm: f64,

@@ -10,7 +10,6 @@ use serde::Serialize;
 /// The optical data of a glass.
 #[derive(Debug, Serialize)]
 pub struct GlassReport<'a> {
-    /// The name in the catalogue.
     pub name: &'a str,
     /// The kind of material, such as `glass` or `crystal`.
     pub kind: &'static str,
@@ -22,12 +21,10 @@ pub struct GlassReport<'a> {
     pub range_nm: [f64; 2],
     /// `None` if the data of the material does not use the Sellmeier formula.
     pub sellmeier: Option<SellmeierCoefficients>,
-    /// A fit of the index.
     pub cauchy: CauchyCoefficients,
     /// The index at the requested wavelengths. JSON leaves an empty list out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<IndexSample>,
-    /// The source of the data.
     pub source: &'a str,
     /// A restriction of the data.
     pub warning: Option<&'a str>,
@@ -59,16 +56,13 @@ pub struct CauchyCoefficients {
     pub range_nm: [f64; 2],
 }
 
-/// The index at a wavelength.
 #[derive(Debug, Serialize)]
 pub struct IndexSample {
     /// The wavelength in nm.
     pub nm: f64,
-    /// The index of refraction.
     pub n: f64,
 }
 
-/// A list of glasses.
 #[derive(Debug, Serialize)]
 pub struct GlassList<'a> {
     /// The entries, in the order of the catalogue.
@@ -77,7 +71,6 @@ pub struct GlassList<'a> {
 
 /// An entry of the list. [`GlassReport`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "GlassReport has the same fields")]
 pub struct GlassListing<'a> {
     pub name: &'a str,
     pub kind: &'static str,
@@ -86,7 +79,6 @@ pub struct GlassListing<'a> {
 }
 
 impl<'a> GlassList<'a> {
-    /// Lists glasses.
     pub fn of(glasses: &'a [Glass]) -> Self {
         let listed = |glass: &'a Glass| {
             let Glass { name, kind, index, .. } = glass;

@@ -19,18 +19,15 @@ pub struct GratingSetup {
     pub azimuth_deg: f64,
     /// The fraction of the light that is reflected, from 0 to 1. The rest is transmitted.
     pub reflectance: f64,
-    /// The index of the medium behind the grating.
     pub behind: RefractiveIndex,
     /// The diameter of the stop across the light of each order.
     pub stop_mm: Option<f64>,
-    /// The width of the slit, seen from the grating.
     pub slit_deg: Option<f64>,
 }
 
 /// An order. If the incidence is conical, `degrees` is the angle to the normal.
 #[derive(Debug, Serialize)]
 pub struct OrderReport {
-    /// The number of the order.
     pub order: i32,
     /// `reflected` or `transmitted`.
     pub side: &'static str,
@@ -51,7 +48,6 @@ pub struct OrderReport {
     pub slit_nm: Option<f64>,
 }
 
-/// The orders of a grating.
 #[derive(Debug, Serialize)]
 pub struct GratingReport {
     /// The orders on both sides, from the lowest to the highest number.

@@ -16,18 +16,14 @@ use serde::Serialize;
 use super::colour::NamedColour;
 use super::named::NamedSpectrum;
 
-/// The comparison of two lamps.
 #[derive(Debug)]
 pub struct LampsCompared {
-    /// The observer of all colours.
     pub observer: &'static Observer,
     /// The two lights: A, and either B or the match of A.
     pub lamps: [NamedSpectrum; 2],
-    /// The comparison of A with B.
     pub comparison: LampComparison,
     /// Fluorescent surfaces under A and B.
     pub fluorescent: Vec<PatchDifference>,
-    /// The third lamp, and its comparison with A.
     pub third: Option<(NamedSpectrum, LampComparison)>,
     /// The match of A, if primaries were given.
     pub mix: Option<PrimaryMix>,
@@ -36,7 +32,6 @@ pub struct LampsCompared {
 /// A mix of primaries. Its colour is as close as possible to the colour of a lamp.
 #[derive(Debug)]
 pub struct PrimaryMix {
-    /// The lights that were mixed.
     pub primaries: Vec<NamedSpectrum>,
     /// The weights of the primaries, and how well the mix matches.
     pub found: PrimaryMatch,
@@ -134,7 +129,6 @@ impl PrimaryMix {
         }
     }
 
-    /// Returns the weights of the primaries as text.
     pub fn weights_text(&self) -> String {
         let part = |(primary, weight): (&NamedSpectrum, &f64)| format!("{weight:.6} × {}", primary.name);
         self.primaries.iter().zip(&self.found.weights).map(part).collect::<Vec<String>>().join(" + ")
@@ -152,7 +146,6 @@ impl PrimaryMix {
 /// The figures of a comparison.
 #[derive(Debug, Serialize)]
 pub struct LampsReport<'a> {
-    /// The lamp A.
     pub a: NamedColour<'a>,
     /// The lamp B, or the match of A.
     pub b: NamedColour<'a>,
@@ -160,9 +153,7 @@ pub struct LampsReport<'a> {
     pub lights: LampDifference,
     /// The match of A, if primaries were given.
     pub r#match: Option<LampMatch<'a>>,
-    /// The ColorChecker patches under A and B.
     pub patches: Vec<PatchColours<'a>>,
-    /// Fluorescent surfaces under A and B.
     pub fluorescent: Vec<PatchColours<'a>>,
     /// The mean and the maximum of the colour differences of all patches.
     pub delta_e_2000: DeltaESummary,
@@ -170,7 +161,6 @@ pub struct LampsReport<'a> {
     pub metameric_pairs: MetamericPairs<'a>,
     /// A sentence that says how different A and B are.
     pub verdict: String,
-    /// The third lamp, and its comparison with A.
     pub c: Option<ThirdLamp<'a>>,
     /// A warning if the mix of the primaries does not match A.
     pub warning: Option<String>,
@@ -178,9 +168,7 @@ pub struct LampsReport<'a> {
 
 /// A third lamp, compared with A. The other fields have the meaning of those of [`LampsReport`].
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "LampsReport has the same fields")]
 pub struct ThirdLamp<'a> {
-    /// The lamp C.
     #[serde(flatten)]
     pub colour: NamedColour<'a>,
     pub lights: LampDifference,
@@ -192,7 +180,6 @@ pub struct ThirdLamp<'a> {
 
 /// The difference between two lights. [`LightDifference`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "LightDifference has the same fields")]
 pub struct LampDifference {
     pub delta_xy: f64,
     pub delta_e_2000: f64,
@@ -207,11 +194,8 @@ impl From<LightDifference> for LampDifference {
 /// A mix of primaries with a colour close to that of a lamp.
 #[derive(Debug, Serialize)]
 pub struct LampMatch<'a> {
-    /// The names of the primaries.
     pub primaries: Vec<&'a str>,
-    /// The weight of each primary.
     pub weights: &'a [f64],
-    /// The difference that is left.
     #[serde(flatten)]
     pub left: LampDifference,
     /// The relative error of Y.
@@ -224,9 +208,7 @@ pub struct LampMatch<'a> {
 /// The colours of a surface under A and under B, each with the lamp as the white point.
 #[derive(Debug, Serialize)]
 pub struct PatchColours<'a> {
-    /// The name of the surface.
     pub name: &'a str,
-    /// The difference between the colours.
     pub delta_e_2000: f64,
     /// Tristimulus values. The perfect diffuser has Y = 100.
     pub xyz: [[f64; 3]; 2],
@@ -240,10 +222,8 @@ impl<'a> From<&'a PatchDifference> for PatchColours<'a> {
     }
 }
 
-/// The colour differences of several surfaces.
 #[derive(Debug, Serialize)]
 pub struct DeltaESummary {
-    /// The mean.
     pub mean: f64,
     /// The maximum.
     pub max: f64,
@@ -273,7 +253,6 @@ pub struct MetamericPairs<'a> {
     pub alike: f64,
     /// The smallest ΔE2000 of two surfaces that look different.
     pub different: f64,
-    /// The number of examined pairs.
     pub of: usize,
     /// The pairs, from the largest difference on.
     pub split: Vec<MetamericPair<'a>>,
@@ -282,14 +261,12 @@ pub struct MetamericPairs<'a> {
 /// Two surfaces that are told apart under one lamp only.
 #[derive(Debug, Serialize)]
 pub struct MetamericPair<'a> {
-    /// The names of the surfaces.
     pub names: [&'a str; 2],
     /// The difference between the two surfaces: first under A, then under B.
     pub delta_e_2000: [f64; 2],
 }
 
 impl<'a> LampsReport<'a> {
-    /// Returns the figures of a comparison.
     pub fn of(compared: &'a LampsCompared) -> Self {
         let LampsCompared { observer, lamps, comparison, fluorescent, third, mix } = compared;
         let colour = |i: usize| NamedColour::new(&lamps[i].name, &comparison.reports[i], observer, None);

@@ -15,17 +15,12 @@ use serde::Serialize;
 /// The analysis of a lens, as [`LensAnalysis`] and [`abbe_optics::lens::Paraxial`] define it.
 #[derive(Debug, Serialize)]
 pub struct LensReport<'a> {
-    /// The name of the design.
     pub name: &'a str,
-    /// The source of the prescription.
     pub source: Option<&'a str>,
-    /// The number of surfaces, with the stop.
     pub surfaces: usize,
     /// The distance from the first to the last surface.
     pub length_mm: f64,
-    /// The focal length at the d line.
     pub efl_mm: f64,
-    /// The back focus at the d line.
     pub bfd_mm: f64,
     /// The back focus of the F line minus that of the C line.
     pub fc_shift_mm: f64,
@@ -43,9 +38,7 @@ pub struct LensReport<'a> {
     pub fields: Vec<FieldReport>,
 }
 
-/// A pupil. [`Pupil`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "Pupil has the same fields")]
 pub struct PupilReport {
     pub z_mm: f64,
     pub diameter_mm: f64,
@@ -53,7 +46,6 @@ pub struct PupilReport {
 
 /// The focus of a spectral line. [`abbe_optics::lens::LineFocus`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "LineFocus has the same fields")]
 pub struct LineReport {
     pub line: &'static str,
     pub nm: f64,
@@ -64,7 +56,6 @@ pub struct LineReport {
 
 /// The image of a distant point. [`FieldPoint`] and [`ImageQuality`] define the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "FieldPoint and ImageQuality have the same fields")]
 pub struct FieldReport {
     pub angle_deg: f64,
     pub image_height_mm: f64,
@@ -77,7 +68,6 @@ pub struct FieldReport {
 
 /// The contrast at a spatial frequency. [`MtfPoint`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "MtfPoint has the same fields")]
 pub struct MtfReport {
     pub cycles_per_mm: f64,
     pub tangential: f64,
@@ -87,7 +77,6 @@ pub struct MtfReport {
 
 /// The ray fans of a line at the heights `pupil`. [`RayFan`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "RayFan has the same fields")]
 pub struct FanReport {
     pub line: &'static str,
     pub pupil: [f64; FAN_PUPIL.len()],
@@ -95,7 +84,6 @@ pub struct FanReport {
     pub sagittal_mm: [Option<f64>; FAN_PUPIL.len()],
 }
 
-/// The spot of a line.
 #[derive(Debug, Serialize)]
 pub struct SpotReport {
     /// `F`, `d` or `C`.
@@ -105,13 +93,11 @@ pub struct SpotReport {
 }
 
 impl SpotReport {
-    /// Names the spots at [`LINES`].
     pub(super) fn of_lines(rms_mm: [f64; 3]) -> Vec<Self> {
         LINES.iter().zip(rms_mm).map(|(line, rms_mm)| Self { line: line.0, rms_mm }).collect()
     }
 }
 
-/// A list of lenses.
 #[derive(Debug, Serialize)]
 pub struct LensList<'a> {
     /// The entries, in the order of the catalogue.
@@ -120,7 +106,6 @@ pub struct LensList<'a> {
 
 /// An entry of the list. [`LensReport`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "LensReport has the same fields")]
 pub struct LensListing<'a> {
     pub name: &'a str,
     pub efl_mm: f64,
@@ -259,7 +244,6 @@ pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
 /// The surfaces of a lens, for other programs.
 #[derive(Debug, Serialize)]
 pub struct LensPrescription<'a> {
-    /// The name of the design.
     pub name: &'a str,
     /// Half the field of view of the design.
     pub half_field_deg: Option<f64>,
@@ -267,7 +251,6 @@ pub struct LensPrescription<'a> {
     pub surfaces: Vec<SurfaceReport<'a>>,
 }
 
-/// A surface of a prescription.
 #[derive(Debug, Serialize)]
 pub struct SurfaceReport<'a> {
     /// The radius of curvature. `None` for a plane.
@@ -278,11 +261,9 @@ pub struct SurfaceReport<'a> {
     pub even_terms: &'a [f64],
     /// The distance to the next surface.
     pub thickness_mm: f64,
-    /// The radius of the edge.
     pub semi_aperture_mm: f64,
     /// The radius of the opaque disc in the middle.
     pub obscuration_mm: f64,
-    /// True for the aperture stop.
     pub stop: bool,
     /// The indices of refraction behind the surface at the requested wavelengths.
     pub n: Vec<f64>,

@@ -28,7 +28,6 @@ pub fn measure(
     measured.map_err(|error| error.in_file(path))
 }
 
-/// Returns the readings as a table.
 pub fn table(report: &MeasurementReport) -> String {
     let mut text = String::new();
     for meter in &report.meters {
@@ -96,7 +95,6 @@ fn spectrum_rows(meter: &MeterReport, point: &PointReport) -> String {
     lines.collect()
 }
 
-/// Returns a number with five significant digits.
 fn significant(value: f64) -> String {
     rounded(value, 5.0)
 }
@@ -216,7 +214,6 @@ fn plan(meter: &MeterReport) -> Option<PlanMap> {
     })
 }
 
-/// Returns a number with three significant digits.
 #[cfg(feature = "pages")]
 fn three_digits(value: f64) -> String {
     rounded(value, 3.0)

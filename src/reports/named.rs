@@ -9,7 +9,6 @@ use abbe_spectra::spectrum::library::{self, LibraryListing, SpectrumKind};
 use abbe_spectra::spectrum::{Spectrum, read};
 use serde::Serialize;
 
-/// A spectrum, its name and its origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedSpectrum {
     /// The name in the library, a description of a simple JSON spectrum, or the text itself.
@@ -88,7 +87,6 @@ pub fn light_remark(text: &str) -> Option<String> {
     is_other.then(|| format!("{text} is not a light; {hint}"))
 }
 
-/// The spectra of the library.
 #[derive(Debug, Serialize)]
 pub struct SpectrumList {
     /// The entries, in the order of the library.
@@ -104,12 +102,10 @@ pub struct SpectrumListing {
     pub kind: &'static str,
     /// A few words about the spectrum.
     pub description: &'static str,
-    /// The source of the data.
     pub source: &'static str,
 }
 
 impl SpectrumList {
-    /// Lists the library.
     pub fn of_library() -> Self {
         let listed = |entry: &LibraryListing| SpectrumListing {
             name: entry.name,

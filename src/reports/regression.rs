@@ -12,16 +12,13 @@ use abbe_spectra::spectrum::{BAND_NM, Observer};
 use serde::Serialize;
 use serde_json::Value;
 
-/// The columns of a file of colours.
 const COLUMNS: [&str; 10] = ["id", "X", "Y", "Z", "linear_r", "linear_g", "linear_b", "srgb_r", "srgb_g", "srgb_b"];
 
 /// The keys of a colour in JSON.
 const FORMS: [&str; 3] = ["xyz", "linear_srgb", "srgb"];
 
-/// The further keys of a case in `set.json`.
 const CASE_KEYS: [&str; 3] = ["group", "light", "reflectance"];
 
-/// The conventions of the expected values.
 const CONVENTIONS: [&str; 6] = [
     "XYZ is the sum over 360, 361, ... 830 nm of value times observer, plus the power of each line times the observer, interpolated linearly at the line",
     "a case with a reflectance uses the product of the light and the reflectance; at a line, the reflectance is interpolated linearly",
@@ -38,7 +35,6 @@ pub struct ExportedSet {
     pub set: &'static str,
     /// Sentences that define the expected values.
     pub conventions: [&'static str; 6],
-    /// The default tolerances.
     pub tolerances: RegressionTolerances,
     /// The wavelengths of the samples in nm.
     pub nm: Vec<f64>,
@@ -50,7 +46,6 @@ pub struct ExportedSet {
     pub cases: Vec<ExportedCase>,
 }
 
-/// A spectrum of the set.
 #[derive(Debug, Serialize)]
 pub struct ExportedSpectrum {
     /// The name that the cases use.
@@ -59,11 +54,9 @@ pub struct ExportedSpectrum {
     pub kind: &'static str,
     /// The values at the wavelengths of the set, without the lines.
     pub values: Vec<f64>,
-    /// The spectral lines.
     pub lines: Vec<ExportedLine>,
 }
 
-/// A spectral line.
 #[derive(Debug, Serialize)]
 pub struct ExportedLine {
     /// The wavelength in nm.
@@ -72,18 +65,13 @@ pub struct ExportedLine {
     pub power: f64,
 }
 
-/// A case of the set.
 #[derive(Debug, Serialize)]
 pub struct ExportedCase {
-    /// The name of the case.
     pub id: &'static str,
-    /// The group of the case.
     pub group: CaseGroup,
-    /// The name of the light.
     pub light: &'static str,
     /// The name of the reflectance. `None` for the colour of the light itself.
     pub reflectance: Option<&'static str>,
-    /// The expected colour.
     #[serde(flatten)]
     pub expected: CaseColour,
 }

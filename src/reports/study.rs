@@ -13,10 +13,8 @@ use abbe_spectra::error::Result;
 use crate::api::{memory, provenance};
 use crate::study::{self, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
 
-/// The files of a study.
 #[derive(Debug, Clone, Copy)]
 pub struct StudyFiles<'a> {
-    /// The scene file, which errors and the report name.
     pub scene: &'a Path,
     /// The folder of the results.
     pub output: &'a Path,

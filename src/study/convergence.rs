@@ -11,11 +11,9 @@ use serde::{Deserialize, Serialize};
 /// The error of a render after some passes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ConvergencePoint {
-    /// The number of passes.
     pub passes: u64,
     /// The seconds of work so far, including the pilot and excluding the measurement of errors.
     pub seconds: f64,
-    /// The error of the picture.
     #[serde(rename = "wrong")]
     pub error: PictureError,
 }
@@ -25,7 +23,6 @@ pub(super) struct ConvergenceMonitor<'a> {
     monitor: &'a mut (dyn StudyMonitor + Send),
     reference: Option<&'a ReferencePicture>,
     passes_wanted: u64,
-    /// The next measurement is due after this many passes.
     next_passes: u64,
     /// Seconds of work so far.
     seconds: f64,

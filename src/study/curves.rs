@@ -18,7 +18,6 @@ use serde::Serialize;
 pub struct ConvergenceCurve {
     /// `photon` or `path`.
     pub integrator: &'static str,
-    /// The error after some passes.
     pub points: Vec<ConvergencePoint>,
     /// The fitted slope of the error as a function of passes, in smooth regions, or over the whole
     /// picture if it has too few of them.
@@ -29,9 +28,7 @@ pub struct ConvergenceCurve {
     pub theory: Vec<TheoreticalSlope>,
     /// The number of passes in the scene's settings.
     pub passes_wanted: u64,
-    /// The statistics of the render.
     pub stats: Stats,
-    /// The picture of the render.
     #[serde(skip)]
     pub picture: Picture,
 }
@@ -39,9 +36,7 @@ pub struct ConvergenceCurve {
 /// The theoretical slope of an estimator's mean square error as a function of passes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TheoreticalSlope {
-    /// The name of the estimator.
     pub estimator: &'static str,
-    /// The exponent of the number of passes.
     pub slope: f64,
 }
 

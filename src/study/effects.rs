@@ -16,41 +16,33 @@ use serde::Serialize;
 /// An effect that is on, and the comparison with a picture without this effect.
 #[derive(Debug, Clone, Serialize)]
 pub struct EffectAblation {
-    /// The name of the effect.
     pub name: &'static str,
     /// `on` or `forced`.
     pub state: &'static str,
-    /// The reason why the effect is on.
     pub because: String,
-    /// The number of events of the effect.
     pub events: u64,
     /// The result of a render without the effect, or the reason why the effect cannot be left out.
     pub left_out: AblationResult,
-    /// The picture without the effect.
     #[serde(skip)]
     pub picture: Option<Picture>,
 }
 
-/// The result of leaving an effect out.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AblationResult {
     /// The effect was left out.
     Measured {
-        /// Time and memory without the effect.
         cost: RenderCost,
         /// The relative mean square difference between the pictures without and with the effect,
         /// with the same passes and seeds.
         relative_mse: f64,
         /// The colour difference between the pictures with and without the effect.
         delta_e_2000: DeltaE,
-        /// The error of the picture without the effect.
         #[serde(rename = "wrong")]
         error: MeanEstimate,
     },
     /// The reason why the effect cannot be left out.
     Refused(String),
-    /// The study had no time for this effect.
     NoTime,
 }
 
@@ -65,10 +57,8 @@ pub struct RenderCost {
     pub memory_bytes: u64,
 }
 
-/// An effect that is off.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct InactiveEffect {
-    /// The name of the effect.
     pub name: &'static str,
     /// `off` or `forbidden`.
     pub state: &'static str,
@@ -78,14 +68,10 @@ pub struct InactiveEffect {
     pub events: u64,
 }
 
-/// The results for all effects.
 #[derive(Debug, Clone, Serialize)]
 pub struct EffectStudy {
-    /// The number of passes of every compared picture.
     pub passes: u64,
-    /// Time and memory of the picture with all effects.
     pub with: RenderCost,
-    /// The error of the picture with all effects.
     #[serde(rename = "wrong")]
     pub error: MeanEstimate,
     /// The relative mean square difference caused by noise alone, between two pictures with all
@@ -93,11 +79,8 @@ pub struct EffectStudy {
     pub noise_relative_mse: f64,
     /// The colour difference caused by noise alone.
     pub noise_delta_e_2000: DeltaE,
-    /// The effects that are on.
     pub on: Vec<EffectAblation>,
-    /// The effects that are off.
     pub off: Vec<InactiveEffect>,
-    /// The picture with all effects.
     #[serde(skip)]
     pub picture: Picture,
 }

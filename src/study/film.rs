@@ -14,7 +14,6 @@ use serde::Serialize;
 pub struct StudyFilm {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
     pub height: u32,
     /// Pixels per row of the scene's own film.
     pub own_width: u32,

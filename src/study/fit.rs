@@ -6,14 +6,12 @@ use serde::{Deserialize, Serialize};
 /// A power law y = c·xᵖ, fitted to points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PowerLawFit {
-    /// The exponent p.
     pub slope: f64,
     /// The standard error of the exponent, from the scatter of the points around the line.
     pub standard_error: f64,
     /// log₁₀ of c.
     #[serde(skip)]
     pub intercept: f64,
-    /// The number of points.
     pub points: usize,
 }
 
@@ -36,12 +34,10 @@ impl PowerLawFit {
         Some(Self { slope, standard_error: (left / (count - 2.0) / spread).sqrt(), intercept, points: logs.len() })
     }
 
-    /// Writes the exponent with its standard error.
     pub fn words(&self) -> String {
         format!("{:.2} ± {:.2}", self.slope, self.standard_error).replace('-', "−")
     }
 
-    /// The value of the law at `x`.
     pub fn at(&self, x: f64) -> f64 {
         powf(10.0_f64, self.intercept + self.slope * log10(x))
     }

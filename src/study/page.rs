@@ -31,7 +31,6 @@ pub(super) struct StudyPictures<'a> {
     /// The pictures for comparison and their names: the reference, photon mapping, the path tracer,
     /// and then one without each effect.
     full: Vec<(String, &'a Picture)>,
-    /// The picture with all effects.
     whole: &'a Picture,
 }
 

@@ -11,18 +11,13 @@ use abbe_session::render::Integrator;
 use abbe_spectra::math::elementary::{exp, ln, powf};
 use serde::Serialize;
 
-/// The settings and the time for a wanted error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recommendation {
-    /// The relative mean square error.
     pub relative_mse: f64,
-    /// The settings as text.
     pub settings: String,
-    /// The number of passes for this error.
     pub passes: u64,
     /// The shell command that renders with these settings at the scene's own film size.
     pub command: String,
-    /// Seconds at the study's film size.
     pub seconds: f64,
     /// The seconds at the scene's own film size. They are extrapolated from the number of pixels.
     pub seconds_own_film: f64,
@@ -38,7 +33,6 @@ pub const ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
 /// point.
 const MAX_EXTRAPOLATION: f64 = 1000.0;
 
-/// Settings with their measured errors.
 struct TriedSettings<'a> {
     settings: RenderSettings,
     points: Vec<&'a ConvergencePoint>,

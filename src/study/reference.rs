@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 /// A mean over pixels, and the standard error of this mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeanEstimate {
-    /// The mean.
     pub value: f64,
     /// The standard error of the mean, computed as if pixels were independent.
     pub standard_error: f64,
@@ -38,13 +37,10 @@ pub struct PictureError {
     pub smooth: Option<MeanEstimate>,
 }
 
-/// A reference picture.
 #[derive(Debug, Clone)]
 pub struct ReferencePicture {
-    /// The picture.
     pub picture: Picture,
     scale: ErrorScale,
-    /// The relative variance of each pixel of the reference.
     variance: Vec<f64>,
     /// For each pixel, whether it is in a smooth region. Empty if there are too few.
     smooth: Vec<bool>,
@@ -93,7 +89,6 @@ impl ReferencePicture {
         self.estimate(square)
     }
 
-    /// The relative variance of the reference itself.
     pub fn own_variance(&self) -> PictureError {
         self.estimate(|i| self.variance[i])
     }

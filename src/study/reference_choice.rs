@@ -17,12 +17,9 @@ use abbe_spectra::math::elementary::powf;
 use abbe_transport::sensor::Picture;
 use serde::Serialize;
 
-/// A reference picture and its provenance.
 #[derive(Debug, Clone)]
 pub struct ChosenReference {
-    /// The reference picture.
     pub reference: ReferencePicture,
-    /// The provenance of the picture.
     pub provenance: ReferenceProvenance,
     /// Identifies the picture in the step cache.
     pub(super) identity: String,
@@ -33,7 +30,6 @@ pub struct ChosenReference {
 pub struct ReferenceProvenance {
     /// `path`, `photon` or `given`.
     pub origin: &'static str,
-    /// The reason for this choice.
     pub because: String,
     /// The number of passes of both halves together, or 0 for a given picture.
     pub passes: u64,
@@ -57,13 +53,11 @@ pub struct ReferenceProvenance {
 /// The kernel area of a photon-mapped reference, relative to the scene's settings.
 const KERNEL_AREA_RATIO: f64 = 0.1;
 
-/// Seed offsets of the two halves of the reference.
 const HALVES: [u64; 2] = [101, 102];
 
 /// Seed offsets of the two trial renders of each integrator.
 const TRIALS: [u64; 2] = [201, 202];
 
-/// The method of the reference.
 struct ReferenceOrigin {
     /// `path`, `photon` or `given`.
     integrator: &'static str,
@@ -142,7 +136,6 @@ impl ChosenReference {
         Self { reference, provenance, identity }
     }
 
-    /// The reference picture with its identity.
     pub(super) fn identified(&self) -> Option<(&ReferencePicture, &str)> {
         Some((&self.reference, &self.identity))
     }

@@ -19,10 +19,8 @@ use abbe_transport::sensor::Picture;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// The options of a study.
 #[derive(Debug, Clone)]
 pub struct StudyOptions {
-    /// The folder of the study's files.
     pub folder: PathBuf,
     /// The approximate limit on the time of the study.
     pub budget: Duration,
@@ -33,13 +31,11 @@ pub struct StudyOptions {
 /// The outcome of a study that did not fail.
 #[derive(Debug)]
 pub enum StudyOutcome {
-    /// All results are written.
     Finished(Box<StudyReport>),
     /// The monitor stopped the study. The results of finished steps are cached.
     Interrupted,
 }
 
-/// The file name of the study's page.
 pub const PAGE: &str = "study.html";
 
 /// Studies a scene on the current thread pool, and writes the results. Returns an error if the

@@ -14,7 +14,6 @@ use abbe_transport::sensor::Picture;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RenderStep {
-    /// The name of the step's files.
     pub(super) name: String,
     /// The description in progress reports.
     pub(super) label: String,
@@ -44,7 +43,6 @@ impl RenderStep {
         self
     }
 
-    /// Adds changes of the scene.
     pub(super) fn with_changes(mut self, changes: impl IntoIterator<Item = String>) -> Self {
         self.changes.extend(changes);
         self

@@ -12,7 +12,6 @@ const LEVEL: f64 = 0.1;
 /// The smallest mean of a smooth window, relative to the mean of the picture.
 const DARKEST: f64 = 0.02;
 
-/// The definition of a smooth region as text.
 pub const RULE: &str = "a pixel is smooth if, in the 7 × 7 pixels of the reference around it, the standard deviation of Y \
                         (without noise) is at most 10 % of the mean, and the mean is at least 2 % of the picture's mean";
 

@@ -12,7 +12,6 @@ use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;
 use serde::{Deserialize, Serialize};
 
-/// The result of a step without its picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct StepResult {
     /// The errors after some numbers of passes. The list is empty if no error was measured.
@@ -21,7 +20,6 @@ pub(super) struct StepResult {
     pub(super) stats: Stats,
     /// The memory of film, scene and photons (by their number), in bytes.
     pub(super) memory_bytes: u64,
-    /// The number of passes in the settings.
     pub(super) passes_wanted: u64,
 }
 
@@ -39,7 +37,6 @@ struct CachedStep {
     result: StepResult,
 }
 
-/// The subfolder of the steps.
 const STEPS: &str = "steps";
 
 /// The header attribute in the picture file of a step that stores its identity.
@@ -55,7 +52,6 @@ impl StepCache {
         Ok(Self { folder: folder.to_path_buf() })
     }
 
-    /// The path of a file of the study.
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }

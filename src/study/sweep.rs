@@ -16,7 +16,6 @@ use abbe_spectra::math::sort::sort_by_number;
 use abbe_transport::plan::{CausticPlan, IndirectPlan};
 use serde::Serialize;
 
-/// One render of the sweep.
 #[derive(Debug, Clone, Serialize)]
 pub struct SweepRun {
     /// The difference from the scene's own settings, or null if there is none.
@@ -31,7 +30,6 @@ pub struct SweepRun {
 /// The time of a render as a function of its passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderTime {
-    /// Seconds of the pilot.
     pub pilot: f64,
     /// The part of a pass's time that does not depend on the film size, in seconds.
     pub fixed: f64,
@@ -42,18 +40,15 @@ pub struct RenderTime {
 /// A point of the Pareto front: no other measured point has a smaller error in less time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ParetoPoint {
-    /// The index of the run that contains the point.
     pub run: usize,
     /// The error and the time.
     pub point: ConvergencePoint,
 }
 
-/// The result of the sweep.
 #[derive(Debug, Clone, Serialize)]
 pub struct SettingSweep {
     /// All runs; the first one has the scene's own settings.
     pub runs: Vec<SweepRun>,
-    /// The Pareto front in order of time.
     pub front: Vec<ParetoPoint>,
     /// The error and the time with the scene's own settings and passes, or null without time for
     /// them.
@@ -120,7 +115,6 @@ impl RenderTime {
 }
 
 impl SweepRun {
-    /// The settings of the run.
     pub fn settings(&self) -> RenderSettings {
         RenderSettings { integrator: Integrator::Photon, change: self.change }
     }

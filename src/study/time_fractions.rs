@@ -6,18 +6,13 @@
 pub struct TimeFractions {
     /// The trials for the choice of the reference's integrator.
     pub trial: f64,
-    /// The reference.
     pub reference: f64,
-    /// The measurement of error against time for photon mapping.
     pub photon_curve: f64,
     /// The measurement of error against time for the path tracer.
     pub path_curve: f64,
-    /// The sweep of settings.
     pub sweep: f64,
-    /// The effects, one by one.
     pub effects: f64,
 }
 
-/// The fractions of every study.
 pub const TIME_FRACTIONS: TimeFractions =
     TimeFractions { trial: 0.06, reference: 0.34, photon_curve: 0.14, path_curve: 0.1, sweep: 0.2, effects: 0.16 };

@@ -9,7 +9,6 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
-/// The orders of the page to the session.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Orders {
     /// Counts the changes of the scene: of its file, and by the page.
@@ -49,7 +48,6 @@ impl SessionState {
     }
 }
 
-/// The progress of the present render.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ViewProgress {
     pub(super) passes: u64,
@@ -61,7 +59,6 @@ pub(super) struct ViewProgress {
 }
 
 impl ViewProgress {
-    /// Returns the progress without the time of pauses.
     pub(super) fn new(progress: &Progress, paused: Duration) -> Self {
         let total_s = progress.elapsed.as_secs_f64();
         let elapsed_s = (total_s - paused.as_secs_f64()).max(1e-3);
@@ -125,13 +122,11 @@ impl ViewChannel {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes the state, and tells the page.
     fn update(&self, change: impl FnOnce(&mut ViewState)) {
         change(&mut self.lock());
         self.version.send_modify(|version| *version += 1);
     }
 
-    /// Changes the orders, and wakes the session.
     pub(super) fn order(&self, change: impl FnOnce(&mut Orders)) {
         self.update(|state| change(&mut state.orders));
         self.changed.notify_all();
@@ -244,7 +239,6 @@ impl ViewChannel {
         self.version.subscribe()
     }
 
-    /// Returns the state for the page.
     pub(super) fn to_json(&self) -> Value {
         // A change after this line has a newer version, so the page asks again.
         let version = *self.version.borrow();

@@ -6,20 +6,16 @@ use abbe_session::render::Job;
 use abbe_spectra::error::Result;
 use std::path::Path;
 
-/// A scene that is ready to render, with its text.
 #[derive(Debug)]
 pub struct LoadedScene {
     /// The text of the scene after all changes.
     pub source: JsonSource,
-    /// The planned scene.
     pub job: Job,
     /// The header entries that describe the scene.
     pub metadata: Metadata,
 }
 
-/// Loads the scene of a view.
 pub trait ViewHost: Sync {
-    /// The path of the scene file.
     fn scene_path(&self) -> &Path;
 
     /// Loads the scene with these changes in the form `PATH=JSON`, without the effects that the

@@ -53,7 +53,6 @@ impl LiveView {
         Ok(Self { channel, address, token })
     }
 
-    /// Returns the address of the page.
     pub fn url(&self) -> String {
         format!("http://{}/{}/", self.address, self.token)
     }

@@ -92,7 +92,6 @@ fn colour(job: &Job, segment: &RecordedSegment) -> [f64; 3] {
     if most > 0.0 { xyz.map(|value| (value / most * 1e4).round() / 1e4) } else { [0.0; 3] }
 }
 
-/// Rounds a film position to hundredths of a pixel.
 fn hundredths(position: f64) -> f64 {
     (position * 100.0).round() / 100.0
 }

@@ -15,7 +15,6 @@ pub(super) struct ProbeArea {
     pub(super) y1: usize,
 }
 
-/// The mean values of an area.
 #[derive(Debug, Serialize)]
 pub(super) struct AreaReport {
     picture: u64,

@@ -10,10 +10,8 @@ use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum};
 use abbe_transport::sensor::{Development, Picture};
 use serde_json::{Value, json};
 
-/// A loaded scene as the page sees it.
 #[derive(Debug)]
 pub(super) struct ScenePanels {
-    /// Counts the loaded scenes of the view.
     pub(super) number: u64,
     pub(super) display: DisplaySettings,
     /// The content of the page's panels as JSON.

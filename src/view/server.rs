@@ -214,7 +214,6 @@ async fn compared(channel: &ViewChannel, path: &str, query: &str) -> Result<Resp
     work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?
 }
 
-/// Traces photon paths in the present scene.
 async fn traced(server: &ViewServer, query: PhotonQuery) -> Result<Response, StatusCode> {
     let _turn = server.tracing.lock().await;
     let (loaded, scene) = server.channel.loaded().ok_or(StatusCode::NOT_FOUND)?;
@@ -263,7 +262,6 @@ struct PageOrders {
     extend: bool,
     /// All changes of the scene, in the form `PATH=JSON`.
     changes: Option<Vec<String>>,
-    /// All forbidden effects.
     forbidden: Option<Vec<String>>,
     /// True while the reader moves a slider or the camera.
     #[serde(default)]

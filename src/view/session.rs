@@ -15,7 +15,6 @@ use std::time::{Duration, Instant};
 /// The session renders all passes again when a slider has not moved for this time.
 const DRAFT_END: Duration = Duration::from_millis(400);
 
-/// The state of a view at its end.
 #[derive(Debug)]
 pub struct SessionEnd {
     /// The last scene and its render, unless the scene has a fault, or no pass of it is done.
@@ -152,7 +151,6 @@ struct ViewMonitor<'a, 'p> {
     publisher: &'a mut Publisher<'p>,
     /// The revision of the scene that is rendered.
     revision: u64,
-    /// The time of all pauses.
     paused: Duration,
     last: ViewProgress,
 }

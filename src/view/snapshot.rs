@@ -13,7 +13,6 @@ use std::sync::{Arc, OnceLock};
 /// A picture that the page can show. It never changes.
 #[derive(Debug)]
 pub(super) struct Snapshot {
-    /// Counts the snapshots of the view.
     pub(super) number: u64,
     /// The name of the scene file or of the picture file.
     pub(super) name: String,
@@ -30,7 +29,6 @@ pub(super) struct Snapshot {
     pub(super) effort: Option<(StageSeconds, LedgerStats)>,
     /// The noise of the bands, if several pictures of the render were published.
     pub(super) band_noise: Option<BandNoise>,
-    /// The number of events of each effect.
     pub(super) events: BTreeMap<String, u64>,
     /// The header of the picture's file, or `None` for a coarse picture.
     pub(super) metadata: Option<Metadata>,
@@ -43,7 +41,6 @@ pub(super) struct Snapshot {
 }
 
 impl Snapshot {
-    /// Creates the snapshot of a saved picture.
     pub(super) fn of_file(
         number: u64,
         name: &str,

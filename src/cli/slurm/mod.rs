@@ -97,7 +97,6 @@ pub(crate) fn run(arguments: &SlurmArgs) -> Result<Outcome> {
 }
 
 impl SlurmArgs {
-    /// The name of the scene without folder and extension.
     fn name(&self) -> String {
         self.scene.file_stem().unwrap_or("scene".as_ref()).to_string_lossy().into_owned()
     }
@@ -120,7 +119,6 @@ impl SlurmArgs {
         Ok(passes)
     }
 
-    /// Returns the file `settings.sh`.
     fn settings(&self, passes: Option<u64>) -> Result<String> {
         let absolute = |path: &Path| {
             path.canonicalize().map_err(|error| Error::input(format!("cannot be found: {error}")).in_file(path))
@@ -173,7 +171,6 @@ impl SlurmArgs {
     }
 }
 
-/// Returns a text as one word of a shell.
 fn quoted(text: &str) -> String {
     format!("'{}'", text.replace('\'', r"'\''"))
 }
@@ -184,7 +181,6 @@ fn quoted_path(path: &Path) -> Result<String> {
     Ok(quoted(text))
 }
 
-/// Returns texts as words of a shell.
 fn words(texts: &[String]) -> String {
     texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(" ")
 }

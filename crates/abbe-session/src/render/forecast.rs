@@ -68,7 +68,9 @@ pub struct Forecast {
 /// The passes and the time after which the render reaches a relative error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorMilestone {
+    /// The relative error.
     pub error: f64,
+    /// The number of passes from the beginning.
     pub passes: f64,
     /// The time from the beginning in s.
     pub seconds: f64,

@@ -5,12 +5,14 @@ use super::run::Run;
 use abbe_transport::sensor::Picture;
 use std::time::Duration;
 
+/// The progress of a render after a pass.
 #[derive(Debug, Clone, Copy)]
 pub struct Progress {
+    /// The number of passes done.
     pub passes: u64,
-    /// `None` if the number of passes is not limited.
+    /// The number of passes at which the render stops, or `None` without limit.
     pub passes_wanted: Option<u64>,
-    /// Without the time between an interruption and the continuation.
+    /// The time of the run so far, without that between an interruption and the continuation.
     pub elapsed: Duration,
     /// The time at which the render stops, or `None` if the time is not limited.
     pub time_wanted: Option<Duration>,

@@ -6,8 +6,10 @@ use std::time::Duration;
 /// The algorithm that solves the light transport.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Integrator {
+    /// Photon mapping.
     #[default]
     Photon,
+    /// The reference path tracer.
     Path,
 }
 

@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 /// The mean energy balance of a pass, in W.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LedgerStats {
+    /// The emitted power.
     pub emitted: f64,
     /// The part of `emitted` below 360 nm, which `lamps` does not include.
     #[serde(default)]
@@ -23,16 +24,19 @@ pub struct LedgerStats {
     pub sampling: f64,
     /// The power absorbed by surfaces and bodies.
     pub absorbed: f64,
-    /// What fluorophores absorbed and did not emit, because the emitted photons have less energy.
+    /// The power that fluorophores absorbed and did not emit, because the emitted photons have less
+    /// energy.
     #[serde(default)]
     pub stokes_loss: f64,
     /// The power of the photons that fluorophores absorbed without emitting a photon.
     #[serde(default)]
     pub quantum_loss: f64,
+    /// The power that left the scene.
     pub escaped: f64,
     /// The part of `escaped` that left the scene inside a body.
     #[serde(default)]
     pub escaped_inside: f64,
+    /// The power of the paths that ended at the depth limit.
     pub depth_limit: f64,
     /// The imbalance of the power, relative to the emitted power.
     pub balance: f64,
@@ -52,10 +56,10 @@ pub struct ErrorStats {
     pub bias: f64,
     /// The relative error: √mean(noise² + bias²) / mean Y. `None` means that the error is unknown.
     pub relative: Option<f64>,
-    /// Of the pixels' relative errors, `None` if no error is known.
+    /// The median of the pixels' relative errors, or `None` if no error is known.
     #[serde(default)]
     pub median: Option<f64>,
-    /// Of the pixels' relative errors, `None` if no error is known.
+    /// The 95th percentile of the pixels' relative errors, or `None` if no error is known.
     #[serde(default)]
     pub p95: Option<f64>,
     /// The block of pixels that contributes most to `relative`: the first column and row, and the
@@ -67,31 +71,40 @@ pub struct ErrorStats {
     pub worst_fraction: Option<f64>,
     /// The number of pixels with unknown noise, such as pixels that no light has reached.
     pub unknown_pixels: usize,
-    /// Near an edge of the illumination, where the bias is probably larger than reported.
+    /// The number of pixels near an edge of the illumination, whose bias is probably larger than
+    /// reported.
     pub edge_pixels: usize,
 }
 
+/// The forecast of the error if the render continued.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForecastStats {
+    /// The relative error after four times the time of the run.
     pub error_after_four_times: f64,
     /// When the render reaches the two largest round errors below the present one.
     pub milestones: Vec<ErrorMilestone>,
 }
 
+/// The state of an effect, and how often the effect occurred.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectStats {
     /// The state: `on`, `off`, `forced` or `forbidden`.
     pub state: String,
+    /// The number of events.
     pub events: u64,
 }
 
+/// The statistics of a render.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Stats {
+    /// The number of passes done.
     pub passes: u64,
+    /// The number of photon paths.
     pub photons_emitted: u64,
     /// The number of photon paths that carry the shared wavelengths of their pass.
     pub photons_shared: u64,
+    /// The number of photons stored on surfaces.
     pub photons_stored: u64,
     /// The number of camera samples, over all pixels.
     #[serde(default)]
@@ -102,7 +115,9 @@ pub struct Stats {
     pub photons_per_second: f64,
     /// The largest resident memory of the process so far, or 0 if the system does not report it.
     pub peak_memory_bytes: u64,
+    /// The energy balance.
     pub ledger_w: LedgerStats,
+    /// The error of the picture.
     pub error: ErrorStats,
     /// The forecast of the error, or `None` if the error is unknown.
     pub forecast: Option<ForecastStats>,
@@ -110,11 +125,13 @@ pub struct Stats {
     pub effects: BTreeMap<String, EffectStats>,
     /// The wavelength plan: `free`, `shared` or `both`.
     pub wavelengths: String,
-    /// NaN, infinite or negative samples, which were discarded: 0 unless the program has a bug.
+    /// The number of samples that were NaN, infinite or negative and were discarded: 0 unless the
+    /// program has a bug.
     pub rejected_samples: u64,
+    /// The number of worker threads.
     pub threads: usize,
-    /// Lights whose spectra the shared wavelengths of no pass have sampled. Behind dispersive
-    /// glass, the picture lacks their light, and its error is unknown.
+    /// The names of lights whose spectra the shared wavelengths of no pass have sampled. Behind
+    /// dispersive glass, the picture lacks their light, and its error is unknown.
     #[serde(default)]
     pub unsampled_lights: Vec<String>,
     /// Notes on light that the picture lacks.

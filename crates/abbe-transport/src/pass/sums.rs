@@ -17,13 +17,17 @@ pub struct PassSums {
 /// Wall-clock time of a render in s, by stage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageSeconds {
+    /// The whole render.
     pub total: f64,
     /// The pilot: learning emission distributions and first kernel radii.
     pub pilot: f64,
+    /// Posing the scene.
     pub pose: f64,
+    /// Tracing photons.
     pub emit: f64,
     /// Building photon maps and light maps.
     pub map: f64,
+    /// Tracing camera paths.
     pub gather: f64,
     /// Developing the film's sums to XYZ.
     pub develop: f64,
