@@ -32,7 +32,6 @@ const CANDIDATES: usize = 4;
 pub struct PathQuery {
     /// The number of the light, or `None` for all lights in proportion to their power.
     pub light: Option<usize>,
-    /// The largest number of paths.
     pub count: usize,
     /// Only paths that arrive at a surface or collide with a medium in this sphere are wanted, and
     /// end there.

@@ -16,16 +16,12 @@ pub(super) struct Axis {
     scale: AxisScale,
     /// The ends: values on a linear axis, and their decimal logarithms on a logarithmic axis.
     range: (f64, f64),
-    /// The positions of both ends on the page.
     page: (f64, f64),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum AxisScale {
-    /// The distance between ticks.
-    Linear {
-        step: f64,
-    },
+    Linear { step: f64 },
     Logarithmic,
 }
 

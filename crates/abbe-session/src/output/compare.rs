@@ -13,7 +13,6 @@ use abbe_transport::sensor::{Picture, exposure};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DeltaE {
     pub mean: f64,
-    /// The 95th percentile.
     pub p95: f64,
 }
 

@@ -28,7 +28,6 @@ const SATURATED_DIFFERENCE: f64 = 0.5;
 /// If ΔE2000 is at least this value, its colour in the map is white.
 const WHITE_DELTA_E: f64 = 10.0;
 
-/// The description of the error maps.
 const ERROR_CAPTION: &str = "√(noise² + bias²) relative to Y, blue-green if it is unknown.";
 
 /// Returns the page. Returns a machine error if a picture is too large for PNG.

@@ -31,10 +31,8 @@ pub struct FocusInset {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LensDrawing {
     pub title: String,
-    /// A description below the title.
     pub caption: String,
     pub glass: Vec<Vec<DVec2>>,
-    /// The two blades of the stop.
     pub stop: [[DVec2; 2]; 2],
     pub sensor: [DVec2; 2],
     pub strokes: Vec<RayStroke>,

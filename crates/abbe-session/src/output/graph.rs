@@ -7,9 +7,7 @@ use super::svg::{CURVE_COLOURS, append, escape_xml, head};
 pub enum SeriesStyle {
     /// A line through the points, and a dot at each point.
     Line,
-    /// A dashed line without dots.
     Dashed,
-    /// Small dots without a line.
     Dots,
     /// A step function, such as the best value so far, which keeps the value of a point until the
     /// next one.

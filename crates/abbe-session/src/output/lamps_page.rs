@@ -17,7 +17,6 @@ use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer, Spectrum};
 #[derive(Debug, Clone, Copy)]
 pub struct NamedLamp<'a> {
     pub name: &'a str,
-    /// A description and the source of the data.
     pub origin: &'a str,
     /// The spectrum of the lamp's light. The scale of the spectrum does not matter.
     pub spectrum: &'a Spectrum,

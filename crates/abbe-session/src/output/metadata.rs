@@ -30,7 +30,6 @@ pub mod names {
     pub const LEDGER: &str = "abbe.ledger";
     /// Wall-clock time in seconds.
     pub const SECONDS: &str = "abbe.seconds";
-    /// The version of the program.
     pub const VERSION: &str = "abbe.version";
     /// Present in the preview of a running render.
     pub const PREVIEW: &str = "abbe.preview";

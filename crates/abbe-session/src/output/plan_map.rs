@@ -6,7 +6,6 @@ use super::axis::Axis;
 use super::heat::heat;
 use super::svg::{append, escape_xml, head};
 
-/// A grid of readings.
 #[derive(Debug, Clone)]
 pub struct PlanMap {
     /// The edges u and v of the parallelogram in the scene's unit, and the normal of the meter,
@@ -22,7 +21,6 @@ pub struct PlanMap {
 /// The width of the drawing of a plan, and its largest height.
 const SIZE: [f64; 2] = [900.0, 640.0];
 
-/// The space around the plan.
 const MARGIN: f64 = 34.0;
 
 /// The values are written into the cells if the cells are at least this wide and high.

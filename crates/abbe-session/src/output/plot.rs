@@ -8,7 +8,6 @@ use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralCurve {
-    /// The name in the legend.
     pub name: String,
     /// Pairs of wavelength in nm and value, sorted by wavelength.
     pub points: Vec<(f64, f64)>,

@@ -6,7 +6,6 @@ use abbe_spectra::math::elementary::sin_cos;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarCurve {
-    /// The name in the legend.
     pub name: String,
     /// Pairs of an angle in degrees, from below and positive to the right, and a value of at least
     /// 0.
@@ -58,7 +57,6 @@ impl PolarDiagram {
         svg
     }
 
-    /// Draws the circles, the spokes and their labels.
     fn grid(&self, radius: &Axis) -> String {
         let mut svg = String::new();
         let (x, y) = POLAR_CENTRE;

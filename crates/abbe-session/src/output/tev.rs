@@ -5,7 +5,6 @@
 use abbe_spectra::colour::RgbSpace;
 use abbe_transport::sensor::{Development, Picture};
 
-/// The port on which tev listens.
 pub const DEFAULT_PORT: u16 = 14158;
 
 const CREATE_IMAGE: u8 = 4;
@@ -19,7 +18,6 @@ const PIXELS_PER_PACKET: usize = 1 << 16;
 /// A picture as tev shows it: linear sRGB components, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TevImage {
-    /// The name in tev's list of images.
     pub name: String,
     pub width: usize,
     pub height: usize,

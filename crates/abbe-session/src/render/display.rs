@@ -35,7 +35,6 @@ impl DisplaySettings {
         serde_json::from_str(header.get(names::DISPLAY)?).ok()
     }
 
-    /// Changes only the colour space.
     #[must_use]
     pub fn in_space(self, space: RgbSpace) -> Self {
         Self { development: Development { space, ..self.development }, ..self }

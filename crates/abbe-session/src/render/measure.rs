@@ -29,7 +29,6 @@ pub struct MeasurementReport {
     pub passes: u64,
     /// The time in s.
     pub seconds: f64,
-    /// Remarks, for example about light that is missing.
     pub notes: Vec<String>,
 }
 
@@ -60,7 +59,6 @@ pub struct PointReport {
     /// The normal, the axis or the direction of view.
     pub normal: Option<[f64; 3]>,
     pub value: Value,
-    /// The standard error.
     pub noise: Option<Value>,
     /// The magnitude of the estimated bias. For a function of the spectrum, it is the effect of the
     /// bands.
@@ -79,7 +77,6 @@ pub struct PointReport {
 #[serde(untagged)]
 pub enum Value {
     Number(f64),
-    /// One number for each spectral band.
     Spectrum(Vec<f64>),
 }
 

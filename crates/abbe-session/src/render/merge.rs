@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct PartSet {
     parts: Vec<(PathBuf, SavedRun)>,
-    /// The header of the first part.
     header: Metadata,
     /// The missing passes, in words.
     gaps: Option<String>,
@@ -23,13 +22,11 @@ pub struct PartSet {
 
 #[derive(Debug)]
 pub struct MergedPicture {
-    /// The picture with its error layers.
     pub picture: Picture,
     /// The statistics of all parts together.
     pub stats: Stats,
     /// The conversion of the picture's colours for a PNG file.
     pub display: DisplaySettings,
-    /// The header of the picture's file.
     pub metadata: Metadata,
 }
 

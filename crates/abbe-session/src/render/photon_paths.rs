@@ -13,7 +13,6 @@ use glam::{DVec2, DVec3};
 /// The lengths of visible parts are found to this number of pixels.
 const PIXELS_PER_STEP: f64 = 3.0;
 
-/// The number of steps along a segment.
 const STEPS: (f64, f64) = (4.0, 96.0);
 
 /// Surfaces hide points that are farther from the camera by more than this share of the distance.

@@ -22,7 +22,6 @@ impl RunClock {
         Self { start: Instant::now(), before_s: run.sums.seconds.total }
     }
 
-    /// Writes the total time into the run.
     pub(super) fn update(&self, run: &mut Run) {
         run.sums.seconds.total = self.before_s + self.start.elapsed().as_secs_f64();
     }

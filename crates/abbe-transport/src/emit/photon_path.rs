@@ -8,7 +8,6 @@ use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
 
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonState {
-    /// The class of the path so far.
     pub light_path: LightPath,
     /// True beyond the depth limit of the scene, where the photon contributes only to the estimated
     /// bias.

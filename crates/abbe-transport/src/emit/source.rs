@@ -22,7 +22,6 @@ pub enum WavelengthSampling {
     /// Each photon samples its own wavelengths, by the spectrum of its light and the sensitivity of
     /// the observer.
     Free,
-    /// All photons carry the pass's shared wavelengths.
     Shared {
         nm: Lanes,
         /// The density of each wavelength, per nm.

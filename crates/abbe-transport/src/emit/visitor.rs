@@ -57,12 +57,10 @@ pub struct MediumCollision<'a> {
     pub photon: &'a PhotonState,
 }
 
-/// Receives the events of photon paths.
 pub trait PhotonVisitor {
     /// Called with the stratum of the path's first ray, and `aim` its point in the aiming grid.
     fn on_emission(&mut self, stratum: usize, aim: [f64; 2]);
 
-    /// A photon with power starts along this ray.
     #[inline]
     fn on_start(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 

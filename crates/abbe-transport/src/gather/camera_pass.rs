@@ -18,7 +18,6 @@ use abbe_spectra::spectrum::{LANES, Lanes};
 pub struct CameraPass<'a> {
     pub scene: &'a Scene,
     pub plan: &'a Plan,
-    /// Next-event estimation.
     pub direct: DirectLighting<'a>,
     pub maps: PerSet<&'a SetMaps>,
     /// The number of photon paths of each set, divided by the number of camera samples per pixel.

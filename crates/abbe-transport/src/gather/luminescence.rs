@@ -31,7 +31,6 @@ pub(super) struct Luminescence<'a> {
     first: Lanes,
 }
 
-/// A sample of light that excites a fluorophore.
 pub(super) struct ExcitingLight<'s> {
     pub(super) number: usize,
     pub(super) light: &'s Light,

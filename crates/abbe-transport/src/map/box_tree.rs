@@ -119,7 +119,6 @@ impl BoxTree {
     }
 }
 
-/// Returns the number of boxes in each subtree.
 fn box_counts(nodes: &[Bvh2Node]) -> Vec<u32> {
     let mut parents_first = Vec::with_capacity(nodes.len());
     let mut open = vec![0];

@@ -61,7 +61,6 @@ pub fn on_line(d: f64, r: f64) -> KernelValues {
     KernelValues { estimate: 1.5 * uniform * (1.0 - relative * relative), uniform, clamped: 0.0, moment_ratio: 1.5 }
 }
 
-/// The space on which a kernel is defined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KernelDomain {
     Line,

@@ -8,7 +8,6 @@ use std::num::NonZero;
 /// Finds photons by their position in m, relative to the scene's centre.
 #[derive(Debug, Default)]
 pub struct PhotonMap {
-    /// The photons in the order of the tree.
     photons: Vec<Photon>,
     tree: Option<PointTree>,
 }

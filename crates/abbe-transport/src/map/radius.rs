@@ -22,7 +22,6 @@ pub struct FirstRadii {
 
 #[derive(Debug)]
 enum RadiiOfKind {
-    /// One radius for all pixels.
     Same(f32),
     Each(Vec<f32>),
 }
@@ -66,7 +65,6 @@ impl FirstRadii {
     }
 }
 
-/// A value for each kind of kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PerKernel<T> {
     pub surface: PerClass<T>,

@@ -7,7 +7,6 @@ use crate::plan::partition::PerClass;
 #[derive(Debug, Default)]
 pub struct ClassMaps {
     pub surface: PhotonMap,
-    /// Photons in media.
     pub volume: VolumeMaps,
 }
 

@@ -53,7 +53,6 @@ pub(crate) struct EmissionRequest {
     pub(crate) wavelengths: WavelengthSampling,
     pub(crate) count: u64,
     pub(crate) purpose: Purpose,
-    /// The pass of the random streams.
     pub(crate) pass: u64,
 }
 

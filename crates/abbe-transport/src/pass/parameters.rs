@@ -22,7 +22,6 @@ pub struct PassParameters {
     /// The first kernel radius of each sensor in m. Empty if there are no sensors or caustics.
     pub(crate) sensor_radii: Vec<f64>,
     pub(crate) surface_extents: SurfaceExtents,
-    /// The number of photon paths of each set.
     pub(crate) photons: PerSet<u64>,
     pub(crate) camera_samples: CameraSamples,
     /// The number of photons that a pass stores, divided by the number for which the first radii
@@ -33,7 +32,6 @@ pub struct PassParameters {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum CameraSamples {
-    /// The same number in all pixels.
     Same(u64),
     /// A number for each pixel, and the mean over the pixels.
     Each(Vec<u8>, f64),

@@ -34,7 +34,6 @@ const BY_CONTRIBUTION: f64 = 0.5;
 /// contributes little to the whole picture, but it is bright.
 const BY_STRATUM: f64 = 0.3;
 
-/// The results of the aiming rounds.
 pub(crate) struct LearnedAims {
     pub(crate) strata: EmissionStrata,
     /// The names of the specular objects that no photon reached.

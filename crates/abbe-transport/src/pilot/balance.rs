@@ -26,7 +26,6 @@ pub(super) struct Balance {
     pub(super) stored_fraction: f64,
     /// The factor on the number of photons that a path stores in media.
     pub(super) medium_factor: f64,
-    /// The number of camera samples per pixel.
     pub(super) camera_samples: u64,
 }
 
@@ -50,7 +49,6 @@ pub(super) struct Variances {
     pub(super) surfaces: f64,
     /// The variance of the photons that are stored in media.
     pub(super) media: f64,
-    /// The variance of the camera samples.
     pub(super) camera: f64,
 }
 

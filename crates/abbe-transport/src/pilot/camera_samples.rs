@@ -50,11 +50,12 @@ pub(super) struct SampleChoice {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum SampleNumber {
-    /// The same number in all pixels.
     Same(u64),
     /// As many as σ/√c contains the threshold, for the relative standard deviation σ of a sample,
     /// and its work c divided by the mean.
-    ByNoise { threshold: f64 },
+    ByNoise {
+        threshold: f64,
+    },
 }
 
 #[derive(Debug, Clone, Copy, Default)]

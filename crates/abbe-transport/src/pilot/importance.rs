@@ -58,7 +58,6 @@ pub(super) struct Importance<'a> {
     half: usize,
     /// For each object: true if a path reached the object.
     pub(super) reached: Vec<bool>,
-    /// The index of the current path's cell.
     current: usize,
     start_power: f64,
     surface_score: f64,
@@ -67,7 +66,6 @@ pub(super) struct Importance<'a> {
     volume_score: f64,
 }
 
-/// The scores of one half of the paths.
 #[derive(Clone)]
 struct CellSums {
     paths: Vec<f64>,

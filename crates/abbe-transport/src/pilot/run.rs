@@ -37,7 +37,6 @@ const MOMENTS: usize = 4;
 
 #[derive(Debug)]
 pub struct Pilot {
-    /// What all passes use.
     pub parameters: PassParameters,
     /// The names of the specular objects that no pilot photon reached.
     pub unlit: Vec<String>,

@@ -22,7 +22,6 @@ const MOST_TILES: usize = 128;
 /// X, Y and Z of a pixel in one pass of the trial, in W/m²/sr.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TrialPixel {
-    /// All light of each camera sample.
     pub(super) samples: [[f64; 3]; TRIALS],
     /// The part of the samples that media scatter.
     pub(super) media: [[f64; 3]; TRIALS],
@@ -37,7 +36,6 @@ pub(super) struct SmallPass {
 pub(super) struct TrialPhotons {
     number: u64,
     pub(super) maps: PerSet<SetMaps>,
-    /// The splats of all pixels.
     pub(super) splats: Vec<[f64; 3]>,
     pub(super) tally: Tally,
 }

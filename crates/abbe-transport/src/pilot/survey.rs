@@ -59,7 +59,6 @@ const SIMILAR_LENGTH: f64 = 0.9;
 pub(super) struct PixelSurvey {
     /// The first radii on surfaces, `None` for a set that the pixel's path did not read there.
     pub(super) radii: Vec<PixelRadii<Option<f32>>>,
-    /// The directly visible surface point of each pixel.
     pub(super) visible: Vec<Option<VisiblePoint>>,
     /// The photons near the camera rays of each pixel. Empty without media.
     pub(super) volume: Vec<PixelVolumeCounts>,
@@ -168,7 +167,6 @@ impl PixelSurvey {
     }
 }
 
-/// The measurements in a band of [`BLOCK`] rows.
 struct BandSurvey<'s> {
     first_pixel: usize,
     radii: &'s mut [PixelRadii<Option<f32>>],

@@ -194,7 +194,6 @@ struct SplatBlock {
     pixels: f64,
     /// The sums over the pixels, for each pass.
     sums: [[f64; 3]; TRIALS],
-    /// The sum of the variances of the pixels.
     variances: [f64; 3],
 }
 

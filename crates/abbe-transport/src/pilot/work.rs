@@ -38,7 +38,6 @@ pub(super) struct Work {
 /// The work of camera samples, in instructions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SampleWork {
-    /// The work without the photons in the kernels.
     sample: f64,
     gather_on_surfaces: f64,
     gather_in_media: f64,

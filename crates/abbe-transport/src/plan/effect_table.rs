@@ -13,7 +13,6 @@ use abbe_scene::light::{Emitter, Light};
 use abbe_scene::{Body, Scene};
 
 impl EffectId {
-    /// Returns the row of the effect in [`EFFECTS`].
     pub fn effect(self) -> &'static Effect {
         &EFFECTS[self as usize]
     }

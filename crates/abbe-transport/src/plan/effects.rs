@@ -27,7 +27,6 @@ pub enum EffectId {
     Diffraction,
     /// The surfaces of the camera's lens reflect light to the sensor.
     Ghosts,
-    /// Lights at infinity shine on the scene.
     Environment,
     /// Properties of materials vary over surfaces.
     Textures,
@@ -39,26 +38,19 @@ pub enum EffectId {
     Ultraviolet,
     /// Camera paths continue at rough and coated surfaces.
     Roughness,
-    /// Objects have interiors.
     Bodies,
-    /// Glass and liquids absorb light.
     Absorption,
-    /// Media absorb, scatter or emit light.
     Media,
     /// Direct light in media comes from light maps.
     LightMap,
     VolumePhotons,
-    /// Media store photon beams.
     PhotonBeams,
     /// The directions of emitted photons follow learned distributions.
     Aim,
-    /// Objects, lights or the camera move.
     Motion,
-    /// Meters take the place of the camera.
     Meters,
 }
 
-/// The properties of one effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
     pub id: EffectId,
@@ -90,10 +82,7 @@ pub(super) enum Removal {
     /// dispersion leaves the refractive indices.
     FromScene(fn(&mut Scene, f64) -> Result<()>),
     /// The effect is a property of the scene and cannot be forbidden.
-    Refused {
-        /// What the user can do instead.
-        alternative: &'static str,
-    },
+    Refused { alternative: &'static str },
 }
 
 impl EffectId {

@@ -12,17 +12,13 @@ pub struct Plan {
     pub caustics: CausticPlan,
     /// Light scattered from surface to surface.
     pub indirect: IndirectPlan,
-    /// Light straight from its source.
     pub direct: DirectPlan,
     pub aperture: AperturePlan,
-    /// The media between surfaces.
     pub media_plan: MediumPlan,
     /// Caustic and indirect light scattered in a medium.
     pub volume: VolumePlan,
-    /// The directions in which lights emit photons.
     pub aim: AimPlan,
     pub motion: MotionPlan,
-    /// True if surfaces or media are fluorescent.
     pub fluorescence: bool,
     /// True if light from 300 to 360 nm excites fluorophores.
     pub ultraviolet: bool,
@@ -140,7 +136,6 @@ pub enum MediumPlan {
     Clear,
     /// Bodies absorb light by the Beer–Lambert law.
     Absorbing,
-    /// Media absorb, scatter or emit light.
     Scattering(VolumeDirectLighting),
 }
 
@@ -195,12 +190,10 @@ impl VolumePlan {
     }
 }
 
-/// The directions in which lights emit photons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AimPlan {
     /// Photons follow the emission distribution of their light.
     Plain,
-    /// Photons follow distributions learned by the pilot.
     Learned,
 }
 

@@ -31,7 +31,6 @@ impl PathClass {
     }
 }
 
-/// The origin of a contribution to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LightOrigin {
     pub class: PathClass,

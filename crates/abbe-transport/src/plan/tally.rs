@@ -35,7 +35,6 @@ pub struct Tally {
     pub lens_rays: u64,
     #[serde(rename = "receptor_samples", default)]
     pub sensor_samples: u64,
-    /// Arrivals of camera paths at surfaces with textures.
     #[serde(default)]
     pub texture_lookups: u64,
     #[serde(default)]
@@ -49,7 +48,6 @@ pub struct Tally {
     /// Emitted photon paths with at least one wavelength below 360 nm.
     #[serde(default)]
     pub ultraviolet_photons: u64,
-    /// Scattering events at rough or coated surfaces.
     pub rough_events: u64,
     /// Arrivals at the faces of bodies and at gratings, and segments of camera paths inside bodies.
     pub body_events: u64,
@@ -59,11 +57,9 @@ pub struct Tally {
     #[serde(rename = "media_stretches")]
     pub medium_segments: u64,
     pub volume_points: u64,
-    /// Photons stored in media as beams.
     pub volume_beams: u64,
     #[serde(rename = "light_map_looks")]
     pub light_map_lookups: u64,
-    /// Photons emitted with a learned aim.
     pub aimed: u64,
     /// Passes for which the scene was posed at a sampled shutter time.
     pub moments: u64,

@@ -174,7 +174,6 @@ impl PixelMeans {
 /// The estimates of single pixels in some rows. Pixels without light have none.
 struct PixelEstimates {
     width: usize,
-    /// The variance of the mean of Y.
     variances: Vec<Option<f64>>,
     squares: Vec<Option<f64>>,
     signed: Vec<Option<f64>>,

@@ -184,7 +184,6 @@ impl LayerSet {
     }
 }
 
-/// The kinds of names that a film counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
     Object,
@@ -253,7 +252,6 @@ pub struct PictureLayers {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerChannel {
     pub name: String,
-    /// The value of each pixel.
     pub values: Vec<f32>,
 }
 

@@ -18,7 +18,6 @@ pub struct Picture {
     /// Kernels blur an edge of the illumination, so the bias is probably larger than the estimate.
     pub edge: Vec<Option<bool>>,
     pub bands: Option<SpectralBands>,
-    /// The layers that were recorded on request.
     pub layers: PictureLayers,
 }
 
@@ -48,7 +47,6 @@ pub struct ErrorMeans {
     /// The root of the mean of noise² + bias², divided by the mean of Y. `None` if the noise is
     /// unknown in all pixels, or if it is 0 and some pixels have no light.
     pub relative: Option<f64>,
-    /// The number of pixels with unknown noise.
     pub unknown_pixels: usize,
     /// At an edge of the illumination, where the bias is probably larger than estimated.
     pub edge_pixels: usize,

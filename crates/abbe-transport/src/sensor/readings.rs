@@ -15,7 +15,6 @@ use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
 
-/// The readings of a film.
 #[derive(Debug, Clone)]
 pub struct ReadingLayout {
     pub rows: usize,
@@ -34,7 +33,6 @@ pub struct ReadingOwner {
     pub decides_stop: bool,
 }
 
-/// The data of a measurement in the film.
 #[derive(Debug)]
 pub(super) struct Measurement {
     pub(super) layout: Arc<ReadingLayout>,

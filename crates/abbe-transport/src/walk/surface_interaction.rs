@@ -51,7 +51,6 @@ pub struct SurfaceInteraction<'a> {
     pub bsdf: LocalBsdf<'a>,
     /// True if a property of the material varies over the surface.
     pub textured: bool,
-    /// The shading frame ([`Hit::frame`]).
     pub frame: Frame,
     /// The direction back along the path, in the shading frame.
     pub wo: DVec3,

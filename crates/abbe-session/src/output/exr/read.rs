@@ -25,7 +25,6 @@ pub struct ExrFile {
     pub metadata: Metadata,
 }
 
-/// The expected colour channels, for error messages.
 const COLOUR_CHANNELS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or `Y`";
 
 /// Reads a picture. The XYZ values come from the first set of channels in this list that the file

@@ -56,7 +56,6 @@ pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) reference_throughput: f64,
     /// The length of the path so far, in m.
     pub(in crate::gather) distance_m: f64,
-    /// The number of surface events so far.
     pub(in crate::gather) depth: u32,
     /// The error that ray marching causes in the path's optical depth.
     pub(in crate::gather) excess_depth: f64,

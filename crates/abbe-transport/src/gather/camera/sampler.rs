@@ -11,7 +11,6 @@ use abbe_spectra::math::random::{Purpose, REPLICATES, Seed, Stream, Streams};
 use abbe_spectra::math::sobol::{DIMENSIONS, Sobol};
 use glam::{DVec2, DVec3};
 
-/// The start of a path at a sensor.
 pub(in crate::gather) struct SensorSample {
     pub(in crate::gather) point: SensorPoint,
     pub(in crate::gather) ray_state: RayState,

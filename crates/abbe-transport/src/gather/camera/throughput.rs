@@ -12,7 +12,6 @@ use glam::DVec3;
 /// The factor by which one event changes the radiance of a camera path.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum Factor<'a> {
-    /// Scattering at a surface.
     Scattering {
         bsdf: LocalBsdf<'a>,
         wo: DVec3,
@@ -23,7 +22,6 @@ pub(in crate::gather) enum Factor<'a> {
     },
     /// Transmittance of glass, liquid or fog.
     SegmentTransmittance(SegmentTransmittance<'a>),
-    /// The same factor for all wavelengths.
     Grey(f64),
 }
 
@@ -57,7 +55,6 @@ pub(in crate::gather) enum SpectralMode {
     Free,
     /// The path carries one of the pass's shared wavelengths.
     Shared {
-        /// The number of the shared wavelength.
         lane: usize,
         nm: f64,
         /// The throughput, divided by the probability density of the wavelength.

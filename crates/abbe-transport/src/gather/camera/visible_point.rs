@@ -16,7 +16,6 @@ pub struct VisiblePoint {
     pub footprint_m: f64,
     /// The events on the camera path before it reaches the point.
     pub view: CameraView,
-    /// With a shared wavelength.
     pub shared: bool,
     /// True if the surface is diffuse. The path then ends at the point.
     pub is_diffuse: bool,
@@ -31,7 +30,6 @@ pub struct CameraSegment {
     pub length_m: f64,
     pub behind_m: f64,
     pub medium: usize,
-    /// With a shared wavelength.
     pub shared: bool,
     /// Free photons excite the medium, also if the path carries a shared wavelength.
     pub is_fluorescent: bool,

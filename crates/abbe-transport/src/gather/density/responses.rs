@@ -127,7 +127,6 @@ impl CellSamples {
 }
 
 enum TabulatedSurface {
-    /// A surface with this reflectance.
     Diffuse(Spectrum),
     Fluorescent {
         surface: Box<Fluorescent>,

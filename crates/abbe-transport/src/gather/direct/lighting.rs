@@ -33,10 +33,11 @@ pub struct DirectLighting<'a> {
 enum ShadowAttenuation {
     /// Nothing in the scene absorbs or scatters between surfaces.
     Absent,
-    /// Each medium uses its own transmittance estimator.
     PerMedium,
     /// By ratio tracking in all media. Shadow rays may pass through thin panes.
-    Tracked { panes: bool },
+    Tracked {
+        panes: bool,
+    },
 }
 
 /// The straight line of a shadow ray that reaches its light.
@@ -80,7 +81,6 @@ pub(in crate::gather) struct LightSample<'a> {
     pub(in crate::gather) distance_m: f64,
 }
 
-/// Direct light at a point in a medium.
 pub(in crate::gather) struct VolumeLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The unit direction in which the light travels, in world space.
@@ -92,7 +92,6 @@ pub(in crate::gather) struct VolumeLightSample<'a> {
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 
-/// Direct light at a sensor of a meter.
 pub(in crate::gather) struct SensorLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The mean radiance without attenuation is `strength` × S(λ), for the light's spectrum S.

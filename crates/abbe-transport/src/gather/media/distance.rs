@@ -34,7 +34,6 @@ pub(super) fn sample(medium: &Medium, ray: &Ray, lit: &LitInterval, u: [f64; 2])
     (pdf > 0.0 && t.is_finite()).then_some(DistanceSample { t_m: t, pdf_per_m: pdf })
 }
 
-/// One of several stratified distances along a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StratifiedDistance {
     /// In m.

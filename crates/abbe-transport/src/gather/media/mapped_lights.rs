@@ -36,11 +36,9 @@ struct InScattering<'s, 'a> {
     /// The coefficients (1/m) of all media and bodies that attenuate the light in the map.
     coefficients: &'s [Lanes],
     sum: Lanes,
-    /// The estimated bias at each wavelength.
     bias: Lanes,
     /// The number of the lookup that casts a shadow ray even if its point is probably in shadow.
     dark_lookup: usize,
-    /// The number of lookups so far.
     lookups: usize,
 }
 

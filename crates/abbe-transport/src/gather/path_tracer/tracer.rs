@@ -37,7 +37,6 @@ const LEAST_SURVIVAL: f64 = 0.05;
 pub struct PathTracer<'a> {
     pub scene: &'a Scene,
     pub direct: DirectLighting<'a>,
-    /// Samples a path's wavelengths.
     pub wavelengths: &'a WavelengthDistribution,
     pub spectra: &'a PhotonSpectra,
     /// The wavelengths that excite each fluorophore in the light of all lights and fluorophores.

@@ -55,7 +55,6 @@ pub struct LightMap<'a> {
     visible: Vec<bool>,
 }
 
-/// A cause of attenuation.
 #[derive(Debug, Clone, Copy)]
 enum Attenuator<'a> {
     Medium(NumberedMedium<'a>),
