@@ -21,7 +21,7 @@ pub struct GlassReport<'a> {
     pub range_nm: [f64; 2],
     /// `None` if the data of the material does not use the Sellmeier formula.
     pub sellmeier: Option<SellmeierCoefficients>,
-    pub cauchy: CauchyCoefficients,
+    pub cauchy: CauchyFit,
     /// The index at the requested wavelengths. JSON leaves an empty list out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<IndexSample>,
@@ -39,21 +39,6 @@ pub struct SellmeierCoefficients {
     pub b: Vec<f64>,
     /// The squared wavelengths of the poles in µm².
     pub c: Vec<f64>,
-}
-
-/// The Cauchy formula n = a + b/λ² + c/λ⁴, with λ in µm, fitted to the index within `range_nm`.
-#[derive(Debug, Serialize)]
-pub struct CauchyCoefficients {
-    /// Dimensionless.
-    pub a: f64,
-    /// In µm².
-    pub b: f64,
-    /// In µm⁴.
-    pub c: f64,
-    /// The largest absolute error of the index.
-    pub max_error: f64,
-    /// The fitted wavelengths in nm.
-    pub range_nm: [f64; 2],
 }
 
 #[derive(Debug, Serialize)]
@@ -105,7 +90,6 @@ impl<'a> GlassReport<'a> {
     pub fn of(glass: &'a Glass, nm: &[f64]) -> Result<Self> {
         let index = &glass.index;
         let (from, to) = index.range_nm();
-        let CauchyFit { a, b, c, range_nm, max_error } = glass.cauchy;
         Ok(Self {
             name: &glass.name,
             kind: kind_word(glass.kind),
@@ -113,7 +97,7 @@ impl<'a> GlassReport<'a> {
             vd: index.vd(),
             range_nm: [from, to],
             sellmeier: sellmeier(index.dispersion()),
-            cauchy: CauchyCoefficients { a, b, c, max_error, range_nm: [range_nm.0, range_nm.1] },
+            cauchy: glass.cauchy,
             n: nm.iter().zip(indices(glass, nm)?).map(|(&nm, n)| IndexSample { nm, n }).collect(),
             source: &glass.source,
             warning: index.warning(),

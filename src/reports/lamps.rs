@@ -150,11 +150,11 @@ pub struct LampsReport<'a> {
     /// The lamp B, or the match of A.
     pub b: NamedColour<'a>,
     /// The colour difference of the lamps at equal luminance, with the observer adapted to D65.
-    pub lights: LampDifference,
+    pub lights: LightDifference,
     /// The match of A, if primaries were given.
     pub r#match: Option<LampMatch<'a>>,
-    pub patches: Vec<PatchColours<'a>>,
-    pub fluorescent: Vec<PatchColours<'a>>,
+    pub patches: &'a [PatchDifference],
+    pub fluorescent: &'a [PatchDifference],
     /// The mean and the maximum of the colour differences of all patches.
     pub delta_e_2000: DeltaESummary,
     /// Pairs of surfaces that look alike only under one of the lamps.
@@ -171,24 +171,11 @@ pub struct LampsReport<'a> {
 pub struct ThirdLamp<'a> {
     #[serde(flatten)]
     pub colour: NamedColour<'a>,
-    pub lights: LampDifference,
-    pub patches: Vec<PatchColours<'a>>,
+    pub lights: LightDifference,
+    pub patches: &'a [PatchDifference],
     pub delta_e_2000: DeltaESummary,
     pub metameric_pairs: MetamericPairs<'a>,
     pub verdict: String,
-}
-
-/// The difference between two lights. [`LightDifference`] defines the quantities.
-#[derive(Debug, Serialize)]
-pub struct LampDifference {
-    pub delta_xy: f64,
-    pub delta_e_2000: f64,
-}
-
-impl From<LightDifference> for LampDifference {
-    fn from(LightDifference { delta_xy, delta_e_2000 }: LightDifference) -> Self {
-        Self { delta_xy, delta_e_2000 }
-    }
 }
 
 /// A mix of primaries with a colour close to that of a lamp.
@@ -197,29 +184,12 @@ pub struct LampMatch<'a> {
     pub primaries: Vec<&'a str>,
     pub weights: &'a [f64],
     #[serde(flatten)]
-    pub left: LampDifference,
+    pub left: LightDifference,
     /// The relative error of Y.
     pub delta_y: f64,
     /// True if the mix has the colour of the lamp.
     #[serde(rename = "reached")]
     pub exact: bool,
-}
-
-/// The colours of a surface under A and under B, each with the lamp as the white point.
-#[derive(Debug, Serialize)]
-pub struct PatchColours<'a> {
-    pub name: &'a str,
-    pub delta_e_2000: f64,
-    /// Tristimulus values. The perfect diffuser has Y = 100.
-    pub xyz: [[f64; 3]; 2],
-    /// L*, a* and b*.
-    pub lab: [[f64; 3]; 2],
-}
-
-impl<'a> From<&'a PatchDifference> for PatchColours<'a> {
-    fn from(PatchDifference { name, xyz, lab, delta_e_2000 }: &'a PatchDifference) -> Self {
-        Self { name, delta_e_2000: *delta_e_2000, xyz: *xyz, lab: *lab }
-    }
 }
 
 #[derive(Debug, Serialize)]
@@ -273,14 +243,14 @@ impl<'a> LampsReport<'a> {
         let r#match = mix.as_ref().map(|PrimaryMix { primaries, found, difference: _ }| LampMatch {
             primaries: primaries.iter().map(|primary| primary.name.as_str()).collect(),
             weights: &found.weights,
-            left: found.residual.into(),
+            left: found.residual,
             delta_y: found.delta_y,
             exact: found.is_exact(),
         });
         let third = third.as_ref().map(|(c, with_c)| ThirdLamp {
             colour: NamedColour::new(&c.name, &with_c.reports[1], observer, None),
-            lights: with_c.lights.into(),
-            patches: with_c.patches.iter().map(PatchColours::from).collect(),
+            lights: with_c.lights,
+            patches: &with_c.patches,
             delta_e_2000: with_c.into(),
             metameric_pairs: with_c.into(),
             verdict: with_c.verdict([&lamps[0].name, &c.name]),
@@ -288,10 +258,10 @@ impl<'a> LampsReport<'a> {
         Self {
             a: colour(0),
             b: colour(1),
-            lights: comparison.lights.into(),
+            lights: comparison.lights,
             r#match,
-            patches: comparison.patches.iter().map(PatchColours::from).collect(),
-            fluorescent: fluorescent.iter().map(PatchColours::from).collect(),
+            patches: &comparison.patches,
+            fluorescent,
             delta_e_2000: comparison.into(),
             metameric_pairs: comparison.into(),
             verdict: comparison.verdict([&lamps[0].name, &lamps[1].name]),

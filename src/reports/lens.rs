@@ -7,7 +7,7 @@ use abbe_optics::glass::AgfCatalogue;
 use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
 use abbe_optics::lens::section::{DrawnRay, FocusDetail, LensSection, section};
 use abbe_optics::lens::zemax::ZmxSystem;
-use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, LensSurface, Pupil, catalogue};
+use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, LensSurface, LineFocus, Pupil, catalogue};
 use abbe_session::output::drawing::{FocusInset, LensDrawing, RayStroke};
 use abbe_spectra::error::Result;
 use serde::Serialize;
@@ -27,31 +27,15 @@ pub struct LensReport<'a> {
     /// `None` if the entrance pupil lies at infinity.
     pub f_number: Option<f64>,
     /// `None` if the pupil lies at infinity.
-    pub entrance_pupil: Option<PupilReport>,
+    pub entrance_pupil: Option<Pupil>,
     /// `None` if the pupil lies at infinity.
-    pub exit_pupil: Option<PupilReport>,
+    pub exit_pupil: Option<Pupil>,
     /// The foci of the lines F, d and C.
-    pub lines: Vec<LineReport>,
+    pub lines: [LineFocus; 3],
     /// Half the field of view.
     pub half_field_deg: f64,
     /// Three fields from the axis to the edge.
     pub fields: Vec<FieldReport>,
-}
-
-#[derive(Debug, Serialize)]
-pub struct PupilReport {
-    pub z_mm: f64,
-    pub diameter_mm: f64,
-}
-
-/// The focus of a spectral line. [`abbe_optics::lens::LineFocus`] defines the quantities.
-#[derive(Debug, Serialize)]
-pub struct LineReport {
-    pub line: &'static str,
-    pub nm: f64,
-    pub efl_mm: f64,
-    pub bfd_mm: f64,
-    pub transmittance: f64,
 }
 
 /// The image of a distant point. [`FieldPoint`] and [`ImageQuality`] define the quantities.
@@ -62,17 +46,8 @@ pub struct FieldReport {
     pub distortion: Option<f64>,
     pub lateral_colour_mm: f64,
     pub spots: Vec<SpotReport>,
-    pub mtf: Vec<MtfReport>,
+    pub mtf: Vec<MtfPoint>,
     pub ray_fans: Vec<FanReport>,
-}
-
-/// The contrast at a spatial frequency. [`MtfPoint`] defines the quantities.
-#[derive(Debug, Serialize)]
-pub struct MtfReport {
-    pub cycles_per_mm: f64,
-    pub tangential: f64,
-    pub sagittal: f64,
-    pub diffraction_limit: f64,
 }
 
 /// The ray fans of a line at the heights `pupil`. [`RayFan`] defines the quantities.
@@ -158,13 +133,6 @@ impl<'a> LensReport<'a> {
     pub fn of(lens: &'a Lens, analysis: &LensAnalysis) -> Result<Self> {
         let quality = ImageQuality::of(lens, analysis)?;
         let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
-        let pupil = |Pupil { z_mm, diameter_mm }| PupilReport { z_mm, diameter_mm };
-        let mtf = |MtfPoint { per_mm, tangential, sagittal, diffraction_limit }: &MtfPoint| MtfReport {
-            cycles_per_mm: *per_mm,
-            tangential: *tangential,
-            sagittal: *sagittal,
-            diffraction_limit: *diffraction_limit,
-        };
         let fan = |RayFan { line, tangential_mm, sagittal_mm }: &RayFan| FanReport {
             line,
             pupil: FAN_PUPIL,
@@ -177,7 +145,7 @@ impl<'a> LensReport<'a> {
             distortion: field.distortion,
             lateral_colour_mm: field.lateral_colour_mm,
             spots: SpotReport::of_lines(field.spots.map(|spot| spot.rms_mm)),
-            mtf: quality.mtf.iter().map(mtf).collect(),
+            mtf: quality.mtf.to_vec(),
             ray_fans: quality.fans.iter().map(fan).collect(),
         };
         Ok(Self {
@@ -189,18 +157,9 @@ impl<'a> LensReport<'a> {
             bfd_mm: paraxial.bfd_mm,
             fc_shift_mm: analysis.fc_shift_mm(),
             f_number: paraxial.f_number,
-            entrance_pupil: paraxial.entrance_pupil.map(pupil),
-            exit_pupil: paraxial.exit_pupil.map(pupil),
-            lines: lines
-                .iter()
-                .map(|line| LineReport {
-                    line: line.line,
-                    nm: line.wavelength_nm,
-                    efl_mm: line.efl_mm,
-                    bfd_mm: line.bfd_mm,
-                    transmittance: line.transmittance,
-                })
-                .collect(),
+            entrance_pupil: paraxial.entrance_pupil,
+            exit_pupil: paraxial.exit_pupil,
+            lines: *lines,
             half_field_deg: *half_field_deg,
             fields: fields.iter().zip(&quality).map(field).collect(),
         })
