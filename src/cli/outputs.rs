@@ -36,8 +36,7 @@ impl OutputFiles {
         [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
     }
 
-    /// Checks before a long render that all files can be written, and removes the unfinished files
-    /// of killed runs.
+    /// Checks that all files can be written, and removes the unfinished files of killed runs.
     pub(crate) fn check(&self) -> Result<()> {
         self.all().for_each(files::remove_temporary_files);
         self.all().try_for_each(files::check_writable)
@@ -81,8 +80,7 @@ impl OutputFiles {
         Ok(exposure)
     }
 
-    /// Saves a picture by `write_picture`, and its statistics. Returns the exposure of the PNG file
-    /// in 1/(cd/m²).
+    /// Saves a picture and its statistics. Returns the exposure of the PNG in 1/(cd/m²).
     pub(crate) fn save(
         &self,
         write_picture: impl FnOnce(&Path) -> Result<()>,

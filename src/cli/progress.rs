@@ -26,8 +26,7 @@ struct ErrorTrend {
 }
 
 impl ErrorTrend {
-    /// Notes the error of the last measurement. Returns true if it is noticeably larger than
-    /// before.
+    /// Notes a measured error. Returns true if it is noticeably larger than before.
     fn rises(&mut self, error: Option<f64>) -> bool {
         /// Smaller changes of the error are not noticeable.
         const NOTICEABLE: f64 = 1.05;
@@ -138,8 +137,7 @@ fn fraction_done(progress: &Progress) -> Option<f64> {
     Some(if left > 0.0 { elapsed / (elapsed + left) } else { 1.0 })
 }
 
-/// Predicts the time of the target error or, without one, of the next two round values, such as 2 %
-/// and 1 %.
+/// Predicts the time of the target error, or of the next two round values (2 %, 1 %).
 fn predicted_milestones(progress: &Progress) -> Vec<String> {
     let Some(forecast) = progress.forecast else { return Vec::new() };
     let milestones: Vec<ErrorMilestone> = match progress.error_wanted {
@@ -150,8 +148,7 @@ fn predicted_milestones(progress: &Progress) -> Vec<String> {
     milestones.iter().map(|at| format!("{} % in about {}", round(100.0 * at.error), about(left(at)))).collect()
 }
 
-/// Writes a number with three significant digits, without trailing zeros, or as an integer from
-/// 100.
+/// Writes a number with three significant digits, or as an integer from 100.
 fn round(number: f64) -> String {
     let digits = (2.0 - log10(number).floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{number:.digits$}");

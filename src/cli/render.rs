@@ -330,8 +330,7 @@ impl RenderArgs {
         self.checkpoint_every.or_else(of_scene).map_or(CheckpointInterval::Automatic, CheckpointInterval::Fixed)
     }
 
-    /// Returns the changes to the scene in the form `PATH=JSON`: those of `--set`, and then those
-    /// of the other options.
+    /// Returns the changes in the form `PATH=JSON`: of `--set`, and then of other options.
     fn patches(&self) -> Vec<String> {
         let mut patches = self.set.clone();
         let mut add = |path: &str, value: Option<String>| patches.extend(value.map(|value| format!("{path}={value}")));

@@ -10,8 +10,7 @@ use abbe_session::output::selection::Region;
 use abbe_session::render::PassPart;
 use abbe_spectra::colour::decode_srgb;
 
-/// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`. A number without a unit is in
-/// seconds.
+/// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`, or a number of seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || "expected a time such as 90s, 5m or 1h30m".to_string();
     let mut seconds = 0.0;
@@ -118,8 +117,7 @@ pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct WavelengthList(pub(crate) Vec<f64>);
 
-/// Parses wavelengths in nm within 360–830 nm: a list such as `450,589.3`, or `400:700:50` with a
-/// step.
+/// Parses wavelengths within 360–830 nm, such as `450,589.3`, or `400:700:50` with a step.
 pub(crate) fn wavelengths(text: &str) -> Result<WavelengthList, String> {
     /// The largest number of wavelengths.
     const MOST: f64 = 1e5;

@@ -56,8 +56,7 @@ pub struct FilmReport {
 }
 
 impl FilmReport {
-    /// Computes the powers at angles in degrees and wavelengths in nm, and the colours under a
-    /// lamp.
+    /// Computes the powers at angles in degrees and wavelengths in nm, and the colours.
     pub fn of(system: &FilmSystem, degrees: &[f64], wavelengths: &[f64], lamp: &Spectrum) -> Self {
         Self { angles: degrees.iter().map(|&degrees| at_angle(system, degrees, wavelengths, lamp)).collect() }
     }

@@ -6,8 +6,7 @@ use serde::Serialize;
 
 use super::lens::SpotReport;
 
-/// The analysis of a folded system. [`abbe_optics::lens::folded::FoldedAnalysis`] defines the
-/// quantities.
+/// The analysis of a folded system, by [`abbe_optics::lens::folded::FoldedAnalysis`].
 #[derive(Debug, Serialize)]
 pub struct FoldedLensReport<'a> {
     pub name: &'a str,

@@ -14,8 +14,7 @@ pub struct GratingSetup {
     pub lines_per_mm: f64,
     /// The angle of incidence, from -90 to 90.
     pub angle_deg: f64,
-    /// The angle between the plane of incidence and the plane across the grooves, 0 with a slit or
-    /// a stop.
+    /// The angle of the plane of incidence to that across the grooves, 0 with a slit or stop.
     pub azimuth_deg: f64,
     /// The fraction of the light that is reflected, from 0 to 1. The rest is transmitted.
     pub reflectance: f64,
@@ -38,8 +37,7 @@ pub struct OrderReport {
     pub azimuth_degrees: Option<f64>,
     /// The fraction of the incident power.
     pub efficiency: f64,
-    /// The resolving power mN/1.22 of N grooves in front of a round stop (Rayleigh's criterion).
-    /// Left out without a stop.
+    /// The resolving power mN/1.22 of N grooves (Rayleigh's criterion). Left out without a stop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resolving_power: Option<f64>,
     /// The difference in nm of the wavelengths whose images of the slit are side by side. Left out

@@ -87,8 +87,7 @@ impl LampsCompared {
         ))
     }
 
-    /// Returns the HTML page of the comparison of A and B, or a machine error if an image cannot be
-    /// encoded as PNG.
+    /// Returns the HTML page of the comparison, or a machine error if the PNG encoder fails.
     #[cfg(feature = "pages")]
     pub fn html(&self) -> Result<String> {
         let Self { observer, lamps, comparison, fluorescent, third: _, mix } = self;

@@ -90,8 +90,7 @@ pub struct LensListing<'a> {
 }
 
 impl LensList<'static> {
-    /// Lists the built-in lenses. Returns an error if one has no paraxial properties, which would
-    /// be a bug of the catalogue.
+    /// Lists the built-in lenses. An error would be a bug of the catalogue.
     pub fn built_in() -> Result<Self> {
         let listed = |lens: &'static Lens| {
             let paraxial = lens.at(LINES[1].1).paraxial()?;
@@ -128,8 +127,7 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
 }
 
 impl<'a> LensReport<'a> {
-    /// Reports an analysis with the image quality, or an error if no light passes at one of the
-    /// fields.
+    /// Reports an analysis with image quality. Returns an error if no light passes at a field.
     pub fn of(lens: &'a Lens, analysis: &LensAnalysis) -> Result<Self> {
         let quality = ImageQuality::of(lens, analysis)?;
         let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;

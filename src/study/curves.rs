@@ -40,8 +40,7 @@ pub struct TheoreticalSlope {
     pub slope: f64,
 }
 
-/// Fits ignore points with fewer passes, whose samples of wavelength and lens are not evenly
-/// distributed yet.
+/// The fewest passes of a fit. Before, wavelengths and lens samples are not yet even.
 pub(super) const FIRST_PASSES: u64 = 4;
 
 impl ConvergenceCurve {

@@ -106,8 +106,7 @@ impl RenderCost {
 }
 
 impl EffectStudy {
-    /// Renders the scene with all effects, once more with another seed, and then once without each
-    /// active effect.
+    /// Renders the scene with all effects, with another seed, and without each active effect.
     pub(super) fn of(
         runner: &mut Runner<'_>,
         scene_file: &SceneFile,

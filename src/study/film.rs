@@ -80,8 +80,7 @@ impl StudyFilm {
                 .with_changes(small.changes());
             let stats = runner.render(&step, None)?.result.stats;
             let (fixed, gather) = pass_seconds(&stats);
-            // If camera paths take less time than the rest of a pass, a smaller film hardly saves
-            // time.
+            // If camera paths take less time than the rest, a smaller film hardly saves time.
             let worth = (half / passes - fixed).max(fixed) / gather.max(1e-9) * small.pixels();
             // Every run of the sweep has its own pilot, whose time grows with the number of pixels.
             let pilot = stats.seconds.pilot / PILOT_FRACTION;
@@ -107,16 +106,14 @@ impl StudyFilm {
         Self { width: side(self.own_width), height: side(self.own_height), ..*self }
     }
 
-    /// Returns the film as changes of the scene, without spectral bands, which cost time and whose
-    /// error is not measured.
+    /// Returns the film as changes of the scene, without spectral bands, which cost time.
     pub(super) fn changes(&self) -> Vec<String> {
         let Self { width, height, .. } = self;
         vec![format!("film.width={width}"), format!("film.height={height}"), "film.spectral_bands=0".to_string()]
     }
 }
 
-/// Returns the seconds of a pass that do not depend on the film size, and those of the camera
-/// paths.
+/// Returns the seconds of a pass without and with the film size: of the camera paths.
 pub(super) fn pass_seconds(stats: &Stats) -> (f64, f64) {
     let (seconds, passes) = (stats.seconds, stats.passes.max(1) as f64);
     ((seconds.pose + seconds.emit + seconds.map) / passes, seconds.gather / passes)

@@ -16,8 +16,7 @@ pub struct PowerLawFit {
 }
 
 impl PowerLawFit {
-    /// Fits a power law, or returns `None` if fewer than three points are positive or all have the
-    /// same x.
+    /// Fits a power law, unless fewer than three points are positive or all have the same x.
     pub fn of(points: impl Iterator<Item = (f64, f64)>) -> Option<Self> {
         let logs: Vec<(f64, f64)> =
             points.filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (log10(x), log10(y))).collect();

@@ -21,16 +21,14 @@ pub struct Recommendation {
     pub seconds: f64,
     /// The seconds at the scene's own film size. They are extrapolated from the number of pixels.
     pub seconds_own_film: f64,
-    /// True if no measured render reached the error, so that the numbers are extrapolated with the
-    /// expected slope.
+    /// No measured render reached the error: the numbers are extrapolated.
     pub extrapolated: bool,
 }
 
 /// The relative mean square errors of the table.
 pub const ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
 
-/// The limit of extrapolation: a predicted number of passes, divided by that of the last measured
-/// point.
+/// The limit of extrapolation, as a multiple of the passes of the last measured point.
 const MAX_EXTRAPOLATION: f64 = 1000.0;
 
 struct TriedSettings<'a> {
@@ -100,8 +98,7 @@ impl TriedSettings<'_> {
         self.render_time.seconds(passes, 1.0)
     }
 
-    /// Returns after how many passes the render first reached the error, interpolated
-    /// logarithmically.
+    /// Returns after how many passes the error was first reached, by logarithms.
     fn passes_to(&self, error: f64) -> Option<f64> {
         let value = |i: usize| self.points[i].error.whole.value;
         let passes = |i: usize| self.points[i].passes as f64;

@@ -65,8 +65,7 @@ impl ReferencePicture {
         Self::new(mean, scale, variance, noise)
     }
 
-    /// Creates a reference from a picture with the noise of its layer. Pixels of unknown noise have
-    /// none.
+    /// Creates a reference from a picture with a noise layer. Unknown noise counts as none.
     pub fn given(picture: Picture) -> Self {
         let scale = ErrorScale::of(&picture);
         let noise: Vec<f64> = picture.noise.iter().map(|noise| f64::from(noise.unwrap_or(0.0)).powi(2)).collect();
@@ -82,8 +81,7 @@ impl ReferencePicture {
         Self { picture, scale, variance, smooth: if enough { smooth } else { Vec::new() } }
     }
 
-    /// Returns the error of a picture of the same size, without pixels that are not finite in the
-    /// reference.
+    /// Returns the error of a picture, without pixels that are not finite in the reference.
     pub fn error_of(&self, picture: &Picture) -> PictureError {
         let square = |i: usize| self.scale.relative_square(picture.xyz[i], self.picture.xyz[i]) - self.variance[i];
         self.estimate(square)
@@ -93,8 +91,7 @@ impl ReferencePicture {
         self.estimate(|i| self.variance[i])
     }
 
-    /// Returns the mean square of the reference's bias estimate, divided by the same unit as the
-    /// errors.
+    /// Returns the mean square of the reference's bias, in the unit of the errors.
     pub fn estimated_bias_square(&self) -> f64 {
         let bias = |i: usize| {
             let bias = self.picture.bias[i].filter(|bias| *bias > 0.0);

@@ -1,5 +1,4 @@
-//! Varies one setting with an effect on the picture at a time, and finds the fastest for each
-//! error.
+//! Varies one setting at a time that affects the picture, and finds the fastest by error.
 
 use super::convergence::ConvergencePoint;
 use super::curves::ConvergenceCurve;
@@ -50,8 +49,7 @@ pub struct SettingSweep {
     /// All runs; the first one has the scene's own settings.
     pub runs: Vec<SweepRun>,
     pub front: Vec<ParetoPoint>,
-    /// The error and the time with the scene's own settings and passes, or null without time for
-    /// them.
+    /// The point of the scene's own settings and passes, or null without time for them.
     pub default: Option<ConvergencePoint>,
     /// Changes that were skipped for lack of time.
     pub left_out: Vec<SettingChange>,
@@ -107,8 +105,7 @@ impl RenderTime {
         Self { pilot: stats.seconds.pilot, fixed, gather }
     }
 
-    /// Predicts the time (s) of these passes on a film with `pixel_ratio` times the pixels of the
-    /// study.
+    /// Predicts the time (s) of passes on a film of `pixel_ratio` times the pixels.
     pub fn seconds(&self, passes: f64, pixel_ratio: f64) -> f64 {
         self.pilot + passes * (self.fixed + self.gather * pixel_ratio)
     }
@@ -154,8 +151,7 @@ impl SettingSweep {
     }
 }
 
-/// Returns the points that no other point beats in both time and error, without errors that are not
-/// significant.
+/// Returns the points that no other point beats in time and error, if significant.
 fn front(runs: &[SweepRun]) -> Vec<ParetoPoint> {
     let places =
         |(run, of): (usize, &SweepRun)| of.points.clone().into_iter().map(move |point| ParetoPoint { run, point });

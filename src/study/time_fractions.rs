@@ -1,7 +1,6 @@
 //! The division of a study's time.
 
-/// The time of each part, as a fraction of the study's budget, without the rehearsals that choose
-/// the film size.
+/// The parts of a study, as fractions of its budget without the rehearsals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeFractions {
     /// The trials for the choice of the reference's integrator.

@@ -189,8 +189,7 @@ impl ViewChannel {
         });
     }
 
-    /// Publishes a coarse picture while the reader moves a slider or the camera, also if it has
-    /// moved on.
+    /// Publishes a coarse picture while the reader moves a slider, also if it moved on.
     pub(super) fn publish_draft(&self, snapshot: Arc<Snapshot>) {
         self.update(|state| state.snapshot = Some(snapshot));
     }

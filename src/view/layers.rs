@@ -4,8 +4,7 @@ use abbe_spectra::colour::RgbSpace;
 use abbe_transport::plan::PathClass;
 use abbe_transport::sensor::Picture;
 
-/// Returns Y of each path class at all pixels in cd/m², class by class, if the picture separates
-/// them.
+/// Returns Y of each path class at all pixels in cd/m², if the picture separates them.
 pub(super) fn class_luminance(picture: &Picture) -> Option<Vec<Vec<f32>>> {
     PathClass::NAMES.iter().map(|class| luminance(picture, class)).collect()
 }

@@ -39,8 +39,7 @@ pub struct LiveView {
 }
 
 impl LiveView {
-    /// Starts the server, on a free port if `port` is 0. Returns a machine error if the address
-    /// cannot be used.
+    /// Starts the server, on a free port for 0, or returns a machine error.
     pub fn listen(bind: IpAddr, port: u16) -> Result<Self> {
         let channel = Arc::new(ViewChannel::new());
         let token = access::random_token();

@@ -29,8 +29,7 @@ pub(super) struct PhotonQuery {
     y: Option<u32>,
 }
 
-/// Traces photons, and returns the visible parts of their paths as JSON, or `None` for a wrong
-/// query.
+/// Returns the visible parts of photon paths as JSON, or `None` for a wrong query.
 pub(super) fn paths(loaded: &LoadedScene, scene: u64, query: PhotonQuery) -> Option<Value> {
     let PhotonQuery { count, light, x, y } = query;
     let job = &loaded.job;

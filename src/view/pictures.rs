@@ -39,8 +39,7 @@ pub(super) fn run(channel: &Arc<ViewChannel>, path: &Path, is_interrupted: fn() 
     }
 }
 
-/// Reads the reference. Returns an error if a file cannot be read, or an input error if the sizes
-/// differ.
+/// Reads the reference. Returns an error if it cannot be read, or the sizes differ.
 pub(super) fn set_reference(channel: &ViewChannel, path: &Path, picture: Option<&Path>) -> Result<()> {
     let reference = snapshot(path, 1)?;
     if let Some(picture) = picture.map(read).transpose()? {

@@ -79,8 +79,7 @@ fn space_json(space: RgbSpace, development: &Development) -> Value {
     })
 }
 
-/// Returns the spectral power of all lights in W/nm in each band, and the limits of the bands in
-/// nm.
+/// Returns the power of all lights in W/nm in each band, and the limits of the bands.
 fn light_spectrum(job: &Job) -> Value {
     let bands = job.scene.film.spectral_bands;
     let width_nm = (BAND_NM.1 - BAND_NM.0) / f64::from(bands.max(1));

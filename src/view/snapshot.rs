@@ -67,8 +67,7 @@ impl Snapshot {
         }
     }
 
-    /// Returns the numbers of the page for the reference of a comparison, at the exposure of `abbe
-    /// compare`.
+    /// Returns the numbers of the page for a reference, at the exposure of `abbe compare`.
     pub(super) fn reference_summary(&self) -> Value {
         json!({
             "number": self.number,
@@ -115,8 +114,7 @@ impl Snapshot {
         layers::samples(&self.picture).map(|samples| float_bytes(samples.iter().copied()))
     }
 
-    /// Returns Y of each path class at all pixels in cd/m², class by class, if the picture
-    /// separates them.
+    /// Returns Y of each path class at all pixels in cd/m², if the picture separates them.
     pub(super) fn classes(&self) -> Option<Vec<u8>> {
         layers::class_luminance(&self.picture).map(|classes| float_bytes(classes.into_iter().flatten()))
     }
@@ -162,8 +160,7 @@ impl BandNoise {
         Self { batches: 1, passes, squares: vec![0.0; values] }
     }
 
-    /// Returns the noise after another picture. `before` and `after` are the means of both
-    /// pictures.
+    /// Returns the noise after another picture, from the means before and after it.
     pub(super) fn next(&self, before: &[f32], after: &[f32], passes: u64) -> Self {
         let (first, second) = (self.passes as f32, (passes - self.passes) as f32);
         let weight = first * passes as f32 / second;

@@ -33,8 +33,7 @@ pub struct PathQuery {
     /// The number of the light, or `None` for all lights in proportion to their power.
     pub light: Option<usize>,
     pub count: usize,
-    /// Only paths that arrive at a surface or collide with a medium in this sphere are wanted, and
-    /// end there.
+    /// Only paths that arrive at a surface or collide in this sphere are wanted, and end there.
     pub target: Option<BoundingSphere>,
     /// The search for such paths ends after this many photons.
     pub most_traced: u64,

@@ -41,8 +41,7 @@ impl Axis {
             (least, most) = (least.min(0.0), most.max(0.0));
         }
         if most - least <= 1e-12 * most.abs().max(least.abs()) {
-            // A constant curve is drawn at half height. If all values are 0 and the axis begins at
-            // 0, the axis ends at 1.
+            // A constant curve is drawn at half height. If all values are 0, the axis ends at 1.
             let margin = if most == 0.0 { 1.0 } else { 0.1 * most.abs() };
             (least, most) = (if from_zero { least.min(0.0) } else { least - margin }, most + margin);
         }

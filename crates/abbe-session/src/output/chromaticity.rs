@@ -44,8 +44,7 @@ const DIAGRAM_LABEL: &str =
     "fill=\"#000\" stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\" font-weight=\"700\" font-size=\"16\"";
 
 impl ChromaticityDiagram<'_> {
-    /// Returns the diagram as a self-contained SVG document, or a machine error if the background
-    /// cannot be encoded as PNG.
+    /// Returns a self-contained SVG document, or a machine error if the PNG encoder fails.
     pub fn svg(&self) -> Result<String> {
         let parts = [
             head("plot", DIAGRAM_SIZE, 13.0),
@@ -92,8 +91,7 @@ impl ChromaticityDiagram<'_> {
             let ((x, y), before, after) = (place(nm), place(nm - 1), place(nm + 1));
             let (along_x, along_y) = (after.0 - before.0, after.1 - before.1);
             let length = hypot(along_x, along_y);
-            // Seen along the locus in the direction of growing wavelength, the colours are on the
-            // right.
+            // Along the locus towards longer wavelengths, the colours are on the right.
             let (out_x, out_y) = (along_y / length, -along_x / length);
             let anchor = if out_x < -0.4 {
                 "end"

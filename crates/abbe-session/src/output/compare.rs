@@ -33,8 +33,7 @@ pub struct ZTest {
 /// A test of the error that picture A reports. The error consists of noise and bias.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct IntervalCoverage {
-    /// The fraction of pixels where the value of B lies in the 95 % interval of A, widened by the
-    /// noise of B if it is known.
+    /// The fraction of pixels where B lies in the 95 % interval of A, with the noise of B if known.
     #[serde(rename = "share")]
     pub fraction: f64,
     /// The number of pixels whose error is known in A.

@@ -1,5 +1,4 @@
-//! The drawing of a lens in the meridional plane as SVG: glass, stop, sensor, rays, and magnified
-//! views of the foci.
+//! A lens in the meridional plane as SVG: glass, stop, sensor, rays, and magnified foci.
 
 use glam::DVec2;
 
@@ -146,8 +145,7 @@ impl LensDrawing {
         svg
     }
 
-    /// Draws the rays through the lens, the first ones wider, so that all colours stay visible
-    /// where rays coincide.
+    /// Draws the rays, the first ones wider, so that all colours stay visible where they coincide.
     fn rays(&self, scale: &DrawingScale) -> String {
         let mut svg = String::new();
         for (i, (_, colour)) in self.colours.iter().enumerate() {
@@ -246,8 +244,7 @@ mod tests {
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
         assert!(svg.contains("a &lt;lens&gt; &amp; more") && !svg.contains("NaN") && !svg.contains("inf"));
         let count = |class: &str| svg.matches(&format!("class=\"{class}\"")).count();
-        // Each ray is drawn in the lens and in its window, and the sensor in the lens and both
-        // windows.
+        // Each ray is in the lens and in its window, and the sensor in the lens and both windows.
         assert_eq!([count("glass"), count("stop"), count("ray"), count("sensor")], [1, 2, 4, 3]);
     }
 

@@ -41,8 +41,7 @@ pub fn write_whole_with(path: &Path, fill: impl FnOnce(&mut dyn WritableFile) ->
     })
 }
 
-/// Checks before a long computation that [`write_whole`] will probably succeed, and that the file
-/// is not write-protected.
+/// Checks that [`write_whole`] will probably succeed: the file is not write-protected, and so on.
 pub fn check_writable(path: &Path) -> Result<()> {
     let target = followed(path);
     let refused = |what: &str| Err(Error::machine(format!("cannot be written: {what}")).in_file(path));
@@ -61,8 +60,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
         .map_err(|error| unwritable(path, &error))
 }
 
-/// Removes a file, or a symbolic link without its target, if it exists. Returns a machine error if
-/// it cannot be removed.
+/// Removes a file or a symbolic link if it exists, or returns a machine error.
 pub fn remove_if_present(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -72,8 +70,7 @@ pub fn remove_if_present(path: &Path) -> Result<()> {
     }
 }
 
-/// Follows all symbolic links to an absolute path, or returns the path itself if the file does not
-/// exist.
+/// Follows all symbolic links, or returns the path itself if the file does not exist.
 fn followed(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
@@ -86,8 +83,7 @@ fn is_special(path: &Path) -> bool {
 /// The name of a temporary file consists of the final name, this text and the process id.
 const TEMPORARY_MARK: &str = ".unfinished-";
 
-/// Removes the temporary files for `path` of killed processes, on systems with a list of processes
-/// in `/proc` (Linux).
+/// Removes the temporary files for `path` of killed processes, by the list in `/proc` (Linux).
 pub fn remove_temporary_files(path: &Path) {
     let target = followed(path);
     let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned() + TEMPORARY_MARK;
@@ -106,8 +102,7 @@ pub fn remove_temporary_files(path: &Path) {
     }
 }
 
-/// Returns a path in the folder of `path` that contains the process id, so no other running process
-/// uses it.
+/// Returns a path in the folder of `path` that no other process uses: it contains the process id.
 fn temporary_path(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!("{TEMPORARY_MARK}{}", std::process::id()));

@@ -18,8 +18,7 @@ pub enum GateSide {
 }
 
 impl Comparison {
-    /// Returns all figures that a gate can limit. The value is `None` without the error layers that
-    /// the figure needs.
+    /// Returns all figures that a gate can limit, `None` without the error layers that one needs.
     pub fn figures(&self) -> [(&'static str, Option<f64>); 12] {
         let count = |pixels: usize| Some(pixels as f64);
         [

@@ -9,8 +9,7 @@ pub enum SeriesStyle {
     Line,
     Dashed,
     Dots,
-    /// A step function, such as the best value so far, which keeps the value of a point until the
-    /// next one.
+    /// A step function, such as the best value so far, which holds until the next point.
     Steps,
     Rings,
 }

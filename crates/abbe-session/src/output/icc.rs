@@ -8,15 +8,13 @@ use abbe_spectra::error::{Error, Result};
 /// The white of the profile connection space (ICC.1:2022, 7.2.16): D50, rounded as in the header.
 const D50: Xyz = [0.9642, 1.0, 0.8249];
 
-/// The creation date of all profiles, 2020-01-01 0:00:00 as six 16-bit numbers, so that files are
-/// reproducible.
+/// The date of all profiles, 2020-01-01 0:00:00 as six 16-bit numbers, for reproducible files.
 const MADE: [u8; 12] = [7, 228, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0];
 
 /// The position of the creation date in the header.
 const MADE_AT: std::ops::Range<usize> = 24..36;
 
-/// Returns the bytes of a matrix profile of version 4, the same in every run, or a machine error if
-/// it cannot be encoded.
+/// Returns a matrix profile of version 4, the same in every run, or a machine error.
 pub fn profile(space: RgbSpace) -> Result<Vec<u8>> {
     let [red, green, blue] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
         .map(|rgb| xyz_of(adapt(space.to_xyz(rgb), space.white(), D50, AdaptationTransform::Bradford)));

@@ -279,8 +279,7 @@ fn notes(observer: &Observer) -> Markup {
     }
 }
 
-/// Returns the factor on XYZ, whose whites have Y = 100, for which the largest RGB component of
-/// both whites is 1.
+/// Returns the factor on XYZ that makes the largest RGB component of both whites 1.
 fn exposure(comparison: &LampComparison) -> f64 {
     let components = comparison.reports.iter().flat_map(|report| report.linear_srgb);
     0.01 / components.fold(1.0, f64::max)

@@ -16,8 +16,7 @@ pub mod names {
     pub const SCENE_HASH: &str = "abbe.sceneHash";
     /// The plan, as the JSON that `abbe explain --json` prints.
     pub const PLAN: &str = "abbe.plan";
-    /// The settings of the PNG as JSON: exposure, white balance, colour space, tone curve and gamut
-    /// mapping.
+    /// The settings of the PNG as JSON: exposure, white, colour space, tone curve, gamut mapping.
     pub const DISPLAY: &str = "abbe.display";
     /// The seed of all random streams.
     pub const SEED: &str = "abbe.seed";
@@ -35,8 +34,7 @@ pub mod names {
     pub const PREVIEW: &str = "abbe.preview";
     /// The gains of the light groups as JSON, in a picture that `abbe relight` wrote.
     pub const RELIGHT: &str = "abbe.relight";
-    /// Notes for the user as JSON: residuals of matched spectra, clamped indices, forbidden effects
-    /// and so on.
+    /// Notes for the user as JSON: residuals of matched spectra, clamped indices and so on.
     pub const NOTES: &str = "abbe.notes";
 }
 

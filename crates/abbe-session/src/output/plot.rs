@@ -20,8 +20,7 @@ pub struct SpectralPlot {
     pub values: String,
     /// The curves. If the vertical axis begins at 0, the area under the first curve is coloured.
     pub curves: Vec<SpectralCurve>,
-    /// Pairs of the wavelength in nm and the height of the stroke, as a fraction of that of the
-    /// plot.
+    /// Pairs of the wavelength in nm and the height of the stroke, as a fraction of the plot's.
     pub lines: Vec<(f64, f64)>,
     /// True if the vertical axis always includes 0, even if all values are larger.
     pub from_zero: bool,
@@ -64,8 +63,7 @@ impl SpectralPlot {
         }
     }
 
-    /// Returns the plot as a self-contained SVG document. Curves have gaps at points that are not
-    /// finite.
+    /// Returns a self-contained SVG document. Curves have gaps at points that are not finite.
     pub fn svg(&self) -> String {
         let values = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
         let up = Axis::linear(values, self.from_zero, (PLOT_SIZE.1 - PLOT_BOTTOM, PLOT_TOP));

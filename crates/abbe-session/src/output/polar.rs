@@ -7,8 +7,7 @@ use abbe_spectra::math::elementary::sin_cos;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarCurve {
     pub name: String,
-    /// Pairs of an angle in degrees, from below and positive to the right, and a value of at least
-    /// 0.
+    /// Pairs of an angle in degrees, from below and positive to the right, and a value.
     pub points: Vec<(f64, f64)>,
 }
 

@@ -41,8 +41,7 @@ impl TevImage {
         }
     }
 
-    /// Returns the packet that creates the image, or replaces one of the same name, and selects it
-    /// in tev.
+    /// Returns the packet that creates and selects the image, or replaces one of the same name.
     pub fn creation(&self) -> Vec<u8> {
         let mut packet = Packet::new(CREATE_IMAGE, true, &self.name);
         [self.width, self.height, CHANNELS.len()].into_iter().for_each(|number| packet.number(number));

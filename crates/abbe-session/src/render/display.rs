@@ -29,8 +29,7 @@ impl DisplaySettings {
         Self { development, exposure: film.exposure, lights: Some(job.scene.xyz_of_lights()) }
     }
 
-    /// Returns the settings in the header of a picture's file, if this version of the program can
-    /// read them.
+    /// Returns the settings in the header of a picture, if this version can read them.
     pub fn of_header(header: &Metadata) -> Option<Self> {
         serde_json::from_str(header.get(names::DISPLAY)?).ok()
     }

@@ -21,8 +21,7 @@ pub struct RenderIdentity {
     layers: LayerSet,
     effects: Vec<String>,
     scene_hash: String,
-    /// The text of the scene, to name a difference. The header of a saved run contains it, and the
-    /// record does not.
+    /// The scene, to name a difference. The header of a saved run contains it, the record does not.
     #[serde(skip)]
     scene: String,
 }

@@ -108,8 +108,7 @@ const PILOT_BYTES_PER_PIXEL: u64 = 250;
 /// and free memory that the allocator keeps.
 const PASS_BYTES_PER_PIXEL: u64 = 64;
 
-/// Returns the largest memory in bytes of a render, whose picture has at most a quarter of the
-/// film's bytes.
+/// Returns the largest memory of a render. Its picture has at most a quarter of the film's bytes.
 fn memory_bytes(film_bytes: u64, pixels: u64, diffraction: bool) -> u64 {
     let convolution = if diffraction { CONVOLUTION_BYTES_PER_PIXEL } else { 0 };
     let others = pixels.saturating_mul(PASS_BYTES_PER_PIXEL + convolution);

@@ -6,8 +6,7 @@ use abbe_transport::plan::PathClass;
 use abbe_transport::sensor::LayerSet;
 use abbe_transport::sensor::layers::SurfaceLayer;
 
-/// Returns the layers that a scene requests, or an input error if there are too many groups of
-/// lights.
+/// Returns the requested layers, or an input error if there are too many groups of lights.
 pub(super) fn layer_set(scene: &Scene) -> Result<LayerSet> {
     let wanted = |layer: Layer| scene.film.layers.contains(&layer);
     let names = |layer: Layer, names: Vec<String>| wanted(layer).then_some(names);

@@ -60,8 +60,7 @@ pub struct PointReport {
     pub normal: Option<[f64; 3]>,
     pub value: Value,
     pub noise: Option<Value>,
-    /// The magnitude of the estimated bias. For a function of the spectrum, it is the effect of the
-    /// bands.
+    /// The magnitude of the bias, or the effect of the bands for a function of the spectrum.
     pub bias: Option<Value>,
     /// The interval that contains the true value with a probability of 95 %.
     pub interval_95: Option<[Value; 2]>,
@@ -104,8 +103,7 @@ impl Job {
         if caustics && focusing && self.hidden_lamps().next().is_some() { Integrator::Photon } else { Integrator::Path }
     }
 
-    /// Returns the lamps whose light the path tracer does not find after a mirror: those without
-    /// extent, and the sun.
+    /// Returns the lamps that the path tracer misses after a mirror: without extent, and the sun.
     fn hidden_lamps(&self) -> impl Iterator<Item = &Light> {
         let hidden = |light: &&Light| light.is_delta() || matches!(light.emitter, Emitter::Directional(_));
         self.scene.lights.iter().filter(hidden)
@@ -123,8 +121,7 @@ impl Job {
         ))
     }
 
-    /// Returns a note if a point sensor lies in a hollow, where photons through glass may not reach
-    /// the disk around it.
+    /// Notes a point sensor in a hollow, where photons through glass may not reach its disk.
     fn note_of_hollows(&self, integrator: Integrator) -> Option<String> {
         /// The distance at which the surface below a sensor is found, by the radius of the scene;
         /// more than the shift of sensors above surfaces.

@@ -30,8 +30,7 @@ pub struct Progress {
 pub trait Monitor {
     fn before_pilot(&mut self) {}
 
-    /// Returns true if the monitor shows a coarse picture before pass 0, for a fraction of the time
-    /// of a pass.
+    /// Returns true if the monitor shows a coarse picture before pass 0, which costs little.
     fn wants_coarse_picture(&self) -> bool {
         false
     }

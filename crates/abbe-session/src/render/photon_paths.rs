@@ -26,8 +26,7 @@ impl Job {
         photon_paths(&PassContext { portals: &portals, ..context }, query)
     }
 
-    /// Returns the first surface under a film position in pixels, and the width of a pixel there in
-    /// m.
+    /// Returns the surface under a film position in pixels, and a pixel's width there in m.
     pub fn point_under(&self, film: DVec2) -> Option<(DVec3, f64)> {
         let camera = &self.scene.camera;
         let ray = camera.ray(film, [0.5; 2]);
@@ -66,8 +65,7 @@ impl Job {
     }
 }
 
-/// Returns the part of a segment in front of the camera, up to a little before the plane of the
-/// lens.
+/// Returns the part of a segment in front of the camera, a little before the lens plane.
 fn in_front(camera: &Camera, from: DVec3, to: DVec3) -> Option<[DVec3; 2]> {
     let is_seen = |point: DVec3| camera.project(point).is_some();
     let last_seen = |seen: DVec3, unseen: DVec3| {

@@ -23,8 +23,7 @@ impl Integrator {
     }
 }
 
-/// The render stops when one rule is satisfied. Without any rule, the budget sets the number of
-/// passes.
+/// The render stops by the first rule, or by the passes of the budget without any rule.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StopRules {
     pub passes: Option<u64>,

@@ -8,8 +8,7 @@ use abbe_transport::plan::Tally;
 use abbe_transport::sensor::{ErrorSquares, Film, Picture, Reading, ReadingSpectrum};
 use abbe_transport::walk::ledger::Ledger;
 
-/// The state of a render between two passes, which can continue later or elsewhere, and be merged
-/// with other runs.
+/// The state of a render between two passes, which can continue elsewhere and be merged.
 #[derive(Debug)]
 pub struct Run {
     pub(super) sums: PassSums,

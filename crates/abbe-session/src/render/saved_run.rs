@@ -112,8 +112,7 @@ impl SavedRun {
         Ok(film)
     }
 
-    /// Returns an unexposed film for the sums of the file, or an input error if the file is
-    /// damaged.
+    /// Returns an unexposed film for the sums, or an input error if the file is damaged.
     pub(super) fn blank_film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ([width, height], bands) = self.identity.film_size();
         let layers = self.identity.layers();

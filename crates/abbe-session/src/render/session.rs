@@ -37,8 +37,7 @@ impl Job {
         self.continue_run(request, Run::new(self, PassPart::WHOLE), monitor)
     }
 
-    /// Returns the spectra that a run's shared wavelengths have sampled: all if no camera path has
-    /// them.
+    /// Returns the spectra that a run's shared wavelengths sampled: all if no path has them.
     fn coverage_of(&self, run: &Run, integrator: Integrator) -> SpectrumCoverage {
         if integrator == Integrator::Path || self.plan.wavelengths == WavelengthPlan::Free {
             return SpectrumCoverage::default();

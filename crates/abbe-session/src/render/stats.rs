@@ -242,8 +242,7 @@ fn named(all: &[String]) -> String {
     format!("{}{more}", names.join(", "))
 }
 
-/// Returns notes on light that the picture lacks, without measured numbers, so that all parts of a
-/// picture have the same.
+/// Returns notes on missing light without numbers, so that all parts of a picture have the same.
 fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
     let PassSums { ledger, tally, .. } = &run.sums;
     let limited = job.scene.settings.max_depth.map(|depth| {

@@ -44,8 +44,7 @@ impl StopConditions {
         Self { rules, wanted, error: ErrorTracker::default() }
     }
 
-    /// Returns an input error if the run's part has no passes, or if the run has more passes than
-    /// wanted.
+    /// Returns an input error if the part has no passes, or if the run has too many.
     pub(super) fn check(&self, run: &Run) -> Result<()> {
         let (part, wanted) = (run.part, self.wanted.unwrap_or(u64::MAX));
         if wanted == 0 {
@@ -115,8 +114,7 @@ impl ErrorTracker {
 
     /// Measures the error if a stop rule needs the error, or if a measurement is due.
     fn update(&mut self, run: &Run, elapsed: Duration, needed: bool) {
-        /// One pass per replicate. With fewer, the noise of stratified samples would be
-        /// underestimated.
+        /// One pass per replicate. Fewer would underestimate the noise of stratified samples.
         const FIRST: u64 = 8;
         let due = run.done >= self.next_pass.max(FIRST) && elapsed >= self.next_time;
         if needed || due {

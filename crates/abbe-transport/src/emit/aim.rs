@@ -71,8 +71,7 @@ mod tests {
     use super::*;
     use abbe_spectra::math::sobol::Sobol;
 
-    /// The mean of 1/density is 1, and the cell with the largest weight receives its fraction of
-    /// the samples.
+    /// The mean of 1/density is 1, and the best cell receives its fraction of the samples.
     #[test]
     fn aiming_preserves_the_mean_power() {
         let mut scores = vec![0.0; CELLS * CELLS];

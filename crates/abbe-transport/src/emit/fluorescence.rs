@@ -184,8 +184,8 @@ impl ExcitedEmissions {
         self.list.iter().map(|emission| emission.power_w).sum()
     }
 
-    /// Selects an emission in proportion to its power. Returns its index, and its excitation for an
-    /// emitted power of 1 W.
+    /// Selects an emission by its power. Returns its index, and its excitation for an emission of 1
+    /// W.
     fn sample(&self, stream: &mut Stream) -> (usize, f64) {
         let emission = if self.count == 1 {
             self.list[0]

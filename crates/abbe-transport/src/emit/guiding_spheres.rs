@@ -55,8 +55,7 @@ struct DistantSpheres<'a> {
 }
 
 impl<'a> DistantSpheres<'a> {
-    /// Finds the distant spheres of a point on an opaque surface without shading normals. Other
-    /// points have none.
+    /// Finds the distant spheres of a point on an opaque surface without shading normals.
     fn new(spheres: &'a [BoundingSphere], interaction: &SurfaceInteraction<'_>) -> Self {
         let position = interaction.hit.position;
         let model = interaction.bsdf.model;
@@ -114,8 +113,7 @@ impl<'a> DistantSpheres<'a> {
         })
     }
 
-    /// Scatters the photon by the BSDF. Its power becomes the power before the event that the
-    /// mixture requires.
+    /// Scatters the photon by the BSDF. Its power becomes that which the mixture requires.
     fn scatter_by_bsdf<M: BodyMode>(
         &self,
         path: &mut PhotonPath,

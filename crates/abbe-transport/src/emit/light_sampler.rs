@@ -7,8 +7,7 @@ use abbe_spectra::spectrum::{Spectrum, WavelengthDistribution};
 
 #[derive(Debug, Clone)]
 pub struct LightSampler {
-    /// Selects a light, by a weighted mean of its fractions of the visual importance (X + Y + Z)
-    /// and of the radiant power.
+    /// Selects a light by its fractions of the visual importance (X + Y + Z) and the radiant power.
     pub lights: DiscreteDistribution,
     /// Samples wavelengths for all lights together: the shared ones of a pass, and those of the
     /// path tracer. Half of them are sampled from the power of all lights; the other half is
@@ -96,8 +95,7 @@ fn defensive_mixture<'a>(
     groups.iter().map(|group| (weight(group), &group.1.spectrum)).chain(of_emissions).collect()
 }
 
-/// Returns one light of each different spectrum, with the power in W of all lights of this
-/// spectrum.
+/// Returns one light of each different spectrum, with the power in W of all such lights.
 pub(super) fn spectrum_groups<'a>(lights: &'a [Light], powers: &[f64]) -> Vec<(f64, &'a Light)> {
     let mut groups: Vec<(f64, &Light)> = Vec::new();
     for (light, &power_w) in lights.iter().zip(powers) {
@@ -114,8 +112,7 @@ pub(super) fn is_visible((power_w, light): &&(f64, &Light)) -> bool {
     *power_w > 0.0 && light.importance_per_watt > 0.0
 }
 
-/// Returns the emission spectra of the fluorophores that the observer can see, each with its visual
-/// importance X + Y + Z.
+/// Returns the visible emission spectra of fluorophores with their importance X + Y + Z.
 fn emission_spectra(scene: &Scene) -> Vec<(f64, Spectrum)> {
     let spectra = scene.fluorophores().map(|fluorophore| fluorophore.emitted_power().clone());
     let weighed = spectra.map(|spectrum| (scene.film.observer.xyz(&spectrum).iter().sum::<f64>(), spectrum));

@@ -25,8 +25,7 @@ use abbe_spectra::spectrum::{LANES, Spectrum};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// Advances the photon through media to the next surface, or returns `None` if its path ends
-/// before.
+/// Advances the photon through media to the next surface, unless its path ends before.
 pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
     source: &PhotonSource<'a>,
     path: &mut PhotonPath,
@@ -105,8 +104,7 @@ impl PhotonPath {
         }
     }
 
-    /// Samples the free-flight distance in m, or `None` if the photon passes the segment. Its power
-    /// changes in both cases.
+    /// Samples the free-flight distance in m, `None` beyond the segment, and changes the power.
     fn sample_free_flight(
         &mut self,
         medium: &Medium,
@@ -175,8 +173,7 @@ impl PhotonPath {
         true
     }
 
-    /// Samples a direction from the phase function of the hero, and weights all wavelengths by the
-    /// balance heuristic.
+    /// Samples a direction from the hero's phase function, and weights by the balance heuristic.
     pub(super) fn sample_phase_function(&mut self, medium: &Medium, incoming: DVec3, stream: &mut Stream) -> DVec3 {
         let fractions = self.power_fractions();
         let hero = self.sample_hero(&fractions, stream);

@@ -9,17 +9,14 @@ use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonState {
     pub light_path: LightPath,
-    /// True beyond the depth limit of the scene, where the photon contributes only to the estimated
-    /// bias.
+    /// True beyond the depth limit, where the photon contributes only to the estimated bias.
     pub truncated: bool,
     pub wavelengths: Wavelengths,
     /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
     pub power: Lanes,
-    /// The code with which the map stores the wavelengths of a free photon. It does not change
-    /// along the path.
+    /// The code with which the map stores the wavelengths of a free photon, the same all along.
     pub wavelength_code: WavelengthCode,
-    /// The only remaining lane after a dispersive refraction. For shared photons, it is the index
-    /// of the shared wavelength.
+    /// The lane that a dispersive refraction left: the index of the wavelength for shared photons.
     pub lane: Option<usize>,
     /// True for a photon of the shared set with wavelengths of its own, which serves only to excite
     /// fluorophores and is not recorded.

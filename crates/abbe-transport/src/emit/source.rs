@@ -19,8 +19,7 @@ const EXCITATION_FRACTION: f64 = 0.5;
 
 #[derive(Debug, Clone, Copy)]
 pub enum WavelengthSampling {
-    /// Each photon samples its own wavelengths, by the spectrum of its light and the sensitivity of
-    /// the observer.
+    /// Each photon samples its own, by the spectrum of its light and the observer's sensitivity.
     Free,
     Shared {
         nm: Lanes,

@@ -39,8 +39,7 @@ pub struct Stratum {
     pub light: usize,
     /// The target of the rays. `None` for the stratum of all other rays.
     sphere: Option<BoundingSphere>,
-    /// The strata of the same light whose rays do not belong to this one, even if they pass through
-    /// its sphere.
+    /// The strata of the same light whose rays do not belong to this one, even through its sphere.
     excluded: Range<usize>,
     /// The fraction of the light's power in this stratum. Rays in excluded strata are included.
     pub fraction: f64,

@@ -19,8 +19,7 @@ use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{BAND_NM, LANES};
 use std::ops::Range;
 
-/// Traces the photons with these indices to their ends. Only this function chooses the [`BodyMode`]
-/// of photon paths.
+/// Traces the photons with these indices. Only this function chooses their [`BodyMode`].
 pub fn trace<V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     points: &Sobol,
@@ -75,8 +74,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
     }
 }
 
-/// Follows some of the photons that reach the depth limit, which contribute only to the estimated
-/// bias.
+/// Follows some photons that reach the depth limit and contribute only to the estimated bias.
 #[inline(never)]
 fn follow_truncated<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
@@ -91,8 +89,7 @@ fn follow_truncated<M: BodyMode, V: PhotonVisitor>(
     follow::<M, V>(source, path, limit.events() + 1..MAX_EVENTS + 1, stream, visitor, ledger);
 }
 
-/// Follows a photon through the surface events with these numbers, from 1. Returns true if it
-/// survives.
+/// Follows a photon through these surface events, from 1. Returns true if it survives.
 #[inline(always)]
 fn follow<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,

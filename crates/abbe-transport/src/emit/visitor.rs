@@ -39,8 +39,7 @@ impl<'a> PhotonFlight<'a> {
 /// A photon that enters a path segment in a medium.
 #[derive(Debug)]
 pub struct MediumCrossing<'a> {
-    /// The segment, which ends at the end of the medium or at a surface. The photon may collide
-    /// before.
+    /// Ends with the medium or at a surface. The photon may collide before.
     pub segment: &'a MediumSegment<'a>,
     pub medium: NumberedMedium<'a>,
     /// The photon at the start of the segment.
@@ -70,8 +69,7 @@ pub trait PhotonVisitor {
     #[inline]
     fn on_escape(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 
-    /// A photon flies straight to a surface or to the end of a medium, in which it may collide
-    /// before.
+    /// A photon flies straight to a surface or the end of a medium, in which it may collide.
     #[inline]
     fn on_flight(&mut self, _flight: &PhotonFlight<'_>) {}
 

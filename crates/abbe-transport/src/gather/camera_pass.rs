@@ -43,8 +43,7 @@ pub struct CameraPass<'a> {
     pub explicit_radius_m: Option<f64>,
 }
 
-/// The light of photon paths beyond the limit of their number of events, which changes only the
-/// estimated bias.
+/// The light of photon paths beyond their limit, which changes only the estimated bias.
 #[derive(Debug, Clone, Copy)]
 pub struct TruncatedMaps<'a> {
     pub maps: PerSet<&'a SetMaps>,

@@ -129,8 +129,7 @@ fn position_index(view: DVec3, to_light: DVec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// Values of the table of CIE 117 at T/R (aside) and H/R (above), to the accuracy of the
-    /// formula.
+    /// The table of CIE 117 at T/R (aside) and H/R (above), to the accuracy of the formula.
     #[test]
     fn the_position_index_agrees_with_the_table_of_cie_117() {
         let table = [

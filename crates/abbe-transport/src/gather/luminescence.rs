@@ -35,8 +35,7 @@ pub(super) struct ExcitingLight<'s> {
     pub(super) number: usize,
     pub(super) light: &'s Light,
     pub(super) spd: EmittedSpd,
-    /// Irradiance, or fluence in a medium, divided by the spectrum of the light, without
-    /// attenuation.
+    /// Irradiance (fluence in a medium) divided by the light's spectrum, without attenuation.
     pub(super) irradiance: f64,
     pub(super) along: &'s [SegmentTransmittance<'s>],
 }
@@ -139,8 +138,7 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// `per_sr` is the fraction of the emitted power per unit of projected solid angle, or per unit of
-/// solid angle in a medium.
+/// `per_sr` is the fraction of the emission per projected solid angle, or solid angle in media.
 #[inline(never)]
 fn luminescence_of<'a, S: Sink>(
     fluorophore: &'a Fluorophore,

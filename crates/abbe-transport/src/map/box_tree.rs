@@ -62,8 +62,7 @@ impl BoxTree {
         Self::new(&tree)
     }
 
-    /// Converts a binary tree with one box per leaf: the largest subtrees of at most [`LEAF`] boxes
-    /// become leaves.
+    /// Converts a binary tree: the largest subtrees of at most [`LEAF`] boxes become leaves.
     fn new(Bvh2 { nodes: binary, primitive_indices, .. }: &Bvh2) -> (Self, Leaves) {
         let counts = box_counts(binary);
         let mut nodes: Vec<BoxNode> = Vec::with_capacity(binary.len() / 4);
@@ -235,8 +234,7 @@ mod tests {
         DVec3::new(stream.uniform(), stream.uniform(), stream.uniform()) - 0.5
     }
 
-    /// A query finds all boxes, even in a tree where every inner node has a leaf as one of its
-    /// children.
+    /// A query finds all boxes, even if every inner node has a leaf as a child.
     #[test]
     fn a_very_deep_tree_loses_no_box() {
         const INNER_NODES: u32 = 1000;

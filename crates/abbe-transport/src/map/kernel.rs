@@ -41,8 +41,7 @@ impl DiskKernel {
         Self { peak: self.peak / correction.estimate, uniform: self.uniform / correction.uniform, ..self }
     }
 
-    /// Returns the kernel values (1/m²) at the squared distance `d2` (m²), at most the squared
-    /// radius.
+    /// Returns the values (1/m²) at the squared distance `d2` (m²), at most the squared radius.
     #[inline]
     pub fn at(&self, d2: f64) -> KernelValues {
         KernelValues {
@@ -208,8 +207,7 @@ mod tests {
         assert!((over_disk(0.5, |d2| kernel.at(d2).uniform) - 1.0).abs() < 1e-8);
     }
 
-    /// The kernels on the line integrate to 1. Their bias estimate is exact for a parabolic
-    /// density.
+    /// The kernels on the line integrate to 1, and their bias is exact for a parabola.
     #[test]
     fn line_kernels_have_unit_mass_and_measure_bias() {
         let (r, c, n) = (0.4_f64, 0.7, 100_000);

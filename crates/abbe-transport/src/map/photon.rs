@@ -79,8 +79,7 @@ type EncodedDirection = Octahedral<14>;
 type Normal = Octahedral<12>;
 
 impl Photon {
-    /// Takes the unit direction back along the photon's path, and the unit normal on the side from
-    /// which the photon arrived.
+    /// Takes the unit vectors back along the path, and of the normal on the side of arrival.
     #[inline]
     pub fn new(power: PhotonPower, to_light: DVec3, normal: DVec3) -> Self {
         Self { power, to_light: EncodedDirection::encode(to_light).0, normal: Normal::encode(normal).0 }

@@ -1,5 +1,4 @@
-//! The photon map of surfaces: an immutable kd-tree, which accepts any number of coplanar or
-//! coincident photons.
+//! The photon map of surfaces: a kd-tree for any number of coplanar or coincident photons.
 
 use super::photon::Photon;
 use super::point_tree::PointTree;

@@ -25,8 +25,8 @@ const MAX_DEPTH: usize = 32;
 pub(super) struct PointTree {
     /// The inner nodes in preorder. A subtree of n leaves has n − 1 inner nodes.
     splits: Vec<PlaneSplit>,
-    /// The coordinates. Each leaf has the same number of groups; empty places are NaN, at no
-    /// distance from any place.
+    /// Each leaf has the same number of groups. Empty places are NaN, at no distance from any
+    /// place.
     groups: Vec<Group>,
     /// The number of the first point of each leaf, and the number of points.
     starts: Vec<u32>,
@@ -91,8 +91,7 @@ impl PointTree {
         });
     }
 
-    /// Returns the squared distance from `centre` to the `k`-th nearest point, or `None` if it is
-    /// above `farthest2`.
+    /// Returns the squared distance to the `k`-th nearest point, or `None` above `farthest2`.
     pub(super) fn kth_distance2(&self, centre: [f32; 3], k: NonZero<usize>, farthest2: f32) -> Option<f32> {
         // The bits of numbers that are not negative have the order of the numbers.
         let mut nearest: BinaryHeap<u32> = BinaryHeap::with_capacity(k.get() + 1);
@@ -160,8 +159,7 @@ impl PointTree {
     }
 }
 
-/// Calls `visit` with the place and the squared distance of each point within `radius2` of
-/// `centre`.
+/// Calls `visit` with the place and the squared distance of each point within `radius2`.
 #[inline(always)]
 fn for_each_near(groups: &[Group], centre: [f32; 3], radius2: f32, mut visit: impl FnMut(usize, f32)) {
     let [x, y, z] = centre.map(f32x4::splat);

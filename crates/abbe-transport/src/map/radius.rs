@@ -4,8 +4,7 @@ use crate::plan::partition::{PerClass, PerSet};
 use abbe_spectra::math::elementary::powf;
 use glam::DVec3;
 
-/// The first radii of a pixel. `T` is `f32`, or `Option<f32>` while the pilot does not know all
-/// radii.
+/// The first radii of a pixel: `f32`, or `Option<f32>` while the pilot does not know all.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PixelRadii<T = f32> {
     /// Radii on surfaces, in m.
@@ -137,8 +136,7 @@ fn scale_for_photons(photons: f64, dimensions: u32) -> f64 {
     powf(photons, -1.0 / (f64::from(dimensions) + 4.0))
 }
 
-/// Returns the radius of a kernel of d = `dimensions` dimensions after some passes, divided by the
-/// first radius.
+/// Returns the ratio of the radius after some passes and the first one, in d = `dimensions`.
 ///
 /// By equation 15 of "Progressive Photon Mapping – A Probabilistic Approach" (Knaus & Zwicker
 /// 2011), rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1) after pass i, counted from 1, with α = 4/(d + 4). The

@@ -11,8 +11,7 @@ use crate::plan::partition::{PerClass, PerSet, PhotonSet};
 use crate::walk::RayDensities;
 use abbe_scene::Scene;
 
-/// What is the same in all passes. A pass must not learn from another pass, so the pilot chooses it
-/// before pass 0.
+/// The same in all passes. They must not learn from each other, so the pilot chooses it.
 #[derive(Debug)]
 pub struct PassParameters {
     pub(crate) strata: EmissionStrata,
@@ -59,8 +58,7 @@ impl PassParameters {
         }
     }
 
-    /// Returns the inputs of the camera paths of a pass with the first radii and without missing
-    /// light.
+    /// Returns the inputs of the camera paths with the first radii and without missing light.
     pub(crate) fn camera_pass<'s>(
         &'s self,
         context: &PassContext<'s>,

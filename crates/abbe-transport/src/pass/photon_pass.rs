@@ -46,8 +46,7 @@ pub fn photon_pass<'a>(
         let request =
             EmissionRequest { wavelengths: shared.sampling(set), count: parameters.photons[set], purpose, pass };
         let source = parameters.photon_source(&context, &scene, request);
-        // Only free photons have wavelengths of their own, which are all the wavelengths of the
-        // lights.
+        // Only free photons have wavelengths of their own: all those of the lights.
         let received = sensors.as_ref().filter(|_| set == PhotonSet::Free);
         let recording = RecordingOptions { sensors: received, ..parameters.recording(set) };
         trace_photons(&source, plan, set, recording, || film.splat_sink())
@@ -133,8 +132,7 @@ fn truncated_maps<'m>(
     (capped > 0.0).then(|| TruncatedMaps { maps: maps.as_ref(), factor: ratio_beyond_cap(capped, emitted) })
 }
 
-/// Returns the power beyond the cap, divided by that before it. `capped` is the part of `emitted`
-/// that reaches the cap.
+/// Returns the ratio of the power beyond the cap and before. `capped` of `emitted` reaches it.
 fn ratio_beyond_cap(capped: f64, emitted: f64) -> f64 {
     /// The largest ratio. In a lossless cavity, the ratio would be infinite.
     const LARGEST: f64 = 1e6;
@@ -157,8 +155,7 @@ fn updated<'m, 'a>(
 mod tests {
     use super::*;
 
-    /// If the fraction c reaches the cap, the light beyond it is c + c² + c³ + … times the light
-    /// before.
+    /// If the fraction c reaches the cap, the light beyond is c + c² + c³ + … times that before.
     #[test]
     fn light_beyond_the_cap_is_a_geometric_series() {
         for fraction in [0.01_f64, 0.3, 0.9] {

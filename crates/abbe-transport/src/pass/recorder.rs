@@ -16,8 +16,7 @@ use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::BAND_NM;
 
-/// The number of surface events of a photon path after which only some of its photons are recorded,
-/// because they are alike.
+/// After this many surface events, only some photons of a path are recorded: they are alike.
 const EVENTS_RECORDED_ALWAYS: u32 = 8;
 
 #[derive(Debug, Clone, Copy)]
@@ -71,8 +70,7 @@ impl<'a> PhotonRecorder<'a> {
         if photon.truncated { &mut self.truncated } else { &mut self.deposits }
     }
 
-    /// Connects the photon, with its power times `factor`, if the plan uses connections for its
-    /// path class.
+    /// Connects the photon, with its power times `factor`, if the plan connects its class.
     fn connect(&mut self, arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) {
         let class = arrival.interaction.bsdf.class();
         let connects = estimator(arrival.photon.light_path, class, CameraView::Direct) == Estimator::Connection;

@@ -131,8 +131,7 @@ impl<'a> SensorKernels<'a> {
         });
     }
 
-    /// Corrects the kernels of a photon at `offset` from the sensor beside walls, or returns `None`
-    /// if a wall is between them.
+    /// Corrects the kernels beside walls, or `None` if a wall is between photon and sensor.
     fn between_walls(
         &self,
         kernels: KernelValues,

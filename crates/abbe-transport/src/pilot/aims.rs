@@ -1,5 +1,4 @@
-//! Learns emission distributions, which send more photons in directions that contribute to the
-//! picture.
+//! Learns emission distributions, which send more photons where they contribute.
 
 use super::guiding_spheres::GuidingSpheres;
 use super::importance::{GridLayout, Importance};

@@ -40,8 +40,7 @@ pub(super) struct BalanceLimits {
     pub(super) largest_medium_factor: f64,
 }
 
-/// The relative variance of the picture with one photon path, all photons stored, and one camera
-/// sample per pixel.
+/// The relative variance for one photon path, all stored, and one camera sample per pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Variances {
     /// The variance of the photons that are connected to the camera.
@@ -83,8 +82,7 @@ impl BalanceLimits {
         self.photons_are_explicit && self.camera_samples.is_some()
     }
 
-    /// Returns the division with the least variance at equal time: the least product of all
-    /// measures in `variances`.
+    /// Returns the least variance at equal time: the least product of all `variances`.
     pub(super) fn choose<const MEASURES: usize>(self, variances: [Variances; MEASURES], work: Work) -> Balance {
         let of_plain = self.plain().work(work);
         let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
@@ -261,8 +259,7 @@ mod tests {
         assert!(!explicit.is_fixed() && !samples.is_fixed());
     }
 
-    /// Media store more photons of each path if they are noisy and cheap to gather, unless all are
-    /// stored already.
+    /// Media store more photons of each path if they are noisy and cheap to gather.
     #[test]
     fn noisy_media_store_more_photons_of_each_path() {
         let work = Work { gather_in_media: 100.0, ..SMALL_FILM };
@@ -280,8 +277,7 @@ mod tests {
         assert!(photons >= 25_000 && camera_samples >= 1);
     }
 
-    /// More samples where they are noisy are worth more than samples everywhere, but not if photons
-    /// cause the noise.
+    /// Samples follow the noise rather than grow everywhere, unless photons cause it.
     #[test]
     fn samples_follow_the_noise_only_if_this_gains_something() {
         let probe = |&pixel: &usize| {

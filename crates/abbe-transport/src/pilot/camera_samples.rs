@@ -88,8 +88,7 @@ struct SampleNoise {
 }
 
 impl FilmNoise {
-    /// Measures the noise with a sample in each square, by `probe` for some pixels. `None` if the
-    /// film has few pixels.
+    /// Measures the noise with a sample in each square, by `probe`. `None` for few pixels.
     pub(super) fn measure(
         (width, height): (usize, usize),
         probe: impl Fn(&[usize]) -> Vec<ProbedPixel> + Sync,
@@ -234,8 +233,7 @@ impl ProbeSums {
         (self.samples[c] + self.splats[c]) / self.count
     }
 
-    /// Returns the noise of a sample in the middle of these pixels. `picture` contains the sums
-    /// over the film.
+    /// Returns the noise in the middle of these pixels. `picture` sums over the film.
     fn noise(&self, picture: &Self) -> SampleNoise {
         let of_picture: [f64; 3] = std::array::from_fn(|c| picture.mean(c).powi(2).max(f64::MIN_POSITIVE));
         // The mean of the picture limits the weight of dark pixels.

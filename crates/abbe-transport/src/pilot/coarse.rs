@@ -65,8 +65,7 @@ pub(super) fn coarse_photon_picture(
 }
 
 impl CoarseScene {
-    /// Reduces the film of the context's scene or a posed copy of it. `None` if the film has few
-    /// pixels.
+    /// Reduces the film of the scene or a posed copy. `None` if the film has few pixels.
     fn of(context: &PassContext<'_>, scene: &Scene) -> Option<Self> {
         let factor = (scene.camera.pixel_count() as f64 / PIXELS).sqrt() as u32;
         let few_pixels = || {

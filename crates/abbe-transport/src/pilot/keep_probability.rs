@@ -32,8 +32,7 @@ impl DepositCounts {
 }
 
 impl KeepProbability {
-    /// Stores at most [`MAX_POINTS`] points and [`MAX_BEAMS`] beams in a pass that would store
-    /// these.
+    /// Stores at most [`MAX_POINTS`] and [`MAX_BEAMS`] in a pass that would store these.
     pub(super) fn within_limits(stored: DepositCounts) -> Self {
         let at_most = |count: f64, most: f64| most / count.max(most);
         Self { surface: 1.0, points: at_most(stored.points, MAX_POINTS), beams: at_most(stored.beams, MAX_BEAMS) }

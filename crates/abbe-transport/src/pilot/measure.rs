@@ -37,8 +37,7 @@ pub(super) fn measure(
     for (radii, counts) in radii.iter_mut().zip(volume) {
         counts.set_radii(radii, parameters.keep, &widths);
     }
-    // The paths of a sensor reach surfaces everywhere, so the radius of one does not suit the
-    // others.
+    // The paths of a sensor reach surfaces everywhere, so no radius suits the others.
     parameters.radii = FirstRadii::with_medians(&radii, context.scene.measures());
     if context.plan.photon_sets() == (PerSet { free: true, shared: true }) {
         parameters.photons = divided(context.budget.photons, readers);

@@ -131,8 +131,7 @@ fn trace_lines(
         let pixel = if pixels < BATCH { path % pixels } else { path % BATCH * pixels / BATCH };
         let mut sampler = PixelSampler::new(streams, path, pixel);
         let Some((mut ray_state, pdf)) = sampler.ray_at(scene, pixel, REFERENCE_NM) else { continue };
-        // The last vertex that scatters into many directions (also a sensor), and the density
-        // there.
+        // The last vertex that scatters into many directions, and the density there.
         let mut last = pdf.map(|pdf| (ray_state.ray, pdf));
         let mut glazed = false;
         for _ in 0..MAX_SURFACES {

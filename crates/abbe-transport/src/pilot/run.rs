@@ -83,8 +83,7 @@ impl Pilot {
         Ok(pilot)
     }
 
-    /// Renders only the coarse picture, with fewer photons for the emission distributions. `None`
-    /// if the film is small.
+    /// Renders only the coarse picture, with fewer photons for the aims. `None` if small.
     pub fn coarse_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
         let photons = context.budget.photons.min(COARSE_AIM_PHOTONS);
         let budget = Budget { photons, ..context.budget.clone() };

@@ -24,8 +24,7 @@ const BLOCK: usize = 4;
 /// A shared measurement reaches at most this many times as far as that of one pixel.
 const WIDEST_SHARED: f64 = 1.5;
 
-/// Returns the surface extents around visible points whose kernel for indirect light may extend
-/// over an edge.
+/// Returns the extents around visible points whose kernel may extend over an edge.
 ///
 /// `visible` and `radii` have one entry per pixel, and `scale` is the factor on the radii. A point
 /// near `swept`, the bounding boxes of moving objects, gets none, because the edges there may move.
@@ -77,8 +76,7 @@ enum Need<'v> {
     SurfaceExtent(&'v VisiblePoint, f64),
 }
 
-/// Measures a block of pixels, which share the same planes. `needs` holds their places in
-/// `of_pixels`.
+/// Measures a block of pixels, which share planes. `needs` tells their places.
 fn measure_block(geometry: &Geometry, needs: &[(usize, Need<'_>)], of_pixels: &mut [SurfaceExtentSurvey]) {
     let mut measured: Vec<SurfaceExtent> = Vec::new();
     for (nth, &(place, need)) in needs.iter().enumerate() {
@@ -104,8 +102,7 @@ fn measure_block(geometry: &Geometry, needs: &[(usize, Need<'_>)], of_pixels: &m
     }
 }
 
-/// Returns the reach (m) of a measurement that other pixels share, or of this pixel alone if none
-/// can.
+/// Returns the reach (m) that other pixels share, or of this pixel alone.
 fn shared_search_m(point: &VisiblePoint, radius_m: f64, others: &[(usize, Need<'_>)]) -> f64 {
     let search_for = |&(_, need): &(usize, Need<'_>)| match need {
         Need::SurfaceExtent(other, radius_m) if other.facing == point.facing => {

@@ -68,8 +68,7 @@ pub(super) struct PixelSurvey {
 }
 
 impl PixelSurvey {
-    /// Surveys all pixels in the scene at the shutter time number `moment` of `moments`. A pass has
-    /// `photons` paths.
+    /// Surveys all pixels at time `moment` of `moments`. A pass has `photons` paths.
     pub(super) fn of_moment(
         context: &PassContext<'_>,
         scene: &Scene,
@@ -321,8 +320,7 @@ fn object_extents(scene: &Scene) -> Vec<f64> {
     extents
 }
 
-/// Returns the fraction of the `photons` paths of a pass that the survey traces at one of `moments`
-/// shutter times.
+/// Returns the fraction of a pass's `photons` paths at one of `moments` shutter times.
 fn photon_fraction(photons: u64, moments: usize) -> f64 {
     (PHOTON_FRACTION / moments as f64).max(MIN_PHOTONS / photons.max(1) as f64).min(1.0)
 }
@@ -342,8 +340,7 @@ struct RadiusLimits {
 struct SurveyMaps {
     surface: PerClass<PhotonMap>,
     volume: PerClass<VolumeSamples>,
-    /// The survey's photons within the first radius, where a pass has as many as the budget
-    /// specifies.
+    /// The survey's photons in the first radius, where a pass has as many as the budget.
     nearest: NonZero<usize>,
     /// The least number of indirect photons of the survey within the first radius on a surface.
     fewest: NonZero<usize>,

@@ -30,8 +30,7 @@ const LIGHT_MAP_CELLS: u32 = 8;
 /// The least fraction of noise in the variance of neighbouring pixels.
 const LEAST_FRACTION_OF_NOISE: f64 = 0.1;
 
-/// If the noise in the tiles is more than this multiple of the variance around their pixels, rare
-/// bright samples cause it.
+/// Noise in tiles beyond this multiple of the variance around comes from rare bright samples.
 const RARE_SAMPLES: f64 = 4.0;
 
 /// The pass number of the camera samples that measure the noise of the pixels.

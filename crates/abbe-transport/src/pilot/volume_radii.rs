@@ -1,5 +1,4 @@
-//! First kernel radii and probabilities of storing photons in media, from the pilot photons near
-//! each camera ray.
+//! First kernel radii and probabilities in media, from the photons near each camera ray.
 
 use super::keep_probability::DepositCounts;
 use super::volume_samples::{NearbyPhotons, VolumeSamples};
@@ -21,8 +20,7 @@ const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
 /// The largest, in pixels. Caustics have sharp edges.
 const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 24.0 };
 
-/// The largest, as a fraction of the picture's shorter side. On a small film, 24 pixels would blur
-/// whole bodies.
+/// The largest, as a fraction of the shorter side: 24 pixels blur bodies on a small film.
 const MAX_VOLUME_RADIUS_OF_PICTURE: f64 = 0.1;
 
 /// The largest for indirect light, divided by the distance from the camera, if the other limits
@@ -132,8 +130,7 @@ impl PixelVolumeCounts {
 }
 
 impl NearbyPhotons {
-    /// Returns the ratio of the first radius to the distance from the camera. `keep` is that of a
-    /// pass.
+    /// Returns the ratio of radius and distance from the camera. `keep` is that of a pass.
     fn first_radius(&self, keep: KeepProbability) -> f64 {
         let within = |found: f64, dimensions: f64| powf(PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY), 1.0 / dimensions);
         let [points, beams, free_paths, width] = [self.points, self.beams, self.free_paths, self.width].map(f64::from);

@@ -22,8 +22,7 @@ const ENOUGH: f64 = 16.0;
 /// A kernel width contains enough photons if a pass stores at least this number within it.
 const FEWEST: f64 = 8.0;
 
-/// The number of points at which a segment stops counting, even if most are invisible behind the
-/// medium.
+/// The points at which a segment stops counting, even if most are hidden by the medium.
 const ENOUGH_HIDDEN: u32 = 256;
 
 /// The photons of one set and class near a camera ray, within the upper limit of the first radius,
@@ -81,8 +80,7 @@ impl VolumeSamples {
         }
     }
 
-    /// Counts the photons around a camera segment, within the first width that contains enough
-    /// photons, or the last.
+    /// Counts the photons within the first width that contains enough, or the last.
     pub(super) fn count(
         &self,
         segment: &CameraSegment,

@@ -35,8 +35,7 @@ const LIGHT_MAP_NODE_BYTES: u64 = 1;
 /// that no path from the light crosses.
 const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 
-/// For a stored photon and its position, twice while the map sorts the photons, with 4 bytes for
-/// their order.
+/// For a photon and its position, twice while the map sorts, with 4 bytes for the order.
 const PHOTON_BYTES: u64 = 2 * 32 + 4;
 
 /// Bytes per photon path. A path stores two photons on average.

@@ -54,8 +54,7 @@ pub enum WavelengthPlan {
     Free,
     /// Every camera path starts with one of the pass's shared wavelengths.
     Shared,
-    /// Camera paths carry all wavelengths until they refract dispersively, and then one of the
-    /// shared ones.
+    /// Camera paths carry all wavelengths until they refract dispersively, and then one.
     Both,
 }
 
@@ -63,8 +62,7 @@ pub enum WavelengthPlan {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CausticPlan {
     Absent,
-    /// Photons are connected to a camera that sees the surface directly. Other camera paths read
-    /// the photon map.
+    /// Photons are connected to a camera that sees the surface. Other paths read the photon map.
     Photons,
 }
 

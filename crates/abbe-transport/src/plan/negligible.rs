@@ -90,8 +90,7 @@ fn unreachable(scene: &Scene, facts: &Facts) -> Vec<NegligibleEffect> {
     inside.collect()
 }
 
-/// Indirect light is absent if only one flat object scatters light, and no mirror, glass or medium
-/// sends it back.
+/// Indirect light is absent if only one flat object scatters, and nothing sends light back.
 fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
     if !(facts.specular.is_empty() && facts.media.is_empty()) {
         return None;
@@ -117,12 +116,10 @@ fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
 /// The distance between two wavelengths grows along the path after the refraction. The bound
 /// assumes the longest path in the scene, to a surface as near to the camera as the nearest one.
 fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
-    /// The wavelengths at whose ends indices are compared. They are assumed to be monotonic in
-    /// between.
+    /// The wavelength intervals. Indices are assumed to be monotonic within each.
     const INTERVALS: u32 = 64;
     let (from, to) = light_range_nm(scene);
-    // The bound is an angle in pixels. A meter has none, nor has a pixel of an orthographic camera
-    // an angle.
+    // The bound is an angle in pixels, which a meter or an orthographic camera lacks.
     let has_angles = scene.camera.pixel_angle() > 0.0;
     let bounded = facts.lens_system.is_none() && facts.meters.is_empty() && has_angles;
     if facts.dispersive.is_empty() || !bounded || from > to {
@@ -213,8 +210,7 @@ fn if_thin(scene: &Scene, depth: f64) -> Option<String> {
     })
 }
 
-/// Returns the material of each object, and the diagonal of its bounding box in m, the longest
-/// straight path inside.
+/// Returns the material and the diagonal (m) of each object, its longest straight path.
 fn diagonals(scene: &Scene) -> impl Iterator<Item = (usize, f64)> + '_ {
     let boxes = [&scene.geometry, &scene.boundaries].map(|geometry| geometry.object_bounds());
     let all = boxes.into_iter().flatten();

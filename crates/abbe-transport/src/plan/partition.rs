@@ -176,8 +176,7 @@ pub enum Estimator {
     None,
 }
 
-/// Selects the estimator of light that arrives by `path` at a surface that the camera sees by
-/// `view`.
+/// Selects the estimator of light that arrives by `path` at a surface seen by `view`.
 #[inline]
 pub fn estimator(path: LightPath, class: BsdfClass, view: CameraView) -> Estimator {
     match (class, path, view) {
@@ -191,8 +190,7 @@ pub fn estimator(path: LightPath, class: BsdfClass, view: CameraView) -> Estimat
     }
 }
 
-/// Returns true if surfaces of this class store photons that arrive by `path`, because a view reads
-/// them.
+/// Returns true if surfaces of this class store photons by `path`, because a view reads them.
 #[inline]
 pub fn kept_in_map(path: LightPath, class: BsdfClass) -> bool {
     [CameraView::Direct, CameraView::Indirect]

@@ -14,8 +14,7 @@ const COMPONENTS_OF_SLICE: usize = 3;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Channels {
     pub(super) bands: usize,
-    /// Each band also sums its radiance times the distance (nm) from the band's centre, and knows
-    /// where its light lies.
+    /// Each band also sums its radiance times the distance (nm) of the light from its centre.
     pub(super) moments: bool,
     pub(super) diffraction: Option<Arc<DiffractionPsf>>,
     /// The layers. `None` if the film records no layers.

@@ -50,8 +50,7 @@ impl NameCounts {
         self.0.len()
     }
 
-    /// Returns an entry for a saved run: the hash in the lower word, the samples in the next, or 0
-    /// if there is none.
+    /// Returns an entry for a saved run, or 0: the hash in the lower word, the samples in the next.
     pub(super) fn to_sum(&self, place: usize) -> ExactSum {
         let bits = self.0.get(place).map_or(0, |&(hash, samples)| i128::from(samples) << 32 | i128::from(hash));
         ExactSum::from_bits(bits)

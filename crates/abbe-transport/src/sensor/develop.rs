@@ -1,5 +1,4 @@
-//! Development of a picture for a display: white balance, colour space, tone curve, gamut mapping
-//! and encoding.
+//! Development for a display: white balance, colour space, tone curve, gamut, encoding.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

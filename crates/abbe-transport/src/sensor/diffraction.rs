@@ -12,8 +12,7 @@ use abbe_spectra::spectrum::BAND_NM;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// The slices of the whole band. Each is about 5 % wide, so the pattern hardly changes its size
-/// within it.
+/// The slices of the whole band, each about 5 % wide, so the pattern hardly changes in size.
 const SLICES_OF_BAND: usize = 16;
 
 /// The most wavelengths in the kernel of a slice, each with a pattern.

@@ -1,5 +1,4 @@
-//! Error bars of a film: noise and bias of each pixel, and their dependence on the number of
-//! passes.
+//! Error bars of a film: noise and bias of each pixel, by the number of passes.
 //!
 //! *Noise* is the standard error of Y, from the means of the replicates. Eight replicates give an
 //! uncertain estimate for pixels with rare bright samples, so the seven degrees of freedom of a
@@ -21,8 +20,7 @@ use abbe_spectra::math::random::REPLICATES;
 pub(super) struct PixelMeans {
     /// Y of each replicate. The value is meaningless for replicates without passes.
     pub(super) y: [f64; REPLICATES],
-    /// The means of the bias of Y over the even and over the odd replicates, meaningless without
-    /// passes.
+    /// The mean bias of Y over the even and the odd replicates, meaningless without passes.
     pub(super) bias: [f64; 2],
 }
 
@@ -32,8 +30,7 @@ pub(super) struct ErrorBars {
     pub(super) noise: Vec<Option<f32>>,
     /// The magnitude of the estimated bias of Y, if it is known.
     pub(super) bias: Vec<Option<f32>>,
-    /// An edge of the illumination is within reach of a kernel, so the bias is probably larger than
-    /// estimated.
+    /// An edge is within reach of a kernel, so the bias is probably larger than estimated.
     pub(super) edge: Vec<Option<bool>>,
     /// The mean variance of the kernel estimates in (cd/m²)².
     kernel_noise: f64,
@@ -46,8 +43,7 @@ pub struct ErrorSquares {
     pub bias: f64,
     /// The variance of the kernel estimates. It falls as n^(−2/3), because the kernels shrink.
     pub kernel_noise: f64,
-    /// The variance of all else: falls as n⁻¹ for independent samples, and up to n⁻² for stratified
-    /// ones.
+    /// The variance of all else: n⁻¹ for independent samples, and up to n⁻² for stratified ones.
     pub sampling: f64,
 }
 
@@ -70,8 +66,7 @@ const RADIUS_PX: usize = if NOISE_RADIUS_PX > BIAS_RADIUS_PX { NOISE_RADIUS_PX }
 /// The rows that are computed at a time, so that single estimates need little memory.
 const ROWS_PER_BLOCK: usize = 64;
 
-/// The bias changes its sign at an edge: the mean bias around a pixel must be below this fraction
-/// of its root mean square.
+/// The bias changes its sign at an edge: its mean must be below this fraction of its RMS.
 const EDGE_MEAN_FRACTION: f64 = 0.5;
 
 impl ErrorBars {
@@ -123,8 +118,7 @@ impl ErrorBars {
         let noise = mean_square(&self.noise);
         let kernel_noise = (self.kernel_noise / (mean_y * mean_y)).min(noise);
         let squares = ErrorSquares { bias: mean_square(&self.bias), kernel_noise, sampling: noise - kernel_noise };
-        // If all lit pixels have the error 0, they do not represent those that no light has reached
-        // yet.
+        // Lit pixels that all have the error 0 do not represent those without light yet.
         (squares.relative() > 0.0 || known == self.noise.len()).then_some(squares)
     }
 }
@@ -181,8 +175,7 @@ struct PixelEstimates {
 }
 
 impl PixelEstimates {
-    /// `estimates` returns the variance of the mean, the squared bias and the variance of the
-    /// kernel estimates.
+    /// `estimates` returns the variances of the mean and of the kernels, and the squared bias.
     fn new(
         width: usize,
         pixels: impl Iterator<Item = Option<PixelMeans>>,
@@ -243,8 +236,7 @@ mod tests {
         PixelMeans { y: [y; REPLICATES], bias }
     }
 
-    /// Returns replicate means that alternate between `y` ± `spread`, with the standard error
-    /// `spread`/√7.
+    /// Returns means that alternate between `y` ± `spread`: the standard error is `spread`/√7.
     fn noisy(y: f64, spread: f64) -> PixelMeans {
         let sign = |r: usize| if r.is_multiple_of(2) { 1.0 } else { -1.0 };
         PixelMeans { y: std::array::from_fn(|r| y + sign(r) * spread), bias: [0.0; 2] }

@@ -21,8 +21,7 @@ const LARGEST_INFLUENCE: f64 = 2.0 * std::f64::consts::LN_2;
 /// The most pixels of the log-average, evenly spaced by luminance.
 const MOST_METERED: usize = 1 << 16;
 
-/// Returns the exposure in 1/(cd/m²), a factor on the luminance, with which the developed picture
-/// has a suitable brightness.
+/// Returns the exposure in 1/(cd/m²) for a suitable brightness of the developed picture.
 ///
 /// The log-average of the lit pixels becomes middle grey (0.18; Reinhard et al. 2002). Caustics,
 /// glints and the sky may be thousands of times brighter than the rest, so it is Huber's robust

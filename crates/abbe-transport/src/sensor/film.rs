@@ -75,8 +75,7 @@ impl Film {
         self
     }
 
-    /// Turns the film, still unexposed and of the width 1, into that of a measurement. The layout
-    /// must cover all its rows.
+    /// Turns the unexposed film of the width 1 into a measurement. The layout covers its rows.
     #[must_use]
     pub fn with_readings(mut self, layout: Arc<ReadingLayout>) -> Self {
         self.channels.moments = layout.moments;
@@ -104,8 +103,7 @@ impl Film {
         self.height
     }
 
-    /// Returns true if spectral bands, slices for diffraction or readings need the wavelength of
-    /// each contribution.
+    /// Returns true if bands, slices or readings need the wavelength of each contribution.
     pub fn needs_wavelengths(&self) -> bool {
         self.channels.spectral_count() > 0 || self.measurement.is_some()
     }
@@ -231,8 +229,7 @@ impl Film {
         }
     }
 
-    /// Returns the list of a plane (counted among those of names), and the place of its entries in
-    /// the lists of the pixels.
+    /// Returns the list of a plane of names, and the place of its entries in the pixels' lists.
     fn list_of_names(&self, mut plane: usize) -> Option<(&NameLayer, usize)> {
         self.names.iter().find_map(|layer| {
             let ranks = layer.ranks();

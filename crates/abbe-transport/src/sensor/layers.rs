@@ -63,8 +63,7 @@ pub const ALBEDO_NM: [f64; 32] = {
     nm
 };
 
-/// The linear sRGB under D65 of an albedo of 1 at each of [`ALBEDO_NM`]. They sum to white, (1, 1,
-/// 1).
+/// The linear sRGB (D65) of an albedo of 1 at each of [`ALBEDO_NM`], in sum (1, 1, 1).
 static ALBEDO_RGB: LazyLock<[[f64; 3]; ALBEDO_NM.len()]> = LazyLock::new(|| {
     let (observer, d65) = (Observer::cie1931(), d65());
     let mut rgb = [[0.0; 3]; ALBEDO_NM.len()];
@@ -305,8 +304,7 @@ impl PictureLayers {
         }
     }
 
-    /// Adds pairs of identity and coverage, the largest coverage first. `samples` is that of a
-    /// pixel.
+    /// Adds identity and coverage, the largest first. `samples` is that of a pixel.
     pub(super) fn add_names(&mut self, layer: &NameLayer, samples: impl Fn(usize) -> f64) {
         let levels = layer.ranks().clamp(1, MOST_RANKS).div_ceil(2);
         let name = layer.kind.layer_name();

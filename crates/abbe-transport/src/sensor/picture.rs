@@ -52,8 +52,7 @@ pub struct ErrorMeans {
     pub edge_pixels: usize,
 }
 
-/// Returns half the width of the 95 % interval around a value with the standard error `noise` and
-/// the magnitude `bias`.
+/// Returns half the width of the 95 % interval, for a standard error and a magnitude of bias.
 ///
 /// It is two-sided if the bias is negligible and one-sided otherwise. The factors are quantiles of
 /// Student's t with 9 degrees of freedom (7 from the eight replicates of a pixel and 2 from its
@@ -137,8 +136,7 @@ impl Picture {
         }
         let count = known.max(1) as f64;
         let mean_y = self.mean_y();
-        // If all lit pixels have the error 0, they do not represent those that no light has reached
-        // yet.
+        // Lit pixels that all have the error 0 do not represent those without light yet.
         let is_known = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
         let relative = is_known.then(|| (square / count).sqrt() / mean_y);
         ErrorMeans {

@@ -13,8 +13,7 @@ pub(super) struct PixelSums {
     pub(super) bias: [ExactSum; 2],
 }
 
-/// The light over all passes in W/m²/sr, radiance times a colour-matching function, and Y for each
-/// replicate.
+/// The sums of radiance times a colour-matching function in W/m²/sr, and Y by replicate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelMean {
     pub(super) xyz: [f64; 3],

@@ -76,8 +76,7 @@ impl ReadingBands {
         Self { values, moments: moments.chunks_exact(group).map(mean).collect() }
     }
 
-    /// Returns a spectral line for each band, at the mean wavelength of its light or, without
-    /// moments, at its centre.
+    /// Returns a spectral line for each band, at the mean wavelength, or at the centre.
     pub fn light(&self) -> Spectrum {
         let count = self.values.len();
         let line = |(band, &value): (usize, &f64)| {

@@ -36,8 +36,7 @@ pub struct ReadingOwner {
 #[derive(Debug)]
 pub(super) struct Measurement {
     pub(super) layout: Arc<ReadingLayout>,
-    /// For each row and each replicate, one sum for each band and, if the layout has moments, then
-    /// one moment for each band.
+    /// For each row and replicate, a sum for each band, and then a moment if the layout has them.
     pub(super) by_replicate: Vec<f64>,
     /// True if the rows of a reading share no random numbers.
     pub(super) independent_rows: bool,
@@ -52,8 +51,7 @@ pub struct Reading {
     pub noise: Option<f64>,
     /// The magnitude of the estimated bias of the value, if it is known.
     pub bias: Option<f64>,
-    /// The mean radiance, in W/m²/sr. Y is meaningless unless the observer is one of the
-    /// colour-matching observers.
+    /// The mean radiance in W/m²/sr. Y needs one of the colour-matching observers.
     pub xyz: [f64; 3],
     /// The number of degrees of freedom of the noise.
     pub degrees: f64,
@@ -68,8 +66,7 @@ const ONE_SIDED: [f64; REPLICATES - 2] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.9
 /// The 97.5 % and the 95 % quantile of the normal distribution.
 const NORMAL: [f64; 2] = [1.959_964, 1.644_854];
 
-/// A reading is judged relative to its value, or to this fraction of the largest of its meter, if
-/// more.
+/// The least divisor of a reading's relative error, by the largest reading of its meter.
 const LEAST_FRACTION: f64 = 0.1;
 
 impl ReadingLayout {

@@ -47,8 +47,7 @@ pub struct FilmRow<'f> {
     pub(super) names: Vec<NameRow<'f>>,
 }
 
-/// Returns whether a sample is finite and not negative. Others indicate a bug, and are counted and
-/// discarded.
+/// Returns whether a sample is finite and not negative. Others are bugs, and discarded.
 #[inline]
 fn is_valid_radiance(weight: f64) -> bool {
     let is_valid_radiance = (0.0..f64::INFINITY).contains(&weight);
@@ -217,8 +216,7 @@ impl SplatSink {
         }
     }
 
-    /// Adds pairs of a wavelength (nm) and the radiance (W/m²/sr) there. `origin` is the path class
-    /// and the light.
+    /// Adds pairs of wavelength (nm) and radiance (W/m²/sr). `origin` is path class and light.
     pub fn splat(&mut self, origin: (usize, usize), pixel: u32, light: impl Iterator<Item = (f64, f64)>) {
         let mut xyz = [0.0; 3];
         let observer = self.observer_of(pixel);

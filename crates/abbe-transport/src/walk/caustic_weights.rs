@@ -99,8 +99,7 @@ pub struct CausticWeights {
 }
 
 impl CausticWeights {
-    /// Returns the weight of a photon. `pdf` (1/sr) is that of continuing the camera path along the
-    /// photon's path.
+    /// Returns a photon's weight. `pdf` (1/sr) is that of continuing the camera path along it.
     #[inline]
     pub fn of_photon(self, density: RayDensity, pdf: f64) -> f64 {
         if density == RayDensity::NONE {

@@ -46,8 +46,7 @@ impl DepthLimit {
         self.events() < MAX_EVENTS
     }
 
-    /// Decides whether a path at the limit continues as a truncated path. Returns the factor of its
-    /// weight.
+    /// Decides whether a path at the limit continues as truncated, and returns its factor.
     pub fn sample_truncated_path(self, stream: &mut Stream) -> Option<f64> {
         let continues = self.is_explicit() && stream.uniform() * PATHS_PER_TRUNCATED_PATH < 1.0;
         continues.then_some(PATHS_PER_TRUNCATED_PATH)

@@ -13,8 +13,7 @@ use std::ops::ControlFlow;
 /// `Continue(Some)`: a visible surface. `Continue(None)`: the ray left the scene.
 pub type SegmentEnd<'a> = ControlFlow<(), Option<SurfaceInteraction<'a>>>;
 
-/// Finds the next visible surface along the ray, or `None` if the ray leaves the scene. Media are
-/// ignored.
+/// Finds the next visible surface along the ray, if there is one, and ignores media.
 #[inline]
 pub fn next_interaction<'a>(
     scene: &'a Scene,
@@ -30,8 +29,7 @@ pub fn next_interaction<'a>(
     }
 }
 
-/// Like [`next_interaction`], for a scene without bodies: every face is visible, with air on both
-/// sides.
+/// Like [`next_interaction`], without bodies: all faces are visible, between air.
 #[inline(always)]
 pub fn next_interaction_in_air<'a>(
     scene: &'a Scene,

@@ -3,8 +3,7 @@
 use abbe_scene::geometry::{Ray, SurfaceId};
 use abbe_scene::medium_stack::MediumStack;
 
-/// The start of a path segment: the ray, the surface that it leaves, and the bodies around its
-/// origin.
+/// The start of a path segment: the ray, the surface it leaves, and the bodies around.
 #[derive(Debug, Clone, Copy)]
 pub struct RayState {
     pub ray: Ray,

@@ -157,8 +157,7 @@ fn split_at_dispersive_interface(
     })
 }
 
-/// Selects a lane in proportion to its transmittance 1 − F. `rest` is uniform between 0 and the sum
-/// of the transmittances.
+/// Selects a lane by its transmittance 1 − F. `rest` is uniform below their sum.
 fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> {
     let lane = reflectance.iter().position(|f| {
         rest -= 1.0 - f;

@@ -64,8 +64,7 @@ pub(super) fn scatter_at_coated_interface(
     })
 }
 
-/// Selects a lane in proportion to its weight. `rest` is uniform between 0 and the sum of the
-/// weights.
+/// Selects a lane in proportion to its weight. `rest` is uniform below the sum.
 fn sample_lane(weights: &Lanes, mut rest: f64) -> Option<usize> {
     let lane = weights.iter().position(|weight| {
         rest -= weight;

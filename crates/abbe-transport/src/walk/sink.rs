@@ -27,8 +27,7 @@ pub trait Sink {
     fn respond_of_light(&mut self, _light: usize, _radiance: SensorResponse) {}
 }
 
-/// The sum of the sensor's responses at all wavelengths. Only the sensor knows what the three
-/// components mean.
+/// The sensor's responses over all wavelengths. Only the sensor knows the three components.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SensorResponse(pub [f64; 3]);
 

@@ -216,8 +216,7 @@ fn textured_bsdf<'a>(
     let mut point = TexturePoint::new(scene.geometry.uv(hit));
     let width_m = lookup.width_m + hit.t * lookup.spread;
     if width_m > 0.0 {
-        // The ray is a cone. Its section with the tangent plane is an ellipse, which is long in the
-        // plane of incidence.
+        // The ray is a cone, whose section with the tangent plane is an ellipse.
         let cosine = incoming.dot(hit.normal);
         let along = (incoming - cosine * hit.normal).normalize_or(Frame::new(hit.normal).to_world(DVec3::X));
         let across = hit.normal.cross(along);

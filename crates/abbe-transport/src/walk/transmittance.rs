@@ -77,8 +77,7 @@ impl<'a> SegmentTransmittance<'a> {
     }
 }
 
-/// Returns the error (estimate minus exact) of the path's optical depth at the wavelength `nm`,
-/// which ray marching causes.
+/// Returns the error (estimate minus exact) of ray marching in the path's optical depth.
 #[inline]
 pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {
     let of_segment = |segment: &SegmentTransmittance<'_>| match *segment {
@@ -106,14 +105,12 @@ pub fn transmittance(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -
 }
 
 impl<'a> MediumSegment<'a> {
-    /// Returns the transmittances along the first `length_m` metres. Only ratio tracking uses
-    /// `seed`.
+    /// Returns the transmittances along `length_m` metres. Only ratio tracking uses `seed`.
     pub fn path_transmittance(&self, length_m: f64, seed: Seed) -> PathTransmittance<'a> {
         self.transmittance_by(length_m, |medium| SegmentTransmittance::new(medium, self.ray, length_m, seed))
     }
 
-    /// Returns them by ratio tracking, for the reference path tracer, which must not depend on
-    /// column densities.
+    /// Returns them by ratio tracking, for the path tracer, which needs no column densities.
     pub fn path_transmittance_tracked(&self, length_m: f64, seed: Seed) -> PathTransmittance<'a> {
         self.transmittance_by(length_m, |medium| SegmentTransmittance::Tracked {
             medium,
@@ -206,8 +203,7 @@ mod tests {
     use abbe_scene::medium_stack::MediumStack;
     use glam::DVec3;
 
-    /// The mean of the tracked transmittance through two adjacent bodies of fog is the product of
-    /// both.
+    /// The mean of the tracked transmittance through two fogs is the product of both.
     #[test]
     fn tracking_is_unbiased_across_several_bodies() {
         let text = r#"{

@@ -36,8 +36,7 @@ pub(super) fn open_blocks(path: &Path) -> Result<Reader<BufReader<File>>> {
     ::exr::block::read(BufReader::new(file), false).map_err(unreadable)
 }
 
-/// Reads the headers, or returns an error if their pixels need far more memory than a file of this
-/// size can contain.
+/// Reads the headers. An error means that their pixels need far more memory than the file holds.
 pub(super) fn read_headers(path: &Path) -> Result<MetaData> {
     /// The largest ratio of the memory for the pixels to the size of the file: 1032 by the limit of
     /// deflate, the strongest compression in an EXR file, and reading copies the data once.

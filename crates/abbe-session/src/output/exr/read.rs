@@ -162,8 +162,7 @@ fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &RgbToXyz) -> Result<Vec<
     Ok(grey.iter().map(|&y| white.map(|value| value * f64::from(y))).collect())
 }
 
-/// Returns the layers of a picture of Abbe, whose `header` contains the names of Cryptomatte
-/// layers.
+/// Returns the layers of a picture of Abbe, whose `header` names the Cryptomatte layers.
 fn layers(channels: &BTreeMap<String, Vec<f32>>, header: &Metadata) -> PictureLayers {
     let is_layer = |name: &str| LAYER_PREFIXES.iter().any(|prefix| name.starts_with(prefix));
     let own = channels.iter().filter(|(name, _)| is_layer(name));

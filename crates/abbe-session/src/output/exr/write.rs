@@ -160,8 +160,7 @@ fn chromaticities() -> Chromaticities {
     Chromaticities { red, green, blue, white: vector(RgbSpace::Srgb.white_xy()) }
 }
 
-/// Converts a text for the header, with question marks for characters outside Latin-1. Metadata is
-/// ASCII.
+/// Converts a text for the header, with question marks for characters outside Latin-1.
 fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.chars().map(|c| u8::try_from(c).unwrap_or(b'?')).collect::<Vec<u8>>().as_slice())
 }

@@ -116,8 +116,7 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Adds the radiance of a light that a path hit. A copy of the path lets the calling loop keep its
-/// own in registers.
+/// Adds a light that a path hit. The copy lets the calling loop keep its path in registers.
 fn add_emitter<S: Sink>(
     path: CameraPath,
     number: usize,

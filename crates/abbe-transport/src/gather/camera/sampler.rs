@@ -150,8 +150,7 @@ mod tests {
         12.0 * sum / count
     }
 
-    /// The samples of different pixels, of different passes and of different purposes are
-    /// independent.
+    /// The samples of different pixels, passes and purposes are independent.
     #[test]
     fn samples_of_pixels_and_passes_are_uncorrelated() {
         let numbers = |seed: u64, pass: u64, pixel: u64| {

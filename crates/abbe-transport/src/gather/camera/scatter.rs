@@ -19,8 +19,7 @@ const LEAST_BRANCH_WEIGHT: f64 = 0.01;
 const CAMERA_DEPTH_BEFORE_ROULETTE: u32 = 8;
 
 impl<'a> CameraPass<'a> {
-    /// Scatters a path at a mirror, at glass or at a rough surface. Returns `None` if the path
-    /// ends.
+    /// Scatters a path at a mirror, glass or rough surface. Returns `None` if the path ends.
     pub(super) fn scatter<S: Sink>(
         &self,
         path: &CameraPath,
@@ -168,8 +167,7 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Reflects or refracts the path at a smooth interface. Returns false if `event` is impossible
-    /// (total reflection).
+    /// Reflects or refracts at a smooth interface. Returns false for total reflection.
     fn scatter_forced<S: Sink>(
         &self,
         path: &mut CameraPath,

@@ -44,8 +44,7 @@ impl CameraSegment {
 /// The least cosine between the normals of two points of one smooth surface.
 const LEAST_COSINE: f64 = 0.9;
 
-/// The largest height of a point above the tangent plane, divided by its distance, on one smooth
-/// surface.
+/// The largest height above the tangent plane, divided by the distance, on a smooth surface.
 const LARGEST_SLOPE: f64 = 0.25;
 
 impl VisiblePoint {

@@ -205,8 +205,7 @@ pub(in crate::gather) struct PhotonLight<'p> {
     pub(in crate::gather) class: PathClass,
 }
 
-/// Returns the bias of a photon's contribution, per unit of power. `path_bias` is that of all
-/// factors except the kernel.
+/// Returns the bias per unit of power. `path_bias` is that of all factors except the kernel.
 #[inline(always)]
 pub(in crate::gather) fn biased_by(kernels: KernelValues, path_bias: f64) -> f64 {
     kernels.bias() + kernels.estimate * path_bias

@@ -151,8 +151,7 @@ impl TabulatedSurface {
         Self::Fluorescent { surface: Box::new(surface.clone()), emissions }
     }
 
-    /// Returns the response to the returned light for a power of 1 at the wavelength `nm`, whose
-    /// `sensitivity` is given.
+    /// Returns the response for a power of 1 at the wavelength `nm`, with its `sensitivity`.
     fn response(&self, nm: f64, sensitivity: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Diffuse(reflectance) => {

@@ -116,8 +116,7 @@ impl<'a> CameraPass<'a> {
         planned && estimator(class.light_path(), bsdf_class, view) == Estimator::PhotonMap
     }
 
-    /// Returns the surface extent within the kernel radius (m) around a surface
-    /// point.
+    /// Returns the extent within the kernel radius (m) around a surface point.
     #[inline(always)]
     fn outline_around(
         &self,

@@ -17,8 +17,7 @@ use std::num::NonZeroU32;
 /// The number of directions in which a surface extent is stored.
 const DIRECTIONS: usize = 16;
 
-/// The height of the rays that search for the end of the surface, as a fraction of the search
-/// distance.
+/// The height of the rays that search for the end, as a fraction of the search distance.
 const LIFT: f64 = 0.25;
 
 /// The least cosine between the normals of a surface and its continuation.
@@ -112,8 +111,7 @@ impl SurfaceExtent {
         along.length() * per_extent * f32::from(u8::MAX) <= self.search_m
     }
 
-    /// Returns the fraction of each kernel of the radius `radius` (m, at most that of the search)
-    /// on the surface.
+    /// Returns the fraction of each kernel of this radius (m, at most the search) on the surface.
     pub fn correction(&self, radius: f64) -> BoundaryCorrection {
         let per_step = f64::from(self.search_m) / f64::from(u8::MAX) / radius;
         let (mut estimate, mut uniform) = (0.0, 0.0);
@@ -182,8 +180,7 @@ pub enum SurfaceExtentSurvey {
     /// The kernel does not reach over an edge.
     Absent,
     Measured(SurfaceExtent),
-    /// The pixel is not small, compared with its kernel, so the surface extent varies within the
-    /// pixel.
+    /// The pixel is not small compared with its kernel, so the extent varies within it.
     Varies,
 }
 
@@ -294,8 +291,7 @@ mod tests {
         assert!((corner.correction(1.0).estimate - 3.0 / 16.0).abs() < 1e-9);
     }
 
-    /// A straight edge cuts the kernel at half the radius. The remaining mass is that of the exact
-    /// formula.
+    /// A straight edge cuts the kernel at half the radius, and leaves the mass of the formula.
     #[test]
     fn cut_kernel_has_the_mass_of_the_closed_form() {
         let cut = surface_extent(|angle| if angle.cos() > 0.5 { 0.5 / angle.cos() } else { 1.0 });

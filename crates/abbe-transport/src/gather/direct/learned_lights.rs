@@ -21,8 +21,7 @@ const LEARNED_FRACTION: f64 = 0.9;
 /// A cell with twice this number of trials is divided.
 const TRIALS_OF_CELL: usize = 256;
 
-/// A group of cells has between this number and twice this number of trials, unless it is a whole
-/// direction.
+/// A group has between this number and twice this number of trials, or is a whole direction.
 const TRIALS_OF_GROUP: usize = 2048;
 
 /// The trials of the group count as much as this number of trials of an emitter in the cell. They
@@ -68,8 +67,7 @@ pub(super) struct LearnedLights {
 enum CellNode {
     /// Positions below `middle_m` on the axis belong to the first child.
     Divided { axis: usize, middle_m: f64, second: u32 },
-    /// The emitters of the cell are `emitters[from..to]`. This fraction of the samples follows
-    /// them.
+    /// The emitters `emitters[from..to]`, and the fraction of the samples that follows them.
     Cell { from: u32, to: u32, fraction: f64 },
 }
 
@@ -254,8 +252,7 @@ mod tests {
         if emitter == 5 { 1.0 + x } else { 1.0 }
     }
 
-    /// Trials on a floor. Emitter 3 lights the half below x = 0, and emitters 5 and 8 light the
-    /// other half.
+    /// Trials on a floor. Emitter 3 lights x < 0, and emitters 5 and 8 light the other half.
     fn learned() -> LearnedLights {
         let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         let trials: Vec<LightTrial> = (0..8192)
@@ -292,8 +289,7 @@ mod tests {
         assert!(weights(&learned, 0.2, DVec3::NEG_Y).is_none());
     }
 
-    /// Uniform numbers sample each emitter with its probability, and the remaining numbers are
-    /// uniform.
+    /// Uniform numbers sample emitters with their probabilities, and stay uniform.
     #[test]
     fn samples_have_their_probability() {
         let learned = learned();

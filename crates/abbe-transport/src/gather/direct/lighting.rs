@@ -51,8 +51,7 @@ pub(in crate::gather) enum ShadowLine {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct LightSampleContext<'e, 'a> {
     pub(in crate::gather) interaction: &'e SurfaceInteraction<'a>,
-    /// The wavelength (nm) at which the path samples directions, for the BSDF's density in multiple
-    /// importance sampling.
+    /// The wavelength (nm) at which the path samples directions, for the BSDF's density.
     pub(in crate::gather) nm: f64,
 }
 
@@ -139,8 +138,7 @@ impl<'a> DirectLighting<'a> {
         Self::attenuated(scene, selector, media_plan, ShadowAttenuation::PerMedium)
     }
 
-    /// Serves the reference path tracer: ratio tracking in all media, and shadow rays through thin
-    /// panes.
+    /// Serves the reference path tracer: ratio tracking, and shadow rays through thin panes.
     pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
         let panes = scene.materials.iter().any(|material| material.surface.uniform_pane().is_some());
         let tracked = ShadowAttenuation::Tracked { panes };
@@ -216,8 +214,7 @@ impl<'a> DirectLighting<'a> {
         Self { scene, selector, attenuation, portals: Portals::NONE, ray_densities: None }
     }
 
-    /// Returns the transmittance along an unoccluded ray from a surface. The hash of `u` is the
-    /// seed of ratio tracking.
+    /// Returns the transmittance of an unoccluded ray from a surface. `u` is hashed to a seed.
     #[inline(always)]
     pub(in crate::gather) fn transmittance_from<M: BodyMode>(
         &self,
@@ -292,8 +289,7 @@ impl<'a> DirectLighting<'a> {
         Some(SensorLightSample { light, strength, spd, transmittance })
     }
 
-    /// Samples the light of one light at a point in a medium, or `None` if it does not reach the
-    /// point.
+    /// Samples one light at a point in a medium, or `None` if it does not reach the point.
     pub(in crate::gather) fn sample_direct_in_medium(
         &self,
         context: VolumeLightSampleContext<'a>,

@@ -36,8 +36,7 @@ pub struct LightSelector {
 enum Sampled {
     Light(usize),
     Outside,
-    /// One emitter of the tree with this root, selected by the component `by` of the random
-    /// numbers.
+    /// One emitter of the tree with this root, selected by the random number `by`.
     Tree {
         root: usize,
         by: usize,
@@ -135,8 +134,7 @@ impl LightSelector {
         Self { learned: LearnedLights::new(trials, &importance), ..self.clone() }
     }
 
-    /// Takes the learned weights of the selector of the same scene at another time, whose emitters
-    /// have the same numbers.
+    /// Takes the learned weights of the selector of the same scene at another time.
     #[must_use]
     pub fn with_learned_of(self, other: &Self) -> Self {
         Self { learned: other.learned.clone(), ..self }

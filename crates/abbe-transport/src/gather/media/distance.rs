@@ -65,8 +65,7 @@ pub(super) fn for_each_stratified(
         let equiangular = techniques.equiangular.as_ref().filter(|_| i < by_angle)?;
         Some((equiangular.at(stratum(i, by_angle, shift[0])) - techniques.start).clamp(0.0, techniques.length))
     };
-    // The two transmittance techniques are half a stratum apart, so that they differ even for equal
-    // extinction coefficients.
+    // The two techniques are half a stratum apart, so they differ even for equal coefficients.
     let column = |technique: usize, i: usize| {
         let u = stratum(i, by_column, shift[1] + 0.5 * technique as f64);
         (i < by_column).then(|| (technique, techniques.sample_column(techniques.sigma[technique], u)))
@@ -142,8 +141,7 @@ impl<'a> Techniques<'a> {
         (column > 0.0).then_some(Self { medium, ray: part, start, length, column, sigma, equiangular })
     }
 
-    /// Returns the distance at which the attenuation 1 − T reaches the fraction `u` of its final
-    /// value.
+    /// Returns the distance at which 1 − T reaches the fraction `u` of its final value.
     fn sample_transmittance(&self, sigma: f64, u: f64) -> Option<f64> {
         let column = self.sample_column(sigma, u);
         self.medium.distance_at(&self.ray, self.length, column).map(|t| self.start + t)

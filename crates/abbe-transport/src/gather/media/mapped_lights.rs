@@ -1,5 +1,4 @@
-//! Single scattering, computed with light maps: direct light that a medium scatters into a camera
-//! ray.
+//! Single scattering by light maps: direct light that a medium scatters into a camera ray.
 //!
 //! The estimator interpolates the transmittance in the light map at several random points of the
 //! ray, which add noise but no bias; the only bias is the interpolation error of the map.
@@ -97,8 +96,7 @@ impl<'a> CameraPass<'a> {
 }
 
 impl InScattering<'_, '_> {
-    /// Adds the light that the medium scatters at one distance, where `ray` and the shadow ray
-    /// start.
+    /// Adds the light scattered at one distance, where `ray` and the shadow ray start.
     fn add(&mut self, distance: &StratifiedDistance, ray: &Ray, incident: &LiSample, tally: &mut Tally) {
         let lookup = self.map.lookup(ray.origin);
         let selected = self.lookups == self.dark_lookup;

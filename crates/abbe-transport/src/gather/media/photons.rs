@@ -184,8 +184,7 @@ fn near_m(segment: &MediumSegment<'_>, medium: &Medium) -> f64 {
     (NEAR_FREE_PATHS * free_path_m).min(NEAR_FRACTION * segment.length_m)
 }
 
-/// Corrects the kernels of a photon beside faces, or returns `None` if a face is between the ray
-/// and the photon.
+/// Corrects the kernels of a photon beside faces, unless a face is between it and the ray.
 ///
 /// Camera segments and photon beams end at all faces of surfaces and media, so kernels must too.
 /// Otherwise, fog would lose light beside its faces, and light would leak through walls inside the

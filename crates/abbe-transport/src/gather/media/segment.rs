@@ -17,8 +17,7 @@ use std::ops::ControlFlow;
 const EMISSION_POSITIONS: u32 = 16;
 
 impl<'a> CameraPass<'a> {
-    /// Advances the path to the next surface, and gathers the light of the media. Returns `None` if
-    /// the path leaves the scene.
+    /// Advances the path to the next surface, `None` outside, and gathers the light of the media.
     pub(in crate::gather) fn advance_through_media<S: Sink>(
         &self,
         path: &mut CameraPath,
@@ -95,8 +94,7 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Returns the seed of ratio tracking along a segment from `origin`. Successive segments need
-/// independent seeds.
+/// Returns the seed of ratio tracking from `origin`, independent for successive segments.
 pub(super) fn segment_seed<S>(context: &PathContext<'_, '_, S>, origin: DVec3) -> Seed {
     let [x, y, z] = origin.to_array();
     Seed::of_pixel(context.pixel, [context.sampler.wavelength, x, y, z])

@@ -62,7 +62,7 @@ impl<'a> PathTracer<'a> {
         Some(ExcitableDye { dye, wavelengths: self.excitation[dye.number].as_ref()? })
     }
 
-    /// Adds direct light at a collision, and samples the new direction. Returns whether the path
+    /// Adds direct light at a collision, and samples a direction. Returns whether the path
     /// continues.
     fn scatter_in_medium<S: Sink>(
         &self,
@@ -236,8 +236,7 @@ impl TracedPath {
         }
     }
 
-    /// Applies Russian roulette to paths of low relative throughput after a collision. Returns
-    /// false if the path ends.
+    /// Applies roulette to paths of low relative throughput. Returns false if the path ends.
     fn survives_collision(&mut self, sampler: &mut PixelSampler) -> bool {
         let throughput = self.relative_throughput();
         if throughput >= ROULETTE_THROUGHPUT {

@@ -108,8 +108,7 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Follows a path through the surface events with these numbers, from 0. Returns true if it
-    /// survives.
+    /// Follows a path through these surface events, from 0. Returns true if it survives.
     fn follow<S: Sink>(
         &self,
         path: &mut TracedPath,
@@ -128,8 +127,7 @@ impl<'a> PathTracer<'a> {
                 ControlFlow::Break(()) => return false,
             };
             if interaction.crossed_hidden_face && !matches!(path.hit_weighting, HitWeighting::Full) {
-                // Shadow rays stop at hidden faces, so only the path can count a light behind a
-                // hidden face.
+                // Shadow rays stop at hidden faces, so only the path counts lights behind them.
                 path.hit_weighting = HitWeighting::Full;
                 path.events = path.events.after_specular_event();
             }
@@ -226,8 +224,7 @@ impl<'a> PathTracer<'a> {
         (nm, throughput)
     }
 
-    /// Adds direct light at a sensor, which is the first scattering event of a path, and starts the
-    /// path.
+    /// Adds direct light at a sensor, the first scattering event, and starts the path.
     fn start_at_sensor<S: Sink>(
         &self,
         sensor: &Sensor,
@@ -399,8 +396,7 @@ impl TracedPath {
         std::array::from_fn(ratio)
     }
 
-    /// Returns the sum of these ratios over the current wavelengths, divided by the number of
-    /// wavelengths at the start.
+    /// Returns the sum of these ratios, divided by the wavelengths at the start of the path.
     pub(super) fn relative_throughput(&self) -> f64 {
         let lanes = self.throughput.iter().zip(&self.initial_throughput).take(self.wavelengths.count);
         let sum: f64 = lanes.filter(|(_, initial)| **initial > 0.0).map(|(t, initial)| t / initial).sum();

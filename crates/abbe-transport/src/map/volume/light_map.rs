@@ -27,8 +27,7 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// The maps of a pass. A light has maps only if one position or one direction can represent it in a
-/// pass.
+/// The maps of a pass. A light has maps only if one position or direction can represent it.
 #[derive(Debug, Default)]
 pub struct LightMaps<'a> {
     maps: Vec<LightMap<'a>>,
@@ -179,8 +178,7 @@ impl<'a> LightMap<'a> {
         LightMapLookup([1, 2].map(|step| self.trilinear_weights(in_cells, step)))
     }
 
-    /// Returns the interpolation at a position in cells of the fine lattice, from every `step`-th
-    /// node.
+    /// Returns the interpolation at a position in fine cells, from every `step`-th node.
     fn trilinear_weights(&self, in_cells: DVec3, step: usize) -> TrilinearWeights {
         let (mut nodes, mut weights) = ([0; 8], [1.0; 8]);
         let mut stride = 1;
@@ -309,8 +307,7 @@ mod tests {
     use abbe_format::{self as format, resolve::resolve};
     use abbe_spectra::math::sobol::Sobol;
 
-    /// Returns a ball of smoke that fades towards its surface, a light beside it, and a wall that
-    /// covers half of it.
+    /// Returns a ball of smoke that fades outwards, and a light beside it, half behind a wall.
     fn scene(light: &str) -> Scene {
         let text = format!(
             r#"{{

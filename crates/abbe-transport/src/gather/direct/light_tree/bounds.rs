@@ -40,8 +40,7 @@ impl OrientationCone {
         Self { axis: (cos * wide.axis + sin * across).normalize(), theta_o, theta_e }
     }
 
-    /// Returns the measure M_Ω of the directions, weighted by the cosine of the angle beyond θ_o
-    /// (equation 1).
+    /// Returns the measure M_Ω, weighted by the cosine of the angle beyond θ_o (equation 1).
     fn measure(&self) -> f64 {
         let (sin_o, cos_o) = sin_cos(self.theta_o);
         let theta_w = (self.theta_o + self.theta_e).min(PI);
@@ -61,8 +60,8 @@ pub(super) struct LightBounds {
     pub(super) low: DVec3,
     /// The highest corner of the box, in m.
     pub(super) high: DVec3,
-    /// The sum of the largest radiant intensities Φ of the emitters, as a fraction of the power of
-    /// all lights per steradian.
+    /// The sum of the largest intensities Φ, as a fraction of the power of all lights per
+    /// steradian.
     pub(super) intensity: f64,
     pub(super) cone: OrientationCone,
     /// The light does not grow further below this distance in m.

@@ -64,8 +64,7 @@ impl Builder<'_> {
         bounds
     }
 
-    /// Orders the emitters of a cluster by the split of least cost, and returns how many belong to
-    /// the first child.
+    /// Orders the emitters by the split of least cost, and returns the number in the first child.
     fn split(&self, numbers: &mut [u32], depth: u32) -> usize {
         let half = numbers.len() / 2;
         let centre = |number: u32| self.bounds[number as usize].centre();
@@ -86,8 +85,7 @@ impl Builder<'_> {
         half
     }
 
-    /// Returns the best split along an axis (section 4.4), or `None` if all centres are in one
-    /// bucket.
+    /// Returns the best split along an axis (section 4.4), unless all centres are in one bucket.
     fn best_split(&self, numbers: &[u32], axis: usize, (low, extent): (DVec3, DVec3)) -> Option<ClusterSplit> {
         let longest = extent.max_element();
         if extent[axis] <= 0.0 {

@@ -74,8 +74,7 @@ fn receivers(count: usize, stream: &mut Stream) -> Vec<ReceivingPoint> {
     (0..count).map(receiver).collect()
 }
 
-/// The probabilities of all emitters and of none sum to 1, and agree with the frequencies of
-/// samples.
+/// The probabilities of all emitters and of none sum to 1, and are the frequencies of samples.
 #[test]
 fn samples_have_their_probabilities() {
     let mut stream = stream();

@@ -10,8 +10,7 @@ pub(super) const LEAF: u32 = 1 << 31;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightNode {
     pub(super) cluster: Cluster,
-    /// The position of the second child of an inner node, or the emitter of a leaf and the bit
-    /// [`LEAF`].
+    /// The position of an inner node's second child, or the emitter of a leaf and [`LEAF`].
     pub(super) link: u32,
 }
 
@@ -19,8 +18,7 @@ pub(super) struct LightNode {
 #[derive(Debug, Clone, Default)]
 pub(in crate::gather::direct) struct LightTree {
     pub(super) nodes: Vec<LightNode>,
-    /// The path from the root to each emitter, from the lowest bit. A bit is 1 for the second
-    /// child.
+    /// The path from the root to each emitter, lowest bit first: 1 for the second child.
     pub(super) trails: Vec<u64>,
     /// For each emitter, the position of its leaf in the list.
     pub(super) leaves: Vec<u32>,
