@@ -180,9 +180,7 @@ pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<Option<u64>> 
 
 /// Renders the picture, or all frames of an image sequence.
 fn pictures(arguments: &RenderArgs, server: Option<&DisplayServer>) -> Result<Outcome> {
-    let Some(frames) = arguments.sequence.frames() else {
-        return picture(arguments, None, server);
-    };
+    let Some(frames) = arguments.sequence.frames() else { return picture(arguments, None, server) };
     for frame in frames {
         let outcome = picture(&arguments.of_frame(&frame)?, Some(&frame), server)?;
         if outcome != Outcome::Done {

@@ -66,9 +66,7 @@ fn summary(meter: &MeterReport) -> Option<String> {
 }
 
 fn row(meter: &MeterReport, point: &PointReport) -> String {
-    let Value::Number(value) = &point.value else {
-        return spectrum_rows(meter, point);
-    };
+    let Value::Number(value) = &point.value else { return spectrum_rows(meter, point) };
     let number = |value: &Option<Value>| match value {
         Some(Value::Number(value)) => significant(*value),
         Some(Value::Spectrum(_)) | None => "-".to_string(),

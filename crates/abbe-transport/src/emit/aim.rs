@@ -35,9 +35,7 @@ impl Aim {
 
     /// Maps `u` in [0, 1)² to a point of the grid. Returns the point and its relative pdf.
     pub fn sample(&self, u: [f64; 2]) -> ([f64; 2], f64) {
-        let Some(grid) = &self.0 else {
-            return (u, 1.0);
-        };
+        let Some(grid) = &self.0 else { return (u, 1.0) };
         let point = if u[0] < DEFENSIVE {
             [u[0] / DEFENSIVE, u[1]]
         } else {

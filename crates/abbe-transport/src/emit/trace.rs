@@ -102,9 +102,7 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
     let scene = source.scene;
     for depth in events {
         let next = advance::<M, V>(source, path, stream, visitor, ledger);
-        let Some(interaction) = &next else {
-            return false;
-        };
+        let Some(interaction) = &next else { return false };
         visitor.on_arrival(&SurfaceArrival { interaction, photon: &path.photon, depth });
         if M::HAS_BODIES && scene.body_of(interaction.hit.object).is_some() {
             visitor.on_body_face();

@@ -55,9 +55,7 @@ pub fn next_interaction_through_media<'a>(
         let hit = scene.geometry.intersect(&search.ray_state.ray, search.ray_state.from, f64::INFINITY);
         let length_m = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
         search.ray_state.medium_stack = for_each_segment(scene, search.ray_state, length_m, &mut visit)?;
-        let Some(hit) = hit else {
-            return ControlFlow::Continue(None);
-        };
+        let Some(hit) = hit else { return ControlFlow::Continue(None) };
         if let Some(interaction) = search.process_hit(scene, hit, lookup) {
             return ControlFlow::Continue(Some(interaction));
         }

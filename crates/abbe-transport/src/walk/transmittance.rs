@@ -177,9 +177,7 @@ fn collect_segments<'a>(
 /// Poisson process along the ray. Its rate σ̄ is the largest extinction coefficient over the band
 /// times the upper bound of the density.
 fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: Seed) -> f64 {
-    let Some((begin, end)) = medium.interval(ray, length_m) else {
-        return 1.0;
-    };
+    let Some((begin, end)) = medium.interval(ray, length_m) else { return 1.0 };
     let bound = medium.majorant(ray, length_m);
     let rate = medium.largest_extinction() * bound;
     if rate <= 0.0 {

@@ -78,9 +78,7 @@ impl<'a> CameraPass<'a> {
         let nm = path.reference_nm();
         let u = context.sampler.stream.triple();
         let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
-        let Some(sample) = bsdf.sample(wo, sides, nm, u) else {
-            return;
-        };
+        let Some(sample) = bsdf.sample(wo, sides, nm, u) else { return };
         let direction = interaction.frame.to_world(sample.wi);
         let ray = Ray { origin: interaction.hit.position, direction };
         let hit = self.scene.geometry.intersect(&ray, Some(interaction.hit.surface), f64::INFINITY);

@@ -152,9 +152,7 @@ impl<'a> CameraPass<'a> {
     ) {
         let u = context.sampler.stream.triple();
         for lane in 0..LANES {
-            let Some(mut single) = self.to_shared_wavelength(path, lane, context) else {
-                continue;
-            };
+            let Some(mut single) = self.to_shared_wavelength(path, lane, context) else { continue };
             let continues = match event {
                 SplitEvent::Refraction(probability) => {
                     self.scatter_forced(&mut single, interaction, ScatterEvent::Transmission, probability, context)

@@ -28,9 +28,7 @@ impl<'a> CameraPass<'a> {
         ),
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let Some(interval) = medium.interval(&segment.ray, segment.length_m) else {
-            return;
-        };
+        let Some(interval) = medium.interval(&segment.ray, segment.length_m) else { return };
         let (from, to) = (segment.ray.at(interval.0), segment.ray.at(interval.1));
         let u = context.sampler.light();
         for selected in self.direct.select_lights(ReceivingSegment { from, to }, u) {

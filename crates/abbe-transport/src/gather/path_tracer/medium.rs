@@ -42,9 +42,7 @@ impl<'a> PathTracer<'a> {
                 collision = path.sample_segment(segment, exciting, sampler, tally).map(|t| (*segment, t));
                 if collision.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
-            let Some((segment, (t, event))) = collision else {
-                return end;
-            };
+            let Some((segment, (t, event))) = collision else { return end };
             if !self.scatter_in_medium(path, &segment, (t, event), sampler, tally, sink) {
                 return ControlFlow::Break(());
             }
