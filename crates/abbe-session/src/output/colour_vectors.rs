@@ -1,6 +1,6 @@
 //! The colour vector graphic of TM-30 as SVG.
 
-use super::svg::{append, head};
+use super::svg::head;
 use abbe_spectra::colour::gamut::desaturate;
 use abbe_spectra::colour::{ColourRendition, RgbSpace, from_lab, srgb_hex, xyz_to_linear_srgb};
 use abbe_spectra::math::elementary::{hypot, sin_cos};
@@ -34,24 +34,18 @@ pub fn colour_vector_graphic(rendition: &ColourRendition) -> String {
             place([radius * cos, radius * sin])
         };
         let (border, (x, y)) = (at(bin as f64, EDGE), at(bin as f64 + 0.5, EDGE));
-        append(
-            &mut svg,
-            format_args!(
-                "<path class=\"rule\" stroke=\"#ddd\" d=\"M{GRAPHIC_CENTRE} {GRAPHIC_CENTRE}L{:.2} {:.2}\"/>\
+        svg += &format!(
+            "<path class=\"rule\" stroke=\"#ddd\" d=\"M{GRAPHIC_CENTRE} {GRAPHIC_CENTRE}L{:.2} {:.2}\"/>\
                  <text x=\"{x:.2}\" y=\"{:.2}\" text-anchor=\"middle\">{}</text>\n",
-                border.0,
-                border.1,
-                y + 4.0,
-                bin + 1
-            ),
+            border.0,
+            border.1,
+            y + 4.0,
+            bin + 1
         );
     }
     svg += &circle(1.0, "class=\"ink\" stroke=\"#222\" stroke-width=\"1.5\"");
     let tips: Vec<String> = rendition.arrows.iter().map(|arrow| point(place(arrow[1]))).collect();
-    append(
-        &mut svg,
-        format_args!("<path fill=\"none\" stroke=\"#c0392b\" stroke-width=\"2.5\" d=\"M{}Z\"/>\n", tips.join("L")),
-    );
+    svg += &format!("<path fill=\"none\" stroke=\"#c0392b\" stroke-width=\"2.5\" d=\"M{}Z\"/>\n", tips.join("L"));
     for arrow in &rendition.arrows {
         svg += &arrow_path(arrow);
     }

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::svg::{append, escape_xml};
+use super::svg::escape_xml;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayStroke {
@@ -64,7 +64,7 @@ impl DrawingScale {
         let mut path = String::new();
         for (i, point) in points.iter().enumerate() {
             let (command, place) = (if i == 0 { 'M' } else { 'L' }, self.position(*point));
-            append(&mut path, format_args!("{command}{:.2} {:.2}", place.x, place.y));
+            path += &format!("{command}{:.2} {:.2}", place.x, place.y);
         }
         path
     }
@@ -97,8 +97,7 @@ impl LensDrawing {
         for i in 0..self.windows.len() {
             svg += &self.window(i, foot);
         }
-        svg += "</svg>\n";
-        svg
+        svg + "</svg>\n"
     }
 
     /// Returns the lower and the upper corner of the bounding box of all points.
@@ -111,16 +110,11 @@ impl LensDrawing {
     }
 
     fn legend(&self) -> String {
-        let mut svg = String::new();
-        for (i, (name, colour)) in self.colours.iter().rev().enumerate() {
-            let x = DRAWING_WIDTH - DRAWING_MARGIN - 130.0 * i as f64;
-            let name = escape_xml(name);
-            append(
-                &mut svg,
-                format_args!("<text x=\"{x}\" y=\"32\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n"),
-            );
-        }
-        svg
+        let entry = |(i, (name, colour)): (usize, &(String, String))| {
+            let (x, name) = (DRAWING_WIDTH - DRAWING_MARGIN - 130.0 * i as f64, escape_xml(name));
+            format!("<text x=\"{x}\" y=\"32\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n")
+        };
+        self.colours.iter().rev().enumerate().map(entry).collect()
     }
 
     fn lens(&self, scale: &DrawingScale, (from, to): (f64, f64)) -> String {
@@ -128,20 +122,17 @@ impl LensDrawing {
         for outline in &self.glass {
             let path = scale.path(outline);
             let style = "fill=\"#cfe3f2\" fill-opacity=\"0.85\" stroke=\"#43627a\" stroke-width=\"1.2\" stroke-linejoin=\"round\"";
-            append(&mut svg, format_args!("<path class=\"glass\" d=\"{path}Z\" {style}/>\n"));
+            svg += &format!("<path class=\"glass\" d=\"{path}Z\" {style}/>\n");
         }
         let axis = scale.path(&[DVec2::new(from, 0.0), DVec2::new(to, 0.0)]);
-        append(
-            &mut svg,
-            format_args!("<path class=\"axis\" d=\"{axis}\" stroke=\"#888\" stroke-dasharray=\"14 4 2 4\"/>\n"),
-        );
+        svg += &format!("<path class=\"axis\" d=\"{axis}\" stroke=\"#888\" stroke-dasharray=\"14 4 2 4\"/>\n");
         svg += &self.rays(scale);
         for blade in &self.stop {
             let path = scale.path(blade);
-            append(&mut svg, format_args!("<path class=\"stop\" d=\"{path}\" stroke=\"#111\" stroke-width=\"5\"/>\n"));
+            svg += &format!("<path class=\"stop\" d=\"{path}\" stroke=\"#111\" stroke-width=\"5\"/>\n");
         }
         let path = scale.path(&self.sensor);
-        append(&mut svg, format_args!("<path class=\"sensor\" d=\"{path}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n"));
+        svg += &format!("<path class=\"sensor\" d=\"{path}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n");
         svg
     }
 
@@ -173,30 +164,21 @@ impl LensDrawing {
             ray(&mut svg, &scale.path(&across(&self.windows[i], &stroke.points)), colour, 1.4);
         }
         let sensor = format!("M{:.2} {top:.2}v{WINDOW_HEIGHT}", middle.x);
-        append(
-            &mut svg,
-            format_args!("<path class=\"sensor\" d=\"{sensor}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n</g>\n"),
-        );
-        append(&mut svg, format_args!("<rect {frame} fill=\"none\" stroke=\"#999\"/>\n"));
+        svg += &format!("<path class=\"sensor\" d=\"{sensor}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n</g>\n");
+        svg += &format!("<rect {frame} fill=\"none\" stroke=\"#999\"/>\n");
         let (y, title) = (top + WINDOW_HEIGHT + 22.0, escape_xml(title));
-        append(
-            &mut svg,
-            format_args!("<text x=\"{:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{title}</text>\n", middle.x),
-        );
+        svg += &format!("<text x=\"{:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{title}</text>\n", middle.x);
         let size = format!("{:.3} mm along the axis, {:.4} mm across", 2.0 * half_size.x, 2.0 * half_size.y);
         let y = y + 19.0;
         let style = "text-anchor=\"middle\" font-size=\"12\" fill=\"#555\"";
-        append(&mut svg, format_args!("<text x=\"{:.2}\" y=\"{y:.2}\" {style}>{size}</text>\n", middle.x));
+        svg += &format!("<text x=\"{:.2}\" y=\"{y:.2}\" {style}>{size}</text>\n", middle.x);
         svg
     }
 }
 
 fn ray(svg: &mut String, path: &str, colour: &str, width: f64) {
     let style = "fill=\"none\" stroke-linejoin=\"round\"";
-    append(
-        svg,
-        format_args!("<path class=\"ray\" d=\"{path}\" {style} stroke=\"{colour}\" stroke-width=\"{width}\"/>\n"),
-    );
+    *svg += &format!("<path class=\"ray\" d=\"{path}\" {style} stroke=\"{colour}\" stroke-width=\"{width}\"/>\n");
 }
 
 /// Extends the last segment of a polyline to both sides of a window. Heights are measured from the

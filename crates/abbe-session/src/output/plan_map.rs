@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::axis::Axis;
 use super::heat::heat;
-use super::svg::{append, escape_xml, head};
+use super::svg::{escape_xml, head};
 
 #[derive(Debug, Clone)]
 pub struct PlanMap {
@@ -43,12 +43,9 @@ impl PlanMap {
             let corners = [at(column, row), at(column + 1.0, row), at(column + 1.0, row + 1.0), at(column, row + 1.0)];
             let [r, g, b] = heat(value / most);
             // A stroke of the same colour hides the gaps between cells.
-            append(
-                &mut svg,
-                format_args!(
-                    "<polygon points=\"{}\" fill=\"rgb({r} {g} {b})\" stroke=\"rgb({r} {g} {b})\" stroke-width=\"0.5\"/>\n",
-                    points(&corners)
-                ),
+            svg += &format!(
+                "<polygon points=\"{}\" fill=\"rgb({r} {g} {b})\" stroke=\"rgb({r} {g} {b})\" stroke-width=\"0.5\"/>\n",
+                points(&corners)
             );
         }
         for level in self.levels() {
@@ -57,14 +54,11 @@ impl PlanMap {
             let mut path = String::new();
             for [a, b] in &lines {
                 let [a, b] = [a, b].map(|point| at(point.x + 0.5, point.y + 0.5));
-                append(&mut path, format_args!("M{:.1} {:.1}L{:.1} {:.1}", a.x, a.y, b.x, b.y));
+                path += &format!("M{:.1} {:.1}L{:.1} {:.1}", a.x, a.y, b.x, b.y);
             }
             for (colour, width) in [("#000", 2.6), ("#fff", 1.2)] {
-                append(
-                    &mut svg,
-                    format_args!(
-                        "<path class=\"isoline\" d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"round\"/>\n"
-                    ),
+                svg += &format!(
+                    "<path class=\"isoline\" d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"round\"/>\n"
                 );
             }
             if !with_numbers {
@@ -84,7 +78,7 @@ impl PlanMap {
                 text_at(&mut svg, place, &style, &(self.number)(value));
             }
         }
-        append(&mut svg, format_args!("<polygon class=\"edge\" points=\"{}\" fill=\"none\"/>\n", points(&outline)));
+        svg += &format!("<polygon class=\"edge\" points=\"{}\" fill=\"none\"/>\n", points(&outline));
         // The length of each edge stands beside the edge, on the outer side.
         let middle = 0.5 * (outline[0] + outline[2]);
         for (ends, length) in [([outline[0], outline[1]], along_u), ([outline[0], outline[3]], along_v)] {
@@ -191,10 +185,7 @@ fn points(corners: &[DVec2]) -> String {
 /// Writes a text that is centred at a place.
 fn text_at(svg: &mut String, place: DVec2, style: &str, text: &str) {
     let text = escape_xml(text);
-    append(
-        svg,
-        format_args!("<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" {style}>{text}</text>\n", place.x, place.y),
-    );
+    *svg += &format!("<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" {style}>{text}</text>\n", place.x, place.y);
 }
 
 #[cfg(test)]

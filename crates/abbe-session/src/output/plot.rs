@@ -1,7 +1,7 @@
 //! Plots of functions of wavelength as SVG.
 
 use super::axis::Axis;
-use super::svg::{CURVE_COLOURS, append, escape_xml, head};
+use super::svg::{CURVE_COLOURS, escape_xml, head};
 use abbe_spectra::colour::{srgb_hex, xyz_to_linear_srgb};
 use abbe_spectra::math::elementary::powf;
 use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum};
@@ -69,7 +69,7 @@ impl SpectralPlot {
         let up = Axis::linear(values, self.from_zero, (PLOT_SIZE.1 - PLOT_BOTTOM, PLOT_TOP));
         let mut svg = head("plot", PLOT_SIZE, 14.0);
         let title = escape_xml(&self.title);
-        append(&mut svg, format_args!("<text x=\"{PLOT_LEFT}\" y=\"30\" font-size=\"18\">{title}</text>\n"));
+        svg += &format!("<text x=\"{PLOT_LEFT}\" y=\"30\" font-size=\"18\">{title}</text>\n");
         svg += &strip();
         svg += &axes(&up, &self.values);
         if let Some(curve) = self.curves.first().filter(|_| self.from_zero) {
@@ -79,37 +79,28 @@ impl SpectralPlot {
             let (x, foot) = (x(nm), PLOT_SIZE.1 - PLOT_BOTTOM);
             let top = foot - fraction * (foot - PLOT_TOP);
             let colour = spectral_colour(nm);
-            append(
-                &mut svg,
-                format_args!("<path d=\"M{x:.2} {foot}V{top:.2}\" stroke=\"{colour}\" stroke-width=\"2\"/>\n"),
-            );
+            svg += &format!("<path d=\"M{x:.2} {foot}V{top:.2}\" stroke=\"{colour}\" stroke-width=\"2\"/>\n");
         }
         for (i, curve) in self.curves.iter().enumerate().rev() {
             let colour = CURVE_COLOURS[i % CURVE_COLOURS.len()];
             let path = path(&up, &curve.points);
             let style = "fill=\"none\" stroke-width=\"2\" stroke-linejoin=\"round\"";
-            append(&mut svg, format_args!("<path class=\"curve{i}\" d=\"{path}\" {style} stroke=\"{colour}\"/>\n"));
+            svg += &format!("<path class=\"curve{i}\" d=\"{path}\" {style} stroke=\"{colour}\"/>\n");
         }
-        svg += &self.legend();
-        svg += "</svg>\n";
-        svg
+        svg + &self.legend() + "</svg>\n"
     }
 
     fn legend(&self) -> String {
-        let mut svg = String::new();
         if self.curves.len() < 2 {
-            return svg;
+            return String::new();
         }
-        for (i, curve) in self.curves.iter().enumerate() {
+        let entry = |(i, curve): (usize, &SpectralCurve)| {
             let colour = CURVE_COLOURS[i % CURVE_COLOURS.len()];
             let (x, y) = (PLOT_SIZE.0 - PLOT_RIGHT - 12.0, PLOT_TOP + 20.0 + 20.0 * i as f64);
             let name = escape_xml(&curve.name);
-            append(
-                &mut svg,
-                format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n"),
-            );
-        }
-        svg
+            format!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n")
+        };
+        self.curves.iter().enumerate().map(entry).collect()
     }
 }
 
@@ -122,22 +113,22 @@ fn axes(up: &Axis, values: &str) -> String {
     let (right, foot) = (PLOT_SIZE.0 - PLOT_RIGHT, PLOT_SIZE.1 - PLOT_BOTTOM);
     for tick in up.ticks() {
         let y = up.position(tick.value);
-        append(&mut svg, format_args!("<path class=\"rule\" d=\"M{PLOT_LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n"));
+        svg += &format!("<path class=\"rule\" d=\"M{PLOT_LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n");
         let (x, y, label) = (PLOT_LEFT - 8.0, y + 5.0, tick.label.unwrap_or_default());
-        append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y:.2}\" text-anchor=\"end\">{label}</text>\n"));
+        svg += &format!("<text x=\"{x}\" y=\"{y:.2}\" text-anchor=\"end\">{label}</text>\n");
     }
     for nm in (400..=800).step_by(50) {
         let (x, top, y) = (x(f64::from(nm)), foot + PLOT_STRIP, foot + PLOT_STRIP + 22.0);
-        append(&mut svg, format_args!("<path class=\"ink\" d=\"M{x:.2} {top}v5\" stroke=\"#222\"/>\n"));
-        append(&mut svg, format_args!("<text x=\"{x:.2}\" y=\"{y}\" text-anchor=\"middle\">{nm}</text>\n"));
+        svg += &format!("<path class=\"ink\" d=\"M{x:.2} {top}v5\" stroke=\"#222\"/>\n");
+        svg += &format!("<text x=\"{x:.2}\" y=\"{y}\" text-anchor=\"middle\">{nm}</text>\n");
     }
     let frame = format!("d=\"M{PLOT_LEFT} {PLOT_TOP}V{foot}H{right}\" fill=\"none\"");
-    append(&mut svg, format_args!("<path class=\"ink\" {frame} stroke=\"#222\"/>\n"));
+    svg += &format!("<path class=\"ink\" {frame} stroke=\"#222\"/>\n");
     let (x, y) = (0.5 * (PLOT_LEFT + right), PLOT_SIZE.1 - 18.0);
-    append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">wavelength in nm</text>\n"));
+    svg += &format!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">wavelength in nm</text>\n");
     let (y, label) = (0.5 * (PLOT_TOP + foot), escape_xml(values));
     let turned = format!("transform=\"rotate(-90 20 {y})\"");
-    append(&mut svg, format_args!("<text x=\"20\" y=\"{y}\" text-anchor=\"middle\" {turned}>{label}</text>\n"));
+    svg += &format!("<text x=\"20\" y=\"{y}\" text-anchor=\"middle\" {turned}>{label}</text>\n");
     svg
 }
 
@@ -147,11 +138,11 @@ fn strip() -> String {
     let mut svg = format!("<defs><linearGradient id=\"spectrum\" {place}>\n");
     for nm in (BAND_NM.0 as u32..=BAND_NM.1 as u32).step_by(10).map(f64::from) {
         let (fraction, colour) = ((nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0), spectral_colour(nm));
-        append(&mut svg, format_args!("<stop offset=\"{fraction:.4}\" stop-color=\"{colour}\"/>\n"));
+        svg += &format!("<stop offset=\"{fraction:.4}\" stop-color=\"{colour}\"/>\n");
     }
     let (y, width) = (PLOT_SIZE.1 - PLOT_BOTTOM, to - from);
     let place = format!("x=\"{from}\" y=\"{y}\" width=\"{width}\" height=\"{PLOT_STRIP}\"");
-    append(&mut svg, format_args!("</linearGradient></defs>\n<rect {place} fill=\"url(#spectrum)\"/>\n"));
+    svg += &format!("</linearGradient></defs>\n<rect {place} fill=\"url(#spectrum)\"/>\n");
     svg
 }
 
@@ -175,7 +166,7 @@ fn path(up: &Axis, points: &[(f64, f64)]) -> String {
     let mut command = 'M';
     for &(nm, value) in points {
         if value.is_finite() && nm.is_finite() {
-            append(&mut path, format_args!("{command}{:.2} {:.2}", x(nm), up.position(value)));
+            path += &format!("{command}{:.2} {:.2}", x(nm), up.position(value));
             command = 'L';
         } else {
             command = 'M';

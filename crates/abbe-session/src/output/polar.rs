@@ -1,7 +1,7 @@
 //! Polar diagrams of the intensity of luminaires as SVG.
 
 use super::axis::Axis;
-use super::svg::{CURVE_COLOURS, append, escape_xml, head};
+use super::svg::{CURVE_COLOURS, escape_xml, head};
 use abbe_spectra::math::elementary::sin_cos;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -37,23 +37,18 @@ impl PolarDiagram {
         let radius = Axis::linear(values, true, (0.0, POLAR_RADIUS));
         let mut svg = head("plot polar", POLAR_SIZE, 15.0);
         let title = escape_xml(&self.title);
-        append(&mut svg, format_args!("<text x=\"20\" y=\"30\" font-size=\"18\">{title}</text>\n"));
+        svg += &format!("<text x=\"20\" y=\"30\" font-size=\"18\">{title}</text>\n");
         svg += &self.grid(&radius);
         for (number, curve) in self.curves.iter().enumerate() {
             let places: Vec<String> =
                 curve.points.iter().map(|&(angle, value)| place(angle, radius.position(value))).collect();
             let colour = colour(number);
             let path = places.join("L");
-            append(
-                &mut svg,
-                format_args!(
-                    "<path d=\"M{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\" stroke-linejoin=\"round\"/>\n"
-                ),
+            svg += &format!(
+                "<path d=\"M{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\" stroke-linejoin=\"round\"/>\n"
             );
         }
-        svg += &self.legend();
-        svg += "</svg>\n";
-        svg
+        svg + &self.legend() + "</svg>\n"
     }
 
     fn grid(&self, radius: &Axis) -> String {
@@ -62,21 +57,17 @@ impl PolarDiagram {
         let ticks = radius.ticks();
         for tick in ticks.iter().skip(1) {
             let r = radius.position(tick.value);
-            append(
-                &mut svg,
-                format_args!(
-                    "<circle class=\"rule\" cx=\"{x}\" cy=\"{y}\" r=\"{r:.2}\" fill=\"none\" stroke=\"#ddd\"/>\n"
-                ),
-            );
+            svg +=
+                &format!("<circle class=\"rule\" cx=\"{x}\" cy=\"{y}\" r=\"{r:.2}\" fill=\"none\" stroke=\"#ddd\"/>\n");
         }
         for spoke in (0..360).step_by(usize::from(SPOKE_DEG)) {
             let angle = f64::from(spoke);
             let end = place(angle, POLAR_RADIUS);
-            append(&mut svg, format_args!("<path class=\"rule\" d=\"M{x} {y}L{end}\" stroke=\"#ddd\"/>\n"));
+            svg += &format!("<path class=\"rule\" d=\"M{x} {y}L{end}\" stroke=\"#ddd\"/>\n");
             let shown = if spoke > 180 { 360 - spoke } else { spoke };
             let (sin, cos) = sin_cos(angle.to_radians());
             let (x, y) = (x + (POLAR_RADIUS + 22.0) * sin, y + (POLAR_RADIUS + 22.0) * cos + 5.0);
-            append(&mut svg, format_args!("<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{shown}°</text>\n"));
+            svg += &format!("<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{shown}°</text>\n");
         }
         // Labels on every second circle leave room for the curves.
         let last = ticks.len().saturating_sub(1);
@@ -86,23 +77,19 @@ impl PolarDiagram {
             let r = radius.position(tick.value);
             let unit = if number == last { format!(" {}", escape_xml(&self.unit)) } else { String::new() };
             let (x, y) = (x + r * sin, y + r * cos + 5.0);
-            append(
-                &mut svg,
-                format_args!(
-                    "<text x=\"{x:.2}\" y=\"{y:.2}\" font-size=\"13\" text-anchor=\"middle\">{label}{unit}</text>\n"
-                ),
+            svg += &format!(
+                "<text x=\"{x:.2}\" y=\"{y:.2}\" font-size=\"13\" text-anchor=\"middle\">{label}{unit}</text>\n"
             );
         }
         svg
     }
 
     fn legend(&self) -> String {
-        let mut svg = String::new();
-        for (number, curve) in self.curves.iter().enumerate() {
+        let entry = |(number, curve): (usize, &PolarCurve)| {
             let (x, y, name) = (20.0, POLAR_SIZE.1 - 16.0 - 20.0 * number as f64, escape_xml(&curve.name));
-            append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y}\" fill=\"{}\">{name}</text>\n", colour(number)));
-        }
-        svg
+            format!("<text x=\"{x}\" y=\"{y}\" fill=\"{}\">{name}</text>\n", colour(number))
+        };
+        self.curves.iter().enumerate().map(entry).collect()
     }
 }
 
