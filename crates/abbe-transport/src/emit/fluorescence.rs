@@ -80,7 +80,7 @@ pub(super) fn scatter_at_fluorescent_surface(
         }
     } else {
         let (emission, excitation) = excited.sample(stream);
-        emit_again(source, path, fluorophore, (emission, excitation * factor), stream);
+        emit_again(source, path, fluorophore, emission, excitation * factor, stream);
     }
     ledger.sampling += path.total_w() + booked - before;
     path.ray_state = interaction.spawn_ray(direction, interaction.here);
@@ -95,12 +95,14 @@ pub(super) fn scatter_at_fluorescent_surface(
 pub(super) fn scatter_in_fluorescent_medium<V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     path: &mut PhotonPath,
-    (segment, dye, distance): (&MediumSegment<'_>, &Fluorophore, f64),
+    segment: &MediumSegment<'_>,
+    distance: f64,
     stream: &mut Stream,
     visitor: &mut V,
     ledger: &mut Ledger,
 ) -> bool {
     let Some(numbered @ NumberedMedium { medium, .. }) = segment.medium else { return false };
+    let Some(dye) = medium.fluorophore.as_deref() else { return false };
     let before = path.total_w();
     let (mut scattered, mut booked) = (0.0, 0.0);
     let mut excited = ExcitedEmissions::default();
@@ -138,7 +140,7 @@ pub(super) fn scatter_in_fluorescent_medium<V: PhotonVisitor>(
         path.sample_phase_function(medium, incoming, stream)
     } else {
         let (emission, excitation) = excited.sample(stream);
-        emit_again(source, path, dye, (emission, excitation * either / survival), stream);
+        emit_again(source, path, dye, emission, excitation * either / survival, stream);
         PhaseFunction::Isotropic.sample(incoming, path.photon.wavelengths.hero(), stream.pair())
     };
     ledger.sampling += path.total_w() + booked - before;
@@ -208,7 +210,8 @@ fn emit_again(
     source: &PhotonSource<'_>,
     path: &mut PhotonPath,
     fluorophore: &Fluorophore,
-    (index, mut excitation): (usize, f64),
+    index: usize,
+    mut excitation: f64,
     stream: &mut Stream,
 ) {
     let PhotonPath { photon, watts, .. } = path;

@@ -54,12 +54,10 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
             ControlFlow::Break(()) => {}
         }
         let (segment, distance) = collision?;
-        let fluorophore = segment.medium.and_then(|filling| filling.medium.fluorophore.as_deref());
-        let survives = match fluorophore {
-            None => path.scatter_in_medium(&segment, distance, stream, visitor, ledger),
-            Some(dye) => {
-                scatter_in_fluorescent_medium(source, path, (&segment, dye, distance), stream, visitor, ledger)
-            }
+        let survives = if segment.medium.is_some_and(|filling| filling.medium.fluorophore.is_some()) {
+            scatter_in_fluorescent_medium(source, path, &segment, distance, stream, visitor, ledger)
+        } else {
+            path.scatter_in_medium(&segment, distance, stream, visitor, ledger)
         };
         if !survives {
             return None;

@@ -27,16 +27,14 @@ pub fn trace<V: PhotonVisitor>(
     visitor: &mut V,
     ledger: &mut Ledger,
 ) {
-    let limit = DepthLimit::of(source.scene);
     // The energy balance does not contain truncated paths.
-    let mut truncated = limit.is_explicit().then(|| Ledger::new(ledger.absorbed.len()));
+    let mut truncated = DepthLimit::of(source.scene).is_explicit().then(|| Ledger::new(ledger.absorbed.len()));
     match source.media_plan {
         MediumPlan::Air => indices.for_each(|index| {
-            trace_one::<WithoutBodies, V>(source, points, (index, limit), visitor, ledger, truncated.as_mut())
+            trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger, truncated.as_mut())
         }),
-        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => indices.for_each(|index| {
-            trace_one::<WithBodies, V>(source, points, (index, limit), visitor, ledger, truncated.as_mut())
-        }),
+        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => indices
+            .for_each(|index| trace_one::<WithBodies, V>(source, points, index, visitor, ledger, truncated.as_mut())),
     }
 }
 
@@ -45,11 +43,12 @@ pub fn trace<V: PhotonVisitor>(
 fn trace_one<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     points: &Sobol,
-    (index, limit): (u64, DepthLimit),
+    index: u64,
     visitor: &mut V,
     ledger: &mut Ledger,
     truncated: Option<&mut Ledger>,
 ) {
+    let limit = DepthLimit::of(source.scene);
     let mut stream = source.stream(index);
     let mut path = source.emit::<M>(points, index as u32, &mut stream, visitor);
     let emitted = path.total_w();

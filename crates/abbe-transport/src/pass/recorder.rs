@@ -45,7 +45,8 @@ pub(crate) struct PhotonRecorder<'a> {
 
 impl<'a> PhotonRecorder<'a> {
     pub(crate) fn new(
-        (scene, spectra): (&'a Scene, &'a PhotonSpectra),
+        scene: &'a Scene,
+        spectra: &'a PhotonSpectra,
         plan: &'a Plan,
         set: PhotonSet,
         options: RecordingOptions<'a>,

@@ -39,7 +39,7 @@ pub(crate) fn trace_photons(
     let tasks = (0..source.count.div_ceil(PHOTONS_PER_TASK))
         .into_par_iter()
         .map(|task: u64| {
-            let mut recorder = PhotonRecorder::new((source.scene, source.spectra), plan, set, options, &splat_sink);
+            let mut recorder = PhotonRecorder::new(source.scene, source.spectra, plan, set, options, &splat_sink);
             let mut ledger = Ledger::new(source.scene.materials.len());
             let indices = task * PHOTONS_PER_TASK..((task + 1) * PHOTONS_PER_TASK).min(source.count);
             trace(source, &points, indices, &mut recorder, &mut ledger);

@@ -111,7 +111,8 @@ impl SmallPass {
     pub(super) fn run(
         context: &PassContext<'_>,
         parameters: &PassParameters,
-        (traced, camera_pass): (&TrialPhotons, &CameraPass<'_>),
+        traced: &TrialPhotons,
+        camera_pass: &CameraPass<'_>,
         tiles: &[Vec<usize>],
     ) -> Self {
         let measured: Vec<(Vec<TrialPixel>, Tally)> = tiles

@@ -138,7 +138,7 @@ pub(super) fn balanced(
         let maps = (&traced.maps, &light_maps);
         parameters.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
     });
-    let passes = [0, 1].map(|n| SmallPass::run(context, parameters, (&traced[n], &camera_passes[n]), &tiles));
+    let passes = [0, 1].map(|n| SmallPass::run(context, parameters, &traced[n], &camera_passes[n], &tiles));
     let of_tiles = TileVariance::of_tiles(passes.each_ref().map(|pass| pass.tiles.as_slice()));
     let splats = traced.each_ref().map(|traced| traced.splats.as_slice());
     let photons = traced.iter().map(|traced| traced.tally).sum();

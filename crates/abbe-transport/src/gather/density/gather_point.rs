@@ -104,7 +104,8 @@ impl<'e> GatherPoint<'e> {
     pub(in crate::gather) fn add<S: Sink>(
         &self,
         nearby: &NearbyPhoton<'_>,
-        (spectra, class): (&PhotonSpectra, PathClass),
+        spectra: &PhotonSpectra,
+        class: PathClass,
         sink: &mut S,
     ) {
         let photon = nearby.photon;
@@ -144,7 +145,8 @@ impl<'e> GatherPoint<'e> {
     pub(in crate::gather) fn add_excitation<S: Sink>(
         &self,
         nearby: &NearbyPhoton<'_>,
-        (spectra, class): (&PhotonSpectra, PathClass),
+        spectra: &PhotonSpectra,
+        class: PathClass,
         luminescence: &Luminescence<'_>,
         sink: &mut S,
     ) {

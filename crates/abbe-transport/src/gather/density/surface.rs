@@ -118,22 +118,22 @@ impl<'a> CameraPass<'a> {
 
     /// Returns the extent within the kernel radius (m) around a surface point.
     #[inline(always)]
-    fn outline_around(
+    fn surface_extent_around(
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
         radius: f64,
         pixel: u64,
-    ) -> KernelOutline<'_> {
+    ) -> KernelExtent<'_> {
         if self.surface_extents.is_empty() || path.view == CameraView::Indirect {
-            return KernelOutline::Absent;
+            return KernelExtent::Absent;
         }
         let point = self.visible_point(path, interaction);
         match self.surface_extents.find(pixel as usize, &point) {
-            PixelSurfaceExtent::Absent => KernelOutline::Absent,
-            PixelSurfaceExtent::Stored(surface_extent) => KernelOutline::Stored(surface_extent),
+            PixelSurfaceExtent::Absent => KernelExtent::Absent,
+            PixelSurfaceExtent::Stored(surface_extent) => KernelExtent::Stored(surface_extent),
             PixelSurfaceExtent::Varies => {
-                KernelOutline::Measured(SurfaceExtent::around(&self.scene.geometry, &point, radius))
+                KernelExtent::Measured(SurfaceExtent::around(&self.scene.geometry, &point, radius))
             }
         }
     }
@@ -156,7 +156,7 @@ impl<'a> CameraPass<'a> {
             }
             context.tally.map_queries += 1;
             let radius = self.kernel_radius(set, class, interaction, context);
-            let surface_extent = self.outline_around(path, interaction, radius, context.pixel);
+            let surface_extent = self.surface_extent_around(path, interaction, radius, context.pixel);
             let surface_extent = surface_extent.limiting();
             let correction =
                 surface_extent.map_or(BoundaryCorrection::WHOLE, |surface_extent| surface_extent.correction(radius));
@@ -168,35 +168,37 @@ impl<'a> CameraPass<'a> {
                 GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
             let centre = interaction.hit.position.as_vec3().to_array();
             let photons = PhotonsAround { map, centre, radius: radius as f32, surface_extent };
-            let light = (self.spectra, path.events.class_at_surface(class.light_path()));
+            let (spectra, path_class) = (self.spectra, path.events.class_at_surface(class.light_path()));
             let responses = if gather_point.is_plain() { self.responses } else { None };
             let sink = &mut *context.sink;
             match (responses.and_then(|responses| responses.of_surface(interaction)), luminescence) {
                 // The tabulated responses contain the emission.
                 (Some(_), Some(_)) => {}
                 (None, Some(luminescence)) => {
-                    context.tally.gathered +=
-                        photons.visit(|nearby| gather_point.add_excitation(nearby, light, luminescence, sink));
+                    context.tally.gathered += photons
+                        .visit(|nearby| gather_point.add_excitation(nearby, spectra, path_class, luminescence, sink));
                 }
                 (Some(surface), None) => {
-                    context.tally.tabulated += add_responses(&photons, &gather_point, surface, light, sink);
+                    context.tally.tabulated +=
+                        add_responses(&photons, &gather_point, surface, spectra, path_class, sink);
                 }
                 (None, None) => {
-                    context.tally.gathered += photons.visit(|nearby| gather_point.add(nearby, light, sink));
+                    context.tally.gathered +=
+                        photons.visit(|nearby| gather_point.add(nearby, spectra, path_class, sink));
                 }
             }
         }
     }
 }
 
-enum KernelOutline<'o> {
+enum KernelExtent<'o> {
     /// The kernel does not reach over an edge.
     Absent,
     Stored(&'o SurfaceExtent),
     Measured(SurfaceExtent),
 }
 
-impl KernelOutline<'_> {
+impl KernelExtent<'_> {
     #[inline(always)]
     fn limiting(&self) -> Option<&SurfaceExtent> {
         match self {
@@ -237,7 +239,8 @@ fn add_responses<S: Sink>(
     photons: &PhotonsAround<'_>,
     gather_point: &GatherPoint<'_>,
     surface: SurfaceResponses<'_>,
-    (spectra, class): (&PhotonSpectra, PathClass),
+    spectra: &PhotonSpectra,
+    class: PathClass,
     sink: &mut S,
 ) -> u64 {
     let mut sums = ResponseSums::default();
