@@ -26,7 +26,10 @@ use abbe_spectra::colour::{AdaptationTransform, RgbSpace, adapt};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::{Codes, DisplayImage, Picture};
 
-/// Returns the bytes of a PNG file. Returns a machine error if the image cannot be encoded.
+/// Returns the bytes of a PNG file.
+///
+/// # Errors
+/// Returns a machine error if the image cannot be encoded.
 pub fn encode(screen: &DisplayImage) -> Result<Vec<u8>> {
     let failed = |error: ::png::EncodingError| Error::machine(format!("cannot be written as PNG: {error}"));
     let mut bytes = Vec::new();
@@ -52,8 +55,10 @@ pub fn encode(screen: &DisplayImage) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes a PNG file atomically. Returns a machine error if the folder is missing or not writable,
-/// or the disk is full.
+/// Writes a PNG file atomically.
+///
+/// # Errors
+/// Returns a machine error if the folder is missing or not writable, or the disk is full.
 pub fn write(path: &Path, screen: &DisplayImage) -> Result<()> {
     let bytes = encode(screen).map_err(|error| error.in_file(path))?;
     file::write_whole(path, &bytes)
@@ -111,9 +116,11 @@ fn chromaticities(space: RgbSpace) -> SourceChromaticities {
 }
 
 /// Reads a PNG file as a picture. The codes are decoded to XYZ, and white has the luminance 1. The
-/// errors are unknown, and opacity is ignored. Returns an input error if the file is missing or not
-/// a PNG, or if its colour space is not one of the spaces that [`write()`] writes. A file that
-/// states no colour space is in sRGB.
+/// errors are unknown, and opacity is ignored.
+///
+/// # Errors
+/// Returns an input error if the file is missing or not a PNG, or if its colour space is not one of
+/// the spaces that [`write()`] writes. A file that states no colour space is in sRGB.
 pub fn read(path: &Path) -> Result<Picture> {
     let wrong = |what: String| Error::input(what).in_file(path);
     let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
@@ -150,8 +157,11 @@ fn explicit_space(info: &Info<'_>) -> Result<Option<RgbSpace>> {
 }
 
 /// Reads a mask. A pixel is selected if any of its colour components is not zero. Opacity is
-/// ignored. Returns an input error if the file is missing or not a PNG, or its size is not `width`
-/// × `height`.
+/// ignored.
+///
+/// # Errors
+/// Returns an input error if the file is missing or not a PNG, or its size is not `width` ×
+/// `height`.
 pub fn read_mask(path: &Path, width: usize, height: usize) -> Result<Vec<bool>> {
     let wrong = |what: String| Error::input(what).in_file(path);
     let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
