@@ -105,8 +105,8 @@
 //! | `view` | yes | the live view in the browser (`abbe view`); implies `cli` |
 //! | `meshes` | yes | OBJ, PLY, STL and glTF files, and scenes of other programs |
 //!
-//! To use the renderer without the command line, depend on it as
-//! `abbe = { version = "…", default-features = false }`.
+//! To use the renderer without the command line, depend on it as `abbe = { version = "…",
+//! default-features = false }`.
 
 #![warn(missing_docs)]
 // Elementary functions of the C library differ between machines; see `math::elementary`.

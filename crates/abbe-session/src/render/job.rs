@@ -97,15 +97,15 @@ impl Job {
     }
 }
 
-/// Of the convolution with the diffraction: five arrays with four complex numbers for each pixel.
+/// The convolution with the diffraction: five arrays with four complex numbers for each pixel.
 const CONVOLUTION_BYTES_PER_PIXEL: u64 = 5 * 64;
 
-/// Of the pilot: the kernel radii, the visible points, and the photons in media. They are free
-/// again when the film is allocated.
+/// The pilot: the kernel radii, the visible points, and the photons in media. They are free again
+/// when the film is allocated.
 const PILOT_BYTES_PER_PIXEL: u64 = 250;
 
-/// Of the pilot's results and a preview: the kernel radii, the surface extents, the display codes,
-/// and free memory that the allocator keeps.
+/// The pilot's results and a preview: the kernel radii, the surface extents, the display codes, and
+/// free memory that the allocator keeps.
 const PASS_BYTES_PER_PIXEL: u64 = 64;
 
 /// Returns the largest memory of a render. Its picture has at most a quarter of the film's bytes.

@@ -126,7 +126,7 @@ impl Job {
         /// The distance at which the surface below a sensor is found, by the radius of the scene;
         /// more than the shift of sensors above surfaces.
         const SEARCH_FRACTION: f64 = 1e-6;
-        /// In a hollow, the surface beside a receptor is nearly parallel to the surface below it.
+        /// In a hollow, the surface beside a sensor is nearly parallel to the surface below it.
         const PARALLEL: f64 = 0.5;
         if integrator == Integrator::Path || self.plan.caustics == CausticPlan::Absent {
             return None;
@@ -369,7 +369,7 @@ fn with_function_of_spectrum(
 /// Returns the horizontal illuminance in lx of all lights around the scene, without obstacles: the
 /// integral of L cos θ over the upper hemisphere.
 fn sky_illuminance_lx(lights: &[Light]) -> f64 {
-    /// In elevation and in azimuth: exact to 10⁻⁵ for skies without steps.
+    /// The steps in elevation and in azimuth: exact to 10⁻⁵ for skies without steps.
     const STEPS: [u32; 2] = [512, 512];
     let mut sum = 0.0;
     for light in lights.iter().filter(|light| light.surrounds()) {

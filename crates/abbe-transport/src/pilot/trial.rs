@@ -24,7 +24,7 @@ const MIN_PHOTONS: f64 = 4_000.0;
 /// The largest contribution of one tile to the variance, as a multiple of the mean over the tiles.
 const LARGEST_TILE: f64 = 8.0;
 
-/// Along the longest side of a medium's box; coarser than in a pass.
+/// The cells along the longest side of a medium's box; coarser than in a pass.
 const LIGHT_MAP_CELLS: u32 = 8;
 
 /// The least fraction of noise in the variance of neighbouring pixels.

@@ -47,7 +47,7 @@ pub(super) struct VolumeKernelWidths {
     radius_m: Option<f64>,
 }
 
-/// Per set; `None` if no camera path with its wavelengths crosses a medium.
+/// The photons near a ray, per set; `None` if no camera path with its wavelengths crosses a medium.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
 

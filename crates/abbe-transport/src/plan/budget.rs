@@ -31,18 +31,18 @@ pub const DEFAULT_LIGHT_MAP_CELLS: u32 = 32;
 /// Bytes per light map node for its visibility flag.
 const LIGHT_MAP_NODE_BYTES: u64 = 1;
 
-/// For the mean density of one absorbing medium at one node, twice while the map removes the media
-/// that no path from the light crosses.
+/// The mean density of one absorbing medium at one node, twice while the map removes the media that
+/// no path from the light crosses.
 const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 
-/// For a photon and its position, twice while the map sorts, with 4 bytes for the order.
+/// A photon and its position, twice while the map sorts, with 4 bytes for the order.
 const PHOTON_BYTES: u64 = 2 * 32 + 4;
 
 /// Bytes per photon path. A path stores two photons on average.
 const PATH_BYTES: u64 = 2 * PHOTON_BYTES;
 
-/// For the pilot's results: eight radii, the index of the surface extent, and a third of an extent
-/// of 44 bytes, stored near edges only.
+/// The pilot's results: eight radii, the index of the surface extent, and a third of an extent of
+/// 44 bytes, stored near edges only.
 const PILOT_PIXEL_BYTES: u64 = 8 * 4 + 4 + 44 / 3;
 
 /// The pilot may halve the default number of photon paths this many times.

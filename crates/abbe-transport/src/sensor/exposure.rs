@@ -12,7 +12,8 @@ const LEAST_HIGHLIGHT: f64 = 0.5;
 /// The fraction of the pixels that are brighter than the highlights.
 const ABOVE_HIGHLIGHT: f64 = 0.005;
 
-/// Of a display. Pixels darker than the highlights by more than this factor count less.
+/// The contrast of a display. Pixels darker than the highlights by more than this factor count
+/// less.
 const CONTRAST: f64 = 1000.0;
 
 /// The largest influence of a pixel on the metered luminance, as a natural logarithm: two stops.

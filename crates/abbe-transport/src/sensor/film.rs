@@ -273,7 +273,7 @@ impl Film {
         self.picture_and_error().0
     }
 
-    /// Also returns the parts of the squared relative error, `None` if it is unknown.
+    /// Returns also the parts of the squared relative error, `None` if it is unknown.
     pub fn picture_and_error(&self) -> (Picture, Option<ErrorSquares>) {
         let (picture, squares) = self.picture_without_layers();
         (Picture { layers: self.layers(), ..picture }, squares)
