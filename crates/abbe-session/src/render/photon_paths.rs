@@ -15,7 +15,8 @@ const PIXELS_PER_STEP: f64 = 3.0;
 
 const STEPS: (f64, f64) = (4.0, 96.0);
 
-/// Surfaces hide points that are farther from the camera by more than this share of the distance.
+/// Surfaces hide points that are farther from the camera by more than this fraction of the
+/// distance.
 const HIDDEN_FRACTION: f64 = 1e-4;
 
 impl Job {
