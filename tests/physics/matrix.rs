@@ -58,7 +58,7 @@ fn blocks(rendered: &Rendered) -> Vec<f64> {
 
 fn picture(scene: &Value, first_seed: u64) -> Measured {
     let seeds = first_seed..first_seed + SEEDS.end;
-    Measured::new(scene, (Integrator::Photon, 4), seeds, blocks)
+    Measured::new(scene, (Integrator::Photon, 8), seeds, blocks)
 }
 
 fn meter(scene: &Value, first_seed: u64) -> Measured {
