@@ -44,7 +44,7 @@ pub enum Purpose {
     /// Photons of the pilot's trial.
     TrialPhoton,
     /// Photons with which the pilot chooses the first radii of sensors.
-    ReceptorPhoton,
+    MeterPhoton,
     /// Camera paths of the pilot's survey.
     SurveyCamera,
     /// Camera paths of the pilot's trial.
@@ -52,10 +52,10 @@ pub enum Purpose {
     /// Camera paths that make trials of lights.
     LightTrial,
     /// Camera paths that search for portals.
-    OpeningSearch,
+    PortalSearch,
     /// The choice of lines whose nearest points may be the centre of a portal. It counts the
     /// portals that are already found instead of passes.
-    OpeningFit,
+    PortalFit,
     /// The start of a path at the sensor of a meter. The seed is that of a camera sample.
     Sensor,
     /// The random positions of ratio tracking. The seed is that of a sample.
@@ -88,15 +88,15 @@ impl Purpose {
             Self::SurveyPhoton => (0, 5, 0),
             Self::AimPhoton => (0, 5, 100),
             Self::TrialPhoton => (0, 5, 1 << 32),
-            Self::ReceptorPhoton => (0, 5, 1 << 40),
+            Self::MeterPhoton => (0, 5, 1 << 40),
             Self::Moment => (0, 6, 0),
             Self::LightMap => (0, 7, 0),
             Self::ShownPhoton => (0, 8, 0),
             Self::SurveyCamera => (0x0070_696c_6f74, 3, 0),
             Self::TrialCamera => (0x0074_7269_616c, 3, 0),
             Self::LightTrial => (0x6c69_6768_7473, 3, 0),
-            Self::OpeningSearch => (0x7769_6e64_6f77, 3, 0),
-            Self::OpeningFit => return Words { mask: 0x7769_6e64_6f77, number: None, first_pass: 0 },
+            Self::PortalSearch => (0x7769_6e64_6f77, 3, 0),
+            Self::PortalFit => return Words { mask: 0x7769_6e64_6f77, number: None, first_pass: 0 },
             Self::Sensor => (0, 0x006d_6574_6572, 0),
             Self::Glare => (0, 0x0067_6c61_7265, 0),
         };
@@ -300,12 +300,12 @@ mod tests {
         Purpose::SurveyPhoton,
         Purpose::AimPhoton,
         Purpose::TrialPhoton,
-        Purpose::ReceptorPhoton,
+        Purpose::MeterPhoton,
         Purpose::SurveyCamera,
         Purpose::TrialCamera,
         Purpose::LightTrial,
-        Purpose::OpeningSearch,
-        Purpose::OpeningFit,
+        Purpose::PortalSearch,
+        Purpose::PortalFit,
         Purpose::Sensor,
         Purpose::RatioTracking,
         Purpose::Glare,
@@ -335,7 +335,7 @@ mod tests {
         assert_eq!(key(Purpose::Camera), hash64([7, 3, 3, 5]));
         assert_eq!(key(Purpose::AimPhoton), hash64([7, 5, 103, 5]));
         assert_eq!(key(Purpose::SurveyCamera), hash64([7 ^ 0x0070_696c_6f74, 3, 3, 5]));
-        assert_eq!(key(Purpose::OpeningFit), hash64([7 ^ 0x7769_6e64_6f77, 3, 5]));
+        assert_eq!(key(Purpose::PortalFit), hash64([7 ^ 0x7769_6e64_6f77, 3, 5]));
         let pixel = Seed::of_pixel(4, [0.5, 2.0]);
         assert_eq!(pixel.number(), hash64([4, 0.5_f64.to_bits(), 2.0_f64.to_bits()]));
     }

@@ -81,7 +81,7 @@ pub fn find_portals(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Po
     let start = Instant::now();
     let (scene, seed) = (context.scene, context.budget.seed);
     let Some(sky) = scene.lights.iter().find(|light| light.surrounds()) else { return Portals::default() };
-    let lines = escaped_lines(scene, seed.streams(Purpose::OpeningSearch), |direction| sky.pdf_li_escaped(direction));
+    let lines = escaped_lines(scene, seed.streams(Purpose::PortalSearch), |direction| sky.pdf_li_escaped(direction));
     let (open, glazed): (Vec<_>, Vec<_>) = lines.into_iter().partition(|line| !line.glazed);
     let fit = |lines: &[EscapedLine]| {
         let mut spheres = fit_spheres(&thinned(lines), seed);
@@ -167,7 +167,7 @@ fn fit_spheres(lines: &[EscapedLine], seed: Seed) -> Vec<BoundingSphere> {
     }
     let mut mixture = Mixture { spheres: Vec::new(), sums: vec![0.0; lines.len()] };
     while mixture.spheres.len() < MAX_PORTALS {
-        let key = seed.streams(Purpose::OpeningFit).pass(mixture.spheres.len() as u64);
+        let key = seed.streams(Purpose::PortalFit).pass(mixture.spheres.len() as u64);
         let Some((sphere, gain)) = best_sphere(lines, &mixture, key) else { break };
         if gain < MIN_GAIN * lines.len() as f64 {
             break;

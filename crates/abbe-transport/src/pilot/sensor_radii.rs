@@ -34,7 +34,7 @@ pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &Emi
     let most_m = LARGEST_RADIUS * largest.fold(0.0, f64::max).min(scene.radius_m.max(f64::MIN_POSITIVE));
     let paths = PILOT_PATHS.min(photons.max(1));
     let wavelengths = WavelengthSampling::Free;
-    let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::ReceptorPhoton, pass: 0 };
+    let request = EmissionRequest { wavelengths, count: paths, purpose: Purpose::MeterPhoton, pass: 0 };
     let source = context.photon_source(scene, strata, request);
     let disks = PointDisks::new(sensors, |_| most_m);
     let mut survey = SensorSurvey { sensors, disks, most_m, distances2: vec![Vec::new(); sensors.len()] };
