@@ -43,7 +43,6 @@ pub struct CameraFile {
     pub motion: Vec<CameraKeyframeFile>,
 }
 
-/// Returns the direction +y.
 fn default_up() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
@@ -93,8 +92,7 @@ pub struct ShutterFile {
 }
 
 impl CameraFile {
-    /// Returns the motion of the camera through its keyframes. Positions are in the scene's unit.
-    /// If there are no keyframes, returns `None`.
+    /// Returns the motion through the keyframes in the scene's unit, or `None` if there are none.
     pub fn camera_motion(&self) -> Option<AnimatedLookAt> {
         AnimatedLookAt::new(self.motion.iter().map(|key| {
             let vector = |own: Option<[f64; 3]>, static_value: [f64; 3]| DVec3::from(own.unwrap_or(static_value));
@@ -103,7 +101,6 @@ impl CameraFile {
         }))
     }
 
-    /// Checks ranges and directions.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { from, at: target, up, lens, shutter, motion } = self;
         check::all([
@@ -144,7 +141,6 @@ fn validate_pose(camera: &JsonPath, key: &str, [from, at, up]: [[f64; 3]; 3]) ->
 }
 
 impl ShutterFile {
-    /// Checks that the shutter does not close before it opens, and checks the curve.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { open, close, curve } = self;
         let allowed = format!("a time of at least {}, when it opens", check::number(*open));

@@ -133,7 +133,6 @@ impl Serialize for CoatingIndexFile {
 }
 
 impl CoatingFile {
-    /// Checks the ranges of all values.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { incident, layers, substrate } = self;
         let index = |key: &str, index: &Option<CoatingIndexFile>| {

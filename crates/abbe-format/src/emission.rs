@@ -53,11 +53,7 @@ pub struct EmissionFile {
 }
 
 impl EmissionFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -67,7 +63,6 @@ impl EmissionFile {
         ])
     }
 
-    /// Checks the spectrum and the quantity.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let spectrum = self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative);
         let slide = self.slide.as_ref().map_or(Ok(()), |slide| slide.validate(&at.key("slide")));

@@ -131,7 +131,6 @@ pub struct NoiseFieldFile {
     pub seed: u32,
 }
 
-/// Returns the default number of octaves.
 fn default_octaves() -> u32 {
     4
 }

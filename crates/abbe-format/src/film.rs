@@ -209,7 +209,6 @@ pub enum ExposureFile {
 }
 
 impl FilmFile {
-    /// Checks ranges.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { width, height, spectral_bands, exposure, .. } = self;
         check::all([

@@ -6,9 +6,7 @@ use abbe_spectra::error::{Error, Result};
 
 /// How to bring a foreign file into a scene.
 enum Import {
-    /// The file is a mesh that a scene can name.
     Mesh,
-    /// The file is a luminaire that a scene can name.
     Luminaire,
     /// The file is a scene of another program. Its meshes can be exported.
     Scene,
@@ -32,9 +30,6 @@ const FOREIGN: [(&str, &str, Import); 12] = [
 
 /// Returns an error if the extension of a file belongs to another program. The error says how to
 /// bring such a file into a scene.
-///
-/// # Errors
-/// Returns an error for meshes and for scenes of other programs.
 pub(super) fn refuse_foreign(path: &Path) -> Result<()> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let known = FOREIGN.iter().find(|(known, ..)| extension.eq_ignore_ascii_case(known));

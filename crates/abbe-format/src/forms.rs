@@ -21,17 +21,14 @@ pub(super) trait Forms: Sized {
     /// Description of the allowed forms, for error messages.
     const EXPECTED: &'static str;
 
-    /// Converts a plain number.
     fn from_number(_number: f64) -> Option<Self> {
         None
     }
 
-    /// Converts a plain string.
     fn from_name(_name: String) -> Option<Self> {
         None
     }
 
-    /// Converts three numbers.
     fn from_triple(_triple: [f64; 3]) -> Option<Self> {
         None
     }
@@ -49,7 +46,6 @@ pub(super) fn deserialize<'de, T: Forms, D: Deserializer<'de>>(deserializer: D) 
     deserializer.deserialize_any(FormsVisitor(PhantomData))
 }
 
-/// The visitor that [`deserialize`] uses.
 struct FormsVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
@@ -96,7 +92,6 @@ impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
 
 /// A deserialiser of an object whose first key has been read.
 pub(super) struct Form<A> {
-    /// The first key.
     pub(super) key: String,
     /// The rest of the object, which starts with the value of the first key.
     rest: A,
@@ -216,17 +211,14 @@ pub(super) fn allow_also(schema: &mut Schema, plain: &[serde_json::Value]) {
     object.insert("anyOf".into(), choices.into());
 }
 
-/// Changes a schema so that it also allows a plain string.
 pub(super) fn or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "string"})]);
 }
 
-/// Changes a schema so that it also allows a plain number.
 pub(super) fn or_number(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "number"})]);
 }
 
-/// Changes a schema so that it also allows a plain number or a plain string.
 pub(super) fn or_number_or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
 }
@@ -249,15 +241,13 @@ pub(super) fn positive_items(schema: &mut Schema) {
     }
 }
 
-/// Returns false. If a key has this function as its `skip_serializing_if` of schemars, the schema
-/// states the default of the key. Even so, a key with the default value is left out when a scene is
-/// written.
+/// Returns false. As the `skip_serializing_if` of schemars, it puts the default of a key into the
+/// schema, although serde leaves out a key with the default value.
 pub(super) fn never<T>(_: &T) -> bool {
     false
 }
 
-/// Returns whether a value is the default of its type. When a scene is written, such values are
-/// left out.
+/// Returns whether a value is the default of its type, which is left out when a scene is written.
 pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }

@@ -134,7 +134,6 @@ impl Default for GratingProfileFile {
 }
 
 impl GratingFile {
-    /// Checks the ranges of all values.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { lines_per_mm, profile, reflectance, transmittance, grooves: _, angle: _ } = self;
         let density = check::rule(

@@ -162,7 +162,7 @@ impl IndexFile {
                 let at = at.key("abbe");
                 check::all([index_number(&at.key("nd"), *nd), check::positive(&at.key("vd"), *vd)])
             }
-            Self::Table { nm, values } => validate_table(&at.key("table"), nm, values, index_number),
+            Self::Table { nm, values } => validate_table(&at.key("table"), nm, values, &index_number),
         }
     }
 }

@@ -95,24 +95,14 @@ pub struct ThinLensFile {
 pub enum ThinLensForm {
     /// Focal length, f-number and sensor.
     Photographic {
-        /// Focal length in mm.
         focal_length_mm: f64,
-        /// Focal length divided by the diameter of the entrance pupil.
         f_number: f64,
         /// Distance from the lens to the plane that is in focus, in the scene's unit.
         focus_distance: f64,
-        /// Height of the sensor in mm.
         sensor_height_mm: f64,
     },
     /// Field of view and defocus angle.
-    Angular {
-        /// Vertical field of view in degrees.
-        fov: f64,
-        /// Distance from the lens to the plane that is in focus, in the scene's unit.
-        focus_distance: f64,
-        /// Apex angle, in degrees, of the cone from a point in focus to the pupil.
-        defocus_angle: f64,
-    },
+    Angular { fov: f64, focus_distance: f64, defocus_angle: f64 },
 }
 
 /// A lens system.
@@ -255,7 +245,6 @@ pub struct LensSurfaceFile {
 }
 
 impl LensFile {
-    /// Checks that all values of the lens are in range.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Pinhole { fov } => check::between(&at.key("pinhole").key("fov"), *fov, 0.0, 180.0),
@@ -272,10 +261,7 @@ fn validate_blades(at: &JsonPath, blades: Option<u32>) -> Result<()> {
 }
 
 impl ThinLensFile {
-    /// Returns the form in which the file describes the lens.
-    ///
-    /// # Errors
-    /// Returns an error if keys are missing, or if keys of both forms are mixed.
+    /// Returns the form of the lens, or an error if keys are missing or belong to both forms.
     pub fn form(&self) -> Result<ThinLensForm> {
         self.form_at(&JsonPath::Root)
     }
@@ -315,8 +301,6 @@ impl ThinLensFile {
         }
     }
 
-    /// Checks that all values are in range and that the file describes the lens in exactly one
-    /// form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let form = self.form_at(at).and_then(|form| match form {
             ThinLensForm::Photographic { focal_length_mm, f_number, focus_distance: _, sensor_height_mm } => {
@@ -341,22 +325,10 @@ impl ThinLensFile {
 }
 
 impl SystemLensFile {
-    /// Checks the surfaces of the lens, and checks that all values are in range.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self {
-            prescription,
-            focus_distance,
-            f_number,
-            sensor_height_mm,
-            blades,
-            rotation: _,
-            diffraction: _,
-            transmission,
-            coating,
-            ghosts,
-        } = self;
+        let Self { prescription, focus_distance, f_number, sensor_height_mm, blades, transmission, coating, .. } = self;
         let ideal = *transmission == Some(LensTransmissionFile::Ideal);
-        let lossless = if ideal && (*ghosts || coating.is_some()) {
+        let lossless = if ideal && (self.ghosts || coating.is_some()) {
             let what = "found \"ideal\" together with `coating` or `ghosts`";
             Err(check::fault(&at.key("transmission"), what, "\"fresnel\", or no `transmission`"))
         } else {
@@ -375,7 +347,6 @@ impl SystemLensFile {
 }
 
 impl PrescriptionFile {
-    /// If the prescription lists surfaces, checks these surfaces.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Name(_) => Ok(()),
@@ -384,8 +355,6 @@ impl PrescriptionFile {
     }
 }
 
-/// Checks that a prescription has at least one surface and at most one stop. Also checks that the
-/// radius of each surface is large enough for the aperture of the surface.
 fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> {
     check::entries(at, surfaces.len(), 1, "at least one surface")?;
     let mut stop = None;

@@ -141,7 +141,6 @@ pub use crate::json::{FileAccess, JsonPath, JsonSource, MAX_BYTES, PATCH_LABEL, 
 ///
 /// Three keys extend the schema: `x-unit` is the unit of a number, `x-default` describes a default
 /// that is not a JSON value, and `x-range` describes a range that JSON Schema cannot express.
-///
 pub fn schema() -> serde_json::Value {
     serde_json::from_str(include_str!("../data/scene.schema.json")).expect("a test generates the file")
 }

@@ -245,11 +245,7 @@ pub struct BeamFile {
 }
 
 impl PointFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -258,84 +254,7 @@ impl PointFile {
             (self.luminous_intensity, QuantityFile::LuminousIntensity),
         ])
     }
-}
 
-impl SpotFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[
-            (self.power, QuantityFile::Power),
-            (self.luminous_flux, QuantityFile::LuminousFlux),
-            (self.intensity, QuantityFile::Intensity),
-            (self.luminous_intensity, QuantityFile::LuminousIntensity),
-        ])
-    }
-}
-
-impl BeamFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
-    }
-}
-
-impl LightFile {
-    /// Returns the transform and the keyframes of the light.
-    pub fn transform_and_motion(&self) -> (&TransformFile, &[KeyframeFile]) {
-        match self {
-            Self::Point(light) => (&light.transform, &light.motion),
-            Self::Spot(light) => (&light.transform, &light.motion),
-            Self::Beam(light) => (&light.transform, &light.motion),
-            Self::Directional(light) => (&light.transform, &light.motion),
-            Self::Environment(light) => (&light.transform, &light.motion),
-            Self::Sky(_) => (SkyFile::TRANSFORM, &[]),
-            Self::Ies(light) => (&light.transform, &light.motion),
-        }
-    }
-
-    /// Returns the name of the light's group, if the light states one.
-    pub fn group(&self) -> Option<&str> {
-        let group = match self {
-            Self::Point(light) => &light.group,
-            Self::Spot(light) => &light.group,
-            Self::Beam(light) => &light.group,
-            Self::Directional(light) => &light.group,
-            Self::Environment(light) => &light.group,
-            Self::Sky(light) => &light.group,
-            Self::Ies(light) => &light.group,
-        };
-        group.as_deref()
-    }
-
-    /// Checks the keys of the light.
-    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        match self {
-            Self::Point(light) => light.validate(&at.key("point")),
-            Self::Spot(light) => light.validate(&at.key("spot")),
-            Self::Beam(light) => light.validate(&at.key("beam")),
-            Self::Directional(light) => light.validate(&at.key("directional")),
-            Self::Environment(light) => light.validate(&at.key("environment")),
-            Self::Sky(light) => light.validate(&at.key("sky")),
-            Self::Ies(light) => light.validate(&at.key("ies")),
-        }
-    }
-}
-
-/// Checks the transform and the keyframes of a light.
-fn validate_pose(at: &JsonPath, transform: &TransformFile, motion: &[KeyframeFile]) -> Result<()> {
-    check::all([transform.validate(&at.key("transform")), validate_motion(&at.key("motion"), motion)])
-}
-
-impl PointFile {
-    /// Checks the spectrum, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         check::all([
             self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
@@ -346,7 +265,16 @@ impl PointFile {
 }
 
 impl SpotFile {
-    /// Checks the ranges of values, the axis, the quantity, the transform and the keyframes.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[
+            (self.power, QuantityFile::Power),
+            (self.luminous_flux, QuantityFile::LuminousFlux),
+            (self.intensity, QuantityFile::Intensity),
+            (self.luminous_intensity, QuantityFile::LuminousIntensity),
+        ])
+    }
+
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let allowed = format!("a number from 0 to the half_angle, {}", check::number(self.half_angle));
         let inside = (0.0..=self.half_angle.max(0.0)).contains(&self.penumbra);
@@ -362,7 +290,11 @@ impl SpotFile {
 }
 
 impl BeamFile {
-    /// Checks the ranges of values, the axis, the quantity, the transform and the keyframes.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
+    }
+
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let inside = (0.0..90.0).contains(&self.divergence);
         check::all([
@@ -374,4 +306,47 @@ impl BeamFile {
             validate_pose(at, &self.transform, &self.motion),
         ])
     }
+}
+
+impl LightFile {
+    pub fn transform_and_motion(&self) -> (&TransformFile, &[KeyframeFile]) {
+        match self {
+            Self::Point(light) => (&light.transform, &light.motion),
+            Self::Spot(light) => (&light.transform, &light.motion),
+            Self::Beam(light) => (&light.transform, &light.motion),
+            Self::Directional(light) => (&light.transform, &light.motion),
+            Self::Environment(light) => (&light.transform, &light.motion),
+            Self::Sky(_) => (SkyFile::TRANSFORM, &[]),
+            Self::Ies(light) => (&light.transform, &light.motion),
+        }
+    }
+
+    pub fn group(&self) -> Option<&str> {
+        let group = match self {
+            Self::Point(light) => &light.group,
+            Self::Spot(light) => &light.group,
+            Self::Beam(light) => &light.group,
+            Self::Directional(light) => &light.group,
+            Self::Environment(light) => &light.group,
+            Self::Sky(light) => &light.group,
+            Self::Ies(light) => &light.group,
+        };
+        group.as_deref()
+    }
+
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        match self {
+            Self::Point(light) => light.validate(&at.key("point")),
+            Self::Spot(light) => light.validate(&at.key("spot")),
+            Self::Beam(light) => light.validate(&at.key("beam")),
+            Self::Directional(light) => light.validate(&at.key("directional")),
+            Self::Environment(light) => light.validate(&at.key("environment")),
+            Self::Sky(light) => light.validate(&at.key("sky")),
+            Self::Ies(light) => light.validate(&at.key("ies")),
+        }
+    }
+}
+
+fn validate_pose(at: &JsonPath, transform: &TransformFile, motion: &[KeyframeFile]) -> Result<()> {
+    check::all([transform.validate(&at.key("transform")), validate_motion(&at.key("motion"), motion)])
 }

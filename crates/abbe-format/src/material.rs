@@ -226,7 +226,6 @@ pub enum PaneTransmittanceFile {
     CosinePolynomial(#[schemars(length(min = 1))] Vec<f64>),
 }
 
-/// Returns the index of float glass.
 fn glass_index() -> IndexFile {
     IndexFile::Number(1.52)
 }
@@ -283,7 +282,6 @@ pub struct WeightedMaterialFile {
 }
 
 impl MaterialFile {
-    /// Checks the ranges of numbers and the lengths of lists.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Diffuse { reflectance } => reflectance.validate(&at.key("diffuse").key("reflectance")),
@@ -354,7 +352,6 @@ fn validate_translucent(at: &JsonPath, reflectance: &ReflectanceFile, transmitta
 }
 
 impl DielectricFile {
-    /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { ior, roughness, absorption, coating, medium: _, priority: _ } = self;
         check::all([
@@ -366,13 +363,11 @@ impl DielectricFile {
     }
 }
 
-/// Checks the coating of a surface.
 fn coating_on(at: &JsonPath, coating: Option<&CoatingFile>) -> Result<()> {
     coating.map_or(Ok(()), |coating| coating.validate(&at.key("coating")))
 }
 
 impl ThinDielectricFile {
-    /// Checks that all values are in range and that an absorbing pane has a thickness.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { ior, thickness, absorption, transmittance, coating } = self;
         let allowed = "both `thickness` and `absorption`, or neither";
@@ -401,7 +396,6 @@ impl ThinDielectricFile {
 }
 
 impl ConductorFile {
-    /// Checks that all values are in range and that the conductor has exactly one form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { metal, eta, k, file, reflectance, roughness, coating } = self;
         let allowed = "one of `metal`, both `eta` and `k`, `file`, or `reflectance`";

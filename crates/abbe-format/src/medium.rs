@@ -213,7 +213,6 @@ pub struct MediumBlackbodyFile {
 }
 
 impl MediumFile {
-    /// Returns the transform and the keyframes of the medium.
     pub fn transform_and_motion(&self) -> (&TransformFile, &[KeyframeFile]) {
         match self {
             Self::Homogeneous(medium) => (&medium.transform, &medium.motion),
@@ -221,8 +220,6 @@ impl MediumFile {
         }
     }
 
-    /// Returns the priority of the medium. Where dielectrics or media overlap, the one with the
-    /// highest priority fills the space.
     pub fn priority(&self) -> i32 {
         match self {
             Self::Homogeneous(medium) => medium.priority,
@@ -230,7 +227,6 @@ impl MediumFile {
         }
     }
 
-    /// Checks the ranges of numbers and the lengths of lists.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Homogeneous(medium) => medium.validate(&at.key("homogeneous")),
@@ -240,7 +236,6 @@ impl MediumFile {
 }
 
 impl HomogeneousFile {
-    /// Checks ranges.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { absorption, scattering, phase, emission, dye, priority: _, transform, motion } = self;
         check::all([
@@ -256,7 +251,6 @@ impl HomogeneousFile {
 }
 
 impl GridFile {
-    /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { bounds: [min, max], density, absorption, scattering, phase, emission, temperature, .. } = self;
         let bounds = check::all((0..3).map(|axis| {
@@ -280,7 +274,6 @@ impl GridFile {
 }
 
 impl DyeFile {
-    /// Checks the ranges of numbers, and that the absorption has exactly one form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { absorption, molar_absorption, concentration, emission, quantum_yield } = self;
         let given = [("absorption", absorption.is_some()), ("molar_absorption", molar_absorption.is_some())];
@@ -304,7 +297,6 @@ impl DyeFile {
 }
 
 impl MediumEmissionFile {
-    /// Checks that all values are in range and that the emission has exactly one form.
     fn validate(&self, at: &JsonPath, has_temperature: bool) -> Result<()> {
         let Self { blackbody, spectrum, radiance, power } = self;
         check::exactly_one(at, &[("blackbody", blackbody.is_some()), ("spectrum", spectrum.is_some())])?;

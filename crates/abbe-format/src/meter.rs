@@ -182,7 +182,6 @@ pub enum QuantityKindFile {
 }
 
 impl QuantityKindFile {
-    /// Returns the quantity of the scene model.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::Illuminance => Quantity::Illuminance,
@@ -210,7 +209,6 @@ impl QuantityKindFile {
 }
 
 impl SideFile {
-    /// Returns the side of the scene model.
     pub fn side(self) -> ReceivingSide {
         match self {
             Self::Front => ReceivingSide::Front,
@@ -227,7 +225,6 @@ impl MeterFile {
         self.quantity.unwrap_or(default).quantity()
     }
 
-    /// Checks that the meter has one form, and that all values are in range.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { name: _, quantity: _, points, grid, normal, surface, side, sphere, cylinder, spot } = self;
         let forms = [
@@ -290,7 +287,6 @@ impl MeterGridFile {
         check::all([check::direction(&at.key("u"), *u), check::direction(&at.key("v"), *v)].into_iter().chain(counts))
     }
 
-    /// Returns the grid of the scene model.
     pub fn grid(&self) -> MeterGrid {
         let Self { origin, u, v, count } = *self;
         MeterGrid { origin, u, v, count }

@@ -7,15 +7,13 @@ use super::{CoatingFile, PrescriptionFile, SceneFile, SpectrumFile, foreign};
 use crate::json::{FileAccess, JsonPath, JsonSource, read_text};
 use abbe_spectra::error::{Error, Result};
 
-/// Reads a scene file. `sets` are patches of the form `PATH=JSON`. They are applied in the order of
-/// the list.
+/// Reads a scene file and applies the patches `sets` (`PATH=JSON`) in their order.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, is larger than [`MAX_BYTES`](crate::MAX_BYTES) or is not JSON. Also
-/// returns an error if a patch cannot be applied, if a key is unknown, or if a value has a wrong
-/// type or is out of range. If the fault has a position in the file, the error states the line, the
-/// column and the JSON path. If the file has several faults, the error contains all of them, up to
-/// [`MAX_FAULTS`](abbe_spectra::error::MAX_FAULTS).
+/// Returns an error if the file cannot be read, is larger than [`MAX_BYTES`](crate::MAX_BYTES) or is
+/// not JSON, if a patch cannot be applied, if a key is unknown, or if a value has a wrong type or is
+/// out of range. The error contains up to [`MAX_FAULTS`](abbe_spectra::error::MAX_FAULTS) faults,
+/// each with its line, column and JSON path if it has a position in the file.
 pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     parse(read_scene_text(path)?, path, sets)
 }
@@ -30,11 +28,8 @@ pub fn read_scene_text(path: &Path) -> Result<String> {
     read_text(path)
 }
 
-/// Reads a scene from its text. Errors use `path` as the name of the text. `sets` are patches as in
-/// [`read()`].
-///
-/// # Errors
-/// Returns the same errors as [`read()`].
+/// Reads a scene from its text, like [`read()`] and with the same errors, in which `path` is the
+/// name of the text.
 pub fn parse(text: impl Into<String>, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     let source = JsonSource::patched(text, path, sets)?;
     parse_source(source, &|_, _| None)

@@ -88,7 +88,6 @@ pub struct LightMapFile {
 }
 
 impl RenderFile {
-    /// Checks ranges.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let counts = [
             ("passes", self.passes),
@@ -100,20 +99,22 @@ impl RenderFile {
         ];
         let counts =
             counts.map(|(key, value)| value.map_or(Ok(()), |value| check::count(&at.key(key), value, 1, u64::MAX)));
-        let radius_at = at.key("radius");
         let radius = match self.radius {
             Some(_) if self.nearest.is_some() => {
-                Err(check::fault(&radius_at, "found together with `nearest`", "at most one of nearest, radius"))
+                Err(check::fault(&at.key("radius"), "found together with `nearest`", "at most one of nearest, radius"))
             }
-            radius => radius.map_or(Ok(()), |radius| check::positive(&radius_at, radius)),
+            radius => radius.map_or(Ok(()), |radius| check::positive(&at.key("radius"), radius)),
         };
-        let samples_at = at.key("camera_samples");
-        let samples = self.camera_samples.map_or(Ok(()), |count| check::count(&samples_at, u64::from(count), 1, 1024));
-        let seconds_at = at.key("checkpoint_seconds");
-        let seconds = self.checkpoint_seconds.map_or(Ok(()), |seconds| check::not_negative(&seconds_at, seconds));
-        let map_at = at.key("light_map");
-        let map_at = map_at.key("resolution");
-        let map = self.light_map.map_or(Ok(()), |map| check::count(&map_at, u64::from(map.resolution), 2, 1024));
-        check::all(counts.into_iter().chain([samples, radius, seconds, map]))
+        let samples = |n: u32| check::count(&at.key("camera_samples"), u64::from(n), 1, 1024);
+        let seconds = |seconds: f64| check::not_negative(&at.key("checkpoint_seconds"), seconds);
+        let map = |map: LightMapFile| {
+            check::count(&at.key("light_map").key("resolution"), u64::from(map.resolution), 2, 1024)
+        };
+        check::all(counts.into_iter().chain([
+            self.camera_samples.map_or(Ok(()), samples),
+            radius,
+            self.checkpoint_seconds.map_or(Ok(()), seconds),
+            self.light_map.map_or(Ok(()), map),
+        ]))
     }
 }

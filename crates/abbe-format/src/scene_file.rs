@@ -147,20 +147,14 @@ impl SceneFile {
     fn check(&self) -> Result<()> {
         let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, shapes, .. } = self;
         let root = JsonPath::Root;
-        let absent = |key: &str, present: bool| {
-            let missing = !present && self.meters.is_empty();
-            let error = || {
-                check::fault(
-                    &root,
-                    format!("missing key \"{key}\""),
-                    format!("`{key}`, or `meters` for `abbe measure`"),
-                )
-            };
-            if missing { Err(error()) } else { Ok(()) }
+        let absent = |key: &str| {
+            let expected = format!("`{key}`, or `meters` for `abbe measure`");
+            let missing = check::fault(&root, format!("missing key \"{key}\""), expected);
+            if self.meters.is_empty() { Err(missing) } else { Ok(()) }
         };
         let mut results = vec![
-            camera.as_ref().map_or_else(|| absent("camera", false), |camera| camera.validate(&root.key("camera"))),
-            film.as_ref().map_or_else(|| absent("film", false), |film| film.validate(&root.key("film"))),
+            camera.as_ref().map_or_else(|| absent("camera"), |camera| camera.validate(&root.key("camera"))),
+            film.as_ref().map_or_else(|| absent("film"), |film| film.validate(&root.key("film"))),
         ];
         let at = root.key("meters");
         results.extend(self.meters.iter().enumerate().map(|(i, meter)| meter.validate(&at.index(i))));

@@ -167,11 +167,7 @@ pub struct TrianglesFile {
 }
 
 impl TrianglesFile {
-    /// Returns the mesh in the scene's unit.
-    ///
-    /// # Errors
-    /// Returns an error if there are no triangles or no area, if an index is too large, or if the
-    /// numbers of positions, normals and texture coordinates differ.
+    /// Returns the mesh in the scene's unit, with the errors of [`TriangleMesh::new`].
     pub fn mesh(&self) -> Result<TriangleMesh> {
         let vectors = |list: &[[f64; 3]]| list.iter().copied().map(DVec3::from_array).collect();
         let normals = self.normals.as_deref().map(vectors);
@@ -185,8 +181,6 @@ fn default_apex() -> f64 {
 }
 
 impl ShapeFile {
-    /// Checks the sizes and the angles of the shape. Also checks that the surfaces of a lens fit
-    /// together.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Sphere { center: _, radius } => positive(&at.key("sphere"), &[("radius", *radius)]),
@@ -213,19 +207,13 @@ impl ShapeFile {
                 validate_lens(&at, [*radius1, *radius2], *thickness, *diameter)
             }
             Self::Mesh(_) | Self::Shared(_) => Ok(()),
-            Self::Triangles(triangles) => triangles.validate(&at.key("triangles")),
+            Self::Triangles(triangles) => {
+                triangles.mesh().map(|_| ()).map_err(|error| error.on_path(at.key("triangles").to_string()))
+            }
         }
     }
 }
 
-impl TrianglesFile {
-    /// Checks that the triangles make a mesh.
-    fn validate(&self, at: &JsonPath) -> Result<()> {
-        self.mesh().map(|_| ()).map_err(|error| error.on_path(at.to_string()))
-    }
-}
-
-/// Checks that each size is above 0.
 fn positive(at: &JsonPath, sizes: &[(&str, f64)]) -> Result<()> {
     check::all(sizes.iter().map(|(key, size)| check::positive(&at.key(key), *size)))
 }

@@ -200,7 +200,7 @@ impl Serialize for ImageFile {
     }
 }
 
-/// The use of a spectrum. The use determines the allowed values of the spectrum.
+/// The use of a spectrum, which determines its allowed values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SpectrumUse {
     /// The use is unknown, because the spectrum is an entry of the scene's `spectra`. Any value is
@@ -215,7 +215,6 @@ pub(super) enum SpectrumUse {
 }
 
 impl SpectrumUse {
-    /// Checks one value.
     fn check(self, at: &JsonPath, value: f64) -> Result<()> {
         match self {
             Self::Any => Ok(()),
@@ -230,13 +229,12 @@ impl SpectrumUse {
 }
 
 impl SpectrumFile {
-    /// Checks the ranges of numbers and the lengths of lists. `used` determines the allowed values.
     pub(super) fn validate(&self, at: &JsonPath, used: SpectrumUse) -> Result<()> {
         match self {
             Self::Number(value) => used.check(at, *value),
             Self::Name(_) | Self::File(_) => Ok(()),
             Self::Table { nm, values } => {
-                validate_table(&at.key("table"), nm, values, |at, value| used.check(at, value))
+                validate_table(&at.key("table"), nm, values, &|at, value| used.check(at, value))
             }
             Self::Lines(lines) => validate_lines(&at.key("lines"), lines),
             Self::Blackbody { temperature } => check::positive(&at.key("blackbody").key("temperature"), *temperature),
@@ -291,7 +289,7 @@ pub(super) fn validate_table(
     at: &JsonPath,
     nm: &[f64],
     values: &[f64],
-    value_rule: impl Fn(&JsonPath, f64) -> Result<()>,
+    value_rule: &dyn Fn(&JsonPath, f64) -> Result<()>,
 ) -> Result<()> {
     let (nm_at, values_at) = (at.key("nm"), at.key("values"));
     check::entries(&nm_at, nm.len(), 2, "at least 2 wavelengths")?;
@@ -304,8 +302,6 @@ pub(super) fn validate_table(
     values.iter().enumerate().try_for_each(|(i, &value)| value_rule(&values_at.index(i), value))
 }
 
-/// Checks that there is at least one line, and that wavelengths and widths are above 0. Also checks
-/// that at least one line has a power above 0.
 fn validate_lines(at: &JsonPath, lines: &[LineFile]) -> Result<()> {
     check::entries(at, lines.len(), 1, "at least one line")?;
     for (i, LineFile { nm, power, fwhm_nm }) in lines.iter().enumerate() {

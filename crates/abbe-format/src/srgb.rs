@@ -25,10 +25,7 @@ pub enum SrgbFile {
 }
 
 impl SrgbFile {
-    /// Returns the colour in linear sRGB.
-    ///
-    /// # Errors
-    /// Returns an error if the hexadecimal colour is malformed.
+    /// Returns the colour in linear sRGB, or an error if the hexadecimal colour is malformed.
     pub fn linear(&self) -> Result<[f64; 3]> {
         match self {
             Self::Hex(text) => linear_of_hex(text),
@@ -36,7 +33,6 @@ impl SrgbFile {
         }
     }
 
-    /// Checks that the colour is well formed and that its components are from 0 to 1.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Hex(text) => linear_of_hex(text).map(|_| ()).map_err(|error| error.on_path(at.to_string())),
@@ -55,10 +51,8 @@ pub fn is_hex_colour(name: &str) -> bool {
     name.starts_with('#')
 }
 
-/// Returns the linear sRGB components of a hexadecimal colour with three or six digits.
-///
-/// # Errors
-/// Returns an error if the text is malformed.
+/// Returns the linear sRGB components of a hexadecimal colour, or an error unless it has three or
+/// six digits.
 pub fn linear_of_hex(text: &str) -> Result<[f64; 3]> {
     let malformed = || Error::input(format!("found \"{text}\"")).expected(EXPECTED_HEX);
     let digits = text.strip_prefix('#').filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));

@@ -2,11 +2,8 @@
 
 use super::positions::{SpannedValue, ValueKind};
 
-/// An error message shortens a list of allowed names to this many names. It never leaves out only
-/// one name.
+/// A longer list of allowed names is shortened to this many names; it never leaves out only one.
 const MAX_LISTED_NAMES: usize = 12;
-
-/// An error message quotes at most this many characters of a value.
 const MAX_QUOTED_CHARACTERS: usize = 40;
 
 /// Lists the allowed names: `one of a, b, c`. A long list is shortened.
@@ -21,9 +18,8 @@ pub(super) fn one_of(names: &[&str]) -> String {
     }
 }
 
-/// Describes a value for an error message. The description of a plain value is its text. The
-/// description of an array states its length. The description of an object says only whether the
-/// object is empty.
+/// Describes a value for an error message: a plain value by its text, an array by its length, and
+/// an object by whether it is empty.
 pub(super) fn found(value: SpannedValue) -> String {
     match value.kind() {
         ValueKind::Null | ValueKind::Bool | ValueKind::Number | ValueKind::String => shorten(value.written()),

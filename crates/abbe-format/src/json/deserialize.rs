@@ -1,8 +1,8 @@
-//! A serde deserialiser for the values of a scanned text. Each error has the position of the wrong
-//! value or key.
+//! A serde deserialiser for the values of a scanned text, whose errors have the position of the
+//! wrong value or key.
 //!
-//! serde's visitors read entries of objects, elements of arrays and variants of enums. Each type for
-//! them also represents stand-ins, so that the code of a visitor exists only once in the program.
+//! The types for entries, elements and variants also represent stand-ins, so that the code of
+//! serde's visitors exists only once in the program.
 
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor};
 use serde::forward_to_deserialize_any;
@@ -13,24 +13,19 @@ use super::key::KeyDeserializer;
 use super::positions::{ChildValues, SpannedValue, ValueKind};
 use super::repair::Repairs;
 
-/// A deserialiser of one value: a value of the text, or a stand-in for a value that could not be
-/// read.
+/// A deserialiser of one value of the text, or a stand-in for a value that could not be read.
 ///
-/// As stand-ins, every number is 1, every text is empty, and every list is empty. The variant of an
-/// enum is the first one. An optional value is absent. A type that accepts several kinds of values
-/// gets a number. If such a type accepts no numbers, the deserialiser returns an error of the kind
-/// [`DeserializeErrorKind::NoStandIn`].
+/// As a stand-in, every number is 1, every text and every list is empty, an optional value is
+/// absent, and an enum is its first variant. A type that accepts several kinds of values gets a
+/// number; if it accepts none, the error is [`DeserializeErrorKind::NoStandIn`].
 #[derive(Debug, Clone, Copy)]
 pub(super) enum ValueDeserializer<'r, 'de> {
-    /// A value of the text.
     Written(WrittenValue<'r, 'de>),
-    /// A stand-in.
     StandIn,
 }
 
 impl<'r, 'de> ValueDeserializer<'r, 'de> {
-    /// Creates the deserialiser of a value of the text. If the repairs replace the value, a stand-in
-    /// takes its place.
+    /// Creates the deserialiser of a value of the text, or of a stand-in if the repairs replace it.
     pub(super) fn new(value: SpannedValue<'de>, repairs: &'r Repairs) -> Self {
         if repairs.replaces(value) { Self::StandIn } else { Self::Written(WrittenValue { value, repairs }) }
     }
@@ -151,14 +146,12 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     }
 }
 
-/// A number of a text.
 enum WrittenNumber {
     Unsigned(u64),
     Negative(i64),
     Float(f64),
 }
 
-/// A value of the text, and the repairs of its parts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WrittenValue<'r, 'de> {
     value: SpannedValue<'de>,
@@ -166,7 +159,6 @@ pub(super) struct WrittenValue<'r, 'de> {
 }
 
 impl<'r, 'de> WrittenValue<'r, 'de> {
-    /// Visits a value of any kind.
     fn visit_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         self.visit(visitor).map_err(|error| error.at(self.value))
     }
@@ -187,7 +179,6 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         }
     }
 
-    /// Visits an object.
     fn visit_object<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         let mut entries = ObjectEntries::of(self.value, self.repairs);
         let value = visitor.visit_map(&mut entries)?;
@@ -204,7 +195,6 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         Err(DeserializeError::mismatch(format!("an array of {wanted}")))
     }
 
-    /// Visits a number.
     fn visit_number<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         match self.number() {
             WrittenNumber::Unsigned(number) => visitor.visit_u64(number),
@@ -292,14 +282,12 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
 
 /// Gives the elements of an array to serde: the elements of the text, or stand-ins.
 enum ArrayElements<'a, 'de> {
-    /// Elements of the text.
     Written(&'a mut ChildValues<'de>, &'a Repairs),
     /// This number of stand-ins.
     StandIns(usize),
 }
 
 impl<'a, 'de> ArrayElements<'a, 'de> {
-    /// Returns the next element.
     fn next(&mut self) -> Option<ValueDeserializer<'a, 'de>> {
         match self {
             Self::Written(elements, repairs) => elements.next().map(|value| ValueDeserializer::new(value, repairs)),
@@ -338,7 +326,6 @@ struct ObjectEntries<'a, 'de> {
 }
 
 impl<'a, 'de> ObjectEntries<'a, 'de> {
-    /// Returns the entries of an object of the text.
     fn of(object: SpannedValue<'de>, repairs: &'a Repairs) -> Self {
         let added = repairs.added_to(object).collect();
         Self { written: Some((object.children(), repairs)), added, value: None }
@@ -370,7 +357,6 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
         }
     }
 
-    /// Returns the value of the key that was read last.
     fn take_value(&mut self) -> ValueDeserializer<'a, 'de> {
         match (self.value.take(), &self.written) {
             (Some(value), Some((_, repairs))) => ValueDeserializer::new(value, repairs),
@@ -378,7 +364,6 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
         }
     }
 
-    /// Returns the name of the next entry.
     fn next_name(&mut self) -> Option<KeyDeserializer<'de>> {
         if let Some(key) = self.next_kept_key() {
             return Some(KeyDeserializer::written(key));
@@ -400,20 +385,12 @@ impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
     }
 }
 
-/// A variant of an enum.
 enum Variant<'r, 'de> {
     /// A variant without fields, written as a string.
     Plain(SpannedValue<'de>),
     /// A variant with fields. In JSON, it is an object with one key, and this key is the name of
     /// the variant.
-    Keyed {
-        /// The name.
-        key: SpannedValue<'de>,
-        /// The fields.
-        value: SpannedValue<'de>,
-        /// The repairs of the text.
-        repairs: &'r Repairs,
-    },
+    Keyed { key: SpannedValue<'de>, value: SpannedValue<'de>, repairs: &'r Repairs },
     /// The variant with this name, with stand-ins as its fields.
     StandIn(&'static str),
 }

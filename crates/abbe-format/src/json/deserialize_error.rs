@@ -9,8 +9,7 @@ use super::path::quoted;
 use super::positions::{SpannedValue, ValueKind};
 use abbe_spectra::error::{Error, nearest_name};
 
-/// An error in a value. Nested deserialisers return the error one after the other. The innermost of
-/// them sets the position of the error.
+/// An error in a value. The innermost of the nested deserialisers sets its position.
 #[derive(Debug)]
 pub(super) struct DeserializeError {
     /// Node number of the wrong value or key; `None` until the number is known.
@@ -18,21 +17,12 @@ pub(super) struct DeserializeError {
     kind: DeserializeErrorKind,
 }
 
-/// The kinds of errors in a value.
 #[derive(Debug)]
 pub(super) enum DeserializeErrorKind {
     /// The value has a wrong type or a wrong length, or the value is out of range.
-    Mismatch {
-        /// Description of the allowed values.
-        expected: String,
-    },
+    Mismatch { expected: String },
     /// A key or name is not one of the known names.
-    Unknown {
-        /// The key or name in the text.
-        name: String,
-        /// The known names.
-        known: &'static [&'static str],
-    },
+    Unknown { name: String, known: &'static [&'static str] },
     /// An object lacks this key.
     Missing(&'static str),
     /// An object has two or more of the listed keys, but must have exactly one. The error's
@@ -44,7 +34,6 @@ pub(super) enum DeserializeErrorKind {
     Other(String),
 }
 
-/// The result of reading a value.
 pub(super) type DeserializeResult<T> = Result<T, DeserializeError>;
 
 impl DeserializeError {
@@ -53,8 +42,7 @@ impl DeserializeError {
         Self { node: None, kind }
     }
 
-    /// Returns an error for a value that has a wrong type or a wrong length, or that is out of
-    /// range.
+    /// Returns an error for a value with a wrong type or length, or out of range.
     pub(super) fn mismatch(expected: impl Into<String>) -> Self {
         Self::new(DeserializeErrorKind::Mismatch { expected: expected.into() })
     }
@@ -70,7 +58,6 @@ impl DeserializeError {
         self
     }
 
-    /// Returns the kind of the error.
     pub(super) fn kind(&self) -> &DeserializeErrorKind {
         &self.kind
     }
@@ -81,19 +68,16 @@ impl DeserializeError {
         self.node.map_or(root, |node| root.with_id(node))
     }
 
-    /// Converts this error to an error for the user. Returns the byte offset of the error, and the
-    /// error with its JSON path.
-    ///
-    /// `root` is the outermost value of the text.
+    /// Converts this error to an error for the user with its JSON path, and returns it after its
+    /// byte offset. `root` is the outermost value of the text.
     pub(super) fn explain(self, root: SpannedValue) -> (usize, Error) {
         let mut value = self.place(root);
         if matches!(self.kind, DeserializeErrorKind::Unknown { .. })
             && value.kind() == ValueKind::Object
             && let Some((key, _)) = value.entries().next()
         {
-            // The module `forms` itself reads the key that selects the variant. If this key is
-            // unknown, the error therefore has the position of the object, although the key is
-            // wrong.
+            // The module `forms` itself reads the key that selects the variant, so the error about an
+            // unknown key has the position of the object.
             value = key;
         }
         let path = root.path_to(value.id());

@@ -8,7 +8,6 @@ use serde::forward_to_deserialize_any;
 use super::deserialize_error::{DeserializeError, DeserializeResult};
 use super::positions::SpannedValue;
 
-/// A deserialiser of a key, or of the name of a variant.
 pub(super) struct KeyDeserializer<'de> {
     text: Cow<'de, str>,
     /// The place of the key in the text. `None` for an added key.

@@ -7,8 +7,7 @@ use std::fmt;
 
 use abbe_spectra::error::{Error, Result};
 
-/// A JSON path. Each level of the path borrows the level above it. Therefore no memory is allocated
-/// to build a path.
+/// A JSON path. Each level borrows the level above it, so building a path allocates no memory.
 #[derive(Debug, Clone, Copy)]
 pub enum JsonPath<'a> {
     /// The outermost value.
@@ -20,13 +19,11 @@ pub enum JsonPath<'a> {
 }
 
 impl<'a> JsonPath<'a> {
-    /// Returns the path of the value with this key.
     #[must_use]
     pub fn key(&'a self, key: &'a str) -> JsonPath<'a> {
         JsonPath::Key(self, key)
     }
 
-    /// Returns the path of the element with this index, counted from 0.
     #[must_use]
     pub fn index(&'a self, index: usize) -> JsonPath<'a> {
         JsonPath::Index(self, index)
@@ -153,7 +150,6 @@ fn bracket(inner: &str) -> Option<(PathStep, &str)> {
     Some((step, after))
 }
 
-/// Returns the error for a malformed path.
 fn bad_path(path: &str) -> Error {
     Error::input(format!("cannot read the path \"{path}\"")).expected("one like objects[0].shape.sphere.radius")
 }

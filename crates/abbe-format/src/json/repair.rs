@@ -18,7 +18,6 @@ pub(super) struct Repairs {
     added: BTreeSet<(u32, &'static str)>,
 }
 
-/// The outcome of a repair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct RepairOutcome {
     /// True if the error is a fault of the text. Otherwise the error only follows from a repair.
@@ -28,17 +27,14 @@ pub(super) struct RepairOutcome {
 }
 
 impl Repairs {
-    /// Returns whether a stand-in replaces this value.
     pub(super) fn replaces(&self, value: SpannedValue) -> bool {
         self.replaced.contains(&value.id())
     }
 
-    /// Returns whether this key is ignored.
     pub(super) fn drops(&self, key: SpannedValue) -> bool {
         self.dropped.contains(&key.id())
     }
 
-    /// Returns the keys that are added to an object.
     pub(super) fn added_to(&self, object: SpannedValue) -> impl Iterator<Item = &'static str> {
         let id = object.id();
         self.added.range((id, "")..(id + 1, "")).map(|(_, key)| *key)

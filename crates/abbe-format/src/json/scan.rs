@@ -1,9 +1,8 @@
 //! A scanner of strict JSON (RFC 8259). It records the position of each value and explains syntax
 //! errors.
 //!
-//! The scanner accepts the same texts as `serde_json`, with two exceptions. The scanner refuses
-//! duplicate keys. It accepts [`MAX_NESTING`] levels of nesting, which is one level more than
-//! `serde_json` accepts. The nesting limit also bounds the recursion of the scanner.
+//! It accepts the same texts as `serde_json`, except that it refuses duplicate keys, and accepts
+//! [`MAX_NESTING`] levels of nesting, one more than `serde_json`. The limit bounds its recursion.
 
 use super::describe::shorten;
 use super::path::{push_key, quoted};
@@ -14,7 +13,6 @@ use abbe_spectra::error::Error;
 /// The deepest allowed nesting of arrays and objects.
 pub(super) const MAX_NESTING: usize = 128;
 
-/// A syntax error and its position.
 #[derive(Debug)]
 pub(super) struct SyntaxError {
     /// Byte offset of the error in the text.
@@ -23,7 +21,6 @@ pub(super) struct SyntaxError {
     pub(super) error: Error,
 }
 
-/// The result of a step of the scan.
 type ScanResult<T> = Result<T, SyntaxError>;
 
 /// Returns the positions of all values of a text. The text must be shorter than 4 GiB.
@@ -42,7 +39,6 @@ pub(super) fn scan(text: &str) -> ScanResult<Positions> {
     Ok(Positions::new(scanner.nodes))
 }
 
-/// The state of a scan.
 struct Scanner<'t> {
     text: &'t str,
     /// Byte offset of the next byte to read.
@@ -57,13 +53,11 @@ struct Scanner<'t> {
 enum OpenContainer {
     /// In an object: the number of the current key's node, if the key was read.
     Object(Option<u32>),
-    /// In an array: the index of the current element, and whether the scanner is inside this
-    /// element.
+    /// In an array: the index of the current element, and whether the scanner is inside it.
     Array(usize, bool),
 }
 
 impl Scanner<'_> {
-    /// Returns the next byte without consuming it.
     fn peek(&self) -> Option<u8> {
         self.text.as_bytes().get(self.at).copied()
     }
@@ -86,13 +80,11 @@ impl Scanner<'_> {
         path
     }
 
-    /// Returns a syntax error at an offset.
     fn malformed(&self, offset: usize, found: impl AsRef<str>, expected: impl Into<String>) -> SyntaxError {
         let what = format!("malformed JSON: {}", found.as_ref());
         SyntaxError { offset, error: Error::input(what).expected(expected).on_path(self.path()) }
     }
 
-    /// Describes the text at an offset.
     fn glimpse(&self, offset: usize) -> String {
         let rest = &self.text[offset..];
         let word: String = rest.chars().take_while(|c| is_word(*c)).take(40).collect();
@@ -137,7 +129,6 @@ impl Scanner<'_> {
         node.next = next;
     }
 
-    /// Reads a value.
     fn value(&mut self) -> ScanResult<()> {
         match self.peek() {
             Some(b'{') => self.container(OpenContainer::Object(None)),
@@ -147,7 +138,6 @@ impl Scanner<'_> {
         }
     }
 
-    /// Reads an object or array.
     fn container(&mut self, level: OpenContainer) -> ScanResult<()> {
         if self.open.len() >= MAX_NESTING {
             // The error has no path, because such a long path would be useless.
@@ -268,7 +258,6 @@ impl Scanner<'_> {
         Err(SyntaxError { offset: *second, error: error.on_path(path) })
     }
 
-    /// Reads a string.
     fn string(&mut self) -> ScanResult<()> {
         let id = self.begin();
         let opening = self.at;
@@ -293,29 +282,22 @@ impl Scanner<'_> {
         Ok(())
     }
 
-    /// Reads an escape sequence in a string.
     fn escape(&mut self) -> ScanResult<()> {
         let start = self.at;
-        match self.text.as_bytes().get(self.at + 1) {
-            Some(b'"' | b'\\' | b'/' | b'b' | b'f' | b'n' | b'r' | b't') => {
-                self.at += 2;
-                return Ok(());
-            }
+        let length = match self.text.as_bytes().get(self.at + 1) {
+            Some(b'"' | b'\\' | b'/' | b'b' | b'f' | b'n' | b'r' | b't') => Some(2),
             Some(b'u') => match self.hex_escape(start) {
-                Some(0xD800..=0xDBFF) if matches!(self.hex_escape(start + 6), Some(0xDC00..=0xDFFF)) => {
-                    self.at += 12;
-                    return Ok(());
-                }
+                Some(0xD800..=0xDBFF) if matches!(self.hex_escape(start + 6), Some(0xDC00..=0xDFFF)) => Some(12),
                 Some(0xD800..=0xDFFF) => {
                     return Err(self.malformed(start, "found half of a surrogate pair in a string", "both halves"));
                 }
-                Some(_) => {
-                    self.at += 6;
-                    return Ok(());
-                }
-                None => {}
+                code => code.map(|_| 6),
             },
-            Some(_) | None => {}
+            Some(_) | None => None,
+        };
+        if let Some(length) = length {
+            self.at += length;
+            return Ok(());
         }
         let written: String = self.text[start..].chars().take(2).collect();
         let expected = "one of \\\" \\\\ \\/ \\b \\f \\n \\r \\t \\u and four hexadecimal digits";
@@ -347,7 +329,6 @@ impl Scanner<'_> {
         Ok(())
     }
 
-    /// Returns the error for a word that is not a JSON value.
     fn bad_word(&self, start: usize, word: &str) -> SyntaxError {
         let short = shorten(word);
         let bare = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
@@ -374,7 +355,6 @@ impl Scanner<'_> {
     }
 }
 
-/// Returns whether a character can be part of a bare word or a number.
 fn is_word(c: char) -> bool {
     c.is_alphanumeric() || matches!(c, '_' | '+' | '-' | '.')
 }

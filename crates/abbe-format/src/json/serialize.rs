@@ -24,7 +24,6 @@ impl Serialize for SpannedValue<'_> {
 
 /// An object of objects, such as a scene with its sections, without some of the inner entries.
 pub(super) struct Sections<'t, F> {
-    /// The outer object.
     pub(super) root: SpannedValue<'t>,
     /// Returns whether an entry stays. The arguments are the key of the section and of the entry.
     pub(super) keeps: F,

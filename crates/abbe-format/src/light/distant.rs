@@ -109,33 +109,11 @@ pub enum ProjectionFile {
 }
 
 impl DirectionalFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
     }
-}
 
-impl EnvironmentFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[
-            (self.irradiance, QuantityFile::Irradiance),
-            (self.illuminance, QuantityFile::Illuminance),
-            (self.luminance, QuantityFile::Luminance),
-        ])
-    }
-}
-
-impl DirectionalFile {
-    /// Checks the ranges of values, the direction, the quantity, the transform and the keyframes.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let inside = (0.0..180.0).contains(&self.angular_diameter);
         let allowed = "a number of at least 0 and below 180";
@@ -150,8 +128,15 @@ impl DirectionalFile {
 }
 
 impl EnvironmentFile {
-    /// Checks that all values are in range and that the light has exactly one source and one
-    /// quantity.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[
+            (self.irradiance, QuantityFile::Irradiance),
+            (self.illuminance, QuantityFile::Illuminance),
+            (self.luminance, QuantityFile::Luminance),
+        ])
+    }
+
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         check::all([
             check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())]),

@@ -66,10 +66,8 @@ pub struct IesFile {
 }
 
 impl IesFile {
-    /// Returns the quantity that the emitter states, or `None` if the file sets the scale.
-    ///
-    /// # Errors
-    /// Returns an error if both quantities are stated, or if the quantity is below 0.
+    /// Returns the quantity, or `None` if the file sets the scale. Two quantities and a quantity
+    /// below 0 are errors.
     pub fn quantity(&self) -> Result<Option<QuantityFile>> {
         match (self.power, self.luminous_flux) {
             (None, None) => return Ok(None),
@@ -83,7 +81,6 @@ impl IesFile {
         one_quantity(&choices).map(Some)
     }
 
-    /// Checks the directions, the spectrum, the quantity, the transform and the keyframes.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let quantity = self.quantity().map_or_else(|error| validate_quantity(at, Err(error)), |_| Ok(()));
         check::all([

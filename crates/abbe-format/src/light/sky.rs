@@ -141,11 +141,8 @@ impl SkyFile {
     /// A sky has no transform.
     pub(super) const TRANSFORM: &'static TransformFile = &TransformFile(Vec::new());
 
-    /// Returns the position of the sun in the scene: its azimuth is counted from the axis −z.
-    /// Returns `None` if the sky states no position.
-    ///
-    /// # Errors
-    /// Returns an error if `time` is not a time.
+    /// Returns the position of the sun in the scene, with the azimuth counted from the axis −z, or
+    /// `None` if the sky has none. A malformed `time` is an error.
     pub fn sun_position(&self) -> Result<Option<SunPosition>> {
         if let (Some(place), Some(time)) = (&self.place, &self.time) {
             let PlaceFile { latitude: latitude_deg, longitude: longitude_deg, heading } = *place;
@@ -161,7 +158,6 @@ impl SkyFile {
         Ok(self.sun_elevation.map(of_elevation))
     }
 
-    /// Checks the ranges of values, the position of the sun and the spectra.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { kind, sun_elevation, place, illuminance, ground_reflectance, spectrum, sun, .. } = self;
         let elevation = sun_elevation.map_or(Ok(()), |elevation| {
@@ -180,8 +176,8 @@ impl SkyFile {
         ])
     }
 
-    /// Checks that the position of the sun is stated at most once, that it is stated if the light
-    /// depends on it, and that the sun is then above the horizon.
+    /// Checks that there is at most one position of the sun, and one above the horizon if the light
+    /// depends on it.
     fn validate_sun_position(&self, at: &JsonPath) -> Result<()> {
         let by_place = match (&self.place, &self.time) {
             (Some(_), Some(_)) => true,
@@ -226,7 +222,7 @@ impl PlaceFile {
 }
 
 impl SunFile {
-    /// Checks the ranges of values. `kind` is the number of the sky type.
+    /// `kind` is the number of the sky type.
     fn validate(&self, at: &JsonPath, kind: u32) -> Result<()> {
         let illuminance = match self.illuminance {
             Some(illuminance) => check::not_negative(&at.key("illuminance"), illuminance),
