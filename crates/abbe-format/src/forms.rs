@@ -51,7 +51,7 @@ struct FormsVisitor<T>(PhantomData<T>);
 impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
     type Value = T;
 
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(T::EXPECTED)
     }
 

@@ -205,7 +205,7 @@ struct BoundsWalk<'s> {
 const BOUNDS: [&str; 4] = ["minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"];
 
 impl BoundsWalk<'_> {
-    fn walk(&mut self, location: &str, schema: &Value, value: &Value, path: &JsonPath<'_>) {
+    fn walk(&mut self, location: &str, schema: &Value, value: &Value, path: &JsonPath) {
         if value.is_number() && BOUNDS.iter().any(|key| schema[*key].is_number()) {
             let entry = self.found.entry(location.to_string()).or_insert_with(|| (schema.clone(), Vec::new()));
             entry.1.push(BoundedNumber { scene: self.scene.clone(), path: path.to_string() });

@@ -38,8 +38,8 @@ fn damaged_texts_give_errors_with_a_position() {
 }
 
 /// Returns the paths of all values inside a value.
-pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath<'_>, paths: &mut Vec<String>) {
-    let mut below = |value: &serde_json::Value, path: &JsonPath<'_>| {
+pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath, paths: &mut Vec<String>) {
+    let mut below = |value: &serde_json::Value, path: &JsonPath| {
         paths.push(path.to_string());
         paths_of_values(value, path, paths);
     };

@@ -82,8 +82,7 @@ pub fn can_import(path: &Path) -> bool {
 /// for the other formats. `added` says so.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or if it is not valid. The error contains the name
-/// of the file.
+/// Returns an error with the name of the file if it cannot be read or is not valid.
 pub fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let known = READERS.map(|(extension, _)| format!(".{extension}")).join(", ");
     let reader = reader(path).ok_or_else(|| {

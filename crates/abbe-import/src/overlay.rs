@@ -14,7 +14,6 @@ use abbe_spectra::error::{Error, Result};
 /// The names of a converted scene that are not in the text of the scene file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct ImportedNames {
-    /// The names of each light.
     pub(super) lights: Vec<Vec<String>>,
     /// The name of a material in a mesh file, and the position of an object with this material.
     pub(super) mesh_materials: Vec<(String, usize)>,
@@ -22,23 +21,19 @@ pub(super) struct ImportedNames {
     pub(super) added_lights: Option<AddedLights>,
 }
 
-/// Lights that an importer added.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct AddedLights {
     /// The positions in the scene's list of lights.
     pub(super) positions: Range<usize>,
-    /// The note about these lights.
     pub(super) note: String,
 }
 
-/// A converted scene with an overlay.
 pub(super) struct OverlaidScene {
     pub(super) text: String,
     /// True if lights of the overlay replace the lights that the importer added.
     pub(super) replaces_lights: bool,
 }
 
-/// The contents of an overlay.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct OverlayFile {
@@ -54,7 +49,6 @@ struct OverlayFile {
     add: AddedParts,
 }
 
-/// Lights and objects that an overlay adds.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct AddedParts {
@@ -66,13 +60,9 @@ struct AddedParts {
 const QUANTITIES: [&str; 8] =
     ["power", "luminous_flux", "intensity", "luminous_intensity", "radiance", "luminance", "irradiance", "illuminance"];
 
-/// The kinds of lights.
 const LIGHT_KINDS: [&str; 6] = ["point", "spot", "beam", "directional", "environment", "ies"];
 
 /// Applies the overlay in the file `path` to the text of a scene file.
-///
-/// # Errors
-/// Returns an error if the overlay cannot be read, or if it contains an unknown key or name.
 pub(super) fn apply(text: &str, names: &ImportedNames, path: &Path) -> Result<OverlaidScene> {
     let source = JsonSource::patched(read_text(path)?, path, &[])?;
     let overlay: OverlayFile = source.deserialize()?;
@@ -281,7 +271,6 @@ fn is_other_kind(known: &Value, change: &Map<String, Value>) -> bool {
     known.is_some() && only(change).is_some() && known != only(change)
 }
 
-/// Adds values to a list of the scene.
 fn extend(scene: &mut Value, key: &str, values: &[Value]) {
     if values.is_empty() {
         return;
@@ -294,7 +283,6 @@ fn extend(scene: &mut Value, key: &str, values: &[Value]) {
     }
 }
 
-/// Returns an error for a name that the scene does not contain.
 fn unknown<'a>(key: &str, kind: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Error {
     let names: BTreeSet<&str> = known.into_iter().collect();
     let expected = match names.len() {
@@ -306,7 +294,6 @@ fn unknown<'a>(key: &str, kind: &str, name: &str, known: impl IntoIterator<Item 
     Error::unknown_name(kind, name, names).expected(expected).on_path(root.key(key).key(name).to_string())
 }
 
-/// Returns an error for an entry that is not an object.
 fn not_an_object(key: &str, name: &str) -> Error {
     let root = JsonPath::Root;
     Error::input("found another value than an object")

@@ -25,9 +25,7 @@ const STUDIO_GROUND: f64 = 3.0 / 7.0;
 /// The parts of a scene file. All values have the form that the scene file has.
 #[derive(Debug, Default)]
 pub(super) struct SceneWriter {
-    /// The camera.
     pub(super) camera: Value,
-    /// The film.
     pub(super) film: Value,
     /// The name of the medium outside all objects.
     pub(super) atmosphere: Option<String>,
@@ -54,7 +52,6 @@ impl SceneWriter {
         add(&mut self.materials, wanted, material)
     }
 
-    /// Returns the material of this name.
     pub(super) fn material(&self, name: &str) -> Option<&Value> {
         self.materials.get(name)
     }
@@ -100,8 +97,6 @@ impl SceneWriter {
         inner.unwrap_or(material).to_string()
     }
 
-    /// Adds a medium, and returns its name. The name is `wanted`, unless another medium has this
-    /// name.
     pub(super) fn add_medium(&mut self, wanted: &str, medium: Value) -> String {
         add(&mut self.media, wanted, medium)
     }
@@ -138,7 +133,6 @@ impl SceneWriter {
         self.lights.push(light);
     }
 
-    /// Returns true if the scene has an object.
     pub(super) fn has_objects(&self) -> bool {
         !self.objects.is_empty()
     }
@@ -180,7 +174,6 @@ impl SceneWriter {
         }
     }
 
-    /// Notes a part that the file lacks and that was added.
     pub(super) fn note_added(&mut self, what: impl Into<String>) {
         self.added.push(what.into());
     }

@@ -132,7 +132,7 @@ fn expected_in_json_terms(found: de::Unexpected<'_>, expected: &dyn de::Expected
 }
 
 impl fmt::Display for DeserializeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{:?}", self.kind)
     }
 }

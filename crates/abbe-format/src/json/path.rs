@@ -31,7 +31,7 @@ impl<'a> JsonPath<'a> {
 }
 
 impl fmt::Display for JsonPath<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             JsonPath::Root => Ok(()),
             JsonPath::Key(parent, key) => {

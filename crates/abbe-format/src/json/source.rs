@@ -156,6 +156,12 @@ impl JsonSource {
         self.error_at_offset(value.start(), error.on_path(json_path))
     }
 
+    /// Returns an error about the value at a path.
+    #[must_use]
+    pub fn fault(&self, at: &path::JsonPath, what: impl Into<String>, expected: impl Into<String>) -> Error {
+        self.error_at(&at.to_string(), Error::input(what).expected(expected))
+    }
+
     /// Adds file, line and column to an error whose faults already have their JSON paths.
     #[must_use]
     pub fn with_position(&self, error: Error) -> Error {

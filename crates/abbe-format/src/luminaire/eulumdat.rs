@@ -152,7 +152,7 @@ fn planes_of(symmetry: LuminaireSymmetry, listed: &[PlacedValue], count: PlacedV
 
 /// Returns the luminous opening. The format states lengths in mm. The length is along C90, and a
 /// width of 0 means a disk.
-fn opening(lines: &LdtLines<'_>) -> Result<OpeningSize> {
+fn opening(lines: &LdtLines) -> Result<OpeningSize> {
     let mut sides = [0.0; 3];
     for (side, line) in sides.iter_mut().zip([16, 17, 18]) {
         *side = lines.number_or_0(line, "a side of the luminous area in mm")?.abs() / 1000.0;

@@ -143,7 +143,7 @@ fn name_of(header: &[&str], version: Lm63Version) -> String {
 }
 
 /// Reads tilt factors: the geometry of the lamp, the number of pairs, the angles and the factors.
-fn tilt_factors(numbers: &mut NumberReader<'_>) -> Result<Vec<(f64, f64)>> {
+fn tilt_factors(numbers: &mut NumberReader) -> Result<Vec<(f64, f64)>> {
     let geometry = numbers.next("the geometry of the lamp (1 to 3)")?;
     if ![1.0, 2.0, 3.0].contains(&geometry.value) {
         return Err(geometry.wrong("the geometry of the lamp", "1, 2 or 3"));
@@ -175,7 +175,7 @@ fn other_tilt(name: &str, tilt_file: TiltFile<'_>) -> Result<Vec<(f64, f64)>> {
 }
 
 /// Reads the numbers after the tilt factors.
-fn luminaire(numbers: &mut NumberReader<'_>, version: Lm63Version) -> Result<Photometry> {
+fn luminaire(numbers: &mut NumberReader, version: Lm63Version) -> Result<Photometry> {
     let lamps = numbers.next("the number of lamps")?;
     let lumens = numbers.next("the lumens per lamp")?;
     let multiplier = numbers.next("the multiplier of the intensities")?;

@@ -55,9 +55,8 @@ pub struct MeshFile {
 /// name.
 ///
 /// # Errors
-/// Returns an error if the file is missing, has an unknown format, or is truncated or malformed.
-/// Also returns an error if no triangle has an area above 0. The error contains the name of the
-/// file.
+/// Returns an error with the name of the file if it is missing, has an unknown format, is truncated
+/// or malformed, or if no triangle has an area above 0.
 pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
     let PartsAndNotes { parts, ignored, has_lights } =
         read_parts(path, file_access).map_err(|error| error.in_file(path))?;
@@ -68,11 +67,7 @@ pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
     Ok(MeshFile { parts, ignored, has_lights })
 }
 
-/// Reads the parts of a mesh file, for scenes that name them one by one. `file_access` states which
-/// other files the file may name.
-///
-/// # Errors
-/// Returns the same errors as [`load`].
+/// Reads the parts of a mesh file like [`load`], for scenes that name them one by one.
 pub fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedParts> {
     #[cfg(feature = "meshes")]
     if matches!(extension_of(path).as_str(), "gltf" | "glb") {

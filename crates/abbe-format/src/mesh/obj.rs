@@ -124,7 +124,6 @@ fn diffuse_texture(value: &str, obj: &Path, file_access: FileAccess) -> Result<M
     Ok(MeshTexture { picture, wrap: [wrap; 2], filter: Filter::Bilinear, transform })
 }
 
-/// Returns the names of the materials that the faces use.
 fn used_materials(text: &str) -> Vec<String> {
     let names = text.lines().filter_map(|line| line.trim_start().strip_prefix("usemtl"));
     names.filter(|rest| rest.starts_with(char::is_whitespace)).map(|name| name.trim().to_string()).collect()
@@ -161,7 +160,6 @@ fn ignored_textures(materials: &[tobj::Material]) -> Vec<String> {
     textures.into_iter().chain(listed(layers).map(|keys| format!("material keys are ignored: {keys}"))).collect()
 }
 
-/// Returns whether a key of a material names a texture.
 fn is_texture(key: &str) -> bool {
     let key = key.to_ascii_lowercase();
     key.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&key.as_str())
@@ -182,8 +180,7 @@ fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
 /// Checks that the indices of every face refer to vertices that precede the face in the file. The
 /// error names the line of the face.
 fn check_faces(text: &str) -> Result<()> {
-    // The numbers of v, vt and vn lines so far. A corner of a face lists its indices in the same
-    // order.
+    // The numbers of v, vt and vn lines so far, in the order of the indices of a corner.
     let mut counts = [0_i64; 3];
     for (number, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
@@ -198,9 +195,8 @@ fn check_faces(text: &str) -> Result<()> {
                     check_corner(corner, counts).map_err(|error| error.at(number + 1, 1))?;
                 }
                 if corners < 3 {
-                    return Err(Error::input(format!("a face has {corners} corners"))
-                        .expected("at least three")
-                        .at(number + 1, 1));
+                    let error = Error::input(format!("a face has {corners} corners")).expected("at least three");
+                    return Err(error.at(number + 1, 1));
                 }
             }
             _ => {}

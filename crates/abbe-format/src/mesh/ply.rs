@@ -27,7 +27,6 @@ struct PlyFace {
     corners: Option<Vec<u32>>,
 }
 
-/// An element that is read and ignored.
 struct SkippedElement;
 
 impl PropertyAccess for PlyVertex {
@@ -47,13 +46,9 @@ impl PropertyAccess for PlyVertex {
             "v" | "t" | "texture_v" => &mut self.uv[1],
             _ => return PropertyAccessResult::Ignored,
         };
-        match number(&property) {
-            Some(value) => {
-                *target = value;
-                PropertyAccessResult::Set
-            }
-            None => PropertyAccessResult::UnsupportedType,
-        }
+        let Some(value) = number(&property) else { return PropertyAccessResult::UnsupportedType };
+        *target = value;
+        PropertyAccessResult::Set
     }
 }
 
@@ -170,8 +165,7 @@ fn explain(error: &ParseError) -> Error {
     if error.kind() == ErrorKind::UnexpectedEof {
         return Error::input("the PLY file is truncated");
     }
-    // The first line of the message names the problem. The other lines repeat the contents of the
-    // file.
+    // The first line names the problem, and the others repeat the contents of the file.
     let message = error.to_string();
     Error::input(format!("not a valid PLY file: {}", message.lines().next().unwrap_or_default()))
 }

@@ -43,7 +43,6 @@ fn starts(bytes: &[u8]) -> Result<Vec<usize>> {
     (0..count).map(|i| number(bytes, table + i * entry, entry).ok_or_else(truncated)).collect()
 }
 
-/// Reads the header of a file or of a mesh. Returns the version.
 fn header(bytes: &[u8], at: usize) -> Result<usize> {
     let word = |at: usize| number(bytes, at, 2);
     match (word(at), at.checked_add(2).and_then(word)) {

@@ -7,9 +7,6 @@ use abbe_spectra::error::{Error, Result};
 use std::path::Path;
 
 /// Reads a Zemax glass catalogue (`.agf`).
-///
-/// # Errors
-/// Returns an error if the file cannot be read or is not a glass catalogue.
 pub fn glass_file(path: &Path) -> Result<AgfCatalogue> {
     AgfCatalogue::parse(&read_bytes(path)?, path)
 }
@@ -24,7 +21,6 @@ pub(super) fn index_file(path: &str, source: &JsonSource) -> Result<IndexFileDat
     IndexFileData::parse(&read_text(&path)?, &path)
 }
 
-/// Resolves a refractive index from a file.
 pub(super) fn index_of(file: &IndexFile, source: &JsonSource) -> Result<RefractiveIndex> {
     match file {
         IndexFile::Number(n) => RefractiveIndex::constant(*n),

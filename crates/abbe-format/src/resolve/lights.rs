@@ -24,7 +24,6 @@ use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The data needed to resolve each light.
 struct LightContext<'n> {
     /// The transform from the light's frame to the world, in the scene's unit.
     to_world: DAffine3,
@@ -33,8 +32,7 @@ struct LightContext<'n> {
     notes: &'n mut Vec<String>,
 }
 
-/// An emitter and its spectrum.
-type EmitterAndSpectrum = (Emitter, LightSpectrum);
+type ResolvedEmitter = Result<(Emitter, LightSpectrum)>;
 
 /// A radiometric quantity, integrated over the band 360–830 nm.
 enum Radiometric {
@@ -46,8 +44,7 @@ enum Radiometric {
 }
 
 impl Radiometric {
-    /// Returns the value of either variant. Use this method for a light that supports only one of
-    /// the variants.
+    /// Returns the value of either variant, for a light that supports only one of them.
     fn value(&self) -> f64 {
         match *self {
             Self::Power(value) | Self::FluxDensity(value) => value,
@@ -98,8 +95,8 @@ impl Resolver<'_> {
     /// part.
     fn area_lights(
         &self,
-        at: &JsonPath<'_>,
-        emitting: &EmittingObject<'_>,
+        at: &JsonPath,
+        emitting: &EmittingObject,
         builder: &mut SceneBuilder,
         observer: &'static Observer,
     ) -> Result<()> {
@@ -129,7 +126,7 @@ impl Resolver<'_> {
 
     fn light(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         number: usize,
         file: &LightFile,
         builder: &mut SceneBuilder,
@@ -158,7 +155,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves the spectrum of a light.
-    fn light_spectrum(&self, at: &JsonPath<'_>, file: &SpectrumFile, notes: &mut Vec<String>) -> Result<LightSpectrum> {
+    fn light_spectrum(&self, at: &JsonPath, file: &SpectrumFile, notes: &mut Vec<String>) -> Result<LightSpectrum> {
         let at = at.key("spectrum");
         let spectrum = self.spectrum(&at, file, Role::Light)?;
         notes.extend(self.match_note(file, &at.to_string()));
@@ -167,16 +164,11 @@ impl Resolver<'_> {
 
     /// Transforms a point from the light's frame to the world. The result is in m, relative to the
     /// scene's centre.
-    fn point_of_light(&self, context: &LightContext<'_>, point: [f64; 3]) -> DVec3 {
+    fn point_of_light(&self, context: &LightContext, point: [f64; 3]) -> DVec3 {
         self.point(context.to_world.transform_point3(DVec3::from(point)).to_array(), context.centre)
     }
 
-    fn point_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &PointFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn point_light(&self, path: &JsonPath, file: &PointFile, context: &mut LightContext) -> ResolvedEmitter {
         let PointFile { at, spectrum, power: _, luminous_flux: _, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let intensity = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
@@ -187,12 +179,7 @@ impl Resolver<'_> {
         Ok((Emitter::Point(PointLight { position, intensity }), spectrum))
     }
 
-    fn spot_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &SpotFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn spot_light(&self, path: &JsonPath, file: &SpotFile, context: &mut LightContext) -> ResolvedEmitter {
         let SpotFile { at, to, half_angle, penumbra, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let (half_angle, penumbra) = (half_angle.to_radians(), penumbra.to_radians());
@@ -210,12 +197,7 @@ impl Resolver<'_> {
         Ok((Emitter::Spot(spot.with_intensity(intensity)), spectrum))
     }
 
-    fn beam_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &BeamFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn beam_light(&self, path: &JsonPath, file: &BeamFile, context: &mut LightContext) -> ResolvedEmitter {
         let BeamFile { from, to, radius, divergence, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let power = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
@@ -227,12 +209,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves a luminaire with a measured distribution of intensity.
-    fn luminaire(
-        &self,
-        path: &JsonPath<'_>,
-        file: &IesFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn luminaire(&self, path: &JsonPath, file: &IesFile, context: &mut LightContext) -> ResolvedEmitter {
         let spectrum = self.light_spectrum(path, &file.spectrum, context.notes)?;
         let at_path = path.key("path");
         let photometry = self.source.file(&file.path).and_then(|it| luminaire::read(&it, self.source.file_access()));
@@ -262,10 +239,10 @@ impl Resolver<'_> {
 
     fn directional_light(
         &self,
-        path: &JsonPath<'_>,
+        path: &JsonPath,
         file: &DirectionalFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+        context: &mut LightContext,
+    ) -> ResolvedEmitter {
         let DirectionalFile { toward, angular_diameter, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let irradiance = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
@@ -276,10 +253,10 @@ impl Resolver<'_> {
 
     fn environment_light(
         &self,
-        path: &JsonPath<'_>,
+        path: &JsonPath,
         file: &EnvironmentFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+        context: &mut LightContext,
+    ) -> ResolvedEmitter {
         let EnvironmentFile { spectrum, image, projection, .. } = file;
         let (spectrum, pattern, mean) = match (spectrum, image) {
             (_, Some(image)) => {
@@ -292,9 +269,7 @@ impl Resolver<'_> {
             (Some(spectrum), None) => {
                 (self.light_spectrum(path, spectrum, context.notes)?, EnvironmentPattern::Uniform, 1.0)
             }
-            (None, None) => {
-                return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
-            }
+            (None, None) => return Err(self.source.fault(path, "found neither", "one of `spectrum`, `image`")),
         };
         let quantity = file.quantity().map(|quantity| {
             let of_white = file.luminance.map(|luminance| QuantityFile::Illuminance(PI * mean * luminance));
@@ -304,12 +279,7 @@ impl Resolver<'_> {
         Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, pattern)), spectrum))
     }
 
-    fn sky_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &SkyFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn sky_light(&self, path: &JsonPath, file: &SkyFile, context: &mut LightContext) -> ResolvedEmitter {
         let SkyFile { kind, illuminance, ground_reflectance, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let position = self.at(path, file.sun_position())?;
@@ -326,7 +296,7 @@ impl Resolver<'_> {
     /// Resolves the sun of a sky.
     fn sun(
         &self,
-        path: &JsonPath<'_>,
+        path: &JsonPath,
         number: usize,
         sky: &SkyFile,
         file: &SunFile,
@@ -350,7 +320,7 @@ impl Resolver<'_> {
     /// W/m²/sr.
     fn emission(
         &self,
-        path: &JsonPath<'_>,
+        path: &JsonPath,
         file: &EmissionFile,
         area_m2: f64,
         notes: &mut Vec<String>,
@@ -365,7 +335,7 @@ impl Resolver<'_> {
 
     /// Resolves the emission of a mesh file, which is linear RGB. White, (1, 1, 1), has a luminance
     /// of 1 cd/m².
-    fn mesh_emission(&self, path: &JsonPath<'_>, rgb: [f64; 3]) -> Result<(LightSpectrum, f64)> {
+    fn mesh_emission(&self, path: &JsonPath, rgb: [f64; 3]) -> Result<(LightSpectrum, f64)> {
         let spectrum = LightSpectrum::new(&self.at(path, Spectrum::rgb_light(rgb))?);
         let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
         let radiance = self.at(path, spectrum.watts_from_lumens(luminance))?;

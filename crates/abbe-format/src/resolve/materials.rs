@@ -20,8 +20,7 @@ use abbe_scene::{Body, Material};
 use abbe_spectra::error::{Error, Result, both};
 use abbe_spectra::spectrum::{Spectrum, library};
 
-/// The largest allowed depth of nested mixed materials. If the nesting is deeper, the references
-/// are reported as circular.
+/// Mixed materials that are nested more deeply are reported as circular.
 const MAX_DEPTH: usize = 16;
 
 /// Returns the microfacet parameter α of a roughness. As in glTF, α is the square of the roughness,
@@ -32,26 +31,14 @@ pub(super) fn alpha(roughness: f64) -> f64 {
 
 impl Resolver<'_> {
     /// Resolves the material of this name. `at` is the place of the name in the file.
-    pub(super) fn material(&self, at: &JsonPath<'_>, name: &str, notes: &mut Vec<String>) -> Result<Material> {
+    pub(super) fn material(&self, at: &JsonPath, name: &str, notes: &mut Vec<String>) -> Result<Material> {
         self.material_at_depth(at, name, notes, 0)
     }
 
-    fn material_at_depth(
-        &self,
-        at: &JsonPath<'_>,
-        name: &str,
-        notes: &mut Vec<String>,
-        depth: usize,
-    ) -> Result<Material> {
+    fn material_at_depth(&self, at: &JsonPath, name: &str, notes: &mut Vec<String>, depth: usize) -> Result<Material> {
         let Some(file) = self.scene.materials.get(name) else {
-            let known = self.scene.materials.keys().map(String::as_str);
-            let names: Vec<&str> = known.clone().collect();
-            let allowed = if names.is_empty() {
-                "a name of the scene's `materials`, which is empty".into()
-            } else {
-                format!("one of {}", names.join(", "))
-            };
-            return self.at(at, Err(Error::unknown_name("material", name, known).expected(allowed)));
+            let known = self.scene.materials.keys().map(String::as_str).collect();
+            return Err(self.unknown_name(at, ["material", "materials"], name, known));
         };
         if depth > MAX_DEPTH {
             return self
@@ -134,14 +121,12 @@ impl Resolver<'_> {
                     let part_material =
                         self.material_at_depth(&at.key("material"), &part.material, notes, depth + 1)?;
                     if part_material.is_boundary() {
-                        let error = Error::input("found a boundary, which has no surface")
-                            .expected("a material with a surface");
-                        return self.at(&at.key("material"), Err(error));
+                        let what = "found a boundary, which has no surface";
+                        return Err(self.source.fault(&at.key("material"), what, "a material with a surface"));
                     }
                     if part_material.normal_map.is_some() {
-                        let error = Error::input("found a material with a normal map inside a mix")
-                            .expected("a normal map of the whole mix");
-                        return self.at(&at.key("material"), Err(error));
+                        let what = "found a material with a normal map inside a mix";
+                        return Err(self.source.fault(&at.key("material"), what, "a normal map of the whole mix"));
                     }
                     surfaces.push((self.scalar(&at.key("weight"), &part.weight)?, part_material.surface));
                     body = body.or(part_material.body);
@@ -168,7 +153,7 @@ impl Resolver<'_> {
         Ok(Material { name: name.to_string(), surface: self.at(&at, surface)?, normal_map: None, body })
     }
 
-    fn body(&self, at: &JsonPath<'_>, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
+    fn body(&self, at: &JsonPath, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
         let DielectricFile { ior, roughness: _, absorption, coating: _, medium, priority } = file;
         let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose();
         let index = self.index(&at.key("ior"), ior, name, notes);
@@ -180,7 +165,7 @@ impl Resolver<'_> {
         Ok(Body { index: Some(index), absorption, medium, priority: *priority })
     }
 
-    fn pane(&self, at: &JsonPath<'_>, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {
+    fn pane(&self, at: &JsonPath, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {
         let ThinDielectricFile { ior, thickness, absorption, transmittance, coating } = file;
         let index = self.index(&at.key("ior"), ior, name, notes)?;
         let mut optical_depth = None;
@@ -198,7 +183,7 @@ impl Resolver<'_> {
         Ok(Bsdf::ThinDielectric(pane))
     }
 
-    fn grating(&self, at: &JsonPath<'_>, file: &GratingFile) -> Result<Bsdf> {
+    fn grating(&self, at: &JsonPath, file: &GratingFile) -> Result<Bsdf> {
         let GratingFile { lines_per_mm, profile, reflectance, transmittance, grooves, angle } = file;
         let profile = match profile {
             GratingProfileFile::Table(orders) => {
@@ -234,7 +219,7 @@ impl Resolver<'_> {
         DiffractionGrating::new(grating, reflected, transmitted, grooves).map(Bsdf::Grating)
     }
 
-    fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {
+    fn conductor(&self, at: &JsonPath, file: &ConductorFile) -> Result<Bsdf> {
         let ConductorFile { metal, eta, k, file, reflectance, roughness, coating } = file;
         if let Some(reflectance) = reflectance {
             let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
@@ -264,7 +249,7 @@ impl Resolver<'_> {
 
     /// Creates a BSDF whose roughness may vary over the surface. `of_alpha` creates the BSDF of a
     /// microfacet parameter α.
-    fn rough(&self, at: &JsonPath<'_>, file: &ScalarFile, of_alpha: impl Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
+    fn rough(&self, at: &JsonPath, file: &ScalarFile, of_alpha: impl Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
         let of_roughness = |roughness| of_alpha(alpha(roughness));
         match self.scalar(&at.key("roughness"), file)? {
             SurfaceScalar::Uniform(roughness) => of_roughness(roughness),
@@ -277,7 +262,7 @@ impl Resolver<'_> {
     /// Resolves a refractive index. If values were clamped or fitted, a remark is added to `notes`.
     fn index(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         file: &IndexFile,
         material: &str,
         notes: &mut Vec<String>,

@@ -46,20 +46,11 @@ fn with_dye(medium: Medium, dye: Option<Fluorophore>) -> Medium {
 impl Resolver<'_> {
     /// Returns the number of a medium, which is its position in the list of the scene's media. `at`
     /// is the place of the name in the file.
-    pub(super) fn medium_number(&self, at: &JsonPath<'_>, name: &str) -> Result<usize> {
-        let mut names = self.scene.media.keys();
-        names.position(|known| known == name).map_or_else(
-            || {
-                let known = self.scene.media.keys().map(String::as_str);
-                let allowed = if self.scene.media.is_empty() {
-                    "a name of the scene's `media`, which is empty".into()
-                } else {
-                    format!("one of {}", known.clone().collect::<Vec<_>>().join(", "))
-                };
-                self.at(at, Err(Error::unknown_name("medium", name, known).expected(allowed)))
-            },
-            Ok,
-        )
+    pub(super) fn medium_number(&self, at: &JsonPath, name: &str) -> Result<usize> {
+        self.scene.media.keys().position(|known| known == name).ok_or_else(|| {
+            let known = self.scene.media.keys().map(String::as_str).collect();
+            self.unknown_name(at, ["medium", "media"], name, known)
+        })
     }
 
     /// Resolves all media, including unused ones. Adds the media to the builder in the order of
@@ -83,7 +74,7 @@ impl Resolver<'_> {
 
     fn homogeneous(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         file: &HomogeneousFile,
         name: &str,
         notes: &mut Vec<String>,
@@ -102,7 +93,7 @@ impl Resolver<'_> {
 
     fn grid(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         file: &GridFile,
         name: &str,
         centre: DVec3,
@@ -132,7 +123,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves the dye of a medium. The absorption coefficient is in 1/m.
-    fn dye(&self, at: &JsonPath<'_>, file: Option<&DyeFile>) -> Result<Option<Fluorophore>> {
+    fn dye(&self, at: &JsonPath, file: Option<&DyeFile>) -> Result<Option<Fluorophore>> {
         /// Converts a decadic coefficient in 1/cm to a natural coefficient in 1/m.
         const PER_M: f64 = 100.0 * std::f64::consts::LN_10;
         let Some(DyeFile { absorption, molar_absorption, concentration, emission, quantum_yield }) = file else {
@@ -152,7 +143,7 @@ impl Resolver<'_> {
     /// The absorption and scattering coefficients in 1/m.
     fn coefficients(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         absorption: &SpectrumFile,
         scattering: &SpectrumFile,
     ) -> Result<(Spectrum, Spectrum)> {
@@ -171,12 +162,11 @@ impl Resolver<'_> {
         FieldPlacement { bounds: (low, high), to_local }
     }
 
-    /// Resolves a scalar field in the box of a grid medium.
-    fn field(&self, at: &JsonPath<'_>, file: &FieldFile, place: &FieldPlacement) -> Result<ScalarField> {
+    fn field(&self, at: &JsonPath, file: &FieldFile, place: &FieldPlacement) -> Result<ScalarField> {
         Ok(ScalarField::new(self.field_shape(at, file, place.bounds)?, place.bounds, place.to_local))
     }
 
-    fn field_shape(&self, at: &JsonPath<'_>, file: &FieldFile, bounds: (DVec3, DVec3)) -> Result<FieldShape> {
+    fn field_shape(&self, at: &JsonPath, file: &FieldFile, bounds: (DVec3, DVec3)) -> Result<FieldShape> {
         let FieldFile { values, resolution, path, constant, exponential, sphere, noise } = file;
         if let (Some(values), Some(resolution)) = (values, resolution) {
             let grid = FieldGrid::new(resolution.map(|cells| cells as usize), values.iter().copied());
@@ -208,7 +198,7 @@ impl Resolver<'_> {
         self.at(at, Err(Error::input("found none of the forms of a field")))
     }
 
-    fn phase(&self, at: &JsonPath<'_>, file: &PhaseFile, notes: &mut Vec<String>) -> Result<PhaseFunction> {
+    fn phase(&self, at: &JsonPath, file: &PhaseFile, notes: &mut Vec<String>) -> Result<PhaseFunction> {
         match file {
             PhaseFile::Isotropic => Ok(PhaseFunction::Isotropic),
             PhaseFile::Rayleigh => Ok(PhaseFunction::Rayleigh),

@@ -100,7 +100,6 @@ fn pane(file: &MeshMaterial, index: &RefractiveIndex) -> Result<Bsdf> {
     Bsdf::thin_dielectric(index.clone(), depth)
 }
 
-/// Returns the stack of one thin film.
 fn film_stack(film: &MeshFilm, textured: bool) -> Result<FilmStack> {
     let [thin, thick] = film.thickness_nm;
     let texture = film.thickness_texture.as_ref().filter(|_| textured);

@@ -14,7 +14,6 @@ use abbe_spectra::error::{Error, Result};
 /// The largest number of shared shapes that refer to each other.
 const MAX_DEPTH: usize = 16;
 
-/// A mesh that was read.
 pub(super) struct LoadedMesh {
     pub(super) parts: Vec<LoadedPart>,
     /// A sentence about the properties of materials that the reader ignores.
@@ -27,7 +26,6 @@ pub(super) struct LoadedMesh {
 #[derive(Clone)]
 pub(super) struct LoadedPart {
     pub(super) mesh: Arc<TriangleMesh>,
-    /// The material in the file, if there is one.
     pub(super) material: Option<MeshMaterial>,
     /// The number of this material in the scene, after an object has used it. Parts with the same
     /// material share the cell.
@@ -44,7 +42,6 @@ pub(super) struct MeshCache<'a> {
     files: BTreeMap<&'a str, LoadedFile>,
 }
 
-/// A file whose parts are named one by one.
 struct LoadedFile {
     parts: BTreeMap<u32, LoadedPart>,
     ignored: Option<String>,
@@ -55,9 +52,9 @@ impl<'a> Resolver<'a> {
     /// no other shape.
     pub(super) fn shared_shape<T>(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         shape: &'a ShapeFile,
-        then: impl FnOnce(&JsonPath<'_>, &'a ShapeFile) -> Result<T>,
+        then: impl FnOnce(&JsonPath, &'a ShapeFile) -> Result<T>,
     ) -> Result<T> {
         let ShapeFile::Shared(name) = shape else { return then(at, shape) };
         let root = JsonPath::Root;
@@ -80,7 +77,7 @@ impl<'a> Resolver<'a> {
     /// Returns a mesh. Returns `None` for other shapes.
     pub(super) fn mesh(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         shape: &'a ShapeFile,
         cache: &mut MeshCache<'a>,
     ) -> Result<Option<Rc<LoadedMesh>>> {
@@ -106,7 +103,7 @@ impl<'a> Resolver<'a> {
         Ok(Some(loaded))
     }
 
-    fn mesh_file(&self, at: &JsonPath<'_>, file: &'a MeshShapeFile, cache: &mut MeshCache<'a>) -> Result<LoadedMesh> {
+    fn mesh_file(&self, at: &JsonPath, file: &'a MeshShapeFile, cache: &mut MeshCache<'a>) -> Result<LoadedMesh> {
         let MeshShapeFile { path, part, reverse, flat, smooth, flip_v } = file;
         let changed = |part: LoadedPart| {
             if !(*flat || *smooth || *reverse || *flip_v) {

@@ -1,4 +1,4 @@
-//! Translates the meters of the scene file to the receptors that take the place of the camera.
+//! Translates the meters of the scene file to the sensors that take the place of the camera.
 
 use super::context::Resolver;
 use crate::{JsonPath, MeterFile, MeterGridFile};
@@ -14,18 +14,16 @@ use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Observer;
 use glam::DVec3;
 
-/// A measurement has at least this number of rows of receptors, so that few readings keep many
+/// A measurement has at least this number of rows of sensors, so that few readings keep many
 /// threads busy.
 const LEAST_ROWS: usize = 32;
 
-/// The largest number of readings.
 const MOST_READINGS: usize = 1_000_000;
 
-/// A receptor with what is known about its reading.
 type SensorWithReading = (Sensor, MeterReading);
 
 impl Resolver<'_> {
-    /// Resolves all meters. Returns the camera that consists of their receptors, and its film.
+    /// Resolves all meters. Returns the camera that consists of their sensors, and its film.
     pub(super) fn meters(&self, builder: &mut SceneBuilder) -> Result<(Camera, FilmSpec, Vec<Meter>)> {
         let root = JsonPath::Root;
         let (mut sensors, mut meters) = (Vec::new(), Vec::<Meter>::new());
@@ -66,8 +64,7 @@ impl Resolver<'_> {
         Ok((Camera::of_sensors(sensors.into(), rows), film, meters))
     }
 
-    /// Resolves the receptors of a meter.
-    fn sensors(&self, at: &JsonPath<'_>, file: &MeterFile, builder: &SceneBuilder) -> Result<Vec<SensorWithReading>> {
+    fn sensors(&self, at: &JsonPath, file: &MeterFile, builder: &SceneBuilder) -> Result<Vec<SensorWithReading>> {
         let MeterFile { name: _, quantity: _, points, grid, normal, surface, side, sphere, cylinder, spot } = file;
         let at_point = |point: [f64; 3], response: Response, normal: Option<DVec3>| {
             let sensor = Sensor::at(self.point(point, builder.centre()), response, builder.extent_m());
@@ -105,10 +102,9 @@ impl Resolver<'_> {
         Ok(vec![at_point(spot.from, response, Some(axis))])
     }
 
-    /// Resolves the receptor of an object's surface.
     fn surface_sensor(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         name: &str,
         side: ReceivingSide,
         builder: &SceneBuilder,

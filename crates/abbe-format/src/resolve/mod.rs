@@ -1,9 +1,8 @@
 //! Translates the scene file to the scene model. Names become numbers, quantities are converted to
 //! SI units, spectra become functions of wavelength, and the named files are read.
 //!
-//! [`SceneBuilder`] builds and checks the model. This module adds the position in the file to the
-//! builder's errors. This module reads every key of the file, or refuses the key with the message
-//! "not supported yet". If a struct is destructured without `..`, the compiler reports a forgotten
+//! [`SceneBuilder`] builds and checks the model, and this module adds the position in the file to
+//! its errors. Most structs are destructured without `..`, so that the compiler reports a forgotten
 //! field.
 
 mod camera;
@@ -46,19 +45,15 @@ use std::path::Path;
 /// Reads and resolves a scene file. `sets` are patches of the form `PATH=JSON`.
 ///
 /// # Errors
-/// Returns an error if the file is invalid or uses a feature that is not supported yet. The error
-/// states the place in the file.
+/// Returns the errors of [`read`](crate::read()) and of [`resolve`].
 pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
     let (scene, source) = read(path, sets)?;
     resolve(&scene, &source)
 }
 
-/// Reads a scene from its text like [`parse`](crate::parse). `access` says which files the scene may name. If the
-/// text has faults, the error also contains the faults that [`resolve`] finds, such as
+/// Reads a scene from its text like [`parse`](crate::parse). `access` says which files the scene may
+/// name. If the text has faults, the error also contains those that [`resolve`] finds, such as
 /// unknown names.
-///
-/// # Errors
-/// Returns the errors of [`parse`](crate::parse) and of [`resolve`].
 pub fn parse_with_access(
     text: impl Into<String>,
     path: &Path,
@@ -72,9 +67,8 @@ pub fn parse_with_access(
 /// Resolves a scene.
 ///
 /// # Errors
-/// Returns an error if a name is unknown, if a file cannot be read, if quantities contradict each
-/// other, or if a feature is not supported yet. The error contains the faults of all parts of the
-/// scene, and states the place of each in `source`.
+/// Returns the faults of all parts of the scene, each with its place in `source`: unknown names,
+/// unreadable files, contradictory quantities, and features that are not supported yet.
 pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     let (Some(camera), Some(film)) = (&scene.camera, &scene.film) else {
         let key = if scene.camera.is_none() { "camera" } else { "film" };
@@ -84,22 +78,15 @@ pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     about_view(|centre| Resolver::new(scene, source, ResolvedFor::Picture(camera, film), centre))
 }
 
-/// Resolves the meters of a scene. The camera and the film of the scene are not used.
-///
-/// # Errors
-/// Returns the errors of [`resolve`]. Also returns an error if the scene has no meters.
+/// Resolves the meters of a scene instead of its camera and its film, with the errors of [`resolve`].
 pub fn resolve_meters(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     if scene.meters.is_empty() {
-        let error = Error::input("the scene has no meters");
-        return Err(source.error_at("", error.expected("at least one entry in `meters`")));
+        return Err(source.fault(&JsonPath::Root, "the scene has no meters", "at least one entry in `meters`"));
     }
     about_view(|centre| Resolver::new(scene, source, ResolvedFor::Meters, centre))
 }
 
 /// Resolves a scene for its picture, or for its meters if it has no camera.
-///
-/// # Errors
-/// See [`resolve`] and [`resolve_meters`].
 pub fn resolve_any(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     let only_meters = scene.camera.is_none() && !scene.meters.is_empty();
     if only_meters { resolve_meters(scene, source) } else { resolve(scene, source) }
@@ -117,21 +104,15 @@ fn about_view<'a>(resolver: impl Fn(Option<DVec3>) -> Resolver<'a>) -> Result<Sc
     }
 }
 
-/// Resolves a spectrum that is not part of a scene. If the spectrum is a name, the library must
-/// contain a spectrum with this name.
-///
-/// # Errors
-/// Returns an error if a name is unknown, if a file cannot be read, or if a value does not fit the
-/// role. The error states the place in `source`.
+/// Resolves a spectrum that is not part of a scene, so that a name must be in the library. An error
+/// states its place in `source`.
 pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -> Result<Spectrum> {
     spectra::Spectra { named: &BTreeMap::new(), source }.checked(&JsonPath::Root, spectrum, role)
 }
 
 impl Resolver<'_> {
     fn run(&self) -> Result<Scene> {
-        let SceneFile { schema: _, title, unit: _, camera: _, film: _, spectra, media: _, materials: _, .. } =
-            self.scene;
-        let SceneFile { objects: _, lights: _, meters: _, atmosphere, render, .. } = self.scene;
+        let SceneFile { title, spectra, atmosphere, render, .. } = self.scene;
         let root = JsonPath::Root;
         // Unused spectra are checked as well.
         for name in spectra.keys() {

@@ -17,15 +17,13 @@ pub(super) struct ResolvedMotion {
     pub(super) motion: Option<AnimatedTransform>,
 }
 
-/// The motion through all keyframes, or `None` if there are no keyframes. Lengths are in the
-/// scene's unit.
+/// The motion through all keyframes in the scene's unit, or `None` if there are none.
 fn motion(transform: &TransformFile, keys: &[KeyframeFile]) -> Option<AnimatedTransform> {
     let own = transform.to_affine();
     AnimatedTransform::new(own, keys.iter().map(|key| (key.time, key.transform.to_affine(), key.transform.after(own))))
 }
 
 impl Resolver<'_> {
-    /// Resolves a transform with keyframes.
     pub(super) fn motion(&self, transform: &TransformFile, keys: &[KeyframeFile]) -> ResolvedMotion {
         let Some(motion) = motion(transform, keys) else {
             return ResolvedMotion { start: transform.to_affine(), motion: None };

@@ -10,7 +10,7 @@ use abbe_optics::texture::SurfaceSpectrum;
 use abbe_scene::Material;
 use abbe_scene::builder::{ObjectSet, Placement};
 use abbe_scene::geometry::shape::Shape;
-use abbe_spectra::error::{Error, Result};
+use abbe_spectra::error::Result;
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 
@@ -35,7 +35,6 @@ pub(super) struct EmittingObject<'a> {
 
 /// The emission of an object, from the scene file or from a mesh file.
 pub(super) enum EmissionSource<'a> {
-    /// The emission in the scene file.
     Scene(&'a EmissionFile),
     /// The emission in a mesh file. The colour is linear RGB, and white, (1, 1, 1), has a luminance
     /// of 1 cd/m². The slide is a picture that multiplies the colour.
@@ -43,7 +42,6 @@ pub(super) enum EmissionSource<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    /// Resolves all objects.
     pub(super) fn objects(&self) -> ResolvedObjects<'a> {
         let mut resolved = ResolvedObjects::default();
         let root = JsonPath::Root;
@@ -60,26 +58,19 @@ impl<'a> Resolver<'a> {
 
     fn object(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         number: usize,
         file: &'a ObjectFile,
         resolved: &mut ResolvedObjects<'a>,
     ) -> Result<()> {
         let ObjectFile { name, shape, material, transform, motion, emission } = file;
         let name = name.clone().unwrap_or_else(|| format!("object {number}"));
-        let material = match material {
-            Some(name) => match self.keep(self.material_number(&at.key("material"), name, resolved)) {
-                Some(number) => Some(number),
-                // The shape is checked even if the material has a fault.
-                None => Some(resolved.set.add_material(Material {
-                    name: name.clone(),
-                    surface: Bsdf::Absorber,
-                    normal_map: None,
-                    body: None,
-                })),
-            },
-            None => None,
-        };
+        let material = material.as_ref().map(|name| {
+            let number = self.keep(self.material_number(&at.key("material"), name, resolved));
+            // The shape is checked even if the material has a fault.
+            let absorber = || Material { name: name.clone(), surface: Bsdf::Absorber, normal_map: None, body: None };
+            number.unwrap_or_else(|| resolved.set.add_material(absorber()))
+        });
         let ResolvedMotion { start, motion } = self.motion(transform, motion);
         let frame = DAffine3 { matrix3: start.matrix3, translation: start.translation * self.metres };
         let placed = |local: DAffine3| Placement {
@@ -89,9 +80,8 @@ impl<'a> Resolver<'a> {
         let objects = self.shared_shape(&at.key("shape"), shape, |shape_at, shape| {
             if let Some((shape, local)) = self.analytic_shape(shape) {
                 let Some(material) = material else {
-                    let error =
-                        Error::input("the shape has no material").expected("a material for shapes other than meshes");
-                    return self.at(at, Err(error));
+                    let expected = "a material for shapes other than meshes";
+                    return Err(self.source.fault(at, "the shape has no material", expected));
                 };
                 return Ok(vec![self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?]);
             }
@@ -127,7 +117,7 @@ impl<'a> Resolver<'a> {
         Ok(())
     }
 
-    fn material_number(&self, at: &JsonPath<'_>, name: &'a str, resolved: &mut ResolvedObjects<'a>) -> Result<usize> {
+    fn material_number(&self, at: &JsonPath, name: &'a str, resolved: &mut ResolvedObjects<'a>) -> Result<usize> {
         if let Some(&number) = resolved.named.get(name) {
             return Ok(number);
         }
@@ -139,17 +129,12 @@ impl<'a> Resolver<'a> {
 
     /// Returns the number of the material of a mesh part. If the part has no material, the material
     /// is the default material.
-    fn own_material(&self, at: &JsonPath<'_>, part: &LoadedPart, resolved: &mut ResolvedObjects<'_>) -> Result<usize> {
+    fn own_material(&self, at: &JsonPath, part: &LoadedPart, resolved: &mut ResolvedObjects) -> Result<usize> {
         if let Some(known) = part.material_number.get() {
             return Ok(known);
         }
-        let textured = part.mesh.uvs().is_some();
-        let material = mesh_materials::material(
-            &part.material.clone().unwrap_or_default(),
-            self.metres,
-            textured,
-            part.mesh.is_closed(),
-        );
+        let (own, textured) = (part.material.clone().unwrap_or_default(), part.mesh.uvs().is_some());
+        let material = mesh_materials::material(&own, self.metres, textured, part.mesh.is_closed());
         let number = resolved.set.add_material(self.at(at, material)?);
         part.material_number.set(Some(number));
         Ok(number)

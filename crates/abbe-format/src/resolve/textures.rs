@@ -19,8 +19,8 @@ const ROUNDING: f32 = 1e-3;
 
 impl Resolver<'_> {
     /// Resolves a reflectance or a transmittance.
-    pub(super) fn reflectance(&self, at: &JsonPath<'_>, file: &ReflectanceFile) -> Result<SurfaceSpectrum> {
-        let parts = |at: &JsonPath<'_>, a: &ReflectanceFile, b: &ReflectanceFile| {
+    pub(super) fn reflectance(&self, at: &JsonPath, file: &ReflectanceFile) -> Result<SurfaceSpectrum> {
+        let parts = |at: &JsonPath, a: &ReflectanceFile, b: &ReflectanceFile| {
             both(self.reflectance(&at.key("a"), a), self.reflectance(&at.key("b"), b))
         };
         let texture = match file {
@@ -46,7 +46,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves a number that may vary over a surface.
-    pub(super) fn scalar(&self, at: &JsonPath<'_>, file: &ScalarFile) -> Result<SurfaceScalar> {
+    pub(super) fn scalar(&self, at: &JsonPath, file: &ScalarFile) -> Result<SurfaceScalar> {
         let texture = match file {
             ScalarFile::Number(number) => return Ok(SurfaceScalar::Uniform(*number)),
             ScalarFile::Image(file) => self.at(&at.key("image"), self.scalar_image(file))?,
@@ -95,7 +95,6 @@ impl Resolver<'_> {
         Ok(SpectralTexture::from_bands(pattern, nm, values))
     }
 
-    /// Reads a normal map.
     pub(super) fn normal_map(&self, file: &NormalMapFile) -> Result<NormalMap> {
         let NormalMapFile { material: _, path, strength, green, wrap, filter, uv } = file;
         let path = self.source.file(path)?;

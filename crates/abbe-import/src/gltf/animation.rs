@@ -41,7 +41,7 @@ pub(super) struct Track {
 impl Animations {
     /// Reads the animations of a file. If several animations move the same property of a node, the
     /// first one counts.
-    pub(super) fn read(file: &GltfFile, accessors: &GltfAccessors<'_>, scene: &mut SceneWriter) -> Self {
+    pub(super) fn read(file: &GltfFile, accessors: &GltfAccessors, scene: &mut SceneWriter) -> Self {
         let mut animations = Self::default();
         if file.has_property_animations {
             scene.leave_out("", "animations of other properties than those of nodes are left out");
@@ -76,7 +76,6 @@ impl Animations {
         animations
     }
 
-    /// Returns the animation of a node.
     pub(super) fn tracks(&self, node: usize) -> Option<&NodeTracks> {
         self.tracks.get(&node)
     }
@@ -105,7 +104,7 @@ impl NodeTracks {
 
 impl Track {
     /// Reads a channel. Returns the reason if the channel cannot be used.
-    fn read(channel: &Channel<'_>, accessors: &GltfAccessors<'_>) -> std::result::Result<Self, String> {
+    fn read(channel: &Channel, accessors: &GltfAccessors) -> std::result::Result<Self, String> {
         let sampler = channel.sampler();
         let floats = |accessor| accessors.floats(&accessor).map_err(|error| error.what);
         let times: Vec<f64> = floats(sampler.input())?.into_iter().map(|item| item[0]).collect();

@@ -14,7 +14,7 @@ const DEFAULT_FOV: f64 = 35.0;
 
 /// Returns a camera of the scene file, and the ratio of the film's width to its height. Returns
 /// `None` for an orthographic camera without extent.
-pub(super) fn file_camera(projection: &Projection<'_>, placed: &PlacedNode) -> Option<(Value, f64)> {
+pub(super) fn file_camera(projection: &Projection, placed: &PlacedNode) -> Option<(Value, f64)> {
     let (lens, aspect) = match projection {
         Projection::Perspective(lens) => {
             let aspect = lens.aspect_ratio().map_or(DEFAULT_ASPECT, f64::from);

@@ -11,7 +11,7 @@ use super::node::{PlacedNode, steps};
 
 /// Converts a light. In glTF, intensities are in cd, and illuminances are in lx. The colour scales
 /// them.
-pub(super) fn punctual_light(light: &Light<'_>, placed: &PlacedNode) -> Value {
+pub(super) fn punctual_light(light: &Light, placed: &PlacedNode) -> Value {
     let (spectrum, luminance) = coloured(light.color().map(f64::from));
     let strength = f64::from(light.intensity()) * luminance;
     let (at, direction) = pose(placed);

@@ -246,10 +246,7 @@ impl<'d> NodeReader<'d> {
 
 /// Returns the transforms of the instances of a node (EXT_mesh_gpu_instancing). Other nodes have
 /// one instance.
-///
-/// # Errors
-/// Returns an error if the attributes of the instances cannot be read.
-fn instances(node: &Node<'_>, document: &Document, accessors: &GltfAccessors<'_>) -> Result<Vec<DAffine3>> {
+fn instances(node: &Node, document: &Document, accessors: &GltfAccessors) -> Result<Vec<DAffine3>> {
     let Some(extension) = node.extension_value(INSTANCING) else { return Ok(vec![DAffine3::IDENTITY]) };
     let read = |name: &str| -> Result<Option<Vec<[f64; 4]>>> {
         let Some(index) = extension.get("attributes").and_then(|attributes| attributes.get(name)) else {

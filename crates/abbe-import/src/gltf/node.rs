@@ -68,7 +68,7 @@ impl NodeTree {
     }
 
     /// Adds a node. Its parent was added before.
-    pub(super) fn add(&mut self, node: &Node<'_>, parent: Option<usize>) {
+    pub(super) fn add(&mut self, node: &Node, parent: Option<usize>) {
         if self.nodes.len() <= node.index() {
             self.nodes.resize(node.index() + 1, None);
         }

@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::number::number;
 use super::properties::Properties;
 use super::reader::MitsubaReader;
 use super::texture::Textured;
+use super::xml::number;
 use abbe_spectra::error::{Error, Result};
 
 /// The names and the indices of Mitsuba 3 (`ior.h`).
@@ -57,7 +57,7 @@ const METALS: [(&str, &str); 12] = [
 
 impl MitsubaReader<'_> {
     /// Reads an index of refraction: a number, or the name of a material.
-    fn named_index(&self, properties: &Properties<'_>, name: &str, default: f64) -> Result<f64> {
+    fn named_index(&self, properties: &Properties, name: &str, default: f64) -> Result<f64> {
         let Some(element) = properties.find(name) else { return Ok(default) };
         if element.tag != "string" {
             return number(element);
@@ -72,7 +72,7 @@ impl MitsubaReader<'_> {
 
     /// Reads `int_ior` and `ext_ior`. Returns the index inside for a body, and the ratio of both
     /// for a coat.
-    pub(super) fn indices(&mut self, properties: &Properties<'_>, default: f64) -> Result<(f64, f64)> {
+    pub(super) fn indices(&mut self, properties: &Properties, default: f64) -> Result<(f64, f64)> {
         let inside = self.named_index(properties, "int_ior", default)?;
         let outside = self.named_index(properties, "ext_ior", 1.000277)?;
         if inside <= 0.0 || outside <= 0.0 {
@@ -83,31 +83,30 @@ impl MitsubaReader<'_> {
     }
 
     /// Reads the index inside a body. Abbe takes the index outside from the body around.
-    pub(super) fn index_inside(&mut self, properties: &Properties<'_>, default: f64) -> Result<f64> {
+    pub(super) fn index_inside(&mut self, properties: &Properties, default: f64) -> Result<f64> {
         let (inside, ratio) = self.indices(properties, default)?;
         if inside != ratio {
-            let what = "`ext_ior` is left out: the body around states the index outside";
-            self.scene.leave_out(properties.element.place(), what);
+            self.note(properties.element, "`ext_ior` is left out: the body around states the index outside");
         }
         Ok(self.at_least_one(properties, inside))
     }
 
     /// Reads the index of a coat or a thin pane relative to its surroundings.
-    pub(super) fn relative_index(&mut self, properties: &Properties<'_>, default: f64) -> Result<f64> {
+    pub(super) fn relative_index(&mut self, properties: &Properties, default: f64) -> Result<f64> {
         let (_, ratio) = self.indices(properties, default)?;
         Ok(self.at_least_one(properties, ratio))
     }
 
-    fn at_least_one(&mut self, properties: &Properties<'_>, index: f64) -> f64 {
+    fn at_least_one(&mut self, properties: &Properties, index: f64) -> f64 {
         if index < 1.0 {
-            self.scene.leave_out(properties.element.place(), "an index of refraction below 1 becomes 1");
+            self.note(properties.element, "an index of refraction below 1 becomes 1");
         }
         index.max(1.0)
     }
 
     /// Reads the complex index of a metal, in the form of the scene file's `conductor`. `None` is
     /// an ideal mirror.
-    pub(super) fn metal(&mut self, properties: &Properties<'_>) -> Result<Option<Value>> {
+    pub(super) fn metal(&mut self, properties: &Properties) -> Result<Option<Value>> {
         let material = properties.text("material")?.unwrap_or("none");
         let indices = [self.textured(properties, "eta")?, self.textured(properties, "k")?];
         match indices {
@@ -116,7 +115,7 @@ impl MitsubaReader<'_> {
                 let metal = METALS.iter().find(|(known, _)| *known == material).map(|&(_, metal)| metal);
                 if metal.is_none() {
                     let what = format!("the metal \"{material}\" is not known and becomes chromium");
-                    self.scene.leave_out(properties.element.place(), what);
+                    self.note(properties.element, what);
                 }
                 Ok(Some(json!({"metal": metal.unwrap_or("chromium")})))
             }

@@ -11,8 +11,7 @@ use serde_json::{Value, json};
 
 use super::bsdf::BsdfContext;
 use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::surface::MitsubaSurface;
+use super::reader::{MitsubaReader, MitsubaSurface};
 use abbe_optics::bsdf::Glossy;
 use abbe_optics::glass::RefractiveIndex;
 use abbe_spectra::error::Result;
@@ -21,15 +20,11 @@ use abbe_spectra::spectrum::Spectrum;
 
 impl MitsubaReader<'_> {
     /// Converts Disney's BSDF to a mix of a metal and a coated diffuse surface, or to glass.
-    pub(super) fn principled(
-        &mut self,
-        properties: &Properties<'_>,
-        context: &BsdfContext<'_>,
-    ) -> Result<MitsubaSurface> {
+    pub(super) fn principled(&mut self, properties: &Properties, context: &BsdfContext) -> Result<MitsubaSurface> {
         let bsdf = properties.element;
         let what = "a BSDF of the type \"principled\" is replaced by a metal, by a glossy surface with the same \
                     albedo, by a mix of both, or by glass";
-        self.scene.leave_out(bsdf.place(), what);
+        self.note(bsdf, what);
         let roughness = self.roughness(properties, "roughness", 0.5, None)?;
         let base = self.colour(properties, "base_color", 0.5)?;
         let ior = match properties.optional_number("eta")? {
@@ -56,8 +51,8 @@ impl MitsubaReader<'_> {
         if is_absent(&weight) {
             return Ok(self.add(context, glossy, true));
         }
-        let metal = self.add_material(&format!("{} metal", context.name), metal);
-        let glossy = self.add_material(&format!("{} base", context.name), glossy);
+        let metal = self.scene.add_material(&format!("{} metal", context.name), metal);
+        let glossy = self.scene.add_material(&format!("{} base", context.name), glossy);
         let parts = json!([{"material": metal, "weight": weight}, {"material": glossy, "weight": rest}]);
         Ok(self.add(context, json!({"mix": parts}), true))
     }

@@ -5,9 +5,8 @@ use std::rc::Rc;
 
 use glam::{DMat4, DVec3};
 
-use super::number::number;
 use super::transform;
-use super::xml::XmlElement;
+use super::xml::{XmlElement, number};
 use abbe_spectra::error::Result;
 
 /// The properties of an element.
@@ -38,12 +37,10 @@ impl<'a> Properties<'a> {
         self.take(|child| names.contains(&child.name()));
     }
 
-    /// Returns the children that were not read.
     pub(super) fn unread(&self) -> impl Iterator<Item = &'a Rc<XmlElement>> {
         self.element.children.iter().zip(&self.read).filter(|(_, read)| !read.get()).map(|(child, _)| child)
     }
 
-    /// Returns a number, if the property is a number.
     pub(super) fn optional_number(&self, name: &str) -> Result<Option<f64>> {
         self.find(name).map(|child| number(child)).transpose()
     }
@@ -66,7 +63,6 @@ impl<'a> Properties<'a> {
         }
     }
 
-    /// Returns a text.
     pub(super) fn text(&self, name: &str) -> Result<Option<&'a str>> {
         self.find(name).map(|child| child.required("value")).transpose()
     }
@@ -79,12 +75,10 @@ impl<'a> Properties<'a> {
         })
     }
 
-    /// Returns a point or a vector.
     pub(super) fn vector(&self, name: &str) -> Result<Option<DVec3>> {
         self.find(name).map(|child| transform::vector(child, 0.0)).transpose()
     }
 
-    /// Returns true if the property is a vector.
     pub(super) fn is_vector(&self, name: &str) -> bool {
         self.find(name).is_some_and(|child| child.tag == "vector")
     }

@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 
 use super::primitives::{self, BasicShape};
 use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::surface::MitsubaSurface;
+use super::reader::{MitsubaReader, MitsubaSurface};
 use super::transform::{affine, steps};
 use super::xml::XmlElement;
 use abbe_format::mesh;
@@ -49,12 +48,9 @@ impl MitsubaReader<'_> {
         groups.iter().try_for_each(|group| self.members(group, to_world))
     }
 
-    /// Converts the shapes of a group.
     fn members(&mut self, group: &Rc<XmlElement>, to_world: DMat4) -> Result<()> {
         let properties = Properties::new(group);
-        let is_shape = |child: &Rc<XmlElement>| self.document.resolve(child).tag == "shape";
-        let members: Vec<Rc<XmlElement>> =
-            properties.take(is_shape).into_iter().map(|it| self.document.resolve(it)).collect();
+        let members = self.tagged(&properties, "shape");
         self.note_unread(&properties);
         for member in members {
             // Nested instances could multiply without limit, and Mitsuba has none.
@@ -69,13 +65,9 @@ impl MitsubaReader<'_> {
     fn single_shape(&mut self, shape: &Rc<XmlElement>, outer: DMat4) -> Result<()> {
         let properties = Properties::new(shape);
         let medium = self.interior(&properties)?;
-        let tagged = |tag: &'static str| {
-            let children = properties.take(|child| self.document.resolve(child).tag == tag);
-            children.into_iter().map(|child| self.document.resolve(child)).collect::<Vec<_>>()
-        };
-        let (bsdfs, emitters, sensors) = (tagged("bsdf"), tagged("emitter"), tagged("sensor"));
+        let [bsdfs, emitters, sensors] = ["bsdf", "emitter", "sensor"].map(|tag| self.tagged(&properties, tag));
         if !sensors.is_empty() {
-            self.scene.leave_out(shape.place(), "a sensor on a shape is left out");
+            self.note(shape, "a sensor on a shape is left out");
         }
         let emission = emitters.first().map_or(Ok(None), |emitter| self.area_emission(emitter))?;
         let surface = match bsdfs.first() {
@@ -85,7 +77,7 @@ impl MitsubaReader<'_> {
         let (material, one_sided) = match surface {
             MitsubaSurface::Material { name, one_sided } => (name, one_sided),
             MitsubaSurface::Invisible if emission.is_some() => {
-                (self.add_material("absorber", json!("absorber")), false)
+                (self.scene.add_material("absorber", json!("absorber")), false)
             }
             MitsubaSurface::Invisible => return Ok(()),
         };
@@ -115,14 +107,14 @@ impl MitsubaReader<'_> {
     }
 
     /// Converts the geometry of a shape. Returns `None` if the shape is left out.
-    fn form(&mut self, properties: &Properties<'_>, form: &ShapePlacement) -> Result<Option<BasicShape>> {
+    fn form(&mut self, properties: &Properties, form: &ShapePlacement) -> Result<Option<BasicShape>> {
         let shape = properties.element;
         Ok(Some(match shape.plugin() {
             "rectangle" => primitives::rectangle(form.textured, form.flipped),
             "cube" => primitives::cube(form.textured, form.flipped),
             "sphere" => {
                 if form.flipped {
-                    self.scene.leave_out(shape.place(), "`flip_normals` of a sphere is left out: it faces outwards");
+                    self.note(shape, "`flip_normals` of a sphere is left out: it faces outwards");
                 }
                 let centre = properties.vector("center")?.unwrap_or(DVec3::ZERO);
                 primitives::sphere(centre, self.radius(properties)?, form.textured)
@@ -136,14 +128,13 @@ impl MitsubaReader<'_> {
             }
             "obj" | "ply" | "serialized" => self.mesh(properties, form)?,
             other => {
-                let what = format!("a shape of the type \"{other}\" is not supported and is left out");
-                self.scene.leave_out(shape.place(), what);
+                self.note(shape, format!("a shape of the type \"{other}\" is not supported and is left out"));
                 return Ok(None);
             }
         }))
     }
 
-    fn radius(&mut self, properties: &Properties<'_>) -> Result<f64> {
+    fn radius(&mut self, properties: &Properties) -> Result<f64> {
         let radius = properties.number("radius", 1.0)?;
         if radius > 0.0 {
             return Ok(radius);
@@ -151,7 +142,7 @@ impl MitsubaReader<'_> {
         Err(properties.element.error(format!("found the radius {radius}")).expected("a number above 0"))
     }
 
-    fn mesh(&mut self, properties: &Properties<'_>, form: &ShapePlacement) -> Result<BasicShape> {
+    fn mesh(&mut self, properties: &Properties, form: &ShapePlacement) -> Result<BasicShape> {
         let shape = properties.element;
         let (path, file) = self.document.file(shape, properties.required_text("filename")?)?;
         if !Path::new(&path).extension().is_some_and(|it| it.eq_ignore_ascii_case(shape.plugin())) {
@@ -188,13 +179,11 @@ impl MitsubaReader<'_> {
         Ok(BasicShape { shape: json!({"mesh": mesh}), steps: Vec::new() })
     }
 
-    /// Converts the medium inside a shape.
-    fn interior(&mut self, properties: &Properties<'_>) -> Result<Option<String>> {
+    fn interior(&mut self, properties: &Properties) -> Result<Option<String>> {
         if let Some(exterior) = properties.find("exterior") {
             let exterior = self.document.resolve(exterior);
             if !self.outside.as_ref().is_some_and(|outside| Rc::ptr_eq(outside, &exterior)) {
-                let what = "the exterior medium of a shape is left out: the body around states it";
-                self.scene.leave_out(properties.element.place(), what);
+                self.note(properties.element, "the exterior medium of a shape is left out: the body around states it");
             }
         }
         let Some(interior) = properties.find("interior") else { return Ok(None) };
@@ -221,7 +210,7 @@ impl MitsubaReader<'_> {
     }
 
     /// Notes what is different on a shape that is not closed.
-    fn note_open_shape(&mut self, properties: &Properties<'_>, material: &str, one_sided: bool) -> Result<()> {
+    fn note_open_shape(&mut self, properties: &Properties, material: &str, one_sided: bool) -> Result<()> {
         let has = |kind: &str| self.scene.material(material).is_some_and(|material| material.get(kind).is_some());
         let needs_body = has("dielectric") || has("boundary");
         if !(needs_body || one_sided) || !self.is_open(properties)? {
@@ -232,12 +221,12 @@ impl MitsubaReader<'_> {
         } else {
             "a surface that is black from behind scatters light on both sides"
         };
-        self.scene.leave_out(properties.element.place(), what);
+        self.note(properties.element, what);
         Ok(())
     }
 
     /// Returns true if a shape is not closed. Reads the file of a mesh.
-    fn is_open(&self, properties: &Properties<'_>) -> Result<bool> {
+    fn is_open(&self, properties: &Properties) -> Result<bool> {
         let shape = properties.element;
         Ok(match shape.plugin() {
             "rectangle" | "disk" | "cylinder" => true,

@@ -7,10 +7,9 @@
 
 use serde_json::{Value, json};
 
-use super::number::{number, numbers, parse};
 use super::properties::Properties;
 use super::reader::MitsubaReader;
-use super::xml::XmlElement;
+use super::xml::{XmlElement, number, numbers, parse};
 use crate::dark_outside::dark_outside;
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::Result;
@@ -48,7 +47,6 @@ pub(super) struct EmissionSpectrum {
 }
 
 impl EmissionSpectrum {
-    /// Returns true if the light emits nothing.
     pub(super) fn is_dark(&self) -> bool {
         self.quantity <= 0.0
     }
@@ -104,8 +102,7 @@ impl MitsubaReader<'_> {
                 table(element, nm?, values?)?
             }
             other => {
-                let what = format!("a spectrum of the type \"{other}\" is not supported and becomes 0.5");
-                self.scene.leave_out(element.place(), what);
+                self.note(element, format!("a spectrum of the type \"{other}\" is not supported and becomes 0.5"));
                 return Ok(MitsubaSpectrum::Number(0.5));
             }
         };
@@ -114,7 +111,7 @@ impl MitsubaReader<'_> {
     }
 
     /// Reads a multiple of D65. As a light, numbers and colours are multiples of D65 anyway.
-    fn d65(&mut self, properties: &Properties<'_>) -> Result<MitsubaSpectrum> {
+    fn d65(&mut self, properties: &Properties) -> Result<MitsubaSpectrum> {
         let scale = properties.number("scale", 1.0)?;
         let nested = properties.find("color").or_else(|| properties.take(|child| !child.plugin().is_empty()).pop());
         let Some(nested) = nested else { return Ok(MitsubaSpectrum::Number(scale)) };
@@ -126,7 +123,7 @@ impl MitsubaReader<'_> {
             MitsubaSpectrum::Rgb(rgb) => Ok(MitsubaSpectrum::Rgb(rgb.map(|c| scale * c))),
             MitsubaSpectrum::Table { .. } | MitsubaSpectrum::Blackbody { .. } => {
                 let what = "a filter of D65 that is neither a number nor a colour is not supported and is left out";
-                self.scene.leave_out(nested.place(), what);
+                self.note(&nested, what);
                 Ok(MitsubaSpectrum::Number(scale))
             }
         }
@@ -208,11 +205,8 @@ fn luminance(spectrum: &Spectrum) -> f64 {
 }
 
 impl MitsubaSpectrum {
-    /// Returns the spectrum as a light.
-    ///
-    /// # Errors
-    /// Returns an error if the temperature of a black body is not positive, or if a value is below
-    /// 0.
+    /// Returns the spectrum as a light, or an error if the temperature of a black body is not above
+    /// 0, or a value is below 0.
     pub(super) fn light(&self) -> Result<EmissionSpectrum> {
         let (spectrum, quantity) = match self {
             Self::Number(value) => (json!("D65"), *value),
@@ -254,29 +248,23 @@ impl MitsubaSpectrum {
         }
     }
 
-    /// Returns the largest value. `None` for a black body.
-    fn largest(&self) -> Option<f64> {
+    /// Returns the smallest and the largest value. `None` for a black body.
+    fn range(&self) -> Option<[f64; 2]> {
+        let of = |values: &[f64]| {
+            let values = values.iter().copied();
+            Some([values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)])
+        };
         match self {
-            Self::Number(value) | Self::Uniform(value) => Some(*value),
-            Self::Rgb(rgb) => Some(rgb.iter().copied().fold(0.0, f64::max)),
-            Self::Table { values, .. } => Some(values.iter().copied().fold(0.0, f64::max)),
-            Self::Blackbody { .. } => None,
-        }
-    }
-
-    /// Returns the smallest value. `None` for a black body.
-    fn smallest(&self) -> Option<f64> {
-        match self {
-            Self::Number(value) | Self::Uniform(value) => Some(*value),
-            Self::Rgb(rgb) => Some(rgb.iter().copied().fold(f64::INFINITY, f64::min)),
-            Self::Table { values, .. } => Some(values.iter().copied().fold(f64::INFINITY, f64::min)),
+            Self::Number(value) | Self::Uniform(value) => Some([*value; 2]),
+            Self::Rgb(rgb) => of(rgb),
+            Self::Table { values, .. } => of(values),
             Self::Blackbody { .. } => None,
         }
     }
 
     /// Returns true if all values are from 0 to 1.
     pub(super) fn is_fraction(&self) -> bool {
-        self.largest().is_some_and(|value| value <= 1.0) && self.smallest().is_some_and(|value| value >= 0.0)
+        self.range().is_some_and(|[smallest, largest]| largest <= 1.0 && smallest >= 0.0)
     }
 
     /// Applies a function to each value.
@@ -296,8 +284,8 @@ impl MitsubaSpectrum {
     /// Mitsuba, scales a colour above 1 so that its largest component is 0.5.
     pub(super) fn coefficient(&self) -> Value {
         match self {
-            Self::Rgb(rgb) if *rgb != [rgb[0]; 3] => match self.largest() {
-                Some(largest) if largest > 1.0 => {
+            Self::Rgb(rgb) if *rgb != [rgb[0]; 3] => match self.range() {
+                Some([_, largest]) if largest > 1.0 => {
                     let colour = rgb.map(|c| c / (2.0 * largest));
                     json!({"mix": [{"spectrum": {"rgb": colour}, "weight": 2.0 * largest}]})
                 }

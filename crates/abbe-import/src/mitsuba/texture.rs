@@ -24,7 +24,6 @@ pub(super) enum Textured {
     Checkerboard { colours: [MitsubaSpectrum; 2], uv: Option<Value> },
 }
 
-/// A picture.
 #[derive(Debug, Clone)]
 pub(super) struct Bitmap {
     /// Path relative to the folder of the scene file.
@@ -162,33 +161,31 @@ fn fraction(spectrum: &MitsubaSpectrum) -> MitsubaSpectrum {
 
 impl MitsubaReader<'_> {
     /// Reads a property that is a spectrum or a texture.
-    pub(super) fn textured(&mut self, properties: &Properties<'_>, name: &str) -> Result<Option<Textured>> {
+    pub(super) fn textured(&mut self, properties: &Properties, name: &str) -> Result<Option<Textured>> {
         let Some(element) = properties.find(name) else { return Ok(None) };
         let element = self.document.resolve(element);
         self.texture(&element).map(Some)
     }
 
-    /// Reads a property that is a reflectance.
-    pub(super) fn colour(&mut self, properties: &Properties<'_>, name: &str, default: f64) -> Result<Textured> {
+    pub(super) fn colour(&mut self, properties: &Properties, name: &str, default: f64) -> Result<Textured> {
         let textured = self.textured(properties, name)?;
         let textured = textured.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(default)));
         if let Textured::Spectrum(spectrum) = &textured
             && !spectrum.is_fraction()
         {
-            let what = format!("the values of \"{name}\" above 1 or below 0 become 1 and 0");
-            self.scene.leave_out(properties.element.place(), what);
+            self.note(properties.element, format!("the values of \"{name}\" above 1 or below 0 become 1 and 0"));
         }
         Ok(textured)
     }
 
     /// Reads a property that is a reflectance, in the form of the scene file.
-    pub(super) fn reflectance(&mut self, properties: &Properties<'_>, name: &str, default: f64) -> Result<Value> {
+    pub(super) fn reflectance(&mut self, properties: &Properties, name: &str, default: f64) -> Result<Value> {
         Ok(self.colour(properties, name, default)?.reflectance(1.0))
     }
 
     /// Reads a property that is a number from 0 to 1 or a texture of such numbers, in the form of
     /// the scene file. Returns the number and 1 minus the number.
-    pub(super) fn weight(&mut self, properties: &Properties<'_>, name: &str) -> Result<Option<[Value; 2]>> {
+    pub(super) fn weight(&mut self, properties: &Properties, name: &str) -> Result<Option<[Value; 2]>> {
         let textured = self.textured(properties, name)?;
         Ok(textured.map(|textured| match &textured {
             Textured::Spectrum(spectrum) => {
@@ -214,7 +211,7 @@ impl MitsubaReader<'_> {
     /// and not the roughness √α of the scene file. The scale multiplies α, unless it is a picture.
     pub(super) fn roughness(
         &mut self,
-        properties: &Properties<'_>,
+        properties: &Properties,
         name: &str,
         default: f64,
         alpha_scale: Option<f64>,
@@ -244,7 +241,6 @@ impl MitsubaReader<'_> {
         })
     }
 
-    /// Reads a texture or a spectrum.
     fn texture(&mut self, element: &Rc<XmlElement>) -> Result<Textured> {
         if element.tag != "texture" {
             return self.spectrum(element).map(Textured::Spectrum);
@@ -264,8 +260,7 @@ impl MitsubaReader<'_> {
                     let textured = self.textured(&properties, name)?;
                     let textured = textured.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(default)));
                     if !textured.is_uniform() {
-                        let what = "a texture inside a checkerboard is replaced by its mean";
-                        self.scene.leave_out(element.place(), what);
+                        self.note(element, "a texture inside a checkerboard is replaced by its mean");
                     }
                     Ok(textured.mean())
                 };
@@ -276,8 +271,7 @@ impl MitsubaReader<'_> {
                 return self.spectrum(element).map(Textured::Spectrum);
             }
             other => {
-                let what = format!("a texture of the type \"{other}\" is not supported and becomes 0.5");
-                self.scene.leave_out(element.place(), what);
+                self.note(element, format!("a texture of the type \"{other}\" is not supported and becomes 0.5"));
                 return Ok(Textured::Spectrum(MitsubaSpectrum::Number(0.5)));
             }
         };
@@ -286,7 +280,7 @@ impl MitsubaReader<'_> {
     }
 
     /// Reads the picture inside a spectrum of the type "d65", if there is one.
-    fn picture_before_d65(&mut self, properties: &Properties<'_>) -> Result<Option<Bitmap>> {
+    fn picture_before_d65(&mut self, properties: &Properties) -> Result<Option<Bitmap>> {
         let is_picture = |child: &Rc<XmlElement>| self.document.resolve(child).plugin() == "bitmap";
         let Some(picture) = properties.take(is_picture).pop().map(|it| self.document.resolve(it)) else {
             return Ok(None);
@@ -297,34 +291,26 @@ impl MitsubaReader<'_> {
         Ok(Some(bitmap))
     }
 
-    fn bitmap(&mut self, properties: &Properties<'_>) -> Result<Bitmap> {
+    fn bitmap(&mut self, properties: &Properties) -> Result<Bitmap> {
         let element = properties.element;
         let (path, file) = self.document.file(element, properties.required_text("filename")?)?;
         let raw = properties.boolean("raw", false)?;
         let wrap = choice(properties, "wrap_mode", &["repeat", "mirror", "clamp"])?;
         let filter = choice(properties, "filter_type", &["bilinear", "nearest"])?;
         properties.ignore(&["format", "accel"]);
-        Ok(Bitmap {
-            path: format!("{}{path}", self.folder),
-            file,
-            raw,
-            filters_d65: false,
-            wrap,
-            filter,
-            uv: self.uv_map(properties)?,
-        })
+        let (path, uv) = (format!("{}{path}", self.folder), self.uv_map(properties)?);
+        Ok(Bitmap { path, file, raw, filters_d65: false, wrap, filter, uv })
     }
 
     /// Reads the map of texture coordinates. `None` is the identity.
-    fn uv_map(&mut self, properties: &Properties<'_>) -> Result<Option<Value>> {
+    fn uv_map(&mut self, properties: &Properties) -> Result<Option<Value>> {
         let matrix = properties.transform("to_uv")?;
         if matrix == DMat4::IDENTITY {
             return Ok(None);
         }
         let (u, v, offset) = (matrix.x_axis.truncate().truncate(), matrix.y_axis.truncate().truncate(), matrix.w_axis);
         if u.dot(v).abs() > 1e-6 * u.length() * v.length() {
-            let what = "a shear of texture coordinates is left out";
-            self.scene.leave_out(properties.element.place(), what);
+            self.note(properties.element, "a shear of texture coordinates is left out");
         }
         let angle = atan2(-u.y, u.x).to_degrees();
         let scale_u = u.length();
@@ -335,7 +321,7 @@ impl MitsubaReader<'_> {
 }
 
 /// Returns one of the known words. The first word is the default.
-fn choice(properties: &Properties<'_>, name: &str, known: &[&'static str]) -> Result<&'static str> {
+fn choice(properties: &Properties, name: &str, known: &[&'static str]) -> Result<&'static str> {
     let Some(text) = properties.text(name)? else { return Ok(known[0]) };
     known
         .iter()

@@ -53,7 +53,6 @@ impl VolumeGrid {
         Ok(Self { resolution, bounds, values, channels })
     }
 
-    /// Returns the mean of all values.
     pub(super) fn mean(&self) -> f64 {
         self.values.iter().sum::<f64>() / self.values.len() as f64
     }

@@ -41,7 +41,6 @@ pub(super) struct XmlElement {
 }
 
 impl XmlElement {
-    /// Returns the value of an attribute.
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
@@ -56,7 +55,6 @@ impl XmlElement {
         self.attribute("type").unwrap_or_default()
     }
 
-    /// Returns the name of the property.
     pub(super) fn name(&self) -> &str {
         self.attribute("name").unwrap_or_default()
     }
@@ -90,7 +88,6 @@ pub(super) struct MitsubaDocument {
     /// The element `<scene>`.
     pub(super) root: Rc<XmlElement>,
     by_id: BTreeMap<String, Rc<XmlElement>>,
-    /// The folder of the scene.
     folder: PathBuf,
     pub(super) file_access: FileAccess,
     /// Folders of `<path>` elements, relative to the folder of the scene. Each ends with "/".
@@ -98,11 +95,7 @@ pub(super) struct MitsubaDocument {
 }
 
 impl MitsubaDocument {
-    /// Reads a scene.
-    ///
-    /// # Errors
-    /// Returns an error if a file cannot be read or is not valid XML, if the root is not `<scene>`,
-    /// if a parameter or a referenced element is missing, or if elements are nested too deeply.
+    /// Reads a scene, and checks the references and the nesting of its elements.
     pub(super) fn read(path: &Path, file_access: FileAccess) -> Result<Self> {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let mut loader = XmlLoader { folder, file_access, ..XmlLoader::default() };
@@ -130,11 +123,8 @@ impl MitsubaDocument {
         Rc::clone(found)
     }
 
-    /// Returns the path of a file that an element names, relative to the folder of the scene, and
-    /// the same path for reading. The file exists.
-    ///
-    /// # Errors
-    /// Returns an error if the file does not exist or if it may not be read.
+    /// Returns the path of an existing file that an element names, relative to the folder of the
+    /// scene, and the same path for reading.
     pub(super) fn file(&self, element: &XmlElement, name: &str) -> Result<(String, PathBuf)> {
         find_file(&self.folder, self.file_access, &self.search, &element.folder, name)
             .map_err(|error| element.locate(error))
@@ -239,7 +229,6 @@ impl XmlLoader {
         self.element(root, &context, 0)
     }
 
-    /// Converts an XML element with all elements inside it.
     fn element(&mut self, node: Node<'_, '_>, context: &FileContext, level: usize) -> Result<XmlElement> {
         let line = node.document().text_pos_at(node.range().start).row as usize;
         let (file, folder) = (Rc::clone(&context.file), Rc::clone(&context.folder));
@@ -371,4 +360,21 @@ fn snake_case(name: &str) -> String {
         before = letter;
     }
     result
+}
+
+/// Returns the number of a property such as `<float name="radius" value="2"/>`.
+pub(super) fn number(element: &XmlElement) -> Result<f64> {
+    let text = element.required("value")?;
+    parse(element, text)
+}
+
+pub(super) fn parse(element: &XmlElement, text: &str) -> Result<f64> {
+    let number = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| element.error(format!("found \"{}\"", text.trim())).expected("a number"))
+}
+
+/// Parses numbers that are separated by commas or blanks.
+pub(super) fn numbers(element: &XmlElement, text: &str) -> Result<Vec<f64>> {
+    let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
+    words.map(|word| parse(element, word)).collect()
 }

@@ -26,9 +26,6 @@ pub(super) struct ReadCamera {
 }
 
 /// Reads a camera of the type `class`. Returns `None` if the camera is left out.
-///
-/// # Errors
-/// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read_camera(
     class: &str,
     parameters: &Parameters,
@@ -116,9 +113,6 @@ impl ReadCamera {
 }
 
 /// Reads the size of the film in pixels.
-///
-/// # Errors
-/// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read_film(parameters: &Parameters, left_out: &mut Vec<String>) -> Result<[f64; 2]> {
     parameters.ignore(&["filename", "savefp16", "diagonal", "maxcomponentvalue"]);
     let sensor = parameters.string("sensor")?.unwrap_or("cie1931");

@@ -1,5 +1,6 @@
 //! Executes the directives of a pbrt file.
 
+use std::path::Path;
 use std::rc::Rc;
 
 use glam::{DMat4, DVec3};
@@ -19,11 +20,8 @@ use abbe_spectra::math::rotation::quaternion;
 const MAX_DEPTH: usize = 64;
 
 impl PbrtReader<'_> {
-    /// Returns a reader of a file. If the file uses materials before it defines them, the reader
-    /// knows all materials of the file. `main` opens the file.
-    ///
-    /// # Errors
-    /// See [`Self::execute`].
+    /// Returns a reader of a file, which `main` opens. If the file uses materials before it defines
+    /// them, the reader knows all materials of the file.
     pub(super) fn executed(new: impl Fn() -> Self, main: impl Fn() -> Result<Tokens>) -> Result<Self> {
         let mut reader = new();
         let result = reader.execute(main()?);
@@ -38,9 +36,6 @@ impl PbrtReader<'_> {
     }
 
     /// Executes all directives of a file and of the files that it includes.
-    ///
-    /// # Errors
-    /// Returns an error with the file and the line of the first directive that is not valid.
     fn execute(&mut self, main: Tokens) -> Result<()> {
         // Each file has the state to which its end returns, if it was imported.
         let mut files: Vec<(Tokens, Option<GraphicsState>)> = vec![(main, None)];
@@ -60,7 +55,7 @@ impl PbrtReader<'_> {
                 if files.len() >= MAX_DEPTH {
                     return Err(place.error("too many nested files"));
                 }
-                let path = self.file(&name)?;
+                let path = self.file_access.file(self.base, Path::new(&name))?;
                 let text =
                     read_text(&path).map_err(|error| place.error(format!("cannot include \"{name}\": {error}")))?;
                 let state = (directive == "Import").then(|| self.state.clone());
@@ -212,11 +207,10 @@ impl PbrtReader<'_> {
             "Sampler" | "PixelFilter" | "Accelerator" => return Ok(()),
             "Integrator" => {
                 if let Some(depth) = parameters.number("maxdepth")? {
-                    left_out.push(format!(
-                        "the limit of {depth} interactions is left out: Abbe follows paths to their end"
-                    ));
+                    let what =
+                        format!("the limit of {depth} interactions is left out: Abbe follows paths to their end");
+                    self.scene.leave_out(place.text(), what);
                 }
-                left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
                 return Ok(());
             }
             "Material" => {

@@ -1,7 +1,8 @@
 //! Reads pbrt-v4 scenes.
 //!
 //! The format is described at <https://pbrt.org/fileformat-v4>. `token` and `parameters` read the
-//! grammar, `directives` executes the directives, and the other modules convert their parameters.
+//! grammar, `directives` executes the directives, and the other modules convert their parameters. A
+//! parameter with a wrong type or a wrong number of values is an error with its file and line.
 //!
 //! pbrt's coordinates are left-handed: the camera looks along +z with +x to the right. Abbe's
 //! camera is right-handed. If the transform of the camera does not exchange the handedness, the

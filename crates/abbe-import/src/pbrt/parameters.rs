@@ -34,10 +34,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameter {
-    /// Returns the numbers of the parameter.
-    ///
-    /// # Errors
-    /// Returns an error if the values are not numbers.
+    /// Returns the numbers, or an error if the values are of another type.
     pub(super) fn numbers(&self) -> Result<&[f64]> {
         match &self.values {
             Values::Numbers(numbers) => Ok(numbers),
@@ -45,10 +42,7 @@ impl Parameter {
         }
     }
 
-    /// Returns the one string of the parameter.
-    ///
-    /// # Errors
-    /// Returns an error if the parameter is not one string.
+    /// Returns the one string, or an error if there is not exactly one.
     pub(super) fn string(&self) -> Result<&str> {
         match &self.values {
             Values::Strings(strings) if strings.len() == 1 => Ok(&strings[0]),
@@ -64,9 +58,6 @@ impl Parameter {
 
 impl Parameters {
     /// Reads the parameters that follow a directive.
-    ///
-    /// # Errors
-    /// Returns an error if a parameter has no type, no name or no values.
     pub(super) fn read(tokens: &mut Tokens) -> Result<Self> {
         let mut list = Vec::new();
         while let Some(Token::Quoted(declaration)) = tokens.peek()? {
@@ -113,7 +104,6 @@ impl Parameters {
         self.list.iter().for_each(|known| known.used.set(true));
     }
 
-    /// Returns a number.
     pub(super) fn number(&self, name: &str) -> Result<Option<f64>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         match parameter.numbers()? {
@@ -127,14 +117,12 @@ impl Parameters {
         Ok(self.number(name)?.unwrap_or(default))
     }
 
-    /// Returns `N` numbers.
     pub(super) fn tuple<const N: usize>(&self, name: &str) -> Result<Option<[f64; N]>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let tuple = parameter.numbers()?.try_into().map_err(|_| parameter.fault(&format!("{N} numbers")))?;
         Ok(Some(tuple))
     }
 
-    /// Returns groups of `N` numbers.
     pub(super) fn tuples<const N: usize>(&self, name: &str) -> Result<Option<Vec<[f64; N]>>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let (groups, rest) = parameter.numbers()?.as_chunks::<N>();
@@ -155,16 +143,11 @@ impl Parameters {
         parameter.numbers()?.iter().map(index).collect::<Result<Vec<u32>>>().map(Some)
     }
 
-    /// Returns a string.
     pub(super) fn string(&self, name: &str) -> Result<Option<&str>> {
         self.get(name).map(Parameter::string).transpose()
     }
 
-    /// Returns the name of a file of which the scene file will contain the path.
-    ///
-    /// # Errors
-    /// Returns an error if the parameter is not one string, or if the file may not be read or does
-    /// not exist.
+    /// Returns the name of an existing file, of which the scene file will contain the path.
     pub(super) fn file(&self, name: &str, base: &Path, file_access: FileAccess) -> Result<Option<&str>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let file = parameter.string()?;
@@ -175,7 +158,6 @@ impl Parameters {
         }
     }
 
-    /// Returns a list of strings.
     pub(super) fn strings(&self, name: &str) -> Result<Option<&[String]>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         match &parameter.values {

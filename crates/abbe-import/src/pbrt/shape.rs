@@ -24,7 +24,6 @@ pub(super) struct PbrtShape {
 /// A shape in its local coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ReadShape {
-    /// The shape of the scene file.
     pub(super) shape: Value,
     /// The transform from the shape of the scene file to the local coordinates of pbrt.
     pub(super) local: DMat4,
@@ -41,7 +40,6 @@ const DISK_SEGMENTS: u32 = 192;
 /// The number of segments along each side of a curved bilinear patch.
 const PATCH_SEGMENTS: usize = 8;
 
-/// Reads shapes.
 pub(super) struct ShapeReader<'a> {
     /// The path from the folder of the scene file to the folder of the main file.
     pub(super) folder: &'a str,
@@ -52,15 +50,11 @@ pub(super) struct ShapeReader<'a> {
     pub(super) reverse: bool,
     /// True if the material has a texture.
     pub(super) textured: bool,
-    /// Sentences about the parts that were left out.
     pub(super) left_out: Vec<String>,
 }
 
 impl ShapeReader<'_> {
     /// Reads a shape. Returns `None` if the shape is left out.
-    ///
-    /// # Errors
-    /// Returns an error if a parameter is missing, has a wrong type or a wrong number of values.
     pub(super) fn read(&mut self, class: &str, parameters: &Parameters) -> Result<Option<ReadShape>> {
         match class {
             "sphere" => self.sphere(parameters).map(Some),

@@ -15,14 +15,11 @@ use abbe_spectra::error::Result;
 /// The folder, the file access and the colour space with which spectra are read.
 #[derive(Debug, Clone)]
 pub(super) struct SpectrumContext<'a> {
-    /// The folder of the main file.
     pub(super) folder: &'a Path,
     pub(super) file_access: FileAccess,
-    /// The colour space of RGB values.
     pub(super) space: RgbSpace,
 }
 
-/// The spectrum of a light.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PbrtLightSpectrum {
     pub(super) spectrum: Value,
@@ -77,7 +74,6 @@ impl SpectrumContext<'_> {
         }
     }
 
-    /// Returns the spectrum of a light.
     pub(super) fn light(&self, parameter: &Parameter) -> Result<PbrtLightSpectrum> {
         match parameter.kind.as_str() {
             "rgb" | "color" => {
@@ -98,7 +94,6 @@ impl SpectrumContext<'_> {
         }
     }
 
-    /// Returns an index of refraction.
     pub(super) fn index(&self, parameter: &Parameter) -> Result<Value> {
         if parameter.kind == "spectrum" {
             return self.spectrum(parameter);
@@ -117,9 +112,8 @@ impl SpectrumContext<'_> {
                 }
                 let path = self.file_access.file(self.folder, Path::new(name))?;
                 if !path.is_file() {
-                    return Err(parameter
-                        .place
-                        .error(format!("the spectrum \"{name}\" is not known, and is not a file")));
+                    let what = format!("the spectrum \"{name}\" is not known, and is not a file");
+                    return Err(parameter.place.error(what));
                 }
                 let mut tokens = Tokens::new(read_text(&path)?, path.clone());
                 let mut numbers = Vec::new();
@@ -207,7 +201,6 @@ pub(super) fn scaled_rgb(rgb: [f64; 3], scale: f64) -> Value {
     scaled(json!({"rgb": rgb.map(|c| c / most)}), scale * most)
 }
 
-/// Multiplies a spectrum by a factor.
 pub(super) fn scaled(spectrum: Value, scale: f64) -> Value {
     if scale == 1.0 {
         return spectrum;

@@ -21,7 +21,6 @@ pub(super) struct GraphicsState {
     pub(super) reverse: bool,
     /// The name and the value of the current material.
     pub(super) material: (String, Rc<ReadMaterial>),
-    /// The parameters of the current area light.
     pub(super) area_light: Option<Parameters>,
     /// The names of the media inside and outside the next shapes. An empty name means no medium.
     pub(super) media: [String; 2],

@@ -30,7 +30,6 @@ impl Place {
 pub(super) enum Token {
     /// A string in quotes, without the quotes.
     Quoted(String),
-    /// A number.
     Number(f64),
     /// The start of a list.
     Open,
@@ -40,7 +39,6 @@ pub(super) enum Token {
     Word(String),
 }
 
-/// The tokens of a file, in order.
 #[derive(Debug)]
 pub(super) struct Tokens {
     text: String,
@@ -60,9 +58,6 @@ impl Tokens {
     }
 
     /// Returns the next token without reading it, or `None` at the end of the file.
-    ///
-    /// # Errors
-    /// Returns an error if a string is not closed.
     pub(super) fn peek(&mut self) -> Result<Option<Token>> {
         let (next, place) = (self.next, self.place.clone());
         let token = self.read();
@@ -71,9 +66,6 @@ impl Tokens {
     }
 
     /// Reads the next token. Returns `None` at the end of the file.
-    ///
-    /// # Errors
-    /// Returns an error if a string is not closed.
     pub(super) fn read(&mut self) -> Result<Option<Token>> {
         self.skip_blanks();
         let rest = &self.text[self.next..];

@@ -14,14 +14,13 @@ pub struct GltfAccessors<'b> {
 }
 
 impl<'b> GltfAccessors<'b> {
-    /// Reads from the buffers of the file, in their order.
     pub fn new(buffers: &'b [Data]) -> Self {
         Self { buffers }
     }
 
     /// Returns the items of an accessor after checking that all items are inside the buffer. Each
     /// item has `size` bytes. Items without data are 0.
-    fn items(&self, accessor: &Accessor<'_>, size: usize) -> Result<impl Iterator<Item = &'b [u8]> + use<'b>> {
+    fn items(&self, accessor: &Accessor, size: usize) -> Result<impl Iterator<Item = &'b [u8]> + use<'b>> {
         /// The largest number of items without data.
         const MOST_ZEROS: usize = 1 << 24;
         /// An item without data. No item is larger.
@@ -56,7 +55,7 @@ impl<'b> GltfAccessors<'b> {
     /// not all inside the view.
     fn view_items(
         &self,
-        view: &View<'_>,
+        view: &View,
         offset: usize,
         count: usize,
         size: usize,
@@ -73,7 +72,7 @@ impl<'b> GltfAccessors<'b> {
     }
 
     /// Returns vectors of three numbers. The numbers may be integers (KHR_mesh_quantization).
-    pub fn vectors(&self, accessor: &Accessor<'_>) -> Result<impl Iterator<Item = DVec3> + use<'b>> {
+    pub fn vectors(&self, accessor: &Accessor) -> Result<impl Iterator<Item = DVec3> + use<'b>> {
         if accessor.dimensions() != Dimensions::Vec3 {
             return Err(Error::input(format!("accessor {} does not hold vectors of three numbers", accessor.index())));
         }
@@ -81,7 +80,7 @@ impl<'b> GltfAccessors<'b> {
     }
 
     /// Returns matrices of four rows and four columns, column by column.
-    pub(super) fn matrices(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 16]>> {
+    pub(super) fn matrices(&self, accessor: &Accessor) -> Result<Vec<[f64; 16]>> {
         if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
             return Err(Error::input(format!("accessor {} does not hold matrices", accessor.index())));
         }
@@ -89,7 +88,7 @@ impl<'b> GltfAccessors<'b> {
     }
 
     /// Returns texture coordinates.
-    pub(super) fn pairs(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 2]>> {
+    pub(super) fn pairs(&self, accessor: &Accessor) -> Result<Vec<[f64; 2]>> {
         if accessor.dimensions() != Dimensions::Vec2 {
             return Err(Error::input(format!("accessor {} does not hold texture coordinates", accessor.index())));
         }
@@ -98,7 +97,7 @@ impl<'b> GltfAccessors<'b> {
 
     /// Returns arrays of `N` numbers. If the accessor says so, integers are divided by the largest
     /// integer of their type.
-    fn numbers<const N: usize>(&self, accessor: &Accessor<'_>) -> Result<impl Iterator<Item = [f64; N]> + use<'b, N>> {
+    fn numbers<const N: usize>(&self, accessor: &Accessor) -> Result<impl Iterator<Item = [f64; N]> + use<'b, N>> {
         let (kind, normalized) = (accessor.data_type(), accessor.normalized());
         if kind == DataType::U32 {
             return Err(Error::input(format!("accessor {} holds integers of 32 bits", accessor.index())));
@@ -117,8 +116,7 @@ impl<'b> GltfAccessors<'b> {
         Ok(self.items(accessor, N * size)?.map(move |item| std::array::from_fn(|i| number(item, i))))
     }
 
-    /// Returns indices of vertices.
-    pub(super) fn indices(&self, accessor: &Accessor<'_>) -> Result<Vec<u32>> {
+    pub(super) fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>> {
         let wrong = || Error::input(format!("accessor {} does not hold indices", accessor.index()));
         if accessor.dimensions() != Dimensions::Scalar {
             return Err(wrong());
@@ -137,7 +135,7 @@ impl<'b> GltfAccessors<'b> {
 
     /// Returns the numbers of an accessor of scalars, vectors of three numbers, or quaternions.
     /// Each item is filled up with zeros.
-    pub fn floats(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 4]>> {
+    pub fn floats(&self, accessor: &Accessor) -> Result<Vec<[f64; 4]>> {
         match accessor.dimensions() {
             Dimensions::Scalar => Ok(self.numbers(accessor)?.map(|[x]| [x, 0.0, 0.0, 0.0]).collect()),
             Dimensions::Vec3 => Ok(self.numbers(accessor)?.map(|[x, y, z]| [x, y, z, 0.0]).collect()),

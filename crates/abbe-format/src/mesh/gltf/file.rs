@@ -17,7 +17,6 @@ use abbe_spectra::error::{Error, Result};
 
 /// A glTF file whose geometry and pictures are not read yet.
 pub struct GltfFile {
-    /// The document.
     pub document: Document,
     /// True if the file animates other properties than those of nodes (KHR_animation_pointer).
     pub has_property_animations: bool,

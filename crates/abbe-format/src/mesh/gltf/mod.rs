@@ -101,7 +101,7 @@ pub fn first_parts(document: &Document) -> Vec<u32> {
 }
 
 /// Returns true if a primitive consists of triangles.
-pub fn has_triangles(primitive: &Primitive<'_>) -> bool {
+pub fn has_triangles(primitive: &Primitive) -> bool {
     match primitive.mode() {
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => false,
         Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan => true,
@@ -123,7 +123,7 @@ impl<'b> SceneReader<'b> {
     /// the transform after the deformation.
     fn primitive(
         &mut self,
-        primitive: &Primitive<'_>,
+        primitive: &Primitive,
         name: &str,
         placed: DAffine3,
         deformation: &Deformation,
@@ -158,7 +158,7 @@ impl<'b> SceneReader<'b> {
     }
 
     /// Returns the vertex colours in linear sRGB, or `None` if the primitive has none.
-    fn vertex_colours(&self, primitive: &Primitive<'_>) -> Result<Option<Vec<[f32; 3]>>> {
+    fn vertex_colours(&self, primitive: &Primitive) -> Result<Option<Vec<[f32; 3]>>> {
         let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(None) };
         let colours = self.accessors.floats(&accessor)?;
         // A colour that is not a number becomes 0.
@@ -170,26 +170,22 @@ impl<'b> SceneReader<'b> {
     /// coordinates into this picture replace those of the file.
     fn mesh(
         &self,
-        primitive: &Primitive<'_>,
+        primitive: &Primitive,
         placed: DAffine3,
         deformation: &Deformation,
         colours: Option<&[[f32; 3]]>,
     ) -> Result<(TriangleMesh, Option<MeshTexture>)> {
         let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| Error::input("it has no positions"))?;
-        let normals = match primitive.get(&Semantic::Normals) {
-            Some(accessor) => Some(self.accessors.vectors(&accessor)?.collect()),
-            None => None,
-        };
+        let normals = primitive.get(&Semantic::Normals).map(|accessor| self.accessors.vectors(&accessor));
+        let normals = normals.transpose()?.map(Iterator::collect);
         let mut vertices = VertexData { positions: self.accessors.vectors(&accessor)?.collect(), normals };
         deformation.apply(primitive, &self.accessors, &mut vertices)?;
         let VertexData { mut positions, mut normals } = vertices;
         positions.iter_mut().for_each(|position| *position = placed.transform_point3(*position));
         normals.iter_mut().flatten().for_each(|normal| *normal = placed_normal(&placed, *normal));
         let mirrored = placed.matrix3.determinant() < 0.0;
-        let uvs = match primitive.get(&Semantic::TexCoords(uv_set(&primitive.material()))) {
-            Some(accessor) => Some(self.accessors.pairs(&accessor)?),
-            None => None,
-        };
+        let uvs = primitive.get(&Semantic::TexCoords(uv_set(&primitive.material())));
+        let uvs = uvs.map(|accessor| self.accessors.pairs(&accessor)).transpose()?;
         let indices = match primitive.indices() {
             Some(accessor) => self.accessors.indices(&accessor)?,
             None => (0..positions.len() as u32).collect(),
@@ -217,7 +213,6 @@ impl<'b> SceneReader<'b> {
     }
 }
 
-/// Converts a list of indices to triangles.
 fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),

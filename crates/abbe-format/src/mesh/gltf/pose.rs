@@ -28,10 +28,7 @@ pub(super) struct VertexData {
 }
 
 impl RestPose {
-    /// Places all nodes of a file.
-    ///
-    /// # Errors
-    /// Returns an error if the transform of a node is damaged.
+    /// Places all nodes of a file. A damaged transform is an error.
     pub fn of(document: &Document) -> Result<Self> {
         let mut to_world = vec![DAffine3::IDENTITY; document.nodes().len()];
         for_each_node(document, |node, _, placed| {
@@ -41,14 +38,13 @@ impl RestPose {
         Ok(Self { to_world })
     }
 
-    /// Returns the deformation of the mesh of a node.
-    pub fn deformation(&self, node: &Node<'_>, mesh: &Mesh<'_>, accessors: &GltfAccessors<'_>) -> Result<Deformation> {
+    pub fn deformation(&self, node: &Node, mesh: &Mesh, accessors: &GltfAccessors) -> Result<Deformation> {
         let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
         let joints = node.skin().map(|skin| self.joints(&skin, accessors)).transpose()?;
         Ok(Deformation { weights: weights.iter().map(|&weight| f64::from(weight)).collect(), joints })
     }
 
-    fn joints(&self, skin: &Skin<'_>, accessors: &GltfAccessors<'_>) -> Result<Vec<DAffine3>> {
+    fn joints(&self, skin: &Skin, accessors: &GltfAccessors) -> Result<Vec<DAffine3>> {
         let joints: Vec<DAffine3> = skin.joints().map(|joint| self.to_world[joint.index()]).collect();
         let Some(accessor) = skin.inverse_bind_matrices() else { return Ok(joints) };
         let inverse = accessors.matrices(&accessor)?;
@@ -76,8 +72,8 @@ impl Deformation {
     /// Moves the vertices of a primitive.
     pub(super) fn apply(
         &self,
-        primitive: &Primitive<'_>,
-        accessors: &GltfAccessors<'_>,
+        primitive: &Primitive,
+        accessors: &GltfAccessors,
         vertices: &mut VertexData,
     ) -> Result<()> {
         let VertexData { positions, normals } = vertices;

@@ -26,7 +26,7 @@ pub(super) struct ConvertedMaterial {
 
 /// Converts a material. Returns `None` if it does not have the extension. A picture of speculars is
 /// replaced by its mean.
-pub(super) fn convert(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set: u32) -> Option<ConvertedMaterial> {
+pub(super) fn convert(file: &Material, pictures: &mut GltfPictures, set: u32) -> Option<ConvertedMaterial> {
     let extension = file.extension_value(SPECULAR_GLOSSINESS)?;
     let mut specular = colour(extension, "specularFactor").map(|c| c.min(1.0));
     let mut glossiness = fraction(extension, "glossinessFactor", 1.0);

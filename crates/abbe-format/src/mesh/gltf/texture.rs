@@ -38,7 +38,7 @@ impl<'b> GltfPictures<'b> {
 
     /// Reads a texture over the set of texture coordinates `set`. Returns `None` if the picture
     /// cannot be used, or if the texture uses another set.
-    pub(super) fn texture(&mut self, info: &Info<'_>, set: u32) -> Option<MeshTexture> {
+    pub(super) fn texture(&mut self, info: &Info, set: u32) -> Option<MeshTexture> {
         let transform = info.texture_transform().map_or(UvTransform::IDENTITY, |it| {
             let pair = |pair: [f32; 2]| pair.map(f64::from);
             UvTransform::new(pair(it.scale()), f64::from(it.rotation()), pair(it.offset()))
@@ -48,7 +48,7 @@ impl<'b> GltfPictures<'b> {
 
     /// Reads a normal map over the set of texture coordinates `set`. Returns `None` if the picture
     /// cannot be used, or if the map uses another set.
-    pub(super) fn normal_map(&mut self, file: &NormalTexture<'_>, set: u32) -> Option<MeshTexture> {
+    pub(super) fn normal_map(&mut self, file: &NormalTexture, set: u32) -> Option<MeshTexture> {
         let transform = explicit_transform(file.extension_value("KHR_texture_transform"));
         if normal_uv_set_of(file) == set { self.placed(&file.texture(), transform) } else { None }
     }
@@ -64,8 +64,7 @@ impl<'b> GltfPictures<'b> {
         if used == u64::from(set) { self.placed(&texture, explicit_transform(transform)) } else { None }
     }
 
-    /// Reads a texture with a map of texture coordinates.
-    fn placed(&mut self, texture: &Texture<'_>, transform: UvTransform) -> Option<MeshTexture> {
+    fn placed(&mut self, texture: &Texture, transform: UvTransform) -> Option<MeshTexture> {
         let sampler = texture.sampler();
         let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
             WrappingMode::ClampToEdge => Wrap::Clamp,
@@ -126,12 +125,12 @@ fn explicit_transform(explicit: Option<&Value>) -> UvTransform {
 }
 
 /// Returns the number of the set of texture coordinates that a texture uses.
-pub(super) fn uv_set_of(info: &Info<'_>) -> u32 {
+pub(super) fn uv_set_of(info: &Info) -> u32 {
     info.texture_transform().and_then(|transform| transform.tex_coord()).unwrap_or(info.tex_coord())
 }
 
 /// Returns the number of the set of texture coordinates that a normal map uses.
-pub(super) fn normal_uv_set_of(file: &NormalTexture<'_>) -> u32 {
+pub(super) fn normal_uv_set_of(file: &NormalTexture) -> u32 {
     let explicit = file.extension_value("KHR_texture_transform").and_then(|it| it.get("texCoord"));
     explicit.and_then(Value::as_u64).and_then(|set| u32::try_from(set).ok()).unwrap_or(file.tex_coord())
 }

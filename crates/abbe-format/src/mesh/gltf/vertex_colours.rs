@@ -9,7 +9,6 @@ use abbe_optics::texture::{Filter, ImageSize, UvTransform, Wrap};
 /// A picture with one cell of 2 × 2 pixels for each triangle. In a cell, bilinear interpolation of
 /// the pixels equals linear interpolation of the colours of the corners.
 pub(super) struct ColourPicture {
-    /// The picture.
     pub(super) texture: MeshTexture,
     /// For each triangle, its three corners in the order of their texture coordinates: the vertex
     /// and the texture coordinates.
