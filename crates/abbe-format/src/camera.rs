@@ -1,12 +1,12 @@
 //! The camera, its motion and its shutter in the scene file.
 
+use crate::JsonSchema;
 use glam::DVec3;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
-use super::forms;
 use super::lens::LensFile;
 use crate::json::JsonPath;
 use abbe_scene::motion::{AnimatedLookAt, LookAt};
@@ -39,7 +39,7 @@ pub struct CameraFile {
     /// Keyframes of the camera, in the order of their times. The motion between them is
     /// interpolated.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<CameraKeyframeFile>,
 }
 

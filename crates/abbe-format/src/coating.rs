@@ -1,10 +1,10 @@
 //! Stacks of thin films in the scene file and on the command line.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use crate::JsonSchema;
 use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "schema")]
 use serde_json::json;
-use std::borrow::Cow;
 
 use super::check;
 use super::forms::{self, Form, Forms};
@@ -79,12 +79,13 @@ pub struct ComplexIndexFile {
     pub k: SpectrumFile,
 }
 
-impl JsonSchema for CoatingIndexFile {
-    fn schema_name() -> Cow<'static, str> {
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for CoatingIndexFile {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
         "CoatingIndexFile".into()
     }
 
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
         let choices = [generator.subschema_for::<IndexFile>(), generator.subschema_for::<ComplexIndexFile>()];
         schemars::json_schema!({
             "title": "Index of a film",

@@ -1,7 +1,8 @@
 //! Scalar fields of inhomogeneous media in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
@@ -94,7 +95,7 @@ pub struct SphereFieldFile {
     pub radius: f64,
     /// Fraction of the radius over which the value decreases to 0.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0, max = 1))]
     pub falloff: f64,
 }
 
@@ -118,16 +119,16 @@ pub struct NoiseFieldFile {
     pub octaves: u32,
     /// Noise below this fraction of `value` becomes 0. The rest is rescaled to the full range.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0, max = 1))]
     pub threshold: f64,
     /// Width of the fade to 0 near the ellipsoid that touches the faces of the box from inside. It
     /// is a fraction of the ellipsoid's half-axes. If it is 0, the noise fills the whole box.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0, max = 1))]
     pub falloff: f64,
     /// Seed of the noise.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub seed: u32,
 }
 

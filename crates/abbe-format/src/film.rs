@@ -1,11 +1,12 @@
 //! The film in the scene file: what the camera records and how the PNG shows it.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
-use super::forms::{self, is_default};
+use super::forms::is_default;
 use crate::json::JsonPath;
 use abbe_spectra::error::Result;
 
@@ -29,36 +30,36 @@ pub struct FilmFile {
     pub observer: ObserverFile,
     /// Number of spectral bands that the EXR holds in addition to the colours.
     #[serde(default, skip_serializing_if = "is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1024))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0, max = 1024))]
     pub spectral_bands: u32,
     /// Layers that the EXR holds in addition to the colours.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub layers: Vec<LayerFile>,
     /// How colours outside the PNG's colour space are mapped into it. The EXR keeps colours outside
     /// the gamut.
     #[serde(default, skip_serializing_if = "is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub gamut: GamutFile,
     /// How the PNG shows colours that are too bright for the display.
     #[serde(default, skip_serializing_if = "is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub tone: ToneFile,
     /// The light that the PNG shows as white, by Bradford's chromatic adaptation. "none" applies no
     /// adaptation, "scene" takes the sum of all lights, and the name of a spectrum of the scene or
     /// the library, such as "A", takes this spectrum. Monochromatic light cannot be balanced and is
     /// an error.
     #[serde(default, skip_serializing_if = "is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub white_balance: WhiteBalanceFile,
     /// Colour space of the PNG. The PNG has 8 bits per channel in sRGB and Display P3, and 16 bits
     /// in Rec. 2020 and ACEScg. The RGB channels of the EXR are always linear Rec. 709.
     #[serde(default, skip_serializing_if = "is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub output_space: OutputSpaceFile,
     /// Brightness of the PNG.
     #[serde(default, skip_serializing_if = "is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub exposure: ExposureFile,
 }
 

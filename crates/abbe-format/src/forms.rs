@@ -8,7 +8,6 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use schemars::Schema;
 use serde::de::{
     Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
     VariantAccess, Visitor,
@@ -192,93 +191,12 @@ impl<'de, V: Visitor<'de>> DeserializeSeed<'de> for Contents<V> {
     }
 }
 
-/// Changes the schema of an object form so that the schema also allows plain forms.
-pub(super) fn allow_also(schema: &mut Schema, plain: &[serde_json::Value]) {
-    let object = schema.ensure_object();
-    // The examples of a struct stay with its object form.
-    let has_forms = object.contains_key("oneOf") || object.contains_key("anyOf");
-    let keys: &[&str] = if has_forms { &["title", "description", "examples"] } else { &["title", "description"] };
-    let kept: Vec<_> = keys.iter().filter_map(|key| object.remove_entry(*key)).collect();
-    let mut choices = plain.to_vec();
-    match object.remove("oneOf").or_else(|| object.remove("anyOf")) {
-        Some(serde_json::Value::Array(forms)) => choices.extend(forms),
-        Some(other) => choices.push(other),
-        None => choices.push(serde_json::Value::Object(std::mem::take(object))),
-    }
-    for (key, value) in kept {
-        object.insert(key, value);
-    }
-    object.insert("anyOf".into(), choices.into());
-}
-
-pub(super) fn or_name(schema: &mut Schema) {
-    allow_also(schema, &[serde_json::json!({"type": "string"})]);
-}
-
-pub(super) fn or_number(schema: &mut Schema) {
-    allow_also(schema, &[serde_json::json!({"type": "number"})]);
-}
-
-pub(super) fn or_number_or_name(schema: &mut Schema) {
-    allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
-}
-
-/// Returns the schema for the radius of a lens surface. The key is required. The values 0 and null
-/// mean a plane.
-pub(super) fn radius_or_plane(_: &mut schemars::SchemaGenerator) -> Schema {
-    schemars::json_schema!({"type": ["number", "null"]})
-}
-
 /// Reads the radius of a lens surface. The value null becomes 0, which means a plane.
 pub(super) fn deserialize_radius<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(0.0))
 }
 
-/// Adds a rule to the schema of an array: each element must be above 0.
-pub(super) fn positive_items(schema: &mut Schema) {
-    if let Some(items) = schema.get_mut("items").and_then(serde_json::Value::as_object_mut) {
-        items.insert("exclusiveMinimum".into(), 0.into());
-    }
-}
-
-/// Returns false. As the `skip_serializing_if` of schemars, it puts the default of a key into the
-/// schema, although serde leaves out a key with the default value.
-pub(super) fn never<T>(_: &T) -> bool {
-    false
-}
-
 /// Returns whether a value is the default of its type, which is left out when a scene is written.
 pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::index::IndexFile;
-    use super::super::lens::PrescriptionFile;
-    use super::super::spectrum::SpectrumFile;
-    use super::super::texture::{REFLECTANCE_FORMS, ReflectanceFile, ScalarFile};
-    use super::*;
-
-    /// Finds the object forms in the schema of a type, and returns their keys.
-    fn object_forms<T: schemars::JsonSchema>() -> Vec<String> {
-        let schema = schemars::schema_for!(T);
-        let choices = schema.get("anyOf").and_then(serde_json::Value::as_array).unwrap();
-        let keys = choices.iter().filter_map(|choice| choice.get("required")?.get(0)?.as_str());
-        keys.map(str::to_string).collect()
-    }
-
-    #[test]
-    fn errors_list_the_forms_that_the_types_have() {
-        let ends_with = |expected: &str, forms: &[String]| expected.ends_with(&forms.join(", "));
-        let spectrum = object_forms::<SpectrumFile>();
-        assert_eq!(spectrum.len(), 11);
-        assert!(ends_with(SpectrumFile::EXPECTED, &spectrum));
-        let reflectance = [spectrum, object_forms::<ReflectanceFile>()].concat();
-        assert_eq!(reflectance, REFLECTANCE_FORMS);
-        assert!(ends_with(ReflectanceFile::EXPECTED, &reflectance));
-        assert!(ends_with(ScalarFile::EXPECTED, &object_forms::<ScalarFile>()));
-        assert!(ends_with(IndexFile::EXPECTED, &object_forms::<IndexFile>()));
-        assert!(ends_with(PrescriptionFile::EXPECTED, &object_forms::<PrescriptionFile>()));
-    }
 }

@@ -1,7 +1,8 @@
 //! Diffraction gratings in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 use std::f64::consts::PI;
 
@@ -33,12 +34,12 @@ pub struct GratingFile {
     pub transmittance: Option<SpectrumFile>,
     /// Course of the grooves over the surface.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub grooves: GroovesFile,
     /// Angle by which parallel grooves appear turned counter-clockwise. At 0, they run along v, and
     /// positive orders lean towards u.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", extend("x-unit" = "degrees"))]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "degrees"))]
     pub angle: f64,
 }
 

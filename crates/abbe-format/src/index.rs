@@ -1,8 +1,9 @@
 //! Indices of refraction in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
@@ -15,7 +16,7 @@ use abbe_spectra::error::Result;
 /// catalogue, or an object with one key. `abbe glass --list` prints the names.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(rename = "IndexFile", title = "Index of refraction", transform = forms::or_number_or_name)]
+#[schemars(rename = "IndexFile", title = "Index of refraction", transform = crate::schema::or_number_or_name)]
 #[schemars(example = json!(1.5), example = &"N-BK7")]
 pub enum IndexFile {
     /// The same index at every wavelength, without dispersion.
@@ -34,7 +35,7 @@ pub enum IndexFile {
         b: f64,
         /// Coefficient of 1/λ⁴.
         #[serde(default, skip_serializing_if = "forms::is_default")]
-        #[schemars(skip_serializing_if = "forms::never", extend("x-unit" = "µm⁴"))]
+        #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "µm⁴"))]
         c: f64,
     },
     /// Sellmeier's formula n² = 1 + Σ bᵢλ²/(λ² − cᵢ) with λ in µm.
@@ -63,7 +64,7 @@ pub enum IndexFile {
     #[schemars(example = json!({"table": {"nm": [400, 550, 700], "values": [1.53, 1.519, 1.513]}}))]
     Table {
         /// Wavelengths in rising order.
-        #[schemars(length(min = 2), transform = forms::positive_items, extend("x-unit" = "nm"))]
+        #[schemars(length(min = 2), transform = crate::schema::positive_items, extend("x-unit" = "nm"))]
         nm: Vec<f64>,
         /// One index for each wavelength.
         #[schemars(inner(range(min = 1)))]
@@ -80,7 +81,7 @@ pub enum IndexFile {
         name: String,
         /// The dispersion formula.
         #[serde(default, skip_serializing_if = "forms::is_default")]
-        #[schemars(skip_serializing_if = "forms::never")]
+        #[schemars(skip_serializing_if = "crate::schema::never")]
         formula: FormulaFile,
     },
     /// Path of a file with measured indices, relative to the scene's folder: an entry of the

@@ -1,8 +1,9 @@
 //! The lens of the camera in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
@@ -82,11 +83,11 @@ pub struct ThinLensFile {
     pub blades: Option<u32>,
     /// Rotation of the polygonal aperture stop.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", extend("x-unit" = "°"))]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "°"))]
     pub rotation: f64,
     /// True if light is diffracted at the aperture stop.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub diffraction: bool,
 }
 
@@ -127,11 +128,11 @@ pub struct SystemLensFile {
     pub blades: Option<u32>,
     /// Rotation of the polygonal aperture stop.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", extend("x-unit" = "°"))]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "°"))]
     pub rotation: f64,
     /// True if light is diffracted at the aperture stop.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub diffraction: bool,
     /// The light that the surfaces transmit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -144,7 +145,7 @@ pub struct SystemLensFile {
     pub coating: Option<CoatingFile>,
     /// True if light that two surfaces of the lens reflect reaches the sensor.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub ghosts: bool,
 }
 
@@ -163,7 +164,7 @@ pub enum LensTransmissionFile {
 /// `.zmx`), or a list of surfaces. `abbe lens --list` prints the built-in names.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(rename = "PrescriptionFile", title = "Prescription", transform = forms::or_name)]
+#[schemars(rename = "PrescriptionFile", title = "Prescription", transform = crate::schema::or_name)]
 #[schemars(example = &"double-gauss", example = &"lenses/singlet.json")]
 pub enum PrescriptionFile {
     /// The name of a built-in prescription, or a path relative to the scene's folder.
@@ -213,16 +214,16 @@ pub struct LensSurfaceFile {
     /// Radius of curvature, positive if the centre of curvature lies towards the sensor. 0 or null
     /// is a plane. The magnitude must be at least `semi_aperture_mm`, unless `conic` is stated.
     #[serde(deserialize_with = "forms::deserialize_radius")]
-    #[schemars(schema_with = "forms::radius_or_plane", extend("x-unit" = "mm"))]
+    #[schemars(schema_with = "crate::schema::radius_or_plane", extend("x-unit" = "mm"))]
     pub radius_mm: f64,
     /// Conic constant: 0 is a sphere, −1 a paraboloid.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub conic: f64,
     /// Coefficients of h⁴, h⁶, … that an even asphere adds to the sag of the conic, where h is the
     /// distance from the axis in mm.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never", length(max = 8), extend("x-unit" = "mm⁻³, mm⁻⁵, …"))]
+    #[schemars(skip_serializing_if = "crate::schema::never", length(max = 8), extend("x-unit" = "mm⁻³, mm⁻⁵, …"))]
     pub aspheric: Vec<f64>,
     /// Distance to the next surface along the axis.
     #[schemars(range(min = 0), extend("x-unit" = "mm"))]
@@ -235,7 +236,7 @@ pub struct LensSurfaceFile {
     pub semi_aperture_mm: f64,
     /// True if this surface is the aperture stop.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub stop: bool,
     /// Thin films on the surface, from the air to the glass. Between two glasses, from the scene to
     /// the sensor.

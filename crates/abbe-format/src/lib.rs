@@ -60,6 +60,8 @@ mod field;
 mod film;
 mod foreign;
 mod forms;
+#[cfg(all(test, feature = "schema"))]
+mod forms_tests;
 mod grating;
 mod index;
 pub mod json;
@@ -83,6 +85,8 @@ mod reference_tests;
 mod render;
 pub mod resolve;
 mod scene_file;
+#[cfg(feature = "schema")]
+mod schema;
 #[cfg(test)]
 mod schema_tests;
 mod shape;
@@ -146,7 +150,14 @@ pub fn schema() -> serde_json::Value {
 }
 
 /// Generates the JSON Schema of the scene file from the types of this module. Only tests call this
-/// function: they compare it with the file `scenes/scene.schema.json`, which [`schema`] returns.
+/// function: they compare it with the file `scenes/scene.schema.json`, which [`schema()`] returns.
+#[cfg(feature = "schema")]
 pub fn generated_schema() -> serde_json::Value {
     schemars::generate::SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<SceneFile>().into()
 }
+
+/// Derives nothing in place of the trait of schemars.
+#[cfg(not(feature = "schema"))]
+pub(crate) use abbe_no_schema::JsonSchema;
+#[cfg(feature = "schema")]
+pub(crate) use schemars::JsonSchema;

@@ -8,8 +8,9 @@ pub use distant::{DirectionalFile, EnvironmentFile, ProjectionFile};
 pub use ies::IesFile;
 pub use sky::{PlaceFile, SkyFile, SunFile};
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
@@ -120,11 +121,11 @@ pub struct PointFile {
     pub group: Option<String>,
     /// Placement of the light in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
 }
 
@@ -160,11 +161,11 @@ pub struct SpotFile {
     /// Angle over which the intensity falls to 0 at the edge of the cone. It is at most
     /// `half_angle`.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0), extend("x-unit" = "°"))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0), extend("x-unit" = "°"))]
     pub penumbra: f64,
     /// How the intensity falls over the penumbra.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub falloff: SpotFalloffFile,
     /// Relative distribution of the light over wavelength. The given quantity sets the scale.
     #[schemars(extend("minimum" = 0))]
@@ -192,11 +193,11 @@ pub struct SpotFile {
     pub group: Option<String>,
     /// Placement of the light in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
 }
 
@@ -215,7 +216,7 @@ pub struct BeamFile {
     pub radius: f64,
     /// Half-angle of the cone of constant radiance at each point of the disk. 0 is parallel light.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0))]
     #[schemars(extend("exclusiveMaximum" = 90, "x-unit" = "°"))]
     pub divergence: f64,
     /// Relative distribution of the light over wavelength. The given quantity sets the scale.
@@ -236,11 +237,11 @@ pub struct BeamFile {
     pub group: Option<String>,
     /// Placement of the light in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
 }
 

@@ -1,7 +1,8 @@
 //! Materials in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
@@ -123,7 +124,7 @@ pub enum MaterialFile {
         /// base then makes the coated surface darker. False if `reflectance` is the fraction of the
         /// light in the coat that leaves it again.
         #[serde(default, skip_serializing_if = "forms::is_default")]
-        #[schemars(skip_serializing_if = "forms::never")]
+        #[schemars(skip_serializing_if = "crate::schema::never")]
         interreflection: bool,
     },
     /// A thin sheet that reflects and transmits diffusely, such as paper.
@@ -166,7 +167,7 @@ pub struct DielectricFile {
     pub ior: IndexFile,
     /// Roughness of the surface: 0 is polished.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", extend("minimum" = 0, "maximum" = 1))]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("minimum" = 0, "maximum" = 1))]
     pub roughness: ScalarFile,
     /// Absorption coefficient inside the body (Beer's law).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -184,7 +185,7 @@ pub struct DielectricFile {
     /// Priority where dielectrics or media overlap: the highest one fills the space. Among equal
     /// priorities, the innermost body fills the space.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub priority: i32,
 }
 
@@ -260,7 +261,7 @@ pub struct ConductorFile {
     pub reflectance: Option<ReflectanceFile>,
     /// Roughness of the surface: 0 is polished.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", extend("minimum" = 0, "maximum" = 1))]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("minimum" = 0, "maximum" = 1))]
     pub roughness: ScalarFile,
     /// Thin films on the metal, from the outside to the metal. They need an index of refraction,
     /// and no `reflectance`.

@@ -1,7 +1,8 @@
 //! Participating media in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
@@ -70,15 +71,15 @@ pub struct HomogeneousFile {
     /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
     /// priorities, the innermost one fills it.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub priority: i32,
     /// Placement of the medium in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
 }
 
@@ -109,7 +110,7 @@ pub struct GridFile {
     pub temperature: Option<FieldFile>,
     /// The estimator of transmittance.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transmittance: TransmittanceFile,
     /// A fluorescent dye in the medium. Its absorption is added to `absorption`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -118,15 +119,15 @@ pub struct GridFile {
     /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
     /// priorities, the innermost one fills it.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub priority: i32,
     /// Placement of the medium in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
 }
 

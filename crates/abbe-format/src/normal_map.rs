@@ -1,6 +1,6 @@
 //! Normal maps in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::forms;
@@ -19,19 +19,19 @@ pub struct NormalMapFile {
     pub path: String,
     /// Factor of the components x and y.
     #[serde(default = "one", skip_serializing_if = "is_one")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0))]
     pub strength: f64,
     /// Direction in the picture in which the normals with a large green component lean.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub green: GreenFile,
     /// What the picture looks like outside the unit square of uv.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub wrap: WrapFile,
     /// How texels are interpolated.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub filter: FilterFile,
     /// The map of texture coordinates.
     #[serde(default, skip_serializing_if = "forms::is_default")]

@@ -1,12 +1,12 @@
 //! Objects in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
 use super::emission::EmissionFile;
-use super::forms;
 use super::shape::ShapeFile;
 use super::transform::{KeyframeFile, TransformFile, validate_motion};
 use crate::json::JsonPath;
@@ -36,11 +36,11 @@ pub struct ObjectFile {
     pub material: Option<String>,
     /// Placement of the shape in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
     /// Light that the surface emits.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,8 +1,9 @@
 //! Pictures as textures in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::forms::{self, Form, Forms};
@@ -15,7 +16,7 @@ const PATH_OR_OBJECT: &str = "a path, or an object with the key path";
 /// Radiance HDR files are read. The alpha channel is not used.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
-#[schemars(rename = "ColourImageFile", title = "Picture of reflectances", transform = forms::or_name)]
+#[schemars(rename = "ColourImageFile", title = "Picture of reflectances", transform = crate::schema::or_name)]
 #[schemars(example = &"wood.jpg", example = json!({
     "path": "wood.jpg", "encoding": "srgb", "factor": [0.9, 0.9, 0.9], "wrap": "mirror", "filter": "bilinear",
     "uv": {"scale": [4, 4]}
@@ -29,15 +30,15 @@ pub struct ColourImageFile {
     pub encoding: Option<EncodingFile>,
     /// Factors of the linear red, green and blue components.
     #[serde(default = "one_per_channel", skip_serializing_if = "is_one_per_channel")]
-    #[schemars(skip_serializing_if = "forms::never", inner(range(min = 0)))]
+    #[schemars(skip_serializing_if = "crate::schema::never", inner(range(min = 0)))]
     pub factor: [f64; 3],
     /// What the picture looks like outside the unit square of uv.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub wrap: WrapFile,
     /// How texels are interpolated.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub filter: FilterFile,
     /// The map of texture coordinates.
     #[serde(default, skip_serializing_if = "forms::is_default")]
@@ -65,7 +66,7 @@ impl ColourImageFile {
 /// Between the wavelengths of the channels, the reflectance is interpolated linearly.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
-#[schemars(rename = "BandImageFile", title = "Picture of spectral bands", transform = forms::or_name)]
+#[schemars(rename = "BandImageFile", title = "Picture of spectral bands", transform = crate::schema::or_name)]
 #[schemars(example = &"painting.exr", example = json!({
     "path": "painting.exr", "factor": 0.8, "wrap": "clamp", "filter": "nearest", "uv": {"scale": [2, 2]}
 }))]
@@ -74,15 +75,15 @@ pub struct BandImageFile {
     pub path: String,
     /// Factor of all values.
     #[serde(default = "one", skip_serializing_if = "is_one")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0))]
     pub factor: f64,
     /// What the picture looks like outside the unit square of uv.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub wrap: WrapFile,
     /// How texels are interpolated.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub filter: FilterFile,
     /// The map of texture coordinates.
     #[serde(default, skip_serializing_if = "forms::is_default")]
@@ -108,7 +109,7 @@ impl BandImageFile {
 /// A channel of a picture as numbers: the path of the picture, or an object.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
-#[schemars(rename = "ScalarImageFile", title = "Picture of numbers", transform = forms::or_name)]
+#[schemars(rename = "ScalarImageFile", title = "Picture of numbers", transform = crate::schema::or_name)]
 #[schemars(example = &"mask.png", example = json!({
     "path": "mask.png", "channel": "alpha", "encoding": "linear", "range": [1, 0], "wrap": "clamp",
     "filter": "nearest", "uv": {"scale": [2, 2]}
@@ -118,23 +119,23 @@ pub struct ScalarImageFile {
     pub path: String,
     /// The channel that contains the numbers.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub channel: ChannelFile,
     /// How the file encodes the numbers.
     #[serde(default = "linear", skip_serializing_if = "is_linear")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub encoding: EncodingFile,
     /// The numbers that the values 0 and 1 of the channel become.
     #[serde(default = "unit_range", skip_serializing_if = "is_unit_range")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub range: [f64; 2],
     /// What the picture looks like outside the unit square of uv.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub wrap: WrapFile,
     /// How texels are interpolated.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub filter: FilterFile,
     /// The map of texture coordinates.
     #[serde(default, skip_serializing_if = "forms::is_default")]

@@ -1,11 +1,11 @@
 //! Render settings in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
-use super::forms;
 use crate::json::JsonPath;
 use abbe_spectra::error::Result;
 
@@ -68,11 +68,11 @@ pub struct RenderFile {
     /// Names of effects to simulate even if the scene does not need them. `abbe explain` lists the
     /// effects.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub force: Vec<String>,
     /// Names of effects to leave out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub forbid: Vec<String>,
 }
 

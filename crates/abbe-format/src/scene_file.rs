@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::spectrum::SpectrumUse;
@@ -40,7 +41,7 @@ pub struct SceneFile {
     pub title: Option<String>,
     /// Unit of all lengths whose key does not name another unit.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub unit: UnitFile,
     /// The camera. Only a scene with `meters` may leave it out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -52,29 +53,29 @@ pub struct SceneFile {
     pub film: Option<FilmFile>,
     /// Spectra by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub spectra: BTreeMap<String, SpectrumFile>,
     /// Media by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub media: BTreeMap<String, MediumFile>,
     /// Materials by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub materials: BTreeMap<String, MaterialFile>,
     /// Shapes by name, for objects with the shape `shared`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub shapes: BTreeMap<String, ShapeFile>,
     /// The objects.
     pub objects: Vec<ObjectFile>,
     /// The lights that are not objects. Area lights are objects with `emission`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub lights: Vec<LightFile>,
     /// The meters, which `abbe measure` reads. A picture does not show them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub meters: Vec<MeterFile>,
     /// Name of the medium outside all objects, from `media`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

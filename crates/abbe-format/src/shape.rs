@@ -1,7 +1,8 @@
 //! Shapes in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use glam::DVec3;
@@ -22,7 +23,7 @@ pub enum ShapeFile {
     Sphere {
         /// Centre of the sphere.
         #[serde(default, skip_serializing_if = "forms::is_default")]
-        #[schemars(skip_serializing_if = "forms::never", extend("x-unit" = "scene unit"))]
+        #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "scene unit"))]
         center: [f64; 3],
         /// Radius of the sphere.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
@@ -49,7 +50,7 @@ pub enum ShapeFile {
     #[schemars(example = json!({"box": {"size": [1, 2, 0.5]}}))]
     Box {
         /// Size along x, y and z.
-        #[schemars(transform = forms::positive_items, extend("x-unit" = "scene unit"))]
+        #[schemars(transform = crate::schema::positive_items, extend("x-unit" = "scene unit"))]
         size: [f64; 3],
     },
     /// A closed cylinder around the y axis, centred at the origin.
@@ -83,11 +84,11 @@ pub enum ShapeFile {
         /// Radius of curvature of the front surface, positive if its centre of curvature lies
         /// towards +z. 0 or null is a plane. The magnitude must be at least half the diameter.
         #[serde(deserialize_with = "forms::deserialize_radius")]
-        #[schemars(schema_with = "forms::radius_or_plane", extend("x-unit" = "scene unit"))]
+        #[schemars(schema_with = "crate::schema::radius_or_plane", extend("x-unit" = "scene unit"))]
         radius1: f64,
         /// Radius of curvature of the back surface, with the same sign convention.
         #[serde(deserialize_with = "forms::deserialize_radius")]
-        #[schemars(schema_with = "forms::radius_or_plane", extend("x-unit" = "scene unit"))]
+        #[schemars(schema_with = "crate::schema::radius_or_plane", extend("x-unit" = "scene unit"))]
         radius2: f64,
         /// Distance between the two vertices.
         #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
@@ -129,19 +130,19 @@ pub struct MeshShapeFile {
     pub part: Option<u32>,
     /// True to exchange the front and the back of the surface.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub reverse: bool,
     /// True to ignore the vertex normals of the file, so that each triangle looks flat.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub flat: bool,
     /// True to compute smooth vertex normals if the file has none.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub smooth: bool,
     /// True to replace the texture coordinate v by 1 − v.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub flip_v: bool,
 }
 

@@ -1,8 +1,9 @@
 //! Spectra and reflectances in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;
@@ -11,14 +12,16 @@ use super::srgb::SrgbFile;
 use crate::json::JsonPath;
 use abbe_optics::phase::MAX_MEAN_COSINE;
 use abbe_spectra::error::Result;
-use abbe_spectra::spectrum::{DAYLIGHT_K, DEFAULT_LINE_WIDTH_NM};
+use abbe_spectra::spectrum::DAYLIGHT_K;
+#[cfg(feature = "schema")]
+use abbe_spectra::spectrum::DEFAULT_LINE_WIDTH_NM;
 
 /// A function of wavelength: a constant number, the name of a spectrum in the scene's `spectra` or
 /// in the built-in library, an sRGB colour such as `"#ff8800"`, or an object with one key. `abbe
 /// spectrum --list` prints the library.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(rename = "SpectrumFile", title = "Spectrum", transform = forms::or_number_or_name)]
+#[schemars(rename = "SpectrumFile", title = "Spectrum", transform = crate::schema::or_number_or_name)]
 #[schemars(example = json!(0.5), example = &"D65", example = &"#ff8800")]
 pub enum SpectrumFile {
     /// The same value at every wavelength.
@@ -32,7 +35,7 @@ pub enum SpectrumFile {
     #[schemars(example = json!({"table": {"nm": [400, 550, 700], "values": [0.1, 0.5, 0.9]}}))]
     Table {
         /// Wavelengths in rising order.
-        #[schemars(length(min = 2), transform = forms::positive_items, extend("x-unit" = "nm"))]
+        #[schemars(length(min = 2), transform = crate::schema::positive_items, extend("x-unit" = "nm"))]
         nm: Vec<f64>,
         /// One value for each wavelength.
         values: Vec<f64>,
@@ -169,7 +172,7 @@ impl Serialize for SpectrumFile {
 /// A picture: its path, or an object with the key `path`.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
-#[schemars(rename = "ImageFile", title = "Picture", transform = forms::or_name)]
+#[schemars(rename = "ImageFile", title = "Picture", transform = crate::schema::or_name)]
 #[schemars(example = &"photo.png", example = json!({"path": "photo.png"}))]
 pub struct ImageFile {
     /// Path of the picture, relative to the scene's folder.

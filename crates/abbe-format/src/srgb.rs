@@ -1,9 +1,7 @@
 //! sRGB colours in the scene file, as image editors and web pages write them.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error as _, MapAccess, Unexpected};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::borrow::Cow;
 
 use super::check;
 use super::forms::{self, Form, Forms};
@@ -102,17 +100,18 @@ impl Serialize for SrgbFile {
     }
 }
 
-impl JsonSchema for SrgbFile {
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for SrgbFile {
     fn inline_schema() -> bool {
         true
     }
 
-    fn schema_name() -> Cow<'static, str> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
         "SrgbFile".into()
     }
 
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({"anyOf": [
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({"anyOf": [
             {"type": "string", "pattern": "^#([0-9a-fA-F]{3}){1,2}$"},
             {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": 1}, "minItems": 3, "maxItems": 3}
         ]})

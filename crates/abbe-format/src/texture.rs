@@ -1,10 +1,10 @@
 //! Textures in the scene file: reflectances and numbers that may vary over a surface.
 
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use crate::JsonSchema;
 use serde::de::{Error as _, MapAccess};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "schema")]
 use serde_json::json;
-use std::borrow::Cow;
 
 use super::check;
 use super::forms::{self, Form, Forms};
@@ -35,6 +35,7 @@ pub enum ReflectanceFile {
 }
 
 /// The forms of a texture of reflectances. The schema lists them after the forms of a spectrum.
+#[cfg(feature = "schema")]
 #[derive(JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[expect(dead_code, reason = "only the schema of this type is used")]
@@ -60,19 +61,20 @@ enum ReflectanceTextureForms {
     Noise(NoisePatternFile<Box<ReflectanceFile>>),
 }
 
-impl JsonSchema for ReflectanceFile {
-    fn schema_name() -> Cow<'static, str> {
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for ReflectanceFile {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
         "ReflectanceFile".into()
     }
 
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
         let spectrum = generator.subschema_for::<SpectrumFile>();
         let mut schema = ReflectanceTextureForms::json_schema(generator);
         schema.insert("title".into(), "Reflectance".into());
         let description = "A reflectance or a transmittance: a spectrum with values from 0 to 1, or a texture over the \
                            texture coordinates uv of the shape.";
         schema.insert("description".into(), description.into());
-        forms::allow_also(&mut schema, &[spectrum.to_value()]);
+        crate::schema::allow_also(&mut schema, &[spectrum.to_value()]);
         schema
     }
 }
@@ -144,7 +146,7 @@ impl Serialize for ReflectanceFile {
 /// A number, or a texture of numbers over the texture coordinates uv of the shape.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(rename = "ScalarFile", title = "Number or texture", transform = forms::or_number)]
+#[schemars(rename = "ScalarFile", title = "Number or texture", transform = crate::schema::or_number)]
 #[schemars(example = json!(0.3))]
 pub enum ScalarFile {
     /// The same number at every point.
@@ -242,7 +244,7 @@ pub struct NoisePatternFile<T> {
     pub octaves: u32,
     /// Seed of the noise.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub seed: u32,
     /// The map of texture coordinates. It is applied before the scale.
     #[serde(default, skip_serializing_if = "forms::is_default")]
@@ -260,12 +262,12 @@ pub struct GradientFile {
     pub b: f64,
     /// Exponent of t. The thickness of a film that drains under gravity has the power 0.5.
     #[serde(default = "one", skip_serializing_if = "is_one")]
-    #[schemars(skip_serializing_if = "forms::never", extend("exclusiveMinimum" = 0))]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("exclusiveMinimum" = 0))]
     pub power: f64,
     /// True if t is twice the distance from the centre of the unit square of uv. False if t is v,
     /// which increases downwards in a picture.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub radial: bool,
     /// The map of texture coordinates.
     #[serde(default, skip_serializing_if = "forms::is_default")]

@@ -1,9 +1,10 @@
 //! Transforms and motion in the scene file.
 
+use crate::JsonSchema;
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
-use schemars::JsonSchema;
 use serde::de::MapAccess;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use super::check;

@@ -1,7 +1,8 @@
 //! Maps of texture coordinates.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 /// A map of texture coordinates: scale, then rotation, then offset.

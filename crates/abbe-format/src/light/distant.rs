@@ -1,6 +1,6 @@
 //! Distant lights in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate_pose;
@@ -22,7 +22,7 @@ pub struct DirectionalFile {
     pub toward: [f64; 3],
     /// Angular diameter of the source. The sun has 0.53°.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0))]
     #[schemars(extend("exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub angular_diameter: f64,
     /// Relative distribution of the light over wavelength. The given quantity sets the scale.
@@ -43,11 +43,11 @@ pub struct DirectionalFile {
     pub group: Option<String>,
     /// Rotation of the light. Translations have no effect.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
 }
 
@@ -65,7 +65,7 @@ pub struct EnvironmentFile {
     pub image: Option<ImageFile>,
     /// Projection of the picture.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub projection: ProjectionFile,
     /// π × the mean radiance over 360–830 nm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -86,11 +86,11 @@ pub struct EnvironmentFile {
     pub group: Option<String>,
     /// Rotation of the light. Translations have no effect.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
 }
 

@@ -1,7 +1,7 @@
 //! Luminaires with a measured distribution of intensity.
 
+use crate::JsonSchema;
 use glam::DVec3;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::validate_pose;
@@ -36,7 +36,7 @@ pub struct IesFile {
     /// True if the light leaves the luminous opening of the file, a flat rectangle or ellipse.
     /// False if it leaves a point. The opening is invisible.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub area: bool,
     /// Relative distribution of the light over wavelength. The file or the given quantity sets the
     /// scale.
@@ -57,11 +57,11 @@ pub struct IesFile {
     pub group: Option<String>,
     /// Placement of the light in the scene.
     #[serde(default, skip_serializing_if = "TransformFile::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transform: TransformFile,
     /// Keyframes of the motion, in the order of their times.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(skip_serializing_if = "forms::never")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
 }
 

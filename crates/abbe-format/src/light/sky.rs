@@ -1,7 +1,8 @@
 //! Standard skies in the scene file.
 
-use schemars::JsonSchema;
+use crate::JsonSchema;
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
 use serde_json::json;
 
 use crate::check;
@@ -56,7 +57,7 @@ pub struct SkyFile {
     /// Reflectance of the ground. All directions below the horizon have this share of the luminance
     /// of a white ground under the unobstructed sky.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", range(min = 0, max = 1))]
+    #[schemars(skip_serializing_if = "crate::schema::never", range(min = 0, max = 1))]
     pub ground_reflectance: f64,
     /// Relative distribution of the light over wavelength, of sky and ground.
     #[serde(default = "default_spectrum", skip_serializing_if = "is_default_spectrum")]
@@ -82,7 +83,7 @@ pub struct PlaceFile {
     pub longitude: f64,
     /// Compass direction of the scene's −z axis, from true north through east.
     #[serde(default, skip_serializing_if = "forms::is_default")]
-    #[schemars(skip_serializing_if = "forms::never", extend("x-unit" = "°"))]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "°"))]
     pub heading: f64,
 }
 

@@ -1,0 +1,58 @@
+//! Parts of the JSON Schema of the scene file: the rules that the attributes `#[schemars(…)]` of the
+//! types name.
+
+use schemars::{Schema, SchemaGenerator, json_schema};
+
+/// Changes the schema of an object form so that the schema also allows plain forms.
+pub(crate) fn allow_also(schema: &mut Schema, plain: &[serde_json::Value]) {
+    let object = schema.ensure_object();
+    // The examples of a struct stay with its object form.
+    let has_forms = object.contains_key("oneOf") || object.contains_key("anyOf");
+    let keys: &[&str] = if has_forms { &["title", "description", "examples"] } else { &["title", "description"] };
+    let kept: Vec<_> = keys.iter().filter_map(|key| object.remove_entry(*key)).collect();
+    let mut choices = plain.to_vec();
+    match object.remove("oneOf").or_else(|| object.remove("anyOf")) {
+        Some(serde_json::Value::Array(forms)) => choices.extend(forms),
+        Some(other) => choices.push(other),
+        None => choices.push(serde_json::Value::Object(std::mem::take(object))),
+    }
+    for (key, value) in kept {
+        object.insert(key, value);
+    }
+    object.insert("anyOf".into(), choices.into());
+}
+
+/// Changes a schema so that it also allows a plain string.
+pub(crate) fn or_name(schema: &mut Schema) {
+    allow_also(schema, &[serde_json::json!({"type": "string"})]);
+}
+
+/// Changes a schema so that it also allows a plain number.
+pub(crate) fn or_number(schema: &mut Schema) {
+    allow_also(schema, &[serde_json::json!({"type": "number"})]);
+}
+
+/// Changes a schema so that it also allows a plain number or a plain string.
+pub(crate) fn or_number_or_name(schema: &mut Schema) {
+    allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
+}
+
+/// Returns the schema for the radius of a lens surface. The key is required. The values 0 and null
+/// mean a plane.
+pub(crate) fn radius_or_plane(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({"type": ["number", "null"]})
+}
+
+/// Adds a rule to the schema of an array: each element must be above 0.
+pub(crate) fn positive_items(schema: &mut Schema) {
+    if let Some(items) = schema.get_mut("items").and_then(serde_json::Value::as_object_mut) {
+        items.insert("exclusiveMinimum".into(), 0.into());
+    }
+}
+
+/// Returns false. If a key has this function as its `skip_serializing_if` of schemars, the schema
+/// states the default of the key. Even so, a key with the default value is left out when a scene is
+/// written.
+pub(crate) fn never<T>(_: &T) -> bool {
+    false
+}
