@@ -34,7 +34,6 @@ pub struct CameraFile {
     pub lens: LensFile,
     /// The time during which the camera records. If the shutter is absent, the picture shows the
     /// scene at time 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shutter: Option<ShutterFile>,
     /// Keyframes of the camera, in the order of their times. The motion between them is
     /// interpolated.
@@ -58,15 +57,12 @@ pub struct CameraKeyframeFile {
     #[schemars(extend("x-unit" = "s"))]
     pub time: f64,
     /// Position of the camera.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "scene unit", "x-default" = "`from` of the camera"))]
     pub from: Option<[f64; 3]>,
     /// A point in the middle of the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "scene unit", "x-default" = "`at` of the camera"))]
     pub at: Option<[f64; 3]>,
     /// A direction that points up in the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-range" = "not zero", "x-default" = "`up` of the camera"))]
     pub up: Option<[f64; 3]>,
 }
@@ -86,7 +82,6 @@ pub struct ShutterFile {
     pub close: f64,
     /// Transmission of the shutter over time: pairs of a time and a transmission. Time 0 is `open`
     /// and time 1 is `close`. The times must rise, and at least one transmission must be above 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 2), inner(inner(range(min = 0, max = 1))), extend("x-default" = "fully open"))]
     pub curve: Option<Vec<[f64; 2]>>,
 }

@@ -27,14 +27,12 @@ use abbe_spectra::error::Result;
 pub struct CoatingFile {
     /// The medium in which light arrives. A material in a scene may leave it out; otherwise it must
     /// be air.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "air"))]
     pub incident: Option<CoatingIndexFile>,
     /// The films, from the outside to the substrate.
     pub layers: Vec<CoatingLayerFile>,
     /// The medium below the films. A material in a scene may leave it out; otherwise it must be the
     /// material itself.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "air, or the coated material"))]
     pub substrate: Option<CoatingIndexFile>,
 }

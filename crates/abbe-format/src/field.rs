@@ -21,28 +21,21 @@ use abbe_spectra::error::Result;
 #[schemars(example = json!({"noise": {"value": 2, "scale": 0.5}}))]
 pub struct FieldFile {
     /// Values at the centres of the cells. x varies fastest, then y, then z.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(inner(range(min = 0)))]
     pub values: Option<Vec<f64>>,
     /// Number of cells along x, y and z.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(inner(range(min = 1, max = 65_536)), extend("x-unit" = "cells"))]
     pub resolution: Option<[u32; 3]>,
     /// Path of a volume file (`.npy` or `.npz`), relative to the scene's folder.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
     /// A value that is the same everywhere.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub constant: Option<f64>,
     /// A value that decreases exponentially with height.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponential: Option<ExponentialFieldFile>,
     /// A ball whose value decreases to 0 towards its surface.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sphere: Option<SphereFieldFile>,
     /// Fractal noise, for clouds and smoke.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseFieldFile>,
 }
 
@@ -61,7 +54,6 @@ pub struct ExponentialFieldFile {
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
     pub scale_height: f64,
     /// The planet from whose surface the height is measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "flat ground"))]
     pub planet: Option<PlanetFile>,
 }

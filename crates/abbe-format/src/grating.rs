@@ -25,11 +25,9 @@ pub struct GratingFile {
     #[schemars(extend("x-default" = "a blaze at 500 nm in order 1"))]
     pub profile: GratingProfileFile,
     /// Fraction of the light that is reflected.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-default" = "1, or 0 with `transmittance`"))]
     pub reflectance: Option<SpectrumFile>,
     /// Fraction of the light that is transmitted. The sum with `reflectance` is at most 1.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-default" = "0"))]
     pub transmittance: Option<SpectrumFile>,
     /// Course of the grooves over the surface.

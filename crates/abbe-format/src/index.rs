@@ -74,7 +74,6 @@ pub enum IndexFile {
     #[schemars(example = json!({"glass": {"path": "schott.agf", "name": "N-SF10", "formula": "sellmeier"}}))]
     Glass {
         /// Path of a Zemax glass catalogue (`.agf`), relative to the scene's folder.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("x-default" = "built-in catalogue"))]
         path: Option<String>,
         /// Name of the material in the catalogue.

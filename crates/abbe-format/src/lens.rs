@@ -55,30 +55,24 @@ pub enum LensFile {
 #[serde(deny_unknown_fields)]
 pub struct ThinLensFile {
     /// Focal length.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "mm"))]
     pub focal_length_mm: Option<f64>,
     /// Focal length divided by the diameter of the entrance pupil.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub f_number: Option<f64>,
     /// Distance from the lens to the plane that is in focus.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
     pub focus_distance: f64,
     /// Height of the sensor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "mm"))]
     pub sensor_height_mm: Option<f64>,
     /// Vertical field of view.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub fov: Option<f64>,
     /// Apex angle of the cone from a point in focus to the pupil.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub defocus_angle: Option<f64>,
     /// Number of blades of a polygonal aperture stop.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 3, max = 64), extend("x-default" = "round stop"))]
     pub blades: Option<u32>,
     /// Rotation of the polygonal aperture stop.
@@ -116,14 +110,12 @@ pub struct SystemLensFile {
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
     pub focus_distance: f64,
     /// f-number to which the lens is stopped down.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-default" = "fully open"))]
     pub f_number: Option<f64>,
     /// Height of the sensor.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "mm"))]
     pub sensor_height_mm: f64,
     /// Number of blades of a polygonal aperture stop.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 3, max = 64), extend("x-default" = "round stop"))]
     pub blades: Option<u32>,
     /// Rotation of the polygonal aperture stop.
@@ -135,12 +127,10 @@ pub struct SystemLensFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub diffraction: bool,
     /// The light that the surfaces transmit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "fresnel with coatings or ghosts, ideal otherwise"))]
     pub transmission: Option<LensTransmissionFile>,
     /// Thin films on each surface between glass and air that has no coating of its own, from the
     /// air to the glass.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
     /// True if light that two surfaces of the lens reflect reaches the sensor.
@@ -240,7 +230,6 @@ pub struct LensSurfaceFile {
     pub stop: bool,
     /// Thin films on the surface, from the air to the glass. Between two glasses, from the scene to
     /// the sensor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the coating of the lens"))]
     pub coating: Option<CoatingFile>,
 }

@@ -99,24 +99,19 @@ pub struct PointFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Intensity over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/sr"))]
     pub intensity: Option<f64>,
     /// Luminous intensity.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd"))]
     pub luminous_intensity: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Placement of the light in the scene.
@@ -171,24 +166,19 @@ pub struct SpotFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Intensity on the axis over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/sr"))]
     pub intensity: Option<f64>,
     /// Luminous intensity on the axis.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd"))]
     pub luminous_intensity: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Placement of the light in the scene.
@@ -223,16 +213,13 @@ pub struct BeamFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Placement of the light in the scene.

@@ -170,16 +170,13 @@ pub struct DielectricFile {
     #[schemars(skip_serializing_if = "crate::schema::never", extend("minimum" = 0, "maximum" = 1))]
     pub roughness: ScalarFile,
     /// Absorption coefficient inside the body (Beer's law).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
     pub absorption: Option<SpectrumFile>,
     /// Thin films on the surface, from the outside to the glass. Each microfacet of a rough surface
     /// has these films.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
     /// Name of the medium inside, from the scene's `media`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no medium"))]
     pub medium: Option<String>,
     /// Priority where dielectrics or media overlap: the highest one fills the space. Among equal
@@ -199,19 +196,15 @@ pub struct ThinDielectricFile {
     #[schemars(extend("minimum" = 1))]
     pub ior: IndexFile,
     /// Thickness of the pane. It only decides how much light is absorbed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit", "x-default" = "no absorption"))]
     pub thickness: Option<f64>,
     /// Absorption coefficient inside the pane (Beer's law).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
     pub absorption: Option<SpectrumFile>,
     /// Measured transmittance of the pane. It replaces the transmittance that follows from `ior`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "computed from `ior`"))]
     pub transmittance: Option<PaneTransmittanceFile>,
     /// Thin films on both faces, from the outside to the pane.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
 }
@@ -240,23 +233,18 @@ fn is_glass_index(index: &IndexFile) -> bool {
 #[serde(deny_unknown_fields)]
 pub struct ConductorFile {
     /// Name of the metal, such as "gold".
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub metal: Option<String>,
     /// Real part of the index of refraction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub eta: Option<SpectrumFile>,
     /// Extinction coefficient: the imaginary part of the index of refraction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub k: Option<SpectrumFile>,
     /// Path of a file with n and k, relative to the scene's folder: an entry of the database
     /// refractiveindex.info (`.yml`), or a CSV file with a header row such as `nm,n,k`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// Reflectance at normal incidence. At other angles, the reflectance follows Schlick's
     /// approximation, and it is 1 at grazing incidence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub reflectance: Option<ReflectanceFile>,
     /// Roughness of the surface: 0 is polished.
@@ -265,7 +253,6 @@ pub struct ConductorFile {
     pub roughness: ScalarFile,
     /// Thin films on the metal, from the outside to the metal. They need an index of refraction,
     /// and no `reflectance`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
 }

@@ -61,11 +61,9 @@ pub struct HomogeneousFile {
     /// The phase function.
     pub phase: PhaseFile,
     /// Light that the medium emits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no emission"))]
     pub emission: Option<MediumEmissionFile>,
     /// A fluorescent dye in the medium. Its absorption is added to `absorption`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no dye"))]
     pub dye: Option<DyeFile>,
     /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
@@ -101,11 +99,9 @@ pub struct GridFile {
     /// The phase function.
     pub phase: PhaseFile,
     /// Light that the medium emits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no emission"))]
     pub emission: Option<MediumEmissionFile>,
     /// Temperature, for emission as a black body.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "K"))]
     pub temperature: Option<FieldFile>,
     /// The estimator of transmittance.
@@ -113,7 +109,6 @@ pub struct GridFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transmittance: TransmittanceFile,
     /// A fluorescent dye in the medium. Its absorption is added to `absorption`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no dye"))]
     pub dye: Option<DyeFile>,
     /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
@@ -144,15 +139,12 @@ pub struct GridFile {
 }))]
 pub struct DyeFile {
     /// Absorption coefficient of the dye. Outside a table, it is 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit"))]
     pub absorption: Option<SpectrumFile>,
     /// Decadic molar absorption coefficient of the dye. Outside a table, it is 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "L/mol/cm"))]
     pub molar_absorption: Option<SpectrumFile>,
     /// Concentration of the dye.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "mol/L"))]
     pub concentration: Option<f64>,
     /// Relative number of emitted photons per nm, at any scale. Outside a table, it is 0.
@@ -185,19 +177,15 @@ pub enum TransmittanceFile {
 #[schemars(example = json!({"spectrum": "neon-glow", "power": 5}), example = json!({"spectrum": 1, "radiance": 1}))]
 pub struct MediumEmissionFile {
     /// Emission as a black body.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blackbody: Option<MediumBlackbodyFile>,
     /// Relative distribution of the emission over wavelength.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub spectrum: Option<SpectrumFile>,
     /// Source radiance over 360–830 nm: the emission coefficient divided by the absorption
     /// coefficient.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/m²/sr"))]
     pub radiance: Option<f64>,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
 }
@@ -208,7 +196,6 @@ pub struct MediumEmissionFile {
 #[schemars(title = "Medium black body", example = json!({"temperature": 1800}))]
 pub struct MediumBlackbodyFile {
     /// Temperature.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "K", "x-default" = "`temperature` of the grid"))]
     pub temperature: Option<f64>,
 }

@@ -28,36 +28,27 @@ pub struct MeterFile {
     /// Name of the meter in reports.
     pub name: String,
     /// The quantity that the meter measures.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "illuminance; luminance for a spot"))]
     pub quantity: Option<QuantityKindFile>,
     /// Positions of the receptors. Each reads the light that arrives at a plane with this `normal`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1), extend("x-unit" = "scene unit"))]
     pub points: Option<Vec<[f64; 3]>>,
     /// A grid of points on a plane.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<MeterGridFile>,
     /// Normal of the plane, for `points` and `grid`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-range" = "not zero", "x-default" = "[0, 1, 0]"))]
     pub normal: Option<[f64; 3]>,
     /// Name of an object. The meter reads the light that arrives at its surface: the mean and the
     /// flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<String>,
     /// The sides of the surface that receive light, for `surface`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "both"))]
     pub side: Option<SideFile>,
     /// A sphere. The meter reads the mean spherical illuminance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sphere: Option<MeterSphereFile>,
     /// The side of a cylinder. The meter reads the mean cylindrical illuminance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cylinder: Option<MeterCylinderFile>,
     /// A cone of view. The meter reads the mean luminance in the cone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spot: Option<MeterSpotFile>,
 }
 
@@ -99,7 +90,6 @@ pub struct MeterCylinderFile {
     #[schemars(extend("x-unit" = "scene unit"))]
     pub at: [f64; 3],
     /// Axis of the cylinder.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-range" = "not zero", "x-default" = "[0, 1, 0]"))]
     pub axis: Option<[f64; 3]>,
 }

@@ -25,13 +25,11 @@ use abbe_spectra::error::Result;
 }))]
 pub struct ObjectFile {
     /// Name for reports and for paths such as `objects[name=prism]`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// The shape of the object.
     pub shape: ShapeFile,
     /// Name of the material, from the scene's `materials`. All shapes except meshes need a
     /// material. If the material is absent, a mesh has the materials of its file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "materials of the mesh file"))]
     pub material: Option<String>,
     /// Placement of the shape in the scene.
@@ -43,7 +41,6 @@ pub struct ObjectFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
     /// Light that the surface emits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no emission"))]
     pub emission: Option<EmissionFile>,
 }

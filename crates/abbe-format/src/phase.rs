@@ -44,11 +44,9 @@ pub enum PhaseFile {
         radius_um: f64,
         /// Geometric standard deviation of the lognormal distribution of radii. 1 means equal
         /// radii.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 1), extend("x-default" = "equal radii"))]
         spread: Option<f64>,
         /// Index of refraction of the spheres.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 1, "x-default" = "water at 20 °C"))]
         ior: Option<IndexFile>,
     },

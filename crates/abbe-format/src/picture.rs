@@ -25,7 +25,6 @@ pub struct ColourImageFile {
     /// Path of the picture, relative to the scene's folder.
     pub path: String,
     /// How the file encodes colours.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "`linear` for EXR and HDR files, otherwise `srgb`"))]
     pub encoding: Option<EncodingFile>,
     /// Factors of the linear red, green and blue components.
@@ -52,13 +51,6 @@ fn one_per_channel() -> [f64; 3] {
 
 fn is_one_per_channel(factor: &[f64; 3]) -> bool {
     *factor == one_per_channel()
-}
-
-impl ColourImageFile {
-    fn of_path(path: String) -> Self {
-        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
-        Self { path, encoding: None, factor: one_per_channel(), wrap, filter, uv }
-    }
 }
 
 /// A picture with spectral bands: its path, or an object. The file is an OpenEXR file with the
@@ -97,13 +89,6 @@ pub(super) fn one() -> f64 {
 
 pub(super) fn is_one(value: &f64) -> bool {
     *value == 1.0
-}
-
-impl BandImageFile {
-    fn of_path(path: String) -> Self {
-        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
-        Self { path, factor: 1.0, wrap, filter, uv }
-    }
 }
 
 /// A channel of a picture as numbers: the path of the picture, or an object.
@@ -159,18 +144,12 @@ fn is_unit_range(range: &[f64; 2]) -> bool {
     *range == unit_range()
 }
 
-impl ScalarImageFile {
-    fn of_path(path: String) -> Self {
-        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
-        Self { path, channel: ChannelFile::default(), encoding: linear(), range: unit_range(), wrap, filter, uv }
-    }
-}
-
 impl Forms for ColourImageFile {
     const EXPECTED: &'static str = PATH_OR_OBJECT;
 
     fn from_name(path: String) -> Option<Self> {
-        Some(Self::of_path(path))
+        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
+        Some(Self { path, encoding: None, factor: one_per_channel(), wrap, filter, uv })
     }
 
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
@@ -194,7 +173,8 @@ impl Forms for BandImageFile {
     const EXPECTED: &'static str = PATH_OR_OBJECT;
 
     fn from_name(path: String) -> Option<Self> {
-        Some(Self::of_path(path))
+        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
+        Some(Self { path, factor: 1.0, wrap, filter, uv })
     }
 
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
@@ -218,7 +198,8 @@ impl Forms for ScalarImageFile {
     const EXPECTED: &'static str = PATH_OR_OBJECT;
 
     fn from_name(path: String) -> Option<Self> {
-        Some(Self::of_path(path))
+        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
+        Some(Self { path, channel: ChannelFile::default(), encoding: linear(), range: unit_range(), wrap, filter, uv })
     }
 
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {

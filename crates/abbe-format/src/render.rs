@@ -20,50 +20,39 @@ use abbe_spectra::error::Result;
 #[schemars(example = json!({"radius": 0.01}))]
 pub struct RenderFile {
     /// Number of passes. Noise falls with the square root of this number.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "64, more for fast motion"))]
     pub passes: Option<u64>,
     /// Number of photon paths in each pass.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "200 000; for films with more pixels, one per pixel, at most 1 000 000; fewer for fast motion; the pilot then multiplies the number by 1/8 to 4, so that the noise falls fastest"))]
     pub photons: Option<u64>,
     /// Number of camera samples in each pixel and pass.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1024), extend("x-default" = "1 to 16, chosen from the noise of photons and of camera samples"))]
     pub camera_samples: Option<u32>,
     /// Largest number of surface interactions on a path. Without this key, paths end by Russian
     /// roulette, and no light is lost. The light that the limit removes from the picture is in the
     /// bias bars.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "no limit"))]
     pub max_depth: Option<u32>,
     /// Number of photons that the gather radius of the first pass encloses, if the pilot does not
     /// change the number of photon paths. Not together with `radius`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("default" = 50))]
     pub nearest: Option<u32>,
     /// Gather radius of the first pass. Not together with `nearest`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit", "x-default" = "found from `nearest`"))]
     pub radius: Option<f64>,
     /// Seed of the random numbers.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 0))]
     pub seed: Option<u64>,
     /// Number of threads.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "all hardware threads"))]
     pub threads: Option<u32>,
     /// Time between checkpoints.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("default" = 60, "x-unit" = "s"))]
     pub checkpoint_seconds: Option<f64>,
     /// Number of steps for media with the transmittance estimator "march".
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("default" = 64))]
     pub march_steps: Option<u32>,
     /// The maps of direct light in media.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub light_map: Option<LightMapFile>,
     /// Names of effects to simulate even if the scene does not need them. `abbe explain` lists the
     /// effects.

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::ser::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 #[cfg(feature = "schema")]
 use serde_json::json;
 
@@ -18,8 +20,8 @@ use abbe_spectra::error::{Error, Result};
 
 /// A scene.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(title = "Scene", example = json!({
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(rename = "SceneFile", title = "Scene", example = json!({
     "$schema": "scene.schema.json", "title": "A glass ball in mist", "unit": "m",
     "camera": {"from": [0, 1, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 35}}},
     "film": {"width": 640, "height": 360},
@@ -34,21 +36,18 @@ use abbe_spectra::error::{Error, Result};
 }))]
 pub struct SceneFile {
     /// Path or URL of the JSON Schema of the scene file, for editors. Abbe ignores it.
-    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "$schema")]
     pub schema: Option<String>,
     /// Title of the scene.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
     /// Unit of all lengths whose key does not name another unit.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub unit: UnitFile,
     /// The camera. Only a scene with `meters` may leave it out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no camera, if the scene has `meters`"))]
     pub camera: Option<CameraFile>,
     /// The film: size and colours of the picture. Only a scene with `meters` may leave it out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no film, if the scene has `meters`"))]
     pub film: Option<FilmFile>,
     /// Spectra by name.
@@ -78,7 +77,6 @@ pub struct SceneFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub meters: Vec<MeterFile>,
     /// Name of the medium outside all objects, from `media`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no medium"))]
     pub atmosphere: Option<String>,
     /// The render settings. Options of the command line override them.
@@ -103,6 +101,33 @@ pub enum UnitFile {
     /// Micrometre.
     #[serde(rename = "um")]
     Micrometre,
+}
+
+impl<'de> Deserialize<'de> for SceneFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        Self::deserialize(deserializer)
+    }
+}
+
+impl Serialize for SceneFile {
+    /// Writes the scene without the keys that have no value.
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let mut scene = Self::serialize(self, serde_json::value::Serializer).map_err(S::Error::custom)?;
+        remove_nulls(&mut scene);
+        scene.serialize(serializer)
+    }
+}
+
+/// Removes the entries of all objects whose value is null.
+fn remove_nulls(value: &mut Value) {
+    match value {
+        Value::Object(entries) => {
+            entries.retain(|_, entry| !entry.is_null());
+            entries.values_mut().for_each(remove_nulls);
+        }
+        Value::Array(elements) => elements.iter_mut().for_each(remove_nulls),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
 }
 
 impl UnitFile {

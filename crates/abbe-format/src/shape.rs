@@ -125,7 +125,6 @@ pub struct MeshShapeFile {
     /// Number of one part of the file, from 0. In a glTF file, the parts are the primitives of all
     /// meshes, in the order of the file and without the transforms of the nodes. In a serialized
     /// file of Mitsuba, the parts are the meshes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "all parts, at their places"))]
     pub part: Option<u32>,
     /// True to exchange the front and the back of the surface.
@@ -158,12 +157,10 @@ pub struct TrianglesFile {
     #[schemars(length(min = 1))]
     pub indices: Vec<[u32; 3]>,
     /// One normal for each vertex, of any length.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "flat triangles"))]
     pub normals: Option<Vec<[f64; 3]>>,
     /// One pair of texture coordinates for each vertex. (0, 0) is the upper left corner of a
     /// picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uv: Option<Vec<[f64; 2]>>,
 }
 

@@ -117,7 +117,6 @@ pub struct LineFile {
     #[schemars(range(min = 0))]
     pub power: f64,
     /// Full width at half maximum.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = DEFAULT_LINE_WIDTH_NM, "exclusiveMinimum" = 0, "x-unit" = "nm"))]
     pub fwhm_nm: Option<f64>,
 }

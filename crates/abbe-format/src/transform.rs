@@ -105,7 +105,6 @@ pub struct KeyframeFile {
 }
 
 impl TransformFile {
-    /// Returns whether the list has no step.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -122,7 +121,6 @@ impl TransformFile {
         self.0.iter().fold(before, |before, step| step.to_affine() * before)
     }
 
-    /// Checks that every step is invertible: no scale of 0, no zero axis, no singular matrix.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         check::all(self.0.iter().enumerate().map(|(i, step)| step.validate(&at.index(i))))
     }
@@ -147,7 +145,6 @@ impl TransformStepFile {
         }
     }
 
-    /// Checks that the step is invertible.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Translate(_) => Ok(()),
@@ -162,15 +159,13 @@ impl TransformStepFile {
     }
 }
 
-/// Checks that a scale is not 0.
 fn not_zero(at: &JsonPath, scale: f64) -> Result<()> {
     check::rule(at, scale, scale != 0.0, "a number other than 0")
 }
 
-/// Checks that the last row is [0, 0, 0, 1] and that the linear part is not singular.
-///
-/// The check divides the determinant by Hadamard's bound, which is the product of the column
-/// lengths. Therefore the result does not depend on the unit.
+/// Checks that the last row is [0, 0, 0, 1] and that the linear part is not singular. The
+/// determinant is divided by Hadamard's bound, the product of the column lengths, so that the unit
+/// has no effect.
 fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result<()> {
     if rows[3] != [0.0, 0.0, 0.0, 1.0] {
         let found = rows[3].map(check::number).join(", ");
@@ -218,10 +213,9 @@ pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<
     Ok(())
 }
 
-/// Compares the rotation steps of two lists pair by pair. Returns the largest difference, in
-/// degrees, between the angles of a pair. If the axes of a pair differ, returns 0. A missing step
-/// counts as an angle of 0. The affine maps do not contain full turns, so the function compares the
-/// angles as they are written in the file.
+/// Returns the largest difference in degrees between the rotation steps of two lists, pair by pair,
+/// or 0 if the axes of a pair differ. A missing step counts as 0°. The angles are compared as they
+/// are written, because affine maps contain no full turns.
 fn written_rotation_deg(before: &TransformFile, after: &TransformFile) -> f64 {
     let turns = |transform: &TransformFile| -> Vec<(DVec3, f64)> {
         let turn = |step: &TransformStepFile| match step {
@@ -250,7 +244,6 @@ fn written_rotation_deg(before: &TransformFile, after: &TransformFile) -> f64 {
 mod tests {
     use super::*;
 
-    /// Parses a transform.
     fn transform(json: &str) -> TransformFile {
         serde_json::from_str(json).unwrap()
     }

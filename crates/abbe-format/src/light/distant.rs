@@ -29,16 +29,13 @@ pub struct DirectionalFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Irradiance over 360–830 nm on a surface that faces the light.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
     pub irradiance: Option<f64>,
     /// Illuminance on a surface that faces the light.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
     pub illuminance: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Rotation of the light. Translations have no effect.
@@ -57,31 +54,25 @@ pub struct DirectionalFile {
 #[serde(deny_unknown_fields)]
 pub struct EnvironmentFile {
     /// Relative distribution of the light over wavelength, the same from all directions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub spectrum: Option<SpectrumFile>,
     /// A picture of all directions. PNG, JPEG, OpenEXR and Radiance HDR files are read.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageFile>,
     /// Projection of the picture.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub projection: ProjectionFile,
     /// π × the mean radiance over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
     pub irradiance: Option<f64>,
     /// π × the mean luminance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
     pub illuminance: Option<f64>,
     /// Luminance of the light. For a picture, luminance of a pixel with the linear value (1, 1, 1).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
     pub luminance: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Rotation of the light. Translations have no effect.

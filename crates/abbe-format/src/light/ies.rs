@@ -26,7 +26,6 @@ pub struct IesFile {
     pub toward: [f64; 3],
     /// Direction of the half-plane C0 (horizontal angle 0). Only the part across `toward` counts.
     /// Seen from above a ceiling luminaire, the angles C increase counter-clockwise.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-range" = "not parallel to `toward`"))]
     #[schemars(extend("x-default" = "`[1, 0, 0]`, turned with the axis if `toward` is not down"))]
     pub c0: Option<[f64; 3]>,
@@ -43,16 +42,13 @@ pub struct IesFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm. It replaces the luminous flux of the file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux. It replaces the luminous flux of the file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Placement of the light in the scene.

@@ -33,23 +33,18 @@ pub struct SkyFile {
     pub kind: u32,
     /// Elevation of the sun above the horizon. This key, or `place` and `time`, are required with
     /// `sun`, and for all types with a luminance that depends on the sun: 2, 4 and 6 to 15.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 90), extend("x-unit" = "°"))]
     pub sun_elevation: Option<f64>,
     /// Azimuth of the sun from north (−z) through east (+x).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "°", "x-default" = "180"))]
     pub sun_azimuth: Option<f64>,
     /// Place on the earth, for the position of the sun.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<PlaceFile>,
     /// Date and time with the offset from UTC, for the position of the sun, such as
     /// `2026-06-21T12:00:00+02:00`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("format" = "date-time"))]
     pub time: Option<String>,
     /// The sun as a light, in addition to the sky.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sun: Option<SunFile>,
     /// Illuminance of a horizontal plane under the unobstructed sky, without the sun.
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
@@ -65,7 +60,6 @@ pub struct SkyFile {
     pub spectrum: SpectrumFile,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
 }
@@ -94,7 +88,6 @@ pub struct PlaceFile {
 pub struct SunFile {
     /// Illuminance on a surface that faces the sun. The default is 127 500 lx · exp(−0.21/sin γ) at
     /// the elevation γ (IES RP-21). It exists only for the clear skies: types 11 to 15.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lx", "x-default" = "of a clear sky"))]
     pub illuminance: Option<f64>,
     /// Relative distribution of the light over wavelength.
@@ -106,7 +99,6 @@ pub struct SunFile {
     #[schemars(range(min = 0), extend("exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub angular_diameter: f64,
     /// Name of the light's group.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the group of the sky"))]
     pub group: Option<String>,
 }

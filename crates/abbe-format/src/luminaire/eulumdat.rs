@@ -42,10 +42,7 @@ impl LdtLines<'_> {
     }
 }
 
-/// Parses a file.
-///
-/// # Errors
-/// Returns an error with line and column if the file is damaged.
+/// Parses a file. An error has its line and column.
 pub(super) fn parse(text: &str) -> Result<Photometry> {
     let lines = LdtLines(text.lines().collect());
     let symmetry = symmetry(lines.number(3, "the symmetry (Isym)")?)?;

@@ -91,10 +91,7 @@ fn words(row: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Parses a file.
-///
-/// # Errors
-/// Returns an error with line and column if the file is damaged.
+/// Parses a file. An error has its line and column.
 pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
     let lines: Vec<&str> = text.lines().collect();
     let version = Lm63Version::of(lines.first().copied().unwrap_or_default())?;

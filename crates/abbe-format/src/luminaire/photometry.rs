@@ -19,7 +19,6 @@ pub enum LuminaireSymmetry {
 }
 
 impl LuminaireSymmetry {
-    /// Describes the symmetry in a few words.
     pub fn description(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -47,13 +46,10 @@ pub struct OpeningSize {
 /// The content of a luminaire file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photometry {
-    /// The name and the version of the format.
     pub format: String,
     /// The name of the luminaire. It may be empty.
     pub name: String,
-    /// The coordinate system of the angles.
     pub kind: PhotometricType,
-    /// The symmetry of the distribution.
     pub symmetry: LuminaireSymmetry,
     /// The vertical angles in degrees, ascending. For type C, these are the angles γ, from 0 to
     /// 180.
@@ -67,7 +63,6 @@ pub struct Photometry {
     pub lamp_lumens: Option<f64>,
     /// The electric power in W, if the file states it.
     pub input_watts: Option<f64>,
-    /// The luminous opening.
     pub opening: OpeningSize,
     /// Pairs of a tilt angle of the luminaire in degrees and the factor of its intensity,
     /// ascending. The list is empty if the flux does not depend on the tilt.
@@ -75,10 +70,7 @@ pub struct Photometry {
 }
 
 impl Photometry {
-    /// Returns the intensity in cd over all directions.
-    ///
-    /// # Errors
-    /// Returns an error if all intensities are 0.
+    /// Returns the intensity in cd over all directions, or an error if all intensities are 0.
     pub fn table(&self) -> Result<IntensityTable> {
         let count = self.vertical_deg.len();
         let mut planes: Vec<Vec<f64>> = self.candela.chunks(count.max(1)).map(<[f64]>::to_vec).collect();

@@ -42,10 +42,7 @@ pub struct LuminaireSummary {
 }
 
 impl LuminaireSummary {
-    /// Computes the figures of a luminaire.
-    ///
-    /// # Errors
-    /// Returns an error if all intensities are 0.
+    /// Computes the figures, or returns an error if all intensities are 0.
     pub fn of(photometry: &Photometry) -> Result<Self> {
         let table = photometry.table()?;
         let flux_lm = table.flux();
@@ -79,7 +76,6 @@ fn in_plane(table: &IntensityTable, c_deg: f64, angle_deg: f64) -> f64 {
     table.at(DVec3::new(sin * cos_c, sin * sin_c, cos))
 }
 
-/// Returns the fraction of the flux in the hemisphere around the photometric axis.
 fn downward(table: &IntensityTable) -> f64 {
     let (rings, sectors) = SPHERE_STEPS;
     let mut fluxes = [0.0; 2];
@@ -101,7 +97,6 @@ fn beam(table: &IntensityTable, c_deg: f64) -> Option<BeamAngles> {
     (largest > 0.0).then(|| BeamAngles { half_deg: extent(0.5), tenth_deg: extent(0.1) })
 }
 
-/// Returns the angle of a step in degrees, from 0 to 360.
 fn angle_of(step: u16) -> f64 {
     360.0 * f64::from(step) / f64::from(PLANE_STEPS)
 }
