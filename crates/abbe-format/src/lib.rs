@@ -78,6 +78,7 @@ mod phase;
 mod picture;
 mod picture_file;
 mod quantity;
+mod radiance_hdr;
 mod read;
 mod reference;
 #[cfg(test)]

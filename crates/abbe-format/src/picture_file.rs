@@ -1,13 +1,17 @@
 //! Reads the pixels of picture files: PNG, JPEG, OpenEXR and Radiance HDR.
 
 use super::picture::EncodingFile;
+use super::radiance_hdr;
 use abbe_optics::texture::ImageSize;
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::sort::sort_by_number;
 use abbe_spectra::spectrum::{emissive_wavelength_nm, reflective_wavelength_nm};
-use image::DynamicImage;
+use std::io::Cursor;
 use std::path::Path;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// The pixels of a picture file.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +33,11 @@ impl PictureFile {
     /// the file.
     pub fn read(path: &Path) -> Result<Self> {
         let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-        if is_exr { read_exr(path) } else { read_other(path) }.map_err(|error| error.in_file(path))
+        let read = || match is_exr {
+            true => read_exr(path),
+            false => Self::decode(&std::fs::read(path).map_err(|error| unreadable(&error))?),
+        };
+        read().map_err(|error| error.in_file(path))
     }
 
     /// Decodes the contents of a PNG, JPEG or Radiance HDR file.
@@ -37,11 +45,19 @@ impl PictureFile {
     /// # Errors
     /// Returns an error if the bytes are not a picture.
     pub fn decode(bytes: &[u8]) -> Result<Self> {
-        image::load_from_memory(bytes).map(of_image).map_err(|error| unreadable(&error))
+        if bytes.starts_with(b"\x89PNG") {
+            Self::of_png(bytes)
+        } else if bytes.starts_with(b"\xff\xd8") {
+            Self::of_jpeg(bytes)
+        } else if radiance_hdr::is_radiance_hdr(bytes) {
+            let (size, colours) = radiance_hdr::decode(bytes)?;
+            Ok(Self::of_colours(size, &colours))
+        } else {
+            Err(unreadable(&"it is not a PNG, JPEG or Radiance HDR file"))
+        }
     }
 
     /// Creates a picture of linear sRGB colours, row by row from the top.
-    #[cfg(feature = "meshes")]
     pub(super) fn of_colours(size: ImageSize, colours: &[[f32; 3]]) -> Self {
         let pixels = colours.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
         Self { size, pixels, usual: EncodingFile::Linear }
@@ -176,13 +192,56 @@ fn check_size(path: &Path) -> Result<()> {
     Ok(())
 }
 
-fn read_other(path: &Path) -> Result<PictureFile> {
-    image::open(path).map(of_image).map_err(|error| unreadable(&error))
+/// The largest number of pixels of a PNG or JPEG file, 16,384 × 8,192. Their headers may state
+/// sizes that no memory holds.
+const MOST_PIXELS: usize = 1 << 27;
+
+impl PictureFile {
+    fn of_png(bytes: &[u8]) -> Result<Self> {
+        let mut decoder = png::Decoder::new(Cursor::new(bytes));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().map_err(|error| unreadable(&error))?;
+        let size = checked_size(reader.info().width as usize, reader.info().height as usize)?;
+        let mut buffer = vec![0; reader.output_buffer_size().ok_or_else(|| unreadable(&"it is too large"))?];
+        let frame = reader.next_frame(&mut buffer).map_err(|error| unreadable(&error))?;
+        buffer.truncate(frame.buffer_size());
+        let components: Vec<f32> = match frame.bit_depth {
+            png::BitDepth::Sixteen => {
+                let codes = buffer.as_chunks().0.iter().map(|code| u16::from_be_bytes(*code));
+                codes.map(|code| f32::from(code) / f32::from(u16::MAX)).collect()
+            }
+            _ => buffer.iter().map(|code| f32::from(*code) / f32::from(u8::MAX)).collect(),
+        };
+        let pixels = match frame.color_type {
+            png::ColorType::Grayscale => components.iter().map(|&v| [v, v, v, 1.0]).collect(),
+            png::ColorType::GrayscaleAlpha => components.as_chunks().0.iter().map(|&[v, a]| [v, v, v, a]).collect(),
+            png::ColorType::Rgba => components.as_chunks().0.to_vec(),
+            // The colours of a palette are expanded.
+            png::ColorType::Rgb | png::ColorType::Indexed => {
+                components.as_chunks().0.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect()
+            }
+        };
+        Ok(Self { size, pixels, usual: EncodingFile::Srgb })
+    }
+
+    fn of_jpeg(bytes: &[u8]) -> Result<Self> {
+        let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
+        let options = options.set_max_width(usize::MAX).set_max_height(usize::MAX);
+        let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+        decoder.decode_headers().map_err(|error| unreadable(&error))?;
+        let (width, height) = decoder.dimensions().expect("the headers are decoded");
+        let size = checked_size(width, height)?;
+        let codes = decoder.decode().map_err(|error| unreadable(&error))?;
+        let component = |code: u8| f32::from(code) / f32::from(u8::MAX);
+        let pixels = codes.as_chunks().0.iter().map(|&[r, g, b]| [component(r), component(g), component(b), 1.0]);
+        Ok(Self { size, pixels: pixels.collect(), usual: EncodingFile::Srgb })
+    }
 }
 
-fn of_image(image: DynamicImage) -> PictureFile {
-    let linear = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
-    let size = ImageSize { width: image.width() as usize, height: image.height() as usize };
-    let pixels = image.into_rgba32f().pixels().map(|pixel| pixel.0).collect();
-    PictureFile { size, pixels, usual: if linear { EncodingFile::Linear } else { EncodingFile::Srgb } }
+fn checked_size(width: usize, height: usize) -> Result<ImageSize> {
+    if width.saturating_mul(height) > MOST_PIXELS {
+        let what = format!("the image has {width} × {height} pixels");
+        return Err(Error::input(what).expected(format!("at most {MOST_PIXELS} pixels")));
+    }
+    Ok(ImageSize { width, height })
 }

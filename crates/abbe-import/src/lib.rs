@@ -104,4 +104,13 @@ mod test_support {
     pub(crate) fn read_converted(path: &Path) -> Result<(SceneFile, JsonSource)> {
         parse(super::import(path, "", FileAccess::WithinFolder)?.text, path, &[])
     }
+
+    /// Returns a PNG file of 2 × 2 pixels.
+    pub(crate) fn small_png(codes: [[u8; 3]; 4]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.write_header().unwrap().write_image_data(codes.as_flattened()).unwrap();
+        bytes
+    }
 }

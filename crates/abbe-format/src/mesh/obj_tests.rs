@@ -1,7 +1,7 @@
 //! Tests of OBJ files and their materials.
 
 use super::MeshPart;
-use super::tests::{ignored, load, obj, write};
+use super::tests::{ignored, load, obj, small_png, write};
 use abbe_optics::texture::{UvTransform, Wrap};
 use glam::DVec3;
 use tempfile::TempDir;
@@ -101,7 +101,7 @@ fn an_obj_says_which_textures_and_keys_are_ignored() {
         "cube.mtl",
         format!("newmtl glass\nKd 1 1 1\n{textures}Tf 0.5 1 1\nPc 0.5\nnewmtl other\nmap_Kd e\n"),
     );
-    image::RgbImage::new(2, 2).save(folder.path().join("a.png")).unwrap();
+    write(&folder, "a.png", small_png([[0; 3]; 4]));
     let expected = "textures are ignored: map_Bump, map_Pr, norm; material keys are ignored: Pc, Tf; unknown materials \
                     became matt grey: wood; the texture map_Kd of \"other\" cannot be used (";
     let found = ignored(&path).unwrap();

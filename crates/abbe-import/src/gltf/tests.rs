@@ -1,7 +1,7 @@
 //! Tests of the glTF importer on small files in text form.
 
 use super::*;
-use crate::test_support::read_converted;
+use crate::test_support::{read_converted, small_png};
 use abbe_format::resolve::resolve;
 use abbe_scene::light::Emitter;
 use abbe_spectra::spectrum::Observer;
@@ -14,10 +14,7 @@ use tempfile::TempDir;
 fn gltf(nodes: &str, rest: &str) -> String {
     let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0];
     let buffer = STANDARD.encode(floats.map(f32::to_le_bytes).as_flattened());
-    let mut png = std::io::Cursor::new(Vec::new());
-    let picture = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb([200 * x as u8, 200 * y as u8, 50]));
-    picture.write_to(&mut png, image::ImageFormat::Png).unwrap();
-    let picture = STANDARD.encode(png.into_inner());
+    let picture = STANDARD.encode(small_png([[0, 0, 50], [200, 0, 50], [0, 200, 50], [200, 200, 50]]));
     format!(
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0,
           "nodes": [{{"mesh": 0, "translation": [0, 0, -3]}}{nodes}],

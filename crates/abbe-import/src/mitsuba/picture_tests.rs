@@ -1,14 +1,12 @@
 //! Tests of the pictures of Mitsuba scenes.
 
 use super::tests::{Imported, close};
+use crate::test_support::small_png;
 use serde_json::{Value, json};
 
 /// Returns a PNG file of one colour.
 fn picture(colour: [u8; 3]) -> Vec<u8> {
-    let mut png = std::io::Cursor::new(Vec::new());
-    let image = image::RgbImage::from_pixel(2, 2, image::Rgb(colour));
-    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
-    png.into_inner()
+    small_png([colour; 4])
 }
 
 #[test]

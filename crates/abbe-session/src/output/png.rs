@@ -19,7 +19,10 @@ use std::io::Cursor;
 use std::path::Path;
 
 use ::png::chunk::ChunkType;
-use ::png::{BitDepth, ColorType, Compression, Filter, Info, ScaledFloat, SourceChromaticities, SrgbRenderingIntent};
+use ::png::{
+    BitDepth, ColorType, Compression, Filter, Info, ScaledFloat, SourceChromaticities, SrgbRenderingIntent,
+    Transformations,
+};
 
 use super::{file, icc};
 use abbe_spectra::colour::{AdaptationTransform, RgbSpace, adapt};
@@ -130,13 +133,11 @@ pub fn read(path: &Path) -> Result<Picture> {
         let names = RgbSpace::ALL.map(RgbSpace::name).join(", ");
         wrong("has a colour space that abbe does not know".to_string()).expected(names)
     })?;
-    let image = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
-        .map_err(|error| broken(error.to_string()))?
-        .into_rgb16();
-    let mut picture = Picture::black(image.width() as usize, image.height() as usize);
+    let (width, height, pixels) = rgb16(&bytes).map_err(|error| broken(error.to_string()))?;
+    let mut picture = Picture::black(width, height);
     let adapt = |xyz| adapt(xyz, space.white(), RgbSpace::Srgb.white(), AdaptationTransform::Bradford);
-    for (xyz, pixel) in picture.xyz.iter_mut().zip(image.pixels()) {
-        *xyz = adapt(space.to_xyz(pixel.0.map(|code| space.decode(f64::from(code) / 65_535.0))));
+    for (xyz, pixel) in picture.xyz.iter_mut().zip(&pixels) {
+        *xyz = adapt(space.to_xyz(pixel.map(|code| space.decode(f64::from(code) / 65_535.0))));
     }
     Ok(picture)
 }
@@ -165,14 +166,36 @@ fn explicit_space(info: &Info<'_>) -> Result<Option<RgbSpace>> {
 pub fn read_mask(path: &Path, width: usize, height: usize) -> Result<Vec<bool>> {
     let wrong = |what: String| Error::input(what).in_file(path);
     let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
-    let mask = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
-        .map_err(|error| wrong(format!("is not a valid PNG file: {error}")))?
-        .into_rgb16();
-    if (mask.width() as usize, mask.height() as usize) != (width, height) {
-        let what = format!("the mask has {} × {} pixels", mask.width(), mask.height());
+    let (w, h, pixels) = rgb16(&bytes).map_err(|error| wrong(format!("is not a valid PNG file: {error}")))?;
+    if (w, h) != (width, height) {
+        let what = format!("the mask has {w} × {h} pixels");
         return Err(wrong(what).expected(format!("the pictures' size, {width} × {height}")));
     }
-    Ok(mask.pixels().map(|pixel| pixel.0 != [0; 3]).collect())
+    Ok(pixels.iter().map(|pixel| *pixel != [0; 3]).collect())
+}
+
+/// Returns the width, the height and the pixels of a PNG file, with codes of 16 bits and without
+/// opacity.
+fn rgb16(bytes: &[u8]) -> std::result::Result<(usize, usize, Vec<[u16; 3]>), ::png::DecodingError> {
+    let mut decoder = ::png::Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info()?;
+    // The deflate method compresses to 1/1032 at best, so a header that states more is damaged.
+    let possible = |size: &usize| *size <= bytes.len().saturating_mul(1032);
+    let size = reader.output_buffer_size().filter(possible).ok_or(::png::DecodingError::LimitsExceeded)?;
+    let mut buffer = vec![0; size];
+    let frame = reader.next_frame(&mut buffer)?;
+    buffer.truncate(frame.buffer_size());
+    let codes: Vec<u16> = match frame.bit_depth {
+        BitDepth::Sixteen => buffer.as_chunks().0.iter().map(|code| u16::from_be_bytes(*code)).collect(),
+        _ => buffer.iter().map(|code| u16::from(*code) * 257).collect(),
+    };
+    let pixels = codes.chunks_exact(frame.color_type.samples()).map(|pixel| match *pixel {
+        [r, g, b, ..] => [r, g, b],
+        [v, ..] => [v; 3],
+        [] => [0; 3],
+    });
+    Ok((frame.width as usize, frame.height as usize, pixels.collect()))
 }
 
 #[cfg(test)]
@@ -187,11 +210,10 @@ mod tests {
     #[test]
     fn a_png_contains_the_pixels() {
         let screen = DisplayImage::of_srgb(2, 1, vec![[1, 2, 3], [250, 128, 0]]);
-        let image = image::load_from_memory(&encode(&screen).unwrap()).unwrap().into_rgb8();
-        assert_eq!((image.width(), image.height()), (2, 1));
-        assert_eq!(image.into_raw(), [1, 2, 3, 250, 128, 0]);
-        let image = image::load_from_memory(&encode(&wide(RgbSpace::Rec2020)).unwrap()).unwrap().into_rgb16();
-        assert_eq!(image.into_raw(), [1, 0x1234, 0xfffe]);
+        let codes = [[1, 2, 3], [250, 128, 0]].map(|pixel: [u16; 3]| pixel.map(|code| 257 * code));
+        assert_eq!(rgb16(&encode(&screen).unwrap()).unwrap(), (2, 1, codes.to_vec()));
+        let pixel = [1, 0x1234, 0xfffe];
+        assert_eq!(rgb16(&encode(&wide(RgbSpace::Rec2020)).unwrap()).unwrap(), (1, 1, vec![pixel]));
     }
 
     #[test]
