@@ -47,7 +47,6 @@ fn parse(text: &str) -> Option<f64> {
     Some(JULIAN_DAY_1970 + days_since_1970(year, month, day) as f64 + of_day as f64 / 86_400.0)
 }
 
-/// Returns the minutes of an offset such as `02:00`.
 fn minutes(offset: &str) -> Option<i64> {
     let [hours, minutes] = numbers(offset, ':', &[2, 2])?[..] else { return None };
     (hours < 24 && minutes < 60).then_some(hours * 60 + minutes)

@@ -245,7 +245,6 @@ impl LensFile {
     }
 }
 
-/// Checks the number of blades of a polygonal stop.
 fn validate_blades(at: &JsonPath, blades: Option<u32>) -> Result<()> {
     blades.map_or(Ok(()), |blades| check::count(&at.key("blades"), u64::from(blades), 3, 64))
 }

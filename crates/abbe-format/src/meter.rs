@@ -210,7 +210,6 @@ impl SideFile {
 }
 
 impl MeterFile {
-    /// Returns the quantity. The default depends on the form of the meter.
     pub fn quantity(&self) -> Quantity {
         let default = if self.spot.is_some() { QuantityKindFile::Luminance } else { QuantityKindFile::Illuminance };
         self.quantity.unwrap_or(default).quantity()

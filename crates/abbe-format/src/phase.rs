@@ -55,7 +55,6 @@ pub enum PhaseFile {
 }
 
 impl PhaseFile {
-    /// Checks ranges.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Isotropic | Self::Rayleigh | Self::Table { path: _ } | Self::Rainbow => Ok(()),

@@ -103,7 +103,6 @@ fn filled(page: &str) -> String {
     text + "\n"
 }
 
-/// One variant of a definition with several forms.
 enum SchemaVariant<'s> {
     Constant(&'s str),
     /// An object with one key: the key and the schema of its value.
@@ -134,7 +133,6 @@ impl<'s> Page<'s> {
         if name.is_empty() { self.schema } else { &self.schema["$defs"][name] }
     }
 
-    /// Returns the definition to which a schema refers.
     fn referred(&self, schema: &Value) -> Option<&'s Value> {
         schema["$ref"].as_str()?.strip_prefix("#/$defs/").map(|name| self.definition(name))
     }
@@ -196,7 +194,6 @@ impl<'s> Page<'s> {
         examples(schema, text);
     }
 
-    /// Writes the table of the keys of an object.
     fn keys(&self, properties: &Map<String, Value>, object: &Value, text: &mut String) {
         let _ = write!(text, "\n| Key | Type | Unit | Default | Range | Meaning |\n");
         let _ = writeln!(text, "| --- | --- | --- | --- | --- | --- |");

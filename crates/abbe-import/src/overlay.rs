@@ -116,7 +116,6 @@ impl OverlayFile {
         }
     }
 
-    /// Returns the names of the materials that other parts of the overlay use.
     fn used_materials(&self) -> BTreeSet<&str> {
         fn find<'v>(value: &'v Value, found: &mut BTreeSet<&'v str>) {
             match value {
@@ -134,7 +133,6 @@ impl OverlayFile {
         found
     }
 
-    /// Changes the objects with the stated names.
     fn objects(&self, scene: &mut Value, faults: &mut Vec<Error>) {
         let mut none = Vec::new();
         let objects = scene["objects"].as_array_mut().unwrap_or(&mut none);
@@ -264,7 +262,6 @@ fn merge(value: &mut Value, changes: &Map<String, Value>) {
     }
 }
 
-/// Returns true if both values are objects with one key, and the keys differ.
 fn is_other_kind(known: &Value, change: &Map<String, Value>) -> bool {
     let only = |map: &Map<String, Value>| map.keys().next().filter(|_| map.len() == 1).cloned();
     let known = known.as_object().and_then(only);

@@ -91,7 +91,6 @@ impl SceneWriter {
         Some(self.add_material(&format!("{material} with normals"), json!({"normal_map": map})))
     }
 
-    /// Returns the name of a material without its normal map.
     pub(super) fn without_normal_map(&self, material: &str) -> String {
         let inner = self.materials.get(material).and_then(|form| form["normal_map"]["material"].as_str());
         inner.unwrap_or(material).to_string()
@@ -117,7 +116,6 @@ impl SceneWriter {
         }
     }
 
-    /// Adds a light without a name.
     pub(super) fn add_light(&mut self, light: Value) {
         self.add_named_light([], light);
     }

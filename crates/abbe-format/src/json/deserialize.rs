@@ -25,7 +25,6 @@ pub(super) enum ValueDeserializer<'r, 'de> {
 }
 
 impl<'r, 'de> ValueDeserializer<'r, 'de> {
-    /// Creates the deserialiser of a value of the text, or of a stand-in if the repairs replace it.
     pub(super) fn new(value: SpannedValue<'de>, repairs: &'r Repairs) -> Self {
         if repairs.replaces(value) { Self::StandIn } else { Self::Written(WrittenValue { value, repairs }) }
     }
@@ -163,7 +162,6 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         self.visit(visitor).map_err(|error| error.at(self.value))
     }
 
-    /// Calls the visitor's method that matches the kind of this value.
     fn visit<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
         match self.value.kind() {
             ValueKind::Null => visitor.visit_unit(),
@@ -233,7 +231,6 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         result.map_err(|error| error.at(self.value))
     }
 
-    /// Returns the error for a value that should be an object. `fields` are the keys of the object.
     fn not_an_object(self, fields: &[&str]) -> DeserializeError {
         let expected = match fields {
             [] => "an object".to_string(),
@@ -243,7 +240,6 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         DeserializeError::mismatch(expected).at(self.value)
     }
 
-    /// Visits an object with the known keys `fields`.
     fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
         if self.value.kind() != ValueKind::Object {
             return Err(self.not_an_object(fields));
@@ -251,7 +247,6 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         self.visit_object(visitor).map_err(|error| error.at(self.value))
     }
 
-    /// Returns an error if the value is not an array of this length.
     fn check_length(self, length: usize) -> DeserializeResult<()> {
         if self.value.kind() == ValueKind::Array && self.value.children().count() == length {
             return Ok(());
@@ -259,7 +254,6 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         Err(DeserializeError::mismatch(format!("an array of {length}")).at(self.value))
     }
 
-    /// Returns the variant of an enum with these variants.
     fn variant(self, variants: &'static [&'static str]) -> DeserializeResult<Variant<'r, 'de>> {
         match self.value.kind() {
             ValueKind::String => Ok(Variant::Plain(self.value)),
@@ -336,7 +330,6 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
         Self { written: None, added: keys.iter().rev().copied().collect(), value: None }
     }
 
-    /// Returns the next key of the text that is not dropped.
     fn next_kept_key(&mut self) -> Option<SpannedValue<'de>> {
         let (entries, repairs) = self.written.as_mut()?;
         loop {
@@ -410,7 +403,6 @@ impl<'de> EnumAccess<'de> for Variant<'_, 'de> {
 }
 
 impl<'r, 'de> Variant<'r, 'de> {
-    /// Returns the fields, or an error if the variant is written as a string.
     fn fields(self) -> DeserializeResult<ValueDeserializer<'r, 'de>> {
         match self {
             Self::Plain(name) => {

@@ -37,17 +37,14 @@ pub(super) enum DeserializeErrorKind {
 pub(super) type DeserializeResult<T> = Result<T, DeserializeError>;
 
 impl DeserializeError {
-    /// Returns an error whose position is not known yet.
     pub(super) fn new(kind: DeserializeErrorKind) -> Self {
         Self { node: None, kind }
     }
 
-    /// Returns an error for a value with a wrong type or length, or out of range.
     pub(super) fn mismatch(expected: impl Into<String>) -> Self {
         Self::new(DeserializeErrorKind::Mismatch { expected: expected.into() })
     }
 
-    /// Returns the error for a type that has no stand-in.
     pub(super) fn no_stand_in() -> Self {
         Self::new(DeserializeErrorKind::NoStandIn)
     }

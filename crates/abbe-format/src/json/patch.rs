@@ -109,7 +109,6 @@ struct PathPatch<'s> {
     label: String,
 }
 
-/// A change of a text: `text` replaces the bytes `from..to`.
 struct TextEdit {
     from: usize,
     to: usize,

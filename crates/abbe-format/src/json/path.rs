@@ -63,17 +63,14 @@ pub(super) fn push_key(path: &mut String, key: &str) {
     write_key(path, key, first).expect("writing to a string cannot fail");
 }
 
-/// Returns whether a key with this character must be quoted.
 fn needs_quotes(c: char) -> bool {
     matches!(c, '.' | '[' | ']' | '"' | '=' | '\\') || c.is_whitespace() || c.is_control()
 }
 
-/// Returns a text as a JSON string with quotes.
 pub(super) fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// One step of a path written by the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum PathStep {
     /// A key of an object.

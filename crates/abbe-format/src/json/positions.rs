@@ -65,7 +65,6 @@ impl<'t> SpannedValue<'t> {
         self.id
     }
 
-    /// Returns the value whose node in the same text has the number `id`.
     pub(super) fn with_id(self, id: u32) -> Self {
         Self { id, ..self }
     }
@@ -102,13 +101,11 @@ impl<'t> SpannedValue<'t> {
         decode(self.written())
     }
 
-    /// Returns the elements of an array. For an object, returns each key followed by its value.
     pub(super) fn children(self) -> ChildValues<'t> {
         let next = self.node().next;
         ChildValues { end: next, at: self.with_id(self.id + 1) }
     }
 
-    /// Returns the keys and values of an object.
     pub(super) fn entries(self) -> impl Iterator<Item = (SpannedValue<'t>, SpannedValue<'t>)> {
         let mut all = self.children();
         std::iter::from_fn(move || Some((all.next()?, all.next()?)))

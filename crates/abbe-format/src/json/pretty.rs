@@ -29,7 +29,6 @@ fn quoted(key: &str) -> String {
     Value::from(key).to_string()
 }
 
-/// Returns whether a value is a number, or a list of numbers.
 fn is_numeric(value: &Value) -> bool {
     match value {
         Value::Number(_) => true,

@@ -23,7 +23,6 @@ pub(super) struct SyntaxError {
 
 type ScanResult<T> = Result<T, SyntaxError>;
 
-/// Returns the positions of all values of a text. The text must be shorter than 4 GiB.
 pub(super) fn scan(text: &str) -> ScanResult<Positions> {
     let mut scanner = Scanner { text, at: 0, nodes: Vec::new(), open: Vec::new() };
     scanner.skip_blanks()?;
@@ -235,7 +234,6 @@ impl Scanner<'_> {
         if self.peek().is_none() { Err(self.unfinished(id, b'}')) } else { Ok(()) }
     }
 
-    /// Returns the error for a text that ends inside a container.
     fn unfinished(&self, id: usize, close: u8) -> SyntaxError {
         let kind = if close == b'}' { "object" } else { "array" };
         let (line, column) = line_column(self.text, self.nodes[id].start as usize);
@@ -243,7 +241,6 @@ impl Scanner<'_> {
         self.malformed(self.text.len(), found, format!("`{}`", char::from(close)))
     }
 
-    /// Returns an error if an object contains the same key twice.
     fn refuse_duplicates(&mut self, id: usize) -> ScanResult<()> {
         let object = SpannedValue::in_list(self.text, &self.nodes, id as u32);
         let mut keys: Vec<_> = object.entries().map(|(key, _)| (key.content(), key.start())).collect();

@@ -123,7 +123,6 @@ impl JsonSource {
         self.positions.ids().filter(is_string).map(move |id| root.with_id(id).content())
     }
 
-    /// Returns the folder to which paths in the text are relative.
     pub fn folder(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
     }
@@ -156,7 +155,6 @@ impl JsonSource {
         self.error_at_offset(value.start(), error.on_path(json_path))
     }
 
-    /// Returns an error about the value at a path.
     #[must_use]
     pub fn fault(&self, at: &path::JsonPath, what: impl Into<String>, expected: impl Into<String>) -> Error {
         self.error_at(&at.to_string(), Error::input(what).expected(expected))

@@ -14,7 +14,6 @@ const METRES_PER_FOOT: f64 = 0.3048;
 /// Reads the text of a file with tilt factors, given its name.
 type TiltFile<'a> = &'a dyn Fn(&str) -> Result<String>;
 
-/// A version of the format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Lm63Version {
     Y1986,
@@ -153,7 +152,6 @@ fn tilt_factors(numbers: &mut NumberReader) -> Result<Vec<(f64, f64)>> {
     Ok(angles.into_iter().zip(factors.collect::<Result<Vec<f64>>>()?).collect())
 }
 
-/// Reads the tilt factors of another file.
 fn other_tilt(name: &str, tilt_file: TiltFile<'_>) -> Result<Vec<(f64, f64)>> {
     let shown: String = name.chars().take(80).collect();
     if name.is_empty() {
@@ -171,7 +169,6 @@ fn other_tilt(name: &str, tilt_file: TiltFile<'_>) -> Result<Vec<(f64, f64)>> {
     })
 }
 
-/// Reads the numbers after the tilt factors.
 fn luminaire(numbers: &mut NumberReader, version: Lm63Version) -> Result<Photometry> {
     let lamps = numbers.next("the number of lamps")?;
     let lumens = numbers.next("the lumens per lamp")?;

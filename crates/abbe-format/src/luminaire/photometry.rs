@@ -43,7 +43,6 @@ pub struct OpeningSize {
     pub height_m: f64,
 }
 
-/// The content of a luminaire file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photometry {
     pub format: String,

@@ -23,7 +23,6 @@ pub struct BeamAngles {
     pub tenth_deg: f64,
 }
 
-/// The figures of a luminaire.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LuminaireSummary {
     /// The luminous flux in lm: the integral of the interpolated intensity.

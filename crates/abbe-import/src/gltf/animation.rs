@@ -18,7 +18,6 @@ pub(super) struct Animations {
     tracks: BTreeMap<usize, NodeTracks>,
 }
 
-/// The animation of a node.
 #[derive(Default)]
 pub(super) struct NodeTracks {
     pub(super) translation: Option<Track>,
@@ -26,7 +25,6 @@ pub(super) struct NodeTracks {
     pub(super) scale: Option<Track>,
 }
 
-/// One animated property of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Track {
     /// The times of the keyframes in s, in rising order.
@@ -96,7 +94,6 @@ impl NodeTracks {
         self.all().flat_map(|track| before(track).into_iter().chain(track.times.clone())).collect()
     }
 
-    /// Returns true if a property is a cubic spline.
     pub(super) fn is_curved(&self) -> bool {
         self.all().any(|track| track.interpolation == Interpolation::CubicSpline)
     }

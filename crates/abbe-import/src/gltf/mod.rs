@@ -30,7 +30,6 @@ use abbe_format::FileAccess;
 use abbe_format::mesh::{GltfAccessors, GltfFile, RestPose, first_parts, for_each_node, has_triangles, ignored};
 use abbe_spectra::error::{Error, Result};
 
-/// The extension for instances of a mesh.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
 /// The largest luminance (cd/m²) of a surface in glTF without KHR_materials_emissive_strength.
@@ -45,7 +44,6 @@ const STUDIO_ILLUMINANCE: f64 = 1000.0;
 /// cd/m², as the emission has.
 const DIM_STUDIO_ILLUMINANCE: f64 = 2.0;
 
-/// The width of the film in pixels.
 const WIDTH: f64 = 960.0;
 
 /// Reads a glTF file. The geometry and the pictures are not read.
@@ -109,7 +107,6 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
     Ok(scene.finish(&name))
 }
 
-/// Converts the nodes of a file.
 struct NodeReader<'d> {
     document: &'d Document,
     accessors: GltfAccessors<'d>,

@@ -48,7 +48,6 @@ pub(super) struct PlacedNode {
 }
 
 impl PlacedNode {
-    /// Returns the transform at 0 s.
     pub(super) fn at_start(&self) -> DAffine3 {
         let after = self.motion.iter().rev().find(|(time, _)| *time <= 0.0).or(self.motion.first());
         after.map_or(self.own, |(_, motion)| *motion * self.own)
@@ -127,7 +126,6 @@ impl NodeTree {
         DAffine3::from_scale_rotation_translation(moved.scale, moved.rotation, moved.translation)
     }
 
-    /// Returns the times of the keyframes of a chain of nodes.
     fn times(&self, chain: &[usize]) -> Vec<f64> {
         let animated: Vec<&NodeTracks> = chain.iter().filter_map(|&node| self.animations.tracks(node)).collect();
         let mut times: Vec<f64> = animated.iter().flat_map(|tracks| tracks.times()).collect();
@@ -148,7 +146,6 @@ impl NodeTree {
     }
 }
 
-/// Returns a quaternion of length 1.
 pub(super) fn unit(rotation: DQuat) -> DQuat {
     if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY }
 }

@@ -14,7 +14,6 @@ use abbe_spectra::error::Result;
 /// The median slope of Beckmann's microfacets with α = 1: √ln 2. That of GGX microfacets is 1.
 const MEDIAN_SLOPE: f64 = 0.832_554_611_157_697_8;
 
-/// The surface that is converted.
 pub(super) struct BsdfContext<'a> {
     /// The name that the material gets, if it is free.
     pub(super) name: &'a str,
@@ -154,7 +153,6 @@ impl MitsubaReader<'_> {
         })
     }
 
-    /// Converts a BSDF that has no other BSDF inside.
     fn simple(&mut self, properties: &Properties, context: &BsdfContext) -> Result<MitsubaSurface> {
         let bsdf = properties.element;
         let (material, one_sided) = match bsdf.plugin() {

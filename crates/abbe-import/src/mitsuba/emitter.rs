@@ -12,7 +12,6 @@ use super::xml::XmlElement;
 use abbe_spectra::error::Result;
 
 impl MitsubaReader<'_> {
-    /// Converts an emitter that is not part of a shape.
     pub(super) fn emitter(&mut self, emitter: &XmlElement) -> Result<()> {
         let properties = Properties::new(emitter);
         let light = match emitter.plugin() {

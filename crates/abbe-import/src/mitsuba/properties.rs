@@ -9,7 +9,6 @@ use super::transform;
 use super::xml::{XmlElement, number};
 use abbe_spectra::error::Result;
 
-/// The properties of an element.
 pub(super) struct Properties<'a> {
     pub(super) element: &'a XmlElement,
     read: Vec<Cell<bool>>,
@@ -45,12 +44,10 @@ impl<'a> Properties<'a> {
         self.find(name).map(|child| number(child)).transpose()
     }
 
-    /// Returns a number, or a default.
     pub(super) fn number(&self, name: &str, default: f64) -> Result<f64> {
         Ok(self.optional_number(name)?.unwrap_or(default))
     }
 
-    /// Returns true or false, or a default.
     pub(super) fn boolean(&self, name: &str, default: bool) -> Result<bool> {
         let Some(child) = self.find(name) else { return Ok(default) };
         let value = child.required("value")?.trim();
@@ -67,7 +64,6 @@ impl<'a> Properties<'a> {
         self.find(name).map(|child| child.required("value")).transpose()
     }
 
-    /// Returns a text that the element needs.
     pub(super) fn required_text(&self, name: &str) -> Result<&'a str> {
         self.text(name)?.ok_or_else(|| {
             let what = format!("<{}> of the type \"{}\"", self.element.tag, self.element.plugin());

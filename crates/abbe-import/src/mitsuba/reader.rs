@@ -6,7 +6,6 @@ use super::properties::Properties;
 use super::xml::{MitsubaDocument, XmlElement};
 use crate::scene_writer::SceneWriter;
 
-/// The surface of a shape.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum MitsubaSurface {
     /// A material of the scene file.
@@ -22,7 +21,6 @@ pub(super) enum MitsubaSurface {
 /// A BSDF, and the medium inside the shape that has the BSDF.
 type SurfaceKey = (*const XmlElement, Option<String>);
 
-/// Converts the elements of a scene.
 pub(super) struct MitsubaReader<'a> {
     pub(super) document: MitsubaDocument,
     pub(super) scene: SceneWriter,

@@ -191,7 +191,6 @@ impl MitsubaReader<'_> {
         self.medium(&interior)
     }
 
-    /// Returns true if a material has a texture.
     fn is_textured(&self, material: &str) -> bool {
         fn has_texture(value: &Value) -> bool {
             match value {
@@ -225,7 +224,6 @@ impl MitsubaReader<'_> {
         Ok(())
     }
 
-    /// Returns true if a shape is not closed. Reads the file of a mesh.
     fn is_open(&self, properties: &Properties) -> Result<bool> {
         let shape = properties.element;
         Ok(match shape.plugin() {

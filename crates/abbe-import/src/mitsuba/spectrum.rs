@@ -24,7 +24,6 @@ const STEP_NM: f64 = 5.0;
 /// The largest number of samples of a table in a file.
 const MAX_SAMPLES: usize = 100_000;
 
-/// A spectrum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum MitsubaSpectrum {
     /// A number. As a light, it is a multiple of D65.
@@ -72,7 +71,6 @@ impl MitsubaReader<'_> {
         }
     }
 
-    /// Reads a spectrum such as `<spectrum type="d65"/>`.
     fn spectrum_plugin(&mut self, element: &XmlElement) -> Result<MitsubaSpectrum> {
         let properties = Properties::new(element);
         let spectrum = match element.plugin() {
@@ -238,7 +236,6 @@ impl MitsubaSpectrum {
         }
     }
 
-    /// Returns a typical value.
     pub(super) fn mean(&self) -> f64 {
         match self {
             Self::Number(value) | Self::Uniform(value) => *value,
@@ -262,12 +259,10 @@ impl MitsubaSpectrum {
         }
     }
 
-    /// Returns true if all values are from 0 to 1.
     pub(super) fn is_fraction(&self) -> bool {
         self.range().is_some_and(|[smallest, largest]| largest <= 1.0 && smallest >= 0.0)
     }
 
-    /// Applies a function to each value.
     pub(super) fn map(&self, change: impl Fn(f64) -> f64) -> Self {
         match self {
             Self::Number(value) => Self::Number(change(*value)),
@@ -305,7 +300,6 @@ impl MitsubaSpectrum {
         self.coefficient()
     }
 
-    /// Returns the value at a wavelength.
     fn at(&self, nm: f64) -> f64 {
         match self {
             Self::Number(value) | Self::Uniform(value) => *value,

@@ -16,7 +16,6 @@ use abbe_format::{EncodingFile, PictureFile};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::atan2;
 
-/// A spectrum or a texture.
 #[derive(Debug, Clone)]
 pub(super) enum Textured {
     Spectrum(MitsubaSpectrum),
@@ -40,7 +39,6 @@ pub(super) struct Bitmap {
 }
 
 impl Textured {
-    /// Returns the spectrum, or the mean of the texture.
     pub(super) fn mean(&self) -> MitsubaSpectrum {
         match self {
             Self::Spectrum(spectrum) => spectrum.clone(),
@@ -49,7 +47,6 @@ impl Textured {
         }
     }
 
-    /// Returns true if the value is the same everywhere.
     pub(super) fn is_uniform(&self) -> bool {
         matches!(self, Self::Spectrum(_))
     }
@@ -154,7 +151,6 @@ fn checker(a: &Value, b: &Value, uv: Option<&Value>) -> Value {
     json!({"checker": checker})
 }
 
-/// Limits all values to 0 … 1.
 fn fraction(spectrum: &MitsubaSpectrum) -> MitsubaSpectrum {
     spectrum.map(|value| value.clamp(0.0, 1.0))
 }

@@ -10,7 +10,6 @@ const MAX_CELLS: usize = 262_144;
 /// The largest number of cells that are read.
 const MAX_READ: usize = 1 << 28;
 
-/// The length of the header in bytes.
 const HEADER: usize = 48;
 
 /// The values at the centres of cells. x varies fastest, then y, then z.

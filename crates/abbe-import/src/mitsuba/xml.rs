@@ -59,7 +59,6 @@ impl XmlElement {
         self.attribute("name").unwrap_or_default()
     }
 
-    /// Returns the identifier, or the plugin if the element has none.
     pub(super) fn title(&self) -> &str {
         self.attribute("id").unwrap_or_else(|| self.plugin())
     }
@@ -69,12 +68,10 @@ impl XmlElement {
         format!("{}:{}", self.file.file_name().unwrap_or_default().to_string_lossy(), self.line)
     }
 
-    /// Creates an error with the file and the line of the element.
     pub(super) fn error(&self, what: impl Into<String>) -> Error {
         Error::input(what).in_file(&self.file).at(self.line, 1)
     }
 
-    /// Adds the file and the line of the element to an error.
     pub(super) fn locate(&self, error: Error) -> Error {
         let at = error.location.file.clone().map_or_else(String::new, |file| format!("{}: ", file.display()));
         let located = Error { expected: error.expected, ..self.error(format!("{at}{}", error.what)) };
@@ -188,7 +185,6 @@ fn find_file(
     Err(refused.unwrap_or_else(|| Error::input(format!("the file \"{name}\" does not exist"))))
 }
 
-/// The state while files are read.
 #[derive(Default)]
 struct XmlLoader {
     folder: PathBuf,
@@ -323,7 +319,6 @@ impl XmlLoader {
         }
     }
 
-    /// Replaces each `$name` by the value of the parameter.
     fn substituted(&mut self, text: &str) -> Result<String> {
         let mut rest = text;
         let mut result = String::new();

@@ -10,7 +10,6 @@ use abbe_spectra::math::elementary::{atan2, sin_cos};
 /// The size of the film in pixels, if the file states none.
 pub(super) const DEFAULT_FILM: [f64; 2] = [1280.0, 720.0];
 
-/// A camera, before the film is known.
 #[derive(Debug)]
 pub(super) struct ReadCamera {
     world_from_camera: DMat4,
@@ -25,7 +24,6 @@ pub(super) struct ReadCamera {
     focal_distance: f64,
 }
 
-/// Reads a camera of the type `class`. Returns `None` if the camera is left out.
 pub(super) fn read_camera(
     class: &str,
     parameters: &Parameters,
@@ -112,7 +110,6 @@ impl ReadCamera {
     }
 }
 
-/// Reads the size of the film in pixels.
 pub(super) fn read_film(parameters: &Parameters, left_out: &mut Vec<String>) -> Result<[f64; 2]> {
     parameters.ignore(&["filename", "savefp16", "diagonal", "maxcomponentvalue"]);
     let sensor = parameters.string("sensor")?.unwrap_or("cie1931");

@@ -35,7 +35,6 @@ impl PbrtReader<'_> {
         Ok(reader)
     }
 
-    /// Executes all directives of a file and of the files that it includes.
     fn execute(&mut self, main: Tokens) -> Result<()> {
         // Each file has the state to which its end returns, if it was imported.
         let mut files: Vec<(Tokens, Option<GraphicsState>)> = vec![(main, None)];
@@ -191,7 +190,6 @@ impl PbrtReader<'_> {
         Ok(())
     }
 
-    /// Executes a directive with a class and parameters.
     fn statement(&mut self, directive: &str, class: String, parameters: Parameters, place: &Place) -> Result<()> {
         let mut left_out = Vec::new();
         match directive {
@@ -293,7 +291,6 @@ impl PbrtReader<'_> {
     }
 }
 
-/// Describes a token that is not a directive.
 fn describe(token: &Token) -> String {
     match token {
         Token::Quoted(text) => format!("the string \"{text}\""),

@@ -132,7 +132,6 @@ pub(super) fn read_emission(
     })
 }
 
-/// Reads a medium. Returns `None` if the medium is left out.
 pub(super) fn read_medium(
     parameters: &Parameters,
     to_world: &Value,

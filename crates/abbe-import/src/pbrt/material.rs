@@ -7,7 +7,6 @@ use super::spectrum::metal;
 use super::texture::{TextureReader, map_numbers, mean};
 use abbe_spectra::error::Result;
 
-/// A converted material.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ReadMaterial {
     /// A material of the scene file.
@@ -22,7 +21,6 @@ pub(super) enum ReadMaterial {
     Mix([String; 2], Value),
 }
 
-/// Reads a material of the type `class`.
 pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureReader) -> Result<ReadMaterial> {
     if parameters.get("displacement").is_some() {
         textures.left_out.push("a displacement is left out".into());
@@ -130,7 +128,6 @@ fn conductor(parameters: &Parameters, prefix: &str, textures: &mut TextureReader
     Ok(json!({"conductor": {"eta": part(eta, 0.5)?, "k": part(k, 3.0)?, "roughness": roughness}}))
 }
 
-/// Returns an index of refraction.
 fn index(parameters: &Parameters, key: &str, default: f64, textures: &mut TextureReader) -> Result<Value> {
     match parameters.get(key) {
         Some(parameter) if parameter.kind == "texture" => {

@@ -32,7 +32,6 @@ use abbe_spectra::error::Result;
 use reader::PbrtReader;
 use token::Tokens;
 
-/// Reads a pbrt file.
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let tokens = || Ok(Tokens::new(read_text(path)?, path.to_path_buf()));
     let reader = || PbrtReader::new(path.parent().unwrap_or(Path::new("")), folder, file_access);

@@ -7,7 +7,6 @@ use super::token::{Place, Token, Tokens};
 use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
 
-/// The values of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Values {
     Numbers(Vec<f64>),
@@ -27,7 +26,6 @@ pub(super) struct Parameter {
     used: Cell<bool>,
 }
 
-/// The parameters of a directive.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parameters {
     list: Vec<Parameter>,
@@ -57,7 +55,6 @@ impl Parameter {
 }
 
 impl Parameters {
-    /// Reads the parameters that follow a directive.
     pub(super) fn read(tokens: &mut Tokens) -> Result<Self> {
         let mut list = Vec::new();
         while let Some(Token::Quoted(declaration)) = tokens.peek()? {
@@ -133,7 +130,6 @@ impl Parameters {
         }
     }
 
-    /// Returns whole numbers that are not negative.
     pub(super) fn indices(&self, name: &str) -> Result<Option<Vec<u32>>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let index = |&x: &f64| {

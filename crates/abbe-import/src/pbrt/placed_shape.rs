@@ -73,7 +73,6 @@ impl PbrtReader<'_> {
         Ok(())
     }
 
-    /// Returns true if a material has a texture or a normal map.
     fn is_textured(&self, material: &ReadMaterial) -> bool {
         match material {
             ReadMaterial::Interface => false,
@@ -177,7 +176,6 @@ impl PbrtReader<'_> {
     }
 }
 
-/// Returns true if a form of the scene file contains a value that varies over the surface.
 fn has_texture(form: &Value) -> bool {
     !is_uniform(form) || form.as_object().is_some_and(|entries| entries.values().any(has_texture))
 }

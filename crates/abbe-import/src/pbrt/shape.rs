@@ -21,7 +21,6 @@ pub(super) struct PbrtShape {
     pub(super) emission: Option<Value>,
 }
 
-/// A shape in its local coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ReadShape {
     pub(super) shape: Value,
@@ -54,7 +53,6 @@ pub(super) struct ShapeReader<'a> {
 }
 
 impl ShapeReader<'_> {
-    /// Reads a shape. Returns `None` if the shape is left out.
     pub(super) fn read(&mut self, class: &str, parameters: &Parameters) -> Result<Option<ReadShape>> {
         match class {
             "sphere" => self.sphere(parameters).map(Some),
@@ -227,7 +225,6 @@ fn y_to_z() -> DMat4 {
     ])
 }
 
-/// A corner of a bilinear patch.
 #[derive(Clone, Copy)]
 struct Corner {
     position: DVec3,

@@ -135,7 +135,6 @@ fn one_number(parameter: &Parameter) -> Result<f64> {
     }
 }
 
-/// Returns a spectrum of pairs of a wavelength in nm and a value.
 fn table(parameter: &Parameter, numbers: &[f64]) -> Result<Value> {
     let (pairs, rest) = numbers.as_chunks::<2>();
     let rising = pairs.windows(2).all(|pair| pair[0][0] < pair[1][0]);

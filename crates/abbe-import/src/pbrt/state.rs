@@ -61,7 +61,6 @@ pub(super) fn matrix(numbers: &[f64]) -> DMat4 {
     DMat4::from_cols(column(0), column(1), column(2), column(3))
 }
 
-/// Returns true if the matrix is an invertible affine map.
 pub(super) fn is_placement(matrix: &DMat4) -> bool {
     let last = matrix.row(3);
     matrix.is_finite() && last.abs_diff_eq(DVec4::W, 1e-9) && matrix.determinant() != 0.0

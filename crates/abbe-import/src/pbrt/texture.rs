@@ -193,7 +193,6 @@ impl TextureReader<'_> {
     }
 }
 
-/// Returns true if a value does not vary over the surface.
 pub(super) fn is_uniform(value: &Value) -> bool {
     !["image", "checker", "noise", "stripes", "bands"].iter().any(|key| value.get(key).is_some())
 }

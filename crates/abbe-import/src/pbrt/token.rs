@@ -5,7 +5,6 @@ use std::rc::Rc;
 
 use abbe_spectra::error::{Error, Result};
 
-/// A line of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Place {
     pub(super) file: Rc<PathBuf>,
@@ -14,7 +13,6 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Returns an error at this line.
     pub(super) fn error(&self, what: impl Into<String>) -> Error {
         Error::input(format!("line {}: {}", self.line, what.into())).in_file(&self.file)
     }
@@ -25,7 +23,6 @@ impl Place {
     }
 }
 
-/// A token of a pbrt file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Token {
     /// A string in quotes, without the quotes.
@@ -104,7 +101,6 @@ impl Tokens {
         self.next = self.text.len();
     }
 
-    /// Reads the string that follows a directive.
     pub(super) fn string(&mut self, directive: &str) -> Result<String> {
         match self.read()? {
             Some(Token::Quoted(string)) => Ok(string),

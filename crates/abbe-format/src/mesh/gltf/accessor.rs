@@ -87,7 +87,6 @@ impl<'b> GltfAccessors<'b> {
         Ok(self.numbers::<16>(accessor)?.collect())
     }
 
-    /// Returns texture coordinates.
     pub(super) fn pairs(&self, accessor: &Accessor) -> Result<Vec<[f64; 2]>> {
         if accessor.dimensions() != Dimensions::Vec2 {
             return Err(Error::input(format!("accessor {} does not hold texture coordinates", accessor.index())));
