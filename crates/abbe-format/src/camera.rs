@@ -1,16 +1,10 @@
 //! The camera, its motion and its shutter in the scene file.
 
-use crate::JsonSchema;
-use glam::DVec3;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::lens::LensFile;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, LensFile, check};
 use abbe_scene::motion::{AnimatedLookAt, LookAt};
 use abbe_spectra::error::Result;
+use glam::DVec3;
 
 /// The camera: position, viewing direction, lens, shutter and motion.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]

@@ -3,7 +3,7 @@
 //! Every check takes the JSON path of its value. The caller adds file, line and column to the
 //! error.
 
-use crate::json::JsonPath;
+use crate::JsonPath;
 use abbe_spectra::error::{Error, Result};
 
 /// Returns an error that contains the JSON path of the wrong value. `what` says what was found.

@@ -1,18 +1,10 @@
 //! Stacks of thin films in the scene file and on the command line.
 
-use crate::JsonSchema;
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use super::index::IndexFile;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::texture::ScalarFile;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{IndexFile, JsonPath, ScalarFile, SpectrumFile, check, forms, spectrum::SpectrumUse};
 use abbe_spectra::error::Result;
+use serde::de::MapAccess;
 
 /// Thin films on top of each other, in which light interferes. The order of the films is from the
 /// outside to the substrate.

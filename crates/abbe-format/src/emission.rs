@@ -1,15 +1,8 @@
 //! The emission of objects in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::quantity::{QuantityFile, one_quantity, validate_quantity};
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::texture::ReflectanceFile;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::quantity::{one_quantity, validate_quantity};
+use crate::{JsonPath, QuantityFile, ReflectanceFile, SpectrumFile, check, spectrum::SpectrumUse};
 use abbe_spectra::error::Result;
 
 /// The emission of an object, which makes the object an area light. State exactly one of `power`,

@@ -1,13 +1,7 @@
 //! Scalar fields of inhomogeneous media in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check, forms};
 use abbe_spectra::error::Result;
 
 /// A scalar field over the box of a grid. State exactly one of `values` (with `resolution`),

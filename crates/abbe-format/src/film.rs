@@ -1,13 +1,7 @@
 //! The film in the scene file: what the camera records and how the PNG shows it.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::is_default;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check, forms::is_default};
 use abbe_spectra::error::Result;
 
 /// The picture: its size, its observer, and how the PNG shows it. The EXR always holds absolute

@@ -1,8 +1,7 @@
 //! Recognises files of other programs that a user passes in the place of a scene.
 
-use std::path::Path;
-
 use abbe_spectra::error::{Error, Result};
+use std::path::Path;
 
 /// How to bring a foreign file into a scene.
 enum Import {

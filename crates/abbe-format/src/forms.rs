@@ -5,14 +5,13 @@
 //! read and write the object form, and [`deserialize`] adds the plain forms. serde's untagged enums
 //! would do the same, but they buffer the value and lose the position of errors.
 
-use std::fmt;
-use std::marker::PhantomData;
-
 use serde::de::{
     Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
     VariantAccess, Visitor,
 };
 use serde::forward_to_deserialize_any;
+use std::fmt;
+use std::marker::PhantomData;
 
 /// A type that can be written in plain forms (a number, a string or an array of three numbers), and
 /// not only as an object. The functions return `None` for a plain form that the type does not have.

@@ -1,16 +1,9 @@
 //! Diffraction gratings in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-use std::f64::consts::PI;
-
-use super::check;
-use super::forms;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, SpectrumFile, check, forms, spectrum::SpectrumUse};
 use abbe_spectra::error::Result;
+use std::f64::consts::PI;
 
 /// A diffraction grating on a surface. Light of each wavelength leaves in the directions of the
 /// orders. The surrounding medium is on both sides. The efficiencies are those of scalar theory.

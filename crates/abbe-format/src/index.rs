@@ -1,16 +1,10 @@
 //! Indices of refraction in the scene file.
 
-use crate::JsonSchema;
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use super::spectrum::validate_table;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{JsonPath, check, forms, spectrum::validate_table};
 use abbe_spectra::error::Result;
+use serde::de::MapAccess;
 
 /// An index of refraction relative to air: a number, the name of a material in the built-in
 /// catalogue, or an object with one key. `abbe glass --list` prints the names.

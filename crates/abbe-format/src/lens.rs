@@ -1,17 +1,10 @@
 //! The lens of the camera in the scene file.
 
-use crate::JsonSchema;
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::coating::CoatingFile;
-use super::forms::{self, Form, Forms};
-use super::index::IndexFile;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{CoatingFile, IndexFile, JsonPath, check, forms};
 use abbe_spectra::error::{Error, Result};
+use serde::de::MapAccess;
 
 /// The lens that projects the scene onto the sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]

@@ -157,8 +157,14 @@ pub fn generated_schema() -> serde_json::Value {
     schemars::generate::SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<SceneFile>().into()
 }
 
-/// Derives nothing in place of the trait of schemars.
-#[cfg(not(feature = "schema"))]
-pub(crate) use abbe_no_schema::JsonSchema;
-#[cfg(feature = "schema")]
-pub(crate) use schemars::JsonSchema;
+/// The traits that the types of the scene file derive, and the macro in the attributes of their
+/// schema.
+mod prelude {
+    #[cfg(not(feature = "schema"))]
+    pub(crate) use abbe_no_schema::JsonSchema;
+    #[cfg(feature = "schema")]
+    pub(crate) use schemars::JsonSchema;
+    pub(crate) use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    #[cfg(feature = "schema")]
+    pub(crate) use serde_json::json;
+}

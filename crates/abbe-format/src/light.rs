@@ -8,17 +8,12 @@ pub use distant::{DirectionalFile, EnvironmentFile, ProjectionFile};
 pub use ies::IesFile;
 pub use sky::{PlaceFile, SkyFile, SunFile};
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms;
-use super::quantity::{QuantityFile, one_quantity, validate_quantity};
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::transform::{KeyframeFile, TransformFile, validate_motion};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::quantity::{one_quantity, validate_quantity};
+use crate::{
+    JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse,
+    transform::validate_motion,
+};
 use abbe_spectra::error::Result;
 
 /// A light that is not an object. Area lights are objects with `emission`.

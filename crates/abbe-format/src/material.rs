@@ -1,19 +1,10 @@
 //! Materials in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::coating::CoatingFile;
-use super::forms;
-use super::grating::GratingFile;
-use super::index::IndexFile;
-use super::normal_map::NormalMapFile;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::texture::{ReflectanceFile, ScalarFile};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{
+    CoatingFile, GratingFile, IndexFile, JsonPath, NormalMapFile, ReflectanceFile, ScalarFile, SpectrumFile, check,
+    forms, spectrum::SpectrumUse,
+};
 use abbe_spectra::error::Result;
 
 /// A surface material: the string "absorber", or an object with one key.

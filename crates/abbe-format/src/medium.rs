@@ -1,17 +1,10 @@
 //! Participating media in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::field::FieldFile;
-use super::forms;
-use super::phase::PhaseFile;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::transform::{KeyframeFile, TransformFile, validate_motion};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{
+    FieldFile, JsonPath, KeyframeFile, PhaseFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse,
+    transform::validate_motion,
+};
 use abbe_spectra::error::Result;
 
 /// A participating medium: fog, smoke, milk or a flame.

@@ -1,15 +1,7 @@
 //! Objects in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::emission::EmissionFile;
-use super::shape::ShapeFile;
-use super::transform::{KeyframeFile, TransformFile, validate_motion};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{EmissionFile, JsonPath, KeyframeFile, ShapeFile, TransformFile, check, transform::validate_motion};
 use abbe_spectra::error::Result;
 
 /// An object: a shape with a material. An object with `emission` is an area light.

@@ -1,14 +1,8 @@
 //! Phase functions of media in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
+use crate::prelude::*;
+use crate::{IndexFile, JsonPath, SpectrumFile, check, spectrum::SpectrumUse};
 
-use super::check;
-use super::index::IndexFile;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use crate::json::JsonPath;
 #[cfg(feature = "schema")]
 use abbe_optics::phase::MAX_MEAN_COSINE;
 use abbe_spectra::error::Result;

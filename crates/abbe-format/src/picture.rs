@@ -1,13 +1,9 @@
 //! Pictures as textures in the scene file.
 
-use crate::JsonSchema;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{UvFile, forms};
 use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::forms::{self, Form, Forms};
-use super::uv::UvFile;
 
 /// The forms of a picture, for error messages.
 const PATH_OR_OBJECT: &str = "a path, or an object with the key path";

@@ -1,7 +1,6 @@
 //! The quantity that gives the scale of an emitter's spectrum.
 
-use super::check;
-use crate::json::JsonPath;
+use crate::{JsonPath, check};
 use abbe_spectra::error::{Error, Result};
 
 /// The strength of an emitter. The emitter's `spectrum` gives only the relative distribution over

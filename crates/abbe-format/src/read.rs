@@ -1,11 +1,11 @@
 //! Reads scene files, and parts of scenes from their text.
 
-use std::path::Path;
-
-use super::spectrum::SpectrumUse;
-use super::{CoatingFile, PrescriptionFile, SceneFile, SpectrumFile, foreign};
-use crate::json::{FileAccess, JsonPath, JsonSource, read_text};
+use crate::{
+    CoatingFile, FileAccess, JsonPath, JsonSource, PrescriptionFile, SceneFile, SpectrumFile, foreign, json::read_text,
+    spectrum::SpectrumUse,
+};
 use abbe_spectra::error::{Error, Result};
+use std::path::Path;
 
 /// Reads a scene file and applies the patches `sets` (`PATH=JSON`) in their order.
 ///

@@ -1,10 +1,9 @@
 //! The scene reference: a Markdown page that describes every key of the scene file. The page is
 //! generated from the JSON Schema of the scene file.
 
-use std::fmt::Write as _;
-
 use crate::json::one_line;
 use serde_json::{Map, Value};
+use std::fmt::Write as _;
 
 /// The chapters of the page: their titles, and the names of the definitions that they describe. The
 /// empty name is the scene. A definition without a title has no section; its text appears wherever

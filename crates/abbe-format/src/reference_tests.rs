@@ -1,12 +1,9 @@
 //! Tests of the schema and of the reference that is generated from it.
 
+use crate::{JsonPath, parse, reference::CHAPTERS, scene_reference, schema};
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-
-use serde_json::Value;
-
-use super::reference::CHAPTERS;
-use super::{JsonPath, parse, scene_reference, schema};
 
 const MINIMAL_SCENE: &str = r#"{
     "camera": {"from": [0, 1, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 35}}},

@@ -1,12 +1,7 @@
 //! Render settings in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check};
 use abbe_spectra::error::Result;
 
 /// The render settings.

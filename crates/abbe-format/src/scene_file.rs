@@ -1,22 +1,14 @@
 //! The outermost object of a scene file.
 
-use std::collections::BTreeMap;
-
-use crate::JsonSchema;
-use serde::ser::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::Value;
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::spectrum::SpectrumUse;
-use super::{
-    CameraFile, FilmFile, LightFile, MaterialFile, MediumFile, MeterFile, ObjectFile, RenderFile, ShapeFile,
-    SpectrumFile,
+use crate::prelude::*;
+use crate::{
+    CameraFile, FilmFile, JsonPath, JsonSource, LightFile, MaterialFile, MediumFile, MeterFile, ObjectFile, RenderFile,
+    ShapeFile, SpectrumFile, check, forms, spectrum::SpectrumUse,
 };
-use super::{check, forms};
-use crate::json::{JsonPath, JsonSource};
 use abbe_spectra::error::{Error, Result};
+use serde::ser::Error as _;
+use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// A scene.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]

@@ -1,9 +1,8 @@
 //! Tests that the schema and the reader agree about every value in every place.
 
-use serde_json::Value;
-
-use super::tests::{good_scenes, paths_of_values};
 use super::*;
+use crate::tests::{good_scenes, paths_of_values};
+use serde_json::Value;
 
 /// Checks values against a schema. It knows the keywords that the schema of the scene file uses.
 struct SchemaChecker<'s> {

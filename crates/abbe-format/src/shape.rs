@@ -1,17 +1,10 @@
 //! Shapes in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use glam::DVec3;
-
-use super::check;
-use super::forms;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check, forms};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::Result;
+use glam::DVec3;
 
 /// A shape in its local coordinates. The object's `transform` places it in the scene.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]

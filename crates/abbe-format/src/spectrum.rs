@@ -1,20 +1,14 @@
 //! Spectra and reflectances in the scene file.
 
-use crate::JsonSchema;
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use super::srgb::SrgbFile;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{JsonPath, SrgbFile, check, forms};
 use abbe_optics::phase::MAX_MEAN_COSINE;
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::DAYLIGHT_K;
 #[cfg(feature = "schema")]
 use abbe_spectra::spectrum::DEFAULT_LINE_WIDTH_NM;
+use serde::de::MapAccess;
 
 /// A function of wavelength: a constant number, the name of a spectrum in the scene's `spectra` or
 /// in the built-in library, an sRGB colour such as `"#ff8800"`, or an object with one key. `abbe

@@ -1,13 +1,11 @@
 //! sRGB colours in the scene file, as image editors and web pages write them.
 
-use serde::de::{Error as _, MapAccess, Unexpected};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::{JsonPath, check, forms};
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::{Error, Result};
+use serde::de::{Error as _, MapAccess, Unexpected};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The description of a hexadecimal colour, for error messages.
 const EXPECTED_HEX: &str = "a colour such as #ff8800 or #f80";

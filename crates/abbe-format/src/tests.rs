@@ -1,9 +1,8 @@
 //! Tests of reading scene files, also with random and systematic damage.
 
-use std::path::{Path, PathBuf};
-
 use super::*;
 use crate::json::tests::TextDamage;
+use std::path::{Path, PathBuf};
 
 /// Returns the path and the text of each valid scene in the package.
 pub(super) fn good_scenes() -> Vec<(PathBuf, String)> {

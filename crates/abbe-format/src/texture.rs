@@ -1,18 +1,14 @@
 //! Textures in the scene file: reflectances and numbers that may vary over a surface.
 
-use crate::JsonSchema;
-use serde::de::{Error as _, MapAccess};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use super::picture::{BandImageFile, ColourImageFile, ScalarImageFile, is_one, one};
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::uv::UvFile;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::picture::{is_one, one};
+use crate::prelude::*;
+use crate::{
+    BandImageFile, ColourImageFile, JsonPath, ScalarImageFile, SpectrumFile, UvFile, check, forms,
+    spectrum::SpectrumUse,
+};
 use abbe_spectra::error::Result;
+use serde::de::{Error as _, MapAccess};
 
 /// A reflectance or a transmittance: a spectrum with values from 0 to 1, or a texture over the
 /// texture coordinates uv of the shape.

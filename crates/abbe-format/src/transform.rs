@@ -1,18 +1,13 @@
 //! Transforms and motion in the scene file.
 
-use crate::JsonSchema;
-use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{JsonPath, check, forms};
 use abbe_scene::motion::DecomposedTransform;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::rotation::{angle_between, quaternion};
+use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
+use serde::de::MapAccess;
 
 /// A list of transform steps. The first step is applied first.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]

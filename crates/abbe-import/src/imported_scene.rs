@@ -1,9 +1,8 @@
 //! A converted scene.
 
-use std::path::Path;
-
-use super::overlay::{self, ImportedNames};
+use crate::{overlay, overlay::ImportedNames};
 use abbe_spectra::error::Result;
+use std::path::Path;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportedScene {

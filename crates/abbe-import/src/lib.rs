@@ -48,11 +48,10 @@ mod overlay;
 mod pbrt;
 mod scene_writer;
 
-use std::path::Path;
-
 use abbe_format::FileAccess;
 use abbe_spectra::error::{Error, Result};
 pub use imported_scene::ImportedScene;
+use std::path::Path;
 
 /// A reader of the scenes of another program. The first argument is the file. The second argument
 /// is the path from the folder of the scene file to the folder of the file. This path is empty or

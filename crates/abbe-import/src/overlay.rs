@@ -1,15 +1,13 @@
 //! Applies an overlay to a converted scene: a small JSON file that names materials, lights and
 //! objects, and replaces or changes them.
 
+use abbe_format::json::{JsonPath, JsonSource, pretty, read_text};
+use abbe_spectra::error::{Error, Result};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
-
-use serde::Deserialize;
-use serde_json::{Map, Value, json};
-
-use abbe_format::json::{JsonPath, JsonSource, pretty, read_text};
-use abbe_spectra::error::{Error, Result};
 
 /// The names of a converted scene that are not in the text of the scene file.
 #[derive(Debug, Clone, Default, PartialEq)]

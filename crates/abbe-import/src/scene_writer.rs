@@ -1,11 +1,10 @@
 //! Collects the parts of a scene file while a scene of another program is read.
 
+use crate::ImportedScene;
+use crate::overlay::{AddedLights, ImportedNames};
+use abbe_format::json::pretty;
 use glam::DVec3;
 use serde_json::{Map, Value, json};
-
-use super::imported_scene::ImportedScene;
-use super::overlay::{AddedLights, ImportedNames};
-use abbe_format::json::pretty;
 
 /// The illuminance (lx) of the uniform sky if the file has no light.
 const SKY_ILLUMINANCE: f64 = 1000.0;

@@ -4,14 +4,11 @@
 //! The types for entries, elements and variants also represent stand-ins, so that the code of
 //! serde's visitors exists only once in the program.
 
+use super::deserialize_error::{DeserializeError, DeserializeErrorKind, DeserializeResult};
+use super::positions::{ChildValues, SpannedValue, ValueKind};
+use super::{describe::one_of, key::KeyDeserializer, repair::Repairs};
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor};
 use serde::forward_to_deserialize_any;
-
-use super::describe::one_of;
-use super::deserialize_error::{DeserializeError, DeserializeErrorKind, DeserializeResult};
-use super::key::KeyDeserializer;
-use super::positions::{ChildValues, SpannedValue, ValueKind};
-use super::repair::Repairs;
 
 /// A deserialiser of one value of the text, or a stand-in for a value that could not be read.
 ///

@@ -1,13 +1,11 @@
 //! Errors that serde reports when it deserialises a value, and their messages for the user.
 
-use std::fmt;
-
-use serde::de;
-
 use super::describe::{found, one_of, shorten};
 use super::path::quoted;
 use super::positions::{SpannedValue, ValueKind};
 use abbe_spectra::error::{Error, nearest_name};
+use serde::de;
+use std::fmt;
 
 /// An error in a value. The innermost of the nested deserialisers sets its position.
 #[derive(Debug)]

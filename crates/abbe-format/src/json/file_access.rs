@@ -1,8 +1,7 @@
 //! Decides which files a JSON text may name.
 
-use std::path::{Component, Path, PathBuf};
-
 use abbe_spectra::error::{Error, Result};
+use std::path::{Component, Path, PathBuf};
 
 /// The files that a JSON text may name, directly or through other files that it names. The default
 /// keeps a file of an unknown author from making the program read other files of the user.

@@ -1,12 +1,10 @@
 //! A serde deserialiser for the keys of objects and for the names of variants.
 
-use std::borrow::Cow;
-
-use serde::de::{Deserializer, Visitor};
-use serde::forward_to_deserialize_any;
-
 use super::deserialize_error::{DeserializeError, DeserializeResult};
 use super::positions::SpannedValue;
+use serde::de::{Deserializer, Visitor};
+use serde::forward_to_deserialize_any;
+use std::borrow::Cow;
 
 pub(super) struct KeyDeserializer<'de> {
     text: Cow<'de, str>,

@@ -3,14 +3,14 @@
 //! A patch replaces the value at its path, or adds the last key and the objects on the path that
 //! are missing. The step `[-]` appends an element to an array.
 
-use std::path::Path;
-
-use super::describe::found;
-use super::path::{self, PathStep, quoted};
+use super::path::{PathStep, quoted};
 use super::positions::{Positions, SpannedValue, ValueKind};
 use super::scan::{SyntaxError, scan};
-use super::text::{MAX_BYTES, line_column, too_large};
+use super::text::{line_column, too_large};
+use super::{describe::found, path};
+use crate::MAX_BYTES;
 use abbe_spectra::error::{Error, Result, nearest_name};
+use std::path::Path;
 
 /// In errors of a patch, this text and the path of the patch replace the file name, as in `patch
 /// render.passes`. A program can replace the text with the name of its command-line option.

@@ -3,9 +3,8 @@
 //! Some keys are written in brackets and quotes: `["such a key"]`. These are the empty key, and
 //! keys that contain white space, a control character or one of `.[]"=\`.
 
-use std::fmt;
-
 use abbe_spectra::error::{Error, Result};
+use std::fmt;
 
 /// A JSON path. Each level borrows the level above it, so building a path allocates no memory.
 #[derive(Debug, Clone, Copy)]

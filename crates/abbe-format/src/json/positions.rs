@@ -4,9 +4,8 @@
 //! precedes its contents, and a key precedes its value. A node takes 12 bytes. The kind of the
 //! value follows from its first byte in the text.
 
-use std::borrow::Cow;
-
 use super::path::{PathStep, push_key};
+use std::borrow::Cow;
 
 /// The byte offsets of a value or key in the text, and the number of the first node after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,10 @@
 //! Repairs of a text with several faults. With the repairs, the rest of the text can be read and
 //! checked, so that one run finds all faults.
 
-use std::collections::BTreeSet;
-
 use super::deserialize_error::{DeserializeError, DeserializeErrorKind};
 use super::positions::{SpannedValue, ValueKind};
 use abbe_spectra::error::nearest_name;
+use std::collections::BTreeSet;
 
 /// The repairs of a text. Nodes are given by their numbers.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

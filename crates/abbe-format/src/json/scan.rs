@@ -4,10 +4,9 @@
 //! It accepts the same texts as `serde_json`, except that it refuses duplicate keys, and accepts
 //! [`MAX_NESTING`] levels of nesting, one more than `serde_json`. The limit bounds its recursion.
 
-use super::describe::shorten;
 use super::path::{push_key, quoted};
 use super::positions::{JsonNode, Positions, SpannedValue, decode};
-use super::text::line_column;
+use super::{describe::shorten, text::line_column};
 use abbe_spectra::error::Error;
 
 /// The deepest allowed nesting of arrays and objects.

@@ -1,10 +1,9 @@
 //! Serialises the values of a scanned text. No tree of the values is built.
 
+use super::positions::{SpannedValue, ValueKind};
 use serde::ser::{Error, SerializeMap};
 use serde::{Serialize, Serializer};
 use serde_json::Number;
-
-use super::positions::{SpannedValue, ValueKind};
 
 impl Serialize for SpannedValue<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -1,19 +1,13 @@
 //! A JSON text with its patches. Deserialises the text, and adds positions to errors.
 
+use super::patch::{PatchedText, PieceOrigin, TextPieces};
+use super::positions::{Positions, ValueKind};
+use super::{deserialize::ValueDeserializer, path, repair::Repairs, serialize::Sections, text::line_column};
+use crate::FileAccess;
+use abbe_spectra::error::{Error, MAX_FAULTS, Result};
+use serde::de::DeserializeOwned;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-
-use serde::de::DeserializeOwned;
-
-use super::deserialize::ValueDeserializer;
-use super::file_access::FileAccess;
-use super::patch::{PatchedText, PieceOrigin, TextPieces};
-use super::path;
-use super::positions::{Positions, ValueKind};
-use super::repair::Repairs;
-use super::serialize::Sections;
-use super::text::line_column;
-use abbe_spectra::error::{Error, MAX_FAULTS, Result};
 
 /// The character that some programs write at the start of a text file.
 const BYTE_ORDER_MARK: char = '\u{feff}';

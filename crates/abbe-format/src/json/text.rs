@@ -1,9 +1,8 @@
 //! Reads text files within a size limit, and finds the line and column of a byte offset.
 
+use abbe_spectra::error::{Error, Result};
 use std::io::Read;
 use std::path::Path;
-
-use abbe_spectra::error::{Error, Result};
 
 /// Size in bytes of the largest JSON text that is read (256 MiB).
 pub const MAX_BYTES: u64 = 256 << 20;

@@ -1,15 +1,11 @@
 //! Distant lights in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use super::validate_pose;
-use crate::check;
-use crate::forms;
-use crate::json::JsonPath;
-use crate::quantity::{QuantityFile, one_quantity, validate_quantity};
-use crate::spectrum::{ImageFile, SpectrumFile, SpectrumUse};
-use crate::transform::{KeyframeFile, TransformFile};
+use crate::prelude::*;
+use crate::quantity::{one_quantity, validate_quantity};
+use crate::{
+    ImageFile, JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse,
+};
 use abbe_spectra::error::Result;
 
 /// A directional light. State exactly one of `irradiance` and `illuminance`. The power is not a key

@@ -1,17 +1,11 @@
 //! Luminaires with a measured distribution of intensity.
 
-use crate::JsonSchema;
-use glam::DVec3;
-use serde::{Deserialize, Serialize};
-
 use super::validate_pose;
-use crate::check;
-use crate::forms;
-use crate::json::JsonPath;
-use crate::quantity::{QuantityFile, one_quantity, validate_quantity};
-use crate::spectrum::{SpectrumFile, SpectrumUse};
-use crate::transform::{KeyframeFile, TransformFile};
+use crate::prelude::*;
+use crate::quantity::{one_quantity, validate_quantity};
+use crate::{JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse};
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
 
 /// A luminaire with a measured distribution of intensity. State at most one of `power` and
 /// `luminous_flux`. By default, the luminaire has the luminous intensities of the file.

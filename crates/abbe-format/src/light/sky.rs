@@ -1,16 +1,7 @@
 //! Standard skies in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use crate::check;
-use crate::date_time;
-use crate::forms;
-use crate::json::JsonPath;
-use crate::spectrum::{SpectrumFile, SpectrumUse};
-use crate::transform::TransformFile;
+use crate::prelude::*;
+use crate::{JsonPath, SpectrumFile, TransformFile, check, date_time, forms, spectrum::SpectrumUse};
 use abbe_scene::light::{GeographicPlace, StandardSky, SunDirection, SunPosition};
 use abbe_spectra::error::Result;
 

@@ -9,11 +9,10 @@ mod summary;
 #[cfg(test)]
 mod tests;
 
+use crate::FileAccess;
+use abbe_spectra::error::{Error, Result};
 use std::io::Read;
 use std::path::Path;
-
-use crate::json::FileAccess;
-use abbe_spectra::error::{Error, Result};
 
 pub use photometry::{LuminaireSymmetry, OpeningSize, Photometry};
 pub use summary::{BeamAngles, LuminaireSummary};

@@ -1,9 +1,8 @@
 //! The materials of mesh files, independent of the file format.
 
-use std::sync::Arc;
-
 use crate::PictureFile;
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
+use std::sync::Arc;
 
 /// A material of a mesh file. Colours are linear sRGB.
 #[derive(Debug, Clone, PartialEq)]

@@ -20,11 +20,10 @@ mod stl;
 
 use std::path::Path;
 
-#[cfg(feature = "meshes")]
-use flate2::read::GzDecoder;
-
 use crate::FileAccess;
 use abbe_spectra::error::{Error, Result};
+#[cfg(feature = "meshes")]
+use flate2::read::GzDecoder;
 
 #[cfg(feature = "meshes")]
 pub use self::gltf::{

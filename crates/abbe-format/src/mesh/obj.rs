@@ -1,13 +1,5 @@
 //! Wavefront OBJ files with MTL materials.
 
-use std::borrow::Cow;
-use std::cell::RefCell;
-use std::io::Cursor;
-use std::path::Path;
-use std::sync::Arc;
-
-use glam::DVec3;
-
 use super::material::{MeshMaterial, MeshTexture};
 use super::packed::read;
 use super::part::{MeshPart, PartsAndNotes, listed};
@@ -15,6 +7,12 @@ use crate::{FileAccess, PictureFile};
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::io::Cursor;
+use std::path::Path;
+use std::sync::Arc;
 
 /// Reads the parts of an OBJ file. Also returns sentences about the materials that are ignored.
 pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {

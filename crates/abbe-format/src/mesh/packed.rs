@@ -1,9 +1,8 @@
 //! Reads the bytes of mesh files, and unpacks them.
 
+use abbe_spectra::error::{Error, Result};
 use std::io::Read as _;
 use std::path::Path;
-
-use abbe_spectra::error::{Error, Result};
 
 pub(super) fn read(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).map_err(|error| Error::input(format!("cannot read the mesh: {error}")))

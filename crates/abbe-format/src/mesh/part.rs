@@ -1,9 +1,8 @@
 //! The parts of mesh files, and helpers of their readers.
 
-use std::collections::BTreeMap;
-
 use super::material::MeshMaterial;
 use abbe_scene::geometry::mesh::TriangleMesh;
+use std::collections::BTreeMap;
 
 /// One part of a mesh file: triangles with one material.
 #[derive(Debug, Clone)]

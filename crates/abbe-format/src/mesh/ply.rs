@@ -1,15 +1,13 @@
 //! Reads the elements `vertex` and `face` of PLY files in text form or in binary form. Polygons are
 //! split into triangles.
 
-use std::io::{Cursor, ErrorKind};
-
-use glam::DVec3;
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
-
 use super::part::{MeshPart, fan};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
+use std::io::{Cursor, ErrorKind};
 
 /// The property names for the corners of a face. Different programs use different names.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];

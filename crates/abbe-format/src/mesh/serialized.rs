@@ -4,13 +4,11 @@
 //! the end of the file states where the meshes start. The format is described in the documentation
 //! of Mitsuba 3, plugin `serialized`.
 
-use flate2::read::ZlibDecoder;
-use glam::DVec3;
-
-use super::packed::unpacked;
-use super::part::MeshPart;
+use super::{packed::unpacked, part::MeshPart};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use flate2::read::ZlibDecoder;
+use glam::DVec3;
 
 /// The first number of a file and of each mesh.
 const MAGIC: u16 = 0x041C;

@@ -1,13 +1,11 @@
-use std::path::PathBuf;
-
+use super::*;
+use abbe_scene::geometry::mesh::TriangleMesh;
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use tempfile::TempDir;
-
-use super::*;
-use abbe_scene::geometry::mesh::TriangleMesh;
 use std::io::Read as _;
+use std::path::PathBuf;
+use tempfile::TempDir;
 
 pub(super) fn load(path: &Path) -> Result<Vec<MeshPart>> {
     super::load(path, FileAccess::WithinFolder).map(|file| file.parts)

@@ -1,7 +1,6 @@
 //! The data that all parts of `Resolver` share: the scene file, its source, and its unit of length.
 
-use crate::json::{JsonPath, JsonSource};
-use crate::{CameraFile, ColourImageFile, FilmFile, SceneFile, ShutterFile};
+use crate::{CameraFile, ColourImageFile, FilmFile, JsonPath, JsonSource, SceneFile, ShutterFile};
 use abbe_optics::texture::SpectralTexture;
 use abbe_scene::camera::Shutter;
 use abbe_spectra::error::{Error, Result};

@@ -1,7 +1,6 @@
 //! Translates the emission of media in the scene file to emission coefficients.
 
-use super::context::Resolver;
-use super::spectra::Role;
+use super::{context::Resolver, spectra::Role};
 use crate::{JsonPath, MediumBlackbodyFile, MediumEmissionFile};
 use abbe_scene::medium::MediumEmission;
 use abbe_scene::medium::field::ScalarField;

@@ -1,7 +1,6 @@
 //! Reads image files as environment maps.
 
-use crate::PictureFile;
-use crate::light::ProjectionFile;
+use crate::{PictureFile, light::ProjectionFile};
 use abbe_scene::light::EnvironmentMap;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{atan2, cos};

@@ -1,8 +1,7 @@
 //! Translates the film of the scene file to the film of the scene, with its exposure and white
 //! balance.
 
-use super::context::Resolver;
-use super::spectra::Role;
+use super::{context::Resolver, spectra::Role};
 use crate::{
     CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LayerFile, LensFile, ObserverFile, OutputSpaceFile,
     SpectrumFile, ToneFile, WhiteBalanceFile,

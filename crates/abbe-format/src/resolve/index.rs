@@ -1,7 +1,6 @@
 //! Translates refractive indices of the scene file to functions of wavelength.
 
-use crate::json::read_text;
-use crate::{FormulaFile, IndexFile, JsonSource};
+use crate::{FormulaFile, IndexFile, JsonSource, json::read_text};
 use abbe_optics::glass::{AgfCatalogue, IndexFileData, RefractiveIndex};
 use abbe_spectra::error::{Error, Result};
 use std::path::Path;

@@ -1,8 +1,7 @@
 //! Translates lens prescriptions of the scene file to lenses.
 
-use super::context::Resolver;
 use super::index::{glass_file, index_of, read_bytes};
-use super::spectra::Spectra;
+use super::{context::Resolver, spectra::Spectra};
 use crate::{IndexFile, JsonPath, JsonSource, LensSurfaceFile, PrescriptionFile};
 use abbe_optics::glass::{AgfCatalogue, RefractiveIndex};
 use abbe_optics::lens::zemax::{self, ZmxSystem};

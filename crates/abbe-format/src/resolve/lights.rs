@@ -1,16 +1,13 @@
 //! Translates the lights of the scene file to emitters in watts.
 
-use super::context::Resolver;
-use super::environment_image::{self, EnvironmentImage};
-use super::motion::ResolvedMotion;
 use super::objects::{EmissionSource, EmittingObject};
-use super::spectra::Role;
-use crate::light::{
-    BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SkyFile, SpotFalloffFile, SpotFile,
-    SunFile,
+use super::{
+    context::Resolver, environment_image, environment_image::EnvironmentImage, motion::ResolvedMotion, spectra::Role,
 };
-use crate::luminaire::{self, Photometry};
-use crate::{EmissionFile, JsonPath, QuantityFile, SpectrumFile};
+use crate::light::{
+    BeamFile, DirectionalFile, EnvironmentFile, IesFile, PointFile, SkyFile, SpotFalloffFile, SpotFile, SunFile,
+};
+use crate::{EmissionFile, JsonPath, LightFile, QuantityFile, SpectrumFile, luminaire, luminaire::Photometry};
 use abbe_scene::builder::SceneBuilder;
 use abbe_scene::light::{
     AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, EnvironmentPattern, GoniometricLight, Light,

@@ -1,8 +1,7 @@
 //! Translates the materials of the scene file to surfaces and bodies.
 
-use super::context::Resolver;
 use super::index::{index_file, index_of};
-use super::spectra::Role;
+use super::{context::Resolver, spectra::Role};
 use crate::{
     ConductorFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
     OrderEfficiencyFile, PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,

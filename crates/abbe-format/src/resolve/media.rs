@@ -1,14 +1,10 @@
 //! Translates the media of the scene file to the media of the scene. In the result, coefficients
 //! are in 1/m, and the boxes of fields are in m.
 
-use super::context::Resolver;
-use super::index::index_of;
-use super::motion::ResolvedMotion;
-use super::spectra::Role;
-use crate::volume_file;
+use super::{context::Resolver, index::index_of, motion::ResolvedMotion, spectra::Role};
 use crate::{
     DyeFile, ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, MediumFile, NoiseFieldFile,
-    PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile,
+    PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile, volume_file,
 };
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::glass::RefractiveIndex;

@@ -1,15 +1,14 @@
 //! Reads the meshes of objects. A mesh that several objects name is read once, and they share it.
 
+use super::context::Resolver;
+use crate::mesh::{MeshFile, MeshMaterial, MeshPart, UnplacedParts};
+use crate::{JsonPath, MeshShapeFile, ShapeFile, mesh};
+use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_spectra::error::{Error, Result};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
-
-use super::context::Resolver;
-use crate::mesh::{self, MeshFile, MeshMaterial, MeshPart, UnplacedParts};
-use crate::{JsonPath, MeshShapeFile, ShapeFile};
-use abbe_scene::geometry::mesh::TriangleMesh;
-use abbe_spectra::error::{Error, Result};
 
 /// The largest number of shared shapes that refer to each other.
 const MAX_DEPTH: usize = 16;

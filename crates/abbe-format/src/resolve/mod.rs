@@ -30,9 +30,8 @@ pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};
 pub use media::DEFAULT_MARCH_STEPS;
 pub use spectra::Role;
 
-use super::read::{parse_source, read};
-use super::{MediumFile, RenderFile, SceneFile, SpectrumFile};
-use crate::json::{FileAccess, JsonPath, JsonSource};
+use crate::read::{parse_source, read};
+use crate::{FileAccess, JsonPath, JsonSource, MediumFile, RenderFile, SceneFile, SpectrumFile};
 use abbe_scene::builder::{SceneBuilder, SceneError, ScenePart, SceneView, WhiteBalance};
 use abbe_scene::{Scene, Settings};
 use abbe_spectra::error::{Error, Result};

@@ -1,9 +1,7 @@
 //! Translates the objects of the scene file to placed shapes with materials.
 
-use super::context::Resolver;
-use super::mesh_materials;
 use super::meshes::{LoadedMesh, LoadedPart, MeshCache};
-use super::motion::ResolvedMotion;
+use super::{context::Resolver, mesh_materials, motion::ResolvedMotion};
 use crate::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
 use abbe_optics::bsdf::Bsdf;
 use abbe_optics::texture::SurfaceSpectrum;

@@ -1,14 +1,13 @@
 //! Translates spectra of the scene file to functions of wavelength, and checks that each spectrum
 //! is valid for its role.
 
-use std::collections::BTreeMap;
-
 use super::context::Resolver;
 use crate::{JsonPath, JsonSource, LineFile, SpectrumFile, is_hex_colour, linear_of_hex};
 use abbe_optics::phase::MAX_MEAN_COSINE;
 use abbe_spectra::colour::{PrimaryMatch, match_primaries};
 use abbe_spectra::error::{Error, Result, both, every};
 use abbe_spectra::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
+use std::collections::BTreeMap;
 
 /// The use of a spectrum, which decides its valid values and its extrapolation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

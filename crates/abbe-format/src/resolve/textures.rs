@@ -1,11 +1,10 @@
 //! Translates the textures of the scene file.
 
-use super::context::Resolver;
-use super::spectra::Role;
-use crate::picture_file::{BandPicture, PictureFile};
+use super::{context::Resolver, spectra::Role};
 use crate::{
     BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, GradientFile, GreenFile, JsonPath,
-    NoisePatternFile, NormalMapFile, PatternFile, ReflectanceFile, ScalarFile, ScalarImageFile, UvFile, WrapFile,
+    NoisePatternFile, NormalMapFile, PatternFile, PictureFile, ReflectanceFile, ScalarFile, ScalarImageFile, UvFile,
+    WrapFile, picture_file::BandPicture,
 };
 use abbe_optics::texture::{
     Filter, GradientPattern, ImagePattern, ImageSize, NoisePattern, NormalMap, Pattern, ScalarTexture, SpectralTexture,

@@ -1,13 +1,11 @@
 //! Reads the animations of glTF files: translation, rotation and scale of nodes.
 
-use std::collections::BTreeMap;
-
-use ::gltf::animation::{Channel, Interpolation, Property};
-use glam::{DQuat, DVec4};
-
 use crate::scene_writer::SceneWriter;
+use ::gltf::animation::{Channel, Interpolation, Property};
 use abbe_format::mesh::{GltfAccessors, GltfFile};
 use abbe_spectra::math::rotation::slerp;
+use glam::{DQuat, DVec4};
+use std::collections::BTreeMap;
 
 /// The time in s between the two keyframes of a step.
 const STEP_S: f64 = 1e-6;

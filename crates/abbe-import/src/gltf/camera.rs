@@ -1,10 +1,9 @@
 //! Converts the cameras of glTF files.
 
+use super::node::{PlacedNode, subdivided};
 use ::gltf::camera::Projection;
 use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
-
-use super::node::{PlacedNode, subdivided};
 
 /// The ratio of width to height if the file states none.
 pub(super) const DEFAULT_ASPECT: f64 = 1.5;

@@ -1,16 +1,15 @@
 //! Tests of glTF features on small files: surroundings, cameras, vertex colours, skins, morph
 //! targets, sparse data and thin films.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use tempfile::TempDir;
-
 use super::*;
 use crate::test_support::read_converted;
 use abbe_format::resolve::resolve;
 use abbe_optics::bsdf::Bsdf;
 use abbe_scene::Scene;
 use abbe_spectra::spectrum::Spectrum;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use tempfile::TempDir;
 
 /// Builds a file with one mesh of one triangle, whose corners are 0 0 0, 1 0 0 and 0 1 0.
 struct SmallGltf {

@@ -1,13 +1,11 @@
 //! Converts the lights of glTF files: KHR_lights_punctual and EXT_lights_ies.
 
-use std::f64::consts::PI;
-
+use super::node::{PlacedNode, steps};
 use ::gltf::Document;
 use ::gltf::khr_lights_punctual::{Kind, Light};
 use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
-
-use super::node::{PlacedNode, steps};
+use std::f64::consts::PI;
 
 /// Converts a light. In glTF, intensities are in cd, and illuminances are in lx. The colour scales
 /// them.

@@ -13,22 +13,19 @@ mod node;
 #[cfg(test)]
 mod tests;
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-
-use ::gltf::{Document, Node};
-use glam::{DAffine3, DQuat, DVec3};
-use serde_json::{Value, json};
-
 use self::animation::Animations;
 use self::camera::{DEFAULT_ASPECT, file_camera, light_from_behind, whole_view};
 use self::light::{ies_light, punctual_light};
 use self::node::{NodeTree, PlacedNode, steps, unit};
-use crate::imported_scene::ImportedScene;
-use crate::scene_writer::SceneWriter;
+use crate::{ImportedScene, scene_writer::SceneWriter};
+use ::gltf::{Document, Node};
 use abbe_format::FileAccess;
 use abbe_format::mesh::{GltfAccessors, GltfFile, RestPose, first_parts, for_each_node, has_triangles, ignored};
 use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DQuat, DVec3};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 

@@ -1,14 +1,13 @@
 //! The tree of nodes of a glTF file, with the motion of each node.
 
+use super::animation::{Animations, NodeTracks};
 use ::gltf::Node;
 use ::gltf::scene::Transform;
-use glam::{DAffine3, DQuat, DVec3};
-use serde_json::{Value, json};
-
-use super::animation::{Animations, NodeTracks};
 use abbe_format::mesh::affine;
 use abbe_scene::motion::DecomposedTransform;
 use abbe_spectra::math::rotation::{angle_between, slerp};
+use glam::{DAffine3, DQuat, DVec3};
+use serde_json::{Value, json};
 
 /// The number of parts into which an interval between keyframes is divided if the motion of the
 /// node in this interval has no exact form in the scene file.

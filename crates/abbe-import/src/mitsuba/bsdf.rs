@@ -1,15 +1,11 @@
 //! Converts the BSDFs of a Mitsuba scene to materials.
 
-use std::rc::Rc;
-
-use serde_json::{Value, json};
-
-use super::properties::Properties;
 use super::reader::{MitsubaReader, MitsubaSurface};
-use super::texture::Textured;
-use super::xml::XmlElement;
+use super::{properties::Properties, texture::Textured, xml::XmlElement};
 use abbe_optics::fresnel;
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
+use std::rc::Rc;
 
 /// The median slope of Beckmann's microfacets with α = 1: √ln 2. That of GGX microfacets is 1.
 const MEDIAN_SLOPE: f64 = 0.832_554_611_157_697_8;

@@ -1,15 +1,11 @@
 //! Converts the emitters of a Mitsuba scene to lights.
 
+use super::spectrum::{EmissionSpectrum, MitsubaSpectrum};
+use super::transform::{affine, steps};
+use super::{properties::Properties, reader::MitsubaReader, texture::Textured, xml::XmlElement};
+use abbe_spectra::error::Result;
 use glam::DVec3;
 use serde_json::{Value, json};
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::spectrum::{EmissionSpectrum, MitsubaSpectrum};
-use super::texture::Textured;
-use super::transform::{affine, steps};
-use super::xml::XmlElement;
-use abbe_spectra::error::Result;
 
 impl MitsubaReader<'_> {
     pub(super) fn emitter(&mut self, emitter: &XmlElement) -> Result<()> {

@@ -1,12 +1,8 @@
 //! Indices of refraction that Mitsuba knows by name.
 
-use serde_json::{Value, json};
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::texture::Textured;
-use super::xml::number;
+use super::{properties::Properties, reader::MitsubaReader, texture::Textured, xml::number};
 use abbe_spectra::error::{Error, Result};
+use serde_json::{Value, json};
 
 /// The names and the indices of Mitsuba 3 (`ior.h`).
 const INDICES: [(&str, f64); 23] = [

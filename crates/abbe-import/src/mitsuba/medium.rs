@@ -1,16 +1,12 @@
 //! Converts the participating media of a Mitsuba scene.
 
-use std::rc::Rc;
-
-use serde_json::{Value, json};
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::spectrum::MitsubaSpectrum;
 use super::transform::{affine, steps};
-use super::volume::VolumeGrid;
-use super::xml::XmlElement;
+use super::{
+    properties::Properties, reader::MitsubaReader, spectrum::MitsubaSpectrum, volume::VolumeGrid, xml::XmlElement,
+};
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
+use std::rc::Rc;
 
 /// A property that may vary in space.
 enum MitsubaVolume {

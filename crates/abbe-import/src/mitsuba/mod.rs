@@ -26,16 +26,14 @@ mod picture_tests;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
-use std::rc::Rc;
-
-use glam::DMat4;
-
-use crate::imported_scene::ImportedScene;
+use crate::ImportedScene;
 use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
+use glam::DMat4;
 use properties::Properties;
 use reader::MitsubaReader;
+use std::path::Path;
+use std::rc::Rc;
 use xml::{MitsubaDocument, XmlElement};
 
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {

@@ -3,12 +3,10 @@
 //! The texture coordinates are those of Mitsuba. Shapes with textures therefore become triangles,
 //! whose texture coordinates are free.
 
-use std::f64::consts::TAU;
-
+use abbe_spectra::math::elementary::sin_cos;
 use glam::DVec3;
 use serde_json::{Value, json};
-
-use abbe_spectra::math::elementary::sin_cos;
+use std::f64::consts::TAU;
 
 /// The number of flat strips that replace a cylinder.
 const STRIPS: u32 = 96;

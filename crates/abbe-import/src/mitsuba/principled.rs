@@ -5,18 +5,15 @@
 //! has the light that passes its coat. The base is therefore made brighter, so that the albedo for
 //! diffuse light is the same.
 
-use std::f64::consts::PI;
-
-use serde_json::{Value, json};
-
-use super::bsdf::BsdfContext;
-use super::properties::Properties;
 use super::reader::{MitsubaReader, MitsubaSurface};
+use super::{bsdf::BsdfContext, properties::Properties};
 use abbe_optics::bsdf::Glossy;
 use abbe_optics::glass::RefractiveIndex;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cos;
 use abbe_spectra::spectrum::Spectrum;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 impl MitsubaReader<'_> {
     /// Converts Disney's BSDF to a mix of a metal and a coated diffuse surface, or to glass.

@@ -1,13 +1,11 @@
 //! Access to the properties of an element. Properties that nobody reads are found afterwards.
 
-use std::cell::Cell;
-use std::rc::Rc;
-
-use glam::{DMat4, DVec3};
-
 use super::transform;
 use super::xml::{XmlElement, number};
 use abbe_spectra::error::Result;
+use glam::{DMat4, DVec3};
+use std::cell::Cell;
+use std::rc::Rc;
 
 pub(super) struct Properties<'a> {
     pub(super) element: &'a XmlElement,

@@ -1,10 +1,9 @@
 //! The reader of a Mitsuba scene. The other modules convert the elements.
 
-use std::rc::Rc;
-
 use super::properties::Properties;
 use super::xml::{MitsubaDocument, XmlElement};
 use crate::scene_writer::SceneWriter;
+use std::rc::Rc;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum MitsubaSurface {

@@ -1,16 +1,12 @@
 //! Converts the sensor of a Mitsuba scene to the camera and the film.
 
-use std::rc::Rc;
-
-use glam::DVec3;
-use serde_json::json;
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::transform::affine;
 use super::xml::{XmlElement, parse};
+use super::{properties::Properties, reader::MitsubaReader, transform::affine};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::{atan, hypot, tan};
+use glam::DVec3;
+use serde_json::json;
+use std::rc::Rc;
 
 /// The default size of a film in pixels.
 const DEFAULT_SIZE: [f64; 2] = [768.0, 576.0];

@@ -1,18 +1,14 @@
 //! Converts the shapes of a Mitsuba scene to objects.
 
-use std::path::Path;
-use std::rc::Rc;
-
-use glam::{DMat4, DVec3};
-use serde_json::{Value, json};
-
-use super::primitives::{self, BasicShape};
-use super::properties::Properties;
 use super::reader::{MitsubaReader, MitsubaSurface};
 use super::transform::{affine, steps};
-use super::xml::XmlElement;
+use super::{primitives, primitives::BasicShape, properties::Properties, xml::XmlElement};
 use abbe_format::mesh;
 use abbe_spectra::error::Result;
+use glam::{DMat4, DVec3};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::rc::Rc;
 
 /// The properties of a shape that decide its form.
 struct ShapePlacement {

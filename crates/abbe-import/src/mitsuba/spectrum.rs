@@ -5,15 +5,13 @@
 //! there. The photometric quantities of the scene file therefore have the values of Mitsuba's
 //! pictures.
 
-use serde_json::{Value, json};
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
 use super::xml::{XmlElement, number, numbers, parse};
+use super::{properties::Properties, reader::MitsubaReader};
 use crate::dark_outside::dark_outside;
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::{Observer, Outside, SmoothReflectance, Spectrum};
+use serde_json::{Value, json};
 
 /// The wavelengths (nm) at which products of spectra are tabulated.
 const TABULATED_NM: std::ops::RangeInclusive<u32> = 72..=166;

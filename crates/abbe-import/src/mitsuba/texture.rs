@@ -2,19 +2,14 @@
 //!
 //! In both programs, the texture coordinate v = 0 is the upper row of a picture.
 
-use std::path::PathBuf;
-use std::rc::Rc;
-
-use glam::DMat4;
-use serde_json::{Value, json};
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::spectrum::MitsubaSpectrum;
-use super::xml::XmlElement;
+use super::{properties::Properties, reader::MitsubaReader, spectrum::MitsubaSpectrum, xml::XmlElement};
 use abbe_format::{EncodingFile, PictureFile};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::atan2;
+use glam::DMat4;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::rc::Rc;
 
 #[derive(Debug, Clone)]
 pub(super) enum Textured {

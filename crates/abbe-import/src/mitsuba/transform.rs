@@ -1,11 +1,10 @@
 //! Transforms of a Mitsuba scene.
 
-use glam::{DAffine3, DMat4, DVec3, DVec4};
-use serde_json::{Value, json};
-
 use super::xml::{XmlElement, numbers, parse};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::rotation::quaternion;
+use glam::{DAffine3, DMat4, DVec3, DVec4};
+use serde_json::{Value, json};
 
 /// Returns the matrix of a `<transform>`. The first element inside is applied first.
 pub(super) fn transform(element: &XmlElement) -> Result<DMat4> {

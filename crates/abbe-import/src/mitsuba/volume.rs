@@ -1,8 +1,7 @@
 //! Reads the `.vol` files of Mitsuba: grids of densities.
 
-use std::path::Path;
-
 use abbe_spectra::error::{Error, Result};
+use std::path::Path;
 
 /// The largest number of cells that a scene file contains.
 const MAX_CELLS: usize = 262_144;

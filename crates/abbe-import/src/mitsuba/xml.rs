@@ -1,14 +1,12 @@
 //! Reads the XML elements of a Mitsuba scene, with parameters, included files and identifiers.
 
+use abbe_format::{FileAccess, read_text};
+use abbe_spectra::error::{Error, Result};
+use roxmltree::Node;
 use std::collections::BTreeMap;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-
-use roxmltree::Node;
-
-use abbe_format::{FileAccess, read_text};
-use abbe_spectra::error::{Error, Result};
 
 /// The largest depth of elements, counting references to other elements.
 const MAX_NESTING: usize = 64;

@@ -1,11 +1,10 @@
 //! Cameras and films of pbrt files.
 
-use glam::{DMat4, DVec3};
-use serde_json::{Value, json};
-
 use super::parameters::Parameters;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::{atan2, sin_cos};
+use glam::{DMat4, DVec3};
+use serde_json::{Value, json};
 
 /// The size of the film in pixels, if the file states none.
 pub(super) const DEFAULT_FILM: [f64; 2] = [1280.0, 720.0];

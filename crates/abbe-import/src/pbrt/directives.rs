@@ -1,20 +1,17 @@
 //! Executes the directives of a pbrt file.
 
-use std::path::Path;
-use std::rc::Rc;
-
-use glam::{DMat4, DVec3};
-
 use super::camera::{ReadCamera, read_camera, read_film};
 use super::light::{read_light, read_medium};
-use super::parameters::Parameters;
-use super::reader::PbrtReader;
 use super::state::{GraphicsState, look_at, matrix, transform};
 use super::token::{Place, Token, Tokens};
+use super::{parameters::Parameters, reader::PbrtReader};
 use abbe_format::json::read_text;
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::rotation::quaternion;
+use glam::{DMat4, DVec3};
+use std::path::Path;
+use std::rc::Rc;
 
 /// The largest depth of included files, and of nested attributes.
 const MAX_DEPTH: usize = 64;

@@ -1,14 +1,12 @@
 //! Lights and media of pbrt files.
 
-use std::f64::consts::{PI, TAU};
-
-use glam::{DMat4, DVec3};
-use serde_json::{Value, json};
-
 use super::parameters::Parameters;
 use super::spectrum::{PbrtLightSpectrum, SpectrumContext};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cos;
+use glam::{DMat4, DVec3};
+use serde_json::{Value, json};
+use std::f64::consts::{PI, TAU};
 
 /// Returns the transform of an infinite light, without its translation. The projection "equal_area"
 /// has pbrt's axes.

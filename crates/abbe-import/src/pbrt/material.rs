@@ -1,11 +1,10 @@
 //! Materials of pbrt files.
 
-use serde_json::{Value, json};
-
 use super::parameters::{Parameter, Parameters};
 use super::spectrum::metal;
 use super::texture::{TextureReader, map_numbers, mean};
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ReadMaterial {

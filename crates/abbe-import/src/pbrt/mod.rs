@@ -23,13 +23,12 @@ mod tests;
 mod texture;
 mod token;
 
-use std::path::Path;
-
-use crate::imported_scene::ImportedScene;
+use crate::ImportedScene;
 use abbe_format::FileAccess;
 use abbe_format::json::read_text;
 use abbe_spectra::error::Result;
 use reader::PbrtReader;
+use std::path::Path;
 use token::Tokens;
 
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {

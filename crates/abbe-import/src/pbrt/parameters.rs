@@ -1,11 +1,10 @@
 //! The parameters of a pbrt directive.
 
-use std::cell::Cell;
-use std::path::Path;
-
 use super::token::{Place, Token, Tokens};
 use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
+use std::cell::Cell;
+use std::path::Path;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Values {

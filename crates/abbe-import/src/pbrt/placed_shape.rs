@@ -1,17 +1,13 @@
 //! Adds the shapes of a pbrt file to the scene, with their materials and emission.
 
-use serde_json::{Value, json};
-
-use super::light::read_emission;
-use super::material::ReadMaterial;
-use super::parameters::Parameters;
-use super::reader::PbrtReader;
 use super::shape::{PbrtShape, ReadShape, ShapeReader};
 use super::state::{is_placement, transform};
 use super::texture::{is_uniform, map_numbers};
 use super::token::{Place, Tokens};
+use super::{light::read_emission, material::ReadMaterial, parameters::Parameters, reader::PbrtReader};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cbrt;
+use serde_json::{Value, json};
 
 impl PbrtReader<'_> {
     pub(super) fn shape(

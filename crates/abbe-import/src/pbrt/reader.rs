@@ -1,24 +1,18 @@
 //! The state of the program that reads a pbrt file. The other modules execute the directives.
 
+use super::camera::{DEFAULT_FILM, ReadCamera};
+use super::{
+    material, material::ReadMaterial, parameters::Parameters, shape::PbrtShape, spectrum::SpectrumContext,
+    state::GraphicsState, texture::TextureReader, token::Place,
+};
+use crate::{ImportedScene, scene_writer::SceneWriter};
+use abbe_format::FileAccess;
+use abbe_spectra::error::{Error, Result};
+use glam::DMat4;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
-
-use glam::DMat4;
-use serde_json::{Value, json};
-
-use super::camera::{DEFAULT_FILM, ReadCamera};
-use super::material::{self, ReadMaterial};
-use super::parameters::Parameters;
-use super::shape::PbrtShape;
-use super::spectrum::SpectrumContext;
-use super::state::GraphicsState;
-use super::texture::TextureReader;
-use super::token::Place;
-use crate::imported_scene::ImportedScene;
-use crate::scene_writer::SceneWriter;
-use abbe_format::FileAccess;
-use abbe_spectra::error::{Error, Result};
 
 pub(super) struct PbrtReader<'a> {
     /// The folder of the main file.

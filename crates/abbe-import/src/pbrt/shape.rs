@@ -1,16 +1,13 @@
 //! Shapes of pbrt files.
 
-use std::f64::consts::{PI, TAU};
-
-use std::path::Path;
-
-use glam::{DMat4, DVec2, DVec3};
-use serde_json::{Value, json};
-
 use super::parameters::Parameters;
 use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::sin_cos;
+use glam::{DMat4, DVec2, DVec3};
+use serde_json::{Value, json};
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
 
 /// A shape with its material, before an instance places it.
 #[derive(Debug, Clone)]

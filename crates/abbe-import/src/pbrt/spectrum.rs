@@ -1,9 +1,5 @@
 //! Colours and spectra of pbrt files.
 
-use std::path::Path;
-
-use serde_json::{Value, json};
-
 use super::parameters::{Parameter, Values};
 use super::token::{Token, Tokens};
 use crate::dark_outside::dark_outside;
@@ -11,6 +7,8 @@ use abbe_format::FileAccess;
 use abbe_format::json::read_text;
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
+use std::path::Path;
 
 /// The folder, the file access and the colour space with which spectra are read.
 #[derive(Debug, Clone)]

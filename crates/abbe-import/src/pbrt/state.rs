@@ -1,14 +1,11 @@
 //! The graphics state of a pbrt file.
 
-use std::collections::BTreeMap;
-use std::rc::Rc;
-
+use super::{material::ReadMaterial, parameters::Parameters};
+use abbe_spectra::colour::RgbSpace;
 use glam::{DMat4, DVec3, DVec4};
 use serde_json::{Value, json};
-
-use super::material::ReadMaterial;
-use super::parameters::Parameters;
-use abbe_spectra::colour::RgbSpace;
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// The attributes that `AttributeBegin` saves and `AttributeEnd` restores.
 #[derive(Debug, Clone)]

@@ -1,13 +1,11 @@
-use std::f64::consts::PI;
-
-use glam::{DVec2, DVec3};
-use serde_json::{Value, json};
-use tempfile::TempDir;
-
 use super::*;
 use crate::test_support::read_converted;
 use abbe_format::resolve::resolve;
 use abbe_scene::geometry::Ray;
+use glam::{DVec2, DVec3};
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+use tempfile::TempDir;
 
 /// A pbrt file with a camera at (0, 0, −5) that looks at the origin, and a point light.
 fn scene(world: &str) -> String {

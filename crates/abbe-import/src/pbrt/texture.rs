@@ -3,11 +3,10 @@
 //! In pbrt, the texture coordinate v points up, and in Abbe it points down. The maps of texture
 //! coordinates in this module contain the change of direction.
 
-use serde_json::{Value, json};
-
 use super::parameters::{Parameter, Parameters};
 use super::spectrum::SpectrumContext;
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
 
 /// The affine map from pbrt's texture coordinates (u, v) to (s, t).
 struct UvMapping {

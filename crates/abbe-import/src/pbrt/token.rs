@@ -1,9 +1,8 @@
 //! Splits the text of a pbrt file into tokens.
 
+use abbe_spectra::error::{Error, Result};
 use std::path::PathBuf;
 use std::rc::Rc;
-
-use abbe_spectra::error::{Error, Result};
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Place {

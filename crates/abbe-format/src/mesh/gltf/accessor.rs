@@ -4,9 +4,8 @@ use ::gltf::Accessor;
 use ::gltf::accessor::sparse::IndexType;
 use ::gltf::accessor::{DataType, Dimensions};
 use ::gltf::buffer::{Data, View};
-use glam::DVec3;
-
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
 
 /// Reads the accessors of a glTF file.
 pub struct GltfAccessors<'b> {

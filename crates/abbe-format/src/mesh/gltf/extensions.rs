@@ -1,12 +1,11 @@
 //! Material extensions that the crate `gltf` does not know: dispersion, clearcoat, specular and
 //! diffuse transmission. Also names what the extensions state and the reader ignores.
 
-use ::gltf::Material;
-use serde_json::Value;
-
+use super::super::material::{MeshCoat, MeshDiffuseTransmission, MeshFilm};
 use super::texture::GltfPictures;
-use crate::mesh::material::{MeshCoat, MeshDiffuseTransmission, MeshFilm};
+use ::gltf::Material;
 use abbe_spectra::error::{Error, Result};
+use serde_json::Value;
 
 /// The extensions that this module reads.
 const READ: [&str; 6] = [

@@ -1,19 +1,16 @@
 //! Opens glTF files, and checks what the crate `gltf` does not check.
 
-use std::borrow::Cow;
-use std::fmt::Display;
-use std::path::{Path, PathBuf};
-
+use super::super::packed::read;
+use super::{address::decoded_address, extensions};
+use crate::FileAccess;
 use ::gltf::buffer::{Data, Source};
 use ::gltf::json::Root;
 use ::gltf::{Document, Glb};
-use serde_json::Value;
-
-use super::address::decoded_address;
-use super::extensions;
-use crate::json::FileAccess;
-use crate::mesh::packed::read;
 use abbe_spectra::error::{Error, Result};
+use serde_json::Value;
+use std::borrow::Cow;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 /// A glTF file whose geometry and pictures are not read yet.
 pub struct GltfFile {

@@ -1,16 +1,15 @@
 //! Materials of glTF files: the metallic-roughness model with the KHR extensions transmission, ior,
 //! volume, emissive_strength and those of `gltf_extensions`.
 
+use super::super::material::{MeshAttenuation, MeshMaterial, MeshOpacity};
+use super::super::part::listed;
+use super::extensions::{abbe_number, coat, diffuse_transmission, film, specular, unread};
+use super::texture::{GltfPictures, normal_uv_set_of, uv_set_of};
+use super::{specular_glossiness, specular_glossiness::ConvertedMaterial};
 use ::gltf::accessor::Dimensions;
 use ::gltf::material::AlphaMode;
 use ::gltf::texture::Info;
 use ::gltf::{Document, Material, Semantic};
-
-use super::extensions::{abbe_number, coat, diffuse_transmission, film, specular, unread};
-use super::specular_glossiness::{self, ConvertedMaterial};
-use super::texture::{GltfPictures, normal_uv_set_of, uv_set_of};
-use crate::mesh::material::{MeshAttenuation, MeshMaterial, MeshOpacity};
-use crate::mesh::part::listed;
 use abbe_spectra::error::{Error, Result};
 
 /// Converts a glTF material. A dispersion or an index of refraction out of range is an error.

@@ -12,22 +12,20 @@ mod specular_glossiness;
 mod texture;
 mod vertex_colours;
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
+use super::material::{MeshMaterial, MeshTexture};
+use super::part::{MeshPart, PartsAndNotes, UnplacedParts, fan};
+use crate::FileAccess;
 use ::gltf::buffer::Data;
 use ::gltf::mesh::Mode;
 use ::gltf::{Document, Primitive, Semantic};
-use glam::{DAffine3, DVec3};
-
-use super::material::{MeshMaterial, MeshTexture};
-use super::part::{MeshPart, PartsAndNotes, UnplacedParts, fan};
-use crate::json::FileAccess;
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DVec3};
 use material::{has_textures, read_material, uv_set};
 use node::placed_normal;
 use pose::{Deformation, VertexData};
+use std::collections::BTreeMap;
+use std::path::Path;
 use texture::GltfPictures;
 use vertex_colours::ColourPicture;
 

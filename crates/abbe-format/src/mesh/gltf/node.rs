@@ -2,9 +2,8 @@
 
 use ::gltf::scene::Transform;
 use ::gltf::{Document, Node};
-use glam::{DAffine3, DMat4, DQuat, DVec3};
-
 use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 /// Calls `visit` for each node of the default scene, parents first. The second argument is the
 /// number of the parent. The third argument is the transform from the node to the scene. If the

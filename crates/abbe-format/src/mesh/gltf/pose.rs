@@ -1,11 +1,10 @@
 //! Skins and morph targets: the shape of a mesh in the pose that the file states.
 
-use ::gltf::{Document, Mesh, Node, Primitive, Semantic, Skin};
-use glam::{DAffine3, DMat4, DVec3};
-
 use super::accessor::GltfAccessors;
 use super::node::{for_each_node, placed_normal};
+use ::gltf::{Document, Mesh, Node, Primitive, Semantic, Skin};
 use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DMat4, DVec3};
 
 /// The transforms of the nodes of a file at rest.
 pub struct RestPose {

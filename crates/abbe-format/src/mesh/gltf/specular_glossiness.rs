@@ -4,12 +4,11 @@
 //! same light at normal incidence. Source: Khronos, KHR_materials_pbrSpecularGlossiness, appendix
 //! on the conversion between the workflows.
 
-use ::gltf::Material;
-use serde_json::Value;
-
+use super::super::material::MeshTexture;
 use super::extensions::{SPECULAR_GLOSSINESS, colour, fraction};
 use super::texture::GltfPictures;
-use crate::mesh::material::MeshTexture;
+use ::gltf::Material;
+use serde_json::Value;
 
 /// The reflectance of a dielectric at normal incidence.
 const DIELECTRIC: f64 = 0.04;

@@ -1,22 +1,20 @@
 //! Pictures of glTF files: buffer views, data addresses and files.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
+use super::super::material::MeshTexture;
+use super::address::decoded_address;
+use crate::{FileAccess, PictureFile};
 use ::gltf::buffer::Data;
 use ::gltf::image::Source;
 use ::gltf::material::NormalTexture;
 use ::gltf::texture::{Info, MagFilter, WrappingMode};
 use ::gltf::{Document, Texture};
+use abbe_optics::texture::{Filter, UvTransform, Wrap};
+use abbe_spectra::error::{Error, Result};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
-
-use super::address::decoded_address;
-use crate::mesh::material::MeshTexture;
-use crate::{FileAccess, PictureFile};
-use abbe_optics::texture::{Filter, UvTransform, Wrap};
-use abbe_spectra::error::{Error, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Reads the pictures of a glTF file, each once.
 pub(super) struct GltfPictures<'b> {

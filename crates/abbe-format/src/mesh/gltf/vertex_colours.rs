@@ -1,10 +1,9 @@
 //! Vertex colours of meshes as a picture.
 
-use std::sync::Arc;
-
+use super::super::material::MeshTexture;
 use crate::PictureFile;
-use crate::mesh::material::MeshTexture;
 use abbe_optics::texture::{Filter, ImageSize, UvTransform, Wrap};
+use std::sync::Arc;
 
 /// A picture with one cell of 2 × 2 pixels for each triangle. In a cell, bilinear interpolation of
 /// the pixels equals linear interpolation of the colours of the corners.
