@@ -22,6 +22,7 @@ pub struct FieldFile {
     pub resolution: Option<[u32; 3]>,
     /// Path of a volume file (`.npy` or `.npz`), relative to the scene's folder.
     pub path: Option<String>,
+    /// A value that is the same everywhere.
     #[schemars(range(min = 0))]
     pub constant: Option<f64>,
     /// A value that decreases exponentially with height.

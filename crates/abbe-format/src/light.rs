@@ -292,29 +292,16 @@ impl BeamFile {
 }
 
 impl LightFile {
-    pub fn transform_and_motion(&self) -> (&TransformFile, &[KeyframeFile]) {
+    pub fn pose_and_group(&self) -> (&TransformFile, &[KeyframeFile], &Option<String>) {
         match self {
-            Self::Point(light) => (&light.transform, &light.motion),
-            Self::Spot(light) => (&light.transform, &light.motion),
-            Self::Beam(light) => (&light.transform, &light.motion),
-            Self::Directional(light) => (&light.transform, &light.motion),
-            Self::Environment(light) => (&light.transform, &light.motion),
-            Self::Sky(_) => (SkyFile::TRANSFORM, &[]),
-            Self::Ies(light) => (&light.transform, &light.motion),
+            Self::Point(light) => (&light.transform, &light.motion, &light.group),
+            Self::Spot(light) => (&light.transform, &light.motion, &light.group),
+            Self::Beam(light) => (&light.transform, &light.motion, &light.group),
+            Self::Directional(light) => (&light.transform, &light.motion, &light.group),
+            Self::Environment(light) => (&light.transform, &light.motion, &light.group),
+            Self::Sky(light) => (SkyFile::TRANSFORM, &[], &light.group),
+            Self::Ies(light) => (&light.transform, &light.motion, &light.group),
         }
-    }
-
-    pub fn group(&self) -> Option<&str> {
-        let group = match self {
-            Self::Point(light) => &light.group,
-            Self::Spot(light) => &light.group,
-            Self::Beam(light) => &light.group,
-            Self::Directional(light) => &light.group,
-            Self::Environment(light) => &light.group,
-            Self::Sky(light) => &light.group,
-            Self::Ies(light) => &light.group,
-        };
-        group.as_deref()
     }
 
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {

@@ -74,8 +74,8 @@ impl Resolver<'_> {
         let lens = self.spectra().lens_coatings(&at.key("coating"), coating.as_ref(), lens)?;
         let reflections = match (ghosts, transmission) {
             (false, Some(LensTransmissionFile::Ideal)) if lens.is_coated() => {
-                let error = Error::input("found \"ideal\", but the prescription has a coating");
-                return self.at(&at.key("transmission"), Err(error.expected("\"fresnel\", or no `transmission`")));
+                let what = "found \"ideal\", but the prescription has a coating";
+                return Err(self.source.fault(&at.key("transmission"), what, "\"fresnel\", or no `transmission`"));
             }
             (true, _) => LensReflections::Ghosts,
             (false, Some(LensTransmissionFile::Fresnel)) => LensReflections::Lost,

@@ -11,7 +11,7 @@ use abbe_scene::{Exposure, FilmSpec, Layer};
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
-use abbe_spectra::error::{Error, Result};
+use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::Observer;
 
 impl Resolver<'_> {
@@ -77,9 +77,9 @@ impl Resolver<'_> {
         };
         let exposure_s = Some(self.shutter.exposure_s()).filter(|&seconds| seconds > 0.0);
         let Some((f_number, exposure_s)) = f_number.zip(exposure_s) else {
-            let error = Error::input("found a film speed, but the camera has no f-number or no exposure time");
-            return self
-                .at(at, Err(error.expected("a lens with `f_number`, and a `shutter` that closes after it opens")));
+            let what = "found a film speed, but the camera has no f-number or no exposure time";
+            let expected = "a lens with `f_number`, and a `shutter` that closes after it opens";
+            return Err(self.source.fault(at, what, expected));
         };
         Ok(78.0 / (0.65 * iso) * f_number * f_number / exposure_s)
     }

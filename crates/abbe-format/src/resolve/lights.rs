@@ -7,7 +7,7 @@ use super::{
 use crate::light::{
     BeamFile, DirectionalFile, EnvironmentFile, IesFile, PointFile, SkyFile, SpotFalloffFile, SpotFile, SunFile,
 };
-use crate::{EmissionFile, JsonPath, LightFile, QuantityFile, SpectrumFile, luminaire, luminaire::Photometry};
+use crate::{JsonPath, LightFile, QuantityFile, SpectrumFile, luminaire, luminaire::Photometry};
 use abbe_scene::builder::SceneBuilder;
 use abbe_scene::light::{
     AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, EnvironmentPattern, GoniometricLight, Light,
@@ -27,6 +27,12 @@ struct LightContext<'n> {
     /// The scene's centre in m.
     centre: DVec3,
     notes: &'n mut Vec<String>,
+}
+
+/// The scene to which lights are added, and the observer for whom their wavelengths are sampled.
+struct LightSet<'b> {
+    builder: &'b mut SceneBuilder,
+    observer: &'static Observer,
 }
 
 type ResolvedEmitter = Result<(Emitter, LightSpectrum)>;
@@ -65,49 +71,46 @@ fn radiometric(quantity: QuantityFile, spectrum: &LightSpectrum) -> Result<Radio
 
 impl Resolver<'_> {
     /// Resolves all lights: first the list `lights`, then the emitting objects.
-    pub(super) fn lights(
-        &self,
-        emitting: &[EmittingObject<'_>],
-        builder: &mut SceneBuilder,
-        observer: &'static Observer,
-    ) {
-        let root = JsonPath::Root;
+    pub(super) fn lights(&self, emitting: &[EmittingObject], builder: &mut SceneBuilder, observer: &'static Observer) {
+        let (root, mut set) = (JsonPath::Root, LightSet { builder, observer });
         let at = root.key("lights");
         for (number, file) in self.scene.lights.iter().enumerate() {
             let at = at.index(number);
-            let light = self.light(&at, number, file, builder, observer);
-            self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
+            let light = self.light(&at, number, file, &mut set);
+            self.keep(light.and_then(|light| self.at(&at, set.builder.add_light(light))));
             if let LightFile::Sky(sky @ SkyFile { sun: Some(sun), .. }) = file {
-                let light = self.sun(&at.key("sky"), number, sky, sun, &mut builder.notes, observer);
-                self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
+                let light = self.sun(&at.key("sky"), number, sky, sun, &mut set);
+                self.keep(light.and_then(|light| self.at(&at, set.builder.add_light(light))));
             }
         }
         let at = root.key("objects");
         for emitting in emitting {
-            self.keep(self.area_lights(&at.index(emitting.file_index), emitting, builder, observer));
+            self.keep(self.area_lights(&at.index(emitting.file_index), emitting, &mut set));
         }
     }
 
     /// Resolves the lights of an emitting object. A mesh with several parts has one light for each
     /// part.
-    fn area_lights(
-        &self,
-        at: &JsonPath,
-        emitting: &EmittingObject,
-        builder: &mut SceneBuilder,
-        observer: &'static Observer,
-    ) -> Result<()> {
+    fn area_lights(&self, at: &JsonPath, emitting: &EmittingObject, set: &mut LightSet) -> Result<()> {
         let EmittingObject { file_index, objects, emission } = emitting;
-        let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
-        let (spectrum, radiance) = match emission {
-            EmissionSource::Scene(file) => self.emission(&at.key("emission"), file, area, &mut builder.notes)?,
-            EmissionSource::Mesh(rgb, _) => self.mesh_emission(at, *rgb)?,
-        };
-        let slide_at = at.key("emission");
-        let of_scene = |slide| self.reflectance(&slide_at.key("slide"), slide);
-        let (explicit, slide) = match emission {
-            EmissionSource::Scene(file) => (file.group.clone(), file.slide.as_ref().map(of_scene).transpose()?),
-            EmissionSource::Mesh(_, slide) => (None, slide.clone()),
+        let (builder, observer) = (&mut *set.builder, set.observer);
+        let emission_at = at.key("emission");
+        let (spectrum, radiance, explicit, slide) = match emission {
+            EmissionSource::Scene(file) => {
+                let spectrum = self.light_spectrum(&emission_at, &file.spectrum, &mut builder.notes)?;
+                let quantity = file.quantity().and_then(|q| radiometric(q, &spectrum));
+                let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
+                let radiance = match self.at(&emission_at, quantity)? {
+                    Radiometric::Power(power) => power / (PI * area),
+                    Radiometric::FluxDensity(radiance) => radiance,
+                };
+                let slide = |slide| self.reflectance(&emission_at.key("slide"), slide);
+                (spectrum, radiance, file.group.clone(), file.slide.as_ref().map(slide).transpose()?)
+            }
+            EmissionSource::Mesh(rgb, slide) => {
+                let (spectrum, radiance) = self.mesh_emission(at, *rgb)?;
+                (spectrum, radiance, None, slide.clone())
+            }
         };
         let object_name = || self.scene.objects[*file_index].name.clone();
         let group = explicit.or_else(object_name).unwrap_or_else(|| format!("object {file_index}"));
@@ -116,38 +119,30 @@ impl Resolver<'_> {
             let emitter =
                 Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object), slide: slide.clone() });
             let light = Light { group: group.clone(), ..self.at(at, Light::new(name, emitter, &spectrum, observer))? };
-            self.at(&at.key("emission"), builder.add_light(light))?;
+            self.at(&emission_at, builder.add_light(light))?;
         }
         Ok(())
     }
 
-    fn light(
-        &self,
-        at: &JsonPath,
-        number: usize,
-        file: &LightFile,
-        builder: &mut SceneBuilder,
-        observer: &'static Observer,
-    ) -> Result<Light> {
-        let (transform, keys) = file.transform_and_motion();
+    fn light(&self, at: &JsonPath, number: usize, file: &LightFile, set: &mut LightSet) -> Result<Light> {
+        let (builder, observer) = (&mut *set.builder, set.observer);
+        let (transform, keys, group) = file.pose_and_group();
         let ResolvedMotion { start, motion } = self.motion(transform, keys);
         let mut context = LightContext { to_world: start, centre: builder.centre(), notes: &mut builder.notes };
         let (kind, resolved) = match file {
             LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, &mut context)),
             LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, &mut context)),
             LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, &mut context)),
-            LightFile::Directional(file) => {
-                ("directional", self.directional_light(&at.key("directional"), file, &mut context))
-            }
+            LightFile::Directional(file) => ("directional", self.distant(&at.key("directional"), file, &mut context)),
             LightFile::Environment(file) => {
-                ("environment", self.environment_light(&at.key("environment"), file, &mut context))
+                ("environment", self.environment(&at.key("environment"), file, &mut context))
             }
             LightFile::Sky(file) => ("sky", self.sky_light(&at.key("sky"), file, &mut context)),
             LightFile::Ies(file) => ("ies", self.luminaire(&at.key("ies"), file, &mut context)),
         };
         let (emitter, spectrum) = resolved?;
         let light = self.at(at, Light::new(format!("{kind} {number}"), emitter, &spectrum, observer))?;
-        let group = file.group().unwrap_or(&light.name).to_owned();
+        let group = group.as_ref().unwrap_or(&light.name).to_owned();
         Ok(Light { motion, group, ..light })
     }
 
@@ -234,12 +229,7 @@ impl Resolver<'_> {
         Ok((Emitter::Goniometric(light).moved(&place), spectrum))
     }
 
-    fn directional_light(
-        &self,
-        path: &JsonPath,
-        file: &DirectionalFile,
-        context: &mut LightContext,
-    ) -> ResolvedEmitter {
+    fn distant(&self, path: &JsonPath, file: &DirectionalFile, context: &mut LightContext) -> ResolvedEmitter {
         let DirectionalFile { toward, angular_diameter, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let irradiance = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
@@ -248,12 +238,7 @@ impl Resolver<'_> {
         Ok((Emitter::Directional(DirectionalLight::new(toward, angular_radius, irradiance)), spectrum))
     }
 
-    fn environment_light(
-        &self,
-        path: &JsonPath,
-        file: &EnvironmentFile,
-        context: &mut LightContext,
-    ) -> ResolvedEmitter {
+    fn environment(&self, path: &JsonPath, file: &EnvironmentFile, context: &mut LightContext) -> ResolvedEmitter {
         let EnvironmentFile { spectrum, image, projection, .. } = file;
         let (spectrum, pattern, mean) = match (spectrum, image) {
             (_, Some(image)) => {
@@ -291,43 +276,18 @@ impl Resolver<'_> {
     }
 
     /// Resolves the sun of a sky.
-    fn sun(
-        &self,
-        path: &JsonPath,
-        number: usize,
-        sky: &SkyFile,
-        file: &SunFile,
-        notes: &mut Vec<String>,
-        observer: &'static Observer,
-    ) -> Result<Light> {
+    fn sun(&self, path: &JsonPath, number: usize, sky: &SkyFile, file: &SunFile, set: &mut LightSet) -> Result<Light> {
         let at = path.key("sun");
-        let spectrum = self.light_spectrum(&at, &file.spectrum, notes)?;
+        let spectrum = self.light_spectrum(&at, &file.spectrum, &mut set.builder.notes)?;
         let unknown = || Error::input("missing key \"sun_elevation\"").expected("the elevation of the sun in degrees");
         let SunPosition { direction, distance_au } = self.at(path, sky.sun_position()?.ok_or_else(unknown))?;
         let illuminance = file.illuminance.unwrap_or_else(|| clear_beam_lx(direction.elevation, distance_au));
         let irradiance = self.at(&at, spectrum.watts_from_lumens(illuminance))?;
         let angular_radius = 0.5 * file.angular_diameter.to_radians();
         let emitter = Emitter::Directional(DirectionalLight::new(-direction.to_vector(), angular_radius, irradiance));
-        let light = self.at(&at, Light::new(format!("sky {number} sun"), emitter, &spectrum, observer))?;
+        let light = self.at(&at, Light::new(format!("sky {number} sun"), emitter, &spectrum, set.observer))?;
         let group = file.group.as_ref().or(sky.group.as_ref()).unwrap_or(&light.name).clone();
         Ok(Light { group, ..light })
-    }
-
-    /// Resolves the emission of an object. Returns the spectrum, and the radiance over the band in
-    /// W/m²/sr.
-    fn emission(
-        &self,
-        path: &JsonPath,
-        file: &EmissionFile,
-        area_m2: f64,
-        notes: &mut Vec<String>,
-    ) -> Result<(LightSpectrum, f64)> {
-        let spectrum = self.light_spectrum(path, &file.spectrum, notes)?;
-        let radiance = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
-            Radiometric::Power(power) => power / (PI * area_m2),
-            Radiometric::FluxDensity(radiance) => radiance,
-        };
-        Ok((spectrum, radiance))
     }
 
     /// Resolves the emission of a mesh file, which is linear RGB. White, (1, 1, 1), has a luminance

@@ -136,9 +136,9 @@ impl Resolver<'_> {
                 let at = at.key("normal_map");
                 let inner = self.material_at_depth(&at.key("material"), &file.material, notes, depth + 1)?;
                 if inner.is_boundary() || inner.normal_map.is_some() {
-                    let error = Error::input(format!("found the material \"{}\"", file.material))
-                        .expected("a material with a surface and without a normal map");
-                    return self.at(&at.key("material"), Err(error));
+                    let what = format!("found the material \"{}\"", file.material);
+                    let expected = "a material with a surface and without a normal map";
+                    return Err(self.source.fault(&at.key("material"), what, expected));
                 }
                 let map = self.at(&at, self.normal_map(file))?;
                 return Ok(Material { name: name.to_string(), normal_map: Some(map), ..inner });

@@ -47,36 +47,34 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
         if most < LEAST_FRACTION {
             return opaque();
         }
-        let rest = || channel(texture, 0, -file.transmission, 1.0);
-        if file.is_sheet && !closed {
-            let mut surface = pane(file, &index)?;
-            if let Some(film) = &file.film {
-                let Bsdf::ThinDielectric(bare) = surface.clone() else { return Ok(surface) };
-                let coated = Bsdf::ThinDielectric(bare.with_coating(film_stack(film, textured)?));
-                surface = mixed(coated, film.factor, surface)?;
+        let glass = if file.is_sheet && !closed {
+            let bare = pane(file, &index)?;
+            match (&file.film, bare.clone()) {
+                (Some(film), Bsdf::ThinDielectric(pane)) => {
+                    let coated = Bsdf::ThinDielectric(pane.with_coating(film_stack(film, textured)?));
+                    mixed(coated, film.factor, bare)?
+                }
+                _ => bare,
             }
-            let pane = surface;
-            return if least > 1.0 - LEAST_FRACTION {
-                Ok(pane)
-            } else {
-                Bsdf::textured_mix(vec![(transmission, pane), (rest()?, opaque()?)])
-            };
-        }
-        let absorption = match &file.attenuation {
-            None => None,
-            Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
+        } else {
+            let absorption = file.attenuation.as_ref().map(|it| absorption(it.colour, it.distance * metres));
+            let absorption = absorption.transpose()?;
+            body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
+            let bare = rough(&roughness, &Bsdf::dielectric)?;
+            match &file.film {
+                Some(film) => {
+                    let films = film_stack(film, textured)?;
+                    let coated = rough(&roughness, &|alpha| Bsdf::coated_dielectric(films.clone(), &index, alpha))?;
+                    mixed(coated, film.factor, bare)?
+                }
+                None => bare,
+            }
         };
-        body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
-        let mut glass = rough(&roughness, &Bsdf::dielectric)?;
-        if let Some(film) = &file.film {
-            let films = film_stack(film, textured)?;
-            let coated = rough(&roughness, &|alpha| Bsdf::coated_dielectric(films.clone(), &index, alpha))?;
-            glass = mixed(coated, film.factor, glass)?;
-        }
         if least > 1.0 - LEAST_FRACTION {
             return Ok(glass);
         }
-        Bsdf::textured_mix(vec![(transmission, glass), (rest()?, opaque()?)])
+        let rest = channel(texture, 0, -file.transmission, 1.0)?;
+        Bsdf::textured_mix(vec![(transmission, glass), (rest, opaque()?)])
     };
     let surface = match metallic.range() {
         (_, most) if most < LEAST_FRACTION => dielectric()?,

@@ -27,18 +27,21 @@ impl Resolver<'_> {
     pub(super) fn meters(&self, builder: &mut SceneBuilder) -> Result<(Camera, FilmSpec, Vec<Meter>)> {
         let root = JsonPath::Root;
         let (mut sensors, mut meters) = (Vec::new(), Vec::<Meter>::new());
+        let meters_at = root.key("meters");
         for (i, file) in self.scene.meters.iter().enumerate() {
-            let meters_at = root.key("meters");
             let at = meters_at.index(i);
             if meters.iter().any(|meter| meter.name == file.name) {
-                let error = Error::input(format!("found the name \"{}\" twice", file.name));
-                return self.at(&at.key("name"), Err(error.expected("another name")));
+                let what = format!("found the name \"{}\" twice", file.name);
+                return Err(self.source.fault(&at.key("name"), what, "another name"));
             }
             let (of_meter, readings): (Vec<Sensor>, _) = self.sensors(&at, file, builder)?.into_iter().unzip();
             sensors.extend(of_meter);
             if sensors.len() > MOST_READINGS {
-                let error = Error::input(format!("found more than {MOST_READINGS} readings"));
-                return self.at(&at, Err(error.expected("fewer points")));
+                return Err(self.source.fault(
+                    &at,
+                    format!("found more than {MOST_READINGS} readings"),
+                    "fewer points",
+                ));
             }
             let (name, quantity) = (file.name.clone(), file.quantity());
             let grid = file.grid.as_ref().map(MeterGridFile::grid);
@@ -79,9 +82,9 @@ impl Resolver<'_> {
         if let Some(grid) = grid {
             let [columns, rows] = grid.count.map(|count| count as usize);
             if columns * rows > MOST_READINGS {
-                let error = Error::input(format!("found {} points", columns * rows));
                 let expected = format!("at most {MOST_READINGS} points");
-                return self.at(&at.key("grid").key("count"), Err(error.expected(expected)));
+                let at = at.key("grid");
+                return Err(self.source.fault(&at.key("count"), format!("found {} points", columns * rows), expected));
             }
             return Ok(grid.points().iter().map(plane).collect());
         }
@@ -115,8 +118,8 @@ impl Resolver<'_> {
         };
         let (object, area_m2) = (object as u32, builder.area_m2(object as u32));
         if area_m2 <= 0.0 {
-            let error = Error::input(format!("the object \"{name}\" has no surface"));
-            return self.at(at, Err(error.expected("an object with a surface")));
+            let what = format!("the object \"{name}\" has no surface");
+            return Err(self.source.fault(at, what, "an object with a surface"));
         }
         let position = builder.middle_of(object) / self.metres;
         let sides = if side == ReceivingSide::Both { 2.0 } else { 1.0 };

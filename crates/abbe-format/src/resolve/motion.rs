@@ -53,7 +53,7 @@ impl Resolver<'_> {
     pub(super) fn note_without_motion(&self) -> Option<String> {
         let Shutter { open_s, close_s, .. } = self.shutter;
         let objects = self.scene.objects.iter().map(|object| (&object.transform, object.motion.as_slice()));
-        let lights = self.scene.lights.iter().map(LightFile::transform_and_motion);
+        let lights = self.scene.lights.iter().map(LightFile::pose_and_group).map(|(place, keys, _)| (place, keys));
         let media = self.scene.media.values().map(MediumFile::transform_and_motion);
         let motions: Vec<AnimatedTransform> =
             objects.chain(lights).chain(media).filter_map(|(transform, keys)| motion(transform, keys)).collect();
