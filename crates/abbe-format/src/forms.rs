@@ -5,6 +5,7 @@
 //! read and write the object form, and [`deserialize`] adds the plain forms. serde's untagged enums
 //! would do the same, but they buffer the value and lose the position of errors.
 
+use crate::json::Names;
 use serde::de::{
     Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
     VariantAccess, Visitor,
@@ -102,12 +103,7 @@ impl<'de, A: MapAccess<'de>> Deserializer<'de> for Form<A> {
         visitor.visit_map(Entries { key: Some(self.key), rest: self.rest })
     }
 
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, A::Error> {
+    fn deserialize_enum<V: Visitor<'de>>(self, _: &'static str, _: Names, visitor: V) -> Result<V::Value, A::Error> {
         visitor.visit_enum(self)
     }
 
@@ -163,11 +159,7 @@ impl<'de, A: MapAccess<'de>> VariantAccess<'de> for Form<A> {
         self.rest.next_value_seed(Contents { fields: None, length, visitor })
     }
 
-    fn struct_variant<V: Visitor<'de>>(
-        mut self,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, A::Error> {
+    fn struct_variant<V: Visitor<'de>>(mut self, fields: Names, visitor: V) -> Result<V::Value, A::Error> {
         self.rest.next_value_seed(Contents { fields: Some(fields), length: 0, visitor })
     }
 }

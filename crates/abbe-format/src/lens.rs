@@ -259,8 +259,7 @@ impl ThinLensFile {
             ("sensor_height_mm", self.sensor_height_mm),
         ];
         let angular = [("fov", self.fov), ("defocus_angle", self.defocus_angle)];
-        let first =
-            |keys: &[(&'static str, Option<f64>)]| keys.iter().find(|(_, it)| it.is_some()).map(|(key, _)| *key);
+        let first = |keys: &[(&'static str, Option<f64>)]| Some(keys.iter().find(|(_, it)| it.is_some())?.0);
         let missing = |keys: &[(&'static str, Option<f64>)]| -> Error {
             let key = keys.iter().find(|(_, it)| it.is_none()).map_or("", |(key, _)| *key);
             check::fault(at, format!("missing key \"{key}\""), EXPECTED)

@@ -292,9 +292,7 @@ impl MeterGridFile {
 impl MeterSpotFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { from, to, angle } = self;
-        check::all([
-            check::apart(&at.key("to"), *to, "from", *from),
-            check::between(&at.key("angle"), *angle, 0.0, 180.0),
-        ])
+        let apart = check::apart(&at.key("to"), *to, "from", *from);
+        check::all([apart, check::between(&at.key("angle"), *angle, 0.0, 180.0)])
     }
 }

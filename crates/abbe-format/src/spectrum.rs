@@ -241,10 +241,8 @@ impl SpectrumFile {
             }
             Self::Gaussian { peak_nm, fwhm_nm } => {
                 let at = at.key("gaussian");
-                check::all([
-                    check::positive(&at.key("peak_nm"), *peak_nm),
-                    check::positive(&at.key("fwhm_nm"), *fwhm_nm),
-                ])
+                let peak = check::positive(&at.key("peak_nm"), *peak_nm);
+                check::all([peak, check::positive(&at.key("fwhm_nm"), *fwhm_nm)])
             }
             Self::Rgb(rgb) => {
                 let at = at.key("rgb");
@@ -256,16 +254,12 @@ impl SpectrumFile {
                 check::entries(&at, parts.len(), 1, "at least one spectrum with its weight")?;
                 check::weights(&at, parts.iter().map(|part| part.weight))?;
                 let parts = parts.iter().enumerate();
-                check::all(
-                    parts.map(|(i, part)| part.spectrum.validate(&at.index(i).key("spectrum"), SpectrumUse::Any)),
-                )
+                check::all(parts.map(|(i, it)| it.spectrum.validate(&at.index(i).key("spectrum"), SpectrumUse::Any)))
             }
             Self::PowerLaw { reference_nm, value, exponent: _ } => {
                 let at = at.key("power_law");
-                check::all([
-                    check::positive(&at.key("reference_nm"), *reference_nm),
-                    used.check(&at.key("value"), *value),
-                ])
+                let reference = check::positive(&at.key("reference_nm"), *reference_nm);
+                check::all([reference, used.check(&at.key("value"), *value)])
             }
             Self::Match { target, primaries } => {
                 let at = at.key("match");

@@ -64,8 +64,8 @@ fn any_value_in_any_place_gives_a_scene_or_an_error() {
                         // The error is in the patch, or in a value of the file that the patch made
                         // invalid.
                         let in_patch = error.location.file == Some(format!("patch {place}").into());
-                        let in_file =
-                            error.location.file.as_ref() == Some(&path) && error.location.line_column.is_some();
+                        let location = &error.location;
+                        let in_file = location.file.as_ref() == Some(&path) && location.line_column.is_some();
                         assert!(in_patch || in_file, "{place}={value}: {error}");
                         assert!(!error.what.is_empty() && !error.to_string().contains("struct"), "{error}");
                     }

@@ -6,7 +6,7 @@
 
 use super::deserialize_error::{DeserializeError, DeserializeErrorKind, DeserializeResult};
 use super::positions::{ChildValues, SpannedValue, ValueKind};
-use super::{describe::one_of, key::KeyDeserializer, repair::Repairs};
+use super::{Names, describe::one_of, key::KeyDeserializer, repair::Repairs};
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor};
 use serde::forward_to_deserialize_any;
 
@@ -110,27 +110,27 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _: &'static str,
-        fields: &'static [&'static str],
+        keys: Names,
         visitor: V,
     ) -> DeserializeResult<V::Value> {
         match self {
-            Self::Written(written) => written.visit_fields(fields, visitor),
-            Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(fields)),
+            Self::Written(written) => written.visit_fields(keys, visitor),
+            Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(keys)),
         }
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
         self,
         _: &'static str,
-        variants: &'static [&'static str],
+        names: Names,
         visitor: V,
     ) -> DeserializeResult<V::Value> {
         match self {
             Self::Written(written) => written
-                .variant(variants)
+                .variant(names)
                 .and_then(|variant| visitor.visit_enum(variant))
                 .map_err(|error| error.at(written.value)),
-            Self::StandIn => match variants.first() {
+            Self::StandIn => match names.first() {
                 Some(first) => visitor.visit_enum(Variant::StandIn(first)),
                 None => Err(DeserializeError::no_stand_in()),
             },
@@ -251,7 +251,7 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         Err(DeserializeError::mismatch(format!("an array of {length}")).at(self.value))
     }
 
-    fn variant(self, variants: &'static [&'static str]) -> DeserializeResult<Variant<'r, 'de>> {
+    fn variant(self, variants: Names) -> DeserializeResult<Variant<'r, 'de>> {
         match self.value.kind() {
             ValueKind::String => Ok(Variant::Plain(self.value)),
             ValueKind::Object => {
@@ -431,11 +431,7 @@ impl<'de> VariantAccess<'de> for Variant<'_, 'de> {
         self.fields()?.deserialize_tuple(length, visitor)
     }
 
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
+    fn struct_variant<V: Visitor<'de>>(self, fields: Names, visitor: V) -> DeserializeResult<V::Value> {
         self.fields()?.deserialize_struct("", fields, visitor)
     }
 }

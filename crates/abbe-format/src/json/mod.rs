@@ -28,3 +28,6 @@ pub use path::JsonPath;
 pub use pretty::{one_line, pretty};
 pub use source::{JsonSource, RepairedValue};
 pub use text::{MAX_BYTES, read_text};
+
+/// The names of the fields of a struct, or of the variants of an enum.
+pub(crate) type Names = &'static [&'static str];

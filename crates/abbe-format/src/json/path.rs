@@ -169,10 +169,8 @@ mod tests {
     fn a_malformed_path_is_an_error() {
         for path in [".a", "a.", "a..b", "a[", "a[]", "a[x]", "a[1]b", "a[\"x]", "a[-1]", "a[\"x\"b]"] {
             let error = parse(path).unwrap_err().to_string();
-            assert_eq!(
-                error,
-                format!("cannot read the path \"{path}\"; expected one like objects[0].shape.sphere.radius")
-            );
+            let expected = "expected one like objects[0].shape.sphere.radius";
+            assert_eq!(error, format!("cannot read the path \"{path}\"; {expected}"));
         }
     }
 }

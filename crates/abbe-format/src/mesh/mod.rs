@@ -57,8 +57,8 @@ pub struct MeshFile {
 /// Returns an error with the name of the file if it is missing, has an unknown format, is truncated
 /// or malformed, or if no triangle has an area above 0.
 pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
-    let PartsAndNotes { parts, ignored, has_lights } =
-        read_parts(path, file_access).map_err(|error| error.in_file(path))?;
+    let read = read_parts(path, file_access).map_err(|error| error.in_file(path));
+    let PartsAndNotes { parts, ignored, has_lights } = read?;
     if parts.is_empty() {
         return Err(Error::input("the mesh has no triangles").in_file(path));
     }

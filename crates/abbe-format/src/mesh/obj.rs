@@ -45,8 +45,8 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
     let textured: Vec<MeshMaterial> = materials
         .iter()
         .map(|file| {
-            let picture =
-                file.diffuse_texture.as_ref().map(|name| diffuse_texture(name, path, file_access)).transpose();
+            let name = file.diffuse_texture.as_ref();
+            let picture = name.map(|name| diffuse_texture(name, path, file_access)).transpose();
             let base_colour_texture = picture.unwrap_or_else(|error| {
                 ignored.push(format!("the texture map_Kd of \"{}\" cannot be used ({})", file.name, error.what));
                 None

@@ -151,12 +151,8 @@ pub(super) fn load(bytes: &[u8]) -> Result<Vec<MeshPart>> {
     Ok(vec![MeshPart { mesh, material: None, material_number: None, name: String::new() }])
 }
 
-fn elements<E: PropertyAccess>(
-    reader: &mut Reader<Cursor<&[u8]>>,
-    element: &ElementDef,
-    header: &Header,
-) -> Result<Vec<E>> {
-    Parser::<E>::new().read_payload_for_element(reader, element, header).map_err(|error| explain(&error))
+fn elements<E: PropertyAccess>(reader: &mut Reader<Cursor<&[u8]>>, kind: &ElementDef, all: &Header) -> Result<Vec<E>> {
+    Parser::<E>::new().read_payload_for_element(reader, kind, all).map_err(|error| explain(&error))
 }
 
 fn explain(error: &ParseError) -> Error {

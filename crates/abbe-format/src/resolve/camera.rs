@@ -117,8 +117,7 @@ fn blades(count: Option<u32>, rotation_deg: f64) -> Option<Blades> {
 
 /// Returns a remark if diffraction that the scene does not enable would be visible.
 fn missed_diffraction(camera: &Camera) -> Option<String> {
-    let diffraction =
-        ApertureDiffraction::of(camera).filter(|diffraction| diffraction.matters() && !camera.diffracts)?;
+    let diffraction = ApertureDiffraction::of(camera).filter(|it| it.matters() && !camera.diffracts)?;
     let pixels = diffraction.airy_diameter_px();
     Some(format!(
         "camera: diffraction at the opening would spread a point over {pixels:.1} pixels; \"diffraction\": true of the lens simulates it"

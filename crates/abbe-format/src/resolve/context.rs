@@ -62,15 +62,9 @@ impl<'a> Resolver<'a> {
     }
     /// Returns the error for a name that a section of the scene lacks. `kind` is the kind of the
     /// entries and the key of the section, such as `["medium", "media"]`.
-    pub(super) fn unknown_name(
-        &self,
-        at: &JsonPath,
-        [kind, section]: [&str; 2],
-        name: &str,
-        known: Vec<&str>,
-    ) -> Error {
+    pub(super) fn unknown_name(&self, at: &JsonPath, [kind, list]: [&str; 2], name: &str, known: Vec<&str>) -> Error {
         let expected = if known.is_empty() {
-            format!("a name of the scene's `{section}`, which is empty")
+            format!("a name of the scene's `{list}`, which is empty")
         } else {
             format!("one of {}", known.join(", "))
         };

@@ -116,8 +116,8 @@ impl Resolver<'_> {
         let group = explicit.or_else(object_name).unwrap_or_else(|| format!("object {file_index}"));
         for &object in objects {
             let name = builder.objects().name(object).to_owned();
-            let emitter =
-                Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object), slide: slide.clone() });
+            let (area_m2, slide) = (builder.area_m2(object), slide.clone());
+            let emitter = Emitter::Area(AreaLight { object, radiance, area_m2, slide });
             let light = Light { group: group.clone(), ..self.at(at, Light::new(name, emitter, &spectrum, observer))? };
             self.at(&emission_at, builder.add_light(light))?;
         }

@@ -159,8 +159,8 @@ impl Resolver<'_> {
         let resolve = |file| self.spectrum(&at.key("absorption"), file, Role::Coefficient);
         let absorption = absorption.as_ref().map(resolve).transpose();
         let ((medium, index), absorption) = both(both(medium, index), absorption)?;
-        let absorption =
-            absorption.filter(|per_unit| per_unit.max() > 0.0).map(|per_unit| per_unit.scaled(1.0 / self.metres));
+        let absorption = absorption.filter(|per_unit| per_unit.max() > 0.0);
+        let absorption = absorption.map(|per_unit| per_unit.scaled(1.0 / self.metres));
         Ok(Body { index: Some(index), absorption, medium, priority: *priority })
     }
 
@@ -231,8 +231,8 @@ impl Resolver<'_> {
                 both(eta, self.spectrum(&at.key("k"), k, Role::Coefficient))?
             }
             (None, _, _) => {
-                let missing =
-                    || Error::input("found no metal").expected("`metal`, `eta` and `k`, `file` or `reflectance`");
+                let expected = "`metal`, `eta` and `k`, `file` or `reflectance`";
+                let missing = || Error::input("found no metal").expected(expected);
                 let path = self.at(at, file.as_deref().ok_or_else(missing))?;
                 self.at(&at.key("file"), index_file(path, self.source).and_then(|data| data.n_and_k()))?
             }
@@ -259,16 +259,10 @@ impl Resolver<'_> {
     }
 
     /// Resolves a refractive index. If values were clamped or fitted, a remark is added to `notes`.
-    fn index(
-        &self,
-        at: &JsonPath,
-        file: &IndexFile,
-        material: &str,
-        notes: &mut Vec<String>,
-    ) -> Result<RefractiveIndex> {
+    fn index(&self, at: &JsonPath, file: &IndexFile, name: &str, notes: &mut Vec<String>) -> Result<RefractiveIndex> {
         let index = self.at(at, index_of(file, self.source))?;
         if let Some(warning) = index.warning() {
-            let note = format!("material \"{material}\": {warning}");
+            let note = format!("material \"{name}\": {warning}");
             if !notes.contains(&note) {
                 notes.push(note);
             }

@@ -58,7 +58,7 @@ impl Resolver<'_> {
             let (at, notes) = (media.key(name), &mut builder.notes);
             let (medium, emission) = match file {
                 MediumFile::Homogeneous(file) => {
-                    (self.homogeneous(&at.key("homogeneous"), file, name, notes), &file.emission)
+                    (self.uniform(&at.key("homogeneous"), file, name, notes), &file.emission)
                 }
                 MediumFile::Grid(file) => (self.grid(&at.key("grid"), file, name, centre, notes), &file.emission),
             };
@@ -68,13 +68,7 @@ impl Resolver<'_> {
         }
     }
 
-    fn homogeneous(
-        &self,
-        at: &JsonPath,
-        file: &HomogeneousFile,
-        name: &str,
-        notes: &mut Vec<String>,
-    ) -> Result<Medium> {
+    fn uniform(&self, at: &JsonPath, file: &HomogeneousFile, name: &str, notes: &mut Vec<String>) -> Result<Medium> {
         // The transform and the motion of a uniform medium have no effect.
         let HomogeneousFile { absorption, scattering, phase, emission, dye, priority: _, transform: _, motion: _ } =
             file;

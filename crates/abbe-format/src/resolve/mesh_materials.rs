@@ -119,13 +119,8 @@ fn rough(roughness: &SurfaceScalar, of_alpha: &dyn Fn(f64) -> Result<Bsdf>) -> R
 /// Returns the surface of a dielectric that transmits no light, or transmits it diffusely. The
 /// diffuse base has a clear coat unless it is matt. A further coat replaces this coat on a part of
 /// the area.
-fn opaque(
-    file: &MeshMaterial,
-    base: &SurfaceSpectrum,
-    index: &RefractiveIndex,
-    roughness: &SurfaceScalar,
-) -> Result<Bsdf> {
-    let index = if file.specular < 1.0 { RefractiveIndex::constant(reduced_ior(file))? } else { index.clone() };
+fn opaque(file: &MeshMaterial, base: &SurfaceSpectrum, n: &RefractiveIndex, roughness: &SurfaceScalar) -> Result<Bsdf> {
+    let index = if file.specular < 1.0 { RefractiveIndex::constant(reduced_ior(file))? } else { n.clone() };
     let is_matt = matches!(roughness, SurfaceScalar::Uniform(roughness) if *roughness >= MATT);
     let mut surface = if is_matt || file.specular < LEAST_FRACTION {
         Bsdf::diffuse(base.clone())?

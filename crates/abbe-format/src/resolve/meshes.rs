@@ -127,8 +127,7 @@ impl<'a> Resolver<'a> {
         }
         let LoadedFile { parts, ignored } = &cache.files[path.as_str()];
         let missing = || {
-            let last =
-                parts.keys().last().map_or_else(|| "no part".to_owned(), |last| format!("a part from 0 to {last}"));
+            let last = parts.keys().last().map_or("no part".into(), |last| format!("a part from 0 to {last}"));
             Error::input(format!("the mesh has no part {number}")).expected(last)
         };
         let part = self.at(&at.key("part"), parts.get(number).cloned().ok_or_else(missing))?;

@@ -37,11 +37,8 @@ impl Resolver<'_> {
             let (of_meter, readings): (Vec<Sensor>, _) = self.sensors(&at, file, builder)?.into_iter().unzip();
             sensors.extend(of_meter);
             if sensors.len() > MOST_READINGS {
-                return Err(self.source.fault(
-                    &at,
-                    format!("found more than {MOST_READINGS} readings"),
-                    "fewer points",
-                ));
+                let what = format!("found more than {MOST_READINGS} readings");
+                return Err(self.source.fault(&at, what, "fewer points"));
             }
             let (name, quantity) = (file.name.clone(), file.quantity());
             let grid = file.grid.as_ref().map(MeterGridFile::grid);

@@ -57,12 +57,12 @@ impl<'a> Resolver<'a> {
     fn object(
         &self,
         at: &JsonPath,
-        number: usize,
+        index: usize,
         file: &'a ObjectFile,
         resolved: &mut ResolvedObjects<'a>,
     ) -> Result<()> {
         let ObjectFile { name, shape, material, transform, motion, emission } = file;
-        let name = name.clone().unwrap_or_else(|| format!("object {number}"));
+        let name = name.clone().unwrap_or_else(|| format!("object {index}"));
         let material = material.as_ref().map(|name| {
             let number = self.keep(self.material_number(&at.key("material"), name, resolved));
             // The shape is checked even if the material has a fault.
@@ -103,14 +103,14 @@ impl<'a> Resolver<'a> {
                     let light = super::mesh_materials::emission(light, part.mesh.uvs().is_some());
                     let (rgb, slide) = self.at(shape_at, light)?;
                     let emission = EmissionSource::Mesh(rgb, slide);
-                    resolved.emitting.push(EmittingObject { file_index: number, objects: vec![object], emission });
+                    resolved.emitting.push(EmittingObject { file_index: index, objects: vec![object], emission });
                 }
             }
             Ok(objects)
         })?;
         if let Some(emission) = emission {
             let emission = EmissionSource::Scene(emission);
-            resolved.emitting.push(EmittingObject { file_index: number, objects, emission });
+            resolved.emitting.push(EmittingObject { file_index: index, objects, emission });
         }
         Ok(())
     }

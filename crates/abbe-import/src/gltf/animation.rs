@@ -141,8 +141,8 @@ impl Track {
             Interpolation::Linear => from.lerp(to, fraction).to_array(),
             Interpolation::CubicSpline => {
                 // Hermite's form, as in appendix C of the specification of glTF 2.0.
-                let [leaving, arriving] =
-                    [3 * before + 2, 3 * next].map(|i| length * DVec4::from_array(self.values[i]));
+                let tangent = |i: usize| length * DVec4::from_array(self.values[i]);
+                let [leaving, arriving] = [3 * before + 2, 3 * next].map(tangent);
                 let (t2, t3) = (fraction * fraction, fraction * fraction * fraction);
                 let spline = (2.0 * t3 - 3.0 * t2 + 1.0) * from
                     + (t3 - 2.0 * t2 + fraction) * leaving

@@ -325,7 +325,7 @@ fn optional_keys_and_harmless_extensions_are_accepted() {
 fn compressed_geometry_is_refused() {
     for (rest, name) in [
         (
-            r#", "scenes": [{"nodes": [0]}], "extensionsRequired": ["EXT_meshopt_compression"]"#,
+            r#", "extensionsRequired": ["EXT_meshopt_compression"], "scenes": [{"nodes": [0]}]"#,
             "EXT_meshopt_compression",
         ),
         (r#", "scenes": [{"nodes": [0]}]"#, "KHR_draco_mesh_compression"),

@@ -74,14 +74,9 @@ impl MitsubaReader<'_> {
         MitsubaSurface::Material { name, one_sided: one_sided && !context.twosided }
     }
 
-    fn first(
-        &mut self,
-        outer: &Properties,
-        nested: &[Rc<XmlElement>],
-        context: &BsdfContext,
-    ) -> Result<MitsubaSurface> {
+    fn first(&mut self, outer: &Properties, parts: &[Rc<XmlElement>], context: &BsdfContext) -> Result<MitsubaSurface> {
         let element = outer.element;
-        let inner = nested.first().ok_or_else(|| element.error(format!("\"{}\" without a BSDF", element.plugin())))?;
+        let inner = parts.first().ok_or_else(|| element.error(format!("\"{}\" without a BSDF", element.plugin())))?;
         self.converted(inner, context)
     }
 
@@ -156,10 +151,10 @@ impl MitsubaReader<'_> {
                 let reflectance = self.reflectance(properties, "reflectance", 0.5)?;
                 (json!({"diffuse": {"reflectance": reflectance}}), true)
             }
-            "dielectric" => (self.dielectric(properties, None, context)?, false),
+            "dielectric" => (self.glass(properties, None, context)?, false),
             "roughdielectric" => {
                 let roughness = self.microfacets(properties)?;
-                (self.dielectric(properties, Some(roughness), context)?, false)
+                (self.glass(properties, Some(roughness), context)?, false)
             }
             "thindielectric" => {
                 let ior = self.relative_index(properties, 1.5046)?;
@@ -200,12 +195,7 @@ impl MitsubaReader<'_> {
         Ok(self.add(context, material, one_sided))
     }
 
-    fn dielectric(
-        &mut self,
-        properties: &Properties,
-        roughness: Option<Value>,
-        context: &BsdfContext,
-    ) -> Result<Value> {
+    fn glass(&mut self, properties: &Properties, roughness: Option<Value>, context: &BsdfContext) -> Result<Value> {
         self.note_factors(properties, &["specular_reflectance", "specular_transmittance"])?;
         let mut dielectric = json!({"ior": self.index_inside(properties, 1.5046)?});
         if let Some(roughness) = roughness {

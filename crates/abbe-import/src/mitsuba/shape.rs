@@ -35,8 +35,8 @@ impl MitsubaReader<'_> {
         let properties = Properties::new(instance);
         let to_world = outer * properties.transform("to_world")?;
         let is_group = |child: &Rc<XmlElement>| self.document.resolve(child).plugin() == "shapegroup";
-        let groups: Vec<Rc<XmlElement>> =
-            properties.take(is_group).into_iter().map(|it| self.document.resolve(it)).collect();
+        let groups = properties.take(is_group).into_iter().map(|it| self.document.resolve(it));
+        let groups: Vec<Rc<XmlElement>> = groups.collect();
         if groups.is_empty() {
             return Err(instance.error("an instance without a shape group"));
         }
@@ -226,8 +226,7 @@ impl MitsubaReader<'_> {
             "rectangle" | "disk" | "cylinder" => true,
             "obj" | "ply" | "serialized" => {
                 let (_, file) = self.document.file(shape, properties.required_text("filename")?)?;
-                let parts =
-                    mesh::load_unplaced(&file, self.document.file_access).map_err(|error| shape.locate(error))?;
+                let parts = mesh::load_unplaced(&file, self.document.file_access).map_err(|it| shape.locate(it))?;
                 let chosen = match shape.plugin() {
                     "serialized" => Some(properties.number("shape_index", 0.0)? as u32),
                     _ => None,

@@ -135,8 +135,7 @@ fn simple_materials_keep_their_numbers() {
 
 #[test]
 fn a_mask_cuts_holes() {
-    let (found, notes) =
-        material(r#"<bsdf type="mask"><bsdf type="diffuse"/><float name="opacity" value="0.75"/></bsdf>"#);
+    let (found, notes) = material(&bsdf("mask", r#"<bsdf type="diffuse"/><float name="opacity" value="0.75"/>"#));
     assert_eq!((&found["mix"][0]["weight"], &found["mix"][1]["weight"]), (&json!(0.75), &json!(0.25)));
     assert_eq!((&found["mix"][1]["material"], notes.as_str()), (&json!("hole"), ""));
 }
@@ -441,11 +440,7 @@ fn errors_name_the_file_and_the_line() {
         (ball(r#"<bsdf type="dielectric"><string name="int_ior" value="glas"/></bsdf>"#), 4, "unknown index"),
         (ball(r#"<bsdf type="twosided"/>"#), 4, "without a BSDF"),
         (ball(r#"<bsdf type="diffuse"><spectrum name="reflectance" value="700:1, 400:1"/></bsdf>"#), 4, "not valid"),
-        (
-            r#"<shape type="obj"><string name="filename" value="no.obj"/></shape>"#.into(),
-            4,
-            "\"no.obj\" does not exist",
-        ),
+        (r#"<shape type="obj"><string name="filename" value="n.obj"/></shape>"#.into(), 4, "\"n.obj\" does not exist"),
         (r#"<shape type="obj"/>"#.into(), 4, "without the property \"filename\""),
         (r#"<include filename="../b.xml"/>"#.into(), 4, "leads out of the folder"),
         (format!("\n{one}\n{one}"), 6, "occurs twice"),

@@ -25,8 +25,7 @@ impl VolumeGrid {
     /// Reads a file: "VOL", version 3, type 1 (32-bit numbers), the numbers of cells along x, y and
     /// z, the number of channels, the two corners of the box, and the values.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        let bytes =
-            std::fs::read(path).map_err(|error| Error::input(format!("cannot be read: {error}")).in_file(path))?;
+        let bytes = std::fs::read(path).map_err(|why| Error::input(format!("cannot be read: {why}")).in_file(path))?;
         Self::decode(&bytes).map_err(|error| error.in_file(path))
     }
 

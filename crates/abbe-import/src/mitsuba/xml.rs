@@ -160,13 +160,7 @@ impl MitsubaDocument {
 
 /// Returns the path of a file relative to the folder of the scene, and the path for reading.
 /// `near` is the folder of the file that names it.
-fn find_file(
-    folder: &Path,
-    file_access: FileAccess,
-    search: &[String],
-    near: &str,
-    name: &str,
-) -> Result<(String, PathBuf)> {
+fn find_file(root: &Path, access: FileAccess, search: &[String], near: &str, name: &str) -> Result<(String, PathBuf)> {
     if name.is_empty() {
         return Err(Error::input("the file name is empty"));
     }
@@ -174,7 +168,7 @@ fn find_file(
     let mut refused = None;
     for start in candidates {
         let relative = if Path::new(name).is_absolute() { name.to_string() } else { format!("{start}{name}") };
-        match file_access.file(folder, Path::new(&relative)) {
+        match access.file(root, Path::new(&relative)) {
             Ok(path) if path.is_file() => return Ok((relative, path)),
             Ok(_) => {}
             Err(error) => refused = Some(error),
@@ -216,8 +210,7 @@ impl XmlLoader {
             Error::input(format!("invalid XML: {error}")).in_file(path).at(place.row as usize, place.col as usize)
         })?;
         let root = document.root_element();
-        let version =
-            root.attribute("version").and_then(|version| version.split('.').next()?.trim().parse::<u32>().ok());
+        let version = root.attribute("version").and_then(|it| it.split('.').next()?.trim().parse::<u32>().ok());
         let camel_case = version.is_some_and(|major| major < 2);
         let context = FileContext { file: path.into(), folder: folder.into(), include_depth, camel_case };
         self.element(root, &context, 0)

@@ -52,8 +52,7 @@ impl PbrtReader<'_> {
                     return Err(place.error("too many nested files"));
                 }
                 let path = self.file_access.file(self.base, Path::new(&name))?;
-                let text =
-                    read_text(&path).map_err(|error| place.error(format!("cannot include \"{name}\": {error}")))?;
+                let text = read_text(&path).map_err(|why| place.error(format!("cannot include \"{name}\": {why}")))?;
                 let state = (directive == "Import").then(|| self.state.clone());
                 files.push((Tokens::new(text, path), state));
             } else {
@@ -271,8 +270,8 @@ impl PbrtReader<'_> {
             "Scale" => DMat4::from_scale(tokens.numbers::<3>(directive)?.into()),
             "Rotate" => {
                 let [degrees, axis @ ..] = tokens.numbers::<4>(directive)?;
-                let axis =
-                    DVec3::from(axis).try_normalize().ok_or_else(|| place.error("the axis of a rotation is 0"))?;
+                let zero = || place.error("the axis of a rotation is 0");
+                let axis = DVec3::from(axis).try_normalize().ok_or_else(zero)?;
                 DMat4::from_quat(quaternion(axis, degrees.to_radians()))
             }
             "LookAt" => {

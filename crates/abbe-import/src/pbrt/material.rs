@@ -48,13 +48,8 @@ pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureR
         "conductor" => conductor(parameters, "", textures)?,
         "coatedconductor" => {
             textures.left_out.push("the coat of a metal is left out".into());
-            parameters.ignore(&[
-                "interface.eta",
-                "interface.roughness",
-                "interface.uroughness",
-                "interface.vroughness",
-            ]);
-            parameters.ignore(&["thickness", "maxdepth", "nsamples"]);
+            parameters.ignore(&["interface.eta", "interface.roughness", "interface.uroughness"]);
+            parameters.ignore(&["interface.vroughness", "thickness", "maxdepth", "nsamples"]);
             leave_out_layer(parameters, textures)?;
             conductor(parameters, "conductor.", textures)?
         }

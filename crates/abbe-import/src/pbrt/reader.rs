@@ -105,8 +105,8 @@ impl<'a> PbrtReader<'a> {
         read: impl FnOnce(&mut TextureReader) -> Result<T>,
     ) -> Result<T> {
         let named = |name: &str, is_scalar: bool| self.textures.get(&(name.to_string(), is_scalar)).cloned();
-        let mut reader =
-            TextureReader { spectra: self.spectra(), folder: self.folder, named: &named, left_out: Vec::new() };
+        let (spectra, folder) = (self.spectra(), self.folder);
+        let mut reader = TextureReader { spectra, folder, named: &named, left_out: Vec::new() };
         let result = read(&mut reader);
         left_out.extend(reader.left_out);
         result

@@ -4,7 +4,7 @@ use super::parameters::Parameters;
 use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::sin_cos;
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -214,12 +214,7 @@ impl ShapeReader<'_> {
 
 /// The rotation that maps +y to +z and keeps x.
 fn y_to_z() -> DMat4 {
-    DMat4::from_cols_array_2d(&[
-        [1.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0],
-        [0.0, -1.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 1.0],
-    ])
+    DMat4::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y))
 }
 
 #[derive(Clone, Copy)]

@@ -39,8 +39,8 @@ impl<'b> GltfAccessors<'b> {
                 IndexType::U16 => 2,
                 IndexType::U32 => 4,
             };
-            let indices =
-                self.view_items(&indices.view(), indices.offset(), sparse.count(), width).ok_or_else(short)?;
+            let found = self.view_items(&indices.view(), indices.offset(), sparse.count(), width);
+            let indices = found.ok_or_else(short)?;
             let values = self.view_items(&values.view(), values.offset(), sparse.count(), size).ok_or_else(short)?;
             for (index, value) in indices.zip(values) {
                 let index = index.iter().rev().fold(0, |index, &byte| index << 8 | usize::from(byte));

@@ -75,8 +75,8 @@ pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<Unpl
         let deformation = pose.deformation(node, &mesh, &reader.accessors)?;
         for (number, primitive) in (firsts[mesh.index()]..).zip(mesh.primitives()) {
             if !parts.contains_key(&number) {
-                let read =
-                    reader.primitive(&primitive, mesh.name().unwrap_or_default(), DAffine3::IDENTITY, &deformation)?;
+                let name = mesh.name().unwrap_or_default();
+                let read = reader.primitive(&primitive, name, DAffine3::IDENTITY, &deformation)?;
                 parts.extend(read.map(|part| (number, MeshPart { name: String::new(), ..part })));
             }
         }

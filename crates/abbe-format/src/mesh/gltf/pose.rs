@@ -50,8 +50,7 @@ impl RestPose {
         if inverse.len() < joints.len() {
             return Err(Error::input("the skin does not have one matrix per joint"));
         }
-        let placed =
-            |(joint, matrix): (DAffine3, [f64; 16])| joint * DAffine3::from_mat4(DMat4::from_cols_array(&matrix));
+        let placed = |(joint, it): (DAffine3, [f64; 16])| joint * DAffine3::from_mat4(DMat4::from_cols_array(&it));
         Ok(joints.into_iter().zip(inverse).map(placed).collect())
     }
 }
@@ -69,13 +68,8 @@ impl Deformation {
     }
 
     /// Moves the vertices of a primitive.
-    pub(super) fn apply(
-        &self,
-        primitive: &Primitive,
-        accessors: &GltfAccessors,
-        vertices: &mut VertexData,
-    ) -> Result<()> {
-        let VertexData { positions, normals } = vertices;
+    pub(super) fn apply(&self, primitive: &Primitive, accessors: &GltfAccessors, data: &mut VertexData) -> Result<()> {
+        let VertexData { positions, normals } = data;
         for (target, &weight) in primitive.morph_targets().zip(&self.weights).filter(|(_, weight)| **weight != 0.0) {
             if let Some(accessor) = target.positions() {
                 let offsets = accessors.vectors(&accessor)?;
@@ -112,8 +106,8 @@ fn blended(joints: &[DAffine3], numbers: [f64; 4], weights: [f64; 4]) -> Result<
     let sum: f64 = weights.iter().sum();
     let mut mean = [0.0; 12];
     for (number, weight) in numbers.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
-        let joint =
-            joints.get(number as usize).ok_or_else(|| Error::input("a vertex names a joint that does not exist"))?;
+        let missing = || Error::input("a vertex names a joint that does not exist");
+        let joint = joints.get(number as usize).ok_or_else(missing)?;
         mean.iter_mut().zip(joint.to_cols_array()).for_each(|(mean, x)| *mean += weight / sum * x);
     }
     if sum > 0.0 { Ok(DAffine3::from_cols_array(&mean)) } else { Ok(DAffine3::IDENTITY) }

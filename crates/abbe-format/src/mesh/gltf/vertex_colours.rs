@@ -55,8 +55,8 @@ fn cell(colours: &[[f32; 3]], triangle: [u32; 3]) -> ([u32; 3], [f32; 3]) {
         (excess, turned, opposite)
     });
     let [first, second, third] = orders;
-    let nearer =
-        |one: (f32, [u32; 3], [f32; 3]), other: (f32, [u32; 3], [f32; 3])| if other.0 < one.0 { other } else { one };
+    type Near = (f32, [u32; 3], [f32; 3]);
+    let nearer = |one: Near, other: Near| if other.0 < one.0 { other } else { one };
     let (_, turned, opposite) = nearer(nearer(first, second), third);
     (turned, opposite.map(|x| x.clamp(0.0, 1.0)))
 }
