@@ -82,10 +82,9 @@ impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut object: A) -> Result<T, A::Error> {
-        match object.next_key()? {
-            Some(key) => T::from_object(Form { key, rest: object }),
-            None => Err(A::Error::invalid_type(Unexpected::Map, &self)),
-        }
+        let empty = || A::Error::invalid_type(Unexpected::Map, &self);
+        let key = object.next_key()?.ok_or_else(empty)?;
+        T::from_object(Form { key, rest: object })
     }
 }
 

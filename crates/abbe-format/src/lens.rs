@@ -265,9 +265,7 @@ impl ThinLensFile {
             check::fault(at, format!("missing key \"{key}\""), EXPECTED)
         };
         match (first(&photographic), first(&angular)) {
-            (Some(one), Some(other)) => {
-                Err(check::fault(&at.key(other), format!("found together with `{one}`"), EXPECTED))
-            }
+            (Some(a), Some(b)) => Err(check::fault(&at.key(b), format!("found together with `{a}`"), EXPECTED)),
             (None, None) => Err(check::fault(at, "found neither `focal_length_mm` nor `fov`", EXPECTED)),
             (Some(_), None) => match (self.focal_length_mm, self.f_number, self.sensor_height_mm) {
                 (Some(focal_length_mm), Some(f_number), Some(sensor_height_mm)) => {

@@ -115,10 +115,8 @@ impl<'s> SchemaVariant<'s> {
             return Self::Constant(constant);
         }
         let properties = schema["properties"].as_object();
-        match properties.and_then(|properties| properties.iter().next()) {
-            Some((key, value)) => Self::Keyed(key, value),
-            None => Self::Plain,
-        }
+        let first = properties.and_then(|properties| properties.iter().next());
+        first.map_or(Self::Plain, |(key, value)| Self::Keyed(key, value))
     }
 }
 

@@ -247,10 +247,8 @@ fn count_bounded(schema: &Value) -> usize {
 /// do not count.
 fn accepts(number: &BoundedNumber, value: f64) -> bool {
     let patch = format!("{}={value}", number.path);
-    match parse(&number.scene, Path::new("scene"), &[patch]) {
-        Ok(_) => true,
-        Err(error) => error.location.path.as_deref() != Some(number.path.as_str()),
-    }
+    let error = parse(&number.scene, Path::new("scene"), &[patch]).err();
+    error.is_none_or(|error| error.location.path.as_deref() != Some(number.path.as_str()))
 }
 
 /// The bounds of numbers in the schema equal the bounds that the checks of the scene file enforce.

@@ -229,9 +229,7 @@ impl SpectrumFile {
         match self {
             Self::Number(value) => used.check(at, *value),
             Self::Name(_) | Self::File(_) => Ok(()),
-            Self::Table { nm, values } => {
-                validate_table(&at.key("table"), nm, values, &|at, value| used.check(at, value))
-            }
+            Self::Table { nm, values } => validate_table(&at.key("table"), nm, values, &|at, it| used.check(at, it)),
             Self::Lines(lines) => validate_lines(&at.key("lines"), lines),
             Self::Blackbody { temperature } => check::positive(&at.key("blackbody").key("temperature"), *temperature),
             Self::Daylight { temperature } => {

@@ -196,11 +196,7 @@ impl<'de> Deserialize<'de> for ScalarFile {
 
 impl Serialize for ScalarFile {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        if let Self::Number(number) = self {
-            serializer.serialize_f64(*number)
-        } else {
-            Self::serialize(self, serializer)
-        }
+        if let Self::Number(it) = self { serializer.serialize_f64(*it) } else { Self::serialize(self, serializer) }
     }
 }
 

@@ -34,8 +34,6 @@ pub(super) fn found(value: SpannedValue) -> String {
 
 /// Cuts a text after its first 40 characters.
 pub(super) fn shorten(text: &str) -> String {
-    match text.char_indices().nth(MAX_QUOTED_CHARACTERS) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_string(),
-    }
+    let end = text.char_indices().nth(MAX_QUOTED_CHARACTERS);
+    end.map_or_else(|| text.to_string(), |(end, _)| format!("{}…", &text[..end]))
 }

@@ -4,7 +4,7 @@
 //! The types for entries, elements and variants also represent stand-ins, so that the code of
 //! serde's visitors exists only once in the program.
 
-use super::deserialize_error::{DeserializeError, DeserializeErrorKind, DeserializeResult};
+use super::deserialize_error::{DeserializeError, DeserializeErrorKind, ReadResult};
 use super::positions::{ChildValues, SpannedValue, ValueKind};
 use super::{Names, describe::one_of, key::KeyDeserializer, repair::Repairs};
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor};
@@ -30,28 +30,28 @@ impl<'r, 'de> ValueDeserializer<'r, 'de> {
 impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     type Error = DeserializeError;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_any(visitor),
             Self::StandIn => visitor.visit_f64(1.0).map_err(|_: DeserializeError| DeserializeError::no_stand_in()),
         }
     }
 
-    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_any(visitor),
             Self::StandIn => visitor.visit_bool(false),
         }
     }
 
-    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_whole(visitor),
             Self::StandIn => visitor.visit_u64(1),
         }
     }
 
-    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits
             // of the text.
@@ -61,39 +61,39 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
         }
     }
 
-    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         self.deserialize_u32(visitor)
     }
 
-    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_any(visitor),
             Self::StandIn => visitor.visit_str(""),
         }
     }
 
-    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         self.deserialize_str(visitor)
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         let Self::Written(WrittenValue { value, .. }) = self else { return visitor.visit_none() };
         let result = if value.kind() == ValueKind::Null { visitor.visit_none() } else { visitor.visit_some(self) };
         result.map_err(|error| error.at(value))
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> ReadResult<V::Value> {
         visitor.visit_newtype_struct(self)
     }
 
-    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_any(visitor),
             Self::StandIn => visitor.visit_seq(ArrayElements::StandIns(0)),
         }
     }
 
-    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => {
                 written.check_length(length)?;
@@ -103,28 +103,18 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
         }
     }
 
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         self.deserialize_struct("", &[], visitor)
     }
 
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        keys: Names,
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
+    fn deserialize_struct<V: Visitor<'de>>(self, _: &'static str, keys: Names, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_fields(keys, visitor),
             Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(keys)),
         }
     }
 
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        names: Names,
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
+    fn deserialize_enum<V: Visitor<'de>>(self, _: &'static str, names: Names, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written
                 .variant(names)
@@ -155,11 +145,11 @@ pub(super) struct WrittenValue<'r, 'de> {
 }
 
 impl<'r, 'de> WrittenValue<'r, 'de> {
-    fn visit_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_any<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         self.visit(visitor).map_err(|error| error.at(self.value))
     }
 
-    fn visit<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self.value.kind() {
             ValueKind::Null => visitor.visit_unit(),
             ValueKind::Bool => visitor.visit_bool(self.value.written() == "true"),
@@ -174,14 +164,14 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         }
     }
 
-    fn visit_object<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_object<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         let mut entries = ObjectEntries::of(self.value, self.repairs);
         let value = visitor.visit_map(&mut entries)?;
         entries.check_end().map(|()| value)
     }
 
     /// Returns an error if `left` are the elements of this array that a visitor has not read.
-    fn check_end(self, left: ChildValues<'de>) -> DeserializeResult<()> {
+    fn check_end(self, left: ChildValues<'de>) -> ReadResult<()> {
         let left = left.count();
         if left == 0 {
             return Ok(());
@@ -190,7 +180,7 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         Err(DeserializeError::mismatch(format!("an array of {wanted}")))
     }
 
-    fn visit_number<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_number<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self.number() {
             WrittenNumber::Unsigned(number) => visitor.visit_u64(number),
             WrittenNumber::Negative(number) => visitor.visit_i64(number),
@@ -217,7 +207,7 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
 
     /// Visits a whole number. Forms such as 1e6 or 4.0 are accepted for numbers up to 2⁵³, because
     /// floats above 2⁵³ cannot represent every whole number.
-    fn visit_whole<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_whole<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         let number = if self.value.kind() == ValueKind::Number { self.float() } else { f64::NAN };
         let exact = number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_992.0;
         let result = match (exact, number >= 0.0) {
@@ -237,21 +227,21 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         DeserializeError::mismatch(expected).at(self.value)
     }
 
-    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> ReadResult<V::Value> {
         if self.value.kind() != ValueKind::Object {
             return Err(self.not_an_object(fields));
         }
         self.visit_object(visitor).map_err(|error| error.at(self.value))
     }
 
-    fn check_length(self, length: usize) -> DeserializeResult<()> {
+    fn check_length(self, length: usize) -> ReadResult<()> {
         if self.value.kind() == ValueKind::Array && self.value.children().count() == length {
             return Ok(());
         }
         Err(DeserializeError::mismatch(format!("an array of {length}")).at(self.value))
     }
 
-    fn variant(self, variants: Names) -> DeserializeResult<Variant<'r, 'de>> {
+    fn variant(self, variants: Names) -> ReadResult<Variant<'r, 'de>> {
         match self.value.kind() {
             ValueKind::String => Ok(Variant::Plain(self.value)),
             ValueKind::Object => {
@@ -293,7 +283,7 @@ impl<'a, 'de> ArrayElements<'a, 'de> {
 impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
     type Error = DeserializeError;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> DeserializeResult<Option<T::Value>> {
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> ReadResult<Option<T::Value>> {
         self.next().map(|value| seed.deserialize(value)).transpose()
     }
 
@@ -340,11 +330,9 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
 
     /// Returns an error if the text has further entries. The visitor of a struct reads all keys. The
     /// visitor of an enum reads only the first key.
-    fn check_end(&mut self) -> DeserializeResult<()> {
-        match self.next_kept_key() {
-            None => Ok(()),
-            Some(key) => Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key)),
-        }
+    fn check_end(&mut self) -> ReadResult<()> {
+        let second = |key| Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key));
+        self.next_kept_key().map_or(Ok(()), second)
     }
 
     fn take_value(&mut self) -> ValueDeserializer<'a, 'de> {
@@ -366,11 +354,11 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
 impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
     type Error = DeserializeError;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> DeserializeResult<Option<K::Value>> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> ReadResult<Option<K::Value>> {
         self.next_name().map(|key| seed.deserialize(key)).transpose()
     }
 
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> DeserializeResult<V::Value> {
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> ReadResult<V::Value> {
         seed.deserialize(self.take_value())
     }
 }
@@ -389,7 +377,7 @@ impl<'de> EnumAccess<'de> for Variant<'_, 'de> {
     type Error = DeserializeError;
     type Variant = Self;
 
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> DeserializeResult<(V::Value, Self)> {
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> ReadResult<(V::Value, Self)> {
         let name = match &self {
             Self::Plain(name) => KeyDeserializer::written(*name),
             Self::Keyed { key, .. } => KeyDeserializer::written(*key),
@@ -400,7 +388,7 @@ impl<'de> EnumAccess<'de> for Variant<'_, 'de> {
 }
 
 impl<'r, 'de> Variant<'r, 'de> {
-    fn fields(self) -> DeserializeResult<ValueDeserializer<'r, 'de>> {
+    fn fields(self) -> ReadResult<ValueDeserializer<'r, 'de>> {
         match self {
             Self::Plain(name) => {
                 Err(DeserializeError::mismatch(format!("an object {{{}: …}}", name.written())).at(name))
@@ -414,7 +402,7 @@ impl<'r, 'de> Variant<'r, 'de> {
 impl<'de> VariantAccess<'de> for Variant<'_, 'de> {
     type Error = DeserializeError;
 
-    fn unit_variant(self) -> DeserializeResult<()> {
+    fn unit_variant(self) -> ReadResult<()> {
         match self {
             Self::Plain(_) | Self::StandIn(_) => Ok(()),
             Self::Keyed { key, value, .. } => {
@@ -423,15 +411,15 @@ impl<'de> VariantAccess<'de> for Variant<'_, 'de> {
         }
     }
 
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> DeserializeResult<T::Value> {
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> ReadResult<T::Value> {
         seed.deserialize(self.fields()?)
     }
 
-    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
+    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> ReadResult<V::Value> {
         self.fields()?.deserialize_tuple(length, visitor)
     }
 
-    fn struct_variant<V: Visitor<'de>>(self, fields: Names, visitor: V) -> DeserializeResult<V::Value> {
+    fn struct_variant<V: Visitor<'de>>(self, fields: Names, visitor: V) -> ReadResult<V::Value> {
         self.fields()?.deserialize_struct("", fields, visitor)
     }
 }

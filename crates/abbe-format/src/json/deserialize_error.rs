@@ -32,7 +32,7 @@ pub(super) enum DeserializeErrorKind {
     Other(String),
 }
 
-pub(super) type DeserializeResult<T> = Result<T, DeserializeError>;
+pub(super) type ReadResult<T> = Result<T, DeserializeError>;
 
 impl DeserializeError {
     pub(super) fn new(kind: DeserializeErrorKind) -> Self {

@@ -1,6 +1,6 @@
 //! A serde deserialiser for the keys of objects and for the names of variants.
 
-use super::deserialize_error::{DeserializeError, DeserializeResult};
+use super::deserialize_error::{DeserializeError, ReadResult};
 use super::positions::SpannedValue;
 use serde::de::{Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
@@ -25,7 +25,7 @@ impl<'de> KeyDeserializer<'de> {
 impl<'de> Deserializer<'de> for KeyDeserializer<'de> {
     type Error = DeserializeError;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         visitor.visit_str(&self.text).map_err(|error: DeserializeError| match self.place {
             Some(place) => error.at(place),
             None => error,

@@ -65,10 +65,7 @@ impl Resolver<'_> {
             let error = Error::input("diffraction at a lens with a central obscuration is not supported yet");
             return self.at(&at.key("diffraction"), Err(error));
         }
-        let lens = match f_number {
-            None => open,
-            Some(f_number) => self.at(&at.key("f_number"), open.stopped_down(*f_number))?,
-        };
+        let lens = if let Some(n) = f_number { self.at(&at.key("f_number"), open.stopped_down(*n))? } else { open };
         let half = 0.5 * sensor_height_mm;
         let sensor_radius_mm = hypot(half, half * f64::from(size.0) / f64::from(size.1));
         let lens = self.spectra().lens_coatings(&at.key("coating"), coating.as_ref(), lens)?;

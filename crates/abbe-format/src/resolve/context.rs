@@ -79,8 +79,6 @@ impl<'a> Resolver<'a> {
 
 /// Returns the shutter of a camera. Without one in the file, the picture shows the time 0.
 fn shutter(camera: &CameraFile) -> Shutter {
-    match &camera.shutter {
-        None => Shutter::new(0.0, 0.0, None),
-        Some(ShutterFile { open, close, curve }) => Shutter::new(*open, *close, curve.as_deref()),
-    }
+    let of = |ShutterFile { open, close, curve }: &ShutterFile| Shutter::new(*open, *close, curve.as_deref());
+    camera.shutter.as_ref().map_or(Shutter::new(0.0, 0.0, None), of)
 }

@@ -128,17 +128,15 @@ impl Resolver<'_> {
         let (builder, observer) = (&mut *set.builder, set.observer);
         let (transform, keys, group) = file.pose_and_group();
         let ResolvedMotion { start, motion } = self.motion(transform, keys);
-        let mut context = LightContext { to_world: start, centre: builder.centre(), notes: &mut builder.notes };
+        let mut place = LightContext { to_world: start, centre: builder.centre(), notes: &mut builder.notes };
         let (kind, resolved) = match file {
-            LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, &mut context)),
-            LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, &mut context)),
-            LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, &mut context)),
-            LightFile::Directional(file) => ("directional", self.distant(&at.key("directional"), file, &mut context)),
-            LightFile::Environment(file) => {
-                ("environment", self.environment(&at.key("environment"), file, &mut context))
-            }
-            LightFile::Sky(file) => ("sky", self.sky_light(&at.key("sky"), file, &mut context)),
-            LightFile::Ies(file) => ("ies", self.luminaire(&at.key("ies"), file, &mut context)),
+            LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, &mut place)),
+            LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, &mut place)),
+            LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, &mut place)),
+            LightFile::Directional(file) => ("directional", self.distant(&at.key("directional"), file, &mut place)),
+            LightFile::Environment(file) => ("environment", self.environment(&at.key("environment"), file, &mut place)),
+            LightFile::Sky(file) => ("sky", self.sky_light(&at.key("sky"), file, &mut place)),
+            LightFile::Ies(file) => ("ies", self.luminaire(&at.key("ies"), file, &mut place)),
         };
         let (emitter, spectrum) = resolved?;
         let light = self.at(at, Light::new(format!("{kind} {number}"), emitter, &spectrum, observer))?;

@@ -250,11 +250,10 @@ impl Resolver<'_> {
     /// microfacet parameter α.
     fn rough(&self, at: &JsonPath, file: &ScalarFile, of_alpha: impl Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
         let of_roughness = |roughness| of_alpha(alpha(roughness));
-        match self.scalar(&at.key("roughness"), file)? {
+        let at = at.key("roughness");
+        match self.scalar(&at, file)? {
             SurfaceScalar::Uniform(roughness) => of_roughness(roughness),
-            SurfaceScalar::Textured(texture) => {
-                self.at(&at.key("roughness"), Bsdf::textured_roughness(texture, of_roughness))
-            }
+            SurfaceScalar::Textured(texture) => self.at(&at, Bsdf::textured_roughness(texture, of_roughness)),
         }
     }
 

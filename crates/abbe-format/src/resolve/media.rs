@@ -33,10 +33,7 @@ struct FieldPlacement {
 
 /// Adds a dye to a medium, if there is one.
 fn with_dye(medium: Medium, dye: Option<Fluorophore>) -> Medium {
-    match dye {
-        Some(dye) => medium.with_fluorophore(dye),
-        None => medium,
-    }
+    if let Some(dye) = dye { medium.with_fluorophore(dye) } else { medium }
 }
 
 impl Resolver<'_> {
@@ -57,10 +54,8 @@ impl Resolver<'_> {
         for (name, file) in &self.scene.media {
             let (at, notes) = (media.key(name), &mut builder.notes);
             let (medium, emission) = match file {
-                MediumFile::Homogeneous(file) => {
-                    (self.uniform(&at.key("homogeneous"), file, name, notes), &file.emission)
-                }
-                MediumFile::Grid(file) => (self.grid(&at.key("grid"), file, name, centre, notes), &file.emission),
+                MediumFile::Homogeneous(it) => (self.uniform(&at.key("homogeneous"), it, name, notes), &it.emission),
+                MediumFile::Grid(it) => (self.grid(&at.key("grid"), it, name, centre, notes), &it.emission),
             };
             if let Some(medium) = self.keep(medium) {
                 builder.add_medium(medium, emission.as_ref().and_then(|emission| emission.power));
@@ -74,7 +69,7 @@ impl Resolver<'_> {
             file;
         let phase = self.phase(&at.key("phase"), phase, notes);
         let phase_and_dye = both(phase, self.dye(&at.key("dye"), dye.as_ref()));
-        let (coefficients, (phase, dye)) = both(self.coefficients(at, absorption, scattering), phase_and_dye)?;
+        let (coefficients, (phase, dye)) = both(self.coefficients(at, [absorption, scattering]), phase_and_dye)?;
         let resolve = |file| self.medium_emission(&at.key("emission"), file, &coefficients.0, None);
         let emission = emission.as_ref().map(resolve).transpose()?;
         let medium = Medium { emission, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) };
@@ -94,7 +89,7 @@ impl Resolver<'_> {
         let ResolvedMotion { start, motion } = self.motion(transform, motion);
         let phase = self.phase(&at.key("phase"), phase, notes);
         let phase_and_dye = both(phase, self.dye(&at.key("dye"), file.dye.as_ref()));
-        let (coefficients, (phase, dye)) = both(self.coefficients(at, absorption, scattering), phase_and_dye)?;
+        let (coefficients, (phase, dye)) = both(self.coefficients(at, [absorption, scattering]), phase_and_dye)?;
         let place = self.field_placement(*bounds, start, centre);
         let field = |key: &str, file| self.field(&at.key(key), file, &place).map(Arc::new);
         let density = Density::Field(field("density", density)?);
@@ -134,8 +129,7 @@ impl Resolver<'_> {
     fn coefficients(
         &self,
         at: &JsonPath,
-        absorption: &SpectrumFile,
-        scattering: &SpectrumFile,
+        [absorption, scattering]: [&SpectrumFile; 2],
     ) -> Result<(Spectrum, Spectrum)> {
         let coefficient = |key: &str, file| {
             self.spectrum(&at.key(key), file, Role::Coefficient).map(|per_unit| per_unit.scaled(1.0 / self.metres))
@@ -202,10 +196,8 @@ impl Resolver<'_> {
             }
             PhaseFile::Mie { radius_um, spread, ior } => {
                 let at = at.key("mie");
-                let index = match ior {
-                    Some(file) => self.at(&at.key("ior"), index_of(file, self.source))?,
-                    None => RefractiveIndex::catalogue("water 20C")?,
-                };
+                let given = ior.as_ref().map(|file| self.at(&at.key("ior"), index_of(file, self.source)));
+                let index = given.unwrap_or_else(|| RefractiveIndex::catalogue("water 20C"))?;
                 notes.extend(index.warning().map(|warning| format!("{at}: {warning}")));
                 let spheres = MieSpheres::new(*radius_um, *spread, index);
                 Ok(PhaseFunction::Table(self.at(&at, spheres.and_then(|spheres| spheres.table()))?))

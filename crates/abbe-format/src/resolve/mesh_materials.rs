@@ -33,10 +33,8 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
     let texture = file.metallic_roughness_texture.as_ref().filter(|_| textured);
     let roughness = channel(texture, 1, file.roughness, 0.0)?;
     let metallic = channel(texture, 2, file.metallic, 0.0)?;
-    let index = match file.abbe_number {
-        Some(vd) => RefractiveIndex::abbe(file.ior, vd)?,
-        None => RefractiveIndex::constant(file.ior)?,
-    };
+    let constant = || RefractiveIndex::constant(file.ior);
+    let index = file.abbe_number.map_or_else(constant, |vd| RefractiveIndex::abbe(file.ior, vd))?;
     let metal = || rough(&roughness, &|alpha| Bsdf::metal(base.clone(), alpha));
     let opaque = || opaque(file, &base, &index, &roughness);
     let mut body = None;
@@ -110,9 +108,7 @@ fn film_stack(film: &MeshFilm, textured: bool) -> Result<FilmStack> {
 fn rough(roughness: &SurfaceScalar, of_alpha: &dyn Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
     match roughness {
         SurfaceScalar::Uniform(roughness) => of_alpha(alpha(*roughness)),
-        SurfaceScalar::Textured(texture) => {
-            Bsdf::textured_roughness(texture.clone(), |roughness| of_alpha(alpha(roughness)))
-        }
+        SurfaceScalar::Textured(texture) => Bsdf::textured_roughness(texture.clone(), |it| of_alpha(alpha(it))),
     }
 }
 
@@ -172,11 +168,8 @@ fn with_holes(surface: Bsdf, file: &MeshMaterial, textured: bool) -> Result<Bsdf
     }
     let [covered, open] = fractions;
     let hole = Bsdf::thin_dielectric(RefractiveIndex::constant(1.0)?, None)?;
-    if covered.range().1 < LEAST_FRACTION {
-        Ok(hole)
-    } else {
-        Bsdf::textured_mix(vec![(covered, surface), (open, hole)])
-    }
+    let is_hole = covered.range().1 < LEAST_FRACTION;
+    if is_hole { Ok(hole) } else { Bsdf::textured_mix(vec![(covered, surface), (open, hole)]) }
 }
 
 /// Returns the base colour: the product of a colour and a picture.

@@ -97,10 +97,7 @@ fn about_view<'a>(resolver: impl Fn(Option<DVec3>) -> Resolver<'a>) -> Result<Sc
     let resolved = resolver(None).run()?;
     // If the camera looks at a small part of a large world, the centre of the view is a better
     // origin for positions in single precision.
-    match resolved.distant_view() {
-        Some(centre) => resolver(Some(centre)).run(),
-        None => Ok(resolved),
-    }
+    if let Some(centre) = resolved.distant_view() { resolver(Some(centre)).run() } else { Ok(resolved) }
 }
 
 /// Resolves a spectrum that is not part of a scene, so that a name must be in the library. An error
@@ -118,10 +115,9 @@ impl Resolver<'_> {
             self.keep(self.named_spectrum(name, spectra::Role::Coefficient));
         }
         let objects = self.objects();
-        let builder = match self.centre {
-            None => SceneBuilder::new(objects.set),
-            Some(centre) => SceneBuilder::about(objects.set, centre),
-        };
+        let set = objects.set;
+        let builder =
+            if let Some(centre) = self.centre { SceneBuilder::about(set, centre) } else { SceneBuilder::new(set) };
         let mut builder = match self.at(&root.key("objects"), builder) {
             Ok(builder) => builder,
             // The fault may only follow from an object that was left out.

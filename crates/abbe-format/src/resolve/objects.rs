@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 /// The resolved objects, and the emission of their surfaces.
 #[derive(Default)]
-pub(super) struct ResolvedObjects<'a> {
+pub(super) struct SceneObjects<'a> {
     pub(super) set: ObjectSet,
     pub(super) emitting: Vec<EmittingObject<'a>>,
     /// The material number for each material name.
@@ -40,8 +40,8 @@ pub(super) enum EmissionSource<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    pub(super) fn objects(&self) -> ResolvedObjects<'a> {
-        let mut resolved = ResolvedObjects::default();
+    pub(super) fn objects(&self) -> SceneObjects<'a> {
+        let mut resolved = SceneObjects::default();
         let root = JsonPath::Root;
         let at = root.key("objects");
         for (number, file) in self.scene.objects.iter().enumerate() {
@@ -54,13 +54,7 @@ impl<'a> Resolver<'a> {
         resolved
     }
 
-    fn object(
-        &self,
-        at: &JsonPath,
-        index: usize,
-        file: &'a ObjectFile,
-        resolved: &mut ResolvedObjects<'a>,
-    ) -> Result<()> {
+    fn object(&self, at: &JsonPath, index: usize, file: &'a ObjectFile, resolved: &mut SceneObjects<'a>) -> Result<()> {
         let ObjectFile { name, shape, material, transform, motion, emission } = file;
         let name = name.clone().unwrap_or_else(|| format!("object {index}"));
         let material = material.as_ref().map(|name| {
@@ -93,10 +87,8 @@ impl<'a> Resolver<'a> {
                 let name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
                 let own_light = part.emitter().filter(|_| material.is_none() && emission.is_none());
                 let shape = Shape::Mesh(part.mesh_for(emission.is_some() || own_light.is_some()));
-                let material = match material {
-                    Some(number) => number,
-                    None => self.own_material(shape_at, part, resolved)?,
-                };
+                let own = || self.own_material(shape_at, part, resolved);
+                let material = material.map_or_else(own, Ok)?;
                 let object = self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?;
                 objects.push(object);
                 if let Some(light) = own_light {
@@ -115,7 +107,7 @@ impl<'a> Resolver<'a> {
         Ok(())
     }
 
-    fn material_number(&self, at: &JsonPath, name: &'a str, resolved: &mut ResolvedObjects<'a>) -> Result<usize> {
+    fn material_number(&self, at: &JsonPath, name: &'a str, resolved: &mut SceneObjects<'a>) -> Result<usize> {
         if let Some(&number) = resolved.named.get(name) {
             return Ok(number);
         }
@@ -127,7 +119,7 @@ impl<'a> Resolver<'a> {
 
     /// Returns the number of the material of a mesh part. If the part has no material, the material
     /// is the default material.
-    fn own_material(&self, at: &JsonPath, part: &LoadedPart, resolved: &mut ResolvedObjects) -> Result<usize> {
+    fn own_material(&self, at: &JsonPath, part: &LoadedPart, resolved: &mut SceneObjects) -> Result<usize> {
         if let Some(known) = part.material_number.get() {
             return Ok(known);
         }

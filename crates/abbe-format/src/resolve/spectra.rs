@@ -103,9 +103,7 @@ impl Spectra<'_> {
             SpectrumFile::Name(name) => return self.spectrum_by_name(at, name, role, depth),
             SpectrumFile::Table { nm, values } if role == Role::MeanCosine => signed_table(nm, values),
             SpectrumFile::Table { nm, values } => Spectrum::table(nm, values, role.outside()),
-            SpectrumFile::File(path) => {
-                self.source.file(path).and_then(|path| read::spectrum_file(&path, role.outside()))
-            }
+            SpectrumFile::File(path) => self.source.file(path).and_then(|it| read::spectrum_file(&it, role.outside())),
             SpectrumFile::Lines(lines) => {
                 let line = |&LineFile { nm, power, fwhm_nm }: &LineFile| SpectralLine { nm, power, fwhm_nm };
                 Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>())

@@ -30,11 +30,11 @@ impl Resolver<'_> {
             ReflectanceFile::Bands(file) => self.at(&at.key("bands"), self.band_image(file))?,
             ReflectanceFile::Checker(file) => {
                 let (a, b) = parts(&at.key("checker"), &file.a, &file.b)?;
-                SpectralTexture::from_parts(Pattern::Checker(pattern_transform(file)), [a, b])
+                SpectralTexture::from_parts(Pattern::Checker(uv_of(file)), [a, b])
             }
             ReflectanceFile::Stripes(file) => {
                 let (a, b) = parts(&at.key("stripes"), &file.a, &file.b)?;
-                SpectralTexture::from_parts(Pattern::Stripes(pattern_transform(file)), [a, b])
+                SpectralTexture::from_parts(Pattern::Stripes(uv_of(file)), [a, b])
             }
             ReflectanceFile::Noise(file) => {
                 let (a, b) = parts(&at.key("noise"), &file.a, &file.b)?;
@@ -49,12 +49,8 @@ impl Resolver<'_> {
         let texture = match file {
             ScalarFile::Number(number) => return Ok(SurfaceScalar::Uniform(*number)),
             ScalarFile::Image(file) => self.at(&at.key("image"), self.scalar_image(file))?,
-            ScalarFile::Checker(file) => {
-                ScalarTexture::from_pair(Pattern::Checker(pattern_transform(file)), [file.a, file.b])
-            }
-            ScalarFile::Stripes(file) => {
-                ScalarTexture::from_pair(Pattern::Stripes(pattern_transform(file)), [file.a, file.b])
-            }
+            ScalarFile::Checker(file) => ScalarTexture::from_pair(Pattern::Checker(uv_of(file)), [file.a, file.b]),
+            ScalarFile::Stripes(file) => ScalarTexture::from_pair(Pattern::Stripes(uv_of(file)), [file.a, file.b]),
             ScalarFile::Noise(file) => ScalarTexture::from_pair(noise_pattern(file), [file.a, file.b]),
             ScalarFile::Gradient(GradientFile { a, b, power, radial, uv }) => {
                 let gradient = GradientPattern { radial: *radial, power: *power };
@@ -99,10 +95,8 @@ impl Resolver<'_> {
         let path = self.source.file(path)?;
         let picture = PictureFile::read(&path)?;
         let pattern = image_pattern(picture.size, *wrap, *filter, uv).map_err(|error| error.in_file(&path))?;
-        let (x, y) = match green {
-            GreenFile::Up => (*strength as f32, *strength as f32),
-            GreenFile::Down => (*strength as f32, -*strength as f32),
-        };
+        let x = *strength as f32;
+        let y = if *green == GreenFile::Up { x } else { -x };
         let encoded = picture.linear_rgb(Some(EncodingFile::Linear));
         Ok(NormalMap::from_picture(pattern, &encoded, Vec3::new(x, y, 1.0)))
     }
@@ -160,7 +154,7 @@ fn transform(uv: &UvFile) -> UvTransform {
     UvTransform::new(scale, rotate.to_radians(), offset)
 }
 
-fn pattern_transform<T>(file: &PatternFile<T>) -> UvTransform {
+fn uv_of<T>(file: &PatternFile<T>) -> UvTransform {
     transform(&file.uv).scaled(file.scale)
 }
 

@@ -227,10 +227,8 @@ impl MitsubaReader<'_> {
             "obj" | "ply" | "serialized" => {
                 let (_, file) = self.document.file(shape, properties.required_text("filename")?)?;
                 let parts = mesh::load_unplaced(&file, self.document.file_access).map_err(|it| shape.locate(it))?;
-                let chosen = match shape.plugin() {
-                    "serialized" => Some(properties.number("shape_index", 0.0)? as u32),
-                    _ => None,
-                };
+                let chosen = (shape.plugin() == "serialized").then(|| properties.number("shape_index", 0.0));
+                let chosen = chosen.transpose()?.map(|index| index as u32);
                 let is_chosen = |number: u32| chosen.is_none_or(|chosen| chosen == number);
                 parts.parts.iter().any(|(&number, part)| is_chosen(number) && !part.mesh.is_closed())
             }

@@ -113,9 +113,7 @@ impl MitsubaReader<'_> {
         let Some(nested) = nested else { return Ok(MitsubaSpectrum::Number(scale)) };
         let nested = self.document.resolve(nested);
         match self.spectrum(&nested)? {
-            MitsubaSpectrum::Number(value) | MitsubaSpectrum::Uniform(value) => {
-                Ok(MitsubaSpectrum::Number(scale * value))
-            }
+            MitsubaSpectrum::Number(x) | MitsubaSpectrum::Uniform(x) => Ok(MitsubaSpectrum::Number(scale * x)),
             MitsubaSpectrum::Rgb(rgb) => Ok(MitsubaSpectrum::Rgb(rgb.map(|c| scale * c))),
             MitsubaSpectrum::Table { .. } | MitsubaSpectrum::Blackbody { .. } => {
                 let what = "a filter of D65 that is neither a number nor a colour is not supported and is left out";

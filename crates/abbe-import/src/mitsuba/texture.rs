@@ -207,10 +207,8 @@ impl MitsubaReader<'_> {
         default: f64,
         alpha_scale: Option<f64>,
     ) -> Result<Value> {
-        let convert = |value: f64| match alpha_scale {
-            Some(scale) => (scale * value).clamp(0.0, 1.0).sqrt(),
-            None => value.clamp(0.0, 1.0),
-        };
+        let root = |value: f64, scale: f64| (scale * value).clamp(0.0, 1.0).sqrt();
+        let convert = |value: f64| alpha_scale.map_or(value.clamp(0.0, 1.0), |scale| root(value, scale));
         let Some(textured) = self.textured(properties, name)? else { return Ok(json!(convert(default))) };
         let place = properties.element.place();
         Ok(match &textured {

@@ -77,6 +77,9 @@ impl XmlElement {
     }
 }
 
+/// The height of the tree below each element.
+type Heights = HashMap<*const XmlElement, usize>;
+
 /// The elements of a scene, with all included files.
 #[derive(Debug)]
 pub(super) struct MitsubaDocument {
@@ -102,7 +105,7 @@ impl MitsubaDocument {
         }
         let XmlLoader { by_id, folder, file_access, search, .. } = loader;
         let document = Self { root, by_id, folder, file_access, search };
-        document.height(&document.root, 0, &mut HashMap::new())?;
+        document.height(&document.root, 0, &mut Heights::new())?;
         Ok(document)
     }
 
@@ -127,12 +130,7 @@ impl MitsubaDocument {
 
     /// Returns the height of the tree below an element, and checks that it has no missing and no
     /// circular references.
-    fn height(
-        &self,
-        element: &Rc<XmlElement>,
-        level: usize,
-        known: &mut HashMap<*const XmlElement, usize>,
-    ) -> Result<usize> {
+    fn height(&self, element: &Rc<XmlElement>, level: usize, known: &mut Heights) -> Result<usize> {
         if let Some(&height) = known.get(&Rc::as_ptr(element))
             && level + height <= MAX_NESTING
         {

@@ -33,10 +33,7 @@ pub(super) struct Parameters {
 impl Parameter {
     /// Returns the numbers, or an error if the values are of another type.
     pub(super) fn numbers(&self) -> Result<&[f64]> {
-        match &self.values {
-            Values::Numbers(numbers) => Ok(numbers),
-            Values::Strings(_) | Values::Flags(_) => Err(self.fault("numbers")),
-        }
+        if let Values::Numbers(numbers) = &self.values { Ok(numbers) } else { Err(self.fault("numbers")) }
     }
 
     /// Returns the one string, or an error if there is not exactly one.
@@ -122,11 +119,8 @@ impl Parameters {
     pub(super) fn tuples<const N: usize>(&self, name: &str) -> Result<Option<Vec<[f64; N]>>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let (groups, rest) = parameter.numbers()?.as_chunks::<N>();
-        if rest.is_empty() {
-            Ok(Some(groups.to_vec()))
-        } else {
-            Err(parameter.fault(&format!("groups of {N} numbers")))
-        }
+        let fault = || parameter.fault(&format!("groups of {N} numbers"));
+        if rest.is_empty() { Ok(Some(groups.to_vec())) } else { Err(fault()) }
     }
 
     pub(super) fn indices(&self, name: &str) -> Result<Option<Vec<u32>>> {
@@ -155,9 +149,10 @@ impl Parameters {
 
     pub(super) fn strings(&self, name: &str) -> Result<Option<&[String]>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
-        match &parameter.values {
-            Values::Strings(strings) => Ok(Some(strings)),
-            Values::Numbers(_) | Values::Flags(_) => Err(parameter.fault("strings")),
+        if let Values::Strings(strings) = &parameter.values {
+            Ok(Some(strings))
+        } else {
+            Err(parameter.fault("strings"))
         }
     }
 

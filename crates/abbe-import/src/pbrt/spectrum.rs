@@ -127,10 +127,7 @@ impl SpectrumContext<'_> {
 }
 
 fn one_number(parameter: &Parameter) -> Result<f64> {
-    match parameter.numbers()? {
-        [number] => Ok(*number),
-        _ => Err(parameter.fault("one number")),
-    }
+    if let [number] = parameter.numbers()? { Ok(*number) } else { Err(parameter.fault("one number")) }
 }
 
 fn table(parameter: &Parameter, numbers: &[f64]) -> Result<Value> {
@@ -159,10 +156,7 @@ fn named(name: &str) -> Option<String> {
         return Some(known.to_string());
     }
     let illuminant = name.strip_prefix("stdillum-")?;
-    match illuminant.strip_prefix('F') {
-        Some(number) => Some(format!("FL{number}")),
-        None => Some(illuminant.to_string()),
-    }
+    Some(illuminant.strip_prefix('F').map_or_else(|| illuminant.to_string(), |number| format!("FL{number}")))
 }
 
 /// Returns Abbe's name of the metal if two parameters are pbrt's built-in `eta` and `k` of one

@@ -115,11 +115,8 @@ impl TextureReader<'_> {
 
     fn parameter(&mut self, parameter: &Parameter, is_scalar: bool) -> Result<Value> {
         if parameter.kind != "texture" {
-            return if is_scalar {
-                self.spectra.coefficient(parameter, 1.0)
-            } else {
-                self.spectra.reflectance(parameter)
-            };
+            let spectra = &self.spectra;
+            return if is_scalar { spectra.coefficient(parameter, 1.0) } else { spectra.reflectance(parameter) };
         }
         let name = parameter.string()?;
         (self.named)(name, is_scalar).ok_or_else(|| parameter.place.error(format!("there is no texture \"{name}\"")))

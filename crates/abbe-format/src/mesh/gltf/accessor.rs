@@ -121,9 +121,7 @@ impl<'b> GltfAccessors<'b> {
         }
         Ok(match accessor.data_type() {
             DataType::U8 => self.items(accessor, 1)?.map(|item| u32::from(item[0])).collect(),
-            DataType::U16 => {
-                self.items(accessor, 2)?.map(|item| u32::from(u16::from_le_bytes([item[0], item[1]]))).collect()
-            }
+            DataType::U16 => self.items(accessor, 2)?.map(|it| u32::from(u16::from_le_bytes([it[0], it[1]]))).collect(),
             DataType::U32 => {
                 self.items(accessor, 4)?.map(|item| u32::from_le_bytes([item[0], item[1], item[2], item[3]])).collect()
             }

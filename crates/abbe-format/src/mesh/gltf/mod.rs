@@ -184,10 +184,8 @@ impl<'b> SceneReader<'b> {
         let mirrored = placed.matrix3.determinant() < 0.0;
         let uvs = primitive.get(&Semantic::TexCoords(uv_set(&primitive.material())));
         let uvs = uvs.map(|accessor| self.accessors.pairs(&accessor)).transpose()?;
-        let indices = match primitive.indices() {
-            Some(accessor) => self.accessors.indices(&accessor)?,
-            None => (0..positions.len() as u32).collect(),
-        };
+        let all = || Ok((0..positions.len() as u32).collect());
+        let indices = primitive.indices().map_or_else(all, |accessor| self.accessors.indices(&accessor))?;
         let mut triangles = triangles(primitive.mode(), &indices);
         if mirrored {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));

@@ -69,10 +69,8 @@ impl<'b> GltfPictures<'b> {
             WrappingMode::MirroredRepeat => Wrap::Mirror,
             WrappingMode::Repeat => Wrap::Repeat,
         });
-        let filter = match sampler.mag_filter() {
-            Some(MagFilter::Nearest) => Filter::Nearest,
-            Some(MagFilter::Linear) | None => Filter::Bilinear,
-        };
+        let is_nearest = sampler.mag_filter() == Some(MagFilter::Nearest);
+        let filter = if is_nearest { Filter::Nearest } else { Filter::Bilinear };
         let image = texture.source();
         let picture = match &self.known[image.index()] {
             Some(known) => known.clone(),
