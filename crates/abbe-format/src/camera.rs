@@ -9,10 +9,9 @@ use glam::DVec3;
 /// The camera: position, viewing direction, lens, shutter and motion.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Camera", example = json!({
-    "from": [0, 1, 5], "at": [0, 0.5, 0], "up": [0, 1, 0], "lens": {"pinhole": {"fov": 35}},
-    "shutter": {"open": 0, "close": 0.02}, "motion": [{"time": 0}, {"time": 0.02, "from": [0, 1, 4.9]}]
-}))]
+#[schemars(title = "Camera", example = json!({"from": [0, 1, 5], "at": [0, 0.5, 0], "up": [0, 1, 0],
+    "lens": {"pinhole": {"fov": 35}}, "shutter": {"open": 0, "close": 0.02}, "motion": [{"time": 0}, {"time": 0.02,
+    "from": [0, 1, 4.9]}]}))]
 pub struct CameraFile {
     /// Position of the camera.
     #[schemars(extend("x-unit" = "scene unit"))]
@@ -43,9 +42,8 @@ fn default_up() -> [f64; 3] {
 /// A keyframe of the camera. If a key is absent, it has the value of the camera.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Camera keyframe", example = json!({
-    "time": 0.02, "from": [0, 1, 4.9], "at": [0, 0.5, 0], "up": [0, 1, 0]
-}))]
+#[schemars(title = "Camera keyframe", example = json!({"time": 0.02, "from": [0, 1, 4.9], "at": [0, 0.5, 0],
+    "up": [0, 1, 0]}))]
 pub struct CameraKeyframeFile {
     /// Time of the keyframe, later than the time of the keyframe before it.
     #[schemars(extend("x-unit" = "s"))]
@@ -64,9 +62,8 @@ pub struct CameraKeyframeFile {
 /// The time during which the camera records.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Shutter", example = json!({
-    "open": 0, "close": 0.02, "curve": [[0, 0], [0.2, 1], [0.8, 1], [1, 0]]
-}))]
+#[schemars(title = "Shutter", example = json!({"open": 0, "close": 0.02,
+    "curve": [[0, 0], [0.2, 1], [0.8, 1], [1, 0]]}))]
 pub struct ShutterFile {
     /// Time at which the shutter opens.
     #[schemars(extend("x-unit" = "s"))]

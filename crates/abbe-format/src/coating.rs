@@ -12,10 +12,8 @@ use serde::de::MapAccess;
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Stack of thin films")]
 #[schemars(example = json!({"layers": [{"ior": "MgF2", "thickness_nm": 100}]}))]
-#[schemars(example = json!({
-    "incident": "air", "layers": [{"ior": 1.38, "thickness_nm": 99.6}, {"ior": 2.05, "thickness_nm": 19.4}],
-    "substrate": "N-BK7"
-}))]
+#[schemars(example = json!({"incident": "air", "layers": [{"ior": 1.38, "thickness_nm": 99.6}, {"ior": 2.05,
+    "thickness_nm": 19.4}], "substrate": "N-BK7"}))]
 pub struct CoatingFile {
     /// The medium in which light arrives. A material in a scene may leave it out; otherwise it must
     /// be air.
@@ -34,9 +32,7 @@ pub struct CoatingFile {
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Thin film", example = json!({"ior": "rutile TiO2", "thickness_nm": 60}))]
 #[schemars(example = json!({"ior": "silver", "thickness_nm": 30}))]
-#[schemars(example = json!({
-    "ior": "water", "thickness_nm": {"gradient": {"a": 20, "b": 900, "power": 0.5}}
-}))]
+#[schemars(example = json!({"ior": "water", "thickness_nm": {"gradient": {"a": 20, "b": 900, "power": 0.5}}}))]
 pub struct CoatingLayerFile {
     /// The index of refraction of the film.
     pub ior: CoatingIndexFile,

@@ -37,9 +37,8 @@ pub struct FieldFile {
 /// or from the surface of a planet.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Exponential field", example = json!({
-    "value": 1, "scale_height": 8000, "planet": {"center": [0, -6_371_000, 0], "radius": 6_371_000}
-}))]
+#[schemars(title = "Exponential field", example = json!({"value": 1, "scale_height": 8000,
+    "planet": {"center": [0, -6_371_000, 0], "radius": 6_371_000}}))]
 pub struct ExponentialFieldFile {
     /// Value at the bottom of the box, or at the surface of the planet.
     #[schemars(range(min = 0))]
@@ -89,9 +88,8 @@ pub struct SphereFieldFile {
 /// most 128 cells along the longest side.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Noise field", example = json!({
-    "value": 2, "scale": 0.5, "octaves": 6, "threshold": 0.4, "falloff": 0.2, "seed": 7
-}))]
+#[schemars(title = "Noise field", example = json!({"value": 2, "scale": 0.5, "octaves": 6, "threshold": 0.4,
+    "falloff": 0.2, "seed": 7}))]
 pub struct NoiseFieldFile {
     /// Largest value.
     #[schemars(range(min = 0))]

@@ -8,10 +8,9 @@ use abbe_spectra::error::Result;
 /// radiance.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Film", example = json!({
-    "width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0, "layers": ["albedo", "paths"], "gamut": "desaturate", "tone": "roll_off",
-    "white_balance": "none", "output_space": "srgb", "exposure": "auto"
-}))]
+#[schemars(title = "Film", example = json!({"width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0,
+    "layers": ["albedo", "paths"], "gamut": "desaturate", "tone": "roll_off", "white_balance": "none",
+    "output_space": "srgb", "exposure": "auto"}))]
 pub struct FilmFile {
     /// Width of the picture.
     #[schemars(range(min = 1, max = 100_000), extend("x-unit" = "pixels"))]

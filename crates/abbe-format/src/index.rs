@@ -33,9 +33,8 @@ pub enum IndexFile {
         c: f64,
     },
     /// Sellmeier's formula n² = 1 + Σ bᵢλ²/(λ² − cᵢ) with λ in µm.
-    #[schemars(example = json!({"sellmeier": {
-        "b": [1.03961212, 0.231792344, 1.01046945], "c": [0.00600069867, 0.0200179144, 103.560653]
-    }}))]
+    #[schemars(example = json!({"sellmeier": {"b": [1.03961212, 0.231792344, 1.01046945],
+        "c": [0.00600069867, 0.0200179144, 103.560653]}}))]
     Sellmeier {
         /// The coefficients bᵢ.
         #[schemars(length(min = 1))]

@@ -27,18 +27,14 @@ pub enum LensFile {
         height: f64,
     },
     /// An ideal thin lens with depth of field.
-    #[schemars(example = json!({"thin": {
-        "focal_length_mm": 50, "f_number": 2.8, "focus_distance": 4, "sensor_height_mm": 24,
-        "blades": 6, "rotation": 15, "diffraction": false
-    }}))]
+    #[schemars(example = json!({"thin": {"focal_length_mm": 50, "f_number": 2.8, "focus_distance": 4,
+        "sensor_height_mm": 24, "blades": 6, "rotation": 15, "diffraction": false}}))]
     #[schemars(example = json!({"thin": {"fov": 35, "focus_distance": 4, "defocus_angle": 0.5}}))]
     Thin(ThinLensFile),
     /// A system of real glass elements. Rays are traced through it at each wavelength.
-    #[schemars(example = json!({"system": {
-        "prescription": "double-gauss", "focus_distance": 4, "f_number": 4, "sensor_height_mm": 24,
-        "blades": 6, "rotation": 15, "diffraction": false, "transmission": "fresnel",
-        "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}, "ghosts": true
-    }}))]
+    #[schemars(example = json!({"system": {"prescription": "double-gauss", "focus_distance": 4, "f_number": 4,
+        "sensor_height_mm": 24, "blades": 6, "rotation": 15, "diffraction": false, "transmission": "fresnel",
+        "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}, "ghosts": true}}))]
     System(SystemLensFile),
 }
 
@@ -154,10 +150,9 @@ pub enum PrescriptionFile {
     #[serde(skip)]
     Name(String),
     /// The surfaces, from the scene to the sensor. At most one of them is the aperture stop.
-    #[schemars(example = json!({"surfaces": [
-        {"radius_mm": 60, "thickness_mm": 6, "ior": "N-BK7", "semi_aperture_mm": 20},
-        {"radius_mm": -60, "thickness_mm": 56, "ior": 1, "semi_aperture_mm": 20, "stop": true}
-    ]}))]
+    #[schemars(example = json!({"surfaces": [{"radius_mm": 60, "thickness_mm": 6, "ior": "N-BK7",
+        "semi_aperture_mm": 20}, {"radius_mm": -60, "thickness_mm": 56, "ior": 1, "semi_aperture_mm": 20,
+        "stop": true}]}))]
     Surfaces(#[schemars(length(min = 1))] Vec<LensSurfaceFile>),
 }
 
@@ -188,11 +183,9 @@ impl Serialize for PrescriptionFile {
 /// One surface of a lens prescription.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Lens surface", example = json!({
-    "radius_mm": 60, "conic": -0.2, "aspheric": [1e-9], "thickness_mm": 6, "ior": "N-BK7",
-    "semi_aperture_mm": 20, "stop": false,
-    "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
-}))]
+#[schemars(title = "Lens surface", example = json!({"radius_mm": 60, "conic": -0.2, "aspheric": [1e-9],
+    "thickness_mm": 6, "ior": "N-BK7", "semi_aperture_mm": 20, "stop": false, "coating": {"layers": [{"ior": "MgF2",
+    "thickness_nm": 100}]}}))]
 pub struct LensSurfaceFile {
     /// Radius of curvature, positive if the centre of curvature lies towards the sensor. 0 or null
     /// is a plane. The magnitude must be at least `semi_aperture_mm`, unless `conic` is stated.

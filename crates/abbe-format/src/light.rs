@@ -22,62 +22,47 @@ use abbe_spectra::error::Result;
 #[schemars(title = "Light")]
 pub enum LightFile {
     /// A point light with equal intensity in all directions.
-    #[schemars(example = json!({"point": {
-        "at": [0, 2, 0], "spectrum": "D65", "power": 60, "group": "lamps", "transform": [{"translate": [0, 1, 0]}],
-        "motion": []
-    }}))]
+    #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": "D65", "power": 60, "group": "lamps",
+        "transform": [{"translate": [0, 1, 0]}], "motion": []}}))]
     #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": "A", "luminous_flux": 800}}))]
     #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": 1, "intensity": 5}}))]
     #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": 1, "luminous_intensity": 100}}))]
     Point(PointFile),
     /// A point light that shines into a cone.
-    #[schemars(example = json!({"spot": {
-        "at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "penumbra": 5, "falloff": "linear", "spectrum": "D65", "power": 10,
-        "group": "lamps", "transform": [], "motion": []
-    }}))]
+    #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "penumbra": 5,
+        "falloff": "linear", "spectrum": "D65", "power": 10, "group": "lamps", "transform": [], "motion": []}}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": "A", "luminous_flux": 800}}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": 1, "intensity": 5}}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": 1, "luminous_intensity": 100}}))]
     Spot(SpotFile),
     /// A uniform disk of parallel or slightly divergent light, such as a laser beam.
-    #[schemars(example = json!({"beam": {
-        "from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "divergence": 0.25, "spectrum": "D65", "power": 10,
-        "group": "lamps", "transform": [], "motion": []
-    }}))]
+    #[schemars(example = json!({"beam": {"from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "divergence": 0.25,
+        "spectrum": "D65", "power": 10, "group": "lamps", "transform": [], "motion": []}}))]
     #[schemars(example = json!({"beam": {"from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "spectrum": 1, "luminous_flux": 100}}))]
     Beam(BeamFile),
     /// Light from infinitely far away, such as sunlight.
-    #[schemars(example = json!({"directional": {
-        "toward": [1, -2, 0], "angular_diameter": 0.53, "spectrum": "D65", "irradiance": 1000,
-        "group": "daylight", "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 30}}], "motion": []
-    }}))]
+    #[schemars(example = json!({"directional": {"toward": [1, -2, 0], "angular_diameter": 0.53, "spectrum": "D65",
+        "irradiance": 1000, "group": "daylight", "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 30}}],
+        "motion": []}}))]
     #[schemars(example = json!({"directional": {"toward": [1, -2, 0], "spectrum": 1, "illuminance": 100_000}}))]
     Directional(DirectionalFile),
     /// Light from all directions, constant or from a picture.
     #[schemars(example = json!({"environment": {"spectrum": "D65", "illuminance": 1000}}))]
-    #[schemars(example = json!({"environment": {
-        "image": "sky.exr", "irradiance": 100, "group": "daylight",
-        "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []
-    }}))]
+    #[schemars(example = json!({"environment": {"image": "sky.exr", "irradiance": 100, "group": "daylight",
+        "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []}}))]
     #[schemars(example = json!({"environment": {"image": "sky.exr", "projection": "equal_area", "luminance": 1}}))]
     Environment(EnvironmentFile),
     /// A CIE standard sky (ISO 15469, CIE S 011) above a uniform ground. The zenith is +y.
-    #[schemars(example = json!({"sky": {
-        "type": 12, "sun_elevation": 60, "sun_azimuth": 180, "illuminance": 10_000, "ground_reflectance": 0.2,
-        "spectrum": "D65", "group": "daylight"
-    }}))]
+    #[schemars(example = json!({"sky": {"type": 12, "sun_elevation": 60, "sun_azimuth": 180, "illuminance": 10_000,
+        "ground_reflectance": 0.2, "spectrum": "D65", "group": "daylight"}}))]
     #[schemars(example = json!({"sky": {"type": 1, "illuminance": 10_000, "spectrum": 1}}))]
-    #[schemars(example = json!({"sky": {
-        "type": 12, "place": {"latitude": 52.52, "longitude": 13.405}, "time": "2026-06-21T12:00:00+02:00",
-        "illuminance": 20_000, "sun": {"illuminance": 90_000}
-    }}))]
+    #[schemars(example = json!({"sky": {"type": 12, "place": {"latitude": 52.52, "longitude": 13.405},
+        "time": "2026-06-21T12:00:00+02:00", "illuminance": 20_000, "sun": {"illuminance": 90_000}}}))]
     Sky(SkyFile),
     /// A luminaire with a measured distribution of intensity, from an IES LM-63 or EULUMDAT file.
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]
-    #[schemars(example = json!({"ies": {
-        "at": [0, 3, 0], "toward": [0, -1, 0], "c0": [0, 0, 1], "path": "lamp.ldt", "area": true, "spectrum": "D65",
-        "luminous_flux": 800, "group": "lamps", "transform": [], "motion": []
-    }}))]
+    #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "c0": [0, 0, 1], "path": "lamp.ldt",
+        "area": true, "spectrum": "D65", "luminous_flux": 800, "group": "lamps", "transform": [], "motion": []}}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": 1, "power": 60}}))]
     Ies(IesFile),
 }

@@ -21,10 +21,8 @@ pub enum MaterialFile {
     },
     /// A Lambertian surface with a fluorophore: it absorbs light and emits light of other
     /// wavelengths. The number of photons does not grow.
-    #[schemars(example = json!({"fluorescent": {
-        "reflectance": 0.9, "absorptance": {"table": {"nm": [400, 450, 500], "values": [0, 0.85, 0]}},
-        "emission": {"gaussian": {"peak_nm": 560, "fwhm_nm": 90}}, "quantum_yield": 0.9
-    }}))]
+    #[schemars(example = json!({"fluorescent": {"reflectance": 0.9, "absorptance": {"table": {"nm": [400, 450, 500],
+        "values": [0, 0.85, 0]}}, "emission": {"gaussian": {"peak_nm": 560, "fwhm_nm": 90}}, "quantum_yield": 0.9}}))]
     Fluorescent {
         /// Reflectance of the substrate for the light that the fluorophore does not absorb.
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
@@ -52,40 +50,33 @@ pub enum MaterialFile {
         matrix: String,
     },
     /// Glass, water or gems: refraction and reflection by Fresnel's equations.
-    #[schemars(example = json!({"dielectric": {
-        "ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk", "priority": 0
-    }}))]
-    #[schemars(example = json!({"dielectric": {
-        "ior": "N-BK7", "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
-    }}))]
+    #[schemars(example = json!({"dielectric": {"ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk",
+        "priority": 0}}))]
+    #[schemars(example = json!({"dielectric": {"ior": "N-BK7", "coating": {"layers": [{"ior": "MgF2",
+        "thickness_nm": 100}]}}}))]
     Dielectric(DielectricFile),
     /// A thin pane: light passes straight through or is reflected.
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.5}}))]
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.52, "thickness": 0.006, "absorption": 7.3}}))]
-    #[schemars(example = json!({"thin_dielectric": {
-        "ior": 1.52, "transmittance": {"cosine_polynomial": [-0.028, 3.156, -3.058, -1.429, 4.014, -1.776]}
-    }}))]
-    #[schemars(example = json!({"thin_dielectric": {
-        "ior": 1.52, "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
-    }}))]
+    #[schemars(example = json!({"thin_dielectric": {"ior": 1.52,
+        "transmittance": {"cosine_polynomial": [-0.028, 3.156, -3.058, -1.429, 4.014, -1.776]}}}))]
+    #[schemars(example = json!({"thin_dielectric": {"ior": 1.52, "coating": {"layers": [{"ior": "MgF2",
+        "thickness_nm": 100}]}}}))]
     ThinDielectric(ThinDielectricFile),
     /// A free-standing thin film, such as a soap bubble. Light passes straight through or is
     /// reflected. The surrounding medium is on both sides.
     #[schemars(example = json!({"thin_film": {"layers": [{"ior": "water", "thickness_nm": 300}]}}))]
     ThinFilm(CoatingFile),
     /// A diffraction grating.
-    #[schemars(example = json!({"grating": {
-        "lines_per_mm": 600, "profile": {"blazed": {"order": 1, "nm": 550}}, "transmittance": 0.9, "reflectance": 0.05,
-        "angle": 90
-    }}))]
+    #[schemars(example = json!({"grating": {"lines_per_mm": 600, "profile": {"blazed": {"order": 1, "nm": 550}},
+        "transmittance": 0.9, "reflectance": 0.05, "angle": 90}}))]
     #[schemars(example = json!({"grating": {"lines_per_mm": 625, "grooves": "circular"}}))]
     Grating(GratingFile),
     /// A metal.
     #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
     #[schemars(example = json!({"conductor": {"eta": 0.2, "k": 3.4}}))]
-    #[schemars(example = json!({"conductor": {
-        "metal": "titanium", "coating": {"layers": [{"ior": "rutile TiO2", "thickness_nm": 60}]}
-    }}))]
+    #[schemars(example = json!({"conductor": {"metal": "titanium", "coating": {"layers": [{"ior": "rutile TiO2",
+        "thickness_nm": 60}]}}}))]
     #[schemars(example = json!({"conductor": {"file": "Au.yml", "roughness": 0.1}}))]
     #[schemars(example = json!({"conductor": {"reflectance": {"rgb": [0.9, 0.7, 0.4]}, "roughness": 0.3}}))]
     Conductor(ConductorFile),
@@ -98,9 +89,8 @@ pub enum MaterialFile {
     },
     /// A diffuse base under a clear dielectric coat, such as paint or plastic.
     #[schemars(example = json!({"glossy": {"reflectance": 0.5, "ior": 1.5, "roughness": 0.05}}))]
-    #[schemars(example = json!({"glossy": {
-        "reflectance": 0.8, "ior": 1.5, "roughness": 0.05, "interreflection": true
-    }}))]
+    #[schemars(example = json!({"glossy": {"reflectance": 0.8, "ior": 1.5, "roughness": 0.05,
+        "interreflection": true}}))]
     Glossy {
         /// Reflectance of the base.
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
@@ -134,10 +124,8 @@ pub enum MaterialFile {
     Mix(#[schemars(length(min = 1))] Vec<WeightedMaterialFile>),
     /// Another material, with shading normals from a picture.
     #[schemars(example = json!({"normal_map": {"material": "wall", "path": "bricks_normal.png"}}))]
-    #[schemars(example = json!({"normal_map": {
-        "material": "wall", "path": "bricks_normal.png", "strength": 0.5, "green": "down", "wrap": "clamp",
-        "filter": "nearest", "uv": {"scale": [4, 4]}
-    }}))]
+    #[schemars(example = json!({"normal_map": {"material": "wall", "path": "bricks_normal.png", "strength": 0.5,
+        "green": "down", "wrap": "clamp", "filter": "nearest", "uv": {"scale": [4, 4]}}}))]
     NormalMap(NormalMapFile),
     /// The boundary of a medium, without an optical surface.
     #[schemars(example = json!({"boundary": {"medium": "milk"}}))]

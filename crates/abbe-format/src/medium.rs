@@ -13,31 +13,23 @@ use abbe_spectra::error::Result;
 #[schemars(title = "Medium")]
 pub enum MediumFile {
     /// A medium that is the same everywhere.
-    #[schemars(example = json!({"homogeneous": {
-        "absorption": 0, "scattering": 0.05, "phase": {"henyey_greenstein": {"g": 0.3}}
-    }}))]
-    #[schemars(example = json!({"homogeneous": {
-        "absorption": 1, "scattering": 0, "phase": "isotropic", "emission": {"spectrum": "neon-glow", "power": 5},
-        "priority": 2, "transform": [], "motion": []
-    }}))]
-    #[schemars(example = json!({"homogeneous": {
-        "absorption": 0, "scattering": 0, "phase": "isotropic",
-        "dye": {"absorption": 20, "emission": "blue glow", "quantum_yield": 0.55}
-    }}))]
+    #[schemars(example = json!({"homogeneous": {"absorption": 0, "scattering": 0.05,
+        "phase": {"henyey_greenstein": {"g": 0.3}}}}))]
+    #[schemars(example = json!({"homogeneous": {"absorption": 1, "scattering": 0, "phase": "isotropic",
+        "emission": {"spectrum": "neon-glow", "power": 5}, "priority": 2, "transform": [], "motion": []}}))]
+    #[schemars(example = json!({"homogeneous": {"absorption": 0, "scattering": 0, "phase": "isotropic",
+        "dye": {"absorption": 20, "emission": "blue glow", "quantum_yield": 0.55}}}))]
     Homogeneous(Box<HomogeneousFile>),
     /// A medium whose density varies over a box.
-    #[schemars(example = json!({"grid": {
-        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"noise": {"value": 2, "scale": 0.5}}, "absorption": 0,
-        "scattering": 0.5, "phase": "isotropic", "transmittance": "exact", "transform": [{"translate": [0, 1, 0]}]
-    }}))]
-    #[schemars(example = json!({"grid": {
-        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"path": "soot.npy"}, "absorption": 1, "scattering": 0,
-        "phase": "isotropic", "emission": {"blackbody": {}}, "temperature": {"constant": 1800}, "priority": 1, "motion": []
-    }}))]
-    #[schemars(example = json!({"grid": {
-        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"constant": 2}, "absorption": 0, "scattering": 0,
-        "phase": "isotropic", "dye": {"absorption": 3, "emission": "green glow", "quantum_yield": 0.9}
-    }}))]
+    #[schemars(example = json!({"grid": {"bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"noise": {"value": 2,
+        "scale": 0.5}}, "absorption": 0, "scattering": 0.5, "phase": "isotropic", "transmittance": "exact",
+        "transform": [{"translate": [0, 1, 0]}]}}))]
+    #[schemars(example = json!({"grid": {"bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"path": "soot.npy"},
+        "absorption": 1, "scattering": 0, "phase": "isotropic", "emission": {"blackbody": {}},
+        "temperature": {"constant": 1800}, "priority": 1, "motion": []}}))]
+    #[schemars(example = json!({"grid": {"bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"constant": 2},
+        "absorption": 0, "scattering": 0, "phase": "isotropic", "dye": {"absorption": 3, "emission": "green glow",
+        "quantum_yield": 0.9}}}))]
     Grid(Box<GridFile>),
 }
 
@@ -122,14 +114,10 @@ pub struct GridFile {
 /// A fluorescent dye. State either `absorption`, or `molar_absorption` and `concentration`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Dye", example = json!({
-    "absorption": {"table": {"nm": [360, 380, 420], "values": [20, 20, 0]}},
-    "emission": {"gaussian": {"peak_nm": 450, "fwhm_nm": 80}}, "quantum_yield": 0.55
-}))]
-#[schemars(example = json!({
-    "molar_absorption": {"gaussian": {"peak_nm": 490, "fwhm_nm": 40}}, "concentration": 1e-5,
-    "emission": {"gaussian": {"peak_nm": 515, "fwhm_nm": 40}}, "quantum_yield": 0.9
-}))]
+#[schemars(title = "Dye", example = json!({"absorption": {"table": {"nm": [360, 380, 420], "values": [20, 20, 0]}},
+    "emission": {"gaussian": {"peak_nm": 450, "fwhm_nm": 80}}, "quantum_yield": 0.55}))]
+#[schemars(example = json!({"molar_absorption": {"gaussian": {"peak_nm": 490, "fwhm_nm": 40}}, "concentration": 1e-5,
+    "emission": {"gaussian": {"peak_nm": 515, "fwhm_nm": 40}}, "quantum_yield": 0.9}))]
 pub struct DyeFile {
     /// Absorption coefficient of the dye. Outside a table, it is 0.
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit"))]

@@ -9,12 +9,10 @@ use abbe_spectra::error::Result;
 /// `cylinder` and `spot`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Meter", example = json!({
-    "name": "desk", "quantity": "illuminance", "points": [[0, 0.75, 0], [1, 0.75, 0]], "normal": [0, 1, 0]
-}))]
-#[schemars(example = json!({
-    "name": "floor", "grid": {"origin": [0, 0, 0], "u": [4, 0, 0], "v": [0, 0, 4], "count": [8, 8]}
-}))]
+#[schemars(title = "Meter", example = json!({"name": "desk", "quantity": "illuminance",
+    "points": [[0, 0.75, 0], [1, 0.75, 0]], "normal": [0, 1, 0]}))]
+#[schemars(example = json!({"name": "floor", "grid": {"origin": [0, 0, 0], "u": [4, 0, 0], "v": [0, 0, 4],
+    "count": [8, 8]}}))]
 #[schemars(example = json!({"name": "wall", "quantity": "luminous_flux", "surface": "wall", "side": "front"}))]
 #[schemars(example = json!({"name": "head", "sphere": {"at": [0, 1.2, 0]}}))]
 #[schemars(example = json!({"name": "face", "cylinder": {"at": [0, 1.2, 0], "axis": [0, 1, 0]}}))]
@@ -265,10 +263,9 @@ impl MeterFile {
 impl MeterGridFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { origin: _, u, v, count } = self;
-        let counts = count
-            .iter()
-            .enumerate()
-            .map(|(i, &count)| check::count(&at.key("count").index(i), u64::from(count), 1, 10_000));
+        let at_count = at.key("count");
+        let counts = count.iter().enumerate();
+        let counts = counts.map(|(i, &it)| check::count(&at_count.index(i), u64::from(it), 1, 10_000));
         check::all([check::direction(&at.key("u"), *u), check::direction(&at.key("v"), *v)].into_iter().chain(counts))
     }
 

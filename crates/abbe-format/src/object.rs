@@ -7,14 +7,10 @@ use abbe_spectra::error::Result;
 /// An object: a shape with a material. An object with `emission` is an area light.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Object", example = json!({
-    "name": "prism", "shape": {"prism": {"side": 0.5, "length": 0.6}}, "material": "flint",
-    "transform": [{"translate": [0, 0.5, 0]}]
-}))]
-#[schemars(example = json!({
-    "shape": {"disk": {"radius": 0.1}}, "material": "white", "emission": {"spectrum": "D65", "power": 20},
-    "motion": [{"time": 0, "transform": []}, {"time": 0.02, "transform": [{"translate": [0, 1, 0]}]}]
-}))]
+#[schemars(title = "Object", example = json!({"name": "prism", "shape": {"prism": {"side": 0.5, "length": 0.6}},
+    "material": "flint", "transform": [{"translate": [0, 0.5, 0]}]}))]
+#[schemars(example = json!({"shape": {"disk": {"radius": 0.1}}, "material": "white", "emission": {"spectrum": "D65",
+    "power": 20}, "motion": [{"time": 0, "transform": []}, {"time": 0.02, "transform": [{"translate": [0, 1, 0]}]}]}))]
 pub struct ObjectFile {
     /// Name for reports and for paths such as `objects[name=prism]`.
     pub name: Option<String>,

@@ -13,10 +13,8 @@ const PATH_OR_OBJECT: &str = "a path, or an object with the key path";
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "ColourImageFile", title = "Picture of reflectances", transform = crate::schema::or_name)]
-#[schemars(example = &"wood.jpg", example = json!({
-    "path": "wood.jpg", "encoding": "srgb", "factor": [0.9, 0.9, 0.9], "wrap": "mirror", "filter": "bilinear",
-    "uv": {"scale": [4, 4]}
-}))]
+#[schemars(example = &"wood.jpg", example = json!({"path": "wood.jpg", "encoding": "srgb", "factor": [0.9, 0.9, 0.9],
+    "wrap": "mirror", "filter": "bilinear", "uv": {"scale": [4, 4]}}))]
 pub struct ColourImageFile {
     /// Path of the picture, relative to the scene's folder.
     pub path: String,
@@ -55,9 +53,8 @@ fn is_one_per_channel(factor: &[f64; 3]) -> bool {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "BandImageFile", title = "Picture of spectral bands", transform = crate::schema::or_name)]
-#[schemars(example = &"painting.exr", example = json!({
-    "path": "painting.exr", "factor": 0.8, "wrap": "clamp", "filter": "nearest", "uv": {"scale": [2, 2]}
-}))]
+#[schemars(example = &"painting.exr", example = json!({"path": "painting.exr", "factor": 0.8, "wrap": "clamp",
+    "filter": "nearest", "uv": {"scale": [2, 2]}}))]
 pub struct BandImageFile {
     /// Path of the picture, relative to the scene's folder.
     pub path: String,
@@ -91,10 +88,8 @@ pub(super) fn is_one(value: &f64) -> bool {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "ScalarImageFile", title = "Picture of numbers", transform = crate::schema::or_name)]
-#[schemars(example = &"mask.png", example = json!({
-    "path": "mask.png", "channel": "alpha", "encoding": "linear", "range": [1, 0], "wrap": "clamp",
-    "filter": "nearest", "uv": {"scale": [2, 2]}
-}))]
+#[schemars(example = &"mask.png", example = json!({"path": "mask.png", "channel": "alpha", "encoding": "linear",
+    "range": [1, 0], "wrap": "clamp", "filter": "nearest", "uv": {"scale": [2, 2]}}))]
 pub struct ScalarImageFile {
     /// Path of the picture, relative to the scene's folder.
     pub path: String,

@@ -7,11 +7,9 @@ use abbe_spectra::error::Result;
 /// The render settings.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Render settings", example = json!({
-    "passes": 64, "photons": 200_000, "camera_samples": 2, "max_depth": 8, "nearest": 50, "seed": 0, "threads": 8,
-    "checkpoint_seconds": 60, "march_steps": 64, "light_map": {"resolution": 32},
-    "force": ["dispersion"], "forbid": ["caustics"]
-}))]
+#[schemars(title = "Render settings", example = json!({"passes": 64, "photons": 200_000, "camera_samples": 2,
+    "max_depth": 8, "nearest": 50, "seed": 0, "threads": 8, "checkpoint_seconds": 60, "march_steps": 64,
+    "light_map": {"resolution": 32}, "force": ["dispersion"], "forbid": ["caustics"]}))]
 #[schemars(example = json!({"radius": 0.01}))]
 pub struct RenderFile {
     /// Number of passes. Noise falls with the square root of this number.

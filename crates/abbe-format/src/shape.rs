@@ -92,15 +92,12 @@ pub enum ShapeFile {
     },
     /// A triangle mesh from an OBJ, PLY, STL, glTF or GLB file.
     #[schemars(example = json!({"mesh": {"path": "bunny.ply"}}))]
-    #[schemars(example = json!({"mesh": {
-        "path": "lamp.obj", "part": 0, "reverse": true, "flat": true, "smooth": false, "flip_v": true
-    }}))]
+    #[schemars(example = json!({"mesh": {"path": "lamp.obj", "part": 0, "reverse": true, "flat": true, "smooth": false,
+        "flip_v": true}}))]
     Mesh(MeshShapeFile),
     /// A triangle mesh whose vertices are in the scene file.
-    #[schemars(example = json!({"triangles": {
-        "positions": [[0, 0, 0], [1, 0, 0], [0, 0, -1]], "indices": [[0, 1, 2]],
-        "normals": [[0, 1, 0], [0, 1, 0], [0, 1, 0]], "uv": [[0, 1], [1, 1], [0, 0]]
-    }}))]
+    #[schemars(example = json!({"triangles": {"positions": [[0, 0, 0], [1, 0, 0], [0, 0, -1]], "indices": [[0, 1, 2]],
+        "normals": [[0, 1, 0], [0, 1, 0], [0, 1, 0]], "uv": [[0, 1], [1, 1], [0, 0]]}}))]
     Triangles(TrianglesFile),
     /// Name of a shape of the scene's `shapes`. Objects with the same large mesh need little more
     /// memory than one of them.

@@ -43,17 +43,15 @@ enum ReflectanceTextureForms {
     #[schemars(example = json!({"bands": "painting.exr"}))]
     Bands(BandImageFile),
     /// A checkerboard. The squares have the side 1 in uv, divided by the scale.
-    #[schemars(example = json!({"checker": {
-        "a": 0.1, "b": {"rgb": [0.8, 0.6, 0.2]}, "scale": 8, "uv": {"rotate": 45}
-    }}))]
+    #[schemars(example = json!({"checker": {"a": 0.1, "b": {"rgb": [0.8, 0.6, 0.2]}, "scale": 8,
+        "uv": {"rotate": 45}}}))]
     Checker(PatternFile<Box<ReflectanceFile>>),
     /// Stripes parallel to v. The stripes have the width 1 in uv, divided by the scale.
     #[schemars(example = json!({"stripes": {"a": 0, "b": 0.9, "scale": 20, "uv": {"rotate": 45}}}))]
     Stripes(PatternFile<Box<ReflectanceFile>>),
     /// Fractal noise between two reflectances.
-    #[schemars(example = json!({"noise": {
-        "a": 0.2, "b": 0.6, "scale": 5, "octaves": 6, "seed": 1, "uv": {"scale": [1, 4]}
-    }}))]
+    #[schemars(example = json!({"noise": {"a": 0.2, "b": 0.6, "scale": 5, "octaves": 6, "seed": 1,
+        "uv": {"scale": [1, 4]}}}))]
     Noise(NoisePatternFile<Box<ReflectanceFile>>),
 }
 
@@ -158,14 +156,12 @@ pub enum ScalarFile {
     #[schemars(example = json!({"stripes": {"a": 0, "b": 1, "scale": 20, "uv": {"rotate": 45}}}))]
     Stripes(PatternFile<f64>),
     /// Fractal noise between two numbers.
-    #[schemars(example = json!({"noise": {
-        "a": 0.1, "b": 0.5, "scale": 5, "octaves": 6, "seed": 1, "uv": {"scale": [1, 4]}
-    }}))]
+    #[schemars(example = json!({"noise": {"a": 0.1, "b": 0.5, "scale": 5, "octaves": 6, "seed": 1,
+        "uv": {"scale": [1, 4]}}}))]
     Noise(NoisePatternFile<f64>),
     /// A gradient along v, or from the centre of the unit square of uv.
-    #[schemars(example = json!({"gradient": {
-        "a": 0, "b": 0.8, "power": 2, "radial": true, "uv": {"offset": [0, 0.1]}
-    }}))]
+    #[schemars(example = json!({"gradient": {"a": 0, "b": 0.8, "power": 2, "radial": true,
+        "uv": {"offset": [0, 0.1]}}}))]
     Gradient(GradientFile),
 }
 

@@ -237,9 +237,8 @@ impl Resolver<'_> {
                 self.at(&at.key("file"), index_file(path, self.source).and_then(|data| data.n_and_k()))?
             }
         };
-        let Some(coating) = coating else {
-            return self.rough(at, roughness, |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha));
-        };
+        let bare = |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha);
+        let Some(coating) = coating else { return self.rough(at, roughness, bare) };
         let substrate = self.at(at, OpticalIndex::absorbing(n.clone(), k.clone()))?;
         let films = self.coating(&at.key("coating"), coating, &substrate)?;
         let coated = |alpha| Conductor::coated(n.clone(), k.clone(), films.clone(), alpha).map(Bsdf::Conductor);

@@ -111,9 +111,8 @@ impl Resolver<'_> {
     fn dye(&self, at: &JsonPath, file: Option<&DyeFile>) -> Result<Option<Fluorophore>> {
         /// Converts a decadic coefficient in 1/cm to a natural coefficient in 1/m.
         const PER_M: f64 = 100.0 * std::f64::consts::LN_10;
-        let Some(DyeFile { absorption, molar_absorption, concentration, emission, quantum_yield }) = file else {
-            return Ok(None);
-        };
+        let Some(file) = file else { return Ok(None) };
+        let DyeFile { absorption, molar_absorption, concentration, emission, quantum_yield } = file;
         let (key, spectrum, factor) = match (absorption, molar_absorption) {
             (Some(absorption), _) => ("absorption", absorption, 1.0 / self.metres),
             (None, Some(molar)) => ("molar_absorption", molar, concentration.unwrap_or_default() * PER_M),

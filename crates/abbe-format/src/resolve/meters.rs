@@ -110,9 +110,8 @@ impl Resolver<'_> {
         builder: &SceneBuilder,
     ) -> Result<SensorWithReading> {
         let names: Vec<&str> = builder.object_names().collect();
-        let Some(object) = names.iter().position(|known| *known == name) else {
-            return self.at(at, Err(Error::unknown_name("object", name, names)));
-        };
+        let object = names.iter().position(|known| *known == name);
+        let object = self.at(at, object.ok_or_else(|| Error::unknown_name("object", name, names)))?;
         let (object, area_m2) = (object as u32, builder.area_m2(object as u32));
         if area_m2 <= 0.0 {
             let what = format!("the object \"{name}\" has no surface");

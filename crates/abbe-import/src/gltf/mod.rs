@@ -243,9 +243,7 @@ impl<'d> NodeReader<'d> {
 fn instances(node: &Node, document: &Document, accessors: &GltfAccessors) -> Result<Vec<DAffine3>> {
     let Some(extension) = node.extension_value(INSTANCING) else { return Ok(vec![DAffine3::IDENTITY]) };
     let read = |name: &str| -> Result<Option<Vec<[f64; 4]>>> {
-        let Some(index) = extension.get("attributes").and_then(|attributes| attributes.get(name)) else {
-            return Ok(None);
-        };
+        let Some(index) = extension.get("attributes").and_then(|it| it.get(name)) else { return Ok(None) };
         let index = index.as_u64().and_then(|index| usize::try_from(index).ok());
         let accessor = index.and_then(|index| document.accessors().nth(index));
         accessors.floats(&accessor.ok_or_else(|| Error::input(format!("{name} names no accessor")))?).map(Some)

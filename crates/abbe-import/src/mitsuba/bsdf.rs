@@ -116,9 +116,8 @@ impl MitsubaReader<'_> {
         let weight = self.weight(properties, "weight")?;
         let [second, first] = weight.ok_or_else(|| element.error("\"blendbsdf\" without the property \"weight\""))?;
         let nested = self.tagged(properties, "bsdf");
-        let [a, b] = nested.as_slice() else {
-            return Err(element.error(format!("\"blendbsdf\" with {} BSDFs", nested.len())).expected("two BSDFs"));
-        };
+        let error = || element.error(format!("\"blendbsdf\" with {} BSDFs", nested.len()));
+        let [a, b] = nested.as_slice() else { return Err(error().expected("two BSDFs")) };
         let parts = [(a, first), (b, second)];
         let mut mix = Vec::new();
         let mut one_sided = false;

@@ -82,9 +82,8 @@ impl MitsubaReader<'_> {
             textured: self.is_textured(&material) || emission.as_ref().is_some_and(|it| it.get("slide").is_some()),
             flipped: properties.boolean("flip_normals", false)?,
         };
-        let Some(BasicShape { shape: converted, steps: mut transform }) = self.form(&properties, &form)? else {
-            return Ok(());
-        };
+        let found = self.form(&properties, &form)?;
+        let Some(BasicShape { shape: converted, steps: mut transform }) = found else { return Ok(()) };
         self.note_unread(&properties);
         self.note_open_shape(&properties, &material, one_sided && emission.is_none())?;
         transform.extend(steps(affine(shape, form.to_world)?));

@@ -156,10 +156,8 @@ fn explicit_spectrum(element: &XmlElement, text: &str) -> Result<MitsubaSpectrum
     let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
     let pairs: Result<Vec<(f64, f64)>> = words
         .map(|word| {
-            let pair = word
-                .split_once(':')
-                .ok_or_else(|| element.error(format!("found \"{word}\"")).expected("a pair such as 400:0.5"));
-            let (nm, value) = pair?;
+            let fault = || element.error(format!("found \"{word}\"")).expected("a pair such as 400:0.5");
+            let (nm, value) = word.split_once(':').ok_or_else(fault)?;
             Ok((parse(element, nm)?, parse(element, value)?))
         })
         .collect();
@@ -187,9 +185,8 @@ fn table(element: &XmlElement, nm: Vec<f64>, values: Vec<f64>) -> Result<Mitsuba
     if valid && values.iter().all(|&value| value >= 0.0) {
         return Ok(MitsubaSpectrum::Table { nm, values });
     }
-    Err(element
-        .error("the table of the spectrum is not valid")
-        .expected("at least two rising wavelengths in nm, each with a value of at least 0"))
+    let expected = "at least two rising wavelengths in nm, each with a value of at least 0";
+    Err(element.error("the table of the spectrum is not valid").expected(expected))
 }
 
 /// Returns the luminance of a colour (1, 1, 1) of a light, relative to a constant spectrum of 1.

@@ -271,9 +271,8 @@ impl MitsubaReader<'_> {
     /// Reads the picture inside a spectrum of the type "d65", if there is one.
     fn picture_before_d65(&mut self, properties: &Properties) -> Result<Option<Bitmap>> {
         let is_picture = |child: &Rc<XmlElement>| self.document.resolve(child).plugin() == "bitmap";
-        let Some(picture) = properties.take(is_picture).pop().map(|it| self.document.resolve(it)) else {
-            return Ok(None);
-        };
+        let picture = properties.take(is_picture).pop().map(|it| self.document.resolve(it));
+        let Some(picture) = picture else { return Ok(None) };
         let inner = Properties::new(&picture);
         let bitmap = self.bitmap(&inner)?;
         self.note_unread(&inner);

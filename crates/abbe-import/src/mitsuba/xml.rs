@@ -99,9 +99,8 @@ impl MitsubaDocument {
         let mut loader = XmlLoader { folder, file_access, ..XmlLoader::default() };
         let root = Rc::new(loader.file(path, "", 0)?);
         if root.tag != "scene" {
-            return Err(root
-                .error(format!("found the XML root <{}>", root.tag))
-                .expected("<scene>, the root of a Mitsuba scene"));
+            let error = root.error(format!("found the XML root <{}>", root.tag));
+            return Err(error.expected("<scene>, the root of a Mitsuba scene"));
         }
         let XmlLoader { by_id, folder, file_access, search, .. } = loader;
         let document = Self { root, by_id, folder, file_access, search };

@@ -178,9 +178,8 @@ impl PbrtReader<'_> {
                 self.statement(directive, class, parameters, place)?;
             }
             _ => {
-                return Err(place
-                    .error(format!("unknown directive \"{directive}\""))
-                    .expected("a directive of pbrt-v4"));
+                let error = place.error(format!("unknown directive \"{directive}\""));
+                return Err(error.expected("a directive of pbrt-v4"));
             }
         }
         Ok(())

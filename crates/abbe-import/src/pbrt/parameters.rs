@@ -58,9 +58,8 @@ impl Parameters {
             let place = tokens.place();
             let mut words = declaration.split_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                return Err(place
-                    .error(format!("found \"{declaration}\""))
-                    .expected("the type and the name of a parameter"));
+                let error = place.error(format!("found \"{declaration}\""));
+                return Err(error.expected("the type and the name of a parameter"));
             };
             let (kind, name) = (kind.to_string(), name.to_string());
             let values = read_values(tokens, &declaration)?;

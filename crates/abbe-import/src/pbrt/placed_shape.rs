@@ -40,9 +40,8 @@ impl PbrtReader<'_> {
         let lit = self.state.area_light.as_ref();
         let emission = lit.map(|light| read_emission(light, area, &spectra, left_out)).transpose()?;
         let (name, material) = self.state.material.clone();
-        let Some(material) = self.placed_material(&name, &material, emission.is_some(), left_out) else {
-            return Ok(());
-        };
+        let placed = self.placed_material(&name, &material, emission.is_some(), left_out);
+        let Some(material) = placed else { return Ok(()) };
         let alpha = self.with_textures(left_out, |textures| textures.value(parameters, "alpha", true, 1.0))?;
         if emission.is_some() && alpha == json!(0.0) {
             left_out.push("an area light with an alpha of 0 is visible".into());

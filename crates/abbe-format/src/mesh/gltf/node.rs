@@ -15,10 +15,8 @@ pub fn for_each_node<'d>(
     let mut roots: Vec<Node<'d>> = match document.default_scene().or_else(|| document.scenes().next()) {
         Some(scene) => scene.nodes().collect(),
         None => {
-            let children: Vec<usize> = document
-                .nodes()
-                .flat_map(|node| node.children().map(|child| child.index()).collect::<Vec<_>>())
-                .collect();
+            let below = |node: Node<'d>| node.children().map(|child| child.index()).collect::<Vec<_>>();
+            let children: Vec<usize> = document.nodes().flat_map(below).collect();
             document.nodes().filter(|node| !children.contains(&node.index())).collect()
         }
     };
