@@ -17,6 +17,7 @@ use self::animation::Animations;
 use self::camera::{DEFAULT_ASPECT, file_camera, light_from_behind, whole_view};
 use self::light::{ies_light, punctual_light};
 use self::node::{NodeTree, PlacedNode, steps, unit};
+use crate::scene_writer::present;
 use crate::{ImportedScene, scene_writer::SceneWriter};
 use ::gltf::{Document, Node};
 use abbe_format::FileAccess;
@@ -201,16 +202,13 @@ impl<'d> NodeReader<'d> {
                 continue;
             }
             for instance in &instances {
-                let mut object = json!({"name": name, "shape": {"mesh": {"path": self.path, "part": part}}});
+                let shape = json!({"mesh": {"path": self.path, "part": part}});
                 let transform = steps(&(placed.own * *instance));
-                if transform != json!([]) {
-                    object["transform"] = transform;
-                }
-                if !placed.motion.is_empty() {
-                    object["motion"] =
-                        placed.motion.iter().map(|(time, at)| json!({"time": time, "transform": steps(at)})).collect();
-                }
-                self.scene.add_object(object);
+                let transform = (transform != json!([])).then_some(transform);
+                let keys = placed.motion.iter().map(|(time, at)| json!({"time": time, "transform": steps(at)}));
+                let motion = (!placed.motion.is_empty()).then(|| keys.collect::<Value>());
+                let object = json!({"name": name, "shape": shape, "transform": transform, "motion": motion});
+                self.scene.add_object(present(object));
             }
             let material = primitive.material();
             let brightest = material.emissive_factor().into_iter().fold(0.0, f32::max);

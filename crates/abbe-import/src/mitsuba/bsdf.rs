@@ -2,6 +2,7 @@
 
 use super::reader::{MitsubaReader, MitsubaSurface};
 use super::{properties::Properties, texture::Textured, xml::XmlElement};
+use crate::scene_writer::present;
 use abbe_optics::fresnel;
 use abbe_spectra::error::Result;
 use serde_json::{Value, json};
@@ -196,14 +197,8 @@ impl MitsubaReader<'_> {
 
     fn glass(&mut self, properties: &Properties, roughness: Option<Value>, context: &BsdfContext) -> Result<Value> {
         self.note_factors(properties, &["specular_reflectance", "specular_transmittance"])?;
-        let mut dielectric = json!({"ior": self.index_inside(properties, 1.5046)?});
-        if let Some(roughness) = roughness {
-            dielectric["roughness"] = roughness;
-        }
-        if let Some(medium) = context.medium {
-            dielectric["medium"] = json!(medium);
-        }
-        Ok(json!({"dielectric": dielectric}))
+        let ior = self.index_inside(properties, 1.5046)?;
+        Ok(json!({"dielectric": present(json!({"ior": ior, "roughness": roughness, "medium": context.medium}))}))
     }
 
     fn conductor(&mut self, properties: &Properties, roughness: Option<Value>) -> Result<Value> {

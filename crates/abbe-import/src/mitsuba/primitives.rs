@@ -3,6 +3,7 @@
 //! The texture coordinates are those of Mitsuba. Shapes with textures therefore become triangles,
 //! whose texture coordinates are free.
 
+use crate::scene_writer::present;
 use abbe_spectra::math::elementary::sin_cos;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -70,11 +71,8 @@ pub(super) fn sphere(centre: DVec3, radius: f64, textured: bool) -> BasicShape {
         let shape = json!({"sphere": {"radius": radius}});
         return BasicShape { shape, steps: vec![facing_z(false), json!({"translate": centre.to_array()})] };
     }
-    let mut sphere = json!({"radius": radius});
-    if centre != DVec3::ZERO {
-        sphere["center"] = json!(centre.to_array());
-    }
-    BasicShape::new(json!({"sphere": sphere}))
+    let center = (centre != DVec3::ZERO).then(|| centre.to_array());
+    BasicShape::new(json!({"sphere": present(json!({"radius": radius, "center": center}))}))
 }
 
 /// Returns the cube from (−1, −1, −1) to (1, 1, 1).

@@ -3,6 +3,7 @@
 use super::reader::{MitsubaReader, MitsubaSurface};
 use super::transform::{affine, steps};
 use super::{primitives, primitives::BasicShape, properties::Properties, xml::XmlElement};
+use crate::scene_writer::present;
 use abbe_format::mesh;
 use abbe_spectra::error::Result;
 use glam::{DMat4, DVec3};
@@ -87,17 +88,10 @@ impl MitsubaReader<'_> {
         self.note_unread(&properties);
         self.note_open_shape(&properties, &material, one_sided && emission.is_none())?;
         transform.extend(steps(affine(shape, form.to_world)?));
-        let mut object = json!({"shape": converted, "material": material});
-        if let Some(name) = shape.attribute("id") {
-            object["name"] = json!(name);
-        }
-        if !transform.is_empty() {
-            object["transform"] = json!(transform);
-        }
-        if let Some(emission) = emission {
-            object["emission"] = emission;
-        }
-        self.scene.add_object(object);
+        let (name, transform) = (shape.attribute("id"), (!transform.is_empty()).then_some(transform));
+        self.scene.add_object(present(json!({
+            "shape": converted, "material": material, "name": name, "transform": transform, "emission": emission
+        })));
         Ok(())
     }
 
@@ -162,15 +156,11 @@ impl MitsubaReader<'_> {
             Ok(flat || parts.iter().any(|part| part.mesh.normals().is_none()))
         };
         let reverse = form.flipped != (mirrored && by_corners()?);
-        let mut mesh = json!({"path": format!("{}{path}", self.folder)});
-        if let Some(part) = part {
-            mesh["part"] = json!(part as u32);
-        }
-        for (key, value) in [("reverse", reverse), ("flat", flat), ("smooth", !flat), ("flip_v", flip_v)] {
-            if value {
-                mesh[key] = json!(true);
-            }
-        }
+        let (path, part) = (format!("{}{path}", self.folder), part.map(|part| part as u32));
+        let [reverse, flat, smooth, flip_v] = [reverse, flat, !flat, flip_v].map(|is_set| is_set.then_some(true));
+        let mesh = present(json!({
+            "path": path, "part": part, "reverse": reverse, "flat": flat, "smooth": smooth, "flip_v": flip_v
+        }));
         Ok(BasicShape { shape: json!({"mesh": mesh}), steps: Vec::new() })
     }
 

@@ -3,6 +3,7 @@
 //! In both programs, the texture coordinate v = 0 is the upper row of a picture.
 
 use super::{properties::Properties, reader::MitsubaReader, spectrum::MitsubaSpectrum, xml::XmlElement};
+use crate::scene_writer::present;
 use abbe_format::{EncodingFile, PictureFile};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::atan2;
@@ -117,33 +118,20 @@ impl Bitmap {
     /// Returns the picture in the form of the scene file. `linear` states that the file has linear
     /// values.
     fn value(&self, purpose: &str, linear: bool) -> Value {
-        let mut value = json!({"path": self.path});
-        let mut set = |key: &str, entry: Value| value[key] = entry;
-        if linear && purpose == "reflectance" {
-            set("encoding", json!("linear"));
-        } else if !linear && purpose == "number" {
-            set("encoding", json!("srgb"));
-        }
-        if self.wrap != "repeat" {
-            set("wrap", json!(self.wrap));
-        }
-        if self.filter != "bilinear" {
-            set("filter", json!(self.filter));
-        }
-        if let Some(uv) = &self.uv {
-            set("uv", uv.clone());
-        }
-        value
+        let encoding = match (purpose, linear) {
+            ("reflectance", true) => Some("linear"),
+            ("number", false) => Some("srgb"),
+            _ => None,
+        };
+        let wrap = (self.wrap != "repeat").then_some(self.wrap);
+        let filter = (self.filter != "bilinear").then_some(self.filter);
+        present(json!({"path": self.path, "encoding": encoding, "wrap": wrap, "filter": filter, "uv": self.uv}))
     }
 }
 
 /// Returns the checkerboard of two values. Mitsuba has 2 × 2 squares per unit of uv.
 fn checker(a: &Value, b: &Value, uv: Option<&Value>) -> Value {
-    let mut checker = json!({"a": a, "b": b, "scale": 2});
-    if let Some(uv) = uv {
-        checker["uv"] = uv.clone();
-    }
-    json!({"checker": checker})
+    json!({"checker": present(json!({"a": a, "b": b, "scale": 2, "uv": uv}))})
 }
 
 fn fraction(spectrum: &MitsubaSpectrum) -> MitsubaSpectrum {

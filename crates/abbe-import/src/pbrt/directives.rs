@@ -154,17 +154,13 @@ impl PbrtReader<'_> {
                     let error = place.error(format!("found the attributes of \"{target}\""));
                     return Err(error.expected("shape, light, material, medium or texture"));
                 }
-                let mut parameters = Parameters::read(tokens)?;
-                if let Some(earlier) = self.state.defaults.get(&target) {
-                    parameters.add_defaults(earlier);
-                }
+                let parameters = self.parameters(tokens, &target)?;
                 self.state.defaults.insert(target, parameters);
             }
             "Texture" => self.texture(tokens, place)?,
             "Camera" | "Film" | "Sampler" | "Integrator" | "PixelFilter" | "Accelerator" | "Material"
             | "MakeNamedMaterial" | "MakeNamedMedium" | "LightSource" | "AreaLightSource" | "Shape" => {
                 let class = tokens.string(directive)?;
-                let mut parameters = Parameters::read(tokens)?;
                 let target = match directive {
                     "Shape" => "shape",
                     "LightSource" | "AreaLightSource" => "light",
@@ -172,9 +168,7 @@ impl PbrtReader<'_> {
                     "MakeNamedMedium" => "medium",
                     _ => "",
                 };
-                if let Some(defaults) = self.state.defaults.get(target) {
-                    parameters.add_defaults(defaults);
-                }
+                let parameters = self.parameters(tokens, target)?;
                 self.statement(directive, class, parameters, place)?;
             }
             _ => {
@@ -239,26 +233,31 @@ impl PbrtReader<'_> {
             }
             _ => self.shape(&class, &parameters, place, &mut left_out)?,
         }
-        for parameter in parameters.unused() {
-            left_out.push(format!("\"{} {}\" of {directive} \"{class}\" is left out", parameter.kind, parameter.name));
-        }
-        left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
+        self.note(left_out, &parameters, &format!("{directive} \"{class}\""), place);
         Ok(())
+    }
+
+    /// Reads parameters, and adds those that `Attribute` has set for a target.
+    fn parameters(&self, tokens: &mut Tokens, target: &str) -> Result<Parameters> {
+        let mut parameters = Parameters::read(tokens)?;
+        self.state.defaults.get(target).into_iter().for_each(|defaults| parameters.add_defaults(defaults));
+        Ok(parameters)
+    }
+
+    /// Notes what was left out of a statement, and the parameters that no reader has asked for.
+    fn note(&mut self, mut left_out: Vec<String>, parameters: &Parameters, of: &str, place: &Place) {
+        let unused = parameters.unused();
+        left_out.extend(unused.map(|it| format!("\"{} {}\" of {of} is left out", it.kind, it.name)));
+        left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
     }
 
     fn texture(&mut self, tokens: &mut Tokens, place: &Place) -> Result<()> {
         let [name, kind, class] = [tokens.string("Texture")?, tokens.string("Texture")?, tokens.string("Texture")?];
-        let mut parameters = Parameters::read(tokens)?;
-        if let Some(defaults) = self.state.defaults.get("texture") {
-            parameters.add_defaults(defaults);
-        }
+        let parameters = self.parameters(tokens, "texture")?;
         let is_scalar = kind == "float";
         let mut left_out = Vec::new();
         let value = self.with_textures(&mut left_out, |textures| textures.read(&class, is_scalar, &parameters))?;
-        for parameter in parameters.unused() {
-            left_out.push(format!("\"{} {}\" of texture \"{class}\" is left out", parameter.kind, parameter.name));
-        }
-        left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
+        self.note(left_out, &parameters, &format!("texture \"{class}\""), place);
         self.textures.insert((name, is_scalar), value);
         Ok(())
     }

@@ -5,6 +5,7 @@ use super::state::{is_placement, transform};
 use super::texture::{is_uniform, map_numbers};
 use super::token::{Place, Tokens};
 use super::{light::read_emission, material::ReadMaterial, parameters::Parameters, reader::PbrtReader};
+use crate::scene_writer::present;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cbrt;
 use serde_json::{Value, json};
@@ -144,15 +145,11 @@ impl PbrtReader<'_> {
 
     fn add_object(&mut self, placed: PbrtShape) {
         let PbrtShape { shape, to_world, material, emission } = placed;
-        let mut object = json!({"shape": shape, "material": material});
         let steps = transform(&to_world);
-        if steps != json!([]) {
-            object["transform"] = steps;
-        }
-        if let Some(emission) = emission {
-            object["emission"] = emission;
-        }
-        self.scene.add_object(object);
+        let steps = (steps != json!([])).then_some(steps);
+        self.scene.add_object(present(json!({
+            "shape": shape, "material": material, "transform": steps, "emission": emission
+        })));
     }
 
     pub(super) fn instance(&mut self, tokens: &mut Tokens, place: &Place) -> Result<()> {

@@ -1,8 +1,9 @@
 //! Shapes of pbrt files.
 
-use super::parameters::Parameters;
+use super::parameters::{Parameter, Parameters};
+use crate::scene_writer::present;
 use abbe_format::FileAccess;
-use abbe_spectra::error::Result;
+use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::sin_cos;
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use serde_json::{Value, json};
@@ -177,10 +178,9 @@ impl ShapeReader<'_> {
         let mut mesh = Triangles::default();
         for &patch in indices.as_chunks::<4>().0 {
             let Some(corners) = patch_corners(patch, &positions, normals.as_deref(), uv.as_deref()) else {
-                return Err(parameters.get("indices").map_or_else(
-                    || abbe_spectra::error::Error::input("a bilinear patch needs four positions"),
-                    |parameter| parameter.fault("indices of existing positions"),
-                ));
+                let few = || Error::input("a bilinear patch needs four positions");
+                let wrong = |indices: &Parameter| indices.fault("indices of existing positions");
+                return Err(parameters.get("indices").map_or_else(few, wrong));
             };
             mesh.add_patch(&corners);
         }
@@ -197,10 +197,8 @@ impl ShapeReader<'_> {
             self.left_out.push("a mesh without a file name is left out".into());
             return Ok(None);
         };
-        let mut mesh = json!({"path": format!("{}{file}", self.folder)});
-        if self.reverse {
-            mesh["reverse"] = json!(true);
-        }
+        let (path, reverse) = (format!("{}{file}", self.folder), self.reverse.then_some(true));
+        let mesh = present(json!({"path": path, "reverse": reverse}));
         Ok(Some(ReadShape { shape: json!({"mesh": mesh}), local: DMat4::IDENTITY, area: None }))
     }
 
@@ -236,10 +234,7 @@ fn patch_corners(
         let index = patch[number] as usize;
         Some(Corner {
             position: (*positions.get(index)?).into(),
-            normal: match normals {
-                Some(normals) => Some((*normals.get(index)?).into()),
-                None => None,
-            },
+            normal: if let Some(normals) = normals { Some((*normals.get(index)?).into()) } else { None },
             uv: uv.map_or(Some(unit[number]), |uv| uv.get(index).copied())?.into(),
         })
     };
@@ -324,13 +319,10 @@ impl Triangles {
     /// Returns the shape of the scene file, in which v points down.
     fn shape(&self) -> Value {
         let list = |vectors: &[DVec3]| vectors.iter().map(|vector| vector.to_array()).collect::<Vec<_>>();
-        let mut shape = json!({"positions": list(&self.positions), "indices": self.indices});
-        if !self.normals.is_empty() {
-            shape["normals"] = json!(list(&self.normals));
-        }
-        if !self.uv.is_empty() {
-            shape["uv"] = json!(self.uv.iter().map(|uv| [uv[0], 1.0 - uv[1]]).collect::<Vec<_>>());
-        }
-        json!({"triangles": shape})
+        let normals = (!self.normals.is_empty()).then(|| list(&self.normals));
+        let uv = self.uv.iter().map(|uv| [uv[0], 1.0 - uv[1]]).collect::<Vec<_>>();
+        let (positions, uv) = (list(&self.positions), (!uv.is_empty()).then_some(uv));
+        let shape = json!({"positions": positions, "indices": self.indices, "normals": normals, "uv": uv});
+        json!({"triangles": present(shape)})
     }
 }
