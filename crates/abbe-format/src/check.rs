@@ -1,7 +1,6 @@
 //! Checks of single values: ranges, lengths, directions.
 //!
-//! Every check takes the JSON path of its value. The caller adds file, line and column to the
-//! error.
+//! Every check takes the JSON path of its value. The caller adds file, line and column to errors.
 
 use crate::JsonPath;
 use abbe_spectra::error::{Error, Result};
@@ -72,8 +71,7 @@ pub(super) fn direction(at: &JsonPath, value: [f64; 3]) -> Result<()> {
     Err(fault(at, format!("found {}", triple(value)), "a direction that is not zero"))
 }
 
-/// Checks that two points differ. `at` is the path of the point `value`, and `other_key` is the key
-/// of the point `other`.
+/// Checks that two points differ: `value` at the path `at`, and `other` with the key `other_key`.
 pub(super) fn apart(at: &JsonPath, value: [f64; 3], other_key: &str, other: [f64; 3]) -> Result<()> {
     if glam::DVec3::from_array(value) != glam::DVec3::from_array(other) {
         return Ok(());
@@ -106,8 +104,7 @@ pub(super) fn rising(at: &JsonPath, values: impl IntoIterator<Item = f64>, key: 
     Ok(())
 }
 
-/// Checks that no weight of a mix is negative, and that at least one is above 0. Each weight has
-/// the key `weight`.
+/// Checks that no weight of a mix, with the key `weight`, is negative, and that one is above 0.
 pub(super) fn weights(at: &JsonPath, values: impl IntoIterator<Item = f64>) -> Result<()> {
     let mut sum = 0.0;
     for (i, value) in values.into_iter().enumerate() {

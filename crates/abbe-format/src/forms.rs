@@ -1,5 +1,4 @@
-//! Values that may be written in several forms: a number, a name, or an object with one key that
-//! selects the variant.
+//! Values that may be written as a number, a name, or an object whose one key selects the variant.
 //!
 //! The types with several forms derive serde's traits with `remote = "Self"`. The derived functions
 //! read and write the object form, and [`deserialize`] adds the plain forms. serde's untagged enums

@@ -340,8 +340,7 @@ fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> 
             "0 (a plane) or a magnitude of at least the semi_aperture_mm, {}",
             check::number(*semi_aperture_mm)
         );
-        // If the conic constant is not 0, `Lens` checks whether the surface reaches the edge of the
-        // aperture.
+        // If `conic` is not 0, `Lens` checks whether the surface reaches the edge of the aperture.
         let wide = *radius_mm == 0.0 || *conic != 0.0 || radius_mm.abs() >= *semi_aperture_mm;
         check::rule(&at.key("radius_mm"), *radius_mm, wide, &allowed)?;
         let orders = aspheric.len();

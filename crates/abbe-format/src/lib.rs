@@ -1,5 +1,4 @@
-//! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution into a
-//! scene.
+//! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution.
 //!
 //! [`read()`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and deserialises
 //! it into the types of this crate, which check the ranges of single values. Then the module
@@ -37,8 +36,7 @@
 //! | [`volume_file`] | volumes in `.npz` files |
 //! | [`resolve`] | the resolution of a scene file into a scene |
 //!
-//! The other forms are at the root: each type whose name ends with `File` mirrors a key of the
-//! file.
+//! The other forms are at the root: each type named `…File` mirrors a key of the file.
 //!
 //! # Units and conventions
 //!

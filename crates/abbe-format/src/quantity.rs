@@ -3,8 +3,7 @@
 use crate::{JsonPath, check};
 use abbe_spectra::error::{Error, Result};
 
-/// The strength of an emitter. The emitter's `spectrum` gives only the relative distribution over
-/// wavelength.
+/// The strength of an emitter, whose `spectrum` gives only the distribution over wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum QuantityFile {
     /// Power in W over 360–830 nm.

@@ -28,8 +28,7 @@ pub fn read_scene_text(path: &Path) -> Result<String> {
     read_text(path)
 }
 
-/// Reads a scene from its text, like [`read()`] and with the same errors, in which `path` is the
-/// name of the text.
+/// Reads a scene from its text, like [`read()`] and with the same errors. `path` is its name.
 pub fn parse(text: impl Into<String>, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     let source = JsonSource::patched(text, path, sets)?;
     parse_source(source, &|_, _| None)
@@ -46,8 +45,7 @@ pub(super) fn parse_source(
     if let Some(scene) = &repaired.value {
         let mut later = scene.validate(&source).err();
         if (later.is_some() || !faults.is_empty()) && !repaired.lacks_definitions(&source) {
-            // A fault of the whole scene, such as a scene without light, may follow from the
-            // others.
+            // A fault of the whole scene, such as no light, may follow from the others.
             let further = look_further(scene, &source).map_or_else(Vec::new, Error::into_faults);
             let in_a_part = |fault: &Error| fault.location.path.as_deref().is_some_and(|path| !path.is_empty());
             // The resolver repeats some checks of `validate`. It may find the same fault in a value
@@ -102,8 +100,7 @@ pub fn parse_coating(text: &str, name: &Path) -> Result<(CoatingFile, JsonSource
     Ok((coating, source))
 }
 
-/// Reads a lens prescription from its text, in any form that a scene may contain. Errors use `name`
-/// as the name of the text.
+/// Reads a lens prescription from its text, in any form of a scene. `name` is the text's name.
 ///
 /// # Errors
 /// If the text is not a prescription, returns an error with its position in the text.

@@ -271,8 +271,7 @@ fn without_null(schema: &Value) -> Value {
     schema
 }
 
-/// Describes the range of a number. For an array, describes the length of the array and the range
-/// of its elements.
+/// Describes the range of a number, or the length of an array and the range of its elements.
 fn range(schema: &Value) -> String {
     let mut parts: Vec<String> = schema["x-range"].as_str().map(str::to_string).into_iter().collect();
     let mut level = schema;

@@ -243,8 +243,7 @@ fn count_bounded(schema: &Value) -> usize {
     here + below.into_iter().map(count_bounded).sum::<usize>()
 }
 
-/// Returns whether the scene is accepted with `value` in place of the number. Errors at other paths
-/// do not count.
+/// Returns whether no error at the number's path refuses the scene with `value` in its place.
 fn accepts(number: &BoundedNumber, value: f64) -> bool {
     let patch = format!("{}={value}", number.path);
     let error = parse(&number.scene, Path::new("scene"), &[patch]).err();

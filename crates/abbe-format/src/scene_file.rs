@@ -160,8 +160,7 @@ impl SceneFile {
         self.check().map_err(|error| source.with_position(error))
     }
 
-    /// Checks the same rules as [`Self::validate`]. The error has a JSON path, but no line and
-    /// column.
+    /// Checks the rules of [`Self::validate`]. The error has a path, but no line and column.
     fn check(&self) -> Result<()> {
         let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, shapes, .. } = self;
         let root = JsonPath::Root;

@@ -1,5 +1,4 @@
-//! Parts of the JSON Schema of the scene file: the rules that the attributes `#[schemars(…)]` of the
-//! types name.
+//! Parts of the JSON Schema: the rules that the attributes `#[schemars(…)]` of the types name.
 
 use schemars::{Schema, SchemaGenerator, json_schema};
 
@@ -34,8 +33,7 @@ pub(crate) fn or_number_or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
 }
 
-/// Returns the schema for the radius of a lens surface. The key is required. The values 0 and null
-/// mean a plane.
+/// Returns the schema for the required radius of a lens surface. 0 and null are a plane.
 pub(crate) fn radius_or_plane(_: &mut SchemaGenerator) -> Schema {
     json_schema!({"type": ["number", "null"]})
 }

@@ -199,8 +199,7 @@ impl Serialize for ImageFile {
 /// The use of a spectrum, which determines its allowed values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SpectrumUse {
-    /// The use is unknown, because the spectrum is an entry of the scene's `spectra`. Any value is
-    /// allowed.
+    /// Any value is allowed, because the use of an entry of the scene's `spectra` is unknown.
     Any,
     /// A light, an absorption coefficient or a scattering coefficient. Values are at least 0.
     NotNegative,

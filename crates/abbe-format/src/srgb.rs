@@ -47,8 +47,7 @@ pub fn is_hex_colour(name: &str) -> bool {
     name.starts_with('#')
 }
 
-/// Returns the linear sRGB components of a hexadecimal colour, or an error unless it has three or
-/// six digits.
+/// Returns the linear sRGB components of a hexadecimal colour of three or six digits.
 pub fn linear_of_hex(text: &str) -> Result<[f64; 3]> {
     let malformed = || Error::input(format!("found \"{text}\"")).expected(EXPECTED_HEX);
     let digits = text.strip_prefix('#').filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));

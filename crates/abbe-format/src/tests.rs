@@ -46,8 +46,7 @@ pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath, paths:
     value.as_array().into_iter().flatten().enumerate().for_each(|(i, value)| below(value, &path.index(i)));
 }
 
-/// Each value of each scene is replaced by values of all kinds. The result is a scene or an error
-/// with a position.
+/// Values of all kinds in place of each value give a scene or an error with a position.
 #[test]
 fn any_value_in_any_place_gives_a_scene_or_an_error() {
     let anything = ["null", "true", "0", "-1", "1e300", "3.5", "\"x\"", "[]", "[1, 2, 3]", "{}", "{\"x\": 1}"];
@@ -61,8 +60,7 @@ fn any_value_in_any_place_gives_a_scene_or_an_error() {
                     Ok(_) => read += 1,
                     Err(error) => {
                         refused += 1;
-                        // The error is in the patch, or in a value of the file that the patch made
-                        // invalid.
+                        // The error is in the patch, or in a value that the patch made invalid.
                         let in_patch = error.location.file == Some(format!("patch {place}").into());
                         let location = &error.location;
                         let in_file = location.file.as_ref() == Some(&path) && location.line_column.is_some();

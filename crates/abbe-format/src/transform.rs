@@ -175,8 +175,7 @@ fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result
     Err(check::fault(at, "found a singular matrix", "a matrix that can be inverted"))
 }
 
-/// Checks a motion: rising times, invertible transforms, and an unambiguous interpolation between
-/// neighbouring keyframes.
+/// Checks a motion: rising times, invertible transforms and unambiguous interpolation.
 pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<()> {
     check::rising(at, motion.iter().map(|key| key.time), Some("time"))?;
     check::all(motion.iter().enumerate().map(|(i, key)| key.transform.validate(&at.index(i).key("transform"))))?;

@@ -11,8 +11,7 @@ pub struct ImportedScene {
     pub added: Vec<String>,
     /// Sentences about what was left out, or replaced by something similar.
     pub left_out: Vec<String>,
-    /// Sentences about what the mesh reader ignores. A reader of the converted scene finds them
-    /// again.
+    /// What the mesh reader ignores, in sentences. A reader of the scene finds them again.
     pub ignored_by_meshes: Vec<String>,
     /// The names that an overlay may use.
     pub(super) names: ImportedNames,

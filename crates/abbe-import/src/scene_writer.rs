@@ -12,8 +12,7 @@ const SKY_ILLUMINANCE: f64 = 1000.0;
 /// The angular diameter (degrees) of the sun of a studio light. Its shadows have soft edges.
 const STUDIO_SUN_DIAMETER: f64 = 20.0;
 
-/// The number of the traditional overcast sky. Its luminance is (1 + 2 sin γ)/3 of that of the
-/// zenith.
+/// The traditional overcast sky, whose luminance is (1 + 2 sin γ)/3 of that of the zenith.
 const TRADITIONAL_OVERCAST: u32 = 16;
 
 /// The reflectance of the ground below a studio sky. The ground and the horizon of the overcast sky
@@ -34,8 +33,7 @@ pub(super) struct SceneWriter {
     objects: Vec<Value>,
     lights: Vec<Value>,
     names: ImportedNames,
-    /// What was left out: a sentence, the place of its first occurrence, and the number of
-    /// occurrences.
+    /// What was left out: a sentence, its first place, and the number of occurrences.
     left_out: Vec<(String, String, usize)>,
     added: Vec<String>,
     /// True if a light was left out.
@@ -45,8 +43,7 @@ pub(super) struct SceneWriter {
 }
 
 impl SceneWriter {
-    /// Adds a material, and returns its name. The name is `wanted`, unless another material has
-    /// this name.
+    /// Adds a material, and returns its name: `wanted`, unless another material has it.
     pub(super) fn add_material(&mut self, wanted: &str, material: Value) -> String {
         add(&mut self.materials, wanted, material)
     }

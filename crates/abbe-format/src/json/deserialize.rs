@@ -1,5 +1,4 @@
-//! A serde deserialiser for the values of a scanned text, whose errors have the position of the
-//! wrong value or key.
+//! A serde deserialiser for the values of a scanned text, whose errors have a position.
 //!
 //! The types for entries, elements and variants also represent stand-ins, so that the code of
 //! serde's visitors exists only once in the program.
@@ -53,8 +52,7 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
 
     fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
-            // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits
-            // of the text.
+            // Floats above 2⁵³ cannot represent every integer, so the digits of the text are read.
             Self::Written(written) if written.value.written().parse::<u64>().is_ok() => written.visit_any(visitor),
             Self::Written(written) => written.visit_whole(visitor),
             Self::StandIn => visitor.visit_u64(1),
@@ -295,8 +293,7 @@ impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
     }
 }
 
-/// Gives the entries of an object to serde: the entries of the text that are not dropped, and then
-/// the added keys.
+/// Gives the entries of an object to serde: the kept ones of the text, then the added keys.
 struct ObjectEntries<'a, 'de> {
     /// The entries of the text. `None` if all values are stand-ins.
     written: Option<(ChildValues<'de>, &'a Repairs)>,
@@ -366,8 +363,7 @@ impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
 enum Variant<'r, 'de> {
     /// A variant without fields, written as a string.
     Plain(SpannedValue<'de>),
-    /// A variant with fields. In JSON, it is an object with one key, and this key is the name of
-    /// the variant.
+    /// A variant with fields. In JSON, it is an object whose one key is the name of the variant.
     Keyed { key: SpannedValue<'de>, value: SpannedValue<'de>, repairs: &'r Repairs },
     /// The variant with this name, with stand-ins as its fields.
     StandIn(&'static str),

@@ -57,8 +57,7 @@ impl DeserializeError {
         &self.kind
     }
 
-    /// Returns the value or key at the position of the error. `root` is the outermost value of the
-    /// text.
+    /// Returns the value or key at the position of the error. `root` is the outermost value.
     pub(super) fn place<'t>(&self, root: SpannedValue<'t>) -> SpannedValue<'t> {
         self.node.map_or(root, |node| root.with_id(node))
     }
@@ -107,8 +106,7 @@ impl DeserializeErrorKind {
     }
 }
 
-/// Translates serde's description of the expected value into the terms of JSON. For example, "a
-/// map" becomes "an object".
+/// Translates serde's expected value into the terms of JSON: "a map" becomes "an object".
 fn expected_in_json_terms(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> String {
     let expected = expected.to_string();
     match expected.as_str() {

@@ -178,8 +178,7 @@ fn is_bare_word(json: &str) -> bool {
 }
 
 impl PathPatch<'_> {
-    /// Returns the edit that applies the patch to a text. `root` is the outermost value of the
-    /// text.
+    /// Returns the edit that applies the patch to a text. `root` is the outermost value.
     fn edit(&self, root: SpannedValue) -> Result<TextEdit> {
         let mut value = root;
         for (i, step) in self.steps.iter().enumerate() {
@@ -218,8 +217,7 @@ impl PathPatch<'_> {
     }
 }
 
-/// Returns the error for a path through a missing array. A patch creates missing objects, but no
-/// arrays.
+/// Returns the error for a path through a missing array, as a patch creates only missing objects.
 fn no_such_value(steps: &[PathStep]) -> Error {
     Error::input(format!("found nothing at {}", path::display(steps))).expected("a path through existing values")
 }

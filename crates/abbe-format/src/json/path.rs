@@ -126,8 +126,7 @@ pub(super) fn parse(path: &str) -> Result<Vec<PathStep>> {
     Ok(steps)
 }
 
-/// Parses the step that follows an opening bracket. Returns the step and the text after the closing
-/// bracket.
+/// Parses the step that follows an opening bracket. Also returns the text after the closing one.
 fn bracket(inner: &str) -> Option<(PathStep, &str)> {
     if inner.starts_with('"') {
         let mut strings = serde_json::Deserializer::from_str(inner).into_iter::<String>();

@@ -1,5 +1,4 @@
-//! A scanner of strict JSON (RFC 8259). It records the position of each value and explains syntax
-//! errors.
+//! A scanner of strict JSON (RFC 8259) that records positions and explains syntax errors.
 //!
 //! It accepts the same texts as `serde_json`, except that it refuses duplicate keys, and accepts
 //! [`MAX_NESTING`] levels of nesting, one more than `serde_json`. The limit bounds its recursion.

@@ -82,8 +82,7 @@ impl JsonSource {
         }
     }
 
-    /// Deserialises the text. A part that does not fit the type is reported and replaced, so that
-    /// the rest can be checked.
+    /// Deserialises the text. A part that does not fit is reported and replaced.
     pub fn deserialize_repaired<T: DeserializeOwned>(&self) -> RepairedValue<T> {
         let root = self.positions.root(&self.text);
         let (mut faults, mut repairs) = (Vec::new(), Repairs::default());

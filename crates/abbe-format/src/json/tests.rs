@@ -37,8 +37,7 @@ impl TextDamage {
     }
 }
 
-/// The scanner accepts the same texts as `serde_json`, except that the scanner refuses duplicate
-/// keys.
+/// The scanner accepts the same texts as `serde_json`, except those with duplicate keys.
 #[test]
 fn the_scanner_refuses_what_serde_json_refuses() {
     let whole =

@@ -56,8 +56,7 @@ pub struct IesFile {
 }
 
 impl IesFile {
-    /// Returns the quantity, or `None` if the file sets the scale. Two quantities and a quantity
-    /// below 0 are errors.
+    /// Returns the quantity, or `None` if the file sets the scale. Two, or one below 0, are errors.
     pub fn quantity(&self) -> Result<Option<QuantityFile>> {
         match (self.power, self.luminous_flux) {
             (None, None) => return Ok(None),

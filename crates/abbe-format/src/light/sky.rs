@@ -160,8 +160,7 @@ impl SkyFile {
         ])
     }
 
-    /// Checks that there is at most one position of the sun, and one above the horizon if the light
-    /// depends on it.
+    /// Checks that there is at most one position of the sun, above the horizon if it matters.
     fn validate_sun_position(&self, at: &JsonPath) -> Result<()> {
         let by_place = match (&self.place, &self.time) {
             (Some(_), Some(_)) => true,

@@ -147,8 +147,7 @@ fn planes_of(symmetry: LuminaireSymmetry, listed: &[PlacedValue], count: PlacedV
     Ok((angles, stored))
 }
 
-/// Returns the luminous opening. The format states lengths in mm. The length is along C90, and a
-/// width of 0 means a disk.
+/// Returns the luminous opening (mm in the file): the length along C90, and a disk for width 0.
 fn opening(lines: &LdtLines) -> Result<OpeningSize> {
     let mut sides = [0.0; 3];
     for (side, line) in sides.iter_mut().zip([16, 17, 18]) {

@@ -122,8 +122,7 @@ pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
     Ok(photometry)
 }
 
-/// Returns the name of the luminaire from the keywords. A file of 1986 has no keywords, so its
-/// first line is the name.
+/// Returns the name of the luminaire from the keywords, or the first line of a file of 1986.
 fn name_of(header: &[&str], version: Lm63Version) -> String {
     let keyword = |key: &str| {
         let line = header.iter().find_map(|line| line.trim_start().strip_prefix(key));
@@ -274,8 +273,7 @@ fn symmetry(kind: PhotometricType, vertical: &[f64], horizontal: &[f64]) -> Resu
     }
 }
 
-/// Returns the opening. The width is across the plane C0–C180, and the length is along it. Negative
-/// numbers are diameters.
+/// Returns the opening: the width across C0–C180, the length along it. Negative is a diameter.
 fn opening([width, length, height]: [f64; 3]) -> OpeningSize {
     let shape = match (width, length) {
         (0.0, 0.0) => OpeningShape::Point,

@@ -1,5 +1,4 @@
-//! Files with the measured distribution of intensity of a luminaire: IES LM-63 (`.ies`) and
-//! EULUMDAT (`.ldt`).
+//! Measured distributions of luminaires: IES LM-63 (`.ies`) and EULUMDAT (`.ldt`).
 
 mod eulumdat;
 mod ies;

@@ -53,8 +53,7 @@ pub(super) fn check_values(vertical: usize, horizontal: usize, place: PlacedValu
     Err(Error::input(what).expected(format!("at most {MAX_VALUES}")).at(place.line, place.column))
 }
 
-/// Checks that angles in degrees ascend within a range. Angles close to a multiple of 90° are
-/// rounded to the multiple.
+/// Checks that angles in degrees ascend within a range, and rounds those near a multiple of 90°.
 pub(super) fn ascending(angles: &[PlacedValue], what: &str, (from, to): (f64, f64)) -> Result<Vec<f64>> {
     let snapped = |angle: f64| {
         let corner = (angle / 90.0).round() * 90.0;

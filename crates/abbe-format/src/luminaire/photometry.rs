@@ -50,8 +50,7 @@ pub struct Photometry {
     pub name: String,
     pub kind: PhotometricType,
     pub symmetry: LuminaireSymmetry,
-    /// The vertical angles in degrees, ascending. For type C, these are the angles γ, from 0 to
-    /// 180.
+    /// The vertical angles in degrees, ascending. For type C, these are the angles γ (0 to 180).
     pub vertical_deg: Vec<f64>,
     /// The horizontal angles in degrees, ascending. For type C, these are the angles C.
     pub horizontal_deg: Vec<f64>,

@@ -68,8 +68,7 @@ impl LuminaireSummary {
     }
 }
 
-/// Returns the intensity in a plane at an angle from the photometric axis. Both angles are in
-/// degrees.
+/// Returns the intensity in a plane at an angle from the photometric axis, both in degrees.
 fn in_plane(table: &IntensityTable, c_deg: f64, angle_deg: f64) -> f64 {
     let ((sin, cos), (sin_c, cos_c)) = (sin_cos(angle_deg.to_radians()), sin_cos(c_deg.to_radians()));
     table.at(DVec3::new(sin * cos_c, sin * sin_c, cos))

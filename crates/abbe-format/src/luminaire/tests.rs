@@ -50,8 +50,7 @@ type Fold = fn(f64) -> f64;
 
 const GAMMA: [f64; 5] = [0.0, 20.0, 45.0, 90.0, 150.0];
 
-/// The intensities of planes at these angles C. `fold` maps an angle to the angle that determines
-/// the plane.
+/// The intensities of planes at these angles C. `fold` maps an angle to the one of its plane.
 fn planes(all_c: &[f64], fold: impl Fn(f64) -> f64) -> Vec<f64> {
     let value = |c: f64, gamma: f64| 100.0 + fold(c) * (1.0 - gamma / 300.0) - 0.3 * gamma;
     all_c.iter().flat_map(|&c| GAMMA.map(|gamma| value(c, gamma))).collect()
@@ -311,8 +310,7 @@ proptest! {
     }
 }
 
-/// Resolves a scene with one luminaire and one point light of 1000 lm. Returns the scene, or the
-/// error.
+/// Resolves a scene with one luminaire and one point light of 1000 lm.
 fn scene_with(folder: &Path, keys: &str) -> Result<abbe_scene::Scene> {
     let text = format!(
         r#"{{"camera": {{"from": [0, 1, 5], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 35}}}}}},

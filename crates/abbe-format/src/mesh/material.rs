@@ -14,16 +14,13 @@ pub struct MeshMaterial {
     pub base_colour_texture: Option<MeshTexture>,
     /// 0 for a dielectric, 1 for a metal.
     pub metallic: f64,
-    /// Perceptual roughness as in glTF: the square root of the microfacet parameter α. 0 is smooth,
-    /// and 1 is rough.
+    /// Perceptual roughness as in glTF: √α of the microfacet parameter α, from 0 (smooth) to 1.
     pub roughness: f64,
-    /// A linear picture whose green channel multiplies the roughness, and whose blue channel
-    /// multiplies `metallic`.
+    /// A linear picture: green multiplies the roughness, and blue multiplies `metallic`.
     pub metallic_roughness_texture: Option<MeshTexture>,
     /// The transmitted fraction of the light that enters the surface. 0 is opaque, and 1 is clear.
     pub transmission: f64,
-    /// True if the transmitting surface has no thickness, so that it is a pane unless it encloses a
-    /// volume.
+    /// True if the transmitting surface has no thickness: a pane, unless it encloses a volume.
     pub is_sheet: bool,
     /// A linear picture whose red channel multiplies `transmission`.
     pub transmission_texture: Option<MeshTexture>,
@@ -117,8 +114,7 @@ pub struct MeshFilm {
     pub ior: f64,
     /// The thickness in nm where the picture is 0, and where it is 1.
     pub thickness_nm: [f64; 2],
-    /// A linear picture whose green channel selects the thickness. Without a picture, the film has
-    /// the second thickness.
+    /// A linear picture whose green channel selects the thickness, which is else the second one.
     pub thickness_texture: Option<MeshTexture>,
 }
 

@@ -42,8 +42,7 @@ pub use part::{MeshPart, UnplacedParts};
 pub struct MeshFile {
     /// The parts of the file. There is at least one part.
     pub parts: Vec<MeshPart>,
-    /// What the file states about materials and this reader ignores, such as textures. `None` if
-    /// nothing is ignored.
+    /// What the file states about materials and this reader ignores, such as textures.
     pub ignored: Option<String>,
     /// True if the file also contains lights, which are not part of the mesh.
     pub has_lights: bool,
@@ -94,8 +93,7 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     }
 }
 
-/// Returns the extension of a file name in lower case. The extension of a packed file has two
-/// parts, such as "ply.gz".
+/// Returns the extension of a file name in lower case. That of a packed file is like "ply.gz".
 #[cfg(feature = "meshes")]
 fn extension_of(path: &Path) -> String {
     let extension = |path: &Path| path.extension().and_then(|name| name.to_str()).unwrap_or("").to_lowercase();

@@ -25,8 +25,7 @@ fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
     assert!((material.roughness - 32.0_f64.sqrt().recip()).abs() < 1e-15);
 }
 
-/// A line may continue on the next line, with line ends of both kinds. Errors have the number of
-/// the first line.
+/// A line may continue on the next line. Errors have the number of the first line.
 #[test]
 fn a_line_of_an_obj_may_continue_on_the_next_line() {
     let folder = TempDir::new().unwrap();

@@ -1,5 +1,4 @@
-//! Reads the elements `vertex` and `face` of PLY files in text form or in binary form. Polygons are
-//! split into triangles.
+//! Reads `vertex` and `face` of PLY files, as text or binary. Polygons are split into triangles.
 
 use super::part::{MeshPart, fan};
 use abbe_scene::geometry::mesh::TriangleMesh;

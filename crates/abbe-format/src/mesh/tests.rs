@@ -204,8 +204,7 @@ fn the_cube_is_the_same_from_every_format() {
         let low = mesh.positions().iter().copied().reduce(DVec3::min).unwrap();
         let high = mesh.positions().iter().copied().reduce(DVec3::max).unwrap();
         assert_eq!((low, high), (DVec3::new(8.0, 0.0, 0.0), DVec3::new(10.0, 2.0, 2.0)));
-        // The normals point from the origin of the cube to its corners. The node transform mirrors
-        // the cube and the normals.
+        // The normals point from the cube's origin to its corners. The node mirrors both.
         let normals = mesh.normals().unwrap();
         assert!(normals[7].normalize().distance(DVec3::new(-1.0, 1.0, 1.0).normalize()) < 1e-12);
     }

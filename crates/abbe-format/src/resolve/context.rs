@@ -25,8 +25,7 @@ pub(super) struct Resolver<'a> {
     pub(super) shutter: Shutter,
     /// The scene's centre in m, or `None` for the middle of the objects.
     pub(super) centre: Option<DVec3>,
-    /// The faults so far. A part of the scene with a fault is left out, so that one run finds the
-    /// faults of all parts.
+    /// The faults so far. A part with a fault is left out, so that one run finds all faults.
     faults: RefCell<Vec<Error>>,
     /// The textures of pictures that were read before. Copies share their texels.
     pub(super) textures: RefCell<Vec<(ColourImageFile, SpectralTexture)>>,
@@ -45,8 +44,7 @@ impl<'a> Resolver<'a> {
         Self { scene, source, metres, view, shutter, centre, faults, textures }
     }
 
-    /// Returns the value of a part of the scene. If the part has a fault, keeps the fault and
-    /// returns `None`.
+    /// Returns the value of a part of the scene, or keeps its fault and returns `None`.
     pub(super) fn keep<T>(&self, part: Result<T>) -> Option<T> {
         part.map_err(|fault| self.faults.borrow_mut().push(fault)).ok()
     }

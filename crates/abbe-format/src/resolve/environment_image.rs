@@ -12,13 +12,11 @@ use std::path::Path;
 /// An environment map, and the scale of its pixels.
 pub(super) struct EnvironmentImage {
     pub(super) map: EnvironmentMap,
-    /// The mean over all directions of the luminance of the pixels. The pixel (1, 1, 1) has the
-    /// luminance 1.
+    /// The mean luminance over all directions. The pixel (1, 1, 1) has the luminance 1.
     pub(super) mean_luminance: f64,
 }
 
-/// Reads a picture of all directions (EXR, Radiance HDR, PNG or JPEG) as linear sRGB and rotates it
-/// by `to_world`.
+/// Reads a picture of all directions (EXR, HDR, PNG, JPEG) as linear sRGB, rotated by `to_world`.
 pub(super) fn load(path: &Path, projection: ProjectionFile, to_world: DAffine3) -> Result<EnvironmentImage> {
     let picture = PictureFile::read(path)?;
     let (width, height) = (picture.size.width, picture.size.height);

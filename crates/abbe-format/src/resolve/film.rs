@@ -1,5 +1,4 @@
-//! Translates the film of the scene file to the film of the scene, with its exposure and white
-//! balance.
+//! Translates the film of the scene file, with its exposure and white balance.
 
 use super::{context::Resolver, spectra::Role};
 use crate::{

@@ -59,8 +59,7 @@ fn has_ending(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending))
 }
 
-/// Resolves a lens that is not part of a scene: a built-in name, or surfaces. An error states its
-/// place in `source`.
+/// Resolves a lens outside a scene: a built-in name, or surfaces. Errors have a place in `source`.
 pub fn lone_lens(prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
     lens_at(&JsonPath::Root, prescription, &Spectra { named: &BTreeMap::new(), source })
 }
@@ -112,8 +111,7 @@ fn surfaces(at: &JsonPath, files: &[LensSurfaceFile], spectra: &Spectra) -> Resu
             file;
         let index = if let IndexFile::Name(name) = ior { medium(name) } else { index_of(ior, source) };
         let index = index.map_err(|error| source.error_at(&at.index(i).key("ior").to_string(), error))?;
-        // The coefficients in the file begin with h⁴. The coefficients of a profile begin with h²,
-        // so a 0 comes first.
+        // The file's coefficients begin with h⁴, and a profile's with h², so a 0 comes first.
         let even_terms =
             if aspheric.is_empty() { [].into() } else { std::iter::once(&0.0).chain(aspheric).copied().collect() };
         let profile = SurfaceProfile { conic: *conic, even_terms, ..SurfaceProfile::sphere(*radius_mm) };

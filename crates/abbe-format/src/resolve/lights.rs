@@ -89,8 +89,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Resolves the lights of an emitting object. A mesh with several parts has one light for each
-    /// part.
+    /// Resolves the lights of an emitting object: one for each part of its mesh.
     fn area_lights(&self, at: &JsonPath, emitting: &EmittingObject, set: &mut LightSet) -> Result<()> {
         let EmittingObject { file_index, objects, emission } = emitting;
         let (builder, observer) = (&mut *set.builder, set.observer);
@@ -152,8 +151,7 @@ impl Resolver<'_> {
         Ok(LightSpectrum::new(&spectrum))
     }
 
-    /// Transforms a point from the light's frame to the world. The result is in m, relative to the
-    /// scene's centre.
+    /// Transforms a point from the light's frame to the world, in m relative to the scene's centre.
     fn point_of_light(&self, context: &LightContext, point: [f64; 3]) -> DVec3 {
         self.point(context.to_world.transform_point3(DVec3::from(point)).to_array(), context.centre)
     }
@@ -208,8 +206,7 @@ impl Resolver<'_> {
         let toward = DVec3::from(file.toward).normalize();
         let c0 = file.c0.map_or_else(|| GoniometricLight::default_c0(toward), DVec3::from);
         let c0 = (c0 - c0.dot(toward) * toward).normalize();
-        // Without a quantity, the file sets the scale in cd, which a tilt of the luminaire may
-        // change.
+        // Without a quantity, the file sets the scale in cd, which a tilt may change.
         let axis = context.to_world.transform_vector3(toward).normalize();
         let tilt_deg = acos((-axis.y).clamp(-1.0, 1.0)).to_degrees();
         let scale = match self.at(path, file.quantity())? {
@@ -288,8 +285,7 @@ impl Resolver<'_> {
         Ok(Light { group, ..light })
     }
 
-    /// Resolves the emission of a mesh file, which is linear RGB. White, (1, 1, 1), has a luminance
-    /// of 1 cd/m².
+    /// Resolves a mesh file's emission in linear RGB. White, (1, 1, 1), has 1 cd/m².
     fn mesh_emission(&self, path: &JsonPath, rgb: [f64; 3]) -> Result<(LightSpectrum, f64)> {
         let spectrum = LightSpectrum::new(&self.at(path, Spectrum::rgb_light(rgb))?);
         let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
@@ -298,8 +294,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Returns the luminous opening of a luminaire. `toward` and `c0` are the photometric axis and the
-/// direction C0.
+/// Returns the luminous opening. `toward` is the photometric axis, and `c0` the direction C0.
 fn opening(photometry: &Photometry, [toward, c0]: [DVec3; 2], notes: &mut Vec<String>) -> Result<LuminousOpening> {
     let size = photometry.opening;
     if size.shape == OpeningShape::Point {

@@ -245,8 +245,7 @@ impl Resolver<'_> {
         self.rough(at, roughness, coated)
     }
 
-    /// Creates a BSDF whose roughness may vary over the surface. `of_alpha` creates the BSDF of a
-    /// microfacet parameter α.
+    /// Creates a BSDF whose roughness may vary. `of_alpha` creates that of a microfacet α.
     fn rough(&self, at: &JsonPath, file: &ScalarFile, of_alpha: impl Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
         let of_roughness = |roughness| of_alpha(alpha(roughness));
         let at = at.key("roughness");

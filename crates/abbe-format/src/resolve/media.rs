@@ -26,8 +26,7 @@ pub const DEFAULT_MARCH_STEPS: u32 = 64;
 struct FieldPlacement {
     /// The lowest and highest corner in the box's own coordinates.
     bounds: (DVec3, DVec3),
-    /// The transform from scene coordinates, relative to the scene's centre, to the coordinates of
-    /// the box.
+    /// The transform from coordinates relative to the scene's centre to those of the box.
     to_local: DAffine3,
 }
 
@@ -46,8 +45,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// Resolves all media, including unused ones. Adds the media to the builder in the order of
-    /// their numbers.
+    /// Adds all media to the builder, including unused ones, in the order of their numbers.
     pub(super) fn media(&self, builder: &mut SceneBuilder) {
         let (root, centre) = (JsonPath::Root, builder.centre());
         let media = root.key("media");

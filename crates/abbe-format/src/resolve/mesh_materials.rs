@@ -259,8 +259,7 @@ mod tests {
         assert!(matches!(parts.as_slice(), [Bsdf::Glossy(_)]) && !has_body);
     }
 
-    /// Glass without a thickness is a pane if the mesh is open. Its base colour is the colour of
-    /// the transmitted light.
+    /// Glass without a thickness is a pane on an open mesh, and its base colour a transmittance.
     #[test]
     fn sheets_of_glass_are_panes() {
         let sheet = MeshMaterial { is_sheet: true, base_colour: [1.0, 0.5, 0.25], ..glass(1.0) };

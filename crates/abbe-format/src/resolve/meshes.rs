@@ -26,8 +26,7 @@ pub(super) struct LoadedMesh {
 pub(super) struct LoadedPart {
     pub(super) mesh: Arc<TriangleMesh>,
     pub(super) material: Option<MeshMaterial>,
-    /// The number of this material in the scene, after an object has used it. Parts with the same
-    /// material share the cell.
+    /// The number of this material in the scene once it is used. Parts with it share the cell.
     pub(super) material_number: Rc<Cell<Option<usize>>>,
     /// Name of the part in the file. It may be empty.
     pub(super) name: String,
@@ -47,8 +46,7 @@ struct LoadedFile {
 }
 
 impl<'a> Resolver<'a> {
-    /// Returns the shape to which a shape refers, and its place in the file. Most shapes refer to
-    /// no other shape.
+    /// Hands the shape to which a shape refers, usually itself, and its place to `then`.
     pub(super) fn shared_shape<T>(
         &self,
         at: &JsonPath,

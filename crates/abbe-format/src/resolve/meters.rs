@@ -14,8 +14,7 @@ use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Observer;
 use glam::DVec3;
 
-/// A measurement has at least this number of rows of sensors, so that few readings keep many
-/// threads busy.
+/// A measurement has at least this number of rows, so that few readings keep many threads busy.
 const LEAST_ROWS: usize = 32;
 
 const MOST_READINGS: usize = 1_000_000;

@@ -91,8 +91,7 @@ pub fn resolve_any(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     if only_meters { resolve_meters(scene, source) } else { resolve(scene, source) }
 }
 
-/// Resolves a scene. `resolver` takes the scene's centre in m, or `None` for the middle of the
-/// objects.
+/// Resolves a scene about its centre in m, which `resolver` takes. `None` is the objects' middle.
 fn about_view<'a>(resolver: impl Fn(Option<DVec3>) -> Resolver<'a>) -> Result<Scene> {
     let resolved = resolver(None).run()?;
     // If the camera looks at a small part of a large world, the centre of the view is a better

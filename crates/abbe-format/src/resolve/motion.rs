@@ -7,11 +7,9 @@ use abbe_scene::camera::Shutter;
 use abbe_scene::motion::{AnimatedLookAt, AnimatedTransform, LookAt};
 use glam::{DAffine3, DVec3};
 
-/// The motion of an object, a light or a medium, and its transform at the moment when the shutter
-/// opens.
+/// The motion of an object, a light or a medium, and its transform when the shutter opens.
 pub(super) struct ResolvedMotion {
-    /// The transform from the object's frame to the world when the shutter opens. Lengths are in
-    /// the scene's unit.
+    /// The transform from the object's frame to the world at that moment, in the scene's unit.
     pub(super) start: DAffine3,
     /// The motion, with lengths in m. `None` if the object does not move while the shutter is open.
     pub(super) motion: Option<AnimatedTransform>,

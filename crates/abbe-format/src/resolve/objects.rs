@@ -117,8 +117,7 @@ impl<'a> Resolver<'a> {
         Ok(number)
     }
 
-    /// Returns the number of the material of a mesh part. If the part has no material, the material
-    /// is the default material.
+    /// Returns the number of a mesh part's material, or that of the default material.
     fn own_material(&self, at: &JsonPath, part: &LoadedPart, resolved: &mut SceneObjects) -> Result<usize> {
         if let Some(known) = part.material_number.get() {
             return Ok(known);
@@ -130,8 +129,7 @@ impl<'a> Resolver<'a> {
         Ok(number)
     }
 
-    /// Notes what the mesh reader ignored. A material of the scene replaces the materials of the
-    /// file.
+    /// Notes what the mesh reader ignored. A material of the scene replaces those of the file.
     fn note_ignored(&self, path: &str, mesh: &LoadedMesh, has_own_materials: bool, notes: &mut Vec<String>) {
         let lights = (mesh.has_lights && self.scene.lights.is_empty())
             .then(|| "its lights are not part of a mesh; `abbe import` reads them".to_string());
@@ -143,8 +141,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Returns the shape in m, and the transform from the shape's frame to the object's frame.
-    /// Returns `None` for a mesh.
+    /// Returns the shape in m, and its frame in that of the object. Returns `None` for a mesh.
     fn analytic_shape(&self, file: &ShapeFile) -> Option<(Shape, DAffine3)> {
         let m = self.metres;
         let shape = match *file {

@@ -1,5 +1,4 @@
-//! Translates spectra of the scene file to functions of wavelength, and checks that each spectrum
-//! is valid for its role.
+//! Translates spectra of the scene file to functions of wavelength, checked for their role.
 
 use super::context::Resolver;
 use crate::{JsonPath, JsonSource, LineFile, SpectrumFile, is_hex_colour, linear_of_hex};
@@ -15,18 +14,15 @@ pub enum Role {
     /// The spectral power of a light, at any scale. Beyond the ends of a table, the power is 0. The
     /// power must be above 0 somewhere in the band.
     Light,
-    /// A reflectance or a transmittance, with values from 0 to 1. It is constant beyond the ends of
-    /// a table.
+    /// A reflectance or a transmittance, from 0 to 1. It is constant beyond the ends of a table.
     Reflectance,
-    /// The fraction of the light that a fluorophore absorbs, with values from 0 to 1. Beyond the
-    /// ends of a table, it is 0.
+    /// The fraction of the light that a fluorophore absorbs, from 0 to 1. It is 0 beyond a table.
     Absorptance,
     /// The absorption coefficient of a dye. Beyond the ends of a table, it is 0.
     DyeAbsorption,
     /// Any other non-negative quantity. It is constant beyond the ends of a table.
     Coefficient,
-    /// The mean cosine of a phase function, negative for backward scattering. It is constant beyond
-    /// the ends of a table.
+    /// The mean cosine of a phase function, below 0 for backward light, constant beyond a table.
     MeanCosine,
 }
 

@@ -27,16 +27,14 @@ pub(super) struct NodeTracks {
 pub(super) struct Track {
     /// The times of the keyframes in s, in rising order.
     times: Vec<f64>,
-    /// One value for each time. For cubic splines: the tangent before, the value and the tangent
-    /// after each time.
+    /// One value for each time, or three of a cubic spline: tangent before, value, tangent after.
     values: Vec<[f64; 4]>,
     interpolation: Interpolation,
     is_rotation: bool,
 }
 
 impl Animations {
-    /// Reads the animations of a file. If several animations move the same property of a node, the
-    /// first one counts.
+    /// Reads the animations of a file. The first of those that move the same property counts.
     pub(super) fn read(file: &GltfFile, accessors: &GltfAccessors, scene: &mut SceneWriter) -> Self {
         let mut animations = Self::default();
         if file.has_property_animations {
@@ -117,8 +115,7 @@ impl Track {
         Ok(Self { times, values, interpolation, is_rotation })
     }
 
-    /// Returns the value at a time in s. Before the first keyframe and after the last one, the
-    /// value is constant.
+    /// Returns the value at a time in s, which is constant beyond the keyframes.
     pub(super) fn at(&self, time: f64) -> [f64; 4] {
         let value = |key: usize| match self.interpolation {
             Interpolation::CubicSpline => self.values[3 * key + 1],

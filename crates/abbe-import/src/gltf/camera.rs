@@ -50,8 +50,7 @@ fn pose(to_world: &DAffine3) -> Value {
     json!({"from": from.to_array(), "at": at.to_array(), "up": direction(DVec3::Y).to_array()})
 }
 
-/// Returns the direction of a light that shines from behind and above, over the left shoulder of
-/// the camera. +y is up.
+/// Returns the direction of light from above (+y), over the left shoulder of the camera.
 pub(super) fn light_from_behind(camera: &Value) -> DVec3 {
     let point = |key: &str| DVec3::from_array(std::array::from_fn(|i| camera[key][i].as_f64().unwrap_or(0.0)));
     let view = point("at") - point("from");

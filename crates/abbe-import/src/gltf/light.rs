@@ -7,8 +7,7 @@ use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// Converts a light. In glTF, intensities are in cd, and illuminances are in lx. The colour scales
-/// them.
+/// Converts a light: intensities in cd or illuminances in lx, which the colour scales.
 pub(super) fn punctual_light(light: &Light, placed: &PlacedNode) -> Value {
     let (spectrum, luminance) = coloured(light.color().map(f64::from));
     let strength = f64::from(light.intensity()) * luminance;
@@ -85,8 +84,7 @@ fn pose(placed: &PlacedNode) -> ([f64; 3], DVec3) {
     (own.translation.to_array(), own.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z))
 }
 
-/// Adds the keyframes of a node without their scale, because the scale of a node does not affect a
-/// light.
+/// Adds the keyframes of a node without their scale, which does not affect a light.
 fn add_motion(form: &mut Value, placed: &PlacedNode) {
     if placed.motion.is_empty() {
         return;

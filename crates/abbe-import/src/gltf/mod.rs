@@ -236,8 +236,7 @@ impl<'d> NodeReader<'d> {
     }
 }
 
-/// Returns the transforms of the instances of a node (EXT_mesh_gpu_instancing). Other nodes have
-/// one instance.
+/// Returns the transforms of a node's instances (EXT_mesh_gpu_instancing): one by default.
 fn instances(node: &Node, document: &Document, accessors: &GltfAccessors) -> Result<Vec<DAffine3>> {
     let Some(extension) = node.extension_value(INSTANCING) else { return Ok(vec![DAffine3::IDENTITY]) };
     let read = |name: &str| -> Result<Option<Vec<[f64; 4]>>> {

@@ -13,8 +13,7 @@ use serde_json::{Value, json};
 /// node in this interval has no exact form in the scene file.
 const SUBDIVISIONS: u32 = 8;
 
-/// The largest rotation in radians between two keyframes. The direction of a rotation of 180° would
-/// be ambiguous.
+/// The largest rotation in radians between two keyframes. At π, its direction is ambiguous.
 const MAX_ROTATION: f64 = 0.8 * std::f64::consts::PI;
 
 /// The smallest magnitude of an animated scale. A scale of 0 has no inverse.
@@ -175,8 +174,7 @@ fn between(from: &DecomposedTransform, to: &DecomposedTransform, fraction: f64) 
     )
 }
 
-/// Divides each interval between keyframes. The result serves motions whose points go straight from
-/// keyframe to keyframe.
+/// Divides each interval between keyframes, for motions that are straight between keyframes.
 pub(super) fn subdivided(keys: &[(f64, DAffine3)]) -> Vec<(f64, DAffine3)> {
     let inside = |pair: &[(f64, DAffine3)]| {
         let times = (pair[0].0, pair[1].0);

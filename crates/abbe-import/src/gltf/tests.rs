@@ -303,8 +303,7 @@ fn an_overlay_replaces_parts_of_a_gltf_scene() {
     assert_eq!(scene.lights.len(), 1);
 }
 
-/// Files in the wild leave out optional keys, animate other properties, and require extensions that
-/// change only the look.
+/// Files leave out optional keys, animate other properties, and require cosmetic extensions.
 #[test]
 fn optional_keys_and_harmless_extensions_are_accepted() {
     let rest = r#", "scenes": [{"nodes": [0]}, {"name": "empty"}],

@@ -285,8 +285,7 @@ impl MitsubaReader<'_> {
     }
 }
 
-/// Returns the fraction of diffuse light inside a body that its surface reflects back. `ior` is the
-/// index of the body.
+/// Returns the fraction of diffuse light inside a body of index `ior` that its surface reflects.
 fn internal_reflectance(ior: f64) -> f64 {
     let steps = 2000_u32;
     let squared_cosine = |step: u32| (f64::from(step) + 0.5) / f64::from(steps);

@@ -52,8 +52,7 @@ impl MitsubaReader<'_> {
         Ok((!light.is_dark()).then(|| json!({"spectrum": light.spectrum, "luminance": light.quantity})))
     }
 
-    /// Reads the radiance, intensity or irradiance of an emitter. A texture is replaced by its
-    /// mean.
+    /// Reads the radiance, intensity or irradiance of an emitter, or the mean of its texture.
     fn light_spectrum(&mut self, properties: &Properties, name: &str) -> Result<EmissionSpectrum> {
         let textured = self.light_texture(properties, name)?;
         self.mean_light(properties, name, &textured)

@@ -31,8 +31,7 @@ const INDICES: [(&str, f64); 23] = [
     ("diamond", 2.419),
 ];
 
-/// Indices up to this value are those of a gas. Abbe's indices are relative to air, so the kind of
-/// gas makes no difference.
+/// Indices up to this value are those of a gas, which is like air in Abbe.
 const GAS: f64 = 1.001;
 
 /// The metals of Abbe by the names of Mitsuba.
@@ -66,8 +65,7 @@ impl MitsubaReader<'_> {
         })
     }
 
-    /// Reads `int_ior` and `ext_ior`. Returns the index inside for a body, and the ratio of both
-    /// for a coat.
+    /// Reads `int_ior` and `ext_ior` as the index inside a body, and their ratio for a coat.
     pub(super) fn indices(&mut self, properties: &Properties, default: f64) -> Result<(f64, f64)> {
         let inside = self.named_index(properties, "int_ior", default)?;
         let outside = self.named_index(properties, "ext_ior", 1.000277)?;
@@ -100,8 +98,7 @@ impl MitsubaReader<'_> {
         index.max(1.0)
     }
 
-    /// Reads the complex index of a metal, in the form of the scene file's `conductor`. `None` is
-    /// an ideal mirror.
+    /// Reads the complex index of a metal as Abbe's `conductor`. `None` is an ideal mirror.
     pub(super) fn metal(&mut self, properties: &Properties) -> Result<Option<Value>> {
         let material = properties.text("material")?.unwrap_or("none");
         let indices = [self.textured(properties, "eta")?, self.textured(properties, "k")?];

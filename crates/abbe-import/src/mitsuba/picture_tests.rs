@@ -33,8 +33,7 @@ fn textures_keep_their_place() {
     assert!(scene["objects"][0]["shape"]["triangles"]["uv"].is_array());
 }
 
-/// The normal map of a surface with holes belongs to the whole mix. The normal map of a part of a
-/// blend is left out.
+/// The normal map of a surface with holes is that of the mix, and that of a blend is left out.
 #[test]
 fn normal_maps_keep_their_material() {
     let normals = r#"<bsdf type="normalmap"><texture name="normalmap" type="bitmap"><boolean name="raw" value="true"/>
@@ -101,8 +100,7 @@ fn every_kind_of_picture_has_mitsubas_coordinates() {
     }
 }
 
-/// The base of a principled surface is brighter than its colour, unless the base would reflect more
-/// light than it receives.
+/// A principled base is brighter than its colour, unless it would reflect more than it receives.
 #[test]
 fn pictures_of_principled_surfaces_are_limited_to_1() {
     let factor = |colour: u8| {

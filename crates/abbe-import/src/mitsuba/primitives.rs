@@ -98,8 +98,7 @@ pub(super) fn cube(textured: bool, flipped: bool) -> BasicShape {
     BasicShape::new(json!({"triangles": {"positions": FACES.as_flattened(), "indices": indices, "uv": uv}}))
 }
 
-/// Returns the side of a cylinder as flat strips with smooth normals. `None` if the axis or the
-/// radius is 0.
+/// Returns the side of a cylinder as flat strips with smooth normals, or `None` if it is flat.
 pub(super) fn cylinder(from: DVec3, to: DVec3, radius: f64, flipped: bool) -> Option<BasicShape> {
     let axis = (to - from).try_normalize().filter(|_| radius > 0.0)?;
     // Mitsuba has the same directions of u = 0 and u = 1/4.

@@ -95,8 +95,7 @@ impl MitsubaReader<'_> {
     }
 }
 
-/// Returns the vertical field of view in degrees. `aspect` is the width of the film divided by its
-/// height.
+/// Returns the vertical field of view in degrees for a film of the aspect width / height.
 fn vertical_fov(properties: &Properties, aspect: f64) -> Result<f64> {
     let element = properties.element;
     let axis = properties.text("fov_axis")?.unwrap_or("x").to_lowercase();

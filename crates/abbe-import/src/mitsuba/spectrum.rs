@@ -196,8 +196,7 @@ fn luminance(spectrum: &Spectrum) -> f64 {
 }
 
 impl MitsubaSpectrum {
-    /// Returns the spectrum as a light, or an error if the temperature of a black body is not above
-    /// 0, or a value is below 0.
+    /// Returns the spectrum as a light. A temperature of at most 0 and a value below 0 are errors.
     pub(super) fn light(&self) -> Result<EmissionSpectrum> {
         let (spectrum, quantity) = match self {
             Self::Number(value) => (json!("D65"), *value),

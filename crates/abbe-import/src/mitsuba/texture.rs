@@ -89,8 +89,7 @@ impl Bitmap {
         Some(picture.linear_rgb(self.raw.then_some(EncodingFile::Linear)))
     }
 
-    /// Returns the largest linear component. It is `None` for a black picture, and for a picture
-    /// that cannot be read.
+    /// Returns the largest linear component. `None` is a black or unreadable picture.
     fn peak(&self) -> Option<f64> {
         let peak = f64::from(self.pixels()?.as_flattened().iter().copied().fold(0.0, f32::max));
         (peak > 0.0 && peak.is_finite()).then_some(peak)
@@ -115,8 +114,7 @@ impl Bitmap {
         json!({"image": image})
     }
 
-    /// Returns the picture in the form of the scene file. `linear` states that the file has linear
-    /// values.
+    /// Returns the picture in the form of the scene file. `linear` is the encoding of the file.
     fn value(&self, purpose: &str, linear: bool) -> Value {
         let encoding = match (purpose, linear) {
             ("reflectance", true) => Some("linear"),

@@ -111,8 +111,7 @@ impl MitsubaDocument {
     /// Returns the element that a `<ref>` names. Returns other elements unchanged.
     pub(super) fn resolve(&self, element: &Rc<XmlElement>) -> Rc<XmlElement> {
         let mut found = element;
-        // A reference to a reference does not occur in valid scenes. The checks in `read` limit the
-        // length of such a chain.
+        // Chains of references do not occur in valid scenes, and the checks in `read` limit them.
         while found.tag == "ref" {
             let Some(next) = found.attribute("id").and_then(|id| self.by_id.get(id)) else { break };
             found = next;
@@ -127,8 +126,7 @@ impl MitsubaDocument {
             .map_err(|error| element.locate(error))
     }
 
-    /// Returns the height of the tree below an element, and checks that it has no missing and no
-    /// circular references.
+    /// Returns the height of the tree below an element, and refuses missing or circular references.
     fn height(&self, element: &Rc<XmlElement>, level: usize, known: &mut Heights) -> Result<usize> {
         if let Some(&height) = known.get(&Rc::as_ptr(element))
             && level + height <= MAX_NESTING
@@ -198,8 +196,7 @@ struct FileContext {
 }
 
 impl XmlLoader {
-    /// Reads a file, and returns its root. `folder` is the folder of the file relative to the
-    /// folder of the scene.
+    /// Reads a file, and returns its root. `folder` is relative to the folder of the scene.
     fn file(&mut self, path: &Path, folder: &str, include_depth: usize) -> Result<XmlElement> {
         let text = read_text(path)?;
         let document = roxmltree::Document::parse(&text).map_err(|error| {

@@ -8,8 +8,7 @@ use glam::{DMat4, DVec3};
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 
-/// Returns the transform of an infinite light, without its translation. The projection "equal_area"
-/// has pbrt's axes.
+/// Returns the rotation of an infinite light. The projection "equal_area" has pbrt's axes.
 fn rotation(to_world: &DMat4) -> Value {
     let rows: Vec<Vec<f64>> = (0..4)
         .map(|row| (0..4).map(|column| if row < 3 && column == 3 { 0.0 } else { to_world.col(column)[row] }).collect())

@@ -81,8 +81,7 @@ impl PbrtReader<'_> {
         }
     }
 
-    /// Adds the material of a shape to the scene, and returns its name. Returns `None` if the shape
-    /// has no effect.
+    /// Adds the material of a shape and returns its name, or `None` if the shape has no effect.
     fn placed_material(
         &mut self,
         name: &str,

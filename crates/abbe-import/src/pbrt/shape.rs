@@ -291,8 +291,7 @@ impl Triangles {
         }
     }
 
-    /// Orders the corners of each triangle so that its front is on the side of the vertex normals,
-    /// as in pbrt.
+    /// Orders the corners of each triangle: its front is on the side of the vertex normals.
     fn face_normals(&mut self) {
         let Self { positions, normals, indices, .. } = self;
         for triangle in indices {

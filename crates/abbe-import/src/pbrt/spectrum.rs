@@ -159,8 +159,7 @@ fn named(name: &str) -> Option<String> {
     Some(illuminant.strip_prefix('F').map_or_else(|| illuminant.to_string(), |number| format!("FL{number}")))
 }
 
-/// Returns Abbe's name of the metal if two parameters are pbrt's built-in `eta` and `k` of one
-/// metal.
+/// Returns Abbe's name of the metal if `eta` and `k` are pbrt's built-in ones of one metal.
 pub(super) fn metal(eta: Option<&Parameter>, k: Option<&Parameter>) -> Option<&'static str> {
     let symbol = |parameter: Option<&Parameter>, end: &str| {
         let name = parameter?.string().ok()?.strip_prefix("metal-")?.strip_suffix(end)?;

@@ -61,8 +61,7 @@ fn missing_files_are_errors_with_a_place() {
     }
 }
 
-/// The window is 4 high along the shorter side of the picture. A scale of the camera's transform
-/// scales the picture.
+/// The window is 4 high along the picture's shorter side, and the camera's scale scales it.
 #[test]
 fn orthographic_cameras_are_read() {
     let text = scene("Shape \"sphere\"").replace("\"perspective\" \"float fov\" 40", "\"orthographic\"");
@@ -337,8 +336,7 @@ fn attributes_of_textures_are_applied() {
     assert!(fault(&scene("Attribute \"shapes\" \"float radius\" 2")).contains("shape, light"));
 }
 
-/// pbrt divides the power of a two-sided light between its sides, and multiplies all values by the
-/// exposure of the film.
+/// The power of a two-sided light is halved, and the film's exposure multiplies all values.
 #[test]
 fn two_sided_power_and_exposure_are_known() {
     let light = |flag: &str| {

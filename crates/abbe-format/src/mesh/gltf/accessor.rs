@@ -50,8 +50,7 @@ impl<'b> GltfAccessors<'b> {
         Ok(items.into_iter())
     }
 
-    /// Returns `count` items of `size` bytes, from an offset in a view. Returns `None` if they are
-    /// not all inside the view.
+    /// Returns `count` items of `size` bytes, from an offset in a view, or `None` beyond its end.
     fn view_items(
         &self,
         view: &View,
@@ -93,8 +92,7 @@ impl<'b> GltfAccessors<'b> {
         Ok(self.numbers::<2>(accessor)?.collect())
     }
 
-    /// Returns arrays of `N` numbers. If the accessor says so, integers are divided by the largest
-    /// integer of their type.
+    /// Returns arrays of `N` numbers. Normalised integers are divided by the largest of their type.
     fn numbers<const N: usize>(&self, accessor: &Accessor) -> Result<impl Iterator<Item = [f64; N]> + use<'b, N>> {
         let (kind, normalized) = (accessor.data_type(), accessor.normalized());
         if kind == DataType::U32 {

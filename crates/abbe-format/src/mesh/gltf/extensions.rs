@@ -28,14 +28,12 @@ const CONSEQUENCES: [(&str, &str); 3] = [
     ("KHR_materials_unlit", "the surface is lit like any other"),
 ];
 
-/// Returns true if a file may require the extension: this module reads it, or a note states what is
-/// left out.
+/// Returns true if a file may require the extension: it is read, or a note states what is left out.
 pub(super) fn is_accepted(name: &str) -> bool {
     READ.contains(&name) || CONSEQUENCES.iter().any(|(known, _)| *known == name) || name == "KHR_materials_variants"
 }
 
-/// Returns the Abbe number V_d. The extension states 20/V_d, or 0 for no dispersion; a negative
-/// number is an error.
+/// Returns the Abbe number V_d. The extension states 20/V_d, or 0 for none, and never below 0.
 pub(super) fn abbe_number(file: &Material) -> Result<Option<f64>> {
     let Some(extension) = file.extension_value("KHR_materials_dispersion") else { return Ok(None) };
     let Some(dispersion) = extension.get("dispersion") else { return Ok(None) };
@@ -54,8 +52,7 @@ pub(super) fn coat(file: &Material) -> Option<MeshCoat> {
     (factor > 0.0).then(|| MeshCoat { factor, roughness: fraction(extension, "clearcoatRoughnessFactor", 0.0) })
 }
 
-/// Returns the factor of the reflectance at normal incidence: the luminance of the colour times the
-/// factor.
+/// Returns the factor of the reflectance at normal incidence: the colour's luminance × the factor.
 pub(super) fn specular(file: &Material) -> f64 {
     let Some(extension) = file.extension_value("KHR_materials_specular") else { return 1.0 };
     let [r, g, b] = colour(extension, "specularColorFactor");
@@ -88,8 +85,7 @@ fn can_have_film(file: &Material) -> bool {
     is_glass && surface.metallic_factor() < 1.0
 }
 
-/// Returns the names of the material's extensions that are not read, or are read in part only, with
-/// the consequence.
+/// Returns the names of the extensions that are not, or not fully, read, with the consequence.
 pub(super) fn unread(file: &Material) -> Vec<String> {
     let mut unread = Vec::new();
     for (name, extension) in file.extensions().into_iter().flatten() {

@@ -42,8 +42,7 @@ impl GltfFile {
     }
 }
 
-/// The extensions other than those of materials that Abbe reads, and that the crate `gltf` does not
-/// know.
+/// The extensions (not of materials) that Abbe reads and that the crate `gltf` does not know.
 const OWN_EXTENSIONS: [&str; 3] = ["EXT_lights_ies", "EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];
 
 /// The extensions that pack geometry. Abbe does not read them.
@@ -122,8 +121,7 @@ fn check_length(bytes: &[u8]) -> Result<()> {
     }
 }
 
-/// Checks that no attribute refers to a missing accessor. A missing accessor would cause a panic in
-/// the crate `gltf`.
+/// Checks that attributes refer to existing accessors. Others would panic in the crate `gltf`.
 fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let largest = primitives.flat_map(|primitive| primitive.attributes.values()).map(|index| index.value()).max();

@@ -86,8 +86,7 @@ pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<Unpl
     Ok(UnplacedParts { parts, ignored })
 }
 
-/// Returns the number of the first part of each mesh. The parts are the primitives of all meshes,
-/// in the order of the file.
+/// Returns the number of the first part of each mesh. Parts are primitives in the file's order.
 pub fn first_parts(document: &Document) -> Vec<u32> {
     let mut next = 0;
     let first = |mesh: ::gltf::Mesh<'_>| {

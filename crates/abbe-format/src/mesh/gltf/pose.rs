@@ -56,8 +56,7 @@ impl RestPose {
 }
 
 impl Deformation {
-    /// Returns true if the skin places the mesh in the world, so that the transform of the node has
-    /// no effect.
+    /// Returns true if the skin places the mesh, so that the node's transform has no effect.
     pub(super) fn has_skin(&self) -> bool {
         self.joints.is_some()
     }
