@@ -27,8 +27,7 @@ const FOREIGN: [(&str, &str, Import); 12] = [
     ("usdz", "a USD file", Import::Scene),
 ];
 
-/// Returns an error if the extension of a file belongs to another program. The error says how to
-/// bring such a file into a scene.
+/// Refuses a file of another program by its extension. The error says how to bring it into a scene.
 pub(super) fn refuse_foreign(path: &Path) -> Result<()> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let known = FOREIGN.iter().find(|(known, ..)| extension.eq_ignore_ascii_case(known));

@@ -34,8 +34,7 @@ pub(super) trait Forms: Sized {
     /// True if an array of three numbers is a form of the type.
     const HAS_TRIPLE: bool = false;
 
-    /// Reads an object. The visitor has already read the first key. `form` deserialises the whole
-    /// object, including the first key.
+    /// Reads an object whose first key is read. `form` deserialises all of it, with this key.
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> Result<Self, A::Error>;
 }
 

@@ -42,9 +42,8 @@ impl QuantityFile {
 
 pub(super) type QuantityVariant = fn(f64) -> QuantityFile;
 
-/// Returns the one quantity that an emitter gives, or an error if there is none, if there are
-/// several or if it is below 0. `validate` makes the same check when a scene is read, but a program
-/// may change the scene afterwards.
+/// Returns the one quantity that an emitter gives. None, several, or one below 0 are errors, which
+/// `validate` finds when a scene is read; but a program may change the scene afterwards.
 pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result<QuantityFile> {
     let given = choices.iter().map(|(value, kind)| (kind(0.0).key_and_value().0, value.is_some()));
     check::exactly_one(&JsonPath::Root, &given.collect::<Vec<_>>())?;

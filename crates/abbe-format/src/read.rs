@@ -75,9 +75,8 @@ pub(super) fn parse_source(
     }
 }
 
-/// Reads a spectrum from its text, in any form that a scene may contain. Errors use `name` as the
-/// name of the text. The spectrum may name any file, because the text comes from the user and not
-/// from a scene file.
+/// Reads a spectrum from its text, in any form that a scene may contain. `name` is the text's name.
+/// The spectrum may name any file, because the text comes from the user.
 ///
 /// # Errors
 /// If the text is not a spectrum, returns an error with its position in the text.

@@ -5,9 +5,9 @@ use crate::json::one_line;
 use serde_json::{Map, Value};
 use std::fmt::Write as _;
 
-/// The chapters of the page: their titles, and the names of the definitions that they describe. The
-/// empty name is the scene. A definition without a title has no section; its text appears wherever
-/// it is used.
+/// The chapters of the page: their titles, and the names of their definitions, of which the empty
+/// one is the scene. Definitions without a title have no section; their text appears where they are
+/// used.
 pub(super) const CHAPTERS: [(&str, &str); 18] = [
     ("The scene", " UnitFile"),
     ("The camera", "CameraFile CameraKeyframeFile ShutterFile"),

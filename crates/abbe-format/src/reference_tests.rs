@@ -10,8 +10,7 @@ const MINIMAL_SCENE: &str = r#"{
     "film": {"width": 64, "height": 64}, "materials": {"white": {"diffuse": {"reflectance": 0.5}}}, "objects": []
 }"#;
 
-/// For each definition with examples, the patch that puts an example into the minimal scene. In the
-/// patch, `%` stands for the example.
+/// For each definition with examples, the patch that puts one (`%`) into the minimal scene.
 const PLACES: &str = r#"
 CameraFile camera=%
 CameraKeyframeFile camera.motion=[%]
@@ -183,8 +182,7 @@ struct BoundedNumber {
     path: String,
 }
 
-/// Walks through a value and its schema, and collects the numbers whose schema has bounds. The keys
-/// of `found` are the locations of these schemas.
+/// Collects the numbers of a value whose schema has bounds, by the location of the schema.
 struct BoundsWalk<'s> {
     schema: &'s Value,
     scene: String,

@@ -41,8 +41,7 @@ impl SrgbFile {
     }
 }
 
-/// Returns whether a text in the place of a spectrum's name is a hexadecimal colour. The names of
-/// the library do not start with `#`.
+/// Returns whether a spectrum's name is a hexadecimal colour. No name of the library has a `#`.
 pub fn is_hex_colour(name: &str) -> bool {
     name.starts_with('#')
 }

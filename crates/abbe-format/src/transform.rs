@@ -158,9 +158,8 @@ fn not_zero(at: &JsonPath, scale: f64) -> Result<()> {
     check::rule(at, scale, scale != 0.0, "a number other than 0")
 }
 
-/// Checks that the last row is [0, 0, 0, 1] and that the linear part is not singular. The
-/// determinant is divided by Hadamard's bound, the product of the column lengths, so that the unit
-/// has no effect.
+/// Checks that the last row is [0, 0, 0, 1] and that the linear part is not singular in any unit:
+/// the determinant is divided by Hadamard's bound, the product of the column lengths.
 fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result<()> {
     if rows[3] != [0.0, 0.0, 0.0, 1.0] {
         let found = rows[3].map(check::number).join(", ");

@@ -1,5 +1,4 @@
-//! Applies an overlay to a converted scene: a small JSON file that names materials, lights and
-//! objects, and replaces or changes them.
+//! An overlay is a small JSON file that replaces or changes parts of a converted scene by name.
 
 use abbe_format::json::{JsonPath, JsonSource, pretty, read_text};
 use abbe_spectra::error::{Error, Result};
@@ -178,8 +177,7 @@ impl OverlayFile {
     }
 }
 
-/// Changes a light. If the only key of `changes` is a kind of light, the light gets this kind, and
-/// keeps its place and its motion.
+/// Changes a light. If its only key is a kind of light, the kind changes, and not place and motion.
 fn change_light(light: &mut Value, changes: &Map<String, Value>) {
     let Some((old_kind, old)) = light.as_object().and_then(|map| map.iter().next()) else { return };
     let (old_kind, mut form) = (old_kind.clone(), old.clone());

@@ -15,9 +15,8 @@ const STUDIO_SUN_DIAMETER: f64 = 20.0;
 /// The traditional overcast sky, whose luminance is (1 + 2 sin γ)/3 of that of the zenith.
 const TRADITIONAL_OVERCAST: u32 = 16;
 
-/// The reflectance of the ground below a studio sky. The ground and the horizon of the overcast sky
-/// then have the same luminance, so the horizon is not visible: the luminance at the horizon is
-/// 3/7 of that of a white ground.
+/// The reflectance of the ground below a studio sky. It has the luminance of the overcast horizon,
+/// 3/7 of that of a white ground, so that the horizon is not visible.
 const STUDIO_GROUND: f64 = 3.0 / 7.0;
 
 /// The parts of a scene file. All values have the form that the scene file has.
@@ -172,8 +171,7 @@ impl SceneWriter {
         self.added.push(what.into());
     }
 
-    /// Notes something that was left out, or replaced by something similar. `place` is the file and
-    /// the line. Equal sentences are counted.
+    /// Notes what was left out or replaced at `place`, a file and a line. Equal notes are counted.
     pub(super) fn leave_out(&mut self, place: impl Into<String>, what: impl Into<String>) {
         let what = what.into();
         match self.left_out.iter_mut().find(|(known, ..)| *known == what) {

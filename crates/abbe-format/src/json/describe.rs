@@ -18,8 +18,7 @@ pub(super) fn one_of(names: &[&str]) -> String {
     }
 }
 
-/// Describes a value for an error message: a plain value by its text, an array by its length, and
-/// an object by whether it is empty.
+/// Describes a value: a plain one by its text, an array by its length, an object by its emptiness.
 pub(super) fn found(value: SpannedValue) -> String {
     match value.kind() {
         ValueKind::Null | ValueKind::Bool | ValueKind::Number | ValueKind::String => shorten(value.written()),

@@ -325,8 +325,7 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
         }
     }
 
-    /// Returns an error if the text has further entries. The visitor of a struct reads all keys. The
-    /// visitor of an enum reads only the first key.
+    /// Refuses further entries. A struct's visitor reads all keys, and an enum's only the first.
     fn check_end(&mut self) -> ReadResult<()> {
         let second = |key| Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key));
         self.next_kept_key().map_or(Ok(()), second)

@@ -23,8 +23,7 @@ pub(super) enum DeserializeErrorKind {
     Unknown { name: String, known: &'static [&'static str] },
     /// An object lacks this key.
     Missing(&'static str),
-    /// An object has two or more of the listed keys, but must have exactly one. The error's
-    /// position is the second key.
+    /// An object has two of the listed keys instead of one. The position is the second key.
     SecondKey(&'static [&'static str]),
     /// The value was replaced by a stand-in, and the type of the value has no stand-in.
     NoStandIn,
@@ -70,8 +69,7 @@ impl DeserializeError {
             && value.kind() == ValueKind::Object
             && let Some((key, _)) = value.entries().next()
         {
-            // The module `forms` itself reads the key that selects the variant, so the error about an
-            // unknown key has the position of the object.
+            // `forms` reads the key of the variant, so an unknown one has the object's position.
             value = key;
         }
         let path = root.path_to(value.id());

@@ -115,8 +115,7 @@ struct TextEdit {
     text: String,
 }
 
-/// Scans a patched text. Text and patch are valid JSON by themselves, but the result can still be
-/// too large or too deeply nested.
+/// Scans a patched text, which can be too large or too deeply nested, although its parts are valid.
 fn rescan(text: &str, label: &str) -> Result<Positions> {
     if text.len() as u64 > MAX_BYTES {
         return Err(too_large().in_file(Path::new(label)));

@@ -1,5 +1,4 @@
-//! Repairs of a text with several faults. With the repairs, the rest of the text can be read and
-//! checked, so that one run finds all faults.
+//! Repairs of a text with several faults, so that one run reads and checks the rest of it as well.
 
 use super::deserialize_error::{DeserializeError, DeserializeErrorKind};
 use super::positions::{SpannedValue, ValueKind};

@@ -15,8 +15,7 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 /// A value of a text with faults.
 #[derive(Debug)]
 pub struct RepairedValue<T> {
-    /// The value, in which stand-ins replace the wrong parts. `None` if the text has too many
-    /// faults, or if the type has no stand-in.
+    /// The value with stand-ins for wrong parts. `None` after too many faults or without one.
     pub value: Option<T>,
     /// The faults of the text, each with its position.
     pub faults: Vec<Error>,
@@ -53,8 +52,7 @@ pub struct JsonSource {
 }
 
 impl JsonSource {
-    /// Reads strict JSON and applies the patches `sets` (`PATH=JSON`) in their order. `file` is the
-    /// name of the text in errors.
+    /// Reads strict JSON, the text `file` in errors, and applies the patches `sets` (`PATH=JSON`).
     ///
     /// # Errors
     /// Returns an error if the text is not JSON, or if a patch cannot be applied.

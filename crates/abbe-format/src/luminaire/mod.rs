@@ -42,8 +42,7 @@ pub fn read(path: &Path, access: FileAccess) -> Result<Photometry> {
     parsed.and_then(|photometry| photometry.table().map(|_| photometry)).map_err(|error| error.in_file(path))
 }
 
-/// Parses the text of an IES LM-63 file, which must not name another file with tilt factors. An
-/// error has its line and column.
+/// Parses an IES LM-63 file without another file of tilt factors. Errors have a line and column.
 pub fn parse_ies(text: &str) -> Result<Photometry> {
     ies::parse(text, &|_| Err(Error::input("the tilt factors are in another file")))
 }

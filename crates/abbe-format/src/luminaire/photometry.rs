@@ -126,8 +126,7 @@ impl Photometry {
         }
     }
 
-    /// Returns the factor of the intensity for a tilt of the luminaire in degrees. It is linear
-    /// between the angles of the file.
+    /// Returns the factor of the intensity for a tilt in degrees, linear between the file's.
     pub fn tilt_factor(&self, tilt_deg: f64) -> f64 {
         let (Some(first), Some(last)) = (self.tilt.first(), self.tilt.last()) else { return 1.0 };
         let tilt = tilt_deg.clamp(first.0, last.0);

@@ -60,9 +60,8 @@ impl LuminaireSummary {
         })
     }
 
-    /// Returns the polar curve of a plane: pairs of an angle in degrees and the intensity in cd.
-    /// Angles from 0 to 180 are angles γ in the half-plane `c_deg`, and angles from −180 to 0 are
-    /// angles γ in the opposite half-plane.
+    /// Returns the polar curve of a plane as pairs of degrees and cd: γ in the half-plane `c_deg`
+    /// from 0 to 180, and γ in the opposite half-plane from −180 to 0.
     pub fn polar_curve(&self, c_deg: f64) -> Vec<(f64, f64)> {
         (-180..=180_i16).map(f64::from).map(|angle| (angle, in_plane(&self.table, c_deg, angle))).collect()
     }

@@ -36,8 +36,7 @@ pub struct MeshMaterial {
     pub abbe_number: Option<f64>,
     pub attenuation: Option<MeshAttenuation>,
     pub opacity: MeshOpacity,
-    /// Emitted colour multiplied by the emissive strength. In glTF files, the unit is cd/m². Zero
-    /// for a surface that does not emit.
+    /// Emitted colour times the emissive strength, in glTF in cd/m². Zero emits nothing.
     pub emission: [f64; 3],
     pub emission_texture: Option<MeshTexture>,
     pub normal_texture: Option<MeshTexture>,
@@ -45,8 +44,7 @@ pub struct MeshMaterial {
     pub normal_strength: f64,
 }
 
-/// The opacity of a surface: the part of the area that the surface covers. The alpha channel of the
-/// base colour's picture multiplies `alpha`.
+/// The covered part of the area. The base colour's alpha channel multiplies `alpha`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MeshOpacity {
     /// The surface covers its whole area.
@@ -81,8 +79,7 @@ pub struct MeshTexture {
     pub transform: UvTransform,
 }
 
-/// The absorption inside a mesh. After white light has travelled `distance` through the mesh, the
-/// light has the colour `colour`.
+/// The absorption inside a mesh: after `distance`, white light has the colour `colour`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshAttenuation {
     pub colour: [f64; 3],

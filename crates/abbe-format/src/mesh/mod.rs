@@ -1,7 +1,6 @@
 //! Reads triangle meshes from OBJ, PLY, STL, glTF and Mitsuba's serialized files.
 //!
-//! Every reader checks its input. If a file is missing, truncated or malformed, the error names the
-//! file. The reader never panics.
+//! Readers check their input and never panic. Errors of missing or malformed files have their name.
 
 #[cfg(feature = "meshes")]
 mod gltf;
@@ -48,9 +47,8 @@ pub struct MeshFile {
     pub has_lights: bool,
 }
 
-/// Reads a mesh file. The file extension determines the format: `.obj` (with its `.mtl`), `.ply`,
-/// `.stl`, `.serialized`, `.gltf` or `.glb`. `file_access` states which other files the file may
-/// name.
+/// Reads a mesh file by its extension: `.obj` (with its `.mtl`), `.ply`, `.stl`, `.serialized`,
+/// `.gltf` or `.glb`. `file_access` states which other files the file may name.
 ///
 /// # Errors
 /// Returns an error with the name of the file if it is missing, has an unknown format, is truncated

@@ -175,8 +175,7 @@ fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
     TriangleMesh::new(triples(&mesh.positions), normals, uvs, triangles)
 }
 
-/// Checks that the indices of every face refer to vertices that precede the face in the file. The
-/// error names the line of the face.
+/// Checks that faces refer to vertices before them. Errors name the line of the face.
 fn check_faces(text: &str) -> Result<()> {
     // The numbers of v, vt and vn lines so far, in the order of the indices of a corner.
     let mut counts = [0_i64; 3];

@@ -18,9 +18,8 @@ pub struct MeshPart {
 
 #[derive(Debug, Clone)]
 pub struct UnplacedParts {
-    /// The parts. In a glTF file, the parts are the primitives of all meshes, in the order of the
-    /// file and without the transforms of the nodes. Primitives without triangles, and primitives
-    /// outside the default scene, are absent.
+    /// The parts. In a glTF file, they are the primitives with triangles of the default scene, in
+    /// the order of the file and without the transforms of the nodes.
     pub parts: BTreeMap<u32, MeshPart>,
     pub ignored: Vec<String>,
 }
@@ -39,8 +38,7 @@ impl PartsAndNotes {
     }
 }
 
-/// Lists names in the order of their first occurrence, each once. Of many names, the list states
-/// the first five and the number of the others.
+/// Lists names once each, in order of occurrence: the first five, and the number of the others.
 #[cfg(feature = "meshes")]
 pub(super) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     const MOST: usize = 5;

@@ -131,9 +131,8 @@ fn gltf_buffer() -> Vec<u8> {
     positions.chain(indices).collect()
 }
 
-/// Returns the JSON text of a glTF scene with a cube and two nested nodes. One node scales the cube
-/// by 2 and moves it; the other node mirrors the cube. The material is a glass that uses every
-/// extension.
+/// Returns the JSON of a glTF cube in two nested nodes: one scales it by 2 and moves it, and the
+/// other mirrors it. The material is a glass that uses every extension.
 fn gltf_json(buffer: &str) -> String {
     format!(
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],

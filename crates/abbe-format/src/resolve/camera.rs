@@ -93,8 +93,7 @@ impl Resolver<'_> {
                     return Err(Error::input(format!("found a focus distance of {focus_m} m"))
                         .expected(format!("a distance above the focal length of {focal_m} m")));
                 }
-                // Thin lens: 1/f = 1/u + 1/v. The field of view follows from the image distance v,
-                // and not from the focal length f.
+                // Thin lens: 1/f = 1/u + 1/v. The field of view follows from v, not from f.
                 let image_m = focal_m * focus_m / (focus_m - focal_m);
                 (0.5 * sensor_height_mm * 1e-3 / image_m, 0.5 * focal_m / f_number, focus_m)
             }

@@ -173,8 +173,7 @@ fn named_index(name: &str) -> Result<OpticalIndex> {
 }
 
 impl Resolver<'_> {
-    /// Resolves the films of a coating. `substrate` is the index of the coated material. The films
-    /// of a free-standing film lie in air.
+    /// Resolves a coating of a material of the index `substrate`, or a film in air.
     pub(super) fn coating(&self, at: &JsonPath, file: &CoatingFile, substrate: &OpticalIndex) -> Result<FilmStack> {
         let media = [OpticalIndex::Transparent(RefractiveIndex::constant(1.0)?), substrate.clone()];
         self.spectra().films_between(at, file, &media, &|at, file| self.scalar(at, file))

@@ -54,8 +54,7 @@ fn mean_luminance(width: usize, height: usize, rgb: &[[f32; 3]]) -> f64 {
     sum / (2.0 * width as f64)
 }
 
-/// Converts a square equal-area image to an equirectangular image with twice the width. Each pixel
-/// is the mean of 4 × 4 lookups.
+/// Converts a square equal-area image to an equirectangular one of twice the width (4 × 4 means).
 fn equirectangular(size: usize, rgb: &[[f32; 3]]) -> Vec<[f32; 3]> {
     const SAMPLES: usize = 4;
     let (columns, rows) = (SAMPLES * 2 * size, SAMPLES * size);

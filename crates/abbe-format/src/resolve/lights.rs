@@ -41,8 +41,7 @@ type ResolvedEmitter = Result<(Emitter, LightSpectrum)>;
 enum Radiometric {
     /// A power in W.
     Power(f64),
-    /// An intensity in W/sr, a radiance in W/m²/sr or an irradiance in W/m². The kind of light
-    /// determines which of these quantities is meant.
+    /// By the kind of light: an intensity in W/sr, a radiance in W/m²/sr or an irradiance in W/m².
     FluxDensity(f64),
 }
 

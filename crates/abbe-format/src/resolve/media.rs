@@ -1,5 +1,4 @@
-//! Translates the media of the scene file to the media of the scene. In the result, coefficients
-//! are in 1/m, and the boxes of fields are in m.
+//! Translates the media of the scene file. The coefficients become 1/m, and boxes of fields m.
 
 use super::{context::Resolver, index::index_of, motion::ResolvedMotion, spectra::Role};
 use crate::{
@@ -36,8 +35,7 @@ fn with_dye(medium: Medium, dye: Option<Fluorophore>) -> Medium {
 }
 
 impl Resolver<'_> {
-    /// Returns the number of a medium, which is its position in the list of the scene's media. `at`
-    /// is the place of the name in the file.
+    /// Returns the number of a medium, its position in `media`. `at` is the place of the name.
     pub(super) fn medium_number(&self, at: &JsonPath, name: &str) -> Result<usize> {
         self.scene.media.keys().position(|known| known == name).ok_or_else(|| {
             let known = self.scene.media.keys().map(String::as_str).collect();

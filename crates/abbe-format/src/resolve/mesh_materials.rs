@@ -112,9 +112,8 @@ fn rough(roughness: &SurfaceScalar, of_alpha: &dyn Fn(f64) -> Result<Bsdf>) -> R
     }
 }
 
-/// Returns the surface of a dielectric that transmits no light, or transmits it diffusely. The
-/// diffuse base has a clear coat unless it is matt. A further coat replaces this coat on a part of
-/// the area.
+/// Returns the surface of a dielectric that transmits no light, or diffusely. The diffuse base has
+/// a clear coat unless it is matt. A further coat replaces this coat on a part of the area.
 fn opaque(file: &MeshMaterial, base: &SurfaceSpectrum, n: &RefractiveIndex, roughness: &SurfaceScalar) -> Result<Bsdf> {
     let index = if file.specular < 1.0 { RefractiveIndex::constant(reduced_ior(file))? } else { n.clone() };
     let is_matt = matches!(roughness, SurfaceScalar::Uniform(roughness) if *roughness >= MATT);
@@ -134,8 +133,7 @@ fn opaque(file: &MeshMaterial, base: &SurfaceSpectrum, n: &RefractiveIndex, roug
     Ok(surface)
 }
 
-/// Returns the index of refraction whose reflectance at normal incidence is the stated part of the
-/// reflectance of the file's index.
+/// Returns the index whose reflectance at normal incidence is `specular` times the file's.
 fn reduced_ior(file: &MeshMaterial) -> f64 {
     let reflectance = ((file.ior - 1.0) / (file.ior + 1.0)).powi(2) * file.specular.clamp(0.0, 1.0);
     let root = reflectance.sqrt();
@@ -185,8 +183,7 @@ fn base_colour(file: &MeshMaterial, textured: bool) -> Result<SurfaceSpectrum> {
     Ok(SpectralTexture::from_colours(pattern(texture)?, pixels).into())
 }
 
-/// Returns `offset` + `factor` × a channel of a picture. Without a picture, the channel is 1. The
-/// results are limited to the range from 0 to 1.
+/// Returns `offset` + `factor` × a channel (1 without a picture), limited to the range from 0 to 1.
 fn channel(texture: Option<&MeshTexture>, number: usize, factor: f64, offset: f64) -> Result<SurfaceScalar> {
     map_channel(texture, number, |x| (offset + factor * f64::from(x)).clamp(0.0, 1.0))
 }
@@ -204,8 +201,7 @@ fn normal_map(texture: &MeshTexture, strength: f64) -> Result<NormalMap> {
     Ok(NormalMap::from_picture(pattern(texture)?, &texture.picture.linear_rgb(Some(EncodingFile::Linear)), scale))
 }
 
-/// Returns the light of a surface that emits: its colour as linear RGB, and the slide in front of
-/// it. Without a picture, there is no slide.
+/// Returns the light of a surface: its colour as linear RGB, and the slide, if it has a picture.
 pub(super) fn emission(file: &MeshMaterial, textured: bool) -> Result<([f64; 3], Option<SurfaceSpectrum>)> {
     let Some(texture) = file.emission_texture.as_ref().filter(|_| textured) else { return Ok((file.emission, None)) };
     let most = file.emission.into_iter().fold(0.0, f64::max);

@@ -161,8 +161,8 @@ impl LoadedPart {
         self.material.as_ref().filter(|own| own.emission.iter().any(|&component| component > 0.0))
     }
 
-    /// Returns the mesh for an object. Luminous objects get a mesh of their own, because points are
-    /// sampled only on meshes that are not shared.
+    /// Returns the mesh for an object: its own if luminous, as no points are sampled on shared
+    /// ones.
     pub(super) fn mesh_for(&self, is_luminous: bool) -> Arc<TriangleMesh> {
         if is_luminous { Arc::new(TriangleMesh::clone(&self.mesh)) } else { Arc::clone(&self.mesh) }
     }

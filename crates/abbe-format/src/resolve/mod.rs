@@ -1,9 +1,8 @@
 //! Translates the scene file to the scene model. Names become numbers, quantities are converted to
 //! SI units, spectra become functions of wavelength, and the named files are read.
 //!
-//! [`SceneBuilder`] builds and checks the model, and this module adds the position in the file to
-//! its errors. Most structs are destructured without `..`, so that the compiler reports a forgotten
-//! field.
+//! [`SceneBuilder`] builds and checks the model, and this module adds positions to its errors. Most
+//! structs are destructured without `..`, so that the compiler reports a forgotten field.
 
 mod camera;
 mod coating;
@@ -50,9 +49,8 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
     resolve(&scene, &source)
 }
 
-/// Reads a scene from its text like [`parse`](crate::parse). `access` says which files the scene may
-/// name. If the text has faults, the error also contains those that [`resolve`] finds, such as
-/// unknown names.
+/// Reads a scene from its text like [`parse`](crate::parse). `access` says which files it may name.
+/// If the text has faults, the error also contains those that [`resolve`] finds.
 pub fn parse_with_access(
     text: impl Into<String>,
     path: &Path,
@@ -94,13 +92,11 @@ pub fn resolve_any(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
 /// Resolves a scene about its centre in m, which `resolver` takes. `None` is the objects' middle.
 fn about_view<'a>(resolver: impl Fn(Option<DVec3>) -> Resolver<'a>) -> Result<Scene> {
     let resolved = resolver(None).run()?;
-    // If the camera looks at a small part of a large world, the centre of the view is a better
-    // origin for positions in single precision.
+    // If the camera sees a small part of a large world, its centre is a better origin for `f32`.
     if let Some(centre) = resolved.distant_view() { resolver(Some(centre)).run() } else { Ok(resolved) }
 }
 
-/// Resolves a spectrum that is not part of a scene, so that a name must be in the library. An error
-/// states its place in `source`.
+/// Resolves a spectrum outside a scene, with names of the library. Errors have a place in `source`.
 pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -> Result<Spectrum> {
     spectra::Spectra { named: &BTreeMap::new(), source }.checked(&JsonPath::Root, spectrum, role)
 }

@@ -11,8 +11,7 @@ use std::collections::BTreeMap;
 /// The use of a spectrum, which decides its valid values and its extrapolation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// The spectral power of a light, at any scale. Beyond the ends of a table, the power is 0. The
-    /// power must be above 0 somewhere in the band.
+    /// The power of a light, at any scale: above 0 somewhere in the band, and 0 beyond a table.
     Light,
     /// A reflectance or a transmittance, from 0 to 1. It is constant beyond the ends of a table.
     Reflectance,
@@ -164,8 +163,7 @@ fn upsampled(rgb: [f64; 3], role: Role) -> Result<Spectrum> {
     if role == Role::Light { Spectrum::rgb_light(rgb) } else { Spectrum::rgb_reflectance(rgb) }
 }
 
-/// Finds the mix of the primaries that is nearest to the target in CIE 1931 XYZ, and returns its
-/// weights. No weight is negative.
+/// Finds the weights (none negative) of the mix nearest to the target in CIE 1931 XYZ.
 fn nearest_mix(target: &Spectrum, primaries: &[Spectrum]) -> Result<PrimaryMatch> {
     let observer = Observer::cie1931();
     let colours: Vec<[f64; 3]> = primaries.iter().map(|primary| observer.xyz(primary)).collect();

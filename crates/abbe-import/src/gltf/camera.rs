@@ -41,8 +41,7 @@ pub(super) fn file_camera(projection: &Projection, placed: &PlacedNode) -> Optio
     Some((camera, aspect))
 }
 
-/// Returns the position, the target and the upward direction of a camera. A glTF camera looks along
-/// −z of its node, and +y is up.
+/// Returns the pose of a camera, which looks along −z of its node in glTF, with +y up.
 fn pose(to_world: &DAffine3) -> Value {
     let from = to_world.translation;
     let direction = |local: DVec3| to_world.transform_vector3(local).normalize_or(local);

@@ -1,5 +1,4 @@
-//! Tests of glTF features on small files: surroundings, cameras, vertex colours, skins, morph
-//! targets, sparse data and thin films.
+//! Tests of glTF features on small files: surroundings, cameras, colours, skins, morphs and films.
 
 use super::*;
 use crate::test_support::read_converted;

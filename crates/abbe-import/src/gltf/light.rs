@@ -34,9 +34,8 @@ pub(super) fn punctual_light(light: &Light, placed: &PlacedNode) -> Value {
     json!({ kind: form })
 }
 
-/// Converts a light of the extension EXT_lights_ies. Returns the name of the light profile and the
-/// light, or the reason why the light is left out. `folder` is the path from the scene file to the
-/// folder of the glTF file.
+/// Converts a light of EXT_lights_ies. Returns the name of its profile and the light, or why it is
+/// left out. `folder` is the path from the scene file to the folder of the glTF file.
 pub(super) fn ies_light<'d>(
     extension: &Value,
     document: &'d Document,

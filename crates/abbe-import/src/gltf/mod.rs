@@ -30,16 +30,14 @@ use std::path::Path;
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// The largest luminance (cd/m²) of a surface in glTF without KHR_materials_emissive_strength.
-/// Surfaces with such an emission are signs or displays. Stronger ones are lamps that light the
-/// scene.
+/// The largest luminance (cd/m²) of a surface in glTF without KHR_materials_emissive_strength. Such
+/// surfaces are signs or displays. Stronger ones are lamps that light the scene.
 const UNSCALED_EMISSION: f64 = 1.0;
 
 /// The illuminance (lx) on a surface that faces the added sun.
 const STUDIO_ILLUMINANCE: f64 = 1000.0;
 
-/// This illuminance (lx) in a file with emission: a white surface then has a luminance of about 1
-/// cd/m², as the emission has.
+/// The illuminance (lx) in a file with emission: a white surface has about 1 cd/m², like it.
 const DIM_STUDIO_ILLUMINANCE: f64 = 2.0;
 
 const WIDTH: f64 = 960.0;
@@ -110,8 +108,7 @@ struct NodeReader<'d> {
     accessors: GltfAccessors<'d>,
     pose: RestPose,
     has_animations: bool,
-    /// By the number of the mesh: the number of the skin, and the weights of the morph targets, of
-    /// the first node with this mesh.
+    /// By the number of the mesh: the skin and the weights of morph targets of its first node.
     shapes: BTreeMap<usize, (Option<usize>, Option<&'d [f32]>)>,
     /// The path of the file in the scene.
     path: String,

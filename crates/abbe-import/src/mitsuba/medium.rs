@@ -10,8 +10,7 @@ use std::rc::Rc;
 
 /// A property that may vary in space.
 enum MitsubaVolume {
-    /// The same value everywhere. As the extinction of a heterogeneous medium, it fills only the
-    /// unit cube after the transform.
+    /// The same value everywhere, or in the transformed unit cube of a heterogeneous medium.
     Constant {
         value: MitsubaSpectrum,
         transform: Vec<Value>,

@@ -1,7 +1,6 @@
 //! Shapes that Mitsuba defines by formulas, as shapes of the scene file.
 //!
-//! The texture coordinates are those of Mitsuba. Shapes with textures therefore become triangles,
-//! whose texture coordinates are free.
+//! Shapes with textures become triangles, which can have Mitsuba's texture coordinates.
 
 use crate::scene_writer::present;
 use abbe_spectra::math::elementary::sin_cos;

@@ -1,9 +1,9 @@
 //! Converts Disney's BSDF of a Mitsuba scene (Burley 2012, 2015).
 //!
-//! The diffuse part of this BSDF does not lose the light that the specular part reflects. Hence, a
-//! white surface reflects more light than it receives. The diffuse base of a `glossy` surface only
-//! has the light that passes its coat. The base is therefore made brighter, so that the albedo for
-//! diffuse light is the same.
+//! The diffuse part of this BSDF does not lose the light that the specular part reflects, so a
+//! white surface reflects more light than it receives. The base of a `glossy` surface only has the
+//! light that passes its coat. It is therefore made brighter, so that the albedo for diffuse light
+//! is the same.
 
 use super::reader::{MitsubaReader, MitsubaSurface};
 use super::{bsdf::BsdfContext, properties::Properties};

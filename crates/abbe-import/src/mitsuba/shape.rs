@@ -148,8 +148,7 @@ impl MitsubaReader<'_> {
             plugin => !properties.boolean("flip_tex_coords", plugin == "obj")?,
         };
         let part = (shape.plugin() == "serialized").then(|| properties.number("shape_index", 0.0)).transpose()?;
-        // Abbe keeps the front of a mirrored mesh. In Mitsuba, the vertex normals decide, and
-        // without them the order of the corners.
+        // Abbe keeps the front of a mirrored mesh. In Mitsuba, normals or else corners decide.
         let mirrored = form.to_world.determinant() < 0.0;
         let by_corners = || -> Result<bool> {
             let parts = mesh::load(&file, self.document.file_access).map_err(|error| shape.locate(error))?.parts;

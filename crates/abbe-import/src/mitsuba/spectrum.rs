@@ -1,9 +1,8 @@
 //! Spectra of a Mitsuba scene.
 //!
-//! The scale of Mitsuba: an emitter with the colour (1, 1, 1) has the luminance 1, and so has an
-//! emitter with the value 1 at every wavelength. Mitsuba divides Y by the integral of ȳ to get
-//! there. The photometric quantities of the scene file therefore have the values of Mitsuba's
-//! pictures.
+//! In Mitsuba, an emitter with the colour (1, 1, 1) or with the value 1 at every wavelength has the
+//! luminance 1, because Y is divided by the integral of ȳ. The photometric quantities of the scene
+//! file therefore have the values of Mitsuba's pictures.
 
 use super::xml::{XmlElement, number, numbers, parse};
 use super::{properties::Properties, reader::MitsubaReader};
@@ -141,8 +140,7 @@ impl MitsubaReader<'_> {
     }
 }
 
-/// Parses the attribute `value` of a `<spectrum>`: a number, or pairs such as `400:0.5`. Mitsuba
-/// 0.x also has colours of three numbers.
+/// Parses the `value` of a `<spectrum>`: a number, pairs such as `400:0.5`, or in 0.x a colour.
 fn explicit_spectrum(element: &XmlElement, text: &str) -> Result<MitsubaSpectrum> {
     if !text.contains(':') {
         return match numbers(element, text)?.as_slice() {

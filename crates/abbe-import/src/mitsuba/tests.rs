@@ -90,8 +90,7 @@ fn cells<const N: usize>(row: &str) -> [&str; N] {
     row.split('|').map(str::trim).collect::<Vec<_>>().try_into().unwrap()
 }
 
-/// Returns the BSDF of a row `type | contents`. The contents are XML, or properties such as
-/// `float alpha 0.25; rgb k 3`.
+/// Returns a BSDF whose contents are XML, or properties such as `float alpha 0.25; rgb k 3`.
 fn bsdf(kind: &str, contents: &str) -> String {
     let property = |text: &str| {
         let mut words = text.trim().splitn(3, ' ');
@@ -343,8 +342,7 @@ fn media_fill_bodies_and_the_space_around_the_sensor() {
     assert_eq!(imported.left_out(), "");
 }
 
-/// In Mitsuba, a heterogeneous medium ends at the box of its extinction. The box of a constant is
-/// the unit cube after the transform.
+/// A heterogeneous medium ends at its extinction's box: the transformed unit cube of a constant.
 #[test]
 fn a_constant_extinction_fills_a_box() {
     let imported = Imported::of(

@@ -65,9 +65,8 @@ impl Textured {
         Some((bitmap.reflectance(1.0 / peak), peak))
     }
 
-    /// Returns the spectrum or texture as a reflectance in the form of the scene file, multiplied
-    /// by `gain`. Values above 1 become 1. A picture is multiplied by at most the inverse of its
-    /// largest component.
+    /// Returns the spectrum or texture times `gain` as a reflectance in the form of the scene file,
+    /// at most 1. A picture is multiplied by at most the inverse of its largest component.
     pub(super) fn reflectance(&self, gain: f64) -> Value {
         let scaled = |spectrum: &MitsubaSpectrum| fraction(&spectrum.map(|value| gain * value)).coefficient();
         match self {

@@ -119,8 +119,7 @@ impl MitsubaDocument {
         Rc::clone(found)
     }
 
-    /// Returns the path of an existing file that an element names, relative to the folder of the
-    /// scene, and the same path for reading.
+    /// Returns the path of an existing file, relative to the scene's folder and for reading.
     pub(super) fn file(&self, element: &XmlElement, name: &str) -> Result<(String, PathBuf)> {
         find_file(&self.folder, self.file_access, &self.search, &element.folder, name)
             .map_err(|error| element.locate(error))
@@ -176,8 +175,7 @@ fn find_file(root: &Path, access: FileAccess, search: &[String], near: &str, nam
 struct XmlLoader {
     folder: PathBuf,
     file_access: FileAccess,
-    /// The values of `<default>` elements. The longest names come first, because the name of a
-    /// parameter may be the start of another name.
+    /// The values of `<default>` elements, the longest names first, as a name may start another.
     parameters: Vec<(String, String)>,
     by_id: BTreeMap<String, Rc<XmlElement>>,
     search: Vec<String>,

@@ -310,8 +310,8 @@ fn errors_name_the_line() {
     }
 }
 
-/// A disk with a hole or with a texture has pbrt's texture coordinates: u is the angle, and v is 1 at
-/// the inner edge. Abbe's v points down.
+/// A disk with a hole or with a texture has pbrt's texture coordinates: u is the angle, and v is 1
+/// at the inner edge. Abbe's v points down.
 #[test]
 fn disks_keep_their_hole_and_their_coordinates() {
     let checker = "Texture \"c\" \"spectrum\" \"checkerboard\"\nMaterial \"diffuse\" \"texture reflectance\" \"c\"\n";

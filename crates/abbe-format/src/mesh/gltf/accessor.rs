@@ -127,8 +127,7 @@ impl<'b> GltfAccessors<'b> {
         })
     }
 
-    /// Returns the numbers of an accessor of scalars, vectors of three numbers, or quaternions.
-    /// Each item is filled up with zeros.
+    /// Returns the numbers of scalars, vectors or quaternions, filled up with zeros.
     pub fn floats(&self, accessor: &Accessor) -> Result<Vec<[f64; 4]>> {
         match accessor.dimensions() {
             Dimensions::Scalar => Ok(self.numbers(accessor)?.map(|[x]| [x, 0.0, 0.0, 0.0]).collect()),

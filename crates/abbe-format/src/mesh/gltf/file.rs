@@ -110,8 +110,7 @@ fn check_extensions(root: &mut Root) -> Result<()> {
     Ok(())
 }
 
-/// Checks the length in the header of a binary file. A wrong length would cause an integer
-/// underflow in the crate `gltf`.
+/// Checks the length of a binary file. A wrong one would underflow in the crate `gltf`.
 fn check_length(bytes: &[u8]) -> Result<()> {
     let explicit = bytes.get(8..12).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
     match explicit {

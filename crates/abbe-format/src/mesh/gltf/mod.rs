@@ -60,9 +60,8 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
 }
 
 /// Reads the parts of a glTF file that the default scene uses, without the transforms of the nodes.
-/// Parts with a skin are in the world. If several nodes deform a mesh, the first one counts.
-/// The number of a part is the position of its primitive in the file. The names of the parts are
-/// empty.
+/// Parts with a skin are in the world. If several nodes deform a mesh, the first one counts. Each
+/// part has the number of its primitive in the file, and an empty name.
 pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedParts> {
     let mut file = GltfFile::open(path, file_access)?;
     let buffers = file.buffers()?;
@@ -116,8 +115,7 @@ impl<'b> SceneReader<'b> {
         Self { accessors: GltfAccessors::new(buffers), pictures }
     }
 
-    /// Reads a primitive. Returns `None` if it does not consist of triangles. `placed` is
-    /// the transform after the deformation.
+    /// Reads a primitive of triangles. `placed` is the transform after the deformation.
     fn primitive(
         &mut self,
         primitive: &Primitive,

@@ -70,8 +70,7 @@ fn without_rounding(whole: DAffine3) -> DAffine3 {
 
 /// Transforms a normal. The result points to the same side of the transformed surface.
 pub(super) fn placed_normal(placed: &DAffine3, normal: DVec3) -> DVec3 {
-    // The cofactor matrix transforms the normals. Up to a factor, it equals the inverse transpose,
-    // but it also exists for singular matrices.
+    // Up to a factor, the cofactor matrix is the inverse transpose, and exists if singular.
     let [x, y, z] = [placed.matrix3.x_axis, placed.matrix3.y_axis, placed.matrix3.z_axis];
     let outwards = if placed.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
     outwards * (glam::DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * normal)

@@ -1,8 +1,7 @@
 //! Converts the specular-glossiness model of older glTF files to the metallic-roughness model.
 //!
 //! The conversion finds the metalness for which both models reflect the same diffuse light and the
-//! same light at normal incidence. Source: Khronos, KHR_materials_pbrSpecularGlossiness, appendix
-//! on the conversion between the workflows.
+//! same light at normal incidence (Khronos, KHR_materials_pbrSpecularGlossiness, appendix).
 
 use super::super::material::MeshTexture;
 use super::extensions::{SPECULAR_GLOSSINESS, colour, fraction};

@@ -51,9 +51,8 @@ impl<'b> GltfPictures<'b> {
         if normal_uv_set_of(file) == set { self.placed(&file.texture(), transform) } else { None }
     }
 
-    /// Reads the texture that the JSON of an extension states, over the set of texture coordinates
-    /// `set`. Returns `None` if there is no such texture, if the picture cannot be used, or if the
-    /// texture uses another set.
+    /// Reads the texture that the JSON of an extension states. Returns `None` if there is none over
+    /// the set of texture coordinates `set`, or if the picture cannot be used.
     pub(super) fn explicit(&mut self, info: &Value, set: u32) -> Option<MeshTexture> {
         let transform = info.get("extensions").and_then(|it| it.get("KHR_texture_transform"));
         let number = |value: Option<&Value>| value.and_then(Value::as_u64);

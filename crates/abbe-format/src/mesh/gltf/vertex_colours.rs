@@ -9,8 +9,7 @@ use std::sync::Arc;
 /// the pixels equals linear interpolation of the colours of the corners.
 pub(super) struct ColourPicture {
     pub(super) texture: MeshTexture,
-    /// For each triangle, its three corners in the order of their texture coordinates: the vertex
-    /// and the texture coordinates.
+    /// For each triangle, its corners by texture coordinates: the vertex and the coordinates.
     pub(super) corners: Vec<[(u32, [f64; 2]); 3]>,
 }
 
