@@ -33,6 +33,7 @@ mod lens_reflections;
 mod lens_system;
 mod long_paths;
 mod many_lights;
+mod matrix;
 mod media;
 mod media_faces;
 mod media_in_bodies;

@@ -16,6 +16,7 @@ mod common;
 mod found;
 mod materials;
 mod random;
+mod refined;
 mod scenes;
 mod spectra;
 mod verdict;
@@ -24,7 +25,7 @@ use serde_json::Value;
 use std::ops::Range;
 
 /// The seeds of the search.
-const SEEDS: Range<u64> = 0..128;
+const SEEDS: Range<u64> = 0..160;
 
 /// Seeds that take little time and cover different effects.
 const FAST_SEEDS: [u64; 3] = [6, 11, 14];
@@ -135,7 +136,14 @@ fn count_of(scenes: &[Value], word: &str) -> usize {
 
 #[test]
 fn random_scenes_cover_lights_materials_and_media() {
-    const WORDS: [&str; 41] = [
+    const WORDS: [&str; 48] = [
+        "around the camera",
+        "checker",
+        "coating",
+        "dye",
+        "grating",
+        "ratio",
+        "stripes",
         "point",
         "spot",
         "beam",

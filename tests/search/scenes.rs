@@ -5,6 +5,7 @@
 
 use crate::materials::{Palette, Use};
 use crate::random::Pcg;
+use crate::refined;
 use crate::spectra;
 use serde_json::{Value, json};
 
@@ -146,6 +147,9 @@ impl Generator {
         });
         if let Some(medium) = atmosphere {
             scene["atmosphere"] = json!(medium);
+        }
+        if seed >= refined::FIRST_SEED {
+            refined::refine(&mut scene, &mut self.rng, self.smooth, self.scale);
         }
         scene
     }

@@ -6,15 +6,14 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// Straight aperture blades that form a regular polygon with its corners on the circle of the open
-/// aperture.
+/// Straight blades that form a regular polygon with its corners on the circle of the open aperture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Blades {
-    /// Number of blades, at least 3.
+    /// At least 3.
     pub count: u32,
-    /// Rotation of the first corner in radians. The angle is measured anticlockwise from the right
-    /// of the image, as seen along the view direction of the camera.
+    /// Rotation of the first corner in radians, anticlockwise from the right of the image, as seen
+    /// along the view direction of the camera.
     pub rotation: f64,
 }
 
@@ -24,11 +23,10 @@ impl Blades {
         unit_vector(self.rotation + TAU * f64::from(number) / f64::from(self.count))
     }
 
-    /// Returns whether the polygon contains a point, given in units of the circle's radius.
+    /// Returns true if the polygon contains a point, in units of the circle's radius.
     pub fn contains(self, place: DVec2) -> bool {
         let sector = TAU / f64::from(self.count);
-        // The angle is measured from the middle of the nearest blade. The distance of this middle
-        // from the centre is cos(sector / 2).
+        // From the middle of the nearest blade, which is cos(sector / 2) from the centre.
         let angle = (atan2(place.y, place.x) - self.rotation).rem_euclid(sector) - 0.5 * sector;
         place.length() * cos(angle) <= cos(0.5 * sector)
     }
@@ -40,13 +38,11 @@ impl Blades {
     }
 }
 
-/// Returns the irradiance in the Fraunhofer pattern of an aperture, relative to the irradiance at
-/// the centre of the pattern.
+/// Returns the irradiance in the Fraunhofer pattern of an aperture, relative to that at its centre.
 ///
-/// `place` is a position in the image, in units of λN, where N is the f-number. N is always the
-/// f-number of the full circle, even if the aperture is a polygon. The formula for the circle (Airy
-/// pattern) is from Born & Wolf, *Principles of Optics*, §8.5. The formula for polygons is from Lee
-/// & Mittra 1983, who derive it by the divergence theorem.
+/// `place` is a position in the image in units of λN, where N is the f-number of the full circle,
+/// even for a polygon. The circle has the Airy pattern (Born & Wolf, *Principles of Optics*, §8.5);
+/// Lee & Mittra 1983 derive the formula for polygons by the divergence theorem.
 pub fn fraunhofer(blades: Option<Blades>, place: DVec2) -> f64 {
     let q = PI * place;
     let square = q.length_squared();
@@ -73,8 +69,7 @@ mod tests {
     use abbe_spectra::math::sobol::Sobol;
     use abbe_spectra::math::warp;
 
-    /// The first dark ring lies at 1.22 λN. The first bright ring has 1.75 % of the central
-    /// irradiance.
+    /// The first dark ring is at 1.22 λN, and the first bright ring has 1.75 % of the centre.
     #[test]
     fn airy_pattern_has_its_first_dark_and_bright_rings() {
         let dark = 1.219_669_891_266_504;
@@ -83,8 +78,8 @@ mod tests {
         assert!((fraunhofer(None, DVec2::new(1e-7, 0.0)) - 1.0).abs() < 1e-12);
     }
 
-    /// `contains` accepts every point that `warp::regular_polygon` samples. The Fraunhofer pattern
-    /// is the squared magnitude of the Fourier transform of these points.
+    /// `contains` accepts every point of `warp::regular_polygon`, and the pattern is the squared
+    /// magnitude of the Fourier transform of these points.
     #[test]
     fn polygon_pattern_is_the_fourier_transform_of_its_samples() {
         let sobol = Sobol::new(9);
@@ -105,8 +100,7 @@ mod tests {
         }
     }
 
-    /// The pattern of a square is a product of squared sinc functions. The pattern of 64 blades is
-    /// close to the pattern of a disk.
+    /// The square's pattern is a product of sinc², and 64 blades are nearly a disk.
     #[test]
     fn square_pattern_is_a_sinc_and_many_blades_approach_a_disk() {
         let square = Some(Blades { count: 4, rotation: 0.25 * PI });

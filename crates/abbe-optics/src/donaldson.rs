@@ -5,32 +5,29 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-/// The largest number of excitation wavelengths, and of emission wavelengths.
+/// For excitation and for emission.
 const MOST_WAVELENGTHS: usize = 500;
 
-/// The largest size of a file in bytes.
 const MOST_BYTES: u64 = 1 << 23;
 
 /// A bispectral matrix of a fluorescent surface, without the light that keeps its wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DonaldsonMatrix {
-    /// The wavelengths of the arriving light in nm, ascending.
+    /// Of the arriving light in nm, ascending.
     pub excitation_nm: Vec<f64>,
-    /// The wavelengths of the emitted light in nm, ascending.
+    /// Of the emitted light in nm, ascending.
     pub emission_nm: Vec<f64>,
     /// For each excitation wavelength, the bispectral luminescent radiance factor at each emission
-    /// wavelength, per nm: the emitted power per nm, divided by the arriving power.
+    /// wavelength: the emitted power per nm, divided by the arriving power.
     pub factors: Vec<Vec<f64>>,
 }
 
 impl DonaldsonMatrix {
     /// Reads a file of comma-separated values. The first row contains an ignored cell and the
-    /// excitation wavelengths; each following row contains an emission wavelength and a factor for
-    /// each excitation wavelength. Lines that begin with `#` are comments.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read, is too large, or has a malformed cell. The
-    /// error contains the file, and the line and column of the cell.
+    /// excitation wavelengths; each other row an emission wavelength and a factor for each
+    /// excitation wavelength. Lines that begin with `#` are comments. Returns an error with the
+    /// file, and the line and column of the cell, if the file cannot be read, is too large, or has
+    /// a malformed cell.
     pub fn read(path: &Path) -> Result<Self> {
         let cannot = |error: std::io::Error| Error::input(format!("cannot read the matrix: {error}")).in_file(path);
         let mut bytes = Vec::new();
@@ -43,7 +40,6 @@ impl DonaldsonMatrix {
         Self::parse(text.trim_start_matches('\u{feff}')).map_err(|error| error.in_file(path))
     }
 
-    /// Parses the text of a file.
     fn parse(text: &str) -> Result<Self> {
         let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
         let mut rows = lines.filter(|(_, line)| !(line.trim().is_empty() || line.starts_with('#')));
@@ -71,7 +67,6 @@ impl DonaldsonMatrix {
     }
 }
 
-/// Iterates over the cells of a row, each with its column.
 fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
     let mut column = 1;
     row.split(',').map(move |cell| {
@@ -81,14 +76,13 @@ fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Parses a number of at least 0.
 fn number(line: usize, column: usize, cell: &str) -> Result<f64> {
     let value = cell.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= 0.0);
     value
         .ok_or_else(|| Error::input(format!("the cell \"{cell}\"")).expected("a number of at least 0").at(line, column))
 }
 
-/// Checks the number and the order of wavelengths. An error names the line `line`.
+/// Checks the number and the order of wavelengths, for errors in the line `line`.
 fn check_wavelengths(kind: &str, nm: &[f64], line: usize) -> Result<()> {
     let fault = if nm.len() < 2 || nm.len() > MOST_WAVELENGTHS {
         format!("{} {kind} wavelengths", nm.len())

@@ -10,14 +10,14 @@ use std::f64::consts::FRAC_PI_2;
 /// The names of the sample surfaces.
 pub const NAMES: [&str; 2] = ["white paper with brightener", "red day-glow"];
 
-/// The distance between adjacent samples of a lobe in nm.
+/// In nm, between adjacent samples of a lobe.
 const STEP_NM: f64 = 5.0;
 
 /// A peak that falls to 0 as cos² on both sides.
 struct Lobe {
     peak: f64,
     at_nm: f64,
-    /// The widths towards short and towards long wavelengths, in nm.
+    /// Towards short and towards long wavelengths, in nm.
     widths_nm: [f64; 2],
 }
 
@@ -35,11 +35,8 @@ impl Lobe {
     }
 }
 
-/// Returns the sample surfaces, in the order of [`NAMES`]. Their spectra are typical, and do not
-/// belong to a product.
-///
-/// # Errors
-/// Returns no error, because the spectra are valid.
+/// Returns the sample surfaces, in the order of [`NAMES`]. Their spectra are typical of no one
+/// product, and valid, so there is no error.
 pub fn surfaces() -> Result<[Fluorescent; 2]> {
     let paper_nm = [360.0, 400.0, 450.0, 550.0, 700.0, 830.0];
     let paper = Spectrum::table(&paper_nm, &[0.65, 0.75, 0.82, 0.86, 0.88, 0.88], Outside::Hold)?;

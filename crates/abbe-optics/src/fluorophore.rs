@@ -1,11 +1,11 @@
 //! Fluorescence: a fluorophore absorbs photons and emits photons of other wavelengths.
 //!
 //! The model is the bispectral matrix (Donaldson 1954, "Spectrophotometry of Fluorescent
-//! Pigments"). For a dye, the matrix is factorised: the probability of absorption depends on the
-//! arriving wavelength alone, and the spectrum of the emission does not depend on the arriving
-//! wavelength. A measured matrix is a sum of such terms. The number of photons never grows. The
-//! energy of a photon is proportional to 1/λ, so the emitted power is the absorbed power multiplied
-//! by the quantum yield and by λ_i/λ_o (Stokes loss).
+//! Pigments"). For a dye, it is factorised: the probability of absorption depends on the arriving
+//! wavelength alone, and the spectrum of the emission does not depend on it. A measured matrix is a
+//! sum of such terms. The number of photons never grows, and the energy of one is proportional to
+//! 1/λ, so the emitted power is the absorbed power times the quantum yield and λ_i/λ_o (Stokes
+//! loss).
 
 use super::donaldson::DonaldsonMatrix;
 use abbe_spectra::error::{Error, Result};
@@ -18,21 +18,16 @@ pub struct FluorescentEmission {
     /// a(λ)·λ in nm.
     excitation: Spectrum,
     quantum_yield: f64,
-    /// The emitted power per nm: e(λ)/λ, where e is the number of photons per nm with the integral
-    /// 1.
+    /// Per nm: e(λ)/λ, where e is the number of photons per nm with the integral 1.
     power: Spectrum,
-    /// The integral of `power` over the band, in 1/nm, which is the mean of 1/λ over the emitted
-    /// photons.
+    /// The integral of `power` over the band in 1/nm: the mean of 1/λ over the emitted photons.
     mean_inverse_nm: f64,
     wavelengths: WavelengthDistribution,
 }
 
-/// A fluorophore.
-///
-/// The bispectral matrix is a sum of factorised matrices: Φ(λ_i → λ_o) = Σ a_r(λ_i) λ_i q
-/// e_r(λ_o)/λ_o. A dye has one term. A measured matrix has one term for each excitation wavelength
-/// of the file. The function a_r of such a term is a triangle, so the sum interpolates between the
-/// excitation wavelengths.
+/// A fluorophore, with the bispectral matrix Φ(λ_i → λ_o) = Σ a_r(λ_i) λ_i q e_r(λ_o)/λ_o. A dye
+/// has one term. A measured matrix has one for each excitation wavelength of the file, with a
+/// triangle as a_r, so that the sum interpolates between the wavelengths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fluorophore {
     /// The sum of a_r.
@@ -41,31 +36,30 @@ pub struct Fluorophore {
     excitation: Spectrum,
     quantum_yield: f64,
     emissions: Vec<FluorescentEmission>,
-    /// The excitation wavelengths of a matrix. Empty if there is only one term.
+    /// Of a matrix. Empty if there is only one term.
     excitation_nm: Vec<f64>,
-    /// The mean emitted power per nm of all terms.
+    /// Per nm, of all terms.
     mean_power: Spectrum,
     wavelengths: WavelengthDistribution,
     /// True if light below the band excites the fluorophore in this render.
     ultraviolet: bool,
-    /// The number of the fluorophore in the scene. The scene assigns it.
+    /// The number of the fluorophore in the scene, which assigns it.
     pub number: usize,
-    /// The number of the first emission in the scene. The scene assigns it.
+    /// The number of the first emission in the scene, which assigns it.
     pub first_emission: usize,
 }
 
 /// The fractions of the absorbed power that a fluorophore does not emit.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FluorescenceLosses {
-    /// The Stokes loss: the emitted photons have less energy than the absorbed photons.
+    /// The Stokes loss: emitted photons have less energy than absorbed ones.
     pub stokes: f64,
-    /// The quantum loss: some of the absorbed photons are not emitted.
+    /// The quantum loss: some absorbed photons are not emitted.
     pub quantum: f64,
 }
 
 impl FluorescentEmission {
-    /// `emission` is the relative number of photons per nm. Returns an error if it is negative or
-    /// has no power in the band.
+    /// `emission` is in relative photons per nm; negative or dark in the band is an error.
     fn new(absorptance: &Spectrum, emission: &Spectrum, quantum_yield: f64) -> Result<Self> {
         let photons = emission.integral();
         if !(emission.min() >= 0.0 && photons > 0.0 && photons.is_finite()) {
@@ -79,21 +73,20 @@ impl FluorescentEmission {
         Ok(Self { excitation, quantum_yield, mean_inverse_nm, power, wavelengths })
     }
 
-    /// Returns a_r(λ)·λ in nm. The product of this value and the power at `nm` is proportional to
-    /// the number of absorbed photons.
+    /// Returns a_r(λ)·λ in nm, which times the power is proportional to absorbed photons.
     #[inline]
     pub fn excitation(&self, nm: f64) -> f64 {
         self.excitation.at(nm)
     }
 
-    /// Returns the emitted power per nm at the wavelength `nm`, for an excitation of 1 W·nm. The
-    /// excitation is the sum of power × [`Self::excitation`] over the arriving wavelengths.
+    /// Returns the emitted power per nm at the wavelength `nm` for an excitation of 1 W·nm: the sum
+    /// of power × [`Self::excitation`] over the arriving wavelengths.
     #[inline]
     pub fn emitted(&self, nm: f64) -> f64 {
         self.quantum_yield * self.power.at(nm)
     }
 
-    /// Returns the emitted power for an excitation of 1 W·nm, at all wavelengths together.
+    /// Returns the emitted power at all wavelengths for an excitation of 1 W·nm.
     #[inline]
     pub fn emitted_power(&self) -> f64 {
         self.quantum_yield * self.mean_inverse_nm
@@ -107,14 +100,11 @@ impl FluorescentEmission {
 
 impl Fluorophore {
     /// Creates a fluorophore whose emission spectrum does not depend on the absorbed wavelength.
-    ///
-    /// `absorptance` is the fraction of the arriving photons that the fluorophore absorbs.
-    /// `emission` is the relative number of emitted photons per nm, at any scale. `quantum_yield`
-    /// is the number of emitted photons, divided by the number of absorbed photons.
-    ///
-    /// # Errors
-    /// Returns an error if the absorptance or the quantum yield is outside \[0, 1\], or if the
-    /// emission is negative or has no power in the band, or if one of them contains spectral lines.
+    /// `absorptance` is the absorbed fraction of the arriving photons, `emission` the relative
+    /// number of emitted photons per nm, at any scale, and `quantum_yield` the number of emitted
+    /// photons per absorbed photon. Returns an error if the absorptance or the quantum yield is
+    /// outside \[0, 1\], the emission is negative or has no power in the band, or one of them
+    /// contains spectral lines.
     pub fn new(absorptance: Spectrum, emission: &Spectrum, quantum_yield: f64) -> Result<Self> {
         let below = absorptance.ultraviolet_range();
         let [least, most] = [absorptance.min().min(below.0), absorptance.max().max(below.1)];
@@ -126,11 +116,8 @@ impl Fluorophore {
         Self::with_absorption(absorptance, emission, quantum_yield)
     }
 
-    /// Creates the fluorophore of a medium. The absorption coefficient of the dye, in 1/m, takes
-    /// the place of the absorptance.
-    ///
-    /// # Errors
-    /// Returns the errors of [`Self::new`], but the absorption coefficient has no upper limit.
+    /// Creates the fluorophore of a medium, with the dye's absorption coefficient in 1/m, without
+    /// upper limit, as the absorptance, or returns the errors of [`Self::new`].
     pub fn with_absorption(absorption: Spectrum, emission: &Spectrum, quantum_yield: f64) -> Result<Self> {
         if !(0.0..=1.0).contains(&quantum_yield) {
             let error = Error::input(format!("a quantum yield of {quantum_yield}"));
@@ -146,16 +133,13 @@ impl Fluorophore {
     }
 
     /// Creates a fluorophore from a measured bispectral matrix. The quantum yield is 1, so the
-    /// absorptance is the number of emitted photons for each arriving photon.
-    ///
-    /// # Errors
-    /// Returns an error if an excitation wavelength emits more photons than arrive, or if the
-    /// matrix emits nothing in the band.
+    /// absorptance is the emitted photons per arriving photon. Returns an error if they exceed 1 at
+    /// an excitation wavelength, or the matrix emits nothing in the band.
     pub fn of_matrix(matrix: &DonaldsonMatrix) -> Result<Self> {
         let DonaldsonMatrix { excitation_nm, emission_nm, factors } = matrix;
         let (mut yields, mut photons) = (Vec::new(), Vec::new());
         for (&nm, factors) in excitation_nm.iter().zip(factors) {
-            // The factors are ratios of powers. The energy of a photon is proportional to 1/λ.
+            // The factors are ratios of powers, and the energy of a photon is proportional to 1/λ.
             let counts: Vec<f64> =
                 factors.iter().zip(emission_nm).map(|(factor, emitted)| factor * emitted / nm).collect();
             let spectrum = Spectrum::table(emission_nm, &counts, Outside::Zero)?;
@@ -211,8 +195,7 @@ impl Fluorophore {
         })
     }
 
-    /// Assigns the numbers of the fluorophore and of its first emission. `next` contains these
-    /// numbers, and then the numbers for the next fluorophore.
+    /// Assigns the numbers of the fluorophore and its first emission from `next` on.
     pub fn assign_numbers(&mut self, next: &mut (usize, usize)) {
         (self.number, self.first_emission) = *next;
         *next = (next.0 + 1, next.1 + self.emissions.len());
@@ -249,20 +232,17 @@ impl Fluorophore {
         above.saturating_sub(1)..(above + 1).min(self.excitation_nm.len())
     }
 
-    /// Returns the spectrum of the emitted power in equal light at all absorbed wavelengths, at an
-    /// arbitrary scale.
+    /// Returns the emitted power, at any scale, in equal light at all absorbed wavelengths.
     pub fn emitted_power(&self) -> &Spectrum {
         &self.mean_power
     }
 
-    /// Returns the distribution of the wavelengths that the fluorophore emits in equal light at all
-    /// absorbed wavelengths.
+    /// Returns the distribution of emitted wavelengths in equal light at all absorbed ones.
     pub fn wavelengths(&self) -> &WavelengthDistribution {
         &self.wavelengths
     }
 
-    /// Returns the distribution of the absorbed photons in light of this power spectrum. Returns
-    /// `None` if the fluorophore absorbs nothing.
+    /// Returns the distribution of the photons absorbed from this light, `None` if there are none.
     pub fn absorbed_wavelengths(&self, light: &Spectrum) -> Option<WavelengthDistribution> {
         let absorbed = light.product(&self.absorptance);
         let band = WavelengthDistribution::new(&absorbed);
@@ -282,9 +262,8 @@ impl Fluorophore {
         self.ultraviolet = true;
     }
 
-    /// Returns the visual importance X + Y + Z of the emission that light of 1 W at a wavelength
-    /// excites, as a function of the wavelength in nm. Where the fluorophore absorbs most, it
-    /// absorbs all light.
+    /// Returns the visual importance X + Y + Z that 1 W of light excites, by its wavelength in nm.
+    /// Where the fluorophore absorbs most, it absorbs all light.
     pub fn visual_value(&self, observer: &Observer) -> impl Fn(f64) -> f64 + '_ {
         let most = self.absorptance.max().max(self.absorptance.ultraviolet_range().1);
         let emitted: f64 = observer.xyz(&self.mean_power).iter().sum();
@@ -304,8 +283,7 @@ impl Fluorophore {
         excited.iter().map(|emission| emission.excitation(from_nm) * emission.emitted(to_nm)).sum()
     }
 
-    /// Returns the fraction of the arriving power at `nm` that the fluorophore emits again, at all
-    /// wavelengths together.
+    /// Returns the fraction of the power at `nm` that is emitted again at all wavelengths.
     #[inline]
     pub fn emitted_fraction(&self, nm: f64) -> f64 {
         let excited = &self.emissions[self.excited_by(nm)];

@@ -1,27 +1,23 @@
 //! Reflectance and refraction at a smooth interface between two media.
 //!
-//! In the usual form of Fresnel's equations, the amplitude for s polarisation is
-//! (n₁cosθ₁ − n₂cosθ₂)/(n₁cosθ₁ + n₂cosθ₂). The numerator suffers from cancellation if n₁ ≈ n₂. The
-//! functions for dielectrics therefore multiply both the numerator and the denominator by
-//! n₁cosθ₁ + n₂cosθ₂. The numerator becomes (n₁ − n₂)(n₁ + n₂), which has no cancellation. The
-//! equation for p polarisation is treated in the same way.
+//! In the usual form of Fresnel's equations, the amplitude for s polarisation is (n₁cosθ₁ −
+//! n₂cosθ₂)/(n₁cosθ₁ + n₂cosθ₂), whose numerator cancels if n₁ ≈ n₂. The functions for dielectrics
+//! therefore multiply both numerator and denominator by n₁cosθ₁ + n₂cosθ₂, which gives the
+//! numerator (n₁ − n₂)(n₁ + n₂), and treat the equation for p polarisation in the same way.
 
 use abbe_spectra::math::elementary::{asin, atan2, hypot};
 use glam::DVec3;
 
-/// Returns n_t²·cos²θ_t = (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i by Snell's law, which is negative
-/// beyond the critical angle. The functions for reflectance and for refraction both call this
-/// function, so they agree on the critical angle.
+/// Returns n_t²·cos²θ_t = (n_t − n_i)(n_t + n_i) + n_i²·cos²θ_i by Snell's law, negative beyond the
+/// critical angle, on which reflectance and refraction therefore agree.
 fn squared_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     (n_t - n_i) * (n_t + n_i) + (n_i * cos_i) * (n_i * cos_i)
 }
 
-/// Returns the reflectances of a smooth interface for s and p polarisation. The light passes from
-/// index `n_i` to index `n_t`.
-///
-/// Both indices must be positive. `cos_i` is the cosine of the angle of incidence; its sign is
-/// ignored. The reflectances lie in \[0, 1\]: both are 1 beyond the critical angle, and 0 at every
-/// angle if the indices are equal. Source: Born & Wolf, *Principles of Optics*, §1.5.2.
+/// Returns the reflectances, for s and p polarisation, of a smooth interface from index `n_i` to
+/// index `n_t`, both positive (Born & Wolf, *Principles of Optics*, §1.5.2). The sign of the cosine
+/// of incidence `cos_i` is ignored. The reflectances lie in \[0, 1\]: both are 1 beyond the
+/// critical angle, and 0 at every angle if the indices are equal.
 pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     let c = cos_i.abs().min(1.0);
     let step = (n_t - n_i) * (n_t + n_i);
@@ -39,24 +35,20 @@ pub fn dielectric_sp(cos_i: f64, n_i: f64, n_t: f64) -> (f64, f64) {
     ((s * s).min(1.0), (p * p).min(1.0))
 }
 
-/// Returns the reflectance for unpolarised light: the mean of the two values of [`dielectric_sp`],
-/// in \[0, 1\]. The transmittance is 1 minus the reflectance.
+/// Returns the mean of [`dielectric_sp`], for unpolarised light. The transmittance is the rest.
 pub fn dielectric(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     let (s, p) = dielectric_sp(cos_i, n_i, n_t);
     0.5 * (s + p)
 }
 
-/// Returns the cosine of the angle of refraction by Snell's law, or 0 beyond the critical angle.
-/// The sign of `cos_i` is ignored.
+/// Returns the cosine of refraction by Snell's law, 0 beyond the critical angle, for |`cos_i`|.
 pub fn cos_transmitted(cos_i: f64, n_i: f64, n_t: f64) -> f64 {
     (squared_transmitted(cos_i, n_i, n_t).max(0.0).sqrt() / n_t).min(1.0)
 }
 
-/// Returns the reflectances of a smooth metal for s and p polarisation. Both lie in \[0, 1\].
-///
-/// The metal has the complex index `n` + i·`k`, and the surrounding medium the positive index
-/// `n_outside`. The sign of `cos_i` is ignored, as in [`dielectric_sp`]. Source: Born & Wolf,
-/// *Principles of Optics*, §14.2.
+/// Returns the reflectances, in \[0, 1\], for s and p polarisation of a smooth metal of complex
+/// index `n` + i·`k` in a medium of the positive index `n_outside` (Born & Wolf, *Principles of
+/// Optics*, §14.2). The sign of `cos_i` is ignored, as in [`dielectric_sp`].
 pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     let c = cos_i.abs().min(1.0);
     let (eta, kappa) = (n / n_outside, k / n_outside);
@@ -67,8 +59,8 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     if c == 0.0 {
         return (1.0, 1.0);
     }
-    // (a + ib)² = (η + iκ)² − sin²θ. A square root gives the larger of |a| and |b|. The other one
-    // follows from a·b = ηκ. This order avoids cancellation.
+    // (a + ib)² = (η + iκ)² − sin²θ. To avoid cancellation, a square root gives the larger of |a|
+    // and |b|, and the other follows from a·b = ηκ.
     let real = (eta - 1.0) * (eta + 1.0) + c * c - kappa * kappa;
     let imaginary = eta * kappa;
     let modulus = hypot(real, 2.0 * imaginary);
@@ -81,8 +73,7 @@ pub fn conductor_sp(cos_i: f64, n: f64, k: f64, n_outside: f64) -> (f64, f64) {
     (s, (s * ratio).clamp(0.0, 1.0))
 }
 
-/// Returns the reflectance of a smooth metal for unpolarised light: the mean of the two values of
-/// [`conductor_sp`], in \[0, 1\].
+/// Returns the reflectance of a smooth metal for unpolarised light: the mean of [`conductor_sp`].
 pub fn conductor(cos_i: f64, n: f64, k: f64, n_outside: f64) -> f64 {
     let (s, p) = conductor_sp(cos_i, n, k, n_outside);
     0.5 * (s + p)
@@ -90,10 +81,9 @@ pub fn conductor(cos_i: f64, n: f64, k: f64, n_outside: f64) -> f64 {
 
 /// Returns the refracted direction by Snell's law, or `None` under total reflection.
 ///
-/// `w` is a unit vector that points away from the surface into the medium of index `n_i`. The
-/// result points away from the surface into the medium of index `n_t`. Its length differs from 1 by
-/// at most a few 1e-16. `normal` is a unit vector, which may point to either side of the surface.
-/// If the indices are equal, the result is exactly −`w`.
+/// The unit vector `w` points away from the surface into the medium of index `n_i`, and the result
+/// into the medium of index `n_t`; its length differs from 1 by at most a few 1e-16. The unit
+/// vector `normal` may point to either side. If the indices are equal, the result is exactly −`w`.
 pub fn refract(w: DVec3, normal: DVec3, n_i: f64, n_t: f64) -> Option<DVec3> {
     if n_i == n_t {
         return Some(-w);
@@ -103,8 +93,8 @@ pub fn refract(w: DVec3, normal: DVec3, n_i: f64, n_t: f64) -> Option<DVec3> {
     Some((normal * refraction_along_normal(c, n_i, n_t)? - w * n_i).normalize())
 }
 
-/// Returns the number a of Snell's law in the form n_t·t = a·normal − n_i·w, or `None` under total
-/// reflection. The refracted direction is t. `cos_i` is the cosine between `w` and the normal, ≥ 0.
+/// Returns the number a of Snell's law n_t·t = a·normal − n_i·w, where t is the refracted direction
+/// and `cos_i` ≥ 0 that of `w`, or `None` under total reflection.
 pub(crate) fn refraction_along_normal(cos_i: f64, n_i: f64, n_t: f64) -> Option<f64> {
     let squared = squared_transmitted(cos_i, n_i, n_t);
     if squared < 0.0 {
@@ -114,8 +104,7 @@ pub(crate) fn refraction_along_normal(cos_i: f64, n_i: f64, n_t: f64) -> Option<
     Some((n_i - n_t) * (n_i + n_t) / (n_i * cos_i + squared.sqrt()))
 }
 
-/// Returns the mirror direction. `w` and the result are unit vectors that point away from the
-/// surface; `normal` is a unit vector.
+/// Returns the mirror direction for unit vectors. `w` and the result point away from the surface.
 pub fn reflect(w: DVec3, normal: DVec3) -> DVec3 {
     normal * (2.0 * w.dot(normal)) - w
 }
@@ -134,7 +123,7 @@ pub fn brewster_angle_deg(n_i: f64, n_t: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Cosines of the angle of incidence, from grazing to normal incidence.
+    /// From grazing to normal incidence.
     fn cosines() -> impl Iterator<Item = f64> {
         (0..=1000).map(|i| (f64::from(i) / 1000.0).powi(3)).chain([1e-300, 1e-16, 1e-8])
     }
@@ -167,14 +156,12 @@ mod tests {
     #[test]
     fn nearly_equal_indices_keep_all_digits() {
         let step = 2.0_f64.powi(-40);
-        // At normal incidence R = (δ/(2 + δ))². The textbook quotient has a relative error of 1e-4
-        // for this step.
+        // At normal incidence R = (δ/(2 + δ))². The textbook quotient has a relative error of 1e-4.
         let exact = (step / (2.0 + step)).powi(2);
         assert!((dielectric(1.0, 1.0, 1.0 + step) / exact - 1.0).abs() < 1e-15);
     }
 
-    /// If the cosine is within 20 ulp of the critical cosine, all results are finite. Wherever
-    /// `refract` returns `None`, the reflectance is 1.
+    /// Within 20 ulp of the critical cosine, R is finite, and 1 if `refract` gives `None`.
     #[test]
     fn reflection_and_refraction_agree_at_the_critical_angle() {
         for (n_i, n_t) in [(1.5, 1.0), (2.4175, 1.333), (1.0 + 1e-9, 1.0)] {
@@ -223,8 +210,7 @@ mod tests {
         for (n_i, n_t) in [(1.0, 1.5), (1.5, 1.0), (1.2, 1.2)] {
             for cos in cosines() {
                 let (a, b) = (conductor(cos, n_t, 0.0, n_i), dielectric(cos, n_i, n_t));
-                // The modulus in `conductor_sp` suffers from cancellation near the critical angle,
-                // where the slope of R is infinite.
+                // The modulus cancels near the critical angle, where R has an infinite slope.
                 assert!((a - b).abs() < 1e-6, "{a} and {b} at cosine {cos} from {n_i} to {n_t}");
             }
         }

@@ -1,9 +1,9 @@
 //! Optics of surfaces, media and lenses, by wavelength: glasses, thin films, gratings, lens
 //! designs, BSDFs and phase functions.
 //!
-//! All functions depend on angle, refractive index and wavelength alone, and none on a scene. The
-//! crate therefore also serves as a calculator: for the index of a glass, the reflectance of a
-//! coating, the efficiencies of a grating, or the spot sizes of a Zemax lens.
+//! All functions depend on angle, refractive index and wavelength alone, and none on a scene, so
+//! the crate also serves as a calculator: for the index of a glass, the reflectance of a coating,
+//! the efficiencies of a grating, or the spot sizes of a Zemax lens.
 //!
 //! ```
 //! use abbe_optics::glass::{RefractiveIndex, lines};

@@ -5,20 +5,17 @@
 //! refraction through rough surfaces", 2007; Heitz, "Understanding the masking-shadowing function
 //! in microfacet-based BRDFs", 2014.
 //!
-//! Directions are unit vectors in the local frame of the surface. The z axis is the normal on the
-//! side of the viewer, so all cosines are ≥ 0. The denominator of the BSDF contains these cosines.
-//! The functions return the masking function divided by the cosines, because the quotients stay
-//! finite at grazing angles.
+//! Directions are unit vectors in the local frame of the surface, with z along the normal on the
+//! side of the viewer, so all cosines are ≥ 0. The functions return masking functions divided by
+//! the cosines in the denominator of the BSDF, because the quotients stay finite at grazing angles.
 
 use abbe_spectra::math::elementary::sin_cos;
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-/// Smallest roughness α of a rough interface. If the roughness of a material is lower, the material
-/// is treated as smooth. If a material has no smooth form, a lower roughness is raised to this
-/// value. At this roughness the lobe is only 0.06° wide. Lights and pixels do not resolve such a
-/// narrow lobe.
+/// Smallest roughness α of a rough interface, whose lobe of 0.06° is too narrow for lights and
+/// pixels. Below, a material is smooth, or is raised to it if it has no smooth form.
 pub const MIN_ALPHA: f64 = 1e-3;
 
 /// The GGX distribution for one roughness.
@@ -38,8 +35,7 @@ impl Ggx {
         self.alpha
     }
 
-    /// Returns the density D(m) of microfacet normals in 1/sr, normalised to ∫ D(m)·cosθ_m dω_m =
-    /// 1.
+    /// Returns the density D(m) of normals in 1/sr, normalised to ∫ D(m)·cosθ_m dω_m = 1.
     pub fn eval(&self, m: DVec3) -> f64 {
         if m.z <= 0.0 {
             return 0.0;
@@ -55,49 +51,45 @@ impl Ggx {
         (a2 + (1.0 - a2) * cos * cos).sqrt()
     }
 
-    /// Returns G₁(w)/cosθ: Smith's masking function divided by the cosine.
+    /// Returns G₁(w)/cosθ, where G₁ is Smith's masking function.
     pub(crate) fn g1_per_cos(&self, cos: f64) -> f64 {
         2.0 / (cos + self.smith_root(cos))
     }
 
-    /// Returns G₂(o, i)/(cosθ_o·cosθ_i): the height-correlated masking-shadowing function divided
-    /// by both cosines.
+    /// Returns the height-correlated masking-shadowing G₂(o, i)/(cosθ_o·cosθ_i).
     pub(crate) fn g2_per_cos(&self, cos_o: f64, cos_i: f64) -> f64 {
         2.0 / (cos_o * self.smith_root(cos_i) + cos_i * self.smith_root(cos_o))
     }
 
-    /// Returns D·G₂/(4·cosθ_o·cosθ_i) in 1/sr for the half vector `m`. This is the reflection lobe
-    /// without the Fresnel factor (Walter et al. 2007, equation 20).
+    /// Returns D·G₂/(4·cosθ_o·cosθ_i) in 1/sr for the half vector `m`: the reflection lobe without
+    /// the Fresnel factor (Walter et al. 2007, equation 20).
     pub(crate) fn reflection_lobe(&self, m: DVec3, cos_o: f64, cos_i: f64) -> f64 {
         0.25 * self.eval(m) * self.g2_per_cos(cos_o, cos_i)
     }
 
-    /// Returns G₂(o, i)/G₁(o). Of the light that the visible facets reflect, this fraction leaves
-    /// the surface without hitting another facet.
+    /// Returns G₂(o, i)/G₁(o): the fraction of the light that the visible facets reflect which
+    /// leaves the surface without hitting another facet.
     pub fn g2_over_g1(&self, cos_o: f64, cos_i: f64) -> f64 {
         let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         cos_i * (cos_o + o) / (cos_o * i + cos_i * o)
     }
 
-    /// Returns 1 − G₂(o, i)/G₁(o) without cancellation. A model that considers only single
-    /// scattering loses this fraction of the light.
+    /// Returns 1 − G₂(o, i)/G₁(o), which a model of single scattering loses, without cancellation.
     pub(crate) fn shadowed_fraction(&self, cos_o: f64, cos_i: f64) -> f64 {
         let (o, i) = (self.smith_root(cos_o), self.smith_root(cos_i));
         let sin2 = (1.0 - cos_i) * (1.0 + cos_i);
         cos_o * self.alpha * self.alpha * sin2 / ((i + cos_i) * (cos_o * i + cos_i * o))
     }
 
-    /// Returns the density per solid angle of the normals sampled by [`Self::sample_visible`]:
-    /// D(m)·G₁(w)·(w·m)/cosθ_w.
+    /// Returns the pdf per solid angle of [`Self::sample_visible`]: D(m)·G₁(w)·(w·m)/cosθ_w.
     pub fn visible_pdf(&self, w: DVec3, m: DVec3) -> f64 {
         self.g1_per_cos(w.z) * self.eval(m) * w.dot(m).max(0.0)
     }
 
-    /// Samples a microfacet normal that is visible from the direction `w` with w.z ≥ 0.
-    ///
-    /// The method stretches the GGX ellipsoid into a hemisphere and samples the projection of the
-    /// hemisphere along the view direction. It then transforms the sampled normal back (Heitz,
-    /// "Sampling the GGX distribution of visible normals", 2018). `u` and `v` lie in \[0, 1).
+    /// Samples a microfacet normal that is visible from the direction `w` with w.z ≥ 0, by `u` and
+    /// `v` in \[0, 1). The GGX ellipsoid is stretched into a hemisphere, whose projection along the
+    /// view direction is sampled, and the normal is transformed back (Heitz, "Sampling the GGX
+    /// distribution of visible normals", 2018).
     pub fn sample_visible(&self, w: DVec3, u: f64, v: f64) -> DVec3 {
         let stretched = DVec3::new(self.alpha * w.x, self.alpha * w.y, w.z).normalize();
         let across = stretched.x * stretched.x + stretched.y * stretched.y;
@@ -120,10 +112,8 @@ mod tests {
 
     const ALPHAS: [f64; 4] = [0.02, 0.1, 0.5, 1.0];
 
-    /// Integrates f(m) over the solid angle of the upper hemisphere, by the midpoint rule in φ and
-    /// y. The variable y is defined by tan²θ/(α² + tan²θ) = x and x = 1 − y². The GGX distribution
-    /// is uniform in x. With equal steps in y, the midpoint rule resolves the tail of the
-    /// distribution.
+    /// Integrates f(m) over the hemisphere by the midpoint rule in φ and y, with tan²θ/(α² + tan²θ)
+    /// = x = 1 − y². GGX is uniform in x, and steps in y resolve its tail.
     fn over_facets(alpha: f64, f: impl Fn(DVec3) -> f64) -> f64 {
         const QUADRATURE_STEPS: usize = 400;
         let mut sum = 0.0;

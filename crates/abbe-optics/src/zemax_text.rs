@@ -1,8 +1,7 @@
 //! Decoding of Zemax text files, whose encoding depends on the version of Zemax.
 
-/// Decodes a text. A text with a UTF-16 byte order mark is decoded as UTF-16. Any other text is
-/// decoded as UTF-8, or as Latin-1 if it is not valid UTF-8. Returns `None` if a UTF-16 text is
-/// malformed, or if any text contains a NUL character.
+/// Decodes a text as UTF-16 if it has that byte order mark, and otherwise as UTF-8, or Latin-1 if
+/// it is not valid UTF-8. Returns `None` for malformed UTF-16, and for text with a NUL character.
 pub(super) fn decoded(bytes: &[u8]) -> Option<String> {
     let wide = |unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();

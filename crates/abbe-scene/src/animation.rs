@@ -11,7 +11,6 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 impl Scene {
-    /// Returns true if anything moves while the shutter is open.
     pub fn moves(&self) -> bool {
         !self.motions.shapes.is_empty()
             || self.motions.camera.is_some()
@@ -24,12 +23,9 @@ impl Scene {
         self.lights.iter().filter(|light| light.motion.is_some())
     }
 
-    /// The scene at a time (in s) while the shutter is open. If nothing moves, the function borrows
-    /// the scene. Otherwise, it returns a new scene with rebuilt moving parts. Both scenes share
-    /// the other parts.
-    ///
-    /// # Errors
-    /// Returns an error if a shape moves to coordinates that are not finite.
+    /// The scene at a time (in s) while the shutter is open: the scene itself if nothing moves,
+    /// otherwise a copy that rebuilds the moving parts and shares the others. Returns an error if a
+    /// shape moves to coordinates that are not finite.
     pub fn at(&self, time_s: f64) -> Result<Cow<'_, Self>> {
         if !self.moves() {
             return Ok(Cow::Borrowed(self));
@@ -70,7 +66,6 @@ impl Scene {
         self.media.iter_mut().for_each(|medium| medium.motion = None);
     }
 
-    /// The camera at a time in s.
     pub fn camera_at(&self, time_s: f64) -> Camera {
         let mut camera = self.camera.clone();
         if let Some(motion) = &self.motions.camera {

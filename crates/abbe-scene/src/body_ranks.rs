@@ -4,13 +4,13 @@ use super::Scene;
 use glam::DVec3;
 
 impl Scene {
-    /// Ranks the bodies by their priority, and bodies of equal priority by the volume of their
-    /// bounding boxes. A smaller box has a higher rank. Of boxes of equal volume, the box of the
-    /// last object has the highest rank.
+    /// Ranks the bodies by their priority, bodies of equal priority by the volume of their bounding
+    /// boxes (a smaller box ranks higher), and equal volumes by the object number (the last ranks
+    /// highest).
     ///
-    /// Of two nested bodies, the inner body therefore has the higher rank. Where two bodies overlap
-    /// in part, the ranks give the same body for paths from all directions. Only bodies in the same
-    /// box have equal ranks, because the ranks do not show which of them is the inner body.
+    /// The inner of two nested bodies therefore ranks higher, and where bodies overlap in part,
+    /// paths from all directions find the same body. Only bodies in the same box have equal ranks,
+    /// because the boxes do not show which of them is the inner one.
     pub(super) fn rank_bodies(&mut self) {
         let boxes = [&self.geometry, &self.boundaries].map(|geometry| geometry.object_bounds());
         let bodies = boxes.into_iter().flatten().filter_map(|(object, (low, high))| {
@@ -34,10 +34,8 @@ impl Scene {
 /// The properties of a body that fix its rank.
 struct RankedBody {
     priority: i32,
-    /// The volume of the bounding box.
     volume_m3: f64,
     object: u32,
-    /// The corners of the bounding box.
     corners: [DVec3; 2],
 }
 

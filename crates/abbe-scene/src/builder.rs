@@ -1,8 +1,8 @@
 //! Builds a scene from its parts, without a file, and checks it.
 //!
-//! Objects come first: an [`ObjectSet`] collects materials and shapes. The shapes are placed in
-//! world coordinates. [`SceneBuilder::new`] then fixes the scene's centre. The positions of lights,
-//! media and the camera are relative to this centre. [`SceneBuilder::build`] returns the scene.
+//! An [`ObjectSet`] first collects materials and shapes in world coordinates. [`SceneBuilder::new`]
+//! then fixes the scene's centre, to which the positions of lights, media and the camera are
+//! relative, and [`SceneBuilder::build`] returns the scene.
 //!
 //! # Example
 //!
@@ -79,7 +79,6 @@ use std::sync::Arc;
 /// The objects of a scene under construction, with their materials.
 #[derive(Debug, Default)]
 pub struct ObjectSet {
-    /// Remarks about the objects, for the user.
     pub notes: Vec<String>,
     pub(super) shapes: Vec<AnimatedShape>,
     pub(super) objects: Vec<Object>,
@@ -89,10 +88,9 @@ pub struct ObjectSet {
 /// The position and the motion of an object.
 #[derive(Debug, Clone)]
 pub struct Placement {
-    /// The transform from the shape's frame to the world when the shutter opens. Lengths are in m.
+    /// Transforms the shape's frame to the world when the shutter opens. Lengths are in m.
     pub to_world: DAffine3,
-    /// The motion while the shutter is open, with lengths in m. The pair consists of the motion of
-    /// a frame, and the transform from the shape's frame to the moving frame.
+    /// The motion of a frame while the shutter is open; lengths are in m.
     pub motion: Option<(AnimatedTransform, DAffine3)>,
 }
 
@@ -103,17 +101,13 @@ impl From<DAffine3> for Placement {
 }
 
 impl ObjectSet {
-    /// Adds a material and returns its number.
     pub fn add_material(&mut self, material: Material) -> usize {
         self.materials.push(material);
         self.materials.len() - 1
     }
 
-    /// Adds an object and returns its number. `material` is the number of the object's material.
-    ///
-    /// # Errors
-    /// Returns an error if the shape is not a valid body, the material does not exist, or the shape
-    /// is flat but its material contains a medium.
+    /// Adds an object with this material and returns its number. Returns an error if the shape is
+    /// not a valid body, the material does not exist, or a flat shape's material contains a medium.
     pub fn add_object(
         &mut self,
         name: impl Into<String>,
@@ -143,14 +137,12 @@ impl ObjectSet {
         Ok(number)
     }
 
-    /// The name of an object.
     pub fn name(&self, object: u32) -> &str {
         &self.objects[object as usize].name
     }
 
-    /// The middle of the bounding box of all shapes, in m. Positions relative to this point are
-    /// precise even if the scene is far from the world's origin. If there is no shape, the result
-    /// is the origin.
+    /// The middle of the bounding box of all shapes, in m, or the origin if there is none.
+    /// Positions relative to it are precise even if the scene is far from the world's origin.
     fn centre(&self) -> DVec3 {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let placed = self.shapes.iter().map(|shape| &shape.placed);
@@ -170,8 +162,7 @@ impl ObjectSet {
         &self.materials[self.objects[object as usize].material]
     }
 
-    /// If `boundaries` is true, builds the faces that only bound a medium. Otherwise, builds the
-    /// faces of all surfaces.
+    /// Builds the faces that only bound a medium (`boundaries`), or those of all surfaces.
     fn build(&self, boundaries: bool, centre: DVec3) -> Result<Geometry> {
         let placed = self.shapes.iter().map(|shape| &shape.placed);
         let of_kind = placed.filter(|placed| self.material_of(placed.object).is_boundary() == boundaries);
@@ -184,51 +175,41 @@ impl ObjectSet {
 pub struct SceneView {
     /// The camera when the shutter opens, relative to the scene's centre.
     pub camera: Camera,
-    /// The motion of the camera. Positions are in m, relative to the scene's centre. `None` if the
-    /// camera does not move while the shutter is open.
+    /// The motion of the camera, with positions in m, relative to the scene's centre.
     pub camera_motion: Option<AnimatedLookAt>,
-    /// The shutter.
     pub shutter: Shutter,
-    /// The film. The film must have the same width and height in pixels as the camera.
+    /// Must have the camera's width and height in pixels.
     pub film: FilmSpec,
-    /// The light that the picture shows as white. It determines [`FilmSpec::white`].
     pub white_balance: WhiteBalance,
-    /// The meters, if the camera consists of their receptors.
+    /// The meters, if the camera consists of their sensors.
     pub meters: Vec<Meter>,
 }
 
-/// The light that the picture shows as white.
+/// The light that the picture shows as white, which determines [`FilmSpec::white`].
 #[derive(Debug, Clone)]
 pub enum WhiteBalance {
-    /// [`FilmSpec::white`] is not changed.
+    /// Leaves [`FilmSpec::white`] as it is.
     None,
-    /// All lights of the scene. Each light is weighted by its power.
+    /// All lights of the scene, weighted by their power.
     SceneLights,
-    /// A light of this spectrum. The name is used in error messages.
+    /// A light of this spectrum. Error messages use the name.
     Illuminant(String, Spectrum),
 }
 
 /// The part of a scene in which [`SceneBuilder::build`] found an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScenePart {
-    /// The scene as a whole.
     Whole,
-    /// The objects.
     Objects,
     /// The emission of the medium with this number.
     MediumEmission(usize),
-    /// The size of the film.
     Film,
-    /// The white balance.
     WhiteBalance,
 }
 
-/// An error of [`SceneBuilder::build`].
 #[derive(Debug, Clone)]
 pub struct SceneError {
-    /// The part of the scene that contains the error.
     pub part: ScenePart,
-    /// The error.
     pub error: Error,
 }
 
@@ -244,14 +225,11 @@ impl ScenePart {
     }
 }
 
-/// A scene under construction. All of its objects have already been added.
+/// A scene under construction, to which all objects have been added.
 #[derive(Debug)]
 pub struct SceneBuilder {
-    /// The title.
     pub title: String,
-    /// The render settings.
     pub settings: Settings,
-    /// Remarks for the user.
     pub notes: Vec<String>,
     pub(super) objects: ObjectSet,
     pub(super) centre: DVec3,
@@ -261,8 +239,7 @@ pub struct SceneBuilder {
     pub(super) atmosphere: Option<usize>,
 }
 
-/// A medium and the power that it must emit. The power is in W over the band. It is `None` if the
-/// scene does not give a power.
+/// A medium and the power in W over the band that it must emit, if the scene gives one.
 #[derive(Debug)]
 pub(super) struct EmittingMedium {
     pub(super) medium: Medium,
@@ -270,20 +247,15 @@ pub(super) struct EmittingMedium {
 }
 
 impl SceneBuilder {
-    /// Builds the surfaces of the objects. The scene's centre is the middle of the objects.
-    ///
-    /// # Errors
-    /// Returns an error if a transform is singular or not finite, a shape has no area, or there are
-    /// more than 2³² primitives or vertices.
+    /// Builds the surfaces of the objects about their middle. Returns an error if a transform is
+    /// singular or not finite, a shape has no area, or there are more than 2³² primitives or
+    /// vertices.
     pub fn new(objects: ObjectSet) -> Result<Self> {
         let centre = objects.centre();
         Self::about(objects, centre)
     }
 
-    /// Builds the surfaces of the objects, with the scene's centre at `centre` (in m).
-    ///
-    /// # Errors
-    /// See [`Self::new`].
+    /// Builds the surfaces of the objects about `centre` (in m), with the errors of [`Self::new`].
     pub fn about(mut objects: ObjectSet, centre: DVec3) -> Result<Self> {
         let geometry = objects.build(false, centre)?;
         let notes = std::mem::take(&mut objects.notes);
@@ -300,41 +272,34 @@ impl SceneBuilder {
         })
     }
 
-    /// The scene's centre in the world, in m. All positions of lights, media and the camera are
-    /// relative to it.
+    /// The scene's centre in the world, in m.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// The objects.
     pub fn objects(&self) -> &ObjectSet {
         &self.objects
     }
 
-    /// The area of an object's surface in m². The area is 0 if the object only bounds a medium.
+    /// The area of an object's surface in m²: 0 if the object only bounds a medium.
     pub fn area_m2(&self, object: u32) -> f64 {
         self.geometry.area(object)
     }
 
-    /// Adds a medium and returns its number. Bodies refer to media by these numbers.
-    ///
-    /// If `power_w` is given and the emission is uniform, [`build`](Self::build) scales the
-    /// emission so that the medium emits this power. The power is in W over the band. Thermal
-    /// emission is not scaled.
+    /// Adds a medium and returns its number, by which bodies refer to it. If `power_w` is given and
+    /// the emission is uniform, [`build`](Self::build) scales the emission so that the medium emits
+    /// this power in W over the band. Thermal emission is not scaled.
     pub fn add_medium(&mut self, medium: Medium, power_w: Option<f64>) -> usize {
         self.media.push(EmittingMedium { medium, power_w });
         self.media.len() - 1
     }
 
-    /// Fills all space outside of bodies with a medium. `medium` is the number of the medium.
+    /// Fills all space outside of bodies with the medium of this number.
     pub fn set_atmosphere(&mut self, medium: usize) {
         self.atmosphere = Some(medium);
     }
 
-    /// Adds a light. Emitting media become lights automatically.
-    ///
-    /// # Errors
-    /// Returns an error if the object of an area light does not exist or has no surface.
+    /// Adds a light, or returns an error if its object does not exist or has no surface.
     pub fn add_light(&mut self, mut light: Light) -> Result<()> {
         if let Some(object) = light.object() {
             if object as usize >= self.objects.objects.len() {
@@ -354,17 +319,14 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Builds the scene.
+    /// Builds the scene: creates the atmosphere, the boundaries of media and the lights of emitting
+    /// media, and finds the bounding sphere, the dense media, the distant lights, the white of the
+    /// film, and the medium stacks of the camera and the lights.
     ///
-    /// Creates the atmosphere, the boundaries of media, and the lights of emitting media. Finds the
-    /// bounding sphere, the dense media, the distant lights and the white of the film. Also finds
-    /// the medium stacks of the camera and the lights.
-    ///
-    /// # Errors
-    /// Returns an error if the scene has no light, or if a body refers to a medium that does not
-    /// exist. Also returns an error if an emitting medium has no bounds, emits nothing in the band,
-    /// or is inside a moving body. Also returns an error if the camera and the film have different
-    /// sizes, or if the light of the white balance is too saturated.
+    /// Returns an error if the scene has no light, a body refers to a medium that does not exist,
+    /// an emitting medium has no bounds, emits nothing in the band or is inside a moving body, the
+    /// camera and the film have different sizes, or the light of the white balance is too
+    /// saturated.
     pub fn build(mut self, view: SceneView) -> std::result::Result<Scene, SceneError> {
         let SceneView { camera, camera_motion, shutter, film, white_balance, meters } = view;
         self.check_numbers(&camera, &film)?;
@@ -442,7 +404,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// The radius in m of a sphere around the scene's centre. The sphere contains all surfaces, the
+    /// The radius in m of a sphere around the scene's centre that contains all surfaces, the
     /// camera, and the positions of point, spot and beam lights.
     fn inner_radius_m(&self, camera: &Camera) -> f64 {
         let positions = self.lights.iter().filter_map(Light::position);
@@ -450,11 +412,10 @@ impl SceneBuilder {
         positions.chain(sensors).chain([camera.origin()]).map(DVec3::length).fold(self.geometry.radius_m(), f64::max)
     }
 
-    /// Adds a sphere around the scene and fills it with the atmosphere's medium. `inner_m` is the
-    /// radius of the scene without the atmosphere. The sphere has the lowest priority. Returns the
-    /// radius of the bounding sphere in m.
+    /// Adds a sphere of lowest priority, filled with the atmosphere's medium, around the scene,
+    /// whose radius is `inner_m`. Returns the radius of the bounding sphere in m.
     fn add_atmosphere(&mut self, name: &str, medium: usize, inner_m: f64) -> f64 {
-        /// The radius of the sphere divided by `inner_m`. It is above 1, so that the camera and the
+        /// The radius of the sphere divided by `inner_m`: above 1, so that the camera and the
         /// lights are inside the sphere and not on its surface.
         const MARGIN: f64 = 1.05;
         let radius = MARGIN * inner_m;
@@ -481,8 +442,7 @@ impl SceneBuilder {
     }
 }
 
-/// XYZ of the light that the picture shows as white. The values are for the film's observer. `None`
-/// if [`FilmSpec::white`] is not changed.
+/// XYZ of the white for the film's observer, or `None` if [`FilmSpec::white`] is not changed.
 fn white(scene: &Scene, white_balance: &WhiteBalance) -> std::result::Result<Option<Xyz>, SceneError> {
     let (white, what) = match white_balance {
         WhiteBalance::None => return Ok(None),

@@ -11,22 +11,18 @@ use abbe_spectra::spectrum::Observer;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// A body that contains a medium.
 struct MediumContainer {
-    /// The number of the medium.
     medium: usize,
-    /// The name of the object.
     name: String,
     placed: PlacedShape,
     moves: bool,
 }
 
-/// A volume light with its name.
 type NamedVolume = (String, VolumeLight);
 
 impl SceneBuilder {
-    /// Adds the lights of all emitting media that fill bodies or the atmosphere. If the scene gives
-    /// the power of a medium, the medium's emission is scaled so that the medium emits this power.
+    /// Adds the lights of all emitting media that fill bodies or the atmosphere, scaled to the
+    /// power that the scene gives, if any.
     pub(super) fn add_volume_lights(&mut self, observer: &'static Observer) -> std::result::Result<(), SceneError> {
         let containers = self.containers();
         for (number, EmittingMedium { medium, power_w }) in self.media.iter_mut().enumerate() {
@@ -42,7 +38,6 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// The bodies that contain media.
     fn containers(&self) -> Vec<MediumContainer> {
         let container = |shape: &AnimatedShape| {
             let (placed, moves) = (&shape.placed, shape.motion.is_some());
@@ -67,7 +62,7 @@ fn check(medium: &Medium, containers: &[&MediumContainer], in_atmosphere: bool) 
     Ok(())
 }
 
-/// The lights of a medium. If `power_w` is given, the lights together emit this power.
+/// The lights of a medium, which together emit `power_w` if it is given.
 fn lights(
     medium: &mut Medium,
     power_w: Option<f64>,
@@ -85,15 +80,13 @@ fn lights(
         let spectrum = LightSpectrum::new(volume.spectrum());
         let motion = volume.motion().cloned();
         let light = Light::new(name, Emitter::Volume(Box::new(volume)), &spectrum, observer)?;
-        // A path that sees the emission of a medium does not know the body, so all lights of the
-        // medium have the same group.
+        // A path that sees the emission of a medium does not know the body: one group for all.
         Ok(Light { motion, group: format!("medium {}", medium.name), ..light })
     };
     volumes.into_iter().map(light).collect()
 }
 
-/// The volumes that a medium fills. If the density of a medium is a field in a box, the medium
-/// fills this box. Any other medium fills each body that contains it.
+/// The volumes that a medium fills: the box of its density field, or each body with it.
 fn volumes(medium: &Medium, containers: &[&MediumContainer], centre: DVec3) -> Result<Vec<NamedVolume>> {
     let dark =
         || Error::input("found no light within 360–830 nm").expected("a medium that is hot enough and absorbs light");

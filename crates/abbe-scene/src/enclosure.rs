@@ -1,5 +1,4 @@
-//! Finds objects enclosed in an opaque body. No light reaches these objects, and no camera sees
-//! them.
+//! Finds objects enclosed in an opaque body, which no light reaches and no camera sees.
 
 use super::Scene;
 use glam::DVec3;
@@ -9,8 +8,7 @@ impl Scene {
     /// Maps the number of each enclosed object to the number of the enclosing object.
     ///
     /// An object is enclosed if it lies inside an opaque convex body that contains neither a light
-    /// nor the camera nor a receptor. The result is empty if anything moves or a medium emits
-    /// light.
+    /// nor the camera nor a sensor. The result is empty if anything moves or a medium emits light.
     pub fn enclosures(&self) -> BTreeMap<u32, u32> {
         let mut enclosures = BTreeMap::new();
         let opaque = |object: u32| !self.material_of(object).surface.is_transmissive();
@@ -36,8 +34,7 @@ impl Scene {
         enclosures
     }
 
-    /// One box around the camera or each point of a receptor, and one box around each local light.
-    /// `None` if a local light has no box.
+    /// Boxes of the camera or sensor points, and of local lights; `None` if a light has none.
     fn boxes_of_camera_and_lights(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<Vec<(DVec3, DVec3)>> {
         let boxes_of_views = if self.measures() {
             self.points_of_sensors().into_iter().map(|point| (point, point)).collect()

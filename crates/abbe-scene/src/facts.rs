@@ -1,4 +1,4 @@
-//! Facts about a scene. The plan uses them to decide which effects are simulated.
+//! Facts about a scene, from which the plan decides which effects are simulated.
 
 use super::camera::{Aperture, ApertureDiffraction};
 use super::light::Light;
@@ -9,22 +9,20 @@ use abbe_optics::glass::RefractiveIndex;
 use abbe_optics::texture::SurfaceSpectrum;
 use abbe_spectra::spectrum::Spectrum;
 
-/// A light counts as a line light if at least this share of its power is in spectral lines. If a
-/// line light illuminates a surface, the reflected light depends strongly on the reflectance at a
-/// few wavelengths.
+/// A light counts as a line light if at least this fraction of its power is in spectral lines, so
+/// that the light that a surface reflects depends strongly on the reflectance at a few wavelengths.
 const LINE_FRACTION: f64 = 0.1;
 
-/// The facts that decide which effects a scene needs. Most facts are lists of names. Each name
-/// denotes a part of the scene for which the fact is true. If the list is empty, the fact is false.
+/// The facts that decide which effects a scene needs. Most facts are lists: the names of the parts
+/// of the scene that make the fact true. An empty list means false.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Facts {
     /// Objects whose refractive index depends on wavelength, and gratings.
     pub dispersive: Vec<String>,
-    /// Objects with a specular component. They reflect or refract light into one direction.
+    /// Objects with a specular component, which reflects or refracts light into one direction.
     pub specular: Vec<String>,
     /// Objects with a glossy component: rough or coated surfaces.
     pub glossy: Vec<String>,
-    /// Objects with a material that varies over the surface.
     pub textured: Vec<String>,
     /// Objects with thin films, and a coated lens of the camera.
     pub films: Vec<String>,
@@ -32,60 +30,48 @@ pub struct Facts {
     pub fluorescent: Vec<String>,
     /// Fluorescent objects that absorb light of the scene below the band.
     pub ultraviolet: Vec<String>,
-    /// Objects with a diffuse component.
     pub diffuse: Vec<String>,
-    /// Objects with a body, and gratings. The body consists of glass or liquid, or it is filled
-    /// with a medium. Paths keep a single wavelength behind these objects.
+    /// Objects with a body of glass, liquid or a medium, and gratings, behind which paths keep a
+    /// single wavelength.
     pub bodies: Vec<String>,
     /// Objects with a body that has an absorption coefficient.
     pub absorbing_bodies: Vec<String>,
     /// Objects filled with a medium, including the atmosphere.
     pub media: Vec<String>,
-    /// Objects filled with a dense scattering medium, in which light scatters more than a few
-    /// times.
+    /// Objects filled with a dense medium, in which light scatters more than a few times.
     pub dense_media: Vec<String>,
     /// Objects filled with a scattering medium that is not dense.
     pub thin_media: Vec<String>,
     /// The object or the setting that requires light maps of media.
     pub light_map: Vec<String>,
-    /// All lights.
     pub lights: Vec<String>,
     /// Lights that a scattered ray can hit by chance: all lights that are not delta lights.
     pub hittable_lights: Vec<String>,
-    /// Distant lights.
     pub distant_lights: Vec<String>,
     /// Objects and lights with spectra that were reconstructed from RGB.
     pub upsampled: Vec<String>,
-    /// Lights that have a considerable share of their power in spectral lines.
+    /// Lights with at least `LINE_FRACTION` of their power in spectral lines.
     pub line_lights: Vec<String>,
-    /// The radius of the camera's aperture in nm, or `None` for a pinhole. The radius is an integer
-    /// because `Facts` implements `Eq`.
+    /// The radius of the camera's aperture in nm (an integer for `Eq`), or `None` for a pinhole.
     pub aperture_nm: Option<u64>,
-    /// The name of the camera's lens system, or `None` if the camera has no lens system.
     pub lens_system: Option<String>,
     /// The name of the camera's lens system if it has ghosts.
     pub ghosts: Option<String>,
-    /// The size of the diffraction pattern of the aperture. `None` for a pinhole, or if the scene
-    /// does not enable diffraction.
+    /// The size of the diffraction pattern. `None` for a pinhole, or if diffraction is not enabled.
     pub diffracting: Option<String>,
-    /// The meters of a measurement.
     pub meters: Vec<String>,
     /// Everything that moves while the shutter is open: objects, lights, media and the camera.
     pub moving: Vec<String>,
 }
 
-/// Returns the object whose medium renders better with light maps than with shadow rays. Without
-/// light maps, shadow rays are traced from sampled points. In the medium of this object, light maps
-/// have less noise, and their interpolation error is 0.
-///
-/// The conditions for such an object were found by measurements. The object is a convex body of
-/// thin, uniform fog. The scene contains no other medium. The object contains all lights. There are
-/// only a few lights, and they have no extent, so many passes can use the same light map. If the
-/// fog is not thin, or if the scene has specular surfaces, photon noise dominates.
+/// Returns the object whose medium renders better with light maps than with shadow rays from
+/// sampled points: the maps have less noise there, and no interpolation error. By measurements,
+/// this is a convex body of thin, uniform fog, which is the only medium and contains all lights, if
+/// these are few and without extent, so that many passes can use the same light map. In other fog
+/// or with specular surfaces, photon noise dominates.
 fn object_with_light_maps(scene: &Scene) -> Option<&str> {
-    /// The largest number of lights.
     const MAX_LIGHTS: usize = 8;
-    /// The largest optical depth.
+    /// An optical depth.
     const THIN: f64 = 0.5;
     let medium_of = |object: &Object| scene.materials[object.material].body.as_ref()?.medium;
     let mut filled = (0..).zip(&scene.objects).filter_map(|(number, object)| Some((number, medium_of(object)?)));
@@ -104,13 +90,11 @@ fn object_with_light_maps(scene: &Scene) -> Option<&str> {
 }
 
 impl Facts {
-    /// Returns true if any surface has a diffuse or glossy component.
     pub fn scatters(&self) -> bool {
         !(self.diffuse.is_empty() && self.glossy.is_empty())
     }
 
-    /// Returns true if light from any direction counts somewhere: at a surface that scatters it, or
-    /// at a meter.
+    /// Returns true if a surface scatters light or a meter receives it.
     pub fn receives(&self) -> bool {
         self.scatters() || !self.meters.is_empty()
     }
@@ -122,13 +106,13 @@ impl Facts {
         [&self.specular, &self.glossy, &self.media, lights].into_iter().flatten().cloned().collect()
     }
 
-    /// Collects the facts about a scene. Objects that no light can reach are left out.
+    /// Collects the facts about a scene without the objects that no light can reach.
     pub fn of(scene: &Scene) -> Self {
         let enclosures = scene.enclosures();
         Self::without(scene, |object| enclosures.contains_key(&object))
     }
 
-    /// Collects the facts about a scene. Includes the objects that no light can reach.
+    /// Collects the facts about a scene with the objects that no light can reach.
     pub fn of_all(scene: &Scene) -> Self {
         Self::without(scene, |_| false)
     }
@@ -150,66 +134,40 @@ impl Facts {
                     list.push(object.name.clone());
                 }
             }
-            if material.surface.components().any(|part| part.films().is_some()) {
-                facts.films.push(object.name.clone());
-            }
-            if material.surface.fluorescent().next().is_some() {
-                facts.fluorescent.push(object.name.clone());
-            }
-            if material.surface.fluorescent().any(|surface| ultraviolet_excites(scene, &surface.fluorophore)) {
-                facts.ultraviolet.push(object.name.clone());
-            }
-            if material.surface.components().any(|part| part.grating().is_some()) {
-                facts.dispersive.push(object.name.clone());
-                facts.bodies.push(object.name.clone());
-            }
-            if material.is_textured() {
-                facts.textured.push(object.name.clone());
-            }
-            let absorption = material.body.iter().filter_map(|body| body.absorption.as_ref());
-            if material.surface.is_upsampled() || absorption.into_iter().any(Spectrum::is_upsampled) {
-                facts.upsampled.push(object.name.clone());
-            }
-            if let Some(body) = &material.body {
-                facts.bodies.push(object.name.clone());
-                if body.index.as_ref().is_some_and(RefractiveIndex::is_dispersive) {
-                    facts.dispersive.push(object.name.clone());
-                }
-                if body.absorption.is_some() {
-                    facts.absorbing_bodies.push(object.name.clone());
-                }
-                if let Some(medium) = body.medium.map(|number| &scene.media[number]) {
-                    facts.media.push(object.name.clone());
-                    if let Some(dye) = &medium.fluorophore {
-                        facts.fluorescent.push(object.name.clone());
-                        if ultraviolet_excites(scene, dye) {
-                            facts.ultraviolet.push(object.name.clone());
-                        }
-                    }
-                    if medium.scatters() {
-                        let list = if medium.dense { &mut facts.dense_media } else { &mut facts.thin_media };
-                        list.push(object.name.clone());
-                    }
-                }
-            }
+            let note = |list: &mut Vec<String>, holds: bool| list.extend(holds.then(|| object.name.clone()));
+            note(&mut facts.films, material.surface.components().any(|part| part.films().is_some()));
+            note(&mut facts.fluorescent, material.surface.fluorescent().next().is_some());
+            let mut surfaces = material.surface.fluorescent();
+            note(&mut facts.ultraviolet, surfaces.any(|surface| ultraviolet_excites(scene, &surface.fluorophore)));
+            let is_grating = material.surface.components().any(|part| part.grating().is_some());
+            note(&mut facts.dispersive, is_grating);
+            note(&mut facts.bodies, is_grating);
+            note(&mut facts.textured, material.is_textured());
+            let absorption = material.body.as_ref().and_then(|body| body.absorption.as_ref());
+            let is_upsampled = material.surface.is_upsampled() || absorption.is_some_and(Spectrum::is_upsampled);
+            note(&mut facts.upsampled, is_upsampled);
+            let Some(body) = &material.body else { continue };
+            note(&mut facts.bodies, true);
+            note(&mut facts.dispersive, body.index.as_ref().is_some_and(RefractiveIndex::is_dispersive));
+            note(&mut facts.absorbing_bodies, body.absorption.is_some());
+            let Some(medium) = body.medium.map(|number| &scene.media[number]) else { continue };
+            note(&mut facts.media, true);
+            let dye = medium.fluorophore.as_deref();
+            note(&mut facts.fluorescent, dye.is_some());
+            note(&mut facts.ultraviolet, dye.is_some_and(|dye| ultraviolet_excites(scene, dye)));
+            note(&mut facts.dense_media, medium.scatters() && medium.dense);
+            note(&mut facts.thin_media, medium.scatters() && !medium.dense);
         }
         for light in &scene.lights {
-            facts.lights.push(light.name.clone());
-            if !light.is_delta() {
-                facts.hittable_lights.push(light.name.clone());
-            }
-            if light.slide().is_some_and(SurfaceSpectrum::is_textured) {
-                facts.textured.push(light.name.clone());
-            }
-            if light.spectrum.is_upsampled() || light.slide().is_some_and(SurfaceSpectrum::is_upsampled) {
-                facts.upsampled.push(light.name.clone());
-            }
-            if light.spectrum.line_fraction() >= LINE_FRACTION {
-                facts.line_lights.push(light.name.clone());
-            }
-            if light.is_distant() {
-                facts.distant_lights.push(light.name.clone());
-            }
+            let note = |list: &mut Vec<String>, holds: bool| list.extend(holds.then(|| light.name.clone()));
+            note(&mut facts.lights, true);
+            note(&mut facts.hittable_lights, !light.is_delta());
+            note(&mut facts.textured, light.slide().is_some_and(SurfaceSpectrum::is_textured));
+            let is_upsampled =
+                light.spectrum.is_upsampled() || light.slide().is_some_and(SurfaceSpectrum::is_upsampled);
+            note(&mut facts.upsampled, is_upsampled);
+            note(&mut facts.line_lights, light.spectrum.line_fraction() >= LINE_FRACTION);
+            note(&mut facts.distant_lights, light.is_distant());
         }
         facts.aperture_nm = match scene.camera.aperture() {
             Aperture::Pinhole | Aperture::Orthographic => None,

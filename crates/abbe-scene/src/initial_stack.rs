@@ -1,5 +1,4 @@
-//! The medium stacks in which camera rays and emitted rays start, and the medium stacks of paths
-//! through more bodies than a stack can hold.
+//! The medium stacks in which rays start, and those beyond the capacity of a stack.
 
 use super::Scene;
 use super::light::{Light, RepresentativePoint};
@@ -10,8 +9,7 @@ use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
 
 impl Scene {
-    /// Finds the bodies that contain the camera, each receptor and each light. Without bodies, all
-    /// of them keep their first medium stack, which is air.
+    /// Finds the bodies around the camera, each sensor and each light, all in air at first.
     pub(super) fn find_medium_stacks(&mut self) {
         if self.objects.iter().all(|object| self.materials[object.material].body.is_none()) {
             return;
@@ -25,7 +23,6 @@ impl Scene {
         }
     }
 
-    /// Finds the bodies that contain each receptor of the camera.
     fn find_medium_stacks_of_sensors(&mut self) {
         let around = |sensor: &Sensor| match sensor.position() {
             Some(position) => Sensor { medium_stack: self.medium_stack_at(position), ..*sensor },
@@ -40,16 +37,14 @@ impl Scene {
         self.medium_stack_along(ray, [Some(surface), None])
     }
 
-    /// The bodies that contain the origin of a ray that the light emits. `from` is the surface that
-    /// emits the ray, if the light has a surface.
+    /// The bodies that contain the origin of a ray emitted from the surface `from`, if any.
     #[inline]
     pub fn medium_stack_of_emission(&self, light: &Light, ray: Ray, from: Option<SurfaceId>) -> MediumStack {
         if light.crosses_bodies { self.medium_stack_along(ray, [from, None]) } else { light.medium_stack }
     }
 
-    /// Returns true if the bodies that contain a point of the light may differ from point to point.
-    /// The result is false if every body whose box touches the box of the light is a convex body
-    /// that contains the whole light.
+    /// Returns true unless every body whose box touches that of the light is convex and contains
+    /// the whole light; the bodies may then differ from point to point.
     fn crosses_bodies(&self, light: &Light) -> bool {
         let object_bounds = self.geometry.object_bounds();
         let own_medium = light.medium_name();
@@ -81,14 +76,13 @@ impl Scene {
 
     /// The bodies that contain a point (m, relative to the scene's centre).
     pub fn medium_stack_at(&self, point: DVec3) -> MediumStack {
-        // Any direction is correct. This one is unlikely to be parallel to a face of the scene.
+        // Any direction is correct; this one is unlikely to be parallel to a face.
         let direction = DVec3::new(0.391_827, 0.803_153, 0.448_713).normalize();
         self.medium_stack_along(Ray { origin: point, direction }, [None; 2])
     }
 
-    /// The bodies that contain the origin of a ray. The ray leaves each of these bodies more often
-    /// than it enters the body. The last body that the ray leaves is the outermost. `from` contains
-    /// the surface and the face of a boundary on which the ray starts.
+    /// The bodies that a ray leaves more often than it enters, of which the last is the outermost.
+    /// `from` is the surface, and the face of a boundary, of its start.
     fn medium_stack_along(&self, ray: Ray, from: [Option<SurfaceId>; 2]) -> MediumStack {
         let mut open: SmallVec<[(u32, i32, f64); 8]> = SmallVec::new();
         let mut count = |hit: &Hit| {
@@ -120,7 +114,7 @@ impl Scene {
     }
 
     /// Does the same as [`Self::across`] for a full stack. When the path leaves a body, a body that
-    /// the stack lacks may become dominant. The rest of the ray then tells which bodies contain it.
+    /// the stack lacks may become dominant; the rest of the ray tells which bodies contain it.
     #[cold]
     pub(super) fn across_with_full_stack(&self, medium_stack: &MediumStack, ray: &Ray, hit: &Hit) -> MediumStack {
         if ray.direction.dot(hit.normal) < 0.0 {

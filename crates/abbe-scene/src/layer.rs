@@ -1,6 +1,4 @@
-//! The layers that the file of a picture may contain in addition to its colours.
-
-/// A layer of a picture: a quantity by pixel that is not the colour of the picture.
+/// A layer of a picture: a quantity by pixel that its file may contain in addition to the colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layer {
     /// The albedo of the first surface on a camera ray.
@@ -9,13 +7,9 @@ pub enum Layer {
     Normal,
     /// The distance to the first surface.
     Depth,
-    /// The object that the first surface belongs to.
     Object,
-    /// The material of the first surface.
     Material,
-    /// The texture coordinates of the first surface.
     Uv,
-    /// The number of camera samples.
     Samples,
     /// The light of each class of paths.
     Paths,

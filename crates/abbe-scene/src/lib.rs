@@ -45,6 +45,8 @@
 //!
 //! [`abbe_spectra`] supplies spectra, and [`abbe_optics`] the scattering functions of materials.
 
+#![allow(missing_docs, reason = "a field or a method whose name says what it is needs no doc")]
+
 mod animation;
 mod body_ranks;
 pub mod builder;
@@ -88,112 +90,83 @@ pub use layer::Layer;
 /// A scene at the moment when the shutter opens. All positions are relative to `centre`.
 #[derive(Debug, Clone)]
 pub struct Scene {
-    /// The title.
     pub title: String,
-    /// The origin of all positions. It is given in world coordinates, in m.
+    /// The origin of all positions, in world coordinates, in m.
     pub centre: DVec3,
-    /// The radius in m of the bounding sphere around the origin. At all times, the sphere contains
-    /// all surfaces. Local lights and the camera may be outside the sphere.
+    /// The radius in m of a sphere around the origin and all surfaces at all times, but not
+    /// necessarily local lights and the camera.
     pub radius_m: f64,
-    /// The camera.
     pub camera: Camera,
-    /// The shutter of the camera.
     pub shutter: Shutter,
-    /// The motions of shapes and camera while the shutter is open.
     pub motions: SceneMotion,
-    /// The film.
     pub film: FilmSpec,
-    /// The meters. A picture does not show them; see [`meter`].
+    /// Meters do not appear in a picture; see [`meter`].
     pub meters: Vec<Meter>,
-    /// All surfaces.
+    /// All surfaces except the boundaries.
     pub geometry: Arc<Geometry>,
-    /// The faces of bodies without a surface. These faces only bound a medium. Rays cross them
-    /// without an interaction.
+    /// The faces that only bound a medium, which rays cross without an interaction.
     pub boundaries: Arc<Geometry>,
-    /// The objects, in the order of their numbers. Each surface stores the number of its object.
+    /// Objects, materials, lights and media refer to each other by index.
     pub objects: Vec<Object>,
-    /// The rank of each object's body. Of two bodies, the body with the higher rank dominates. The
-    /// entries of objects without a body are 0.
+    /// By object, 0 without a body. Of two bodies, the one with the higher rank dominates.
     pub body_ranks: Vec<i32>,
-    /// The materials, in the order of their numbers.
     pub materials: Vec<Material>,
-    /// The media, in the order of their numbers.
     pub media: Vec<Medium>,
-    /// The lights, in the order of their numbers.
     pub lights: Vec<Light>,
-    /// The numbers of the distant lights. A ray that leaves the scene may see these lights.
+    /// The numbers of the lights that a ray that leaves the scene may see.
     pub distant_lights: Vec<usize>,
-    /// For each medium: the number of its first volume light, or `None` if the medium emits no
-    /// light.
+    /// For each medium: the number of its first volume light, if it emits light.
     pub medium_lights: Vec<Option<usize>>,
-    /// The render settings of the scene.
     pub settings: Settings,
-    /// Remarks for the user, for example about residuals of matched spectra, clamped indices or
-    /// open meshes.
+    /// Remarks for the user, for example about clamped indices or open meshes.
     pub notes: Vec<String>,
-    /// The refractive index of air.
     pub air: RefractiveIndex,
 }
 
 /// An object: a surface with a material.
 #[derive(Debug, Clone)]
 pub struct Object {
-    /// The name in reports.
     pub name: String,
-    /// The number of the object's material.
     pub material: usize,
-    /// The number of the object's light, or `None` if the object's surface emits no light.
     pub light: Option<usize>,
 }
 
 /// A material: a surface, and the body behind it.
 #[derive(Debug, Clone)]
 pub struct Material {
-    /// The name in reports.
     pub name: String,
-    /// The scattering of light at the surface.
     pub surface: Bsdf,
-    /// The normal map, or `None` if the shading normals are those of the shape.
+    /// `None` if the shading normals are those of the shape.
     pub normal_map: Option<NormalMap>,
-    /// The body that fills an object of this material, or `None` for an opaque or a thin object.
+    /// `None` for an opaque or a thin object.
     pub body: Option<Body>,
 }
 
 /// The inside of a transparent object.
 #[derive(Debug, Clone)]
 pub struct Body {
-    /// The refractive index. `None` means that the body only bounds a medium. In this case, the
-    /// refractive index of the surroundings applies inside the body.
+    /// `None` if the body only bounds a medium, and thus has the index of its surroundings.
     pub index: Option<RefractiveIndex>,
-    /// The absorption coefficient in 1/m, or `None` for a clear body.
+    /// In 1/m, or `None` for a clear body.
     pub absorption: Option<Spectrum>,
-    /// The number of the medium that fills the body.
     pub medium: Option<usize>,
-    /// The priority. Where bodies overlap, the body of the highest priority dominates.
+    /// Where bodies overlap, the body of the highest priority dominates.
     pub priority: i32,
 }
 
 /// The film specified by the scene.
 #[derive(Debug, Clone)]
 pub struct FilmSpec {
-    /// The number of pixels per row.
     pub width: u32,
-    /// The number of rows.
     pub height: u32,
-    /// The standard observer for which the picture's XYZ values are computed.
     pub observer: &'static Observer,
-    /// The number of spectral bands in the output. 0 means no bands.
+    /// The number of spectral bands in the output, if above 0.
     pub spectral_bands: u32,
-    /// The colour space of the PNG.
     pub space: RgbSpace,
-    /// XYZ of the light that the PNG shows as white. The values are computed for `observer`. A
-    /// common factor of the three values has no effect. `None` if there is no white balance.
+    /// The white of the PNG as XYZ for `observer` on any scale, or `None` without white balance.
     pub white: Option<Xyz>,
-    /// The treatment of colours outside the colour space.
     pub gamut: GamutMapping,
-    /// The tone curve of the PNG.
     pub tone: ToneCurve,
-    /// The exposure of the PNG.
     pub exposure: Exposure,
     /// The layers that the EXR contains in addition to the colours.
     pub layers: Vec<Layer>,
@@ -203,42 +176,35 @@ pub struct FilmSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exposure {
-    /// The exposure is chosen from the picture, so that the PNG is neither too dark nor
-    /// overexposed.
+    /// Chosen from the picture, so that the PNG is neither too dark nor overexposed.
     Auto,
-    /// The luminance is multiplied by 2^ev. If ev is 0, the PNG shows a luminance of 1 cd/m² as
-    /// white.
+    /// Multiplies the luminance by 2^ev: at ev 0, the PNG shows 1 cd/m² as white.
     Ev(f64),
-    /// The PNG shows this luminance in cd/m² as white.
+    /// The luminance in cd/m² that the PNG shows as white.
     White(f64),
-    /// The PNG shows a luminance of 1 cd/m² as white.
+    /// The PNG shows 1 cd/m² as white.
     None,
 }
 
 /// The render settings of a scene. A field is `None` if the scene does not set it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Settings {
-    /// The number of passes.
     pub passes: Option<u64>,
     /// The number of photon paths per pass.
     pub photons: Option<u64>,
     /// The number of camera samples per pixel and pass.
     pub camera_samples: Option<u32>,
-    /// The largest number of surface events on a path. Without it, only Russian roulette ends
-    /// paths.
+    /// The largest number of surface events on a path. Otherwise only Russian roulette ends paths.
     pub max_depth: Option<u32>,
     /// The number of photons within the radius of the first pass.
     pub nearest: Option<u32>,
-    /// The radius of the first pass in m. If it is given, `nearest` is not used.
+    /// The radius of the first pass in m, which overrides `nearest`.
     pub radius_m: Option<f64>,
-    /// The seed of all random streams.
     pub seed: Option<u64>,
-    /// The number of worker threads.
     pub threads: Option<u32>,
     /// The time in s between two checkpoints.
     pub checkpoint_seconds: Option<f64>,
-    /// The resolution of the light maps in the first pass: the number of cells along the longest
-    /// side of a medium's box.
+    /// The cells of a light map along the longest side of a medium's box in the first pass.
     pub light_map: Option<u32>,
     /// Effects that are simulated even if no fact requires them.
     pub force: Vec<String>,
@@ -247,7 +213,7 @@ pub struct Settings {
 }
 
 impl Material {
-    /// A material without a surface. An object of this material only bounds a medium.
+    /// A material whose objects only bound a medium.
     pub fn boundary(name: &str, medium: usize, priority: i32) -> Self {
         let body = Body { index: None, absorption: None, medium: Some(medium), priority };
         // Rays cross such faces without an interaction, so the surface is never evaluated.
@@ -260,22 +226,20 @@ impl Material {
         self.normal_map.is_some() || self.surface.is_textured()
     }
 
-    /// Returns true if the material only bounds a medium.
     pub fn is_boundary(&self) -> bool {
         self.body.as_ref().is_some_and(|body| body.index.is_none())
     }
 }
 
 impl Body {
-    /// The properties of the body that decide whether it dominates where bodies overlap. `rank` is
-    /// the entry of the body's object in [`Scene::body_ranks`].
+    /// What decides whether the body dominates; `rank` is from [`Scene::body_ranks`].
     pub fn body_priority(&self, rank: i32) -> BodyPriority {
         BodyPriority { priority: rank, refracts: self.index.is_some() }
     }
 }
 
 impl Scene {
-    /// Returns the sum of the XYZ values of all lights. Each light is weighted by its power.
+    /// The XYZ values of all lights, weighted by their power.
     pub fn xyz_of_lights(&self) -> Xyz {
         let mut sum = [0.0; 3];
         for light in &self.lights {
@@ -286,20 +250,18 @@ impl Scene {
         sum
     }
 
-    /// Returns the fluorophores of the surfaces and of the media, in the order of their numbers.
+    /// The fluorophores of the surfaces and of the media, in the order of their numbers.
     pub fn fluorophores(&self) -> impl Iterator<Item = &Fluorophore> {
         let surfaces = self.materials.iter().flat_map(|material| material.surface.fluorescent());
         let of_media = self.media.iter().filter_map(|medium| medium.fluorophore.as_deref());
         surfaces.map(|surface| &surface.fluorophore).chain(of_media)
     }
 
-    /// Adds the ultraviolet of the lights, which excites fluorophores.
-    ///
-    /// A light samples photons below the band in proportion to the power and the importance of the
-    /// light that they can excite. Wavelengths of little importance keep a small density, so that
-    /// the estimate is unbiased.
+    /// Adds the ultraviolet of the lights, which excites fluorophores. Lights sample photons below
+    /// the band in proportion to the power and the importance of the excited light. Wavelengths of
+    /// little importance keep a small pdf, so the estimate is unbiased.
     pub fn add_ultraviolet(&mut self) {
-        /// The smallest importance of a wavelength, as a fraction of the largest importance.
+        /// The smallest importance of a wavelength, as a fraction of the largest.
         const LEAST: f64 = 0.02;
         let observer = self.film.observer;
         let mut lights = std::mem::take(&mut self.lights);
@@ -316,7 +278,6 @@ impl Scene {
         self.media.iter_mut().for_each(Medium::add_ultraviolet);
     }
 
-    /// Assigns the numbers of the fluorophores and of their emissions.
     fn number_fluorophores(&mut self) {
         let mut next = (0, 0);
         for material in &mut self.materials {
@@ -327,19 +288,17 @@ impl Scene {
         }
     }
 
-    /// Returns true if the scene is measured: the receptors of its meters take the place of a
-    /// camera with a picture.
+    /// Returns true if the sensors of meters take the place of a camera with a picture.
     pub fn measures(&self) -> bool {
         !self.meters.is_empty()
     }
 
-    /// Returns the surfaces and the bounding sphere. The methods of lights need them.
+    /// The surfaces and the bounding sphere, which the methods of lights need.
     pub fn extent(&self) -> SceneExtent<'_> {
         SceneExtent { geometry: &self.geometry, radius_m: self.radius_m }
     }
 
-    /// Recomputes the numbers that refer to lights, after lights were added or removed. These are
-    /// the numbers of the distant lights, and the light numbers of objects and media.
+    /// Recomputes the indices of lights after lights were added or removed.
     pub fn renumber_lights(&mut self) {
         self.objects.iter_mut().for_each(|object| object.light = None);
         self.distant_lights.clear();
@@ -360,7 +319,6 @@ impl Scene {
         }
     }
 
-    /// The material of an object.
     pub fn material_of(&self, object: u32) -> &Material {
         &self.materials[self.objects[object as usize].material]
     }
@@ -370,9 +328,8 @@ impl Scene {
         self.material_of(object).body.as_ref()
     }
 
-    /// The map from the unit cube to a box around a whole medium. A grid medium has its own box.
-    /// For other media, the box is axis-aligned and contains all objects that are filled with the
-    /// medium. `None` if no object contains the medium, or if the box is flat.
+    /// The map from the unit cube to a box around a whole medium: that of a grid, or one around all
+    /// objects that contain it. `None` if there are none, or the box is flat.
     pub fn box_of_medium(&self, number: usize) -> Option<DAffine3> {
         if let Density::Field(field) = &self.media[number].density {
             return Some(field.from_unit());
@@ -396,15 +353,13 @@ impl Scene {
         }
     }
 
-    /// The object that determines the refractive index at a point with this medium stack, or `None`
-    /// for air.
+    /// The object that determines the refractive index at a point, or `None` for air.
     #[inline]
     pub fn dominant_dielectric(&self, medium_stack: &MediumStack) -> Option<u32> {
         medium_stack.dominant_dielectric(|object| self.body_priority(object))
     }
 
-    /// The body that determines the medium at a point with this medium stack. The body need not
-    /// have a surface. `None` for air.
+    /// The body that determines the medium at a point, with or without a surface. `None` for air.
     fn dominant_body(&self, medium_stack: &MediumStack) -> Option<&Body> {
         medium_stack.dominant_body(|object| self.body_priority(object)).and_then(|object| self.body_of(object))
     }
@@ -413,7 +368,6 @@ impl Scene {
         self.body_of(object).map(|body| body.body_priority(self.body_ranks[object as usize])).unwrap_or_default()
     }
 
-    /// The refractive index at a point with this medium stack.
     #[inline]
     pub fn index_in(&self, medium_stack: &MediumStack) -> &RefractiveIndex {
         if medium_stack.is_air() {
@@ -422,21 +376,18 @@ impl Scene {
         self.index_of(self.dominant_dielectric(medium_stack))
     }
 
-    /// The refractive index at a point at which `object` is the dominant dielectric. `None` for
-    /// air.
+    /// The refractive index at a point at which `object` is the dominant dielectric; air if `None`.
     #[inline]
     pub fn index_of(&self, object: Option<u32>) -> &RefractiveIndex {
         let body = object.and_then(|object| self.body_of(object));
         body.and_then(|body| body.index.as_ref()).unwrap_or(&self.air)
     }
 
-    /// The absorption coefficient at a point with this medium stack, or `None` if the body there is
-    /// clear.
+    /// The absorption coefficient at a point, or `None` if the body there is clear.
     pub fn absorption_in(&self, medium_stack: &MediumStack) -> Option<&Spectrum> {
         self.dominant_body(medium_stack).and_then(|body| body.absorption.as_ref())
     }
 
-    /// The number of the medium at a point with this medium stack.
     pub fn medium_in(&self, medium_stack: &MediumStack) -> Option<usize> {
         self.dominant_body(medium_stack).and_then(|body| body.medium)
     }

@@ -1,45 +1,42 @@
-//! The medium stack: the bodies that contain a point of a path. One of these bodies dominates.
+//! The medium stack: the bodies that contain a point of a path.
 //!
 //! Bodies may overlap (ice in water in a glass). At every point, the body of the highest priority
-//! dominates. If priorities are equal, the body that the path entered last dominates (nested
-//! dielectrics, Schmidt & Budge 2002). A body without a surface (a cloud of smoke) determines the
-//! medium at a point, but not the refractive index.
+//! dominates, and of equal ones the body that the path entered last (nested dielectrics, Schmidt &
+//! Budge 2002). A body without a surface (a cloud of smoke) determines the medium, but not the
+//! refractive index.
 
-/// The largest number of bodies in a stack. If more bodies overlap at a point, the stack is full and
-/// lacks the bodies that matter least. When a path leaves a body with a full stack,
+/// The largest number of bodies in a stack. If more bodies overlap at a point, the stack is full
+/// and lacks those that matter least. When a path leaves a body with a full stack,
 /// [`Scene::across`](super::Scene::across) finds the bodies anew from the geometry.
 pub const MAX_NESTING: usize = 8;
 
-/// The bodies that contain a point, from the outermost to the innermost.
+/// The bodies that contain a point, from the outermost to the innermost: object numbers plus 1, and
+/// unused entries of 0 at the end.
 ///
-/// Each entry is an object number plus 1. Unused entries at the end are 0. A stack is stored for
-/// every segment of every path, so the stack must be small. It does not contain the priorities,
-/// because the bodies store them. Any number of bodies may overlap: a full stack always contains the
-/// dominant body and the dominant dielectric.
+/// Every segment of every path stores a stack, so it is small and leaves the priorities to the
+/// bodies. Any number of bodies may overlap: a full stack always contains the dominant body and the
+/// dominant dielectric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MediumStack([u32; MAX_NESTING]);
 
 /// The properties of a body that decide whether it dominates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BodyPriority {
-    /// Of two bodies, the body with the higher priority dominates.
     pub priority: i32,
-    /// True if the body has its own refractive index.
     pub refracts: bool,
 }
 
 impl MediumStack {
-    /// The empty stack: the point is in air.
     pub const AIR: Self = Self([0; MAX_NESTING]);
 
-    /// The object that determines the refractive index at the point. `None` for air. The function
-    /// `priority` returns the priority of an object's body.
+    /// The object that determines the refractive index at the point, or `None` for air, by the
+    /// priorities of the objects' bodies.
     pub fn dominant_dielectric(&self, priority: impl Fn(u32) -> BodyPriority) -> Option<u32> {
         self.highest(priority, |body| body.refracts)
     }
 
-    /// The object whose body determines the medium at the point. The body need not have a surface.
-    /// `None` for air. The function `priority` returns the priority of an object's body.
+    /// The object, with or without a surface, whose body determines the medium at the point, or
+    /// `None` for air.
     pub fn dominant_body(&self, priority: impl Fn(u32) -> BodyPriority) -> Option<u32> {
         self.highest(priority, |_| true)
     }
@@ -52,8 +49,8 @@ impl MediumStack {
         self.0.iter().take_while(|&&entry| entry > 0).map(|entry| entry - 1)
     }
 
-    /// The stack after a path enters `object`. If the stack already contains `object`, the stack is
-    /// unchanged. This case occurs if a mesh has coincident faces. The stack must not be full.
+    /// The stack after a path enters `object`. A stack that already contains it, as for a mesh with
+    /// coincident faces, does not change. The stack must not be full.
     #[must_use]
     pub fn entered(mut self, object: u32) -> Self {
         if self.contains(object) {
@@ -65,9 +62,9 @@ impl MediumStack {
         self
     }
 
-    /// Does the same as [`Self::entered`] for a full stack. One body is dropped: the body of the
-    /// lowest priority, and the outermost of equal ones, which is neither the dominant body nor the
-    /// dominant dielectric.
+    /// Does the same as [`Self::entered`] for a full stack. Drops the body of the lowest priority,
+    /// and the outermost of equal ones, that is neither the dominant body nor the dominant
+    /// dielectric.
     #[must_use]
     #[cold]
     pub fn entered_full(self, object: u32, priority: impl Fn(u32) -> BodyPriority) -> Self {
@@ -84,8 +81,7 @@ impl MediumStack {
         stack
     }
 
-    /// The stack after a path leaves `object`. If the stack does not contain `object`, the stack is
-    /// unchanged.
+    /// The stack after a path leaves `object`. A stack without this body does not change.
     #[must_use]
     pub fn left(mut self, object: u32) -> Self {
         let level = self.bodies().position(|body| body == object);
@@ -96,27 +92,24 @@ impl MediumStack {
         self
     }
 
-    /// Returns true if the stack is full. More bodies than those in the stack may then contain the
-    /// point.
+    /// Returns true if bodies that the stack lacks may also contain the point.
     #[inline]
     pub fn is_full(&self) -> bool {
         self.0[MAX_NESTING - 1] != 0
     }
 
-    /// Returns true if the stack contains `object`.
     pub fn contains(&self, object: u32) -> bool {
         self.bodies().any(|body| body == object)
     }
 
-    /// Returns true if the stack is empty.
     #[inline]
     pub fn is_air(&self) -> bool {
         self.0[0] == 0
     }
 }
 
-/// Returns the body of the highest priority among those that count. Of equal bodies, the innermost
-/// dominates. The order of `bodies` is from the outermost to the innermost.
+/// Returns the body of the highest priority among those that count, and the innermost of equal
+/// ones. The order of `bodies` is from the outermost to the innermost.
 fn highest_of(
     bodies: impl Iterator<Item = u32>,
     priority: impl Fn(u32) -> BodyPriority,
@@ -131,8 +124,7 @@ fn highest_of(
 mod tests {
     use super::*;
 
-    /// Returns a function that maps each object number to a refracting body. `priorities` contains
-    /// the priority of each object, in the order of the object numbers.
+    /// Maps each object number to a refracting body with the priority in the list.
     fn glass(priorities: &[i32]) -> impl Fn(u32) -> BodyPriority {
         |object| BodyPriority { priority: priorities[object as usize], refracts: true }
     }

@@ -1,10 +1,9 @@
 //! Keyframe animation: transforms, camera poses and shapes as functions of time.
 //!
-//! Between keyframes, translation and scale are interpolated linearly. Rotation is interpolated by
-//! slerp (Shoemake 1985). Before the first keyframe and after the last one, the transform is
-//! constant. At the time of a keyframe, the transform is exactly the keyframe's transform. The same
-//! is true between two equal keyframes. Therefore, an object whose keyframes are all equal gives
-//! the same picture as an object at rest.
+//! Translation and scale are interpolated linearly between keyframes, and rotation by slerp
+//! (Shoemake 1985). Before the first and after the last keyframe, the transform is constant. At a
+//! keyframe, and between two equal ones, it is exactly that of the keyframe, so an object whose
+//! keyframes are all equal gives the same picture as an object at rest.
 
 use crate::geometry::shape::PlacedShape;
 use abbe_spectra::math::rotation::slerp;
@@ -14,29 +13,26 @@ use std::sync::Arc;
 /// A transform without shear, decomposed into the parts that are interpolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DecomposedTransform {
-    /// The translation.
     pub translation: DVec3,
-    /// The rotation, applied after the scale.
+    /// Applied after the scale.
     pub rotation: DQuat,
-    /// The scale along each axis. If the transform mirrors, the first scale is negative.
+    /// Along each axis. If the transform mirrors, the first scale is negative.
     pub scale: DVec3,
 }
 
 impl DecomposedTransform {
-    /// Decomposes a transform that has no shear.
     pub fn of(transform: &DAffine3) -> Self {
         let (scale, rotation, translation) = transform.to_scale_rotation_translation();
         Self { translation, rotation, scale }
     }
 
-    /// Returns true if a transform has a shear, which translation, rotation and scale cannot
-    /// represent.
+    /// Returns true if a transform has a shear, which the decomposition cannot represent.
     pub fn is_sheared(transform: &DAffine3) -> bool {
         let [x, y, z] = [transform.matrix3.x_axis, transform.matrix3.y_axis, transform.matrix3.z_axis];
         [(x, y), (y, z), (z, x)].iter().any(|(a, b)| a.dot(*b).abs() > 1e-9 * a.length() * b.length())
     }
 
-    /// The interpolated transform between `self` (`fraction` = 0) and `to` (`fraction` = 1).
+    /// Interpolates between `self` (`fraction` = 0) and `to` (`fraction` = 1).
     fn interpolate(&self, to: &Self, fraction: f64) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(
             self.scale.lerp(to.scale, fraction),
@@ -46,14 +42,13 @@ impl DecomposedTransform {
     }
 }
 
-/// Pairs of a time in s and a state, in order of increasing time. There is at least one pair.
+/// At least one pair of a time in s and a state, in order of increasing time.
 #[derive(Debug, Clone, PartialEq)]
 struct Keyframes<T>(Vec<(f64, T)>);
 
 impl<T: Clone + PartialEq> Keyframes<T> {
-    /// The state at a time. The function `between` interpolates the state. It is called only for
-    /// times strictly between two unequal keyframes. At all other times, the state of a keyframe is
-    /// returned unchanged.
+    /// The state at a time. `between` interpolates only strictly between two unequal keyframes; at
+    /// all other times, the result is the state of a keyframe.
     fn at(&self, time_s: f64, between: impl Fn(&T, &T, f64) -> T) -> T {
         let Self(keys) = self;
         let next = keys.partition_point(|key| key.0 <= time_s).min(keys.len() - 1);
@@ -67,8 +62,7 @@ impl<T: Clone + PartialEq> Keyframes<T> {
         between(&before.1, &after.1, (time_s - before.0) / (after.0 - before.0))
     }
 
-    /// Returns true if the state changes within an interval of time. The function `at` returns the
-    /// state at a given time.
+    /// Returns true if the state, which `at` gives, changes within an interval of time.
     fn changes(&self, (from_s, to_s): (f64, f64), at: impl Fn(f64) -> T) -> bool {
         let inside = self.0.iter().filter(|key| from_s < key.0 && key.0 < to_s).map(|key| key.1.clone());
         let first = at(from_s);
@@ -80,7 +74,7 @@ impl<T: Clone + PartialEq> Keyframes<T> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnimatedTransform {
     keys: Keyframes<TransformKey>,
-    /// The object's own transform, which is applied before the interpolated transform.
+    /// The object's own transform, which is applied before the interpolated one.
     own: DAffine3,
 }
 
@@ -92,11 +86,9 @@ struct TransformKey {
 }
 
 impl AnimatedTransform {
-    /// Creates the motion of an object. `own` is the object's own transform.
-    ///
-    /// Each keyframe has a time in s and two transforms. The times increase. The first transform is
-    /// applied after the object's own transform. The second transform is the composition of the
-    /// object's own transform and the first transform. Returns `None` if there are no keyframes.
+    /// Creates the motion of an object with the transform `own`. Each keyframe has a time in s,
+    /// which increases, a transform that is applied after `own`, and the composition of the two.
+    /// Returns `None` if there are no keyframes.
     pub fn new(own: DAffine3, keys: impl Iterator<Item = (f64, DAffine3, DAffine3)>) -> Option<Self> {
         let keys: Vec<_> = keys.map(|(time_s, pose, to_world)| (time_s, TransformKey { pose, to_world })).collect();
         (!keys.is_empty()).then_some(Self { keys: Keyframes(keys), own })
@@ -110,12 +102,11 @@ impl AnimatedTransform {
         })
     }
 
-    /// The transform from the object's frame to the world at a time in s.
+    /// From the object's frame to the world at a time in s.
     pub fn at(&self, time_s: f64) -> DAffine3 {
         self.key_at(time_s).to_world
     }
 
-    /// Returns true if the transform changes between two times in s.
     pub fn moves(&self, from_s: f64, to_s: f64) -> bool {
         self.keys.changes((from_s, to_s), |time_s| self.key_at(time_s))
     }
@@ -129,46 +120,38 @@ impl AnimatedTransform {
         Self { keys: Keyframes(keys), own: scaled(self.own) }
     }
 
-    /// The map of the world that moves the object from its place at one time to its place at
-    /// another time. If the two places are equal, the map is the identity.
+    /// The map of the world that moves the object from its place at one time to that at another.
     pub(super) fn displacement(&self, from_s: f64, to_s: f64) -> DAffine3 {
         let (from, to) = (self.at(from_s), self.at(to_s));
         if from == to { DAffine3::IDENTITY } else { to * from.inverse() }
     }
 
-    /// Like [`displacement`](Self::displacement), but the map applies to positions relative to
-    /// `centre`.
+    /// Like [`displacement`](Self::displacement), for positions relative to `centre`.
     pub(super) fn displacement_about(&self, centre: DVec3, from_s: f64, to_s: f64) -> DAffine3 {
         let map = self.displacement(from_s, to_s);
         DAffine3 { translation: map.transform_point3(centre) - centre, ..map }
     }
 }
 
-/// The pose of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LookAt {
-    /// The position of the camera.
     pub from: DVec3,
-    /// The point at which the camera looks.
     pub at: DVec3,
-    /// The direction that is up in the picture.
     pub up: DVec3,
 }
 
-/// The pose of a camera as a function of time. Each of the three vectors of the pose is
-/// interpolated linearly.
+/// The pose of a camera as a function of time, whose three vectors are interpolated linearly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnimatedLookAt(Keyframes<LookAt>);
 
 impl AnimatedLookAt {
-    /// Creates the motion from keyframes. The times of the keyframes are in s and increase. Returns
-    /// `None` if there are no keyframes.
+    /// Creates the motion from keyframes at increasing times in s, or returns `None` if there are
+    /// none.
     pub fn new(keys: impl Iterator<Item = (f64, LookAt)>) -> Option<Self> {
         let keys: Vec<_> = keys.collect();
         (!keys.is_empty()).then_some(Self(Keyframes(keys)))
     }
 
-    /// The pose at a time in s.
     pub fn at(&self, time_s: f64) -> LookAt {
         self.0.at(time_s, |a, b, fraction| LookAt {
             from: a.from.lerp(b.from, fraction),
@@ -177,26 +160,22 @@ impl AnimatedLookAt {
         })
     }
 
-    /// Returns true if the pose changes between two times in s.
     pub fn moves(&self, from_s: f64, to_s: f64) -> bool {
         self.0.changes((from_s, to_s), |time_s| self.at(time_s))
     }
 
-    /// The same motion with `change` applied to each keyframe.
     #[must_use]
     pub fn map(&self, change: impl Fn(LookAt) -> LookAt) -> Self {
         Self(Keyframes(self.0.0.iter().map(|(time_s, pose)| (*time_s, change(*pose))).collect()))
     }
 
-    /// The first time (in s) at which the interpolated pose between two keyframes is degenerate. In
-    /// a degenerate pose, the camera would look at its own position or along its `up` vector.
-    /// `None` if there is no such time.
+    /// The first time (in s) between two keyframes at which the camera would look at its own
+    /// position or along its `up` vector, if any.
     pub fn degenerate_time_s(&self) -> Option<f64> {
         const STEPS: usize = 1024;
-        /// The pose is degenerate if one of two values is below this tolerance. These values are
-        /// the relative length of the view vector, and the sine of the angle between this vector
-        /// and `up`. In each step, the relative length changes by at most 2/`STEPS`. The tolerance
-        /// is larger than this change, so the steps cannot miss a time at which the length is 0.
+        /// A pose is degenerate if the relative length of the view vector, or the sine of its angle
+        /// to `up`, is below this tolerance. The length changes by at most 2/`STEPS` per step, so
+        /// the steps cannot miss a time at which it is 0.
         const LEAST: f64 = 2e-3;
         self.0.0.windows(2).find_map(|pair| {
             let view = |pose: LookAt| pose.at - pose.from;
@@ -212,30 +191,29 @@ impl AnimatedLookAt {
     }
 }
 
-/// A shape and its motion. The motion exists only if the shape moves while the shutter is open.
 #[derive(Debug, Clone)]
 pub struct AnimatedShape {
-    /// The shape at its place when the shutter opens.
+    /// At its place when the shutter opens.
     pub placed: PlacedShape,
-    /// The motion, with lengths in m. The pair consists of the motion of a frame, and the transform
-    /// from the shape's frame to the moving frame.
+    /// The motion of a frame with lengths in m, and the transform from the shape's frame to the
+    /// moving frame, if the shape moves while the shutter is open.
     pub motion: Option<(AnimatedTransform, DAffine3)>,
 }
 
 impl AnimatedShape {
-    /// The transform from the shape's frame to the world at a time in s.
+    /// From the shape's frame to the world at a time in s.
     pub fn to_world(&self, time_s: f64) -> DAffine3 {
         self.motion.as_ref().map_or(self.placed.to_world, |(motion, local)| motion.at(time_s) * *local)
     }
 }
 
-/// The moving parts of a scene while the shutter is open. Lights and media are not included,
-/// because they store their own motion. The default is a scene at rest.
+/// The moving parts of a scene, except lights and media, which store their own motion. The default
+/// is a scene at rest.
 #[derive(Debug, Clone, Default)]
 pub struct SceneMotion {
     /// All shapes of the scene, or an empty list if no shape moves.
     pub shapes: Arc<[AnimatedShape]>,
-    /// The motion of the camera. Positions are in m, relative to the scene's centre.
+    /// Positions are in m, relative to the scene's centre.
     pub camera: Option<AnimatedLookAt>,
 }
 

@@ -1,11 +1,9 @@
-//! The points of receptors in a scene.
-
 use super::Scene;
 use super::geometry::Ray;
 use super::meter::{ReceivingSide, Response, Sensor, SensorPoint, SensorShape};
 
 impl Scene {
-    /// Returns a point of a receptor. `u` selects the point of a surface and its side.
+    /// Returns a point of a sensor. `u` selects the point of a surface and its side.
     pub fn sensor_point(&self, sensor: &Sensor, u: [f64; 4]) -> SensorPoint {
         match sensor.shape {
             SensorShape::Point(position, response) => {

@@ -8,15 +8,15 @@ use super::motion::{AnimatedShape, DecomposedTransform};
 use abbe_optics::bsdf::{Bsdf, BsdfClass};
 use glam::{DAffine3, DVec2, DVec3};
 
-/// The number of times at which motion is evaluated. The same amount of light passes through the
-/// shutter between each time and the next.
+/// The number of times at which motion is evaluated. Equal amounts of light pass through the
+/// shutter between them.
 const TIMES: usize = 33;
 
-/// The lowest and highest corner of a box, relative to the scene's centre, in m.
+/// The lowest and highest corner of a box in m, relative to the scene's centre.
 pub type Bounds = (DVec3, DVec3);
 
 impl Scene {
-    /// Boxes around the moving shapes, one box per shape. Each box contains its shape at all times.
+    /// One box around each moving shape, which contains it at all times.
     pub fn swept_boxes(&self) -> Vec<Bounds> {
         let times = self.shutter_times();
         let moving = self.motions.shapes.iter().filter(|shape| shape.motion.is_some());
@@ -35,12 +35,10 @@ impl Scene {
             .collect()
     }
 
-    /// The length in pixels of the longest motion in the picture while the shutter is open.
-    ///
-    /// The function measures four kinds of trajectories in the picture and returns the largest
-    /// length. Points in the boxes of moving shapes have trajectories, and so do the corners of
-    /// moving media. If the camera moves, visible points at rest also have trajectories. If a light
-    /// or a specular object moves, the illumination at each visible point has a trajectory too.
+    /// The length in pixels of the longest motion in the picture while the shutter is open, among
+    /// points in the boxes of moving shapes, the corners of moving media, visible points at rest if
+    /// the camera moves, and the illumination at each visible point if a light or a specular object
+    /// moves.
     pub fn image_motion_px(&self) -> f64 {
         if !self.moves() {
             return 0.0;
@@ -62,11 +60,8 @@ impl Scene {
         let carried =
             |maps: &[DAffine3], point: DVec3| maps.iter().map(|map| map.transform_point3(point)).collect::<Vec<_>>();
         let of_light = light_maps.iter().flat_map(|maps| visible.iter().map(|&point| length(&carried(maps, point))));
-        let of_media = self
-            .media
-            .iter()
-            .flat_map(|medium| self.trajectories_of_medium(medium, &times))
-            .map(|trajectory| length(&trajectory));
+        let of_media = self.media.iter().flat_map(|medium| self.trajectories_of_medium(medium, &times));
+        let of_media = of_media.map(|trajectory| length(&trajectory));
         of_shapes.chain(of_camera).chain(of_light).chain(of_media).fold(0.0, f64::max)
     }
 
@@ -74,14 +69,13 @@ impl Scene {
         (0..TIMES).map(|i| self.shutter.time_s(i as f64 / (TIMES - 1) as f64)).collect()
     }
 
-    /// The positions of a point at the given times, relative to the scene's centre, in m. `point`
-    /// is in the shape's own frame.
+    /// The positions in m, relative to the scene's centre, of a point of the shape's own frame at
+    /// these times.
     fn trajectory(&self, shape: &AnimatedShape, point: DVec3, times: &[f64]) -> Vec<DVec3> {
         times.iter().map(|&time_s| shape.to_world(time_s).transform_point3(point) - self.centre).collect()
     }
 
-    /// The trajectories of the corners of a medium's box. The list is empty if the medium does not
-    /// move.
+    /// The trajectories of the corners of a medium's box, if the medium moves.
     fn trajectories_of_medium(&self, medium: &Medium, times: &[f64]) -> Vec<Vec<DVec3>> {
         let (Some(motion), Density::Field(field)) = (&medium.motion, &medium.density) else {
             return Vec::new();
@@ -92,10 +86,10 @@ impl Scene {
         field.corners().into_iter().map(trajectory).collect()
     }
 
-    /// The transforms that move the illuminated points. There is one list for each moving light and
-    /// one for each moving specular object. Each list has one transform per time. If a light moves,
-    /// its illumination moves in the same way. If a specular object moves, the illumination is
-    /// translated by the same vector as the object, and rotated by twice the object's angle.
+    /// For each moving light and each moving specular object: the transforms that move the
+    /// illuminated points, one per time. The illumination from a moving light moves with it. A
+    /// moving specular object translates the illumination by its own vector, and rotates it by
+    /// twice its own angle.
     fn motions_of_light(&self, times: &[f64]) -> Vec<Vec<DAffine3>> {
         let of_light = |light: &Light| {
             let motion = light.motion.as_ref()?;
@@ -134,8 +128,8 @@ fn lattice(shape: &AnimatedShape) -> impl Iterator<Item = DVec3> {
     shape.placed.shape.bounds().into_iter().flat_map(move |bounds| (0..27).map(move |i| point(bounds, i)))
 }
 
-/// The film position of a point. The position is clamped, so that it is at most half a picture
-/// outside each edge. `None` if the point is behind the camera.
+/// The film position of a point, clamped to at most half a picture outside each edge. `None` if the
+/// point is behind the camera.
 fn project_clamped(camera: &Camera, point: DVec3) -> Option<DVec2> {
     let size = DVec2::new(camera.width() as f64, (camera.pixel_count() / camera.width()) as f64);
     Some(camera.project(point)?.clamp(-0.5 * size, 1.5 * size))

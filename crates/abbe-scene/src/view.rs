@@ -5,27 +5,27 @@ use super::meter::Sensor;
 use abbe_spectra::math::sphere::BoundingSphere;
 use glam::{DVec2, DVec3};
 
-/// Visible points are sampled on a square grid over the film. This is the number of grid points
-/// along each side.
+/// Visible points are sampled on a square grid over the film with this number of points on each
+/// side.
 const VISIBLE_GRID: usize = 17;
 
-/// The sphere around the visible points contains this share of them.
+/// The sphere around the visible points contains this fraction of them.
 const VISIBLE_FRACTION: f64 = 0.9;
 
-/// Photons are stored in single precision. Their positions are precise enough for the view if the
-/// distance between the view and the scene's centre is at most this multiple of the view's radius.
+/// Photon positions in single precision suffice for the view if the distance between the view and
+/// the scene's centre is at most this multiple of the view's radius.
 const FARTHEST_VIEW: f64 = 256.0;
 
-/// The radius of the sphere around the receptors of a measurement, divided by the radius of the
-/// sphere that contains most of them. Photons are denser inside of a sphere at which they are
-/// aimed. With the margin, the kernel of a receptor does not reach beyond the edge.
+/// The radius of the sphere around the sensors of a measurement, divided by that of the sphere that
+/// contains most of them. Photons are denser inside of a sphere at which they are aimed, and with
+/// the margin, the kernel of a sensor does not reach beyond its edge.
 pub const SENSOR_MARGIN: f64 = 2.0;
 
-/// Receptors closer together than this fraction of the scene's radius count as one point.
+/// Sensors closer together than this fraction of the scene's radius count as one point.
 const SAME_POINT: f64 = 1e-6;
 
 impl Scene {
-    /// Visible points, sampled over the whole picture at the moment when the shutter opens.
+    /// Visible points over the whole picture when the shutter opens.
     pub(super) fn visible_points(&self) -> Vec<DVec3> {
         if self.measures() {
             return self.points_of_sensors();
@@ -44,7 +44,7 @@ impl Scene {
         (0..VISIBLE_GRID * VISIBLE_GRID).filter_map(visible).collect()
     }
 
-    /// The receptors of a measurement: points on them.
+    /// Points on the sensors of a measurement.
     pub(super) fn points_of_sensors(&self) -> Vec<DVec3> {
         let corner = |i: u32, bit: u32| if i >> bit & 1 == 0 { 0.25 } else { 0.75 };
         let points = |sensor: &Sensor| {
@@ -58,8 +58,8 @@ impl Scene {
     }
 
     /// A sphere around most of the visible points, or `None` if no surface is visible. The sphere
-    /// of a measurement has a margin around most of the receptors, and `None` means that all of
-    /// them are at the same point.
+    /// of a measurement has a margin around most of the sensors, and is `None` if all are at the
+    /// same point.
     pub fn visible_sphere(&self) -> Option<BoundingSphere> {
         let around = around_most(&self.visible_points())?;
         if !self.measures() {
@@ -69,16 +69,16 @@ impl Scene {
         apart.then_some(BoundingSphere { radius_m: SENSOR_MARGIN * around.radius_m, ..around })
     }
 
-    /// The centre of the view in the world, in m, if it is so far from the scene's centre that the
-    /// positions of photons would be imprecise. A scene with its centre there has precise photons.
+    /// The centre of the view in the world, in m, if photons in a scene about the present centre
+    /// would have imprecise positions there.
     pub fn distant_view(&self) -> Option<DVec3> {
         let BoundingSphere { centre, radius_m } = self.visible_sphere()?;
         (radius_m > 0.0 && centre.length() > FARTHEST_VIEW * radius_m).then(|| self.centre + centre)
     }
 }
 
-/// Returns a sphere around most of the points, or `None` if there are no points. The centre is the
-/// median of each coordinate, so a few distant points do not move it.
+/// Returns a sphere around most of the points, if any. Its centre is the median of each coordinate,
+/// so a few distant points do not move it.
 fn around_most(points: &[DVec3]) -> Option<BoundingSphere> {
     let median = |axis: usize| {
         let mut values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
@@ -96,7 +96,7 @@ fn around_most(points: &[DVec3]) -> Option<BoundingSphere> {
 mod tests {
     use super::*;
 
-    /// A few points on the horizon do not widen the target of the visible points.
+    /// A few points on the horizon do not widen the sphere.
     #[test]
     fn the_visible_target_ignores_outliers() {
         let mut points: Vec<DVec3> = (0..100).map(|i| DVec3::new(f64::from(i % 10), 0.0, f64::from(i / 10))).collect();

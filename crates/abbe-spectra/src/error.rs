@@ -1,8 +1,5 @@
-//! The error type of the library.
-//!
-//! An [`Error`] is created where the fault is detected, and callers add its location. For example,
-//! a spectrum detects a negative value, and the reader of the scene file adds the line, the column
-//! and the JSON path.
+//! The error type of the library. An [`Error`] is created where the fault is detected, and callers
+//! add its location, such as the line, the column and the JSON path in a scene file.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -15,17 +12,16 @@ pub type Result<T> = std::result::Result<T, Error>;
 pub enum ErrorKind {
     /// The input or the command line is wrong (exit status 2).
     Input,
-    /// The machine failed, for example because the disk is full or a folder is not writable (exit
-    /// status 1).
+    /// The machine failed, for example a full disk or a read-only folder (exit status 1).
     Machine,
 }
 
-/// The location of a fault. Every part may be unknown.
+/// The location of a fault, of which every part may be unknown.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ErrorLocation {
     /// The file.
     pub file: Option<PathBuf>,
-    /// The line and the column, both counted from 1.
+    /// The line and the column, from 1.
     pub line_column: Option<(usize, usize)>,
     /// The JSON path, for example `objects[3].shape.sphere.radius`.
     pub path: Option<String>,
@@ -52,7 +48,7 @@ pub struct Error {
 pub const MAX_FAULTS: usize = 20;
 
 impl Error {
-    /// Creates an error in the input. `what` describes the fault.
+    /// Creates an error in the input, whose fault `what` describes.
     pub fn input(what: impl Into<String>) -> Self {
         Self {
             kind: ErrorKind::Input,
@@ -64,14 +60,12 @@ impl Error {
         }
     }
 
-    /// Creates an error of the machine. `what` describes the fault.
+    /// Creates an error of the machine, whose fault `what` describes.
     pub fn machine(what: impl Into<String>) -> Self {
         Self { kind: ErrorKind::Machine, ..Self::input(what) }
     }
 
-    /// Creates an error for an unknown name. `kind` says what the name stands for, such as "glass",
-    /// and `known` contains the existing names, of which the error suggests one that is similar to
-    /// `name`.
+    /// Creates an error for an unknown name of a `kind` ("glass"), and suggests one of `known`.
     pub fn unknown_name<'a>(kind: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let suggestion = nearest_name(name, known);
         Self { suggestion, ..Self::input(format!("unknown {kind} \"{name}\"")) }
@@ -106,10 +100,9 @@ impl Error {
         self
     }
 
-    /// Combines the faults of one input to one error, or returns `None` if there are no faults.
-    ///
-    /// A fault that occurs several times is reported once, and at most [`MAX_FAULTS`] faults are
-    /// reported, those of a file in the order of their positions.
+    /// Combines the faults of one input to one error, or returns `None` if there are none. A fault
+    /// that occurs several times is reported once, and at most [`MAX_FAULTS`] are reported, those
+    /// of a file in the order of their positions.
     pub fn all(faults: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut single: Vec<Self> = faults.into_iter().flat_map(Self::into_faults).collect();
         single.sort_by_key(|fault| fault.location.line_column);
@@ -167,9 +160,6 @@ impl fmt::Display for Error {
 impl std::error::Error for Error {}
 
 /// Returns both values, or an error with the faults of both.
-///
-/// # Errors
-/// Returns an error if one of the arguments is an error.
 pub fn both<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
     match (a, b) {
         (Ok(a), Ok(b)) => Ok((a, b)),
@@ -179,9 +169,6 @@ pub fn both<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
 }
 
 /// Returns all values, or an error with the faults of all results.
-///
-/// # Errors
-/// Returns an error if one of the results is an error.
 pub fn every<T>(results: impl IntoIterator<Item = Result<T>>) -> Result<Vec<T>> {
     let (mut values, mut faults) = (Vec::new(), Vec::new());
     for result in results {
@@ -193,52 +180,37 @@ pub fn every<T>(results: impl IntoIterator<Item = Result<T>>) -> Result<Vec<T>> 
     Error::all(faults).map_or(Ok(values), Err)
 }
 
-/// Words of other programs, and the words of Abbe with the same meaning.
-const SYNONYMS: [(&str, &str); 34] = [
-    ("glass", "dielectric"),
-    ("transparent", "dielectric"),
-    ("refractive", "dielectric"),
-    ("roughdielectric", "dielectric"),
-    ("thindielectric", "thin_dielectric"),
-    ("metal", "conductor"),
-    ("roughconductor", "conductor"),
-    ("matte", "diffuse"),
-    ("lambertian", "diffuse"),
-    ("lambert", "diffuse"),
-    ("plastic", "glossy"),
-    ("coateddiffuse", "glossy"),
-    ("specular", "mirror"),
-    ("black", "absorber"),
-    ("null", "boundary"),
-    ("interface", "boundary"),
-    ("albedo", "reflectance"),
-    ("color", "reflectance"),
-    ("colour", "reflectance"),
-    ("index", "ior"),
-    ("n", "ior"),
-    ("sun", "directional"),
-    ("distant", "directional"),
-    ("infinite", "environment"),
-    ("sky", "environment"),
-    ("laser", "beam"),
-    ("cube", "box"),
-    ("cuboid", "box"),
-    ("plane", "rectangle"),
-    ("quad", "rectangle"),
-    ("ball", "sphere"),
-    ("perspective", "pinhole"),
-    ("thinlens", "thin"),
-    ("lookat", "at"),
+/// The words of Abbe, each with words of other programs that have the same meaning.
+const SYNONYMS: [(&str, &[&str]); 19] = [
+    ("dielectric", &["glass", "transparent", "refractive", "roughdielectric"]),
+    ("thin_dielectric", &["thindielectric"]),
+    ("conductor", &["metal", "roughconductor"]),
+    ("diffuse", &["matte", "lambertian", "lambert"]),
+    ("glossy", &["plastic", "coateddiffuse"]),
+    ("mirror", &["specular"]),
+    ("absorber", &["black"]),
+    ("boundary", &["null", "interface"]),
+    ("reflectance", &["albedo", "color", "colour"]),
+    ("ior", &["index", "n"]),
+    ("directional", &["sun", "distant"]),
+    ("environment", &["infinite", "sky"]),
+    ("beam", &["laser"]),
+    ("box", &["cube", "cuboid"]),
+    ("rectangle", &["plane", "quad"]),
+    ("sphere", &["ball"]),
+    ("pinhole", &["perspective"]),
+    ("thin", &["thinlens"]),
+    ("at", &["lookat"]),
 ];
 
-/// Returns the candidate most similar to `name`, whatever the letter case. A candidate that differs
-/// only by a prefix comes first, such as N-BK7 for BK7, and then a word with the same meaning in
-/// another program. Returns `None` if `name` is probably not a misspelling of any candidate.
+/// Returns the candidate most similar to `name` in any letter case, or `None` if none is probably
+/// meant. A candidate that differs only by a prefix comes first, such as N-BK7 for BK7, and then a
+/// word with the same meaning in another program.
 pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let letters = |name: &str| name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect();
     let wanted: String = name.to_lowercase();
     let plain: String = letters(name);
-    let synonym = SYNONYMS.iter().find(|(word, _)| *word == plain).map(|(_, synonym)| *synonym);
+    let synonym = SYNONYMS.iter().find(|(_, words)| words.contains(&plain.as_str())).map(|(synonym, _)| *synonym);
     let score = |candidate: &str| {
         let candidate_letters: String = letters(candidate);
         if plain == candidate_letters {

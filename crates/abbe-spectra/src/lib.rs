@@ -17,7 +17,7 @@
 //! ```
 //!
 //! The folder `examples/` prints the colour of a lamp (`colour_of_a_spectrum`) and compares two
-//! lamps (`two_lamps`).
+//! (`two_lamps`).
 //!
 //! # Modules
 //!
@@ -30,17 +30,17 @@
 //!
 //! # Units and conventions
 //!
-//! Wavelengths are in nm. The band is 360–830 nm, and integrals and colours refer to it. Below it,
-//! values from 300 nm on exist only for fluorescence. A light is a power per nm in any unit,
-//! because library lamps have no common scale; it is 0 outside its table. Reflectances and
+//! Wavelengths are in nm. The band is 360–830 nm, and integrals and colours refer to it; values
+//! from 300 nm up to it exist only for fluorescence. A light is a power per nm in any unit, because
+//! library lamps have no common scale, and it is 0 outside its table. Reflectances and
 //! transmittances run from 0 to 1, coefficients are in 1/m, and both keep their end values outside
 //! the table. XYZ is the plain integral without the factor 683 lm/W, except in a [`ColourReport`],
 //! where a light or the perfect diffuser has Y = 100.
 //!
 //! # Dependencies
 //!
-//! This crate depends on no other crate of Abbe. The tables of `data/` are part of the compiled
-//! crate; `data/SOURCES.md` names the source of each table.
+//! This crate depends on no other crate of Abbe. Its tables are in `data/`, and `data/SOURCES.md`
+//! names their sources.
 
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

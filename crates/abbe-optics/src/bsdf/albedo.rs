@@ -1,20 +1,18 @@
-//! A table of the directional albedo of a rough dielectric coat. The table is indexed by angle and
-//! by refractive index.
+//! A table of the directional albedo of a rough dielectric coat over angle and refractive index.
 
 use super::angle_grid::AngleGrid;
 use super::facet_quadrature::{FacetKind, FacetQuadrature};
 use crate::microfacet::Ggx;
 
-/// The directional albedo E(μ) of dielectric GGX facets, and the cosine-weighted mean of E(μ).
+/// The directional albedo E(μ) = ∫ f·cosθ_i dω_i of dielectric GGX facets, and its cosine-weighted
+/// mean.
 ///
-/// The integral E(μ) = ∫ f·cosθ_i dω_i lies in \[0, 1\]. The interpolation is linear in the angle,
-/// and quadratic in the refractive index. Quadratic interpolation is sufficient because the index
-/// of one material varies little over the band.
+/// The interpolation is linear in the angle and quadratic in the refractive index, which suffices
+/// because the index of one material varies little over the band.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CoatAlbedo {
     grid: AngleGrid,
-    /// One column per refractive index. There is one column if the index is constant, otherwise
-    /// three columns at evenly spaced indices.
+    /// One column if the index is constant, otherwise three at evenly spaced indices.
     columns: Vec<AlbedoColumn>,
 }
 
@@ -41,7 +39,7 @@ impl CoatAlbedo {
         self.over_index(index, |column| point.between(|node| column.by_angle[node])).clamp(0.0, 1.0)
     }
 
-    /// Returns the cosine-weighted mean of E(μ): the albedo under uniform incident radiance.
+    /// Returns the cosine-weighted mean of E(μ): the albedo under uniform radiance.
     pub(super) fn mean(&self, index: f64) -> f64 {
         self.over_index(index, |column| column.mean).clamp(0.0, 1.0)
     }
@@ -99,9 +97,9 @@ mod tests {
                 let index = 1.5 + 0.05 * f64::from(i) / 39.0;
                 let fine = directional_albedo(&fine_quadrature, index, cos);
                 let error = (albedo.at(cos, index) - fine).abs();
-                // For a nearly smooth coat, E changes fast where the cosine is of the order of α or
-                // smaller. The table does not resolve this change. Little power arrives at these
-                // angles, so the test bounds the error times the cosine.
+                // For a nearly smooth coat, E changes too fast for the table where the cosine is of
+                // the order of α or smaller. Little power arrives at these angles, so the test
+                // bounds the error times the cosine.
                 assert!(error * cos < 1e-5, "alpha {alpha}, cosine {cos}: error {error}");
                 assert!(error < 1e-5 || alpha < 0.1, "alpha {alpha}, cosine {cos}: error {error}");
             }

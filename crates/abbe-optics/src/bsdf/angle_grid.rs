@@ -6,22 +6,17 @@ use abbe_spectra::math::quadrature::gauss_legendre;
 
 /// Number of angles at which a function is computed.
 const COMPUTED_ANGLES: usize = 96;
-/// Number of cells of the grid between two computed angles. The values in between come from cubic
-/// interpolation, so that a lookup needs only linear interpolation.
+/// Number of cells between two computed angles, filled by cubic interpolation.
 const CELLS_BETWEEN: usize = 5;
-/// Number of angles in the grid.
 const ANGLES: usize = (COMPUTED_ANGLES - 1) * CELLS_BETWEEN + 1;
 /// Number of points of the quadrature of the mean in each cell.
 const POINTS_PER_CELL: usize = 4;
 
-/// The cosines μ at which functions of the angle are tabulated for facets of one roughness.
-///
-/// The albedo of the facets changes fast at grazing angles, where μ is of the order of α or
-/// smaller. Let s = √μ and a = √α. The nodes are evenly spaced in the mean of two functions: s and
-/// (1 + a)·s/(s + a).
+/// The cosines μ at which functions of the angle are tabulated for facets of one roughness. The
+/// albedo changes fast at grazing angles, where μ is of the order of α or smaller. With s = √μ and
+/// a = √α, the nodes are evenly spaced in the mean of s and (1 + a)·s/(s + a).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct AngleGrid {
-    /// √α.
     root: f64,
     /// The weights of ∫ 2μ·f(μ) dμ for the interpolated function.
     mean_weights: Vec<f64>,
@@ -31,7 +26,7 @@ pub(super) struct AngleGrid {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GridPoint {
     cell: usize,
-    /// The position between the nodes, from 0 to 1.
+    /// Between the nodes, from 0 to 1.
     fraction: f64,
 }
 
@@ -50,7 +45,6 @@ impl AngleGrid {
         grid
     }
 
-    /// Computes a function at the angles of the grid.
     pub(super) fn tabulate<const N: usize>(&self, f: impl Fn(f64) -> [f64; N]) -> Vec<[f64; N]> {
         let computed: Vec<[f64; N]> =
             (0..COMPUTED_ANGLES).map(|angle| f(self.cosine((angle * CELLS_BETWEEN) as f64))).collect();
@@ -65,7 +59,6 @@ impl AngleGrid {
         (0..ANGLES).map(interpolated).collect()
     }
 
-    /// Finds the nodes around a cosine in \[0, 1\].
     pub(super) fn locate(&self, cos: f64) -> GridPoint {
         let s = cos.sqrt();
         let position = 0.5 * (ANGLES - 1) as f64 * (s + (1.0 + self.root) * s / (s + self.root));
@@ -73,13 +66,12 @@ impl AngleGrid {
         GridPoint { cell, fraction: position - cell as f64 }
     }
 
-    /// Returns ∫ 2μ·f(μ) dμ, for the interpolation of f between its values at the nodes.
+    /// Returns ∫ 2μ·f(μ) dμ for the interpolation of f between these values at the nodes.
     pub(super) fn mean(&self, values: impl Iterator<Item = f64>) -> f64 {
         self.mean_weights.iter().zip(values).map(|(weight, value)| weight * value).sum()
     }
 
-    /// Returns s at a position among the nodes, and the derivative of s with respect to the
-    /// position.
+    /// Returns s at a position among the nodes, and its derivative with respect to the position.
     fn root_of_cosine(&self, position: f64) -> (f64, f64) {
         // The solution of s² + b·s − 2·t·a = 0, where t is the position from 0 to 1.
         let t = position / (ANGLES - 1) as f64;
@@ -101,7 +93,6 @@ impl AngleGrid {
 }
 
 impl GridPoint {
-    /// Interpolates linearly between the values at the nodes.
     pub(super) fn between(self, value: impl Fn(usize) -> f64) -> f64 {
         let (low, high) = (value(self.cell), value(self.cell + 1));
         low + (high - low) * self.fraction

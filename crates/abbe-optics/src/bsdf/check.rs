@@ -9,12 +9,10 @@ pub(super) fn whole_nm() -> impl Iterator<Item = f64> {
     (0..=(BAND_NM.1 - BAND_NM.0) as usize).map(|step| BAND_NM.0 + step as f64)
 }
 
-/// Returns an error if the spectrum has a value outside \[0, `most`\] from 300 to 830 nm. The error
-/// contains the name `what`.
+/// Returns an error for `what` if the spectrum leaves \[0, `most`\] from 300 to 830 nm.
 pub(super) fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result<()> {
     let possible = |value: f64| value.is_finite() && (0.0..=most).contains(&value);
-    // The search over whole nanometres finds the wavelength of a fault. The check of the minimum
-    // and the maximum also detects faults between whole nanometres.
+    // Whole nanometres locate a fault; minimum and maximum also find those in between.
     let at_nm = whole_nm().find(|nm| !possible(spectrum.at(*nm)));
     let at_nm = at_nm.map(|nm| (spectrum.at(nm), format!(" at {nm} nm")));
     let extreme = || {
@@ -28,13 +26,11 @@ pub(super) fn check_within(what: &str, spectrum: &Spectrum, most: f64) -> Result
     Err(Error::input(format!("a {what} of {value}{place}")).expected(expected))
 }
 
-/// Returns an error if a uniform spectrum has a value outside \[0, 1\]. The values of textures
-/// always lie in \[0, 1\].
+/// Returns an error if a uniform spectrum leaves \[0, 1\], in which textures always lie.
 pub(super) fn check_fraction(what: &str, spectrum: &SurfaceSpectrum) -> Result<()> {
     spectrum.uniform().map_or(Ok(()), |uniform| check_within(what, uniform, 1.0))
 }
 
-/// Returns an error if a roughness lies outside \[0, 1\].
 pub(super) fn check_alpha(alpha: f64) -> Result<()> {
     if (0.0..=1.0).contains(&alpha) {
         return Ok(());

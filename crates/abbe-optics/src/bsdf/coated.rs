@@ -21,8 +21,8 @@ use abbe_spectra::spectrum::BAND_NM;
 /// An interface between two dielectrics under thin films.
 ///
 /// The films interfere coherently, the first being on the outside of the body, and light is
-/// refracted as at the bare interface between the two indices of [`InterfaceIors`]. If the
-/// interface is rough, each microfacet has the films; see [`Dielectric`].
+/// refracted as at the bare interface between the indices of [`InterfaceIors`]. If the interface is
+/// rough, each microfacet has the films; see [`Dielectric`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoatedDielectric {
     pub(super) films: FilmStack,
@@ -30,21 +30,19 @@ pub struct CoatedDielectric {
     facets: Option<CoatedFacets>,
 }
 
-/// The facets of a rough interface under films.
 #[derive(Debug, Clone, PartialEq)]
 struct CoatedFacets {
     interface: RoughInterface,
-    /// The index of the body.
     index: RefractiveIndex,
-    /// The properties of the facets of the body in air, at the whole nanometres of the band. Empty
-    /// if a thickness varies over the surface.
+    /// The mean properties of the facets of the body in air at the whole nanometres of the band, or
+    /// none if a thickness varies over the surface.
     in_air: Box<[FilmMean]>,
 }
 
 impl CoatedDielectric {
-    /// Creates an interface of GGX roughness `alpha` under these films. The list of films starts at
-    /// the outside of the body, whose index is `index`. If `alpha` is below [`MIN_ALPHA`], the
-    /// interface is smooth. Returns an error if `alpha` lies outside \[0, 1\].
+    /// Creates an interface of GGX roughness `alpha`, smooth below [`MIN_ALPHA`], under films that
+    /// are listed from the outside of the body of this `index`. Returns an error for an `alpha`
+    /// outside \[0, 1\].
     pub fn new(films: FilmStack, index: &RefractiveIndex, alpha: f64) -> Result<Self> {
         check_alpha(alpha)?;
         let mut coated = Self { films, facets: None };
@@ -58,23 +56,20 @@ impl CoatedDielectric {
         Ok(coated)
     }
 
-    /// Returns whether the interface is rough, so that its lobes have a finite width.
+    /// Returns true if the interface is rough, so that its lobes have a finite width.
     pub fn is_rough(&self) -> bool {
         self.facets.is_some()
     }
 
-    /// Returns the interface without its films.
     pub(super) fn without_films(self) -> Dielectric {
         Dielectric { facets: self.facets.map(|facets| facets.interface) }
     }
 
-    /// Returns the interface with the mean thickness of each film.
     pub(super) fn without_textures(self) -> Self {
         Self { films: self.films.without_textures(), ..self }
     }
 
-    /// Returns R and T of the smooth interface at the wavelength `nm`. `thickness_nm` is the
-    /// thickness of the film that varies over the surface.
+    /// Returns R and T of the smooth interface at `nm`, with this thickness of the varying film.
     pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
         let (here, there) = (iors.here.n(nm), Complex::from(iors.there.n(nm)));
         powers_of(&oriented(&self.films, wo.z >= 0.0, wo.z, here, there, thickness_nm, nm), self.films.absorbs())
@@ -189,8 +184,7 @@ impl CoatedDielectric {
         })
     }
 
-    /// Computes the mean properties of the facets at one wavelength. The indices are those on the
-    /// side of the light and on the other side.
+    /// Computes the mean properties of the facets at one wavelength, by indices from the light on.
     fn film_mean(
         &self,
         interface: &RoughInterface,
@@ -207,7 +201,7 @@ impl CoatedDielectric {
 }
 
 /// Returns two different indices, because the lobe of refraction between equal indices has no
-/// width. The direction then changes by at most 10⁻⁵ rad.
+/// width. The direction changes by at most 10⁻⁵ rad.
 fn distinct([here, there]: [f64; 2], outside: bool) -> [f64; 2] {
     const LEAST_RATIO: f64 = 1.0 + 1e-5;
     match (here == there, outside) {
@@ -222,7 +216,7 @@ struct CoatedFacet<'a> {
     films: &'a FilmStack,
     /// True for light that meets the first film first.
     outside: bool,
-    /// The indices of the medium of the light and of the other medium.
+    /// Of the medium of the light and of the other medium.
     indices: [f64; 2],
     thickness_nm: f32,
     nm: f64,
@@ -240,15 +234,14 @@ impl FacetResponse for CoatedFacet<'_> {
     }
 }
 
-/// A free-standing film, such as a soap bubble: a surface without thickness, with the same medium
-/// on both sides. Transmitted light continues straight on.
+/// A free-standing film, such as a soap bubble, which light crosses straight on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinFilm {
     pub(super) films: FilmStack,
 }
 
 impl ThinFilm {
-    /// Creates a film from its layers, the first of which is on the outside of the surface.
+    /// Creates a film from its layers, listed from the outside of the surface.
     pub fn new(films: FilmStack) -> Self {
         Self { films }
     }
@@ -284,12 +277,10 @@ fn powers_of(response: &StackResponse, absorbs: bool) -> PowerFractions {
     PowerFractions { reflected, transmitted: 1.0 - reflected }
 }
 
-/// Returns the probability with which a path of the wavelength `nm` is reflected. `None` stands for
-/// a path that carries the whole band: the probability is then 1 under total reflection, and
-/// otherwise from 0.1 to 0.9. `powers` returns R and T at a wavelength in nm.
+/// Returns the probability of reflection for a path of the wavelength `nm`, or of the whole band
+/// (`None`): then 1 under total reflection, and else from 0.1 to 0.9.
 pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> PowerFractions) -> f64 {
-    /// Wavelengths (nm) at the ends of the band, where the critical angles are extreme, and
-    /// wavelengths over its visible part.
+    /// Wavelengths (nm) at the ends of the band, with extreme critical angles, and in between.
     const PROBES_NM: [f64; 6] = [BAND_NM.0, 440.0, 500.0, 560.0, 630.0, BAND_NM.1];
     if let Some(nm) = nm {
         let PowerFractions { reflected, transmitted } = powers(nm);
@@ -304,8 +295,7 @@ pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> Po
     PowerFractions { reflected, transmitted }.reflection_probability()
 }
 
-/// Returns the response of films to light at an angle of incidence of this cosine. If `outside` is
-/// true, the light meets the first film first.
+/// Returns the response to light that meets the first film first if `outside`.
 fn oriented(
     films: &FilmStack,
     outside: bool,
@@ -335,8 +325,7 @@ mod tests {
         FilmLayer { index, thickness_nm: SurfaceScalar::Uniform(thickness_nm) }
     }
 
-    /// A quarter-wave layer of index √n makes the surface of glass black at its wavelength, from
-    /// both sides.
+    /// A quarter-wave layer of index √n makes glass black at its wavelength, from both sides.
     #[test]
     fn an_ideal_quarter_wave_layer_reflects_nothing() {
         let n = 1.5_f64;
@@ -350,7 +339,6 @@ mod tests {
         assert!(coated.powers(DVec3::Z, from_air, 0.0, 400.0).reflected > 0.005);
     }
 
-    /// Without films, the interface is a bare one, also beyond the critical angle.
     #[test]
     fn no_films_are_a_bare_interface() {
         let (air, glass) = (RefractiveIndex::constant(1.0).unwrap(), RefractiveIndex::constant(1.5).unwrap());
@@ -366,8 +354,7 @@ mod tests {
         }
     }
 
-    /// The fractions of the power that a coated rough interface reflects and transmits, from
-    /// samples with evenly spread random numbers.
+    /// The reflected and transmitted power of a coated rough interface, by even samples.
     fn scattered(coated: &CoatedDielectric, wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> [f64; 2] {
         const SAMPLES: u32 = 1 << 16;
         let spread = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
@@ -407,7 +394,6 @@ mod tests {
         }
     }
 
-    /// A slightly rough surface reflects and transmits like a polished one, also if a film absorbs.
     #[test]
     fn slightly_rough_films_are_like_polished_ones() {
         let (air, glass) = (RefractiveIndex::constant(1.0).unwrap(), RefractiveIndex::constant(1.52).unwrap());
@@ -430,8 +416,6 @@ mod tests {
         }
     }
 
-    /// If the media have the same index, the transmitted light goes straight on, and the films
-    /// reflect.
     #[test]
     fn films_between_equal_media_reflect_and_do_not_refract() {
         let water = RefractiveIndex::constant(1.33).unwrap();
@@ -450,7 +434,6 @@ mod tests {
         assert!((reflected + transmitted - 1.0).abs() < 2e-3, "{transmitted}");
     }
 
-    /// A silver film absorbs more if light meets it from the glass; the transmittance is the same.
     #[test]
     fn absorbing_films_depend_on_the_side() {
         let air = RefractiveIndex::constant(1.0).unwrap();

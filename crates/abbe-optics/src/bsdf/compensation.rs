@@ -1,9 +1,9 @@
 //! Energy compensation: the light that microfacets scatter more than once.
 //!
 //! The single-scattering model of rough surfaces loses the energy of light that hits a second
-//! microfacet. A second, wide lobe returns this energy (Kulla & Conty, "Revisiting physically based
-//! shading at Imageworks", 2017, after Kelemen & Szirmay-Kalos 2001). With the missing energy l(μ),
-//! the lobe has the form l(μ_o)·l(μ_i)/(π·l̄), so it is reciprocal.
+//! microfacet. A second, wide lobe returns it (Kulla & Conty, "Revisiting physically based shading
+//! at Imageworks", 2017, after Kelemen & Szirmay-Kalos 2001). With the missing energy l(μ), the
+//! lobe is the reciprocal l(μ_o)·l(μ_i)/(π·l̄).
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 use std::sync::{Arc, OnceLock};
@@ -21,23 +21,21 @@ use crate::fresnel;
 use crate::microfacet::Ggx;
 use abbe_spectra::math::elementary::{exp, exp_m1, ln, ln_1p, sin_cos};
 
-/// There are tables for the relative indices exp(±(k·STEP)²). The nodes are dense near index
-/// 1, where the critical angle of total reflection changes fast.
+/// There are tables for the relative indices exp(±(k·STEP)²), dense near index 1, where the
+/// critical angle of total reflection changes fast.
 const STEP: f64 = 0.0075;
-/// The largest k. The last relative index is above 100, and its table is used beyond it.
+/// The largest k. Its relative index is above 100, and its table is used beyond it.
 const LAST: usize = 288;
 
-/// The missing energy of facets with films is lowered by this factor. The factor exceeds the error
-/// of the polynomials in `film_moments.rs` for films of usual thickness, so that the surface does
-/// not gain energy.
+/// Lowers the missing energy of facets with films by more than the error of the polynomials in
+/// `film_moments.rs` for films of usual thickness, so that the surface does not gain energy.
 const FIT_MARGIN: f64 = 0.996;
 
 /// Films leave at least this fraction of the missing energy.
 const LEAST_CHANGE: f64 = 0.1;
 
-/// The missing energy of a rough dielectric of one roughness, at every relative index.
-///
-/// A table is computed when it is first used, from the roughness and the index alone.
+/// The missing energy of a rough dielectric of one roughness, at every relative index. A table is
+/// computed when it is first used, from the roughness and the index alone.
 #[derive(Debug, Clone)]
 pub(super) struct DielectricCompensation(Arc<Tables>);
 
@@ -54,8 +52,7 @@ struct Tables {
     fit: CosineFit,
 }
 
-/// Two compensations are equal if they belong to the same microfacets, because the tables follow
-/// from the microfacets.
+/// Compares the microfacets, from which the tables follow.
 impl PartialEq for DielectricCompensation {
     fn eq(&self, other: &Self) -> bool {
         self.0.facets == other.0.facets
@@ -75,8 +72,7 @@ impl DielectricCompensation {
         }))
     }
 
-    /// Returns the lobe of light that arrives in the medium of index `n_i` at an interface with a
-    /// medium of index `n_t`.
+    /// Returns the lobe of light that arrives in the medium of index `n_i` at one of index `n_t`.
     pub(super) fn between(&self, n_i: f64, n_t: f64) -> MultipleScattering<'_> {
         let position = Position::between(n_i, n_t);
         let side = |upwards: bool| position.side(&self.0, upwards);
@@ -104,9 +100,8 @@ impl DielectricCompensation {
         self.lobe(sides, [n_i, n_t], [here, (here * there).sqrt()])
     }
 
-    /// Returns the mean properties of facets with thin films. `facets` contains the facets for
-    /// light in the medium of index `n_i` and in that of index `n_t`, which differs. `absorbs` is
-    /// true if the films absorb light.
+    /// Returns the mean properties of facets with films for light in media of two different
+    /// indices.
     pub(super) fn film_mean(&self, [n_i, n_t]: [f64; 2], facets: [&impl FacetResponse; 2], absorbs: bool) -> FilmMean {
         let fit = &self.0.fit;
         let [rare, dense] = if n_i < n_t { facets } else { [facets[1], facets[0]] };
@@ -127,8 +122,7 @@ impl DielectricCompensation {
         FilmMean { coefficients: fit.coefficients(&change), kept }
     }
 
-    /// Returns the lobe between two sides. `kept` contains the fractions that remain of the
-    /// reflected and of the transmitted part.
+    /// Returns the lobe between two sides, where `kept` is left of either part.
     fn lobe<'a>(
         &'a self,
         [here, there]: [OneSide<'a>; 2],
@@ -149,15 +143,14 @@ impl DielectricCompensation {
 /// The properties of facets with thin films that the lobe of multiple scattering needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FilmMean {
-    /// The coefficients of the moments; see `film_moments.rs`.
+    /// See `film_moments.rs`.
     coefficients: [f64; MOMENTS],
-    /// The mean fractions that the films do not absorb, for light in the medium of lower index and
-    /// for light in the medium of higher index.
+    /// The mean fractions left by the films for light in the medium of lower and higher index.
     kept: [f64; 2],
 }
 
 impl FilmMean {
-    /// Interpolates between two wavelengths. `fraction` is the weight of `other`, from 0 to 1.
+    /// Interpolates between two wavelengths, with the weight `fraction` of `other`.
     pub(super) fn mixed(&self, other: &Self, fraction: f64) -> Self {
         let mix = |low: f64, high: f64| low + fraction * (high - low);
         Self {
@@ -167,14 +160,13 @@ impl FilmMean {
     }
 }
 
-/// Returns the fraction of the multiply scattered light that facets return if each event keeps the
-/// fraction `each`. `missing` is the mean missing energy.
+/// Returns the fraction of the multiply scattered light that facets of mean missing energy
+/// `missing` return if each event keeps the fraction `each`.
 fn kept_by_facets(each: f64, missing: f64) -> f64 {
     // After the first two events, the fraction 1 − l̄ of the light leaves in each event.
     each * each * (1.0 - missing) / (1.0 - each * missing)
 }
 
-/// The place of a relative index between two tables.
 #[derive(Debug, Clone, Copy)]
 struct Position {
     /// The number of the lower table on each side of index 1.
@@ -190,13 +182,11 @@ impl Position {
         Self { low, fraction: position - low as f64 }
     }
 
-    /// Interpolates between the values at the two indices.
     fn mixed(self, low: f64, high: f64) -> f64 {
         (1.0 - self.fraction) * low + self.fraction * high
     }
 
-    /// Returns the tables of one side. `upwards` is true for light that goes to the medium of
-    /// higher index.
+    /// Returns the tables of one side, for light to the higher index if `upwards`.
     fn side(self, tables: &Tables, upwards: bool) -> OneSide<'_> {
         let table = |k: usize| tables.table(if upwards { LAST + k } else { LAST - k });
         OneSide { low: table(self.low), high: table(self.low + 1), fraction: self.fraction, films: None }
@@ -209,25 +199,24 @@ impl Tables {
         self.by_index[number].get_or_init(|| MissingEnergy::new(&self.quadrature, &self.grid, kind()))
     }
 
-    /// Returns the moments at the relative index exp((k·STEP)²).
+    /// At the relative index exp((k·STEP)²).
     fn moments(&self, k: usize) -> &FilmMoments {
         self.film_moments[k].get_or_init(|| FilmMoments::new(&self.quadrature, &self.grid, relative_index(LAST + k)))
     }
 }
 
-/// Returns the relative index of a table.
 fn relative_index(number: usize) -> f64 {
     let k = number as f64 - LAST as f64;
     exp(k * STEP * (k * STEP).abs())
 }
 
-/// Returns the fraction x of the lobe that is transmitted, for light on the first of two sides. The
-/// second argument contains the indices of both sides.
+/// Returns the fraction x of the lobe that is transmitted, for light on the first of two sides with
+/// these indices.
 ///
 /// Reciprocity requires that n²·l̄·x has the same value Y on both sides. In each single scattering
-/// event, the transmitted fraction is τ = T̄/(1 − l̄), where T̄ is the mean transmittance and n²·T̄ has
-/// the same value on both sides. The lobe follows τ on the side on which n²·l̄·τ is lower, which
-/// gives Y. Compared with the random walk on microfacets of Heitz et al. 2016, the mean
+/// event, the transmitted fraction is τ = T̄/(1 − l̄), where T̄ is the mean transmittance and n²·T̄
+/// has the same value on both sides. The lobe follows τ on the side on which n²·l̄·τ is lower,
+/// which gives Y. Compared with the random walk on microfacets of Heitz et al. 2016, the mean
 /// transmittance of the interface then differs by less than 0.02.
 fn transmitted_fraction([here, there]: [&OneSide<'_>; 2], [n_here, n_there]: [f64; 2]) -> f64 {
     let odds = |side: &OneSide<'_>| side.mean() / (1.0 - side.mean());
@@ -244,17 +233,16 @@ fn transmitted_fraction([here, there]: [&OneSide<'_>; 2], [n_here, n_there]: [f6
 struct OneSide<'a> {
     low: &'a MissingEnergy,
     high: &'a MissingEnergy,
-    /// The weight of `high`, from 0 to 1.
+    /// Of `high`, from 0 to 1.
     fraction: f64,
     films: Option<FilmChange<'a>>,
 }
 
-/// The change of the missing energy by films.
 #[derive(Debug, Clone, Copy)]
 struct FilmChange<'a> {
     low: &'a FilmSideMoments,
     high: &'a FilmSideMoments,
-    /// The coefficients of the moments; see `film_moments.rs`.
+    /// See `film_moments.rs`.
     coefficients: [f64; MOMENTS],
     /// The change of the mean transmittance of single scattering.
     transmitted: f64,
@@ -265,7 +253,6 @@ impl OneSide<'_> {
         (1.0 - self.fraction) * value(self.low) + self.fraction * value(self.high)
     }
 
-    /// Adds the change by films to a value without films.
     fn with_films(&self, bare: f64, change: impl Fn(&FilmSideMoments, &[f64; MOMENTS]) -> f64) -> f64 {
         let Some(FilmChange { low, high, coefficients, .. }) = &self.films else { return bare };
         let change = (1.0 - self.fraction) * change(low, coefficients) + self.fraction * change(high, coefficients);
@@ -298,20 +285,18 @@ pub(super) struct MultipleScattering<'a> {
     sampling: LobeSampling,
     here: OneSide<'a>,
     there: OneSide<'a>,
-    /// The fraction of the lobe that is transmitted.
     transmitted: f64,
-    /// The fractions that absorbing films leave of the reflected and of the transmitted part.
+    /// What absorbing films leave of the reflected and of the transmitted part.
     kept: [f64; 2],
 }
 
 impl MultipleScattering<'_> {
-    /// Returns the albedo of the lobe at the cosine of `wo`, with which the sampling selects the
-    /// lobe.
+    /// Returns the albedo of the lobe at the cosine of `wo`, with which the sampling selects it.
     pub(super) fn albedo(&self, cos_o: f64) -> f64 {
         self.here.at(self.grid.locate(cos_o))
     }
 
-    /// Returns the side to which the event leads, and the share of the event in the lobe.
+    /// Returns the side to which the event leads, and its fraction of the lobe.
     fn far_side(&self, event: ScatterEvent) -> (&OneSide<'_>, f64) {
         match event {
             ScatterEvent::Reflection => (&self.here, 1.0 - self.transmitted),
@@ -319,7 +304,7 @@ impl MultipleScattering<'_> {
         }
     }
 
-    /// Returns the fraction of the lobe that remains after absorption in films.
+    /// Returns the fraction of the lobe that absorption in films leaves.
     pub(super) fn kept(&self) -> f64 {
         (1.0 - self.transmitted) * self.kept[0] + self.transmitted * self.kept[1]
     }
@@ -331,14 +316,12 @@ impl MultipleScattering<'_> {
         FRAC_1_PI * fraction * kept * self.albedo(cos_o) * side.at(self.grid.locate(cos_i)) / side.mean()
     }
 
-    /// Samples an event and a direction, whose z component is positive for both events. All random
-    /// numbers lie in \[0, 1).
+    /// Samples an event and a direction with positive z for both events, from numbers in \[0, 1).
     pub(super) fn sample(&self, u: [f64; 3]) -> (DVec3, ScatterEvent) {
         let event = if u[2] < self.transmitted { ScatterEvent::Transmission } else { ScatterEvent::Reflection };
         (self.sampling.sample([u[0], u[1]]), event)
     }
 
-    /// Returns the density per solid angle with which [`Self::sample`] samples a direction.
     pub(super) fn pdf(&self, cos_i: f64, event: ScatterEvent) -> f64 {
         self.far_side(event).1 * self.sampling.pdf(cos_i)
     }
@@ -362,14 +345,12 @@ impl ConductorCompensation {
         }
     }
 
-    /// Returns the albedo of the lobe at the cosine of `wo`, without the losses in the metal. The
-    /// sampling selects the lobe with this probability.
+    /// Returns the lobe's albedo at the cosine of `wo`, without losses, for its selection.
     pub(super) fn albedo(&self, cos_o: f64) -> f64 {
         self.missing.at(self.grid.locate(cos_o))
     }
 
-    /// Returns the fraction of the multiply scattered light that the metal reflects. `reflectance`
-    /// is the cosine-weighted mean of the metal's reflectance.
+    /// Returns the part of multiply scattered light that metal of a mean reflectance reflects.
     pub(super) fn reflected(&self, reflectance: f64) -> f64 {
         kept_by_facets(reflectance, self.missing.mean)
     }
@@ -379,23 +360,19 @@ impl ConductorCompensation {
         FRAC_1_PI * self.albedo(cos_o) * self.albedo(cos_i) / self.missing.mean
     }
 
-    /// Samples a direction with a positive z component.
     pub(super) fn sample(&self, u: [f64; 2]) -> DVec3 {
         self.sampling.sample(u)
     }
 
-    /// Returns the density per solid angle with which [`Self::sample`] samples a direction.
     pub(super) fn pdf(&self, cos_i: f64) -> f64 {
         self.sampling.pdf(cos_i)
     }
 }
 
-/// The distribution from which directions of the lobe are sampled. Its density per unit of μ is
-/// proportional to μ/(μ² + α²). The missing energy l(μ) falls like 1/(μ² + α²), so the density
-/// nearly follows the lobe μ·l(μ).
+/// Samples directions of the lobe with a pdf per unit of μ proportional to μ/(μ² + α²), which
+/// nearly follows μ·l(μ), because the missing energy l(μ) falls like 1/(μ² + α²).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LobeSampling {
-    /// α².
     squared: f64,
     /// ln(1 + 1/α²), twice the integral of μ/(μ² + α²) from 0 to 1.
     norm: f64,
@@ -415,7 +392,6 @@ impl LobeSampling {
         DVec3::new(sin * cos_phi, sin * sin_phi, cos)
     }
 
-    /// Returns the density per solid angle.
     fn pdf(&self, cos: f64) -> f64 {
         2.0 * cos / ((cos * cos + self.squared) * self.norm * TAU)
     }

@@ -17,15 +17,13 @@ use abbe_spectra::math::complex::Complex;
 use abbe_spectra::math::quadrature::gauss4;
 use abbe_spectra::spectrum::{BAND_NM, Spectrum};
 
-/// A metal.
+/// A metal. The reflectance follows from the complex index n + ik by Fresnel's equations, or, if
+/// only the reflectance F₀ at normal incidence is known, is F₀ + (1 − F₀)(1 − cos θ)⁵ (Schlick
+/// 1994).
 ///
-/// The reflectance follows from the complex index n + ik by Fresnel's equations. If only the
-/// reflectance F₀ at normal incidence is known, it is F₀ + (1 − F₀)(1 − cos θ)⁵ (Schlick 1994).
-///
-/// A smooth metal reflects light into the mirror direction. A rough metal
-/// uses the GGX model of Walter et al. 2007 for light that hits one facet. A wide lobe contains the
-/// light that hits several facets (`compensation.rs`). The metal absorbs a part of this light
-/// in each event. Both sides of the surface behave alike.
+/// A smooth metal reflects light into the mirror direction. A rough metal uses the GGX model of
+/// Walter et al. 2007 for light that hits one facet, and a wide lobe for light that hits several
+/// (`compensation.rs`), of which it absorbs a part in each event. Both sides behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conductor {
     fresnel: MetalFresnel,
@@ -37,14 +35,12 @@ pub struct Conductor {
 struct RoughMetal {
     ggx: Ggx,
     compensation: ConductorCompensation,
-    /// The mean reflectances in air at the whole nanometres of the band. Empty if the reflectance
-    /// varies over the surface, or if its mean has a closed form.
+    /// In air at whole nanometres; empty if it varies over the surface or has a closed form.
     mean_in_air: Box<[f64]>,
 }
 
 impl RoughMetal {
-    /// Returns the mean reflectance in air, interpolated linearly. Returns `None` if the table does
-    /// not contain the wavelength.
+    /// Returns the mean reflectance in air, if the table contains the wavelength.
     #[inline]
     fn mean_in_air(&self, nm: f64) -> Option<f64> {
         let place = nm - BAND_NM.0;
@@ -54,52 +50,41 @@ impl RoughMetal {
     }
 }
 
-/// The source of a metal's reflectance.
 #[derive(Debug, Clone, PartialEq)]
 enum MetalFresnel {
     /// The complex index n + ik.
     Index { n: Spectrum, k: Spectrum },
-    /// The reflectance at normal incidence.
+    /// At normal incidence.
     Reflectance(SurfaceSpectrum),
-    /// The complex index n + ik under thin films.
+    /// Under thin films.
     Coated { n: Spectrum, k: Spectrum, films: FilmStack },
 }
 
-/// Returns the reflectance of a metal at the cosine `cos` of the angle of incidence. `normal` is
-/// the reflectance at normal incidence.
+/// Returns the reflectance of a metal of reflectance `normal` at normal incidence.
 fn schlick(normal: f64, cos: f64) -> f64 {
     let rest = 1.0 - cos.abs().min(1.0);
     normal + (1.0 - normal) * rest * (rest * rest) * (rest * rest)
 }
 
 impl Conductor {
-    /// Creates a metal of index `n` + i`k` and GGX roughness `alpha`. If `alpha` is below
-    /// [`MIN_ALPHA`], the surface is smooth.
-    ///
-    /// # Errors
-    /// Returns an error if `n` or `k` is negative, or `alpha` lies outside \[0, 1\].
+    /// Creates a metal of index `n` + i`k` and GGX roughness `alpha`, smooth if it is below
+    /// [`MIN_ALPHA`]. Returns an error if `n` or `k` is negative, or `alpha` lies outside \[0, 1\].
     pub fn new(n: Spectrum, k: Spectrum, alpha: f64) -> Result<Self> {
         check_within("refractive index", &n, f64::INFINITY)?;
         check_within("extinction coefficient", &k, f64::INFINITY)?;
         Self::with_fresnel(MetalFresnel::Index { n, k }, alpha)
     }
 
-    /// Creates a metal of the given reflectance at normal incidence in air, and of GGX roughness
-    /// `alpha`. If `alpha` is below [`MIN_ALPHA`], the surface is smooth.
-    ///
-    /// # Errors
-    /// Returns an error if the reflectance or `alpha` lies outside \[0, 1\].
+    /// Creates a metal of this reflectance at normal incidence in air and of GGX roughness `alpha`,
+    /// smooth if it is below [`MIN_ALPHA`]. Returns an error if either lies outside \[0, 1\].
     pub fn of_reflectance(reflectance: impl Into<SurfaceSpectrum>, alpha: f64) -> Result<Self> {
         let reflectance = reflectance.into();
         check_fraction("reflectance", &reflectance)?;
         Self::with_fresnel(MetalFresnel::Reflectance(reflectance), alpha)
     }
 
-    /// Creates a metal of index `n` + i`k` and GGX roughness `alpha` under thin films. The list of
-    /// films starts at the outside. Each microfacet of a rough metal has these films.
-    ///
-    /// # Errors
-    /// Returns an error if `n` or `k` is negative, or `alpha` lies outside \[0, 1\].
+    /// Creates a metal, see [`Self::new`], under thin films that are listed from the outside. Each
+    /// microfacet of a rough metal has these films.
     pub fn coated(n: Spectrum, k: Spectrum, films: FilmStack, alpha: f64) -> Result<Self> {
         check_within("refractive index", &n, f64::INFINITY)?;
         check_within("extinction coefficient", &k, f64::INFINITY)?;
@@ -116,7 +101,6 @@ impl Conductor {
         Ok(metal)
     }
 
-    /// Returns the mean reflectances for [`RoughMetal::mean_in_air`].
     fn means_in_air(&self) -> Result<Box<[f64]>> {
         if self.is_textured() || self.reflectance().is_some() {
             return Ok(Box::default());
@@ -127,23 +111,15 @@ impl Conductor {
         Ok(whole_nm.map(|nm| self.integrated_reflectance(iors, Texels::NONE, f64::from(nm))).collect())
     }
 
-    /// Returns the reflectance at normal incidence, if it was stated.
+    /// Returns the reflectance at normal incidence, if it was given.
     pub(super) fn reflectance(&self) -> Option<&SurfaceSpectrum> {
-        match &self.fresnel {
-            MetalFresnel::Index { .. } | MetalFresnel::Coated { .. } => None,
-            MetalFresnel::Reflectance(reflectance) => Some(reflectance),
-        }
+        if let MetalFresnel::Reflectance(reflectance) = &self.fresnel { Some(reflectance) } else { None }
     }
 
-    /// Returns the thin films on the metal.
     pub(super) fn films(&self) -> Option<&FilmStack> {
-        match &self.fresnel {
-            MetalFresnel::Index { .. } | MetalFresnel::Reflectance(_) => None,
-            MetalFresnel::Coated { films, .. } => Some(films),
-        }
+        if let MetalFresnel::Coated { films, .. } = &self.fresnel { Some(films) } else { None }
     }
 
-    /// Returns the metal without thin films.
     pub(super) fn without_films(self) -> Self {
         let fresnel = match self.fresnel {
             MetalFresnel::Coated { n, k, films: _ } => MetalFresnel::Index { n, k },
@@ -152,7 +128,6 @@ impl Conductor {
         Self { fresnel, ..self }
     }
 
-    /// Returns true if the reflectance varies over the surface.
     pub(super) fn is_textured(&self) -> bool {
         match &self.fresnel {
             MetalFresnel::Index { .. } => false,
@@ -161,7 +136,6 @@ impl Conductor {
         }
     }
 
-    /// Returns true if a spectrum of the metal was made from an RGB colour.
     pub(super) fn is_upsampled(&self) -> bool {
         match &self.fresnel {
             MetalFresnel::Index { n, k } | MetalFresnel::Coated { n, k, films: _ } => {
@@ -171,7 +145,6 @@ impl Conductor {
         }
     }
 
-    /// Returns the metal with a uniform reflectance.
     pub(super) fn without_textures(self) -> Self {
         let fresnel = match self.fresnel {
             MetalFresnel::Reflectance(reflectance) => MetalFresnel::Reflectance(reflectance.without_texture()),
@@ -181,7 +154,7 @@ impl Conductor {
         Self { fresnel, ..self }
     }
 
-    /// Returns whether the surface is rough, so that its lobe has a finite width.
+    /// Returns true if the surface is rough, so that its lobe has a finite width.
     pub fn is_rough(&self) -> bool {
         self.facets.is_some()
     }
@@ -197,10 +170,8 @@ impl Conductor {
         }
     }
 
-    /// Returns the cosine-weighted mean of the reflectance, F̄ = ∫ 2μ·F(μ) dμ.
-    ///
-    /// Photons in a kernel ask for it at each of their wavelengths. Therefore a table holds it for
-    /// metals in air.
+    /// Returns the cosine-weighted mean of the reflectance, F̄ = ∫ 2μ·F(μ) dμ, from a table for
+    /// metals in air, because photons in a kernel ask for it at each of their wavelengths.
     #[inline]
     fn mean_reflectance(&self, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
         let tabulated =
@@ -208,7 +179,6 @@ impl Conductor {
         tabulated.unwrap_or_else(|| self.integrated_reflectance(iors, texels, nm))
     }
 
-    /// Integrates [`Self::mean_reflectance`].
     #[inline(never)]
     fn integrated_reflectance(&self, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
         match &self.fresnel {
@@ -289,8 +259,7 @@ mod tests {
     use super::*;
     use abbe_spectra::spectrum::Outside;
 
-    /// The table of a metal in air agrees with the integral between its wavelengths, and it is not
-    /// used in water.
+    /// The table agrees with the integral between its wavelengths, and it is not used in water.
     #[test]
     fn the_tabulated_mean_reflectance_is_the_integral() {
         let table = |values: [f64; 3]| Spectrum::table(&[360.0, 500.0, 830.0], &values, Outside::Hold).unwrap();
@@ -308,8 +277,7 @@ mod tests {
         }
     }
 
-    /// The mean reflectance is 2∫ F cos θ d(cos θ). F follows from Fresnel's amplitudes with a
-    /// complex cosine of refraction.
+    /// Integrates F from Fresnel's amplitudes with a complex cosine of refraction.
     #[test]
     fn the_mean_reflectance_weights_directions_by_their_cosine() {
         let (n, k) = (2.9_f64, 3.3_f64);
@@ -332,8 +300,7 @@ mod tests {
         assert!((found - known).abs() < 2e-3, "{found} for {known}");
     }
 
-    /// At normal incidence, a metal of index n + ik in a liquid of index m reflects ((n − m)² +
-    /// k²)/((n + m)² + k²).
+    /// At normal incidence in a liquid of index m, R = ((n − m)² + k²)/((n + m)² + k²).
     #[test]
     fn a_metal_in_water_reflects_less_than_in_air() {
         let (n, k) = (0.9, 2.4);

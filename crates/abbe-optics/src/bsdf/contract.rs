@@ -16,7 +16,6 @@ use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use abbe_spectra::spectrum::{Outside, Spectrum};
 use glam::DVec3;
 
-/// A BSDF and the media in front of it and behind it.
 struct BsdfCase {
     name: &'static str,
     bsdf: Bsdf,
@@ -33,7 +32,6 @@ impl BsdfCase {
         }
     }
 
-    /// Returns the BSDF as a whole, even if it is a mixture.
     fn local(&self) -> LocalBsdf<'_> {
         LocalBsdf { model: &self.bsdf, texels: Texels::NONE }
     }
@@ -76,8 +74,7 @@ fn dyed() -> Bsdf {
     Bsdf::Fluorescent(Box::new(Fluorescent::new(ramp(0.5, 0.95), dye).unwrap()))
 }
 
-/// Returns every BSDF variant, smooth and rough. The spectra of the variants vary with the
-/// wavelength.
+/// Returns every BSDF variant, smooth and rough, with spectra that vary with the wavelength.
 fn cases() -> Vec<BsdfCase> {
     let air = || RefractiveIndex::constant(1.0).unwrap();
     let in_air = |name, bsdf| BsdfCase { name, bsdf, front: air(), behind: air() };
@@ -128,8 +125,7 @@ fn cases() -> Vec<BsdfCase> {
     cases
 }
 
-/// Returns view directions on both sides of the surface. Their angles to the normal lie between 0
-/// and 82 degrees.
+/// Returns views on both sides of the surface, at 0 to 82 degrees to the normal.
 fn views() -> Vec<DVec3> {
     let at = |degrees: f64, azimuth: f64, side: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
@@ -166,8 +162,7 @@ fn histogram(case: &BsdfCase, wo: DVec3, nm: f64, samples: usize, seed: u64) -> 
     seen
 }
 
-/// Calls `check` for every combination of case, view direction and wavelength. Each combination has
-/// its own seed.
+/// Calls `check` for every case, view and wavelength, each with its own seed.
 fn each_view(mut check: impl FnMut(&BsdfCase, DVec3, f64, u64)) {
     let mut seed = 0;
     for case in cases() {
@@ -253,7 +248,6 @@ fn no_bsdf_returns_more_power_than_arrives() {
     });
 }
 
-/// Returns the mean of the values, and the standard error of this mean.
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -261,8 +255,7 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// For each sample, returns the sum of its weight and its absorbed fraction at the wavelength `nm`,
-/// for a path with the hero wavelength `hero_nm`.
+/// Returns weight plus absorbed fraction at `nm` of each sample, with the hero `hero_nm`.
 fn balance(case: &BsdfCase, wo: DVec3, hero_nm: f64, nm: f64, seed: u64) -> Vec<f64> {
     let mut random = random(seed);
     (0..20_000)
@@ -275,8 +268,7 @@ fn balance(case: &BsdfCase, wo: DVec3, hero_nm: f64, nm: f64, seed: u64) -> Vec<
         .collect()
 }
 
-/// The mean weight plus the mean absorbed fraction is 1. For some BSDFs, the weight and the
-/// absorbed fraction of each single event also sum to 1.
+/// Mean weight plus mean absorbed fraction is 1, for some BSDFs also event by event.
 #[test]
 fn scattered_and_absorbed_power_sum_to_one() {
     each_view(|case, wo, nm, seed| {
@@ -291,8 +283,7 @@ fn scattered_and_absorbed_power_sum_to_one() {
     });
 }
 
-/// The absorbed fraction of a rough metal includes the light that the metal absorbs after several
-/// events. If the fraction omits this light, the balance test must fail.
+/// It must fail if a rough metal's fraction omits what several events absorb.
 #[test]
 fn balance_test_rejects_absorption_of_single_events_only() {
     let case = cases().into_iter().find(|case| case.name == "very rough metal").unwrap();
@@ -318,7 +309,7 @@ fn balance_test_rejects_absorption_of_single_events_only() {
 fn non_hero_wavelengths_balance_too() {
     for case in cases() {
         // After refraction at rough dispersive glass, and after a grating, the path keeps only one
-        // wavelength. Its weight at the other wavelengths is not defined.
+        // wavelength, and its weight at the others is not defined.
         let is_grating = case.bsdf.grating().is_some();
         let is_dispersive_and_rough = matches!(
             case.name,
@@ -334,8 +325,7 @@ fn non_hero_wavelengths_balance_too() {
     }
 }
 
-/// f(wo, wi)/n² is symmetric, where n is the index on the side of `wo`. The BSDF for importance is
-/// the adjoint of the BSDF for radiance.
+/// f(wo, wi)/n² is symmetric, with n on the side of `wo`. Importance is the adjoint.
 #[test]
 fn eval_is_reciprocal() {
     for case in cases() {
@@ -348,7 +338,7 @@ fn eval_is_reciprocal() {
                 let back = case.eval(wi, wo, TransportMode::Radiance, nm);
                 let (a, b) = (forth / (here * here), back / (there * there));
                 // Near the critical angle, the transmittance depends on the square root of a small
-                // difference. The two values therefore agree to fewer digits.
+                // difference, so the two values agree to fewer digits.
                 assert!(
                     (a - b).abs() <= 1e-9 * a.max(b) + 1e-13,
                     "{}: f({wo}, {wi})/n² is {a} but {b} back",
@@ -379,8 +369,7 @@ fn reciprocity_fails_without_the_squared_index() {
     assert!(through > 300 && broken == through, "{broken} of {through}");
 }
 
-/// The coefficients of delta distributions are reciprocal if they are divided by the n² factor of
-/// radiance. The efficiencies of gratings are not reciprocal.
+/// They are reciprocal without the n² of radiance, except those of gratings.
 #[test]
 fn delta_coefficients_are_reciprocal() {
     for case in cases().into_iter().filter(|case| case.bsdf.grating().is_none()) {
@@ -394,9 +383,8 @@ fn delta_coefficients_are_reciprocal() {
                 let back =
                     case.local().eval_sample(sample.wi, &back, case.iors(sample.wi), TransportMode::Radiance, 500.0);
                 let (here, there) = (case.iors(wo).here.n(500.0), case.iors(sample.wi).here.n(500.0));
-                // The coefficient of transmission contains the factor (n_here/n_there)² of
-                // radiance. The test divides the coefficient by this factor. The values of a lobe
-                // need no such division, because the solid angle changes by the same factor.
+                // The factor (n_here/n_there)² of radiance is divided out. A lobe needs no such
+                // division, because the solid angle changes by the same factor.
                 let (a, b) = (forth * (there * there) / (here * here), back * (here * here) / (there * there));
                 assert!((a - b).abs() <= 1e-12 * a.max(b), "{} from {wo}: {a} but {b} back", case.name);
             }
@@ -430,8 +418,7 @@ fn extreme_random_numbers_and_angles_stay_finite() {
     }
 }
 
-/// Only refraction and diffraction can restrict a path to one wavelength. For refraction, at least
-/// one of the two media must be dispersive.
+/// One dispersive medium suffices for refraction, and diffraction always disperses.
 #[test]
 fn only_dispersive_refraction_sets_disperses() {
     each_view(|case, wo, nm, seed| {
@@ -457,8 +444,7 @@ fn classes_follow_the_width_of_the_lobes() {
     assert_eq!(["diffuse", "translucent", "mixture"].map(of), [BsdfClass::Diffuse; 3]);
 }
 
-/// White furnace: a rough interface of clear media loses no light and adds none. The roughness of
-/// scene files, from 0.05 to 1, is the square root of α.
+/// White furnace: clear media lose no light. The roughness of files, 0.05 to 1, is √α.
 #[test]
 fn rough_glass_returns_all_light_from_both_sides() {
     let mut random = random(21);

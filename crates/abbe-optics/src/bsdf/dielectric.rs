@@ -13,10 +13,9 @@ use abbe_spectra::error::Result;
 
 /// A dielectric interface that reflects by Fresnel's equations and refracts by Snell's law.
 ///
-/// A rough interface uses the GGX model of Walter et al. 2007 for light that hits one facet. A wide
-/// lobe contains the light that hits several facets (`compensation.rs`), so that the interface
-/// loses no energy. [`InterfaceIors`] contains the two refractive indices. If the two indices are
-/// equal, light passes straight on.
+/// A rough interface uses the GGX model of Walter et al. 2007 for light that hits one facet, and a
+/// wide lobe for light that hits several (`compensation.rs`), so that it loses no energy. Between
+/// equal indices in [`InterfaceIors`], light passes straight on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dielectric {
     /// `None` if the interface is smooth.
@@ -31,7 +30,7 @@ impl Dielectric {
         Ok(Self { facets: (alpha >= MIN_ALPHA).then(|| RoughInterface::new(alpha)) })
     }
 
-    /// Returns whether the interface is rough, so that its lobes have a finite width.
+    /// Returns true if the interface is rough, so that its lobes have a finite width.
     pub fn is_rough(&self) -> bool {
         self.facets.is_some()
     }
@@ -67,9 +66,8 @@ impl Dielectric {
         facets.map_or(0.0, |facets| facets.pdf(wo, wi))
     }
 
-    /// Returns the facets at one wavelength. The indices are those of the medium on the side of
-    /// `wo` and of the other medium. Returns `None` if the interface is smooth or the indices are
-    /// equal.
+    /// Returns the facets at one wavelength, with the index on the side of `wo` first, or `None` if
+    /// the interface is smooth or the indices are equal.
     fn facets_between(&self, indices: [f64; 2]) -> Option<FacetScattering<'_, BareFacet>> {
         let RoughInterface { ggx, compensation } = self.facets.as_ref().filter(|_| indices[0] != indices[1])?;
         let multiple = compensation.between(indices[0], indices[1]);
@@ -77,8 +75,7 @@ impl Dielectric {
     }
 }
 
-/// Returns the coefficient of a smooth interface: the reflectance, or the transmittance times
-/// [`radiance_scale`].
+/// Returns the reflectance of a smooth interface, or its transmittance times [`radiance_scale`].
 pub(super) fn coefficient(
     wo: DVec3,
     event: ScatterEvent,
@@ -104,14 +101,13 @@ mod tests {
         let from_air = InterfaceIors { here: &air, there: &glass };
         let through = |iors, mode| coefficient(DVec3::Z, ScatterEvent::Transmission, iors, mode, 500.0);
         assert!((through(from_air, TransportMode::Importance) - 0.96).abs() < 1e-15);
-        // A camera in air sees the radiance from inside the glass divided by 1.5². A camera in
-        // glass sees the radiance from the air multiplied by 1.5².
+        // A camera in air sees the radiance from inside the glass divided by 1.5², and a camera in
+        // glass sees that from the air multiplied by it.
         assert!((through(from_air, TransportMode::Radiance) - 0.96 / 2.25).abs() < 1e-15);
         let from_glass = InterfaceIors { here: &glass, there: &air };
         assert!((through(from_glass, TransportMode::Radiance) - 0.96 * 2.25).abs() < 1e-15);
     }
 
-    /// If both media have the same index, light passes straight on, even if the interface is rough.
     #[test]
     fn equal_indices_transmit_straight_even_if_rough() {
         let water = RefractiveIndex::catalogue("water 20C").unwrap();

@@ -10,18 +10,15 @@ use super::sample::{BsdfSample, ScatterEvent};
 use crate::texture::{SurfaceSpectrum, Texel};
 use abbe_spectra::error::Result;
 
-/// A Lambertian reflector with f = ρ(λ)/π.
-///
-/// The fraction ρ(λ) of the arriving power is reflected, with equal radiance in all directions on
-/// the side where the light arrived. Both sides behave alike.
+/// A Lambertian reflector with f = ρ(λ)/π, which reflects the fraction ρ(λ) of the power with equal
+/// radiance in all directions of the side of arrival. Both sides behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diffuse {
     pub(super) reflectance: SurfaceSpectrum,
 }
 
 impl Diffuse {
-    /// Creates a Lambertian reflector. Returns an error if the reflectance is outside \[0, 1\] at
-    /// any wavelength.
+    /// Creates a reflector, or returns an error if the reflectance leaves \[0, 1\].
     pub fn new(reflectance: impl Into<SurfaceSpectrum>) -> Result<Self> {
         let reflectance = reflectance.into();
         check_fraction("reflectance", &reflectance)?;
@@ -56,12 +53,10 @@ pub(super) fn sample(wo: DVec3, u: [f64; 3]) -> BsdfSample {
     BsdfSample::lobe(wi, ScatterEvent::Reflection, cosine_pdf(wi))
 }
 
-/// Returns f = ρ/π.
 pub(super) fn eval(reflectance: f64) -> f64 {
     reflectance * FRAC_1_PI
 }
 
-/// Returns the absorbed fraction 1 − ρ.
 pub(super) fn absorbed_fraction(reflectance: f64) -> f64 {
     1.0 - reflectance
 }

@@ -5,7 +5,7 @@ use crate::fresnel;
 
 /// The response of a facet to light at one wavelength.
 pub(super) trait FacetResponse {
-    /// Returns the reflected and the transmitted fraction for an angle of incidence of this cosine.
+    /// Returns the reflected and the transmitted fraction at this cosine of incidence.
     fn powers(&self, cos: f64) -> PowerFractions;
 
     /// Returns the probability with which a sample is reflected by a facet of these powers.
@@ -14,7 +14,7 @@ pub(super) trait FacetResponse {
 
 /// A facet without films, which reflects by Fresnel's equations.
 pub(super) struct BareFacet {
-    /// The indices of the medium on the side of `wo` and of the other medium.
+    /// Of the medium on the side of `wo` and of the other medium.
     pub(super) indices: [f64; 2],
 }
 

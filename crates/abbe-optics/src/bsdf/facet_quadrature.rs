@@ -1,14 +1,14 @@
 //! Integrals over the microfacets that a direction sees.
 //!
 //! Let o be the direction of the viewer, θ the angle between o and the normal m of a facet, and φ
-//! the azimuth of m around o. At one θ, Fresnel's equations give one reflectance. The density of
-//! the normals, and the heights of the reflected and of the refracted direction above the surface,
+//! the azimuth of m around o. At one θ, Fresnel's equations give one reflectance. The pdf of the
+//! normals, and the heights of the reflected and of the refracted direction above the surface,
 //! depend only on the height z = cosθ·cosθ_o + sinθ·sinθ_o·cosφ of the normal. A facet is visible
 //! if θ < 90° and z > 0.
 //!
 //! The inner integral over φ is divided where a direction passes the horizon, and the outer
-//! integral over θ is divided where such a φ reaches 0 or π. All these angles have closed forms.
-//! Between them, the integrands are smooth, so few points suffice.
+//! integral over θ where such a φ reaches 0 or π. All these angles have closed forms, and the
+//! integrands are smooth in between, so few points suffice.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -23,22 +23,18 @@ const FEWEST_POINTS: usize = 6;
 const POLAR_POINTS: f64 = 2.0;
 /// Number of further points per radian of ψ, where tan(φ/2) = k·tan(ψ/2).
 const AZIMUTH_POINTS: f64 = 12.0 / PI;
-/// The largest number of further points. The longest interval of t has the length asinh(π/(2α)) for
-/// the least roughness, which is 8.05.
+/// The most further points: t is longest for the least roughness, asinh(π/(2α)) = 8.05.
 const MOST_FURTHER_POINTS: usize = 17;
 
-/// The microfacets of an interface: how much light each facet reflects.
+/// How much light each facet of an interface reflects.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum FacetKind {
-    /// The facets reflect all light.
     Mirror,
-    /// The facets reflect and refract light by Fresnel's equations. The value is the index of the
-    /// far medium relative to the near medium.
+    /// Fresnel's equations at this index of the far medium relative to the near medium.
     Dielectric(f64),
 }
 
 impl FacetKind {
-    /// Returns the reflectance for an angle of incidence of this cosine.
     pub(super) fn reflectance(self, cos: f64) -> f64 {
         match self {
             Self::Mirror => 1.0,
@@ -47,18 +43,15 @@ impl FacetKind {
     }
 }
 
-/// The visible facets at one angle θ. The quadrature visits several bands, over which `visible`
-/// sums to 1.
+/// The visible facets at one angle θ. Over all visited bands, `visible` sums to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FacetBand {
-    /// cosθ.
     pub(super) cos: f64,
     /// The fraction of the visible area in this band.
     pub(super) visible: f64,
     /// The part of `visible` from which reflected light hits another facet.
     pub(super) reflected_shadowed: f64,
-    /// The part of `visible` from which refracted light hits another facet, or 0 under total
-    /// reflection.
+    /// The part of `visible` from which refracted light, if any, hits another facet.
     pub(super) refracted_shadowed: f64,
 }
 
@@ -66,7 +59,7 @@ pub(super) struct FacetBand {
 #[derive(Debug, Clone)]
 pub(super) struct FacetQuadrature {
     facets: Ggx,
-    /// The rules for 0, 1, … further points.
+    /// For 0, 1, … further points.
     rules: Vec<Vec<(f64, f64)>>,
 }
 
@@ -81,13 +74,12 @@ impl FacetQuadrature {
         Self { facets, rules }
     }
 
-    /// Returns the nodes and weights of the rule for an interval of this length.
+    /// The nodes and weights of the rule for an interval of this length.
     fn rule(&self, points_per_unit: f64, length: f64) -> &[(f64, f64)] {
         &self.rules[((points_per_unit * length).ceil() as usize).min(MOST_FURTHER_POINTS)]
     }
 
-    /// Calls `visit` for every band of facets that are visible from a direction of cosine `cos_o`,
-    /// in \[0, 1\].
+    /// Calls `visit` for every band of facets that are visible from a cosine `cos_o` in \[0, 1\].
     pub(super) fn each_band(&self, kind: FacetKind, cos_o: f64, mut visit: impl FnMut(FacetBand)) {
         let view = FacetView::new(self.facets, kind, cos_o);
         let alpha = self.facets.alpha();
@@ -109,7 +101,6 @@ impl FacetQuadrature {
     }
 }
 
-/// The direction from which the facets are seen.
 struct FacetView {
     facets: Ggx,
     kind: FacetKind,
@@ -127,8 +118,7 @@ impl FacetView {
     /// Returns the angles θ at which the integral over φ is not smooth, in ascending order.
     fn polar_ends(&self) -> [f64; 8] {
         let elevation = FRAC_PI_2 - self.theta_o;
-        // Total reflection begins at the cosine √(1 − n²). For n > 1, the reflectance changes fast
-        // below the cosine √(n² − 1).
+        // Total reflection begins at √(1 − n²). For n > 1, R changes fast below √(n² − 1).
         let (refracted_at_horizon, fresnel_end) = match self.kind {
             FacetKind::Dielectric(n) => {
                 let (sin, cos) = sin_cos(elevation);
@@ -154,7 +144,7 @@ impl FacetView {
         ends
     }
 
-    /// Integrates over φ at one θ. `width` is the weight dθ.
+    /// Integrates over φ at one θ with the weight dθ = `width`.
     ///
     /// GGX's density is D = α²/(π·(1 − b²z²)²) with b² = 1 − α². For z = z₀ + z₁cosφ, the
     /// substitution tan(φ/2) = k·tan(ψ/2) makes dφ/(1 − bz) proportional to dψ.
@@ -175,8 +165,7 @@ impl FacetView {
                 0.0
             }
         };
-        // The index, and the number a of the refracted direction (a·m − o)/n. `None` under total
-        // reflection.
+        // The index, and a of the refracted direction (a·m − o)/n, unless all is reflected.
         let refraction = match self.kind {
             FacetKind::Dielectric(index) => fresnel::refraction_along_normal(cos, 1.0, index).map(|a| (index, a)),
             FacetKind::Mirror => None,
@@ -210,8 +199,7 @@ impl FacetView {
                 }
             }
         }
-        // The density of the visible normals is D·G₁·cosθ/cosθ_o (Heitz 2014). The factor 2 adds
-        // the facets at negative φ.
+        // The pdf of visible normals is D·G₁·cosθ/cosθ_o (Heitz 2014), doubled for negative φ.
         let scale = 2.0 * width * sin * cos * self.facets.g1_per_cos(self.cos_o);
         band.visible *= scale;
         band.reflected_shadowed *= scale;
@@ -220,8 +208,7 @@ impl FacetView {
     }
 }
 
-/// Returns a rule on \[0, 1\] for functions with a square root at an end: Gauss–Legendre in y, with
-/// x = sin²(πy/2).
+/// Returns Gauss–Legendre in y on \[0, 1\], x = sin²(πy/2), for a square root at an end.
 fn graded(points: usize) -> Vec<(f64, f64)> {
     let grade = |(y, weight): (f64, f64)| (sin(FRAC_PI_2 * y).powi(2), weight * FRAC_PI_2 * sin(PI * y));
     gauss_legendre(points).into_iter().map(grade).collect()

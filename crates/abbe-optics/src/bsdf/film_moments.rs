@@ -1,26 +1,24 @@
 //! The change of the missing energy by thin films on the microfacets.
 //!
-//! Films change the transmittance of a facet from T = 1 − F to T·(1 − w). The facet then reflects
-//! F + w·T. In this case, the missing energy is
+//! Films change the transmittance of a facet from T = 1 − F to T·(1 − w), so the facet reflects F +
+//! w·T. The missing energy is then
 //!
 //! l_films(μ) = l(μ) + ⟨w·T·(λ_r − λ_t)⟩,
 //!
 //! where λ_r and λ_t are the fractions of the reflected and of the refracted light that hit another
 //! facet, and the mean extends over the normals that are visible from the direction. A ray and its
-//! refracted ray have the same w. So w is a function of x, the cosine of the angle of incidence in
-//! the medium of lower index, for light from both sides. The function is approximated by a
-//! polynomial in x.
+//! refracted ray have the same w, so for light from both sides w is a function of x, the cosine of
+//! the angle of incidence in the medium of lower index. A polynomial in x approximates it.
 
 use super::angle_grid::{AngleGrid, GridPoint};
 use super::facet_quadrature::{FacetKind, FacetQuadrature};
 use crate::fresnel;
 use abbe_spectra::math::quadrature::gauss_legendre;
 
-/// Number of polynomials. The i-th polynomial has the degree i.
+/// Number of polynomials, of degrees from 0.
 pub(super) const MOMENTS: usize = 7;
 
-/// Number of points at which w is computed, so that integrals of polynomials of degree 17 are
-/// exact.
+/// Number of points at which w is computed: integrals of polynomials of degree 17 are exact.
 pub(super) const NODES: usize = 9;
 
 /// The projection of functions of a cosine to polynomials.
@@ -28,7 +26,7 @@ pub(super) const NODES: usize = 9;
 pub(super) struct CosineFit {
     /// The cosines at which the function is needed.
     pub(super) nodes: [f64; NODES],
-    /// The share of the value at each node in each coefficient.
+    /// The fraction of the value at each node in each coefficient.
     fractions: [[f64; NODES]; MOMENTS],
     /// The weights of ∫ 2x·f(x) dx.
     means: [f64; NODES],
@@ -64,8 +62,8 @@ impl CosineFit {
     }
 }
 
-/// Returns the polynomials at x: Jacobi's polynomials, orthogonal on \[0, 1\] with the weight x and
-/// scaled so that the first coefficient is 1 (Abramowitz & Stegun, §22.7).
+/// Returns the polynomials at x: Jacobi's, orthogonal on \[0, 1\] with the weight x, and scaled so
+/// that the first coefficient is 1 (Abramowitz & Stegun, §22.7).
 fn polynomials(x: f64) -> [f64; MOMENTS] {
     let mut values = [1.0; MOMENTS];
     let (mut last, mut before) = (1.0, 0.0);
@@ -79,24 +77,22 @@ fn polynomials(x: f64) -> [f64; MOMENTS] {
     values
 }
 
-/// The moments of an interface.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FilmMoments {
-    /// The moments for light in the medium of lower index.
+    /// For light in the medium of lower index.
     pub(super) from_rare: FilmSideMoments,
-    /// The moments for light in the medium of higher index.
+    /// For light in the medium of higher index.
     pub(super) from_dense: FilmSideMoments,
-    /// The means of ⟨p·T·(1 − λ_t)⟩ for light in the medium of lower index: the loss of the energy
-    /// that single scattering transmits.
+    /// The means of ⟨p·T·(1 − λ_t)⟩ at the lower index: the loss of transmitted energy.
     pub(super) transmitted: [f64; MOMENTS],
 }
 
 /// The change of the missing energy by each moment, for light from one side.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FilmSideMoments {
-    /// The moments at the cosines of the grid.
+    /// At the cosines of the grid.
     by_angle: Vec<[f64; MOMENTS]>,
-    /// The means ∫ 2μ·f(μ) dμ of the moments.
+    /// Means ∫ 2μ·f(μ) dμ.
     pub(super) mean: [f64; MOMENTS],
 }
 
@@ -110,8 +106,7 @@ impl FilmMoments {
 }
 
 impl FilmSideMoments {
-    /// Computes the moments, and the means of the loss of transmitted energy. `index` is the index
-    /// of the far medium relative to the near medium.
+    /// Computes the moments, and the means of the lost transmission, at a relative index.
     fn new(quadrature: &FacetQuadrature, grid: &AngleGrid, index: f64) -> (Self, [f64; MOMENTS]) {
         let table = grid.tabulate(|cos| moments(quadrature, index, cos));
         let means: [f64; 2 * MOMENTS] = std::array::from_fn(|number| grid.mean(table.iter().map(|row| row[number])));
@@ -132,8 +127,7 @@ fn parts(row: &[f64; 2 * MOMENTS]) -> ([f64; MOMENTS], [f64; MOMENTS]) {
     (std::array::from_fn(|i| row[i]), std::array::from_fn(|i| row[MOMENTS + i]))
 }
 
-/// Integrates ⟨p·T·(λ_r − λ_t)⟩ and ⟨p·T·(1 − λ_t)⟩ over the visible normals. The moments of the
-/// second integral follow those of the first.
+/// Integrates ⟨p·T·(λ_r − λ_t)⟩, and then ⟨p·T·(1 − λ_t)⟩, over the visible normals.
 fn moments(quadrature: &FacetQuadrature, index: f64, cos: f64) -> [f64; 2 * MOMENTS] {
     let kind = FacetKind::Dielectric(index);
     let mut sums = [0.0; 2 * MOMENTS];

@@ -15,23 +15,19 @@ const ROUNDING: f64 = 1e-6;
 
 /// A Lambertian surface with a fluorophore.
 ///
-/// The surface reflects the fraction ρ(λ) of the light without a change of wavelength. For a dye on
-/// a substrate, this fraction is s(λ)·(1 − a(λ)). s is the reflectance of the substrate and a is
-/// the absorptance of the fluorophore. For a measured surface, ρ is measured. The methods of
-/// [`LocalBsdf`](super::LocalBsdf) describe this reflection alone. The light that the fluorophore
-/// emits leaves the surface on the side of arrival, with equal radiance in all directions. The code
-/// of light transport adds this light.
+/// It reflects the fraction ρ(λ) of the light without a change of wavelength: a measured value, or
+/// s(λ)·(1 − a(λ)) for a dye of absorptance a on a substrate of reflectance s. The methods of
+/// [`LocalBsdf`](super::LocalBsdf) describe this reflection alone. The light transport adds the
+/// light of the fluorophore, which leaves on the side of arrival with equal radiance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fluorescent {
-    /// The reflectance ρ without a change of wavelength.
     reflected: Spectrum,
-    /// The fluorophore.
+    /// Its emission follows the reflection.
     pub fluorophore: Fluorophore,
 }
 
 impl Fluorescent {
-    /// Creates a fluorescent surface. Returns an error if the reflectance of the substrate is
-    /// outside \[0, 1\] at any wavelength.
+    /// Creates a surface, or returns an error if the substrate's reflectance leaves \[0, 1\].
     pub fn new(substrate: Spectrum, fluorophore: Fluorophore) -> Result<Self> {
         check_within("reflectance", &substrate, 1.0)?;
         let transmittance = fluorophore.absorptance_spectrum().complement();
@@ -40,11 +36,8 @@ impl Fluorescent {
     }
 
     /// Creates a surface that reflects the fraction `reflected` of the light without a change of
-    /// wavelength. `fluorophore` has a measured matrix.
-    ///
-    /// # Errors
-    /// Returns an error if the reflectance is outside \[0, 1\], or if more photons leave the
-    /// surface than arrive.
+    /// wavelength, and whose fluorophore has a measured matrix. Returns an error if the reflectance
+    /// is outside \[0, 1\], or if more photons leave the surface than arrive.
     pub fn measured(reflected: Spectrum, fluorophore: Fluorophore) -> Result<Self> {
         check_within("reflectance", &reflected, 1.0)?;
         let returned = Spectrum::mix(&[(1.0, &reflected), (1.0, fluorophore.absorptance_spectrum())]).max();
@@ -74,7 +67,6 @@ impl Fluorescent {
         &self.reflected
     }
 
-    /// Returns the surface that reflects as this surface and does not emit.
     pub(super) fn without_emission(&self) -> Result<Diffuse> {
         Diffuse::new(self.reflected.clone())
     }

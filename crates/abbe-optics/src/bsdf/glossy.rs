@@ -1,5 +1,4 @@
-//! A diffuse base under a clear, smooth or rough dielectric coat, such as paint, plastic or glazed
-//! pottery.
+//! A diffuse base under a clear dielectric coat, such as paint, plastic or glazed pottery.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -15,42 +14,35 @@ use crate::microfacet::Ggx;
 use crate::texture::{SurfaceSpectrum, Texel};
 use abbe_spectra::error::Result;
 
-/// If both lobes have power, each lobe is sampled with at least this probability. Without this
-/// minimum, a lobe with little power at the hero wavelength would be sampled too rarely for the
-/// other wavelengths of the path.
+/// The least probability of each lobe if both have power, so that a lobe with little power at the
+/// hero wavelength is not sampled too rarely for the other wavelengths of the path.
 const MIN_LOBE_PROBABILITY: f64 = 0.1;
 
-/// A rough dielectric coat over a Lambertian base.
+/// A smooth or rough dielectric coat over a Lambertian base.
 ///
-/// The albedo of the coat determines how much light passes the coat on its way to the base and back
-/// (Kelemen & Szirmay-Kalos 2001, after Ashikhmin & Shirley 2000).
+/// The albedo of the coat determines how much light passes it on its way to the base and back
+/// (Kelemen & Szirmay-Kalos 2001, after Ashikhmin & Shirley 2000):
 ///
-/// The BSDF is f = F·D·G₂/(4·μ_o·μ_i) + ρ·(1−E(μ_o))·(1−E(μ_i))/(π·(1−Ē)).
+/// f = F·D·G₂/(4·μ_o·μ_i) + ρ·(1−E(μ_o))·(1−E(μ_i))/(π·(1−Ē)),
 ///
-/// E(μ) is the directional albedo of the coat and Ē is its cosine-weighted mean. The model is
+/// where E(μ) is the directional albedo of the coat and Ē its cosine-weighted mean. The model is
 /// reciprocal and has the albedo E(μ) + ρ·(1−E(μ)). Of the light that enters the coat, the fraction
-/// ρ(λ) leaves the coat again. This fraction includes interreflection between base and coat. The
-/// refractive index is the index of the coat relative to the surrounding medium. Both sides of the
-/// surface behave alike.
+/// ρ(λ) leaves it again, interreflection between base and coat included. The index of the coat is
+/// relative to the surrounding medium. Both sides of the surface behave alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossy {
     pub(super) reflectance: SurfaceSpectrum,
     index: RefractiveIndex,
     facets: Ggx,
     coat: CoatAlbedo,
-    /// True if ρ may be positive at any point and wavelength.
     has_base: bool,
-    /// True if `reflectance` is the reflectance of the bare base (see
-    /// [`Glossy::with_interreflection`]).
+    /// True if `reflectance` is that of the bare base (see [`Glossy::with_interreflection`]).
     interreflection: bool,
 }
 
 impl Glossy {
-    /// Creates a base of a `reflectance` under a coat with a refractive index and the GGX roughness
-    /// `alpha`. If `alpha` is below [`crate::microfacet::MIN_ALPHA`], it is raised to that value.
-    ///
-    /// # Errors
-    /// Returns an error if the reflectance or `alpha` lies outside \[0, 1\].
+    /// Creates a base of this reflectance under a coat of this index and of GGX roughness `alpha`,
+    /// at least [`crate::microfacet::MIN_ALPHA`]. Returns an error if either lies outside \[0, 1\].
     pub fn new(reflectance: impl Into<SurfaceSpectrum>, index: RefractiveIndex, alpha: f64) -> Result<Self> {
         let reflectance = reflectance.into();
         check_fraction("reflectance", &reflectance)?;
@@ -63,11 +55,9 @@ impl Glossy {
         Ok(Self { coat, reflectance, index, facets, has_base, interreflection: false })
     }
 
-    /// Returns the surface with `reflectance` as the reflectance ρ_b of the bare base.
-    ///
-    /// The base under the coat then reflects less than without the coat: the inside of the coat
-    /// reflects the fraction R = 1 − (1−Ē)/n² of the diffuse light back to the base. The fraction
-    /// of the light that leaves the coat again is ρ = ρ_b·(1−R)/(1−ρ_b·R) (Saunderson 1942).
+    /// Returns the surface with `reflectance` as that of the bare base, ρ_b. The coat reflects the
+    /// fraction R = 1 − (1−Ē)/n² of the diffuse light back to the base, so less, ρ =
+    /// ρ_b·(1−R)/(1−ρ_b·R), leaves the coat (Saunderson 1942).
     #[must_use]
     pub fn with_interreflection(self) -> Self {
         Self { interreflection: true, ..self }
@@ -89,19 +79,16 @@ impl Glossy {
         reflectance * escaping / (1.0 - reflectance + reflectance * escaping)
     }
 
-    /// Returns the surface with a uniform base.
     pub(super) fn without_textures(self) -> Self {
         Self { reflectance: self.reflectance.without_texture(), ..self }
     }
 
-    /// Returns two directional albedos at the cosine of `wo`: that of coat and base together, and
-    /// that of the coat alone.
+    /// Returns the directional albedo of coat and base at the cosine of `wo`, and that of the coat.
     fn albedo(&self, wo: DVec3, texel: Texel, nm: f64) -> (f64, f64) {
         let coat = self.coat.at(wo.z.abs(), self.index.n(nm));
         (coat + self.base(texel, nm) * (1.0 - coat), coat)
     }
 
-    /// Returns the probability that the coat is sampled instead of the base.
     fn coat_probability(&self, wo: DVec3, texel: Texel, nm: f64) -> f64 {
         let (all, coat) = self.albedo(wo, texel, nm);
         if coat == 0.0 {
@@ -123,8 +110,7 @@ impl Glossy {
         } else {
             sample_cosine(sign, u[0], u[1])
         };
-        // A sampled facet normal may reflect the path below the surface. The BSDF is 0 for such a
-        // direction, so any positive density is valid.
+        // A facet may reflect below the surface, where the BSDF is 0 and any positive pdf valid.
         let pdf = self.mixed_pdf(wo, wi, coat_probability);
         BsdfSample::lobe(wi, ScatterEvent::Reflection, if pdf > 0.0 { pdf } else { 1.0 })
     }
@@ -142,8 +128,7 @@ impl Glossy {
         let m = (wo + wi).normalize_or_zero();
         let lobe = self.facets.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
         let (coat_o, coat_i) = (self.coat.at(wo.z.abs(), index), self.coat.at(wi.z.abs(), index));
-        // If the coat reflects all light, the numerator and 1 − Ē both vanish. The lower bound on
-        // the denominator prevents 0/0.
+        // If the coat reflects all light, the lower bound prevents 0/0.
         let through = (1.0 - coat_o) * (1.0 - coat_i) / (1.0 - self.coat.mean(index)).max(f64::MIN_POSITIVE);
         fresnel::dielectric(wo.dot(m), 1.0, index) * lobe + self.base(texel, nm) * FRAC_1_PI * through
     }
@@ -152,8 +137,7 @@ impl Glossy {
         self.mixed_pdf(wo, wi, self.coat_probability(wo, texel, nm))
     }
 
-    /// Returns the density of `wi` per solid angle if the coat is sampled with probability
-    /// `coat_probability`.
+    /// Returns the pdf of `wi` per solid angle if the coat has this probability.
     fn mixed_pdf(&self, wo: DVec3, wi: DVec3, coat_probability: f64) -> f64 {
         if !same_side(wo, wi) {
             return 0.0;
@@ -169,9 +153,8 @@ mod tests {
     use super::*;
     use abbe_spectra::spectrum::Spectrum;
 
-    /// For a polished coat of index 1.5, the diffuse reflectance of the outside is 0.0918, so that
-    /// of the inside is 0.5963 (Walsh 1926). A base of 0.5 then reflects 0.2877 of the light in the
-    /// coat.
+    /// For a polished coat of index 1.5, the diffuse reflectance is 0.0918 outside and 0.5963
+    /// inside (Walsh 1926). A base of 0.5 then reflects 0.2877 of the light in the coat.
     #[test]
     fn interreflection_under_the_coat_lowers_the_reflectance() {
         let index = RefractiveIndex::constant(1.5).unwrap();

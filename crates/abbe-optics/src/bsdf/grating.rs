@@ -13,26 +13,24 @@ use abbe_spectra::spectrum::Spectrum;
 /// The course of the grooves over a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Grooves {
-    /// Parallel grooves. The value is the angle in rad from the direction of u to the direction in
-    /// which light is diffracted.
+    /// Parallel grooves: the angle in rad from u to the direction of diffraction.
     Parallel(f64),
     /// Circles around the centre of the unit square of uv, as on an optical disc.
     Circular,
 }
 
-/// A thin diffraction grating that reflects, transmits or both, with the same medium on both sides.
+/// A thin diffraction grating that reflects, transmits or both, in one medium.
 ///
 /// Light of each wavelength leaves in the directions of the orders. Their efficiencies are those of
-/// the direction in which the light travels; they are not reciprocal ([`Grating::orders`]). Camera
-/// paths therefore use the efficiencies of light that travels against the path.
+/// the direction in which the light travels, and are not reciprocal ([`Grating::orders`]), so
+/// camera paths use those of light that travels against the path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiffractionGrating {
     grating: Grating,
     reflectance: Spectrum,
     transmittance: Spectrum,
     grooves: Grooves,
-    /// The wavelength in nm that all light is given, or `None` if the orders depend on the
-    /// wavelength.
+    /// The wavelength in nm that decides all orders, if they do not depend on that of the light.
     fixed_nm: Option<f64>,
 }
 
@@ -59,10 +57,8 @@ impl GrooveFrame {
 }
 
 impl DiffractionGrating {
-    /// Creates a grating that reflects and transmits these fractions of the light.
-    ///
-    /// # Errors
-    /// Returns an error if a fraction is negative, or if their sum exceeds 1 at a wavelength.
+    /// Creates a grating that reflects and transmits these fractions of the light. Returns an error
+    /// if a fraction is negative, or if their sum exceeds 1 at a wavelength.
     pub fn new(grating: Grating, reflectance: Spectrum, transmittance: Spectrum, grooves: Grooves) -> Result<Self> {
         check_within("reflectance", &reflectance, 1.0)?;
         check_within("transmittance", &transmittance, 1.0)?;
@@ -85,13 +81,11 @@ impl DiffractionGrating {
         Self { fixed_nm: Some(nm), ..self }
     }
 
-    /// Returns true if the reflectance or the transmittance was made from an RGB colour.
     pub(super) fn is_upsampled(&self) -> bool {
         let upsampled = self.reflectance.is_upsampled() || self.transmittance.is_upsampled();
         upsampled || self.grating.profile().is_upsampled()
     }
 
-    /// Returns true if the grating transmits light.
     pub(super) fn transmits(&self) -> bool {
         self.transmittance.max() > 0.0
     }
@@ -123,8 +117,7 @@ impl DiffractionGrating {
         Some(BsdfSample { disperses: self.fixed_nm.is_none(), ..sample })
     }
 
-    /// Returns the efficiency of the order that leads from `wo` to the sampled direction, or back
-    /// if the path transports radiance.
+    /// Returns the efficiency of the order from `wo` to the sample, or back for radiance.
     pub(super) fn coefficient(
         &self,
         wo: DVec3,
@@ -163,9 +156,8 @@ mod tests {
     use crate::glass::RefractiveIndex;
     use crate::grating::GratingProfile;
 
-    /// The efficiencies of order −1 of a blazed grating, and of the light that is sent back along
-    /// it, are golden values (grating.json, `reciprocity`). A camera path sees the efficiency of
-    /// the light that travels against it.
+    /// Golden values (grating.json, `reciprocity`): the efficiency of order −1 of a blazed grating,
+    /// and that of the light that is sent back along it, which a camera path must see.
     #[test]
     fn camera_paths_use_the_efficiency_of_the_light() {
         let air = RefractiveIndex::constant(1.0).unwrap();

@@ -10,30 +10,26 @@ pub(super) fn z_sign(w: DVec3) -> f64 {
     if w.z < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// Multiplies the z component of `w` by `sign`. If `sign` is `z_sign(wo)`, the function maps `wo`
-/// to the upper hemisphere.
+/// Multiplies z by `sign`. With `z_sign(wo)`, it maps `wo` to the upper hemisphere.
 pub(super) fn flip_z(w: DVec3, sign: f64) -> DVec3 {
     DVec3::new(w.x, w.y, w.z * sign)
 }
 
-/// Returns whether `wi` lies on the same side of the surface as `wo`.
 pub(super) fn same_side(wo: DVec3, wi: DVec3) -> bool {
     wi.z * z_sign(wo) > 0.0
 }
 
-/// Samples a direction on the side given by `sign`, with the density |cosθ|/π, by the projection of
-/// a uniform point of the unit disk onto the hemisphere (Malley's method).
+/// Samples a direction on the side given by `sign` with the pdf |cosθ|/π, by projecting a uniform
+/// point of the unit disk onto the hemisphere (Malley's method).
 pub(super) fn sample_cosine(sign: f64, u: f64, v: f64) -> DVec3 {
     let (sin, cos) = sin_cos(2.0 * PI * v);
     let radius = u.sqrt();
-    // The expression 1 − u gives a positive cosine for every u below 1. The lower bound also covers
-    // a u that was rounded up to 1.
+    // 1 − u is positive for u < 1, and the lower bound for a u that was rounded up to 1.
     let z = (1.0 - u).max(f64::EPSILON * f64::EPSILON).sqrt();
     DVec3::new(radius * cos, radius * sin, z * sign)
 }
 
-/// Returns the density per solid angle with which [`sample_cosine`] samples `wi`. The value is
-/// valid if the argument `sign` of `sample_cosine` was the sign of `wi.z`.
+/// Returns the pdf per solid angle of [`sample_cosine`] on the side of `wi`.
 pub(super) fn cosine_pdf(wi: DVec3) -> f64 {
     wi.z.abs() * FRAC_1_PI
 }

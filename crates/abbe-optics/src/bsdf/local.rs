@@ -9,11 +9,8 @@ use super::{coated, dielectric, diffuse};
 use crate::texture::{LookupRandom, SurfaceSpectrum, TexturePoint};
 use abbe_spectra::spectrum::{LANES, Lanes};
 
-/// A BSDF at one point of a surface.
-///
-/// At a point of a surface, the component of a mixture and the texels of textures are selected, so
-/// paths never scatter at a mixture. The methods still accept a mixture without textures, and treat
-/// it as a whole.
+/// A BSDF at one point of a surface, with a selected component of a mixture and texels. The methods
+/// still treat a mixture without textures as a whole.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalBsdf<'a> {
     /// The BSDF of the material, or the selected component of a mixture.
@@ -54,14 +51,8 @@ impl Bsdf {
             Bsdf::Mirror(mirror) => Texels::of_reflectance(texel(&mirror.reflectance)),
             Bsdf::Conductor(metal) => Texels::of_reflectance(metal.reflectance().map_or(0, &mut texel)),
             Bsdf::Glossy(glossy) => Texels::of_reflectance(texel(&glossy.reflectance)),
-            Bsdf::Absorber
-            | Bsdf::Fluorescent(_)
-            | Bsdf::Dielectric(_)
-            | Bsdf::CoatedDielectric(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_)
-            | Bsdf::Grating(_)
-            | Bsdf::Mix(_) => Texels::NONE,
+            Bsdf::Absorber | Bsdf::Fluorescent(_) | Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => Texels::NONE,
+            Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) | Bsdf::Mix(_) => Texels::NONE,
         };
         LocalBsdf { model, texels }
     }
@@ -74,25 +65,23 @@ impl<'a> LocalBsdf<'a> {
         self.model.class()
     }
 
-    /// Returns whether the BSDF transmits light.
+    /// Returns true if the BSDF transmits light.
     #[inline]
     pub fn is_transmissive(self) -> bool {
         self.model.is_transmissive()
     }
 
-    /// Returns a component of a mixture at this point.
     fn component(self, mix: &'a MixBsdf, number: usize) -> Self {
         Self { model: &mix.components()[number], ..self }
     }
 
-    /// Samples a direction at the hero wavelength `nm`.
+    /// Samples a direction at the hero wavelength `nm`, by a distribution that does not depend on
+    /// the [`TransportMode`]. Returns `None` if the event absorbs the light of all wavelengths, as
+    /// when a facet of a rough metal reflects the path below the surface.
     ///
-    /// `u[0]` and `u[1]` choose the direction; `u[2]` chooses between reflection and transmission
-    /// or between lobes. All three lie in \[0, 1). A mixture without textures first selects a
-    /// component by `u[2]`. The probability in the sample then refers to that component alone. It
-    /// is not multiplied by the weight of the component. Returns `None` if the event absorbs the
-    /// light of all wavelengths. For example, a facet of a rough metal may reflect the path below
-    /// the surface. The distribution of the samples does not depend on the [`TransportMode`].
+    /// Of `u` in \[0, 1), `u[0]` and `u[1]` choose the direction, and `u[2]` between reflection and
+    /// transmission or lobes, after a component of a mixture without textures. The probability in
+    /// the sample is then that of the component alone, without its weight.
     #[inline]
     pub fn sample(self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
         let reflectance = self.texels.reflectance;
@@ -118,12 +107,9 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Evaluates a sample at the wavelength `nm`. Divided by `sample.probability`, the result is
-    /// the weight of the path.
-    ///
-    /// If the sample is a delta sample, the result is the reflectance or the transmittance. The
-    /// transmittance includes the n² factor of [`TransportMode::Radiance`]. The result does not
-    /// include the probability of the event. If the sample is not a delta sample, the result is
+    /// Evaluates a sample at the wavelength `nm`: divided by `sample.probability`, the weight of
+    /// the path. For a delta sample, it is the reflectance, or the transmittance with the n² factor
+    /// of [`TransportMode::Radiance`], without the probability of the event, and otherwise
     /// f·|cosθ_i| in 1/sr.
     pub fn eval_sample(
         self,
@@ -148,13 +134,10 @@ impl<'a> LocalBsdf<'a> {
         self.eval(wo, sample.wi, iors, mode, nm) * sample.wi.z.abs()
     }
 
-    /// Returns the fraction of the arriving power that is absorbed by this event at `nm`. The
-    /// fraction lies in \[0, 1\].
-    ///
-    /// The fraction is computed from albedos and losses, not as 1 minus the weight. If the mode is
-    /// [`TransportMode::Importance`] and the sample was taken at `nm`, the expected weight and the
-    /// expected absorbed fraction sum to 1. If [`LocalBsdf::sample`] returns `None`, all power is
-    /// absorbed.
+    /// Returns the fraction of the arriving power, in \[0, 1\], that this event absorbs at `nm`. It
+    /// is computed from albedos and losses, not as 1 minus the weight. For
+    /// [`TransportMode::Importance`] and a sample at `nm`, the expected weight and the expected
+    /// absorbed fraction sum to 1. If [`LocalBsdf::sample`] returns `None`, all power is absorbed.
     pub fn absorbed_fraction(self, wo: DVec3, sample: &BsdfSample, iors: InterfaceIors<'_>, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
@@ -174,9 +157,8 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Returns the weight of a path after a sample, and the absorbed fraction of its power, for
-    /// each of the wavelengths `nm`. The weight is [`Self::eval_sample`] divided by the probability
-    /// of the sample. The absorbed fraction is [`Self::absorbed_fraction`].
+    /// Returns, for each of the wavelengths `nm`, the weight of a path after a sample
+    /// ([`Self::eval_sample`] divided by the probability), and its [`Self::absorbed_fraction`].
     #[inline(always)]
     pub fn weights(
         self,
@@ -190,7 +172,7 @@ impl<'a> LocalBsdf<'a> {
         if let Bsdf::Diffuse(diffuse) = self.model
             && sample.on_event_side(wo)
         {
-            // Most events are of this kind. One value of the reflectance gives both results.
+            // Most events are of this kind, and one value of the reflectance gives both results.
             for (k, &nm) in nm.iter().enumerate() {
                 let reflectance = diffuse.reflectance().at(self.texels.reflectance, nm);
                 weight[k] = diffuse::eval(reflectance) * sample.wi.z.abs() / sample.probability;
@@ -205,8 +187,8 @@ impl<'a> LocalBsdf<'a> {
         (weight, absorbed)
     }
 
-    /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`, without the cosine and without delta
-    /// distributions. The value of a mixture is the weighted sum of the values of its components.
+    /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`, without the cosine and delta
+    /// distributions. A mixture has the weighted sum of its components.
     pub fn eval(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
@@ -225,9 +207,8 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Returns the density per solid angle with which [`LocalBsdf::sample`] samples `wi` if the
-    /// hero wavelength is `nm`. Delta distributions are not included. The density of a mixture is
-    /// the weighted sum of the densities of its components.
+    /// Returns the pdf of [`LocalBsdf::sample`] for `wi` per solid angle if the hero wavelength is
+    /// `nm`, without delta distributions. A mixture has the weighted sum of its components.
     pub fn pdf(self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
         let reflectance = self.texels.reflectance;
         match self.model {
@@ -246,29 +227,15 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Returns the probability with which a path of the wavelength `nm` should be reflected by a
-    /// smooth coated interface or by a film. `None` stands for a path that carries the whole band.
-    /// Returns `None` for all other surfaces.
+    /// Returns the probability with which a smooth coated interface or a film should reflect a path
+    /// of the wavelength `nm`, or the whole band if `None`; `None` for all others.
     pub fn film_reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> Option<f64> {
         let thickness_nm = self.texels.thickness_nm;
-        match self.model {
-            Bsdf::CoatedDielectric(coated) => (!coated.is_rough())
-                .then(|| coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm))),
-            Bsdf::ThinFilm(film) => {
-                Some(coated::reflection_probability(nm, |nm| film.powers(wo, iors, thickness_nm, nm)))
-            }
-            Bsdf::Absorber
-            | Bsdf::Diffuse(_)
-            | Bsdf::Fluorescent(_)
-            | Bsdf::Translucent(_)
-            | Bsdf::Mirror(_)
-            | Bsdf::Conductor(_)
-            | Bsdf::Dielectric(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::Grating(_)
-            | Bsdf::Glossy(_)
-            | Bsdf::Mix(_) => None,
+        if let Bsdf::ThinFilm(film) = self.model {
+            return Some(coated::reflection_probability(nm, |nm| film.powers(wo, iors, thickness_nm, nm)));
         }
+        let Bsdf::CoatedDielectric(coated) = self.model else { return None };
+        (!coated.is_rough()).then(|| coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm)))
     }
 
     /// Returns the coefficient of the delta distribution at `nm`, or 0 if the BSDF has none.
@@ -281,13 +248,8 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, mode, nm),
             Bsdf::ThinDielectric(thin) => thin.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
-            Bsdf::Absorber
-            | Bsdf::Diffuse(_)
-            | Bsdf::Fluorescent(_)
-            | Bsdf::Translucent(_)
-            | Bsdf::Grating(_)
-            | Bsdf::Glossy(_)
-            | Bsdf::Mix(_) => 0.0,
+            Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Fluorescent(_) | Bsdf::Translucent(_) => 0.0,
+            Bsdf::Grating(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => 0.0,
         }
     }
 }

@@ -1,8 +1,7 @@
 //! The energy that single scattering at microfacets loses, as a function of the angle.
 //!
-//! The single-scattering models of Walter et al. 2007 drop all light that hits a second microfacet.
-//! The missing energy of a direction of cosine μ is l(μ) = 1 − E(μ), where E(μ) is the directional
-//! albedo without absorption.
+//! The models of Walter et al. 2007 drop all light that hits a second microfacet. At a cosine μ,
+//! the missing energy is l(μ) = 1 − E(μ), where E(μ) is the directional albedo without absorption.
 
 use super::angle_grid::{AngleGrid, GridPoint};
 use super::facet_quadrature::{FacetKind, FacetQuadrature};
@@ -11,14 +10,13 @@ use super::facet_quadrature::{FacetKind, FacetQuadrature};
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MissingEnergy {
     by_angle: Vec<f64>,
-    /// The mean ∫ 2μ·l(μ) dμ: the missing energy under uniform incident radiance.
+    /// ∫ 2μ·l(μ) dμ: the missing energy under uniform radiance.
     pub(super) mean: f64,
-    /// The mean of the energy that single scattering transmits.
+    /// The mean energy that single scattering transmits.
     pub(super) transmitted: f64,
 }
 
 impl MissingEnergy {
-    /// Computes the missing energy at the angles of the grid.
     pub(super) fn new(quadrature: &FacetQuadrature, grid: &AngleGrid, kind: FacetKind) -> Self {
         let table = grid.tabulate(|cos| missing_and_transmitted(quadrature, kind, cos));
         // Where the missing energy is nearly 0, the cubic interpolation may pass below 0.
@@ -27,7 +25,6 @@ impl MissingEnergy {
         Self { mean: grid.mean(by_angle.iter().copied()), transmitted, by_angle }
     }
 
-    /// Returns l(μ), linearly interpolated.
     pub(super) fn at(&self, point: GridPoint) -> f64 {
         point.between(|node| self.by_angle[node])
     }
@@ -52,8 +49,7 @@ mod tests {
     use glam::DVec3;
     use std::f64::consts::{FRAC_PI_2, PI};
 
-    /// Computes l(μ) by the midpoint rule on the whole disk of visible normals, without the
-    /// subdivision of the quadrature.
+    /// Computes l(μ) by the midpoint rule on the whole disk, without subdivision.
     fn brute_force(facets: &Ggx, kind: FacetKind, cos: f64) -> f64 {
         const POINTS: usize = 300;
         let wo = DVec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);

@@ -4,18 +4,15 @@
 //! `wo` and `wi` both point away from the surface: photon paths and camera paths arrive along −`wo`
 //! and continue along `wi`. If `wo.z` is negative, the path arrives from behind the surface.
 //!
-//! A [`Bsdf`] belongs to a material. A [`LocalBsdf`] is a BSDF at one point of a surface: the
+//! A [`Bsdf`] belongs to a material, and a [`LocalBsdf`] to one point of a surface, where the
 //! component of a mixture and the texels of textures are selected.
 //!
 //! A path scatters in three steps. [`Bsdf::at`] or [`Bsdf::at_point`] returns the local BSDF, and
 //! [`LocalBsdf::sample`] samples `wi` at the hero wavelength of the path. For each wavelength, the
 //! weight is then [`LocalBsdf::eval_sample`] divided by [`BsdfSample::probability`], and the
 //! absorbed fraction of the arriving power is [`LocalBsdf::absorbed_fraction`]. For photons, the
-//! expected weight and the expected absorbed fraction sum to 1. The energy ledger relies on this
-//! balance, and the contract tests check it for every BSDF.
-//!
-//! Each variant has its own file and is documented at its type, and every variant must pass the
-//! tests in `contract`.
+//! expectations of both sum to 1. The energy ledger relies on this balance, and the contract tests
+//! check it for every BSDF.
 
 mod albedo;
 mod angle_grid;

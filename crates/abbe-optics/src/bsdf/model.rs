@@ -1,4 +1,4 @@
-//! The closed set of BSDFs. A mixture contains BSDFs, so both types are defined here.
+//! The closed set of BSDFs, with mixtures, which contain BSDFs.
 
 use super::coated::{CoatedDielectric, ThinFilm};
 use super::conductor::Conductor;
@@ -49,23 +49,20 @@ pub enum Bsdf {
     Mix(MixBsdf),
 }
 
-/// A weighted mixture of BSDFs. Each path scatters at one component, which is chosen with the
-/// probability of its normalised weight.
+/// A mixture of BSDFs, of which each path scatters at one, chosen by normalised weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MixBsdf {
     components: Vec<Bsdf>,
     selection: ComponentSelection,
-    /// True if a weight or a component varies over the surface.
     textured: bool,
-    /// The widest class among the components.
     class: BsdfClass,
 }
 
-/// The number of levels into which the range of roughness from 0 to 1 is divided.
+/// The number of steps into which the range of roughness from 0 to 1 is divided.
 const ROUGHNESS_LEVELS: f64 = 32.0;
 
 impl Bsdf {
-    /// Returns the width class of the BSDF, which is the widest among the components of a mixture.
+    /// Returns the width class of the BSDF: the widest among the components of a mixture.
     #[inline(always)]
     pub fn class(&self) -> BsdfClass {
         match self {
@@ -76,27 +73,20 @@ impl Bsdf {
             Self::Dielectric(dielectric) => rough_class(dielectric.is_rough()),
             Self::Glossy(_) => BsdfClass::Glossy,
             Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) => BsdfClass::Diffuse,
-            Self::Mix(mix) => mix.class(),
+            Self::Mix(mix) => mix.class,
         }
     }
 
-    /// Returns whether the BSDF transmits light.
+    /// Returns true if the BSDF transmits light.
     #[inline]
     pub fn is_transmissive(&self) -> bool {
         match self {
-            Self::Translucent(_)
-            | Self::Dielectric(_)
-            | Self::CoatedDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ThinFilm(_) => true,
+            Self::Translucent(_) | Self::Dielectric(_) | Self::CoatedDielectric(_) => true,
+            Self::ThinDielectric(_) | Self::ThinFilm(_) => true,
             Self::Mix(mix) => mix.components().iter().any(Self::is_transmissive),
             Self::Grating(grating) => grating.transmits(),
-            Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Fluorescent(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::Glossy(_) => false,
+            Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) => false,
+            Self::Mirror(_) | Self::Conductor(_) | Self::Glossy(_) => false,
         }
     }
 
@@ -108,15 +98,8 @@ impl Bsdf {
             Self::ThinFilm(film) => Some(&film.films),
             Self::ThinDielectric(pane) => pane.coating.as_ref(),
             Self::Conductor(metal) => metal.films(),
-            Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Fluorescent(_)
-            | Self::Translucent(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Grating(_)
-            | Self::Glossy(_)
-            | Self::Mix(_) => None,
+            Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) | Self::Mirror(_) => None,
+            Self::Dielectric(_) | Self::Grating(_) | Self::Glossy(_) | Self::Mix(_) => None,
         };
         films.filter(|films| !films.layers().is_empty())
     }
@@ -129,19 +112,12 @@ impl Bsdf {
             Self::ThinDielectric(pane) => Self::ThinDielectric(ThinDielectric { coating: None, ..pane }),
             Self::Conductor(metal) => Self::Conductor(metal.without_films()),
             Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_films)?),
-            Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Fluorescent(_)
-            | Self::Translucent(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Grating(_)
-            | Self::Glossy(_) => self,
+            Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) => self,
+            Self::Mirror(_) | Self::Dielectric(_) | Self::Grating(_) | Self::Glossy(_) => self,
         })
     }
 
-    /// Returns the BSDF without fluorescence, in which a fluorescent surface keeps its reflection
-    /// ρ(λ).
+    /// Returns the BSDF without fluorescence; a fluorescent surface keeps its reflection.
     pub fn without_fluorescence(self) -> Result<Self> {
         if let Self::Mix(mix) = self {
             return Ok(Self::Mix(mix.with_components(Self::without_fluorescence)?));
@@ -175,37 +151,19 @@ impl Bsdf {
         if let Self::Grating(grating) = self { Some(grating) } else { None }
     }
 
-    /// Returns the BSDF with each grating replaced by one that diffracts all light like light of
-    /// the wavelength `nm`.
+    /// Returns the BSDF with gratings that diffract all light like light of the wavelength `nm`.
     pub fn without_dispersion(self, nm: f64) -> Result<Self> {
-        Ok(match self {
-            Self::Grating(grating) => Self::Grating(grating.without_dispersion(nm)),
-            Self::Mix(mix) => Self::Mix(mix.with_components(|part| part.without_dispersion(nm))?),
-            Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Fluorescent(_)
-            | Self::Translucent(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::Dielectric(_)
-            | Self::CoatedDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ThinFilm(_)
-            | Self::Glossy(_) => self,
-        })
+        if let Self::Mix(mix) = self {
+            return Ok(Self::Mix(mix.with_components(|part| part.without_dispersion(nm))?));
+        }
+        Ok(if let Self::Grating(grating) = self { Self::Grating(grating.without_dispersion(nm)) } else { self })
     }
 
-    /// Returns the spectra of the BSDF that may vary over the surface: reflectances and
-    /// transmittances.
+    /// Returns the reflectances and transmittances that may vary over the surface.
     pub fn surface_spectra(&self) -> Vec<&SurfaceSpectrum> {
         match self {
-            Self::Absorber
-            | Self::Fluorescent(_)
-            | Self::Dielectric(_)
-            | Self::CoatedDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ThinFilm(_)
-            | Self::Grating(_) => Vec::new(),
+            Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::CoatedDielectric(_) => Vec::new(),
+            Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) => Vec::new(),
             Self::Diffuse(diffuse) => vec![&diffuse.reflectance],
             Self::Translucent(sheet) => vec![&sheet.reflectance, &sheet.transmittance],
             Self::Mirror(mirror) => vec![&mirror.reflectance],
@@ -271,31 +229,15 @@ impl Bsdf {
         }
     }
 
-    /// Returns the pane that covers the whole surface and is the same everywhere, so that shadow
-    /// rays can pass through it. Returns `None` for all other surfaces, also for mixtures with
-    /// panes.
+    /// Returns the pane that covers the whole surface uniformly, so that shadow rays can pass, or
+    /// `None` for all other surfaces, also for mixtures with panes.
     pub fn uniform_pane(&self) -> Option<&ThinDielectric> {
         if let Self::ThinDielectric(pane) = self { Some(pane).filter(|pane| pane.coating.is_none()) } else { None }
     }
 
-    /// Iterates over the components of a mixture, which are never mixtures themselves. Any other
-    /// BSDF yields itself.
+    /// Iterates over the (unmixed) components of a mixture, or over the BSDF itself.
     pub fn components(&self) -> impl Iterator<Item = &Self> {
-        let components = match self {
-            Self::Mix(mix) => mix.components(),
-            Self::Absorber
-            | Self::Diffuse(_)
-            | Self::Fluorescent(_)
-            | Self::Translucent(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::Dielectric(_)
-            | Self::CoatedDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ThinFilm(_)
-            | Self::Grating(_)
-            | Self::Glossy(_) => std::slice::from_ref(self),
-        };
+        let components = if let Self::Mix(mix) = self { mix.components() } else { std::slice::from_ref(self) };
         components.iter()
     }
 }
@@ -306,19 +248,14 @@ fn rough_class(rough: bool) -> BsdfClass {
 
 impl MixBsdf {
     /// Creates a mixture of parts, each with a weight ≥ 0. The weights are normalised, nested
-    /// mixtures are flattened, and parts of weight 0 are dropped.
-    ///
-    /// # Errors
-    /// Returns an error if a weight is negative or not finite, or no weight is positive.
+    /// mixtures are flattened, and parts of weight 0 are dropped. Returns an error if a weight is
+    /// negative or not finite, or no weight is positive.
     pub fn new(parts: Vec<(f64, Bsdf)>) -> Result<Self> {
         Self::textured(parts.into_iter().map(|(weight, bsdf)| (SurfaceScalar::Uniform(weight), bsdf)).collect())
     }
 
-    /// Creates a mixture whose weights may vary over the surface and are normalised at each point.
-    /// If all weights are 0 at a point, the first part is chosen.
-    ///
-    /// # Errors
-    /// Returns an error if a weight is negative or not finite, or no weight is positive.
+    /// Creates a mixture of weights that may vary over the surface and are normalised at each
+    /// point; where all are 0, the first part is chosen. Errors are those of [`Self::new`].
     pub fn textured(parts: Vec<(SurfaceScalar, Bsdf)>) -> Result<Self> {
         let bad = parts.iter().map(|(weight, _)| weight.range()).find(|(low, high)| !(*low >= 0.0 && high.is_finite()));
         if let Some((low, high)) = bad {
@@ -345,13 +282,10 @@ impl MixBsdf {
         ))
     }
 
-    /// Creates a BSDF whose roughness varies over the surface, as a mixture of BSDFs at 33 levels
-    /// of roughness from 0 to 1. At a point, only the two levels next to the local roughness are
-    /// chosen. `of_roughness` creates the BSDF of a level.
-    ///
-    /// # Errors
-    /// Returns an error if the roughness lies outside \[0, 1\] at any point, or if `of_roughness`
-    /// returns one.
+    /// Creates a BSDF whose roughness varies over the surface, as a mixture of BSDFs, which
+    /// `of_roughness` creates, at 33 levels of roughness from 0 to 1. Only the two levels next to
+    /// the local roughness are chosen. Returns an error if the roughness lies outside \[0, 1\] at
+    /// any point, or an error of `of_roughness`.
     pub fn of_roughness(roughness: ScalarTexture, of_roughness: impl Fn(f64) -> Result<Bsdf>) -> Result<Self> {
         let (low, high) = roughness.range();
         if !(low >= 0.0 && high <= 1.0) {
@@ -376,29 +310,21 @@ impl MixBsdf {
         Self { components, selection, textured, class }
     }
 
-    /// Returns the widest class among the components.
-    pub(super) fn class(&self) -> BsdfClass {
-        self.class
-    }
-
     /// Returns the components, none of which is itself a mixture.
     pub(super) fn components(&self) -> &[Bsdf] {
         &self.components
     }
 
-    /// Returns true if a weight or a component varies over the surface.
     pub(super) fn is_textured(&self) -> bool {
         self.textured
     }
 
-    /// Returns the mixture with each texture replaced by a uniform value that stands for it.
     pub(super) fn without_textures(self) -> Self {
         let weights: Vec<f64> = self.selection.weights().collect();
         let components = self.components.into_iter().map(Bsdf::without_textures).collect();
         Self::of_components(components, ComponentSelection::new(&weights, None))
     }
 
-    /// Returns the mixture with each component replaced by one that is no mixture.
     pub(super) fn with_components(self, replace: impl Fn(Bsdf) -> Result<Bsdf>) -> Result<Self> {
         let components = self.components.into_iter().map(replace).collect::<Result<_>>()?;
         Ok(Self { components, ..self })
@@ -409,30 +335,25 @@ impl MixBsdf {
         self.components.iter_mut()
     }
 
-    /// Iterates over the components, each with its normalised weight.
     pub(super) fn weighted_components(&self) -> impl Iterator<Item = (f64, &Bsdf)> {
         self.selection.weights().zip(&self.components)
     }
 
-    /// Selects a component by the random number `u` in \[0, 1), and returns the index of the
-    /// component. Rescales `u` to \[0, 1), so that `u` can be used again.
+    /// Selects a component, and returns its index. Rescales `u` to \[0, 1) for further use.
     pub(super) fn sample_index(&self, u: &mut f64) -> usize {
         self.selection.sample_index(u)
     }
 
-    /// Returns the component selected by `u` in \[0, 1).
     pub(super) fn sample_component(&self, mut u: f64) -> &Bsdf {
         &self.components[self.sample_index(&mut u)]
     }
 
-    /// Selects a component at a point.
     pub(super) fn component_at(&self, point: &TexturePoint, random: &mut LookupRandom) -> &Bsdf {
         &self.components[self.selection.at(point, random)]
     }
 }
 
-/// Adds the components of a part with its normalised weight to the lists of a mixture. Returns the
-/// choice of a component of the part.
+/// Adds a part's components, weighted, to a mixture, and returns the choice among them.
 fn add_part(bsdf: Bsdf, weight: f64, components: &mut Vec<Bsdf>, weights: &mut Vec<f64>) -> Choice {
     let first = components.len();
     let Bsdf::Mix(inner) = bsdf else {

@@ -50,7 +50,6 @@ fn nested_mixtures_are_flattened() {
     assert_eq!(mix.weighted_components().map(|(weight, _)| weight).collect::<Vec<_>>(), [0.5, 0.125, 0.375]);
 }
 
-/// `sample_index` selects components by weight and rescales the random number.
 #[test]
 fn sampling_follows_the_weights_and_reuses_the_number() {
     let mix = MixBsdf::new(vec![(1.0, grey(0.1)), (3.0, grey(0.2))]).unwrap();
@@ -69,7 +68,6 @@ fn picture(values: &[f32]) -> ScalarTexture {
     ScalarTexture::from_values(pattern, values.to_vec())
 }
 
-/// Returns how often each component is selected at a point.
 fn frequencies(mix: &MixBsdf, u: f64) -> Vec<f64> {
     let (mut counts, mut random, point) =
         (vec![0.0; mix.components().len()], LookupRandom::new(0.6), TexturePoint::new([u, 0.5]));
@@ -84,7 +82,6 @@ fn close(found: &[f64], expected: &[f64]) -> bool {
     found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.01)
 }
 
-/// The weights of a textured mixture are normalised at each point, also for a nested mixture.
 #[test]
 fn textured_weights_select_components_at_each_point() {
     let inner = Bsdf::mix(vec![(1.0, grey(0.1)), (3.0, grey(0.2))]).unwrap();

@@ -1,31 +1,26 @@
-//! The fractions of the power that a polished surface reflects, transmits and absorbs.
-
 use glam::DVec3;
 
 use super::sample::{BsdfSample, ScatterEvent};
 
-/// Reflection and transmission each have at least this probability, because other wavelengths than
-/// the hero may be reflected or transmitted.
+/// The least probability of reflection and transmission, for the other wavelengths.
 const MIN_PROBABILITY: f64 = 0.1;
 
-/// The reflected and the transmitted fraction of the power, of which the surface absorbs the rest.
+/// The fractions of the power that a surface reflects and transmits; it absorbs the rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerFractions {
-    /// The reflectance R for unpolarised light.
+    /// R for unpolarised light.
     pub reflected: f64,
-    /// The transmittance T for unpolarised light. R + T is at most 1.
+    /// T for unpolarised light. R + T is at most 1.
     pub transmitted: f64,
 }
 
 impl PowerFractions {
-    /// Returns the probability with which a sample reflects.
     pub(super) fn reflection_probability(self) -> f64 {
         let either = (self.reflected + self.transmitted).max(f64::MIN_POSITIVE);
         (self.reflected / either).clamp(MIN_PROBABILITY, 1.0 - MIN_PROBABILITY)
     }
 
-    /// Samples reflection, or transmission in a straight line, with this probability of reflection.
-    /// `u` is a random number in \[0, 1).
+    /// Samples reflection, or transmission in a straight line, by a random number in \[0, 1).
     pub(super) fn sample_straight(wo: DVec3, probability: f64, u: f64) -> BsdfSample {
         if u < probability {
             BsdfSample::delta(DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, probability)
@@ -34,7 +29,6 @@ impl PowerFractions {
         }
     }
 
-    /// Returns the fraction for one event.
     pub(super) fn of_event(self, event: ScatterEvent) -> f64 {
         match event {
             ScatterEvent::Reflection => self.reflected,

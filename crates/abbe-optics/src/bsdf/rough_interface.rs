@@ -10,10 +10,8 @@ use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode, radi
 use crate::fresnel;
 use crate::microfacet::Ggx;
 
-/// The microfacets of a rough interface.
-///
-/// The GGX model of Walter et al. 2007 describes the light that hits one facet, and a wide lobe
-/// contains the light that hits several (`compensation.rs`).
+/// The microfacets of a rough interface. The GGX model of Walter et al. 2007 describes the light
+/// that hits one facet, and a wide lobe that which hits several (`compensation.rs`).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RoughInterface {
     pub(super) ggx: Ggx,
@@ -27,20 +25,18 @@ impl RoughInterface {
     }
 }
 
-/// A rough interface at one wavelength, for light from the side of `wo`. The methods `sample`,
-/// `eval` and `pdf` accept directions on both sides. In all other methods, `wo` lies in the upper
-/// hemisphere.
+/// A rough interface at one wavelength, for light from the side of `wo`. `sample`, `eval` and `pdf`
+/// accept directions on both sides; in all other methods, `wo` lies in the upper hemisphere.
 pub(super) struct FacetScattering<'a, R> {
     pub(super) ggx: &'a Ggx,
     pub(super) facet: R,
     pub(super) multiple: MultipleScattering<'a>,
-    /// The indices of the medium on the side of `wo` and of the other medium. They differ.
+    /// Of the medium on the side of `wo` and of the other medium. They differ.
     pub(super) indices: [f64; 2],
 }
 
 impl<R: FacetResponse> FacetScattering<'_, R> {
-    /// Samples a direction, whose probability is the density per solid angle. Returns `None` if the
-    /// density is 0.
+    /// Samples a direction with its pdf per solid angle, or returns `None` if that is 0.
     pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, u: [f64; 3]) -> Option<BsdfSample> {
         let sample = self.sample_upper(flip_z(wo, z_sign(wo)), u)?;
         let disperses =
@@ -61,7 +57,6 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
         self.eval_upper(wo, wi) * scale
     }
 
-    /// Returns the density of `wi` per solid angle.
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
         if wi.z == 0.0 { 0.0 } else { self.pdf_upper(wo, wi, self.multiple.albedo(wo.z)) }
@@ -93,14 +88,13 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
         let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
             let masking = self.ggx.g2_per_cos(wo.z, wi.z.abs());
             let fraction = self.facet.powers(half_vector.cos_o).of_event(event);
-            // At grazing angles, the Jacobian alone may be so large that other products overflow.
+            // At grazing angles, the Jacobian may be so large that other products overflow.
             fraction * self.ggx.eval(half_vector.m) * (half_vector.jacobian * half_vector.cos_o) * masking
         });
         single + self.multiple.eval(wo.z, wi.z.abs(), event)
     }
 
-    /// Returns the density of `wi` per solid angle. The lobe of multiple scattering is sampled with
-    /// the probability of its albedo, `probability`.
+    /// Returns the pdf of `wi`, with `probability` for the lobe of multiple scattering.
     fn pdf_upper(&self, wo: DVec3, wi: DVec3, probability: f64) -> f64 {
         let event = event_towards(wi);
         let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
@@ -112,15 +106,14 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
         (1.0 - probability) * single + probability * self.multiple.pdf(wi.z.abs(), event)
     }
 
-    /// Returns the fractions of the light reflected and of the light refracted by a facet that hit
-    /// another facet.
+    /// Returns the fractions of the reflected and of the refracted light that hit another facet.
     pub(super) fn shadowed(&self, wo: DVec3, m: DVec3) -> [f64; 2] {
         let hidden = |upwards: f64| if upwards > 0.0 { self.ggx.shadowed_fraction(wo.z, upwards) } else { 1.0 };
         let refracted = fresnel::refract(wo, m, self.indices[0], self.indices[1]);
         [hidden(fresnel::reflect(wo, m).z), refracted.map_or(1.0, |refracted| hidden(-refracted.z))]
     }
 
-    /// Returns the half vector of `wo` and `wi`, or `None` if no facet connects the two directions.
+    /// Returns the half vector, or `None` if no facet connects the two directions.
     fn half_vector(&self, wo: DVec3, wi: DVec3) -> Option<HalfVector> {
         let [n_i, n_t] = self.indices;
         if wi.z > 0.0 {
@@ -129,9 +122,8 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
             // dω_m/dω_i = 1/(4·|o·m|) (Walter et al. 2007, equation 14).
             return (cos_o > 0.0).then(|| HalfVector { m, cos_o, jacobian: 0.25 / cos_o });
         }
-        // The generalised half vector of refraction is h = n_i·o + n_t·i (Walter et al. 2007,
-        // equation 16). The Jacobian is n_t²·|i·m|/(n_i(o·m) + n_t(i·m))² (equation 17). Its
-        // denominator equals |h|².
+        // The half vector is h = n_i·o + n_t·i (Walter et al. 2007, equation 16), and the Jacobian
+        // n_t²·|i·m|/(n_i(o·m) + n_t(i·m))² (equation 17) with the denominator |h|².
         let along = wo * n_i + wi * n_t;
         let m = along.normalize_or_zero() * along.z.signum();
         let (cos_o, cos_i) = (wo.dot(m), -wi.dot(m));
@@ -140,13 +132,11 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
     }
 }
 
-/// Returns the event that leads to `wi` from the upper hemisphere.
 fn event_towards(wi: DVec3) -> ScatterEvent {
     if wi.z > 0.0 { ScatterEvent::Reflection } else { ScatterEvent::Transmission }
 }
 
-/// The microfacet normal that connects two directions. The frame of this normal is chosen so that
-/// `wo` lies in the upper hemisphere.
+/// The microfacet normal that connects two directions, with `wo` in the upper hemisphere.
 struct HalfVector {
     m: DVec3,
     /// |o·m|, > 0.

@@ -1,5 +1,4 @@
-//! The types that BSDFs and integrators exchange: transport mode, refractive indices, classes and
-//! samples.
+//! The types that BSDFs and integrators exchange.
 
 use glam::DVec3;
 
@@ -9,12 +8,10 @@ use crate::glass::RefractiveIndex;
 /// The quantity that a path transports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TransportMode {
-    /// Radiance, transported by camera paths against the direction of the light. A transmitted path
-    /// gains the factor (n_here/n_there)², because radiance scales with the squared index (Veach
-    /// 1997, §5.2).
+    /// Radiance, transported by camera paths against the light. A transmitted path gains the factor
+    /// (n_here/n_there)², because radiance scales with the squared index (Veach 1997, §5.2).
     Radiance,
-    /// Power, transported by photons along the direction of the light. When a photon is refracted,
-    /// its power is not multiplied by a factor for the change of index.
+    /// Power, transported by photons along the light, without a factor for the change of index.
     Importance,
 }
 
@@ -27,8 +24,7 @@ pub struct InterfaceIors<'a> {
     pub there: &'a RefractiveIndex,
 }
 
-/// Returns the factor by which the change of index scales transmitted light: (n_i/n_t)² for
-/// radiance and 1 for power (Veach 1997, §5.2).
+/// Returns the factor of transmitted light: (n_i/n_t)² for radiance (Veach 1997, §5.2), else 1.
 pub(super) fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
     match mode {
         TransportMode::Radiance => {
@@ -39,11 +35,10 @@ pub(super) fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f
     }
 }
 
-/// The classes of BSDFs, in the order of increasing lobe width. The integrators choose their
-/// strategy by the class of a BSDF.
+/// The classes of BSDFs, by which the integrators choose their strategy, by increasing lobe width.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BsdfClass {
-    /// All light is absorbed.
+    /// Absorbs all light.
     Absorbing,
     /// Discrete directions only (delta distributions).
     Specular,
@@ -64,47 +59,33 @@ pub enum ScatterEvent {
 
 /// A sampled direction of scattering.
 ///
-/// On a rough surface, the sampled `wi` may lie on the wrong side for the `event`.
-/// [`LocalBsdf::eval_sample`](super::LocalBsdf::eval_sample) is then 0 at all wavelengths,
-/// [`LocalBsdf::absorbed_fraction`](super::LocalBsdf::absorbed_fraction) returns the lost power,
-/// and the path ends.
+/// On a rough surface, `wi` may lie on the wrong side for the `event`. The path then ends:
+/// [`LocalBsdf::eval_sample`](super::LocalBsdf::eval_sample) is 0 at all wavelengths, and
+/// [`LocalBsdf::absorbed_fraction`](super::LocalBsdf::absorbed_fraction) is the lost power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfSample {
-    /// The sampled direction, a unit vector.
+    /// The direction, a unit vector.
     pub wi: DVec3,
-    /// The sampled event: reflection or transmission.
+    /// Reflection or transmission.
     pub event: ScatterEvent,
     /// True if `wi` comes from a delta distribution.
     pub delta: bool,
-    /// The probability of the event if `delta` is set, otherwise the density of `wi` per solid
-    /// angle. Always positive.
+    /// The probability of the event if `delta`, or the pdf of `wi` in 1/sr. Positive.
     pub probability: f64,
-    /// True if `wi` depends on the wavelength. If so, the path can keep only one wavelength. The
-    /// value is true only if the event is refraction and at least one of the two media is
-    /// dispersive.
+    /// True if `wi` depends on the wavelength, so that the path can keep only one: after
+    /// diffraction, or after refraction between media of which at least one is dispersive.
     pub disperses: bool,
-    /// The cosine between `wo` and a sampled microfacet normal. Only rough metals and rough coated
-    /// interfaces use this field.
+    /// Between `wo` and the sampled normal, for rough metals and rough coated interfaces.
     pub(super) cos_microfacet: f64,
-    /// The fractions of the light reflected and of the light refracted by this microfacet that hit
-    /// another microfacet. Rough metals use the first one, and rough coated interfaces use both.
+    /// The fractions of the reflected and of the refracted light that hit another microfacet, for
+    /// rough metals (the first) and rough coated interfaces (both).
     pub(super) shadowed: [f64; 2],
-    /// Index of the scattering component, if the BSDF is a [`MixBsdf`](super::MixBsdf).
     pub(super) component: usize,
 }
 
 impl BsdfSample {
     pub(super) fn delta(wi: DVec3, event: ScatterEvent, probability: f64) -> Self {
-        Self {
-            wi,
-            event,
-            delta: true,
-            probability,
-            disperses: false,
-            cos_microfacet: 1.0,
-            shadowed: [0.0; 2],
-            component: 0,
-        }
+        Self { delta: true, ..Self::lobe(wi, event, probability) }
     }
 
     pub(super) fn lobe(wi: DVec3, event: ScatterEvent, pdf: f64) -> Self {
@@ -120,7 +101,7 @@ impl BsdfSample {
         }
     }
 
-    /// Returns whether `wi` lies on the correct side of the surface for `event`.
+    /// Returns true if `wi` lies on the correct side of the surface for `event`.
     pub(super) fn on_event_side(&self, wo: DVec3) -> bool {
         let same_side = hemisphere::same_side(wo, self.wi);
         match self.event {

@@ -3,55 +3,40 @@
 use crate::texture::{LookupRandom, ScalarTexture, SurfaceScalar, TexturePoint};
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 
-/// The probabilities with which the components of a mixture are selected. Only their indices matter
-/// here.
+/// The probabilities with which the components of a mixture are selected, by their indices.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ComponentSelection {
-    /// Cumulative normalised weights; the last entry is 1. If weights vary over the surface, these
-    /// weights stand for them.
+    /// Cumulative normalised weights, the last of which is 1. They stand for weights that vary.
     cumulative: Vec<f64>,
-    /// The choice of the component at a point. `None` if no weight varies over the surface.
+    /// The choice of the component at a point, if weights vary over the surface.
     choice: Option<Choice>,
 }
 
-/// The choice of a component at a point of a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Choice {
     /// The component of this index.
     Component(usize),
     /// One of several choices, in proportion to their weights.
     Weighted(Vec<(SurfaceScalar, Self)>),
-    /// One of several levels of roughness, in rising order. If the roughness lies between two
-    /// levels, one of them is chosen at random, so that the expected level equals the roughness.
-    Levels {
-        roughness: ScalarTexture,
-        /// The roughness of the first level.
-        first: f64,
-        /// The difference between two levels.
-        step: f64,
-        levels: Vec<Self>,
-    },
+    /// One of several levels of roughness, in rising order: at random one of the two next to the
+    /// roughness, so that the expected level equals it.
+    Levels { roughness: ScalarTexture, first: f64, step: f64, levels: Vec<Self> },
 }
 
 impl ComponentSelection {
-    /// Creates the selection from the normalised weights of the components, and from the choice at
-    /// a point if weights vary over the surface.
+    /// Creates the selection from normalised weights, and the choice at a point if they vary.
     pub(super) fn new(weights: &[f64], choice: Option<Choice>) -> Self {
-        let mut sum = 0.0;
-        let mut cumulative: Vec<f64> = weights
-            .iter()
-            .map(|weight| {
-                sum += weight;
-                sum
-            })
-            .collect();
+        let sums = weights.iter().scan(0.0, |sum, weight| {
+            *sum += weight;
+            Some(*sum)
+        });
+        let mut cumulative: Vec<f64> = sums.collect();
         if let Some(last) = cumulative.last_mut() {
             *last = 1.0;
         }
         Self { cumulative, choice }
     }
 
-    /// Returns true if the weights vary over the surface.
     pub(super) fn varies(&self) -> bool {
         self.choice.is_some()
     }
@@ -64,8 +49,7 @@ impl ComponentSelection {
         if component == 0 { 0.0 } else { self.cumulative[component - 1] }
     }
 
-    /// Returns the choice at a point. Without weights that vary over the surface, the components
-    /// are chosen by their weights.
+    /// Returns the choice at a point, which is by weight if no weight varies over the surface.
     pub(super) fn into_choice(self) -> Choice {
         let by_weight = || {
             let part = |(i, weight)| (SurfaceScalar::Uniform(weight), Choice::Component(i));
@@ -82,8 +66,7 @@ impl ComponentSelection {
         }
     }
 
-    /// Selects a component by the random number `u` in \[0, 1), and returns the index of the
-    /// component. Rescales `u` to \[0, 1), so that `u` can be used again.
+    /// Selects a component, and returns its index. Rescales `u` to \[0, 1) for further use.
     pub(super) fn sample_index(&self, u: &mut f64) -> usize {
         let component = self.cumulative.partition_point(|sum| *sum <= *u).min(self.cumulative.len() - 1);
         let start = self.start(component);
@@ -113,9 +96,8 @@ impl Choice {
         match self {
             Self::Component(index) => *index,
             Self::Weighted(parts) => {
-                // One texel of each weight is selected, by the same random numbers. Weights from
-                // the same picture therefore refer to the same texel. A part is chosen with the
-                // probability of its share of these weights.
+                // The same random numbers select one texel of each weight, so weights from the same
+                // picture refer to the same texel. A part is chosen in proportion to these weights.
                 let of_texel = random.clone();
                 *random = LookupRandom::new(random.uniform());
                 let mut chosen = &parts[0].1;

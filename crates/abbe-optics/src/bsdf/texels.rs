@@ -1,18 +1,15 @@
-//! The texels at one point of a surface.
-
 use crate::texture::Texel;
 
-/// The texels that a path selected at a point.
+/// The texels that a path selected at a point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Texels {
-    /// The texel of the reflectance.
+    /// Of the reflectance.
     pub reflectance: Texel,
-    /// The texel of the transmittance.
+    /// Of the transmittance.
     pub transmittance: Texel,
     /// The thickness in nm of the thin film that varies over the surface.
     pub thickness_nm: f32,
-    /// The angle in rad from the first axis of the local frame to the direction across the grooves
-    /// of a grating.
+    /// The angle in rad from the first axis of the local frame to the direction across the grooves.
     pub groove_angle: f32,
 }
 

@@ -14,21 +14,19 @@ use abbe_spectra::spectrum::Spectrum;
 
 /// A dielectric slab of index n(λ) whose thickness is negligible compared with the scene.
 ///
-/// Light that enters the slab is reflected between the two faces and leaves in two directions. Let
-/// R be the reflectance of one face, and τ the transmittance of one passage between the faces. The
-/// incoherent sums are T′ = τ(1 − R)²/(1 − R²τ²) and R′ = R(1 + τT′) (Stokes 1862). Repeated
-/// reflections keep the polarisation, so each sum is computed for s and for p, and unpolarised
-/// light gets the mean of both. Transmitted light continues straight on. The medium on the side of
-/// `wo` is assumed to be on the other side too.
+/// Light that enters the slab is reflected between the two faces and leaves in two directions. With
+/// the reflectance R of a face and the transmittance τ of a passage, the incoherent sums are T′ =
+/// τ(1 − R)²/(1 − R²τ²) and R′ = R(1 + τT′) (Stokes 1862). Repeated reflections keep the
+/// polarisation, so the sums are computed for s and for p, and averaged for unpolarised light.
+/// Transmitted light continues straight on, in the medium of the side of `wo`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThinDielectric {
     pub(super) index: RefractiveIndex,
-    /// The optical depth of a passage along the normal: absorption coefficient times thickness.
+    /// Along the normal: absorption coefficient times thickness.
     pub(super) optical_depth: Option<Spectrum>,
-    /// The measured transmittance as a function of the angle of incidence, which replaces the
-    /// computed one.
+    /// Measured over the cosine of the angle of incidence; replaces the computed one.
     pub(super) transmittance: Option<CosinePolynomial>,
-    /// The thin films on both faces, from the outside to the slab.
+    /// On both faces, from the outside to the slab.
     pub(super) coating: Option<FilmStack>,
 }
 
@@ -42,16 +40,14 @@ impl CosinePolynomial {
         Self(coefficients)
     }
 
-    /// Returns the value at a cosine.
     fn at(&self, cosine: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, coefficient| sum * cosine + coefficient).clamp(0.0, 1.0)
     }
 }
 
 impl ThinDielectric {
-    /// Creates a pane from its refractive index and, if it absorbs, its optical depth: the
-    /// absorption coefficient times the thickness. Returns an error if the optical depth is
-    /// negative.
+    /// Creates a pane from its index and, if it absorbs, its optical depth: the absorption
+    /// coefficient times the thickness. Returns an error if the optical depth is negative.
     pub fn new(index: RefractiveIndex, optical_depth: Option<Spectrum>) -> Result<Self> {
         optical_depth.iter().try_for_each(|depth| check_within("optical depth", depth, f64::INFINITY))?;
         Ok(Self { index, optical_depth, transmittance: None, coating: None })
@@ -63,21 +59,19 @@ impl ThinDielectric {
         Self { coating: Some(films), ..self }
     }
 
-    /// Replaces the computed transmittance by a measured one. The reflectance is that of a clear
-    /// pane, but at most the rest.
+    /// Sets a measured transmittance. R is that of a clear pane, but at most the rest.
     #[must_use]
     pub fn with_transmittance(self, transmittance: CosinePolynomial) -> Self {
         Self { transmittance: Some(transmittance), ..self }
     }
 
-    /// Returns true if the pane absorbs light.
     fn absorbs(&self) -> bool {
         let in_films = self.coating.as_ref().is_some_and(FilmStack::absorbs);
         self.optical_depth.is_some() || self.transmittance.is_some() || in_films
     }
 
-    /// Returns the transmittance of a pane without films for unpolarised light. `cosine` is the
-    /// cosine of the angle of incidence, and `outside` is the refractive index on both sides.
+    /// Returns the transmittance of a pane without films for unpolarised light, at a cosine of the
+    /// angle of incidence and with the refractive index `outside` on both sides.
     pub fn transmittance(&self, cosine: f64, outside: &RefractiveIndex, nm: f64) -> f64 {
         self.powers_at(cosine, outside.n(nm), 0.0, nm).transmitted
     }
@@ -103,7 +97,7 @@ impl ThinDielectric {
         self.powers(wo, iors, thickness_nm, nm).absorbed()
     }
 
-    /// Returns R′ and T′ of unpolarised light.
+    /// R′ and T′ of unpolarised light.
     pub(super) fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
         self.powers_at(wo.z, iors.here.n(nm), thickness_nm, nm)
     }
@@ -128,11 +122,8 @@ impl ThinDielectric {
         let ((rs, ts), (rp, tp)) = (slab(s, passage), slab(p, passage));
         PowerFractions { reflected: 0.5 * (rs + rp), transmitted: 0.5 * (ts + tp) }
     }
-}
-
-impl ThinDielectric {
-    /// Returns R′ and T′ of unpolarised light, for a slab with films on both faces. Only the waves
-    /// inside the films interfere. `indices` are those of the medium and of the slab.
+    /// R′ and T′ of unpolarised light for a slab with films on both faces. Only the waves inside
+    /// the films interfere. `indices` are those of the medium and of the slab.
     fn between_films(
         &self,
         films: &FilmStack,
@@ -157,8 +148,7 @@ impl ThinDielectric {
     }
 }
 
-/// Returns R′ and T′ of a slab for one polarisation, from the reflectance of a face and the
-/// transmittance of one passage.
+/// R′ and T′ for one polarisation, from a face's reflectance and a passage's τ.
 fn slab(face: f64, passage: f64) -> (f64, f64) {
     if face >= 1.0 {
         return (1.0, 0.0);
@@ -188,9 +178,8 @@ mod tests {
         assert!((pane.powers(DVec3::Z, iors, 0.0, 500.0).transmitted - 0.96 / 1.04).abs() < 1e-15);
     }
 
-    /// The transmittances of case 5.5 of CIE 171:2006. The values are from an independent
-    /// evaluation of the sums for s and p. The case has a clear pane and an absorbing slab, both of
-    /// index 1.52. The slab is 6 mm thick, and its absorption coefficient is 7.3 per m.
+    /// Case 5.5 of CIE 171:2006, with values from an independent evaluation of the sums for s and
+    /// p: a clear pane and an absorbing slab of 6 mm and 7.3 per m, both of index 1.52.
     #[test]
     fn panes_transmit_the_mean_over_both_polarisations() {
         let glass = || RefractiveIndex::constant(1.52).unwrap();

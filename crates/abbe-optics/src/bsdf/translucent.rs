@@ -11,34 +11,26 @@ use super::texels::Texels;
 use crate::texture::SurfaceSpectrum;
 use abbe_spectra::error::{Error, Result};
 
-/// Weight of the band average in the probability of reflection. The probability is the weighted
-/// mean of two values of ρ/(ρ + τ). One value is computed from the averages of ρ and τ over the
-/// band. The other value is computed from ρ and τ at the hero wavelength. The band average gives an
-/// event a positive probability even if the event has no power at the hero wavelength. For example,
-/// a leaf that transmits only green light must also transmit on a path whose hero wavelength is
-/// red.
+/// The probability of reflection is the mean of ρ/(ρ + τ) at the hero wavelength and, with this
+/// weight, of the band averages: a leaf that transmits only green light must also transmit on a
+/// path with a red hero.
 const BAND_WEIGHT: f64 = 0.25;
 
-/// The step (nm) between the wavelengths at which all texels of a texture are checked.
+/// In nm, between the wavelengths at which all texels of a texture are checked.
 const TEXTURE_STEP_NM: usize = 20;
 
-/// A thin diffuse sheet with reflectance ρ(λ) and transmittance τ(λ).
-///
-/// The BSDF is ρ/π on the side of `wo` and τ/π on the other side. Both sides behave alike. The
-/// sheet is thin, so radiance is not scaled by n².
+/// A thin diffuse sheet: ρ(λ)/π on the side of `wo` and τ(λ)/π on the other side. Both sides behave
+/// alike. The sheet is thin, so radiance is not scaled by n².
 #[derive(Debug, Clone, PartialEq)]
 pub struct Translucent {
     pub(super) reflectance: SurfaceSpectrum,
     pub(super) transmittance: SurfaceSpectrum,
-    /// The average of ρ over the band, divided by the average of ρ + τ. `None` for a black sheet.
+    /// The average of ρ over the band, divided by that of ρ + τ. `None` for a black sheet.
     band_reflected: Option<f64>,
 }
 
 impl Translucent {
-    /// Creates a sheet.
-    ///
-    /// # Errors
-    /// Returns an error if a value is negative, or ρ + τ exceeds 1 at a wavelength.
+    /// Creates a sheet, or returns an error if a value is negative or ρ + τ exceeds 1.
     pub fn new(reflectance: impl Into<SurfaceSpectrum>, transmittance: impl Into<SurfaceSpectrum>) -> Result<Self> {
         let (reflectance, transmittance) = (reflectance.into(), transmittance.into());
         check_fraction("reflectance", &reflectance)?;
@@ -63,7 +55,6 @@ impl Translucent {
         Ok(Self { reflectance, transmittance, band_reflected })
     }
 
-    /// Returns the sheet with a uniform reflectance and a uniform transmittance.
     pub(super) fn without_textures(self) -> Self {
         let (reflectance, transmittance) = (self.reflectance.without_texture(), self.transmittance.without_texture());
         Self { reflectance, transmittance, ..self }
@@ -132,8 +123,7 @@ mod tests {
         assert!(Translucent::new(Spectrum::constant(0.6), Spectrum::constant(0.4)).is_ok());
     }
 
-    /// If the hero wavelength is not transmitted, the other wavelengths still have a positive
-    /// probability of transmission.
+    /// If the hero is not transmitted, the other wavelengths still may be.
     #[test]
     fn other_wavelengths_keep_a_transmission_probability() {
         let green = Spectrum::table(&[500.0, 510.0, 560.0, 570.0], &[0.0, 0.5, 0.5, 0.0], Outside::Zero).unwrap();

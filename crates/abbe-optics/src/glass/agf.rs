@@ -1,5 +1,5 @@
-//! Zemax glass catalogues (`.agf`). A catalogue is a list of operands, one per line, and the
-//! operands of a glass follow its `NM` line.
+//! Zemax glass catalogues (`.agf`): lists of operands, one per line, where those of a glass follow
+//! its `NM` line.
 //!
 //! The reader uses `NM` (name and formula number), `CD` (coefficients for λ in µm) and `LD`
 //! (wavelength range in µm). The indices are relative to air. All other operands are ignored,
@@ -13,8 +13,7 @@ use super::index::{ReferenceMedium, RefractiveIndex};
 use crate::zemax_text::decoded;
 use abbe_spectra::error::{Error, Result};
 
-/// A parsed catalogue. The formulas are not checked yet: [`AgfCatalogue::find`] checks the formula
-/// of a glass.
+/// A parsed catalogue, in which [`AgfCatalogue::find`] checks the formula of a glass.
 #[derive(Debug, Clone)]
 pub struct AgfCatalogue {
     path: PathBuf,
@@ -31,11 +30,8 @@ struct AgfRow {
 }
 
 impl AgfCatalogue {
-    /// Parses a catalogue from the bytes of a file. Error messages contain `path` and the line
-    /// number.
-    ///
-    /// # Errors
-    /// Returns an error if the file is not an AGF catalogue or a number is malformed.
+    /// Parses a catalogue from the bytes of a file. Returns an error with `path` and the line
+    /// number if the file is not an AGF catalogue or a number is malformed.
     pub fn parse(bytes: &[u8], path: &Path) -> Result<Self> {
         let expected = "a Zemax glass catalogue: lines NM, CD and LD for each glass";
         let fault = |what: &str| Error::input(what).expected(expected).in_file(path);
@@ -66,16 +62,13 @@ impl AgfCatalogue {
         self.glasses.iter().map(|glass| glass.name.as_str())
     }
 
-    /// Returns whether the catalogue contains a glass of this name; case is ignored.
+    /// Returns true if the catalogue contains a glass of this name; case is ignored.
     pub fn has(&self, name: &str) -> bool {
         self.names().any(|own| own.eq_ignore_ascii_case(name))
     }
 
-    /// Returns the glass of this name; case is ignored.
-    ///
-    /// # Errors
-    /// Returns an error if the name is unknown, the formula is not supported, or the coefficients
-    /// give no valid index.
+    /// Returns the glass of this name; case is ignored. Returns an error if the name is unknown,
+    /// the formula is not supported, or the coefficients give no valid index.
     pub fn find(&self, name: &str) -> Result<Glass> {
         let row = self.glasses.iter().find(|glass| glass.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
             Error::unknown_name("glass", name, self.names()).expected(format!("a glass of {}", self.path.display()))
@@ -120,8 +113,7 @@ fn numbers(words: &[&str]) -> Result<Vec<f64>> {
     words.iter().map(number).collect()
 }
 
-/// Converts the coefficients of a glass to a dispersion formula, numbered as in the Zemax manual.
-/// Missing coefficients are 0.
+/// Converts coefficients, 0 where missing, to a formula by its number in the manual.
 fn dispersion(row: &AgfRow) -> Result<Dispersion> {
     let c: [f64; 10] = std::array::from_fn(|i| row.coefficients.get(i).copied().unwrap_or(0.0));
     let poles = |count: usize| (0..count).map(|i| SellmeierTerm { b: c[2 * i], c: c[2 * i + 1] }).collect();
@@ -139,8 +131,7 @@ fn dispersion(row: &AgfRow) -> Result<Dispersion> {
         6 => Dispersion::Sellmeier { c0: 0.0, poles: poles(4) },
         11 => Dispersion::Sellmeier { c0: 0.0, poles: poles(5) },
         3 => Dispersion::Herzberger(Box::new([c[0], c[1], c[2], c[3], c[4], c[5]])),
-        // Sellmeier 2: the resonance wavelengths are not squared, and the numerator of the second
-        // term has no λ².
+        // Sellmeier 2: resonance wavelengths are not squared, and the second numerator has no λ².
         4 => rational([1.0 + c[0], c[1], 2.0, c[2], 2.0, c[3], 0.0, c[4], 2.0]),
         5 => Dispersion::Conrady { a: c[0], b: c[1], c: c[2] },
         // Handbook of Optics 1 and 2.
@@ -168,8 +159,8 @@ mod tests {
     use super::*;
     use crate::glass::catalogue;
 
-    /// A catalogue for the tests. N-BK7 and BK7 have coefficients published by Schott: N-BK7 in the
-    /// new form, BK7 in the old form. The glasses for the other formulas are synthetic.
+    /// N-BK7 has Schott's coefficients in the new form, and BK7 in the old form. The glasses for
+    /// the other formulas are synthetic.
     const FILE: &str = "CC a few glasses\r\n\
         NM N-BK7 2 517642.251 1.5168 64.17 0 1 -1\r\nGC \r\nED 7.1 8.3 2.51 -0.0009 0\r\n\
         CD 1.03961212E+0 6.00069867E-3 2.31792344E-1 2.00179144E-2 1.01046945E+0 1.03560653E+2 0 0 0 0\r\n\

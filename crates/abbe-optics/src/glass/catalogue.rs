@@ -1,5 +1,4 @@
-//! The catalogue of transparent materials, which the first lookup parses from
-//! `data/glass/glasses.json`.
+//! The catalogue of transparent materials, parsed from `data/glass/glasses.json` on first use.
 
 use std::sync::LazyLock;
 
@@ -20,8 +19,7 @@ pub enum GlassKind {
     Glass,
     /// A glass ceramic.
     GlassCeramic,
-    /// A crystal. Birefringent crystals have separate entries for the ordinary (o) and
-    /// extraordinary (e) index.
+    /// A crystal, with an entry for the ordinary (o) and extraordinary (e) index if birefringent.
     Crystal,
     /// A plastic.
     Polymer,
@@ -42,16 +40,12 @@ pub struct CauchyFit {
     pub c: f64,
     /// The fitted wavelength range in nm.
     pub range_nm: (f64, f64),
-    /// The largest absolute difference between the fit and the formula of the material, within the
-    /// fitted range.
+    /// The largest absolute difference between the fit and the formula within the fitted range.
     pub max_error: f64,
 }
 
 impl CauchyFit {
-    /// Fits an index. The fit uses every whole nanometre of the band within the range of the index.
-    ///
-    /// # Errors
-    /// Returns an error if the range contains fewer than three whole nanometres of the band.
+    /// Fits an index at whole nm of the band within its range, or fails with fewer than three.
     pub(super) fn fit(index: &RefractiveIndex) -> Result<Self> {
         let (from, to) = index.range_nm();
         let (from, to) = (from.max(BAND_NM.0), to.min(BAND_NM.1));
@@ -63,8 +57,7 @@ impl CauchyFit {
             ))
             .expected("at least 3"));
         }
-        // The normal equations in x = λ⁻² are centred on the mean of x, which keeps the matrix well
-        // conditioned.
+        // Centred on the mean of x = λ⁻², the normal equations are well conditioned.
         let x = |nm: f64| 1e6 / (nm * nm);
         let middle = nm.iter().map(|&nm| x(nm)).sum::<f64>() / nm.len() as f64;
         let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
@@ -93,9 +86,9 @@ pub struct Glass {
     pub index: RefractiveIndex,
     /// The medium to which n is relative.
     pub relative_to: ReferenceMedium,
-    /// Temperature in K at which n was measured, or `None` if the source does not state it.
+    /// At which n was measured in K, or `None` if the source does not state it.
     pub temperature_k: Option<f64>,
-    /// Extinction coefficient, or `None` if the source does not contain it.
+    /// `None` if the source does not contain it.
     pub extinction: Option<Extinction>,
     /// Cauchy fit of n.
     pub cauchy: CauchyFit,
@@ -112,35 +105,32 @@ impl Glass {
         Ok(index)
     }
 
-    /// Returns the absorption coefficient in 1/m, or `None` if the source contains no extinction
-    /// coefficient.
+    /// Returns the absorption coefficient in 1/m, if the source contains it.
     pub fn absorption_per_m(&self, wavelength_nm: f64) -> Option<f64> {
         self.extinction.as_ref().map(|extinction| extinction.absorption_per_m(wavelength_nm))
     }
 
     /// Returns the internal transmittance, without the reflection losses at the faces, of a piece
-    /// of the length `length_m` metres. Returns `None` if the source contains no extinction
-    /// coefficient.
+    /// of `length_m` metres, if the source contains the extinction coefficient.
     pub fn internal_transmittance(&self, wavelength_nm: f64, length_m: f64) -> Option<f64> {
         self.extinction.as_ref().map(|extinction| extinction.internal_transmittance(wavelength_nm, length_m))
     }
 }
 
 impl RefractiveIndex {
-    /// Returns the index of the material `name` from the catalogue, whatever the case of the name.
-    /// Returns an error if the name is unknown.
+    /// Returns the index of a material by name, in any case, or an error if it is unknown.
     pub fn catalogue(name: &str) -> Result<Self> {
         Ok(find(name)?.index.clone())
     }
 
-    /// Returns the Cauchy fit of the material `name` from the catalogue, whose error is
+    /// Returns the Cauchy fit of a material of the catalogue, whose error is
     /// [`CauchyFit::max_error`]. Returns an error if the name is unknown.
     pub fn catalogue_cauchy(name: &str) -> Result<Self> {
         find(name)?.cauchy_index()
     }
 }
 
-/// If a name is not in the catalogue, the error contains the word "expected" and then this text.
+/// The text after "expected" in the error for a name that is not in the catalogue.
 pub const EXPECTED_NAME: &str = "a glass of the built-in catalogue";
 
 /// Returns the names of all materials in the order of the file.
@@ -153,9 +143,8 @@ pub fn all() -> &'static [Glass] {
     &GLASSES
 }
 
-/// Returns the material `name`; case is ignored. If `name` lacks the qualifier (`water` instead of
-/// `water 20C`), the first match is returned. If the name is unknown, the error suggests the most
-/// similar name.
+/// Returns the material `name`, in any case; without a qualifier (`water 20C`), the first match.
+/// The error for an unknown name suggests the most similar one.
 pub fn find(name: &str) -> Result<&'static Glass> {
     let wanted = name.to_lowercase();
     let found = GLASSES.iter().find(|glass| glass.name.to_lowercase() == wanted);
@@ -170,7 +159,6 @@ static GLASSES: LazyLock<Vec<Glass>> = LazyLock::new(|| {
     file.glasses.into_iter().map(Glass::from).collect()
 });
 
-/// The structure of the JSON file.
 #[derive(Deserialize)]
 struct GlassesFile {
     glasses: Vec<GlassEntry>,
@@ -258,20 +246,13 @@ mod tests {
     fn every_line_of_the_catalogue_is_well_formed() {
         assert_eq!(all().len(), 115);
         for glass in all() {
-            let tables = match glass.index.dispersion() {
-                Dispersion::Table { nm, n } => Some((nm.to_vec(), n.len())),
-                Dispersion::Constant(_)
-                | Dispersion::Cauchy { .. }
-                | Dispersion::Sellmeier { .. }
-                | Dispersion::SquaredPowers { .. }
-                | Dispersion::Powers { .. }
-                | Dispersion::Rational(_)
-                | Dispersion::Gas { .. }
-                | Dispersion::Conrady { .. }
-                | Dispersion::Herzberger(_) => None,
+            let table = if let Dispersion::Table { nm, n } = glass.index.dispersion() {
+                Some((nm.to_vec(), n.len()))
+            } else {
+                None
             };
             let extinction = glass.extinction.as_ref().map(|extinction| (extinction.nm.clone(), extinction.k.len()));
-            for (nm, values) in tables.into_iter().chain(extinction) {
+            for (nm, values) in table.into_iter().chain(extinction) {
                 assert_eq!(nm.len(), values, "{}", glass.name);
                 assert!(nm.windows(2).all(|pair| pair[0] < pair[1]), "{}", glass.name);
             }

@@ -5,11 +5,9 @@ use abbe_spectra::math::elementary::powf;
 /// One term b·λ²/(λ² − c) of Sellmeier's formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SellmeierTerm {
-    /// Strength of the resonance. It is dimensionless, except in [`Dispersion::Gas`], where its
-    /// unit is 1/µm².
+    /// Strength of the resonance: dimensionless, or in 1/µm² in [`Dispersion::Gas`].
     pub b: f64,
-    /// Squared resonance wavelength in µm². In [`Dispersion::Gas`], this field is the squared
-    /// resonance wavenumber in 1/µm².
+    /// Squared resonance wavelength in µm², or wavenumber in 1/µm² in [`Dispersion::Gas`].
     pub c: f64,
 }
 
@@ -22,8 +20,7 @@ pub struct PowerTerm {
     pub p: i32,
 }
 
-/// A dispersion formula. λ is in µm in the formulas, whereas the argument of [`Dispersion::n`] is
-/// in nm.
+/// A formula of λ in µm. The argument of [`Dispersion::n`] is in nm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dispersion {
     /// The same index at every wavelength.
@@ -88,9 +85,8 @@ pub enum Dispersion {
 }
 
 impl Dispersion {
-    /// Returns the index at a wavelength in nm. The range of validity is not checked here, because
-    /// [`super::RefractiveIndex::n`] clamps the wavelength to it. If the formula gives a negative
-    /// n², the result is NaN.
+    /// Returns the index at a wavelength in nm, or NaN for a negative n².
+    /// [`super::RefractiveIndex::n`] clamps the wavelength to the range of validity.
     pub fn n(&self, wavelength_nm: f64) -> f64 {
         let um = wavelength_nm * 1e-3;
         match self {
@@ -130,9 +126,8 @@ fn sum_of_powers(powers: &[PowerTerm], um: f64) -> f64 {
     powers.iter().map(|power| power.c * um.powi(power.p)).sum()
 }
 
-/// Interpolates linearly between the points (`xs`, `ys`), and returns the value at `x`. `xs` must
-/// be strictly increasing and not empty. Beyond the ends of `xs`, the first or the last value of
-/// `ys` is returned.
+/// Interpolates linearly between points with strictly increasing `xs`, of which there is at least
+/// one, and holds the first and the last value beyond them.
 pub(super) fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     let next = xs.partition_point(|&knot| knot <= x);
     if next == 0 {

@@ -1,13 +1,12 @@
-//! Absorption of a glass, computed from its measured extinction coefficient.
+//! Absorption of a glass from its measured extinction coefficient.
 
 use std::f64::consts::PI;
 
 use super::dispersion::interpolate;
 use abbe_spectra::math::elementary::exp;
 
-/// The extinction coefficient k, the imaginary part of the complex index n + ik, at tabulated
-/// wavelengths. Values are interpolated linearly, and the first or last value is used outside the
-/// table.
+/// The extinction coefficient k, the imaginary part of the complex index n + ik, interpolated
+/// linearly between tabulated wavelengths and held outside.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extinction {
     /// Wavelengths in nm, strictly increasing.
@@ -27,8 +26,7 @@ impl Extinction {
         4.0 * PI * self.k(wavelength_nm) / (wavelength_nm * 1e-9)
     }
 
-    /// Returns the internal transmittance of a piece of the length `length_m` metres. Reflection
-    /// losses at the faces are not included.
+    /// Returns the internal transmittance (without reflection) of a piece of `length_m` metres.
     pub fn internal_transmittance(&self, wavelength_nm: f64, length_m: f64) -> f64 {
         exp(-self.absorption_per_m(wavelength_nm) * length_m)
     }

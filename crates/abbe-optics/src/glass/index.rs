@@ -14,17 +14,15 @@ pub enum ReferenceMedium {
     Air,
     /// Vacuum.
     Vacuum,
-    /// Unknown, because the source does not mention the medium. The indices relative to air and to
-    /// vacuum differ by 3e-4.
+    /// Unknown to the source. The indices relative to air and to vacuum differ by 3e-4.
     #[serde(rename = "unstated")]
     Unspecified,
 }
 
-/// A refractive index n(λ) relative to the surrounding air. It is defined over the whole band and
-/// is at least 1.
+/// A refractive index n(λ) ≥ 1, relative to the surrounding air, over the whole band.
 ///
-/// Outside the range of validity of its formula, n is the value at the nearest end of the range,
-/// because dispersion formulas extrapolate badly.
+/// Outside the range of its formula, n is the value at the nearest end of the range, because
+/// dispersion formulas extrapolate badly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefractiveIndex {
     dispersion: Dispersion,
@@ -34,23 +32,18 @@ pub struct RefractiveIndex {
 }
 
 impl RefractiveIndex {
-    /// Creates an index with the same value at every wavelength. Returns an error if `n` is below 1
-    /// or NaN.
+    /// Creates an index that is constant. Returns an error if `n` is below 1 or NaN.
     pub fn constant(n: f64) -> Result<Self> {
         Self::new(Dispersion::Constant(n), BAND_NM)
     }
 
-    /// Creates an index by Cauchy's formula n = a + b/λ² + c/λ⁴, where λ is in µm. Returns an error
-    /// if n is NaN or below 1 at a wavelength of the band.
+    /// Creates n = a + b/λ² + c/λ⁴, λ in µm (Cauchy); NaN or less than 1 in the band is an error.
     pub fn cauchy(a: f64, b: f64, c: f64) -> Result<Self> {
         Self::new(Dispersion::Cauchy { a, b, c }, BAND_NM)
     }
 
-    /// Creates an index by Sellmeier's formula n² = 1 + Σ b λ²/(λ² − c), with λ in µm and c in µm².
-    ///
-    /// # Errors
-    /// Returns an error if the lists have different lengths, if a resonance lies within the band,
-    /// or if n is below 1 or NaN.
+    /// Creates n² = 1 + Σ b λ²/(λ² − c), with λ in µm and c in µm² (Sellmeier). Returns an error
+    /// for different lengths, a resonance within the band, or n below 1 or NaN.
     pub fn sellmeier(b: &[f64], c_um2: &[f64]) -> Result<Self> {
         if b.len() != c_um2.len() {
             let what = format!("{} Sellmeier coefficients b but {} c", b.len(), c_um2.len());
@@ -60,9 +53,8 @@ impl RefractiveIndex {
         Self::new(Dispersion::Sellmeier { c0: 0.0, poles }, BAND_NM)
     }
 
-    /// Creates a two-term Cauchy index from n_d and the Abbe number `vd`. The definition of `vd` is
-    /// (n_d − 1)/(n_F − n_C). Returns an error if `vd` is not positive, or if n is NaN or below 1
-    /// at a wavelength of the band.
+    /// Creates a two-term Cauchy index from n_d and the Abbe number `vd` = (n_d − 1)/(n_F − n_C).
+    /// Returns an error if `vd` is not positive, or if n is NaN or below 1 in the band.
     pub fn abbe(nd: f64, vd: f64) -> Result<Self> {
         if !(vd > 0.0 && vd.is_finite()) {
             return Err(Error::input(format!("an Abbe number of {vd}")).expected("a positive number"));
@@ -72,13 +64,8 @@ impl RefractiveIndex {
         Self::cauchy(nd - b * per_um2(lines::D_NM), b, 0.0)
     }
 
-    /// Creates an index by linear interpolation of the points (`nm`, `n`). Below the first
-    /// wavelength, the first value of n is used. Above the last wavelength, the last value of n is
-    /// used.
-    ///
-    /// # Errors
-    /// Returns an error if the lists are empty or have different lengths, `nm` does not increase,
-    /// or a value of n is below 1 or NaN.
+    /// Creates an index by linear interpolation of points (`nm`, `n`), held outside. Returns an
+    /// error for empty or different lists, `nm` that do not increase, or n below 1 or NaN.
     pub fn table(nm: &[f64], n: &[f64]) -> Result<Self> {
         if nm.len() != n.len() || nm.is_empty() {
             let what = format!("a table of {} wavelengths and {} indices", nm.len(), n.len());
@@ -97,12 +84,9 @@ impl RefractiveIndex {
         Self::new(Dispersion::Table { nm: nm.into(), n: n.into() }, (nm[0], nm[nm.len() - 1]))
     }
 
-    /// Creates an index from a formula and its range of validity `range_nm`. The range is given by
-    /// two increasing wavelengths in nm. Outside the range, the value at the nearest end is used.
-    ///
-    /// # Errors
-    /// Returns an error if n is NaN or below 1 at a wavelength of the band, or if a resonance lies
-    /// within the range.
+    /// Creates an index from a formula and its range of validity, two increasing wavelengths in nm,
+    /// outside which the value at the nearest end is used. Returns an error if n is NaN or below 1
+    /// in the band, or if a resonance lies within the range.
     pub fn new(dispersion: Dispersion, range_nm: (f64, f64)) -> Result<Self> {
         let in_order = range_nm.0 <= range_nm.1;
         if !in_order {
@@ -125,8 +109,7 @@ impl RefractiveIndex {
         Ok(index)
     }
 
-    /// Sets a warning if the range of validity does not cover the band, or if the index is relative
-    /// to vacuum.
+    /// Sets a warning if the range does not cover the band, or n is relative to vacuum.
     pub(super) fn set_warning(&mut self, name: &str, relative_to: ReferenceMedium) {
         let (from, to) = self.range_nm;
         let mut warnings = Vec::new();
@@ -136,35 +119,22 @@ impl RefractiveIndex {
             );
             warnings.push(range);
         }
-        match relative_to {
-            ReferenceMedium::Air | ReferenceMedium::Unspecified => {}
-            ReferenceMedium::Vacuum => {
-                warnings.push(format!(
-                    "the index of {name} is relative to vacuum, but indices of glasses are relative to air"
-                ));
-            }
+        if relative_to == ReferenceMedium::Vacuum {
+            warnings
+                .push(format!("the index of {name} is relative to vacuum, but indices of glasses are relative to air"));
         }
         self.warning = (!warnings.is_empty()).then(|| warnings.join("; "));
     }
 
-    /// Returns the index at a wavelength in nm. Outside the range of validity, returns the value at
-    /// the nearest end of the range.
+    /// Returns the index at a wavelength in nm, held outside the range of validity.
     pub fn n(&self, wavelength_nm: f64) -> f64 {
-        match self.dispersion {
-            Dispersion::Constant(n) => n,
-            Dispersion::Cauchy { .. }
-            | Dispersion::Sellmeier { .. }
-            | Dispersion::SquaredPowers { .. }
-            | Dispersion::Powers { .. }
-            | Dispersion::Rational(_)
-            | Dispersion::Gas { .. }
-            | Dispersion::Conrady { .. }
-            | Dispersion::Herzberger(_)
-            | Dispersion::Table { .. } => self.dispersion.n(wavelength_nm.clamp(self.range_nm.0, self.range_nm.1)),
+        if let Dispersion::Constant(n) = self.dispersion {
+            return n;
         }
+        self.dispersion.n(wavelength_nm.clamp(self.range_nm.0, self.range_nm.1))
     }
 
-    /// Returns whether n varies within the band.
+    /// Returns true if n varies within the band.
     pub fn is_dispersive(&self) -> bool {
         self.dispersive
     }
@@ -174,8 +144,7 @@ impl RefractiveIndex {
         self.n(lines::D_NM)
     }
 
-    /// Returns the Abbe number (n_d − 1)/(n_F − n_C), or `None` if n_F = n_C or if the range does
-    /// not contain both lines.
+    /// Returns the Abbe number, unless n_F = n_C or the range lacks one of the lines.
     pub fn vd(&self) -> Option<f64> {
         let spread = self.n(lines::F_NM) - self.n(lines::C_NM);
         let known = self.range_nm.0 <= lines::F_NM && self.range_nm.1 >= lines::C_NM;
@@ -192,8 +161,7 @@ impl RefractiveIndex {
         &self.dispersion
     }
 
-    /// Returns a warning for the user if part of the band lies outside the range of validity, or if
-    /// the index is relative to vacuum.
+    /// Returns a warning if the range lacks a part of the band, or the index is relative to vacuum.
     pub fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
     }
@@ -213,8 +181,7 @@ fn invalid_index(n: f64, nm: f64) -> Error {
         .expected(format!("an index of at least 1 over the whole band ({} to {} nm)", BAND_NM.0, BAND_NM.1))
 }
 
-/// Returns an error if a resonance lies in the range. [`RefractiveIndex::new`] checks the index
-/// only at whole nanometres and could miss a resonance between them.
+/// Returns an error for a resonance in the range, even between whole nanometres.
 fn check_resonances(poles: &[SellmeierTerm], range_nm: (f64, f64)) -> Result<()> {
     for pole in poles {
         if !(pole.b.is_finite() && pole.c.is_finite()) {
@@ -233,47 +200,33 @@ fn check_resonances(poles: &[SellmeierTerm], range_nm: (f64, f64)) -> Result<()>
 mod tests {
     use super::*;
 
-    fn complaint(result: Result<RefractiveIndex>) -> String {
-        result.expect_err("this index should be refused").to_string()
-    }
-
     #[test]
-    fn an_index_below_one_anywhere_in_the_band_is_refused_and_named() {
-        assert!(complaint(RefractiveIndex::constant(0.99)).contains("0.99"));
-        assert!(complaint(RefractiveIndex::cauchy(0.95, 0.02, 0.0)).contains("at least 1"));
-        assert!(complaint(RefractiveIndex::abbe(1.05, 0.5)).contains("at least 1"));
-        assert!(complaint(RefractiveIndex::table(&[400.0, 500.0], &[1.2, 0.8])).contains("500 nm"));
-    }
-
-    #[test]
-    fn values_that_are_no_numbers_are_refused() {
-        assert!(complaint(RefractiveIndex::constant(f64::NAN)).contains("not a number"));
-        assert!(complaint(RefractiveIndex::constant(f64::INFINITY)).contains("inf"));
-        assert!(complaint(RefractiveIndex::cauchy(1.5, f64::NAN, 0.0)).contains("not a number"));
-        assert!(complaint(RefractiveIndex::sellmeier(&[1.0], &[f64::NAN])).contains("finite"));
-        assert!(complaint(RefractiveIndex::abbe(1.5, f64::NAN)).contains("positive"));
-        assert!(complaint(RefractiveIndex::abbe(f64::NAN, 50.0)).contains("not a number"));
-        assert!(complaint(RefractiveIndex::table(&[f64::NAN], &[1.5])).contains("wavelength"));
-        assert!(complaint(RefractiveIndex::table(&[500.0], &[f64::NAN])).contains("not a number"));
-    }
-
-    #[test]
-    fn tables_must_match_in_length_and_increase() {
-        assert!(complaint(RefractiveIndex::table(&[], &[])).contains("at least one"));
-        assert!(complaint(RefractiveIndex::table(&[400.0, 500.0], &[1.5])).contains("2 wavelengths and 1 indices"));
-        assert!(complaint(RefractiveIndex::table(&[500.0, 400.0], &[1.5, 1.6])).contains("increasing"));
-        assert!(complaint(RefractiveIndex::table(&[500.0, 500.0], &[1.5, 1.6])).contains("increasing"));
-        assert!(
-            complaint(RefractiveIndex::sellmeier(&[1.0, 2.0], &[0.01])).contains("2 Sellmeier coefficients b but 1 c")
-        );
-    }
-
-    /// The check in `new` samples the index at whole nanometres. Nevertheless, a resonance at 500.5
-    /// nm is refused.
-    #[test]
-    fn resonances_between_whole_nanometres_are_refused() {
-        let c = 0.5005_f64 * 0.5005;
-        assert!(complaint(RefractiveIndex::sellmeier(&[1e-9], &[c])).contains("resonances (√c) outside the band"));
+    fn impossible_indices_are_refused_with_the_reason() {
+        let cases = [
+            (RefractiveIndex::constant(0.99), "0.99"),
+            (RefractiveIndex::cauchy(0.95, 0.02, 0.0), "at least 1"),
+            (RefractiveIndex::abbe(1.05, 0.5), "at least 1"),
+            (RefractiveIndex::table(&[400.0, 500.0], &[1.2, 0.8]), "500 nm"),
+            (RefractiveIndex::constant(f64::NAN), "not a number"),
+            (RefractiveIndex::constant(f64::INFINITY), "inf"),
+            (RefractiveIndex::cauchy(1.5, f64::NAN, 0.0), "not a number"),
+            (RefractiveIndex::sellmeier(&[1.0], &[f64::NAN]), "finite"),
+            (RefractiveIndex::abbe(1.5, f64::NAN), "positive"),
+            (RefractiveIndex::abbe(f64::NAN, 50.0), "not a number"),
+            (RefractiveIndex::table(&[f64::NAN], &[1.5]), "wavelength"),
+            (RefractiveIndex::table(&[500.0], &[f64::NAN]), "not a number"),
+            (RefractiveIndex::table(&[], &[]), "at least one"),
+            (RefractiveIndex::table(&[400.0, 500.0], &[1.5]), "2 wavelengths and 1 indices"),
+            (RefractiveIndex::table(&[500.0, 400.0], &[1.5, 1.6]), "increasing"),
+            (RefractiveIndex::table(&[500.0, 500.0], &[1.5, 1.6]), "increasing"),
+            (RefractiveIndex::sellmeier(&[1.0, 2.0], &[0.01]), "2 Sellmeier coefficients b but 1 c"),
+            // `new` samples the index at whole nanometres, but a resonance at 500.5 nm is refused.
+            (RefractiveIndex::sellmeier(&[1e-9], &[0.5005 * 0.5005]), "resonances (√c) outside the band"),
+        ];
+        for (index, reason) in cases {
+            let message = index.expect_err(reason).to_string();
+            assert!(message.contains(reason), "{message}");
+        }
     }
 
     #[test]

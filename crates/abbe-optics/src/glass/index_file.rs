@@ -1,8 +1,8 @@
 //! Files with measured indices of refraction: entries of the database refractiveindex.info (YAML),
 //! and tables of n and k (CSV).
 //!
-//! The formulas are those of the document "RefractiveIndex.INFO database – Dispersion formulas" by
-//! M. Polyanskiy (<https://refractiveindex.info/download/doc/Dispersion%20formulas.pdf>).
+//! The formulas are those of "RefractiveIndex.INFO database – Dispersion formulas" by M. Polyanskiy
+//! (<https://refractiveindex.info/download/doc/Dispersion%20formulas.pdf>).
 
 use std::path::Path;
 
@@ -14,31 +14,27 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::powf;
 use abbe_spectra::spectrum::{BAND_NM, Outside, Spectrum, ULTRAVIOLET_FROM_NM};
 
-/// Step in nm between the wavelengths at which a formula is evaluated.
+/// In nm, between the wavelengths at which a formula is evaluated.
 const STEP_NM: f64 = 1.0;
 
-/// Pairs of a wavelength in nm and a value, as a file states them.
 type Points = Vec<(f64, f64)>;
 
-/// The points of n and of k in a file.
 #[derive(Debug, Default)]
 struct Columns {
     n: Option<Points>,
     k: Option<Points>,
 }
 
-/// A function of wavelength as a table.
 #[derive(Debug, Clone, PartialEq)]
 struct IndexTable {
-    /// Wavelengths in nm, in rising order.
+    /// In rising order.
     nm: Vec<f64>,
     values: Vec<f64>,
 }
 
 impl IndexTable {
-    /// Creates a table from points in any order. Files with rounded wavelengths contain several
-    /// points of equal wavelength. The table contains the mean of their values. It contains the
-    /// points from 300 to 830 nm, and the nearest point on each side.
+    /// Creates a table from points in any order: those from 300 to 830 nm, and the nearest one on
+    /// each side. Points of equal (rounded) wavelength become their mean.
     fn new(mut points: Points) -> Result<Self> {
         if points.iter().any(|(nm, value)| !(nm.is_finite() && value.is_finite())) {
             return Err(Error::input("a wavelength or a value is not finite"));
@@ -75,13 +71,9 @@ pub struct IndexFileData {
 }
 
 impl IndexFileData {
-    /// Reads the text of a file. The extension of `path` determines the format: `.yml` and `.yaml`
-    /// are entries of refractiveindex.info, and all others are tables with a header row such as
-    /// `nm,n,k` or `um,n`.
-    ///
-    /// # Errors
-    /// Returns an error if the text is malformed, if a formula is unknown, or if the data has no
-    /// wavelengths in the range from 360 to 830 nm. The error contains the path.
+    /// Reads a text by the extension of `path`: entries of refractiveindex.info (`.yml`, `.yaml`),
+    /// or tables with a header row such as `nm,n,k` or `um,n`. Returns an error with the path if it
+    /// is malformed, a formula is unknown, or no wavelength is from 360 to 830 nm.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|name| name.to_str()).unwrap_or_default();
         let is_yaml = ["yml", "yaml"].iter().any(|known| extension.eq_ignore_ascii_case(known));
@@ -97,10 +89,7 @@ impl IndexFileData {
         self.n.is_some() && self.k.is_some()
     }
 
-    /// Returns the index of refraction of a transparent material.
-    ///
-    /// # Errors
-    /// Returns an error if the file contains no n, or if n is below 1.
+    /// Returns the index of a transparent material, or an error if n is missing or below 1.
     pub fn index(&self) -> Result<RefractiveIndex> {
         let table = self.n.as_ref().ok_or_else(|| Error::input("the file contains no index of refraction"))?;
         let mut index = RefractiveIndex::table(&table.nm, &table.values)?;
@@ -108,10 +97,7 @@ impl IndexFileData {
         Ok(index)
     }
 
-    /// Returns n and k of a metal, which continue the values at both ends of the data.
-    ///
-    /// # Errors
-    /// Returns an error if the file does not contain both.
+    /// Returns n and k of a metal, held at both ends, or an error if one is missing.
     pub fn n_and_k(&self) -> Result<(Spectrum, Spectrum)> {
         let (Some(n), Some(k)) = (&self.n, &self.k) else {
             return Err(Error::input("the file does not contain both n and k").expected("the data of a metal"));
@@ -121,7 +107,6 @@ impl IndexFileData {
     }
 }
 
-/// Reads an entry of refractiveindex.info.
 fn of_yaml(text: &str) -> Result<Columns> {
     let malformed = |error: yaml_rust2::ScanError| Error::input(format!("not a valid YAML file: {error}"));
     // Aliases could expand to a text of any size, and the database uses none.
@@ -165,7 +150,6 @@ fn of_yaml(text: &str) -> Result<Columns> {
     Ok(data)
 }
 
-/// Returns a scalar of a YAML file as text.
 fn text_of(yaml: &Yaml) -> String {
     if let Yaml::Real(text) | Yaml::String(text) = yaml {
         return text.clone();
@@ -178,7 +162,6 @@ fn numbers(text: &str) -> Result<Vec<f64>> {
     text.split_whitespace().map(number).collect()
 }
 
-/// Reads rows with `columns` numbers.
 fn rows(text: &str, columns: usize) -> Result<Vec<Vec<f64>>> {
     let row = |line: &str| {
         let row = numbers(line)?;
@@ -191,7 +174,7 @@ fn rows(text: &str, columns: usize) -> Result<Vec<Vec<f64>>> {
     text.lines().filter(|line| !line.trim().is_empty()).map(row).collect()
 }
 
-/// Evaluates a formula at the wavelengths from 300 to 830 nm at which it is valid.
+/// Evaluates a formula from 300 to 830 nm where it is valid.
 fn of_formula(number: &str, entry: &Yaml) -> Result<Points> {
     let range = [&entry["wavelength_range"], &entry["range"]].map(text_of).concat();
     let [from, to]: [f64; 2] = numbers(&range)?
@@ -205,7 +188,7 @@ fn of_formula(number: &str, entry: &Yaml) -> Result<Points> {
     (0..=steps).map(at).map(|nm| Ok((nm, formula(number, &c, 1e-3 * nm)?))).collect()
 }
 
-/// Evaluates a formula at the wavelength `um` in µm. The coefficients `c` start with C1.
+/// Evaluates a formula with the coefficients C1, … at `um` in µm.
 fn formula(number: &str, c: &[f64], um: f64) -> Result<f64> {
     let at = |index: usize| c.get(index - 1).copied().unwrap_or(0.0);
     // The sum of a function of the pairs of coefficients from C2 on.
@@ -279,7 +262,6 @@ fn of_csv(text: &str) -> Result<Columns> {
     Ok(data)
 }
 
-/// Returns the unit of a column of wavelengths.
 fn nm_per_unit(name: &str) -> Option<f64> {
     match name {
         "nm" => Some(1.0),
@@ -297,7 +279,6 @@ mod tests {
         IndexFileData::parse(text, Path::new(name))
     }
 
-    /// The entry for Schott N-BK7, with the coefficients of the data sheet.
     const BK7: &str = "# a comment\nREFERENCES: |\n    Schott Zemax catalog\nDATA:\n  - type: formula 2 \n\
         \x20   wavelength_range: 0.3 2.5\n    coefficients: 0 1.03961212 0.00600069867 0.231792344 0.0200179144 \
         1.01046945 103.560653\n  - type: tabulated k\n    data: |\n        0.300 2.8607E-06\n        2.5 8.1E-06\n";
@@ -348,8 +329,8 @@ mod tests {
         }
     }
 
-    /// The rows of a file may have any order. Rounded wavelengths may be equal. Rows far outside the
-    /// band have no effect, also if their values are not those of a transparent material.
+    /// Rows may have any order, and rounded wavelengths may be equal. Rows far outside the band
+    /// have no effect, even with values that no transparent material has.
     #[test]
     fn tables_keep_the_rows_of_the_band_in_rising_order() {
         let rows = "nm,n\n9000,0.9\n900,1.4\n600,1.5\n600,1.52\n400,1.6\n250,1.7\n200,0.8\n";
@@ -361,7 +342,6 @@ mod tests {
         }
     }
 
-    /// A formula reaches into the ultraviolet as far as it is valid.
     #[test]
     fn formulas_reach_into_the_ultraviolet() {
         let n = |range: &str, nm: f64| {

@@ -1,5 +1,4 @@
-//! Spectral lines for which refractive indices are published. The values are wavelengths in nm,
-//! measured in air (ISO 7944; Schott, technical information 29).
+//! Spectral lines (nm, in air) of published indices (ISO 7944; Schott, technical information 29).
 
 /// The h line: mercury, violet.
 pub const H_NM: f64 = 404.6561;
@@ -9,8 +8,7 @@ pub const G_NM: f64 = 435.8343;
 pub const F_NM: f64 = 486.1327;
 /// The e line: mercury, green.
 pub const E_NM: f64 = 546.074;
-/// The d line: helium, yellow. If no line is specified, the refractive index of a glass is n_d, the
-/// index at this line.
+/// The d line: helium, yellow. An index without a named line is n_d, the index at this line.
 pub const D_NM: f64 = 587.5618;
 /// The D line: the centre of the sodium doublet, yellow.
 pub const SODIUM_NM: f64 = 589.2938;

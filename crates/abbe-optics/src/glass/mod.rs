@@ -1,9 +1,9 @@
 //! Refractive indices as functions of wavelength, and the catalogue of glasses.
 //!
-//! A material has a [`RefractiveIndex`], which consists of a [`Dispersion`] formula and its range
-//! of validity. [`catalogue`] finds a [`Glass`] by name in the data of `data/glass`, and
-//! [`AgfCatalogue`] reads further catalogues from Zemax files. The complex indices of metals are
-//! spectra of the library: [`abbe_spectra::spectrum::library::metal`].
+//! A [`RefractiveIndex`] consists of a [`Dispersion`] formula and its range of validity.
+//! [`catalogue`] finds a [`Glass`] by name in `data/glass`, and [`AgfCatalogue`] reads further
+//! catalogues from Zemax files. The complex indices of metals are spectra:
+//! [`abbe_spectra::spectrum::library::metal`].
 
 mod agf;
 pub mod catalogue;

@@ -1,9 +1,8 @@
 //! Plane diffraction gratings: directions and scalar efficiencies of the orders.
 //!
-//! The grating is the plane z = 0, and its grooves run along y. All directions are unit vectors
-//! along which light travels. Light arrives from z > 0. In a reflected order the light returns to
-//! z > 0, and in a transmitted order it continues to z < 0. The specular order 0 of a reflected
-//! beam keeps the x component of its direction.
+//! The grating is the plane z = 0, with grooves along y. All directions are unit vectors along
+//! which light travels. Light arrives from z > 0. A reflected order returns to z > 0, where the
+//! order 0 keeps the x component of its direction, and a transmitted order continues to z < 0.
 
 mod profile;
 
@@ -25,12 +24,11 @@ pub struct Grating {
 pub struct DiffractedOrder {
     /// The number of the order.
     pub order: i32,
-    /// The unit direction in which the light travels.
+    /// In which the light travels, a unit vector.
     pub direction: DVec3,
     /// The fraction of the incident power. The orders of a phase grating sum to 1.
     pub efficiency: f64,
-    /// The fraction of the incident power by scalar theory, before the power of evanescent orders
-    /// is divided among the orders that propagate.
+    /// By scalar theory, before the power of evanescent orders is divided among the others.
     pub scalar_efficiency: f64,
 }
 
@@ -40,21 +38,17 @@ impl DiffractedOrder {
         abbe_spectra::math::elementary::asin(self.direction.truncate().length().min(1.0)).to_degrees()
     }
 
-    /// Returns the angle in the plane across the grooves in degrees, from −90 to 90. The angle is
-    /// positive towards x.
+    /// Returns the angle across the grooves in degrees, from −90 to 90, positive towards x.
     pub fn signed_deg(&self) -> f64 {
         abbe_spectra::math::elementary::asin(self.direction.x.clamp(-1.0, 1.0)).to_degrees()
     }
 }
 
-/// The largest number of lines per mm, at which the period is 100 nm.
+/// At which the period is 100 nm.
 const MOST_LINES_PER_MM: f64 = 1e4;
 
 impl Grating {
-    /// Creates a grating.
-    ///
-    /// # Errors
-    /// Returns an error if the line density lies outside 0.1 to 10000 lines per mm.
+    /// Creates a grating, or returns an error for a density outside 0.1 to 10000 lines per mm.
     pub fn new(lines_per_mm: f64, profile: GratingProfile) -> Result<Self> {
         if !(0.1..=MOST_LINES_PER_MM).contains(&lines_per_mm) {
             return Err(Error::input(format!("{lines_per_mm} lines per mm")).expected("from 0.1 to 10000"));
@@ -72,11 +66,9 @@ impl Grating {
         &self.profile
     }
 
-    /// Returns the direction of an order, or `None` if the order is evanescent.
-    ///
-    /// `incident` is the unit direction in which the light arrives, with z < 0. `indices` contains
-    /// the index of the medium in which the light arrives, and of the medium in which it leaves.
-    /// `nm` is the wavelength in air in nm.
+    /// Returns the direction of an order, or `None` if it is evanescent. `incident`, with z < 0, is
+    /// the unit direction of arrival, `indices` are those of the media in which the light arrives
+    /// and leaves, and `nm` is the wavelength in air.
     pub fn direction(
         &self,
         incident: DVec3,
@@ -96,8 +88,7 @@ impl Grating {
         (squared > 0.0).then(|| DVec3::new(x, y, sign * squared.sqrt()))
     }
 
-    /// Returns the numbers of all orders that propagate, in rising order. The arguments are those
-    /// of [`Self::direction`].
+    /// Returns the numbers of all orders that propagate, in rising order; see [`Self::direction`].
     fn propagating(&self, incident: DVec3, [n_in, n_out]: [f64; 2], nm: f64) -> std::ops::RangeInclusive<i32> {
         let y = n_in * incident.y;
         let widest = (n_out * n_out - y * y).max(0.0).sqrt();
@@ -110,8 +101,7 @@ impl Grating {
         self.propagating(incident, [index; 2], nm).map(|order| self.profile.efficiency(order, nm)).sum()
     }
 
-    /// Returns the efficiency of one order, which must propagate; see [`Self::orders`]. The medium
-    /// of the index `index` is on both sides.
+    /// Returns the efficiency of a propagating order in one `index`; see [`Self::orders`].
     pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
         let sum = self.scalar_sum(incident, index, nm);
         let fraction =
@@ -145,13 +135,11 @@ impl Grating {
         chosen
     }
 
-    /// Returns all orders that propagate, with their efficiencies. The arguments are those of
-    /// [`Self::direction`].
+    /// Returns all orders that propagate, with their efficiencies; see [`Self::direction`].
     ///
-    /// The scalar efficiencies of the orders that propagate are scaled, so that a phase grating
-    /// loses no power to evanescent orders. If all of them are 0, the order 0 receives the power.
-    /// These efficiencies are not reciprocal, because a beam in the opposite direction has other
-    /// evanescent orders. Measured efficiencies are not scaled.
+    /// Scalar efficiencies are scaled, so that a phase grating loses no power to evanescent orders,
+    /// and if all are 0, the order 0 receives the power. They are not reciprocal, because a beam in
+    /// the opposite direction has other evanescent orders. Measured ones are not scaled.
     pub fn orders(&self, incident: DVec3, event: ScatterEvent, indices: [f64; 2], nm: f64) -> Vec<DiffractedOrder> {
         let numbers = self.propagating(incident, indices, nm);
         let found = numbers.filter_map(|order| {

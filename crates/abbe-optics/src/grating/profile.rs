@@ -54,11 +54,8 @@ pub enum GratingProfile {
 pub struct EfficiencyTable(Vec<(i32, Spectrum)>);
 
 impl EfficiencyTable {
-    /// Creates a table of orders with their efficiencies.
-    ///
-    /// # Errors
-    /// Returns an error if an order is listed twice, if an efficiency is negative, or if the sum of
-    /// all efficiencies exceeds 1 at a wavelength.
+    /// Creates a table of orders with their efficiencies. Returns an error if an order is listed
+    /// twice, an efficiency is negative, or the sum of all exceeds 1 at a wavelength.
     pub fn new(orders: Vec<(i32, Spectrum)>) -> Result<Self> {
         for (place, (order, efficiency)) in orders.iter().enumerate() {
             if orders[..place].iter().any(|(other, _)| other == order) {
@@ -82,13 +79,12 @@ impl EfficiencyTable {
         self.0.iter().find(|(other, _)| *other == order).map_or(0.0, |(_, efficiency)| efficiency.at(nm))
     }
 
-    /// Returns true if an efficiency was made from an RGB colour.
     fn is_upsampled(&self) -> bool {
         self.0.iter().any(|(_, efficiency)| efficiency.is_upsampled())
     }
 }
 
-/// Returns the absolute value of sin(πu)/(πu). The result is exactly 0 for whole numbers except 0.
+/// Returns sin(πu)/(πu), which is exactly 0 for whole numbers except 0.
 fn sinc(u: f64) -> f64 {
     if u == 0.0 { 1.0 } else { sin(PI * (u - u.round())) / (PI * u) }
 }
@@ -120,10 +116,9 @@ impl GratingProfile {
         }
     }
 
-    /// Returns the fraction of the power that the orders that propagate share, from 0 to 1. `sum`
-    /// returns the sum of their efficiencies. The opaque lines of an amplitude grating absorb the
-    /// rest. Measured efficiencies are not scaled, so the grating absorbs the power of evanescent
-    /// orders.
+    /// Returns the fraction of the power, from 0 to 1, that the orders that propagate share. `sum`
+    /// is the sum of their efficiencies. The opaque lines of an amplitude grating absorb the rest,
+    /// and a grating with measured efficiencies the power of evanescent orders.
     pub(super) fn total(&self, sum: impl FnOnce() -> f64) -> f64 {
         match self {
             Self::Blazed { .. } | Self::BlazedGlass { .. } | Self::Sinusoidal { .. } | Self::BinaryPhase { .. } => 1.0,
@@ -134,13 +129,6 @@ impl GratingProfile {
 
     /// Returns true if an efficiency was made from an RGB colour.
     pub fn is_upsampled(&self) -> bool {
-        match self {
-            Self::Blazed { .. }
-            | Self::BlazedGlass { .. }
-            | Self::Sinusoidal { .. }
-            | Self::BinaryPhase { .. }
-            | Self::BinaryAmplitude { .. } => false,
-            Self::Table(table) => table.is_upsampled(),
-        }
+        if let Self::Table(table) = self { table.is_upsampled() } else { false }
     }
 }

@@ -12,7 +12,7 @@ use abbe_spectra::math::elementary::tan;
 /// The spectral lines of the analysis: name and wavelength in nm.
 pub const LINES: [(&str, f64); 3] = [("F", lines::F_NM), ("d", lines::D_NM), ("C", lines::C_NM)];
 
-/// The field angles of the analysis, each divided by half of the field of view.
+/// Field angles, each divided by half of the field of view.
 const FIELD_FRACTIONS: [f64; 3] = [0.0, 0.7, 1.0];
 
 /// Largest half field, in degrees, for a lens without a given field of view.
@@ -40,10 +40,9 @@ pub struct FieldPoint {
     pub angle_deg: f64,
     /// Height above the axis, in mm, at which the chief ray of the d line reaches the sensor.
     pub image_height_mm: f64,
-    /// Relative difference between the image height and f·tan(angle), or `None` on the axis.
+    /// Relative to f·tan(angle), or `None` on the axis.
     pub distortion: Option<f64>,
-    /// Lateral colour in mm: the height of the chief ray of the F line minus the height of the
-    /// chief ray of the C line.
+    /// Lateral colour in mm: the height of the chief ray of the F line minus that of the C line.
     pub lateral_colour_mm: f64,
     /// The spots at [`LINES`].
     pub spots: [LensSpot; 3],
@@ -63,10 +62,7 @@ pub struct LensAnalysis {
 }
 
 impl LensAnalysis {
-    /// Analyses a lens. If `half_field_deg` is given, it replaces the half field of the lens, and
-    /// must lie between 0 and 90 degrees.
-    ///
-    /// # Errors
+    /// Analyses a lens with its own half field, or `half_field_deg` between 0 and 90 degrees.
     /// Returns an error if the lens forms no real image, or no light passes at one of the fields.
     pub fn of(lens: &Lens, half_field_deg: Option<f64>) -> Result<Self> {
         let at = LINES.map(|(_, nm)| lens.at(nm));
@@ -80,8 +76,7 @@ impl LensAnalysis {
             foci.push(LineFocus { line: line.0, wavelength_nm: line.1, efl_mm, bfd_mm, transmittance });
         }
         let half_field_deg = half_field_deg.or(lens.half_field_deg()).unwrap_or_else(|| widest_field_deg(d));
-        // The edge of the field is analysed first. If the field is too wide, the error then names
-        // the requested angle.
+        // The edge comes first, so that the error for too wide a field names its angle.
         let angles = FIELD_FRACTIONS.iter().rev().map(|fraction| fraction * half_field_deg);
         let field = |angle_deg| field_point(&at, angle_deg, sensor_z_mm, paraxial.efl_mm);
         let lines = [foci[0], foci[1], foci[2]];
@@ -90,15 +85,13 @@ impl LensAnalysis {
         Ok(Self { paraxial, lines, half_field_deg, fields })
     }
 
-    /// Returns the longitudinal colour in mm: the back focal distance of the F line minus the back
-    /// focal distance of the C line.
+    /// Returns the longitudinal colour in mm: back focus of the F line minus the C line.
     pub fn fc_shift_mm(&self) -> f64 {
         self.lines[0].bfd_mm - self.lines[2].bfd_mm
     }
 }
 
-/// Returns the largest whole number of degrees at which the chief ray passes the lens. The result
-/// lies between 1 and [`DEFAULT_HALF_FIELD_DEG`].
+/// Returns the largest whole degree, from 1 to [`DEFAULT_HALF_FIELD_DEG`], with a chief ray.
 fn widest_field_deg(at: &MonochromaticLens<'_>) -> f64 {
     let passes = |degrees: f64| {
         at.chief_ray(degrees)

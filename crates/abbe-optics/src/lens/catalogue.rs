@@ -1,4 +1,4 @@
-//! The built-in lenses, which the first lookup parses from `data/lenses/lenses.json`.
+//! The built-in lenses, parsed from `data/lenses/lenses.json` on first use.
 
 use std::sync::LazyLock;
 
@@ -13,9 +13,8 @@ pub fn all() -> &'static [Lens] {
     &LENSES
 }
 
-/// Returns the lens `name`. Case is ignored, `-` and `_` count as spaces, and the first words of a
-/// name are sufficient (`double-gauss` for `double Gauss f/2 f100`). If the name is unknown, the
-/// error suggests the most similar name.
+/// Returns the lens `name`, in any case, with `-` and `_` for spaces, of which the first words
+/// suffice. The error for an unknown name suggests the most similar one.
 pub fn find(name: &str) -> Result<&'static Lens> {
     let wanted = normalised_name(name);
     let found = LENSES.iter().find(|lens| normalised_name(lens.name()) == wanted);
@@ -28,8 +27,7 @@ fn normalised_name(name: &str) -> String {
     name.to_lowercase().replace(['-', '_'], " ")
 }
 
-/// Returns the names that an error may suggest to the user. They are the first word of the lens
-/// name, its first two words, and the full name.
+/// Returns names for suggestions: the first word, the first two words, and the full name.
 fn searchable_names(name: &str) -> impl Iterator<Item = &str> {
     let ends = name.match_indices(' ').map(|(at, _)| at).take(2).chain([name.len()]);
     ends.map(|end| &name[..end])
@@ -42,7 +40,6 @@ static LENSES: LazyLock<Vec<Lens>> = LazyLock::new(|| {
     file.lenses.into_iter().map(lens).collect::<Result<_>>().expect("a test parses the embedded file")
 });
 
-/// The structure of the JSON file.
 #[derive(Deserialize)]
 struct LensesFile {
     lenses: Vec<LensEntry>,
@@ -72,9 +69,8 @@ fn prescription(entry: LensEntry) -> Result<Prescription> {
     let stop = surfaces.iter().position(|row| row.stop);
     let surface = |row: LensSurfaceEntry| {
         let LensSurfaceEntry { radius_mm, thickness_mm, glass, semi_aperture_mm, stop: _ } = row;
-        let profile = SurfaceProfile::sphere(radius_mm.unwrap_or(0.0));
         Ok(LensSurface {
-            profile,
+            profile: SurfaceProfile::sphere(radius_mm.unwrap_or(0.0)),
             thickness_mm,
             index: medium(&glass)?,
             semi_aperture_mm,

@@ -1,5 +1,4 @@
-//! Semi-apertures and field angles that a prescription does not state. They follow from the rays
-//! that pass the stop, as in lens design programs.
+//! Semi-apertures and field angles that a prescription lacks, from the rays that pass the stop.
 
 use super::field::parallel_ray;
 use super::prescription::{Lens, Prescription};
@@ -12,17 +11,14 @@ use std::f64::consts::TAU;
 
 /// Wavelengths in nm of the rays that determine the semi-apertures.
 const NM: [f64; 3] = [lines::F_NM, lines::D_NM, lines::C_NM];
-/// Fields of these rays, each divided by half of the field of view.
+/// Each divided by half of the field of view.
 const FIELDS: [f64; 5] = [-1.0, -0.7, 0.0, 0.7, 1.0];
-/// Number of rays on the rim of the entrance pupil.
 const RIM_RAYS: u32 = 16;
 
 impl Prescription {
     /// Computes the missing semi-apertures, whose value is 0: the largest height at which a ray of
-    /// the field crosses the surface. The rays fill the entrance pupil.
-    ///
-    /// # Errors
-    /// Returns an error if the size of the stop itself is missing, or if a ray misses a surface.
+    /// the field that fills the entrance pupil crosses the surface. Returns an error if the size of
+    /// the stop itself is missing, or if a ray misses a surface.
     pub(super) fn complete_apertures(&mut self) -> Result<()> {
         let missing: Vec<usize> =
             (0..self.surfaces.len()).filter(|i| self.surfaces[*i].semi_aperture_mm == 0.0).collect();
@@ -52,21 +48,15 @@ impl Prescription {
         Ok(())
     }
 
-    /// Sets the field of view from the height of the image, for a distant object.
-    ///
-    /// # Errors
-    /// Returns an error if the lens has no focal length.
+    /// Sets the field of view from a distant object's image height; without focal length, an error.
     pub(super) fn set_field_of_image(&mut self, height_mm: f64) -> Result<()> {
         let focal_mm = self.open_lens()?.at(lines::D_NM).paraxial()?.efl_mm;
         self.half_field_deg = Some(atan((height_mm / focal_mm).abs()).to_degrees());
         Ok(())
     }
 
-    /// Sets the field of view from the height and the distance of the object: the angle at which the
-    /// object appears from the entrance pupil.
-    ///
-    /// # Errors
-    /// Returns an error if the object is at infinity, or if the entrance pupil is.
+    /// Sets the field of view from the height and the distance of the object: the angle at which it
+    /// appears from the entrance pupil. Returns an error if the object or the pupil is at infinity.
     pub(super) fn set_field_of_object(&mut self, height_mm: f64, object_mm: f64) -> Result<()> {
         let pupil = self.open_lens()?.at(lines::D_NM).paraxial()?.entrance_pupil;
         let distance_mm = object_mm + pupil.map_or(f64::INFINITY, |pupil| pupil.z_mm);
@@ -78,11 +68,11 @@ impl Prescription {
         Ok(())
     }
 
-    /// Returns the lens with the stated stop, for rays that ignore all other apertures.
+    /// Returns the lens with the explicit stop, for rays that ignore all other apertures.
     fn open_lens(&self) -> Result<Lens> {
         let mut open = self.clone();
         for surface in &mut open.surfaces {
-            // A small value keeps neighbouring surfaces from crossing. The rays ignore it.
+            // A small value, which the rays ignore, keeps neighbouring surfaces from crossing.
             surface.semi_aperture_mm = 1e-6 * surface.profile.curvature_per_mm.abs().recip().min(1.0);
             surface.obscuration_mm = 0.0;
         }
@@ -100,7 +90,7 @@ impl Prescription {
     }
 }
 
-/// Returns rays on the rim of the entrance pupil, and the chief ray, all at a field angle.
+/// Returns rays on the rim of the entrance pupil, and the chief ray, at a field angle.
 fn rim_rays(lens: &Lens, angle_deg: f64) -> Result<Vec<LensRay>> {
     let d = lens.at(lines::D_NM);
     let chief = d.chief_ray(angle_deg)?;

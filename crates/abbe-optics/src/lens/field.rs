@@ -1,6 +1,6 @@
-//! Bundles of parallel rays at an angle to the axis. The module computes the chief ray, which
-//! passes through the centre of the stop, and the spot of the bundle on the sensor. All rays are
-//! traced exactly. The chief ray lies in the meridional plane x = 0.
+//! Bundles of parallel rays at an angle to the axis: the chief ray, which passes through the centre
+//! of the stop, and the spot of the bundle on the sensor. All rays are traced exactly. The chief
+//! ray lies in the meridional plane x = 0.
 
 use glam::{DVec2, DVec3};
 
@@ -20,24 +20,20 @@ pub struct LensSpot {
     pub rays: usize,
 }
 
-/// First step and smallest step of the field angle, both in degrees. The position of the pupil
-/// varies with the field, so the search for a chief ray starts on the axis and follows the pupil in
-/// steps. If no chief ray is found after a step, the step is halved.
+/// First and smallest step of the field angle in degrees: the search for a chief ray follows the
+/// moving pupil from the axis, and halves the step when it finds none.
 const FIELD_STEP_DEG: f64 = 2.0;
 const LEAST_STEP_DEG: f64 = 0.02;
 /// Maximum number of Newton steps for a chief ray. About four steps are usual.
 const MAX_CHIEF_RAY_STEPS: usize = 40;
-/// Number of rays across a bundle, and width of the bundle relative to the entrance pupil. The
-/// bundle is wider than the pupil. The apertures block the rays that do not pass.
+/// Number of rays across a bundle, and its width relative to the pupil, for the apertures to cut.
 const RAYS_ACROSS_BUNDLE: u32 = 96;
 const BUNDLE_WIDTH: f64 = 2.0;
 
 impl MonochromaticLens<'_> {
-    /// Returns the chief ray at a field angle in degrees, |angle| < 90.
-    ///
-    /// The ray starts on the axis, travels from the scene through the centre of the stop, and rises
-    /// towards the sensor for positive angles. Apertures are ignored. Returns an error if no such
-    /// ray is found.
+    /// Returns the chief ray at a field angle in degrees, |angle| < 90, or an error if there is
+    /// none. It travels in the meridional plane from the scene through the centre of the stop, and
+    /// rises towards the sensor for positive angles. Apertures are ignored.
     pub fn chief_ray(&self, field_deg: f64) -> Result<LensRay> {
         let Some(pupil) = self.paraxial()?.entrance_pupil else {
             return Err(Error::input("the entrance pupil lies at infinity: parallel light has no chief ray"));
@@ -61,8 +57,7 @@ impl MonochromaticLens<'_> {
         Ok(ray_at(end, z_mm))
     }
 
-    /// Returns z, in mm, of the point where the line of the incoming chief ray crosses the axis.
-    /// Newton's method starts at `start_mm`.
+    /// Returns z in mm where the incoming chief ray crosses the axis (Newton's method).
     fn pupil_z_mm(&self, field: f64, start_mm: f64, diameter_mm: f64) -> Option<f64> {
         let height = |z_mm: f64| self.stop_height_mm(ray_at(field, z_mm));
         let tolerance_mm = 1e-12 * self.lens().surfaces()[self.lens().stop()].semi_aperture_mm;
@@ -73,7 +68,7 @@ impl MonochromaticLens<'_> {
             }
             let shift_mm = 1e-5 * diameter_mm;
             let mut step_mm = y_mm * shift_mm / (height(z_mm + shift_mm)? - y_mm);
-            // The step is halved until it leads to a ray that reaches the stop at a smaller height.
+            // The step is halved until the ray reaches the stop at a smaller height.
             let better = |step_mm: f64| height(z_mm - step_mm).filter(|next| next.abs() < y_mm.abs());
             let found = (0..20).find_map(|_| {
                 better(step_mm).or_else(|| {
@@ -87,8 +82,7 @@ impl MonochromaticLens<'_> {
         (y_mm.abs() <= 1e6 * tolerance_mm).then_some(z_mm)
     }
 
-    /// Returns the height, in mm, at which a ray crosses the stop. Returns `None` if the ray does
-    /// not reach the stop.
+    /// Returns the height in mm at which a ray crosses the stop, if it reaches the stop.
     fn stop_height_mm(&self, ray: LensRay) -> Option<f64> {
         let mut height_mm = None;
         let stop = self.lens().stop();
@@ -97,12 +91,12 @@ impl MonochromaticLens<'_> {
                 height_mm = Some(point.y);
             }
         });
-        // A ray that is lost behind the stop still has a valid height at the stop.
+        // A ray that is lost behind the stop still has a valid height there.
         end.map_or(height_mm, |_| height_mm)
     }
 
-    /// Traces the bundle around a chief ray to the plane z = `sensor_z_mm` and returns the spot of
-    /// the bundle. Returns `None` if all rays are vignetted.
+    /// Returns the spot of the bundle on the plane z = `sensor_z_mm`, or `None` if all is
+    /// vignetted.
     pub fn spot(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Option<LensSpot>> {
         let landed = self.landing_points(chief, sensor_z_mm)?;
         if landed.is_empty() {
@@ -114,8 +108,7 @@ impl MonochromaticLens<'_> {
         Ok(Some(LensSpot { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: landed.len() }))
     }
 
-    /// Traces the bundle around a chief ray to the plane z = `sensor_z_mm`. Returns the points in mm
-    /// at which the rays that are not vignetted reach this plane.
+    /// Returns the points in mm at which the unvignetted rays of the bundle reach `sensor_z_mm`.
     pub(super) fn landing_points(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Vec<DVec2>> {
         let radius_mm = self.bundle_radius_mm()?;
         let offset = |i: u32| ((2 * i + 1) as f64 / f64::from(RAYS_ACROSS_BUNDLE) - 1.0) * radius_mm;
@@ -129,9 +122,8 @@ impl MonochromaticLens<'_> {
         Ok(landed)
     }
 
-    /// Finds the lowest and the highest meridional ray that pass the lens. For each of the two
-    /// rays, returns its signed perpendicular distance from the chief ray in mm. Returns `None` if
-    /// all rays are vignetted.
+    /// Returns the signed perpendicular distances in mm from the chief ray of the lowest and the
+    /// highest meridional ray that pass the lens, or `None` if all rays are vignetted.
     pub(super) fn passing_range_mm(&self, chief: LensRay) -> Result<Option<(f64, f64)>> {
         const MERIDIONAL_STEPS: u32 = 800;
         let radius_mm = self.bundle_radius_mm()?;
@@ -149,14 +141,12 @@ impl MonochromaticLens<'_> {
     }
 }
 
-/// Returns a ray in the meridional plane that crosses the axis at `z_mm`. The field angle is in
-/// radians.
+/// Returns a meridional ray at a field angle in radians that crosses the axis at `z_mm`.
 fn ray_at(field: f64, z_mm: f64) -> LensRay {
     LensRay { origin: DVec3::new(0.0, 0.0, z_mm), direction: DVec3::new(0.0, sin(field), cos(field)) }
 }
 
-/// Returns a ray parallel to the chief ray. The ray is shifted by `up_mm` in the meridional plane,
-/// and by `aside_mm` perpendicular to that plane.
+/// Returns a ray parallel to the chief ray, `up_mm` in the meridional plane and `aside_mm` off it.
 pub(super) fn parallel_ray(chief: LensRay, aside_mm: f64, up_mm: f64) -> LensRay {
     let up = DVec3::new(0.0, chief.direction.z, -chief.direction.y);
     LensRay { origin: chief.origin + DVec3::X * aside_mm + up * up_mm, ..chief }

@@ -1,5 +1,5 @@
-//! Sequential systems with mirrors and tilted or decentred surfaces. Such a system may have no axis
-//! of symmetry, so all figures follow from exactly traced rays.
+//! Sequential systems with mirrors and tilted or decentred surfaces. They may have no axis of
+//! symmetry, so all figures follow from exactly traced rays.
 //!
 //! The axes are right-handed, and the light enters towards +z. Each surface has its own frame, and
 //! lengths are in mm.
@@ -17,13 +17,13 @@ use abbe_spectra::math::elementary::sin_cos;
 /// A surface of a folded system.
 #[derive(Debug, Clone)]
 pub struct FoldedSurface {
-    /// Profile in the frame of the surface.
+    /// In the frame of the surface.
     pub profile: SurfaceProfile,
-    /// Transform from the frame of the surface to the frame of the system. It has no scale.
+    /// From the frame of the surface to the frame of the system, without a scale.
     pub frame: DAffine3,
     /// The medium behind the surface. `None` is a mirror.
     pub index: Option<RefractiveIndex>,
-    /// Radius of the circular aperture in mm, or `None` if the surface blocks no light.
+    /// Radius of the circular aperture in mm, or `None` if it blocks no light.
     pub aperture_mm: Option<f64>,
     /// Radius of the central obscuration in mm, or 0.
     pub obscuration_mm: f64,
@@ -91,19 +91,17 @@ pub struct FoldedAnalysis {
     pub fields: Vec<FoldedField>,
 }
 
-/// Half field in degrees of a system that does not state its field.
+/// In degrees, for a system without an explicit field.
 const DEFAULT_HALF_FIELD_DEG: f64 = 1.0;
-/// Fields of the analysis, each divided by half of the field of view.
+/// Each divided by half of the field of view.
 const FIELD_FRACTIONS: [f64; 4] = [0.0, 0.7, 1.0, -1.0];
-/// Number of rays across the entering bundle.
 const RAYS_ACROSS_BUNDLE: u32 = 64;
 /// Maximum number of Newton steps for the ray through the centre of the stop.
 const MAX_AIM_STEPS: usize = 50;
 
 impl FoldedSystem {
-    /// Traces a ray to the image plane. Calls `visit` with the index of each surface and the point
-    /// in the frame of the surface. Returns the ray behind the last surface, or `None` if it is
-    /// lost.
+    /// Traces a ray through the surfaces, and calls `visit` with the index of each and the point in
+    /// its frame. Returns the ray behind the last surface, or `None` if it is lost.
     fn trace(&self, mut ray: LensRay, nm: f64, mut visit: impl FnMut(usize, DVec3) -> bool) -> Option<LensRay> {
         let mut n_before = 1.0;
         for (i, surface) in self.surfaces.iter().enumerate() {
@@ -133,21 +131,20 @@ impl FoldedSystem {
         Some(ray)
     }
 
-    /// Returns the point in mm at which a ray crosses the image plane, in the frame of this plane.
+    /// Returns the point in mm, in the frame of the image plane, at which a ray crosses it.
     fn on_image(&self, ray: LensRay) -> DVec2 {
         let to_local = self.image.inverse();
         let (origin, direction) = (to_local.transform_point3(ray.origin), to_local.transform_vector3(ray.direction));
         (origin - direction * (origin.z / direction.z)).truncate()
     }
 
-    /// Returns whether the apertures of a surface let light pass at a point.
     fn passes(&self, i: usize, point: DVec3) -> bool {
         let FoldedSurface { aperture_mm, obscuration_mm, .. } = &self.surfaces[i];
         let height_mm = point.truncate().length();
         height_mm >= *obscuration_mm && aperture_mm.is_none_or(|radius_mm| height_mm <= radius_mm)
     }
 
-    /// Returns the point at which a ray of the d line crosses the stop.
+    /// The point at which a ray of the d line crosses the stop.
     fn at_stop(&self, ray: LensRay) -> Option<DVec2> {
         let mut crossed = None;
         self.trace(ray, lines::D_NM, |i, point| {
@@ -159,10 +156,7 @@ impl FoldedSystem {
         crossed
     }
 
-    /// Returns the ray at a field angle in degrees that passes through the centre of the stop.
-    ///
-    /// # Errors
-    /// Returns an error if no such ray is found.
+    /// Returns the ray at an angle in degrees through the stop's centre, or an error.
     fn chief_ray(&self, angle_deg: f64) -> Result<LensRay> {
         let angle = angle_deg.to_radians();
         let (sin, cos) = sin_cos(angle);
@@ -189,8 +183,7 @@ impl FoldedSystem {
         Err(lost())
     }
 
-    /// Returns the focal length and the distance from the last surface to the focus, in mm, for a
-    /// thin bundle along `aside` around a ray.
+    /// Returns the focal length and back focus in mm of a thin bundle along `aside` around a ray.
     fn focus(&self, central: LensRay, aside: DVec3) -> Result<(f64, f64)> {
         const OFFSET_MM: f64 = 1e-3;
         let lost = || Error::input("the central ray is lost in the system");
@@ -212,7 +205,6 @@ impl FoldedSystem {
         Ok((2.0 * OFFSET_MM / turn.length(), -gap.dot(turn) / turn.length_squared()))
     }
 
-    /// Returns the diameter in mm of the entering bundle.
     fn entrance_mm(&self, efl_mm: f64, central: LensRay) -> Result<f64> {
         match self.aperture {
             FoldedAperture::EntrancePupil(diameter_mm) => Ok(diameter_mm),
@@ -228,7 +220,6 @@ impl FoldedSystem {
         }
     }
 
-    /// Returns the image of a distant point.
     fn field(&self, angle_deg: f64, entrance_mm: f64) -> Result<FoldedField> {
         let chief = self.chief_ray(angle_deg)?;
         let offset = |i: u32| (f64::from(2 * i + 1) / f64::from(RAYS_ACROSS_BUNDLE) - 1.0) * 0.5 * entrance_mm;
@@ -253,10 +244,7 @@ impl FoldedSystem {
         Ok(FoldedField { angle_deg, centroid_mm: d.0, rms_mm: [f.1, d.1, c.1], passing: d.2 })
     }
 
-    /// Analyses the system for distant objects. If `half_field_deg` is given, it replaces the half
-    /// field of the system.
-    ///
-    /// # Errors
+    /// Analyses the system for distant objects with its own half field, or `half_field_deg`.
     /// Returns an error if the system has no focus, or if no light passes at one of the fields.
     pub fn analysis(&self, half_field_deg: Option<f64>) -> Result<FoldedAnalysis> {
         let central = self.chief_ray(0.0)?;

@@ -1,8 +1,8 @@
 //! The modulation transfer function (MTF) and the ray fans of a lens.
 //!
-//! The MTF is the geometric MTF of the rays of the F, d and C lines, with equal weights. It is
-//! multiplied by the MTF of a perfect lens with the same f-number, so that it never exceeds the limit
-//! of diffraction. Source: Smith, *Modern Optical Engineering*, §11.
+//! The MTF is the geometric MTF of the rays of the F, d and C lines, with equal weights, times the
+//! MTF of a perfect lens with the same f-number, so that it never exceeds the limit of diffraction.
+//! Source: Smith, *Modern Optical Engineering*, §11.
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,8 +21,7 @@ use abbe_spectra::math::rotation::unit_vector;
 /// The spatial frequencies of the MTF in cycles/mm.
 pub const FREQUENCIES_PER_MM: [f64; 4] = [10.0, 20.0, 40.0, 80.0];
 
-/// The pupil coordinates of a ray fan: the height of a ray in the entrance pupil, divided by the
-/// radius of the pupil.
+/// The heights of the rays of a fan in the entrance pupil, divided by the radius of the pupil.
 pub const FAN_PUPIL: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// The MTF at one spatial frequency.
@@ -38,9 +37,8 @@ pub struct MtfPoint {
     pub diffraction_limit: f64,
 }
 
-/// The ray fans of one spectral line: the transverse ray aberration in mm for each coordinate of
-/// [`FAN_PUPIL`]. The reference is the chief ray of the d line. An entry is `None` if the ray is
-/// vignetted.
+/// The ray fans of one spectral line: the transverse ray aberration in mm, from the chief ray of
+/// the d line, for each coordinate of [`FAN_PUPIL`], or `None` if the ray is vignetted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayFan {
     /// Name of the line.
@@ -63,11 +61,8 @@ pub struct ImageQuality {
 }
 
 impl ImageQuality {
-    /// Computes the image quality at the fields of an analysis. The sensor lies at the focus of the
-    /// d line for a distant object.
-    ///
-    /// # Errors
-    /// Returns an error if no light passes at one of the fields.
+    /// Computes the image quality at the fields of an analysis, with the sensor at the focus of the
+    /// d line for a distant object. Returns an error if no light passes at one of the fields.
     pub fn of(lens: &Lens, analysis: &LensAnalysis) -> Result<Vec<Self>> {
         analysis.fields.iter().map(|field| Self::at(lens, analysis, field.angle_deg)).collect()
     }
@@ -139,8 +134,7 @@ mod tests {
     use super::*;
     use crate::lens::catalogue;
 
-    /// The MTF of uniform points on a line of length L is |sinc(L f)|, and of a pair of points at
-    /// distance d it is |cos(π d f)|.
+    /// For a uniform line of length L it is |sinc(L f)|, for points d apart |cos(π d f)|.
     #[test]
     fn the_contrast_of_known_point_sets_is_exact() {
         let pair = [DVec2::new(0.0, 0.01), DVec2::new(0.0, -0.01)];
@@ -159,8 +153,7 @@ mod tests {
         assert!((diffraction_limit(85.1, 10.0) - 0.391).abs() < 1e-3, "half the cutoff");
     }
 
-    /// Stopping down a lens with spherical aberration raises the contrast and shrinks the fans. On
-    /// the axis, both fans are odd and equal.
+    /// Stopping down raises contrast and shrinks the fans, odd and equal on the axis.
     #[test]
     fn the_quality_of_a_singlet_rises_when_it_is_stopped_down() {
         let open = catalogue::find("singlet").unwrap();

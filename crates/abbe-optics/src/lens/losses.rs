@@ -1,8 +1,7 @@
 //! The light that the surfaces of a lens reflect: losses along the image path, and ghosts.
 //!
-//! A ghost is light that is reflected at two surfaces. Ghosts of four or more reflections are
-//! weaker by the square of a reflectance, and are not traced. The reflectances are those of
-//! unpolarised light at each surface.
+//! A ghost is light that is reflected at two surfaces. Ghosts of four or more reflections, weaker
+//! by the square of a reflectance, are not traced. The reflectances are those of unpolarised light.
 
 use super::prescription::Lens;
 use super::profile::TraceDirection;
@@ -10,25 +9,25 @@ use super::trace::{ApertureCheck, LensRay, MonochromaticLens, RayLoss};
 use crate::fresnel;
 use crate::glass::lines;
 
-/// Wavelengths (nm) at which the reflectances of surfaces are averaged to choose ghosts.
+/// In nm, for the mean reflectances of surfaces that choose ghosts.
 const PROBES_NM: [f64; 5] = [420.0, 480.0, lines::D_NM, 650.0, 740.0];
 
-/// The share of ghosts that are chosen with equal probabilities. The other ghosts are chosen with
-/// probabilities proportional to the product of both reflectances.
+/// The fraction of ghosts that are chosen with equal probabilities; the others are chosen in
+/// proportion to the product of both reflectances.
 const EQUAL_FRACTION: f64 = 0.1;
 
 /// A pair of surfaces that reflect, and the probability with which it is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GhostPair {
-    /// The indices of the surface nearer to the scene, and of the surface nearer to the sensor.
+    /// The indices of the surface nearer to the scene, and of that nearer to the sensor.
     pub surfaces: [usize; 2],
     /// The probability of this pair.
     pub probability: f64,
 }
 
 impl Lens {
-    /// Returns all pairs of surfaces that reflect light, with probabilities that sum to 1. A pair
-    /// is more probable if both of its surfaces reflect much light at normal incidence.
+    /// Returns all pairs of surfaces that reflect light, with probabilities that sum to 1 and grow
+    /// with the reflectances at normal incidence.
     pub fn ghost_pairs(&self) -> Vec<GhostPair> {
         let at = PROBES_NM.map(|nm| self.at(nm));
         let count = self.surfaces().len();
@@ -45,8 +44,8 @@ impl Lens {
 }
 
 impl MonochromaticLens<'_> {
-    /// Returns the reflectance and the transmittance of surface `i` for unpolarised light. `cos` is
-    /// the cosine of the angle of incidence, and `travel` is the direction of the incident light.
+    /// Returns the reflectance and the transmittance of surface `i` for unpolarised light that
+    /// travels in the direction `travel`, at a cosine of incidence.
     pub fn surface_powers(&self, i: usize, cos: f64, travel: TraceDirection) -> [f64; 2] {
         let (front, behind) = (self.index_before(i), self.index_before(i + 1));
         let Some(films) = &self.lens().surfaces()[i].coating else {
@@ -68,15 +67,11 @@ impl MonochromaticLens<'_> {
         surfaces.map(|i| self.surface_powers(i, 1.0, TraceDirection::ToSensor)[1]).product()
     }
 
-    /// Traces a ray from the sensor to the scene, with enforced apertures. If `ghost` contains a
-    /// pair of surfaces, the ray is first reflected at the surface nearer to the scene, and then at
-    /// the other surface.
+    /// Traces a ray from the sensor to the scene, with enforced apertures, and for a `ghost` with a
+    /// reflection at the surface nearer to the scene and then at the other one.
     ///
     /// Returns the ray as [`Self::trace`] does, and the product of all transmittances and
-    /// reflectances along the path.
-    ///
-    /// # Errors
-    /// If the ray is lost, returns the reason and the index of the surface.
+    /// reflectances, or the reason and the index of the surface if the ray is lost.
     pub fn trace_with_losses(&self, mut ray: LensRay, ghost: Option<[usize; 2]>) -> Result<(LensRay, f64), RayLoss> {
         let (mut i, mut travel) = (self.lens().surfaces().len() - 1, TraceDirection::ToScene);
         let mut reflections = ghost.into_iter().flatten();
@@ -175,14 +170,14 @@ mod tests {
         }
     }
 
-    /// A ray near the axis follows the paraxial system of a ghost in a thick lens: refraction,
-    /// reflection at the front, reflection at the back, and refraction.
+    /// In a thick lens, a ghost ray near the axis is refracted, reflected at the front and at the
+    /// back, and refracted, as in the paraxial system.
     #[test]
     fn ghost_rays_near_the_axis_are_paraxial() {
         let (n, c1, c2, thickness) = (1.6, 1.0 / 60.0, -1.0 / 45.0, 7.0);
         let thick = lens(&[(1.0 / c1, thickness, n), (1.0 / c2, 0.0, 1.0)], None);
-        // The state is the height and the slope dy/ds along the path of the ray, which starts
-        // towards −z. The power of each step follows from Gauss's equations on unfolded surfaces.
+        // The height and the slope dy/ds along the path of the ray, which starts towards −z. The
+        // power of each step follows from Gauss's equations on unfolded surfaces.
         let (mut y, mut u) = (1e-4, 2e-5);
         let start = LensRay { origin: DVec3::new(0.0, y, thickness), direction: DVec3::new(0.0, u, -1.0).normalize() };
         // Refraction at the back: light travels towards −z, so the curvature changes its sign.

@@ -5,12 +5,11 @@
 //! towards +z. Lengths are in mm. The surrounding medium is air, n = 1.
 //!
 //! A [`Prescription`] comes from the built-in [`catalogue`] or from a Zemax file ([`zemax`]), and
-//! [`Lens::new`] validates it. [`Lens::at`] evaluates the lens at one wavelength: the resulting
+//! [`Lens::new`] validates it. [`Lens::at`] evaluates it at one wavelength. The resulting
 //! [`MonochromaticLens`] traces rays without allocation ([`MonochromaticLens::trace`]), also with
-//! the losses at coated and uncoated surfaces and with ghosts
-//! ([`MonochromaticLens::trace_with_losses`]), and computes the focal length, the foci and the
-//! pupils ([`Paraxial`]). [`LensAnalysis`] computes the usual figures of a lens design, and
-//! [`section`] a drawing of the cross-section.
+//! losses at surfaces and with ghosts ([`MonochromaticLens::trace_with_losses`]), and computes
+//! focal length, foci and pupils ([`Paraxial`]). [`LensAnalysis`] computes the figures of a design,
+//! [`section`] a drawing.
 
 mod analysis;
 pub mod catalogue;

@@ -1,5 +1,5 @@
-//! Paraxial optics by ray transfer matrices. A ray is (y, n·u): the height in mm, and the product
-//! of index and slope (Born & Wolf, *Principles of Optics*, §4.4).
+//! Paraxial optics by ray transfer matrices for rays (y, n·u): the height in mm, and index times
+//! slope (Born & Wolf, *Principles of Optics*, §4.4).
 
 use super::trace::MonochromaticLens;
 use abbe_spectra::error::{Error, Result};
@@ -20,20 +20,18 @@ pub struct Paraxial {
     pub efl_mm: f64,
     /// Back focal distance in mm, from the last vertex to the rear focus.
     pub bfd_mm: f64,
-    /// Position of the front focus on the axis, in mm from the first vertex. It is negative if this
-    /// focus lies in front of the lens.
+    /// Position of the front focus, in mm from the first vertex, negative in front of it.
     pub front_focus_z_mm: f64,
-    /// Image of the stop seen from the scene, or `None` if the image lies at infinity.
+    /// Image of the stop seen from the scene, unless it lies at infinity.
     pub entrance_pupil: Option<Pupil>,
-    /// Image of the stop seen from the sensor, or `None` if the image lies at infinity.
+    /// Image of the stop seen from the sensor, unless it lies at infinity.
     pub exit_pupil: Option<Pupil>,
     /// F-number for an object at infinity: the focal length divided by the diameter of the entrance
-    /// pupil. `None` if this pupil lies at infinity.
+    /// pupil, unless this pupil lies at infinity.
     pub f_number: Option<f64>,
 }
 
-/// A ray transfer matrix with the determinant a·d − b·c = 1. With ω = n·u, it maps the ray (y, ω)
-/// to (a·y + b·ω, c·y + d·ω).
+/// A ray transfer matrix of determinant 1: (y, ω = n·u) to (a·y + b·ω, c·y + d·ω).
 #[derive(Debug, Clone, Copy)]
 struct RayTransferMatrix {
     a: f64,
@@ -54,14 +52,12 @@ impl RayTransferMatrix {
     }
 }
 
-/// A lens has a focus only if the product of its power and its size exceeds this value.
+/// A lens has a focus only if its power times its size exceeds this value.
 const AFOCAL: f64 = 1e-9;
 
 impl MonochromaticLens<'_> {
-    /// Returns the matrix from the vertex of surface `from` to the vertex of surface `to`. The
-    /// matrix includes the refraction at surface `from`, but not the refraction at surface `to`. If
-    /// `to` is the number of surfaces, the matrix ends at the last vertex and includes the
-    /// refraction there.
+    /// Returns the matrix from the vertex of surface `from`, with its refraction, to that of `to`,
+    /// without, or if `to` is the number of surfaces, to the last, with its refraction.
     fn matrix(&self, from: usize, to: usize) -> RayTransferMatrix {
         let (mut matrix, surfaces) = (RayTransferMatrix::IDENTITY, self.lens().surfaces());
         for (i, surface) in surfaces.iter().enumerate().take(to).skip(from) {
@@ -74,21 +70,18 @@ impl MonochromaticLens<'_> {
         matrix
     }
 
-    /// Follows a ray that is parallel to the axis in front of the lens. Returns the height of this
-    /// ray at the stop, divided by its height in front of the lens.
+    /// Returns the height at the stop, relative to that in front, of a ray parallel to the axis.
     pub(super) fn stop_magnification(&self) -> f64 {
         self.matrix(0, self.lens().stop()).a
     }
 
-    /// Returns the z coordinate of the entrance pupil in mm, which does not depend on the size of
-    /// the stop. If the pupil lies at infinity, the result is not finite.
+    /// Returns z of the entrance pupil in mm, for any size of the stop; not finite at infinity.
     pub(super) fn entrance_pupil_z_mm(&self) -> f64 {
         let front = self.matrix(0, self.lens().stop());
         front.b / front.a
     }
 
-    /// Computes focal length, focal points and pupils, or returns an error for a lens without
-    /// power.
+    /// Computes focal length, foci and pupils, or returns an error for a lens without power.
     pub fn paraxial(&self) -> Result<Paraxial> {
         let lens = self.lens();
         let (count, stop) = (lens.surfaces().len(), lens.stop());
@@ -120,13 +113,9 @@ impl MonochromaticLens<'_> {
         })
     }
 
-    /// Returns the distance in mm from the last vertex to the image behind it, at which a sensor is
-    /// in focus. `object_mm` is the distance of the object in front of the first vertex, and may be
-    /// infinite.
-    ///
-    /// # Errors
-    /// Returns an error if there is no real image behind the lens, because the object is too near
-    /// or the lens diverges.
+    /// Returns the distance in mm from the last vertex to the image behind it of an object at the
+    /// distance `object_mm`, which may be infinite, in front of the first vertex. Returns an error
+    /// if there is no real image, because the object is too near or the lens diverges.
     pub fn image_distance_mm(&self, object_mm: f64) -> Result<f64> {
         let Paraxial { efl_mm, bfd_mm, front_focus_z_mm, .. } = self.paraxial()?;
         let behind = self.index_before(self.lens().surfaces().len());

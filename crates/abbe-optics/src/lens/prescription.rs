@@ -15,20 +15,19 @@ pub const MAX_SURFACES: usize = 64;
 pub struct LensSurface {
     /// Profile of the surface.
     pub profile: SurfaceProfile,
-    /// Distance to the next vertex in mm, ≥ 0. For the last surface, this is the distance to the
-    /// sensor. If the design does not contain that distance, the value is 0.
+    /// Distance to the next vertex, or of the last to the sensor (0 if unknown), in mm, ≥ 0.
     pub thickness_mm: f64,
-    /// Refractive index behind the surface, relative to air.
+    /// Behind the surface, relative to air.
     pub index: RefractiveIndex,
     /// Half of the clear diameter in mm.
     pub semi_aperture_mm: f64,
-    /// Radius, in mm, of the central obscuration, which blocks rays nearer to the axis, or 0.
+    /// Radius in mm of the central obscuration, which blocks rays nearer to the axis, or 0.
     pub obscuration_mm: f64,
-    /// Thin films on the surface, from the side of the scene to the side of the sensor.
+    /// Thin films, from the side of the scene to the side of the sensor.
     pub coating: Option<FilmStack>,
 }
 
-/// The size of the stop, specified in one of four ways.
+/// The size of the stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ApertureSpec {
     /// The semi-aperture of the stop's surface.
@@ -58,7 +57,7 @@ pub struct Prescription {
     pub source: Option<String>,
     /// Surfaces from the scene to the sensor.
     pub surfaces: Vec<LensSurface>,
-    /// Index of the surface that is the aperture stop. The first surface has the index 0.
+    /// Index of the surface that is the aperture stop, from 0.
     pub stop: Option<usize>,
     /// Size of the stop.
     pub opening: ApertureSpec,
@@ -68,8 +67,7 @@ pub struct Prescription {
     pub notes: Vec<String>,
 }
 
-/// A validated lens. Every surface is defined up to its semi-aperture, the surfaces do not cross,
-/// and one of them is the stop.
+/// A validated lens, with defined surfaces that do not cross, one of which is the stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
     name: String,
@@ -83,18 +81,15 @@ pub struct Lens {
 }
 
 /// Returns the refractive index of a medium by name: `air`, whose index is 1 because all indices
-/// are relative to air, or a name of the glass catalogue. Returns an error if the name is unknown.
+/// are relative to air, or a glass of the catalogue. Returns an error if the name is unknown.
 pub fn medium(name: &str) -> Result<RefractiveIndex> {
     if name.eq_ignore_ascii_case("air") { RefractiveIndex::constant(1.0) } else { RefractiveIndex::catalogue(name) }
 }
 
 impl Lens {
-    /// Validates a prescription.
-    ///
-    /// # Errors
-    /// Returns an error if a number is out of range, if a surface is not defined up to its
-    /// semi-aperture, if a surface crosses the next one, or if the stop is missing. The error
-    /// contains the path of the surface, `surfaces[i]`, where i counts from 0.
+    /// Validates a prescription. Returns an error with the path of the surface, `surfaces[i]`,
+    /// where i counts from 0, if a number is out of range, a surface is not defined up to its
+    /// semi-aperture or crosses the next one, or the stop is missing.
     pub fn new(prescription: Prescription) -> Result<Self> {
         let Prescription { name, source, surfaces, stop, opening, half_field_deg, notes } = prescription;
         if !(1..=MAX_SURFACES).contains(&surfaces.len()) {
@@ -119,8 +114,7 @@ impl Lens {
             vertex_mm
         };
         let vertices_mm = surfaces.iter().map(advance).collect();
-        let blades = None;
-        let lens = Self { name, source, surfaces, vertices_mm, stop, blades, half_field_deg, notes };
+        let lens = Self { name, source, surfaces, vertices_mm, stop, blades: None, half_field_deg, notes };
         let lens = lens.with_aperture(opening)?;
         lens.check_shapes()?;
         Ok(lens)
@@ -146,11 +140,7 @@ impl Lens {
         &self.surfaces
     }
 
-    /// Replaces the coating of each surface. The function `coating` returns the new coating of the
-    /// surface with an index.
-    ///
-    /// # Errors
-    /// Returns the first error of `coating`.
+    /// Replaces the coating of each surface by index, or returns the first error.
     pub fn with_coatings(mut self, coating: impl Fn(&Self, usize) -> Result<Option<FilmStack>>) -> Result<Self> {
         let coatings = (0..self.surfaces.len()).map(|i| coating(&self, i)).collect::<Result<Vec<_>>>()?;
         self.surfaces.iter_mut().zip(coatings).for_each(|(surface, coating)| surface.coating = coating);
@@ -167,7 +157,7 @@ impl Lens {
         self.surfaces.iter().any(|surface| surface.coating.is_some())
     }
 
-    /// Returns the index of the stop's surface. The first surface has the index 0.
+    /// Returns the index of the stop's surface, from 0.
     pub fn stop(&self) -> usize {
         self.stop
     }
@@ -184,8 +174,7 @@ impl Lens {
         self.blades
     }
 
-    /// Returns whether a point lies inside the aperture of a surface. The coordinates of the point
-    /// are its distances from the axis in mm, to the right and upwards.
+    /// Returns true if a point (mm to the right and upwards) lies inside a surface's aperture.
     pub(super) fn aperture_contains(&self, surface: usize, place: DVec2) -> bool {
         let LensSurface { semi_aperture_mm, obscuration_mm, .. } = &self.surfaces[surface];
         let height2_mm2 = place.length_squared();
@@ -198,8 +187,7 @@ impl Lens {
         }
     }
 
-    /// Returns half of the designed field of view in degrees, or `None` if the design does not
-    /// contain it.
+    /// Returns half of the designed field of view in degrees, if the design contains it.
     pub fn half_field_deg(&self) -> Option<f64> {
         self.half_field_deg
     }
@@ -214,11 +202,9 @@ impl Lens {
         self.vertices_mm[self.surfaces.len() - 1]
     }
 
-    /// Returns the lens stopped down to the given f-number. Returns an error if this f-number
-    /// requires a stop larger than the open stop.
+    /// Returns the lens at this f-number, or an error if that requires a larger stop.
     pub fn stopped_down(&self, f_number: f64) -> Result<Self> {
-        /// Relative tolerance for the semi-aperture of the stop. The true f-number of an open lens
-        /// may exceed its nominal f-number by this fraction.
+        /// The fraction by which the true f-number of an open lens may exceed its nominal one.
         const NOMINAL_TOLERANCE: f64 = 1e-2;
         let stopped = self.clone().with_aperture(ApertureSpec::FNumber(f_number))?;
         let semi_aperture_mm = |lens: &Self| lens.surfaces[lens.stop].semi_aperture_mm;
@@ -230,7 +216,6 @@ impl Lens {
         Ok(stopped)
     }
 
-    /// Sets the size of the stop.
     fn with_aperture(mut self, opening: ApertureSpec) -> Result<Self> {
         let diameter_mm = match opening {
             ApertureSpec::Stop => return Ok(self),
@@ -255,8 +240,7 @@ impl Lens {
         Ok(self)
     }
 
-    /// Checks that every surface is defined up to its semi-aperture and that neighbouring surfaces
-    /// do not cross within their common aperture.
+    /// Checks that every surface is defined in its aperture and does not cross the next one there.
     fn check_shapes(&self) -> Result<()> {
         for (i, surface) in self.surfaces.iter().enumerate() {
             let semi_aperture_mm = surface.semi_aperture_mm;

@@ -27,8 +27,7 @@ impl TraceDirection {
         }
     }
 
-    /// Orders two values: the value on the side from which the light comes, and the other one.
-    /// `front` belongs to the side of the scene.
+    /// Orders two values, `front` on the scene's side: first that from which the light comes.
     pub(super) fn order(self, front: f64, behind: f64) -> (f64, f64) {
         match self {
             Self::ToSensor => (front, behind),
@@ -39,8 +38,8 @@ impl TraceDirection {
 
 /// A surface of revolution about the z axis, with the vertex at the origin.
 ///
-/// The sag is z(h) = c·h²/(1 + √(1 − (1 + k)c²h²)) + Σ aᵢ h²ⁱ, where h is the height. The sum
-/// extends over i ≥ 1. Source: Welford, *Aberrations of Optical Systems*, §2.3.
+/// At the height h, the sag is z(h) = c·h²/(1 + √(1 − (1 + k)c²h²)) + Σ aᵢ h²ⁱ with i ≥ 1. Source:
+/// Welford, *Aberrations of Optical Systems*, §2.3.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SurfaceProfile {
     /// Curvature c in 1/mm: positive if the centre of curvature lies towards +z, and 0 for a plane.
@@ -55,15 +54,13 @@ pub struct SurfaceProfile {
 const MAX_ASPHERE_STEPS: usize = 32;
 
 impl SurfaceProfile {
-    /// Creates a sphere from its radius in mm. The radius is positive if the centre of the sphere
-    /// lies towards +z. A radius of 0 gives a plane, as in lens files.
+    /// Creates a sphere from its radius in mm: positive towards +z, 0 for a plane, as in files.
     pub fn sphere(radius_mm: f64) -> Self {
         let curvature_per_mm = if radius_mm == 0.0 { 0.0 } else { 1.0 / radius_mm };
         Self { curvature_per_mm, ..Self::default() }
     }
 
-    /// Returns the sag z in mm at a squared height in mm², or NaN if the conic does not extend to
-    /// this height.
+    /// Returns the sag z in mm at a squared height in mm², or NaN where the conic does not extend.
     pub fn sag_mm(&self, height2_mm2: f64) -> f64 {
         let conic = self.curvature_per_mm * height2_mm2 / (1.0 + self.root(height2_mm2));
         conic + height2_mm2 * self.even_terms.iter().rev().fold(0.0, |sum, term| sum * height2_mm2 + term)
@@ -74,9 +71,8 @@ impl SurfaceProfile {
         self.curvature_per_mm + 2.0 * self.even_terms.first().copied().unwrap_or(0.0)
     }
 
-    /// Returns √(1 − (1 + k)c²h²). If the value under the root differs from 0 by less than 1e-14,
-    /// the result is 0. Without this rule, rounding errors could make the root undefined at the
-    /// equator of a ball.
+    /// Returns √(1 − (1 + k)c²h²), or 0 if the value under the root differs from 0 by less than
+    /// 1e-14: otherwise, rounding could make the root undefined at the equator of a ball.
     fn root(&self, height2_mm2: f64) -> f64 {
         let square = 1.0 - (1.0 + self.conic) * self.curvature_per_mm * self.curvature_per_mm * height2_mm2;
         if square.abs() < 1e-14 { 0.0 } else { square.sqrt() }
@@ -94,8 +90,8 @@ impl SurfaceProfile {
         self.gradient(point).normalize()
     }
 
-    /// Returns a vector parallel to the gradient of z − z(h). For a conic, the function uses the
-    /// gradient of the quadratic equation, because this gradient is also finite at the equator.
+    /// Returns a vector parallel to the gradient of z − z(h): for a conic, that of the quadratic
+    /// equation, which is also finite at the equator.
     fn gradient(&self, point: DVec3) -> DVec3 {
         if self.even_terms.is_empty() {
             let c = self.curvature_per_mm;
@@ -105,13 +101,10 @@ impl SurfaceProfile {
         DVec3::new(slope * point.x, slope * point.y, 1.0)
     }
 
-    /// Intersects the surface with a line through `origin` along the unit vector `direction`. Only
-    /// the sheet of the surface that contains the vertex is considered.
-    ///
-    /// The function returns the point where the light crosses the surface in the direction
-    /// `travel`. `ToSensor` means a crossing from the scene side to the sensor side. `ToScene`
-    /// means a crossing in the opposite direction. The point may lie in front of `origin` or behind
-    /// it. Returns `None` if there is no such intersection.
+    /// Intersects the sheet of the surface that contains the vertex with a line through `origin`
+    /// along the unit vector `direction`. Returns the point, in front of `origin` or behind it,
+    /// where the light crosses the surface from the scene side to the sensor side (`ToSensor`) or
+    /// back (`ToScene`), if there is one.
     pub fn intersect(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let conic = self.intersect_conic(origin, direction, travel);
         if self.even_terms.is_empty() {
@@ -121,15 +114,12 @@ impl SurfaceProfile {
         self.intersect_asphere(start, direction, travel)
     }
 
-    /// Intersects the line with the conic c(x² + y² + (1 + k)z²) = 2z.
-    ///
-    /// The function uses a form of the quadratic formula that is accurate for nearly flat surfaces.
-    /// The line crosses the conic at up to two points. The function returns the point where the
-    /// component of the gradient along the ray has the same sign as `travel`.
+    /// Intersects the line with the conic c(x² + y² + (1 + k)z²) = 2z, by a form of the quadratic
+    /// formula that is accurate for nearly flat surfaces. Of up to two points, the function returns
+    /// the one where the component of the gradient along the ray has the same sign as `travel`.
     fn intersect_conic(&self, origin: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let (c, k) = (self.curvature_per_mm, self.conic);
-        // Distances along the line are measured from the point of the line that is nearest to the
-        // vertex. This choice avoids cancellation if the origin is far away.
+        // From the point of the line nearest to the vertex, distant origins cause no cancellation.
         let near = origin - direction * origin.dot(direction);
         let a = c * (1.0 + k * direction.z * direction.z);
         let b = direction.z - c * k * near.z * direction.z;
@@ -143,7 +133,6 @@ impl SurfaceProfile {
         (on_sheet && point.is_finite()).then_some(point)
     }
 
-    /// Intersects the line with the aspheric surface by Newton's method.
     fn intersect_asphere(&self, start: DVec3, direction: DVec3, travel: TraceDirection) -> Option<DVec3> {
         let mut point = start;
         for _ in 0..MAX_ASPHERE_STEPS {
@@ -202,7 +191,6 @@ mod tests {
         }
     }
 
-    /// A line beside a ball and a line parallel to a plane have no intersection.
     #[test]
     fn lines_beside_a_ball_and_within_a_plane_miss() {
         let ball = SurfaceProfile::sphere(5.0);

@@ -1,5 +1,4 @@
-//! The cross-section of a lens along the axis, for a drawing. Outlines and rays are given as points
-//! (z, y) in mm.
+//! The cross-section of a lens, for a drawing: outlines and rays as points (z, y) in mm.
 
 use glam::DVec2;
 
@@ -28,8 +27,7 @@ pub struct FocusDetail {
     pub angle_deg: f64,
     /// Centre of the window, on the sensor.
     pub centre: DVec2,
-    /// Half of the window's length along the axis, and half of the window's height. The window is
-    /// large enough to show the separate foci of the spectral lines.
+    /// Half the window's length along the axis and its height, to show the lines' separate foci.
     pub half_size: DVec2,
     /// Slope dy/dz of the middle of the bundle at the sensor.
     pub slope: f64,
@@ -50,12 +48,10 @@ pub struct LensSection {
     pub foci: Vec<FocusDetail>,
 }
 
-/// Number of segments along a surface.
 const CURVE_POINTS: u32 = 48;
 const RAYS_PER_BUNDLE: u32 = 5;
-/// Ratio of two widths. The first is the width of the bundle of drawn rays. The second is the width
-/// of the bundle that passes the lens at the wavelength of the d line. The ratio is less than 1,
-/// because rays of the other spectral lines may be vignetted at the edge of the second bundle.
+/// Width of the bundle of drawn rays, divided by that of the bundle that passes the lens at the d
+/// line: below 1, because rays of the other lines may be vignetted at its edge.
 const BUNDLE_FRACTION: f64 = 0.97;
 
 /// Computes the cross-section of a lens. Returns an error if no light passes.
@@ -78,14 +74,12 @@ pub fn section(lens: &Lens, analysis: &LensAnalysis) -> Result<LensSection> {
     })
 }
 
-/// Returns the outlines of all glass elements. Cemented elements have separate outlines.
 fn elements(lens: &Lens) -> Vec<Vec<DVec2>> {
     let is_glass = |i: &usize| lens.surfaces()[*i].index.nd() != 1.0;
     (0..lens.surfaces().len() - 1).filter(is_glass).map(|i| outline(lens, i)).collect()
 }
 
-/// Returns the outline of the glass behind surface `i`. If the edges of the two surfaces do not
-/// touch, a cylinder joins the edges.
+/// Returns the outline of the glass behind surface `i`, closed by a cylinder.
 fn outline(lens: &Lens, i: usize) -> Vec<DVec2> {
     let [front, back] = [i, i + 1].map(|i| curve(lens, i));
     let (front_rim, back_rim) = (front[CURVE_POINTS as usize], back[CURVE_POINTS as usize]);
@@ -105,7 +99,6 @@ fn outline(lens: &Lens, i: usize) -> Vec<DVec2> {
     outline
 }
 
-/// Returns the upper half of a surface from the axis to its rim.
 fn curve(lens: &Lens, i: usize) -> Vec<DVec2> {
     let surface = &lens.surfaces()[i];
     let heights = (0..=CURVE_POINTS).map(|step| surface.semi_aperture_mm * f64::from(step) / f64::from(CURVE_POINTS));
@@ -118,9 +111,8 @@ fn stop(lens: &Lens, blade_mm: f64) -> [[DVec2; 2]; 2] {
     [[rim, end], [DVec2::new(rim.x, -rim.y), DVec2::new(end.x, -end.y)]]
 }
 
-/// Returns rays that pass the lens. The rays are evenly spaced across the bundle that passes at the
-/// wavelength of the d line. Each ray is traced at the wavelengths of all three spectral lines. The
-/// rays start in front of the lens, on a plane perpendicular to the bundle.
+/// Returns rays evenly spaced across the bundle that passes at the d line, each at all three lines,
+/// from a plane in front of the lens perpendicular to the bundle.
 fn bundle(lens: &Lens, field: usize, angle_deg: f64, sensor_z_mm: f64, lead_mm: f64) -> Result<Vec<DrawnRay>> {
     let [_, d, _] = LINES.map(|(_, nm)| lens.at(nm));
     let chief = d.chief_ray(angle_deg)?;
@@ -144,9 +136,8 @@ fn bundle(lens: &Lens, field: usize, angle_deg: f64, sensor_z_mm: f64, lead_mm: 
     Ok(rays)
 }
 
-/// Inserts a first point into each ray. All first points lie on one plane perpendicular to the
-/// bundle. The rays reach the lens at different points. The plane lies `lead_mm` in front of the
-/// foremost of these points, measured along the chief ray.
+/// Inserts a first point into each ray, on one plane perpendicular to the bundle that lies
+/// `lead_mm`, along the chief ray, in front of the foremost point at which a ray reaches the lens.
 fn start_on_one_plane(rays: &mut [DrawnRay], chief: LensRay, lead_mm: f64) {
     let along = DVec2::new(chief.direction.z, chief.direction.y);
     let first = rays.iter().map(|ray| ray.points[0].dot(along)).fold(f64::INFINITY, f64::min) - lead_mm;
@@ -156,8 +147,8 @@ fn start_on_one_plane(rays: &mut [DrawnRay], chief: LensRay, lead_mm: f64) {
     }
 }
 
-/// Returns the window of an image point. Along the axis, the window contains the foci of all
-/// spectral lines. Across the axis, it contains all points where the rays reach the sensor.
+/// Returns the window of an image point: along the axis with the foci of all spectral lines, and
+/// across it with all points where the rays reach the sensor.
 fn focus(analysis: &LensAnalysis, angle_deg: f64, bundle: &[DrawnRay]) -> FocusDetail {
     let ends = || bundle.iter().filter_map(|ray| ray.points.last());
     let (low, high) =

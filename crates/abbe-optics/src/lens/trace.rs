@@ -16,8 +16,8 @@ pub struct LensRay {
 }
 
 impl LensRay {
-    /// Returns the point in mm at which the line of the ray crosses the plane z = `z_mm`. If the
-    /// ray is perpendicular to the axis, the result is not finite.
+    /// Returns the point in mm at which the line of the ray crosses the plane z = `z_mm`, not
+    /// finite if the ray is perpendicular to the axis.
     pub fn at_z(&self, z_mm: f64) -> DVec3 {
         let mut point = self.origin + self.direction * ((z_mm - self.origin.z) / self.direction.z);
         point.z = z_mm;
@@ -25,19 +25,16 @@ impl LensRay {
     }
 }
 
-/// The choice between a lens with blocking apertures and a lens without them. The apertures are the
-/// semi-apertures and the stop.
+/// Whether the apertures, which are the semi-apertures and the stop, block rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ApertureCheck {
     /// Rays outside a semi-aperture or the stop are blocked.
     Enforced,
-    /// Apertures do not block rays, so every surface extends as far as its shape is defined. This
-    /// mode serves to search for rays through a given point.
+    /// Surfaces extend as far as their shapes, to search for rays through a point.
     Ignored,
 }
 
-/// The reason why a ray does not pass the lens. Each variant contains the index of the surface,
-/// which counts from 0.
+/// Why a ray does not pass the lens, with the index of the surface from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RayLoss {
     /// The ray does not intersect the surface.
@@ -53,14 +50,13 @@ pub enum RayLoss {
 pub struct MonochromaticLens<'a> {
     lens: &'a Lens,
     wavelength_nm: f64,
-    /// Refractive indices: entry i is the index in front of surface i, and one further entry is the
-    /// index behind the last surface.
+    /// The index in front of surface i, and one more entry for that behind the last surface.
     n: [f64; MAX_SURFACES + 1],
 }
 
 impl Lens {
-    /// Evaluates the lens at a wavelength in nm. The indices are computed once, in this function.
-    /// They are stored in an array of fixed size, so that ray tracing allocates no memory.
+    /// Evaluates the lens at a wavelength in nm. The indices are computed once, into an array of
+    /// fixed size, so that ray tracing allocates no memory.
     pub fn at(&self, wavelength_nm: f64) -> MonochromaticLens<'_> {
         let mut n = [1.0; MAX_SURFACES + 1];
         for (n, surface) in n[1..].iter_mut().zip(self.surfaces()) {
@@ -81,23 +77,18 @@ impl<'a> MonochromaticLens<'a> {
         self.wavelength_nm
     }
 
-    /// Returns the refractive index in front of surface `i`. If `i` is the number of surfaces, the
-    /// function returns the index behind the last surface.
+    /// Returns the index in front of surface `i`, or behind the last one for their number.
     pub(super) fn index_before(&self, i: usize) -> f64 {
         self.n[i]
     }
 
-    /// Traces a ray through the lens. The origin of the returned ray lies on the last surface that
-    /// the ray crosses.
-    ///
-    /// # Errors
-    /// If the ray is lost, returns the reason and the index of the surface.
+    /// Traces a ray, and returns it behind the last surface, or why and at which surface it is
+    /// lost.
     pub fn trace(&self, ray: LensRay, travel: TraceDirection, limits: ApertureCheck) -> Result<LensRay, RayLoss> {
         self.trace_through(ray, travel, limits, |_, _| ())
     }
 
-    /// Traces a ray like [`Self::trace`], and calls `visit` for each surface with its index and the
-    /// intersection point in mm.
+    /// Traces a ray like [`Self::trace`], and calls `visit` with each surface and point (mm).
     pub fn trace_through(
         &self,
         mut ray: LensRay,
@@ -120,8 +111,7 @@ impl<'a> MonochromaticLens<'a> {
         Ok(ray)
     }
 
-    /// Intersects a ray with surface `i`, and returns the point in mm and the unit normal towards
-    /// +z.
+    /// Intersects a ray with surface `i`. Returns the point in mm and the unit normal towards +z.
     #[inline]
     pub(super) fn meet(
         &self,

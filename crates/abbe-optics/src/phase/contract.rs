@@ -1,5 +1,4 @@
-//! The contract test of all phase functions: the density integrates to 1, and the samples follow
-//! the density.
+//! The contract test of all phase functions: the pdf integrates to 1, and the samples follow it.
 
 use super::*;
 use abbe_spectra::math::random::{ONE_MINUS_ULP, Purpose, Seed, Stream};
@@ -9,11 +8,10 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Test wavelengths in nm: the two ends of the band, and two wavelengths between them.
+/// In nm: the ends of the band, and two wavelengths between them.
 const PHASE_TEST_NM: [f64; 4] = [360.0, 475.0, 550.0, 830.0];
 
-/// A phase function, the tolerance of its integral, and the kinks of its density. The kinks are
-/// given as values of 1 − cos θ.
+/// A phase function, the tolerance of its integral, and the kinks of its pdf as 1 − cos θ.
 struct PhaseCase {
     name: String,
     phase: PhaseFunction,
@@ -25,7 +23,7 @@ fn of_mean_cosine(g: f64) -> PhaseFunction {
     PhaseFunction::HenyeyGreenstein { g: Spectrum::constant(g) }
 }
 
-/// Returns the angles of [`uneven_table`] in degrees. They are dense near the forward peak.
+/// The angles of [`uneven_table`] in degrees, dense near the forward peak.
 fn uneven_angles() -> Vec<f64> {
     (0..=90).map(|i| f64::from(i * i) / 45.0).collect()
 }
@@ -55,8 +53,8 @@ fn cases() -> Vec<PhaseCase> {
     cases
 }
 
-/// Integrates f(cos θ)·p dω over the sphere by five-point Gauss quadrature in steps that become
-/// smaller towards both poles. Every kink is the end of a step, so no step extends across one.
+/// Integrates f(cos θ)·p dω over the sphere by five-point Gauss quadrature in steps that are small
+/// near the poles and end at every kink.
 fn integral(case: &PhaseCase, nm: f64, f: impl Fn(f64) -> f64) -> f64 {
     const GAUSS_5: [(f64, f64); 5] = [
         (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
@@ -91,8 +89,8 @@ fn the_pdf_integrates_to_one_and_has_its_mean_cosine() {
     }
 }
 
-/// Returns the number of standard deviations by which χ² exceeds its mean (Wilson & Hilferty 1931).
-/// All cells have the same expected count.
+/// Returns the number of standard deviations by which χ², over cells of equal expected counts,
+/// exceeds its mean (Wilson & Hilferty 1931).
 fn chi_square_deviations(counts: &[u32]) -> f64 {
     let degrees = counts.len() as f64 - 1.0;
     let expected = f64::from(counts.iter().sum::<u32>()) / counts.len() as f64;
@@ -101,8 +99,7 @@ fn chi_square_deviations(counts: &[u32]) -> f64 {
     ((sum / degrees).cbrt() - (1.0 - spread)) / spread.sqrt()
 }
 
-/// Returns the values of 1 − cos θ that divide the density into intervals of equal probability. The
-/// function accumulates the density in small steps.
+/// Returns the values of 1 − cos θ between intervals of equal probability of the pdf.
 fn equal_mass_edges(phase: &PhaseFunction, nm: f64, bins: usize) -> Vec<f64> {
     // The steps are small near both poles, where the peaks are.
     let steps = 400_000;
@@ -125,8 +122,7 @@ fn equal_mass_edges(phase: &PhaseFunction, nm: f64, bins: usize) -> Vec<f64> {
     edges
 }
 
-/// Counts the samples in a grid of cells. The grid divides the scattering angle into 24 intervals
-/// of equal probability, and the azimuth into four quarters.
+/// Counts samples in 24 equally probable intervals of the angle times four azimuths.
 fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u64) -> Vec<u32> {
     let bins = 24;
     let edges = equal_mass_edges(expected_of, nm, bins);
@@ -137,9 +133,8 @@ fn drawn(phase: &PhaseFunction, expected_of: &PhaseFunction, nm: f64, number: u6
     for _ in 0..60_000 {
         let out = phase.sample(incoming, nm, stream.pair());
         assert!((out.length() - 1.0).abs() < 1e-12);
-        // Near the forward pole, 1 − cos θ is computed from the difference of the unit vectors.
-        // Near the backward pole, it is computed from their sum. Both forms are accurate near the
-        // pole.
+        // Near the forward pole, 1 − cos θ is accurate from the difference of the unit vectors, and
+        // near the backward pole from their sum.
         let height = if out.dot(incoming) > 0.0 {
             0.5 * (out - incoming).length_squared()
         } else {
@@ -192,8 +187,7 @@ fn narrowest_peaks_and_extreme_random_numbers_stay_finite() {
             }
         }
     }
-    // The peak of the density is (1 + g)/(4π(1 − g)²). The median of 1 − cos θ is
-    // (1 − g)²(1 + g/2).
+    // The pdf has the peak (1 + g)/(4π(1 − g)²), and 1 − cos θ the median (1 − g)²(1 + g/2).
     let g = MAX_MEAN_COSINE;
     let peak = (1.0 + g) / (4.0 * PI * (1.0 - g) * (1.0 - g));
     assert!((of_mean_cosine(g).eval(1.0, 500.0) / peak - 1.0).abs() < 1e-9);

@@ -28,8 +28,7 @@ pub enum PhaseFunction {
 }
 
 impl PhaseFunction {
-    /// Returns the density per steradian at the cosine of the scattering angle and the wavelength
-    /// in nm.
+    /// Returns the pdf per steradian at a cosine of the scattering angle and a wavelength in nm.
     pub fn eval(&self, cos_theta: f64, nm: f64) -> f64 {
         match self {
             Self::Isotropic => 0.25 / PI,
@@ -39,9 +38,8 @@ impl PhaseFunction {
         }
     }
 
-    /// Samples the direction of scattered light, with exactly the density [`eval`](Self::eval).
-    /// `incoming`, the direction before scattering, and the result are unit vectors. The two values
-    /// of `u` lie in \[0, 1).
+    /// Samples the direction of scattered light with exactly the pdf [`eval`](Self::eval), by `u`
+    /// in \[0, 1). `incoming`, the direction before scattering, and the result are unit vectors.
     pub fn sample(&self, incoming: DVec3, nm: f64, u: [f64; 2]) -> DVec3 {
         let (axis, one_minus_cos) = match self {
             Self::Isotropic => return warp::sphere(u),
@@ -64,7 +62,7 @@ impl PhaseFunction {
         }
     }
 
-    /// Returns whether the phase function varies with wavelength.
+    /// Returns true if the phase function varies with wavelength.
     pub fn depends_on_wavelength(&self) -> bool {
         match self {
             Self::Isotropic | Self::Rayleigh => false,

@@ -1,10 +1,9 @@
-//! Lorenz–Mie scattering by spheres. The phase function is tabulated over angles and wavelengths.
+//! Lorenz–Mie scattering by spheres, tabulated over angles and wavelengths.
 //!
 //! The series follows Bohren & Huffman 1983, chapter 4 and appendix A. The logarithmic derivative
 //! D_n(mx) is computed by downward recurrence, and the Riccati–Bessel functions ψ_n(x) and χ_n(x)
 //! by upward recurrence. The number of terms follows from the size parameter of each sphere. The
-//! spheres are assumed not to absorb, because a drop of water absorbs less than one part in 10⁴ of
-//! visible light.
+//! spheres do not absorb, because a drop of water absorbs less than 10⁻⁴ of visible light.
 
 use super::table::PhaseTable;
 use crate::glass::RefractiveIndex;
@@ -35,21 +34,17 @@ pub struct MieScattering {
     pub mean_cosine: f64,
 }
 
-/// Largest size parameter 2πr/λ accepted by the scene loader. The series of larger spheres would
-/// take minutes to compute.
+/// Largest size parameter 2πr/λ. The series of larger spheres would take minutes.
 const MAX_SIZE_PARAMETER: f64 = 1000.0;
 
-/// Number of radius steps of a distribution, and half-width of the distribution. The unit of the
-/// half-width is the standard deviation of ln r.
+/// Number of radius steps of a distribution, and its half-width in standard deviations of ln r.
 const RADIUS_STEPS: i32 = 100;
 const RADIUS_RANGE_SIGMAS: f64 = 3.5;
 
-/// A table divides the band into this number of wavelength steps.
 const TABLE_STEPS: u32 = 16;
 
-/// The coefficients of the series at one size parameter. With w_n = (2n + 1)/(n(n + 1)), `sums`
-/// contains w_n·(a_n + b_n), and `differences` contains w_n·(a_n − b_n). Each coefficient is stored
-/// as its real and imaginary part.
+/// The coefficients of the series at one size parameter, as real and imaginary parts: `sums`
+/// contains w_n·(a_n + b_n), and `differences` w_n·(a_n − b_n), with w_n = (2n + 1)/(n(n + 1)).
 struct MieSeries {
     sums: Vec<[f64; 2]>,
     differences: Vec<[f64; 2]>,
@@ -60,12 +55,9 @@ struct MieSeries {
 }
 
 impl MieSpheres {
-    /// Creates spheres from their median radius in µm and their relative refractive index. The
-    /// radii follow a lognormal distribution whose geometric standard deviation is `spread`. If
-    /// `spread` is `None` or 1, all spheres have the same radius.
-    ///
-    /// # Errors
-    /// Returns an error if the spread is below 1, or if the largest size parameter exceeds 1000.
+    /// Creates spheres from their median radius in µm and relative index. The radii are lognormal
+    /// with the geometric standard deviation `spread`, or equal without it. Returns an error if the
+    /// spread is below 1, or the largest size parameter exceeds 1000.
     pub fn new(radius_um: f64, spread: Option<f64>, index: RefractiveIndex) -> Result<Self> {
         let spread = spread.unwrap_or(1.0);
         if !(spread >= 1.0 && spread.is_finite()) {
@@ -82,11 +74,8 @@ impl MieSpheres {
         Ok(Self { radii_um, index })
     }
 
-    /// Returns the phase function over the band. The tables are cached for the lifetime of the
-    /// process, because scenes may be read repeatedly.
-    ///
-    /// # Errors
-    /// No error occurs if the spheres were created by [`new`](Self::new).
+    /// Returns the phase function over the band, from a cache of the process, because scenes may be
+    /// read repeatedly. Spheres of [`new`](Self::new) give no error.
     pub fn table(&self) -> Result<Arc<PhaseTable>> {
         static KNOWN: OnceLock<Mutex<HashMap<String, Arc<PhaseTable>>>> = OnceLock::new();
         let key = format!("{self:?}");
@@ -106,10 +95,9 @@ impl MieSpheres {
         Ok(table)
     }
 
-    /// Returns the angles of the table in degrees. The steps are small enough to resolve the
-    /// forward peak and the ripples of the phase function. Let x be the size parameter of the mean
-    /// radius at the shortest wavelength. The width of the peak is proportional to 1/x, and the
-    /// period of the ripples is π/x.
+    /// Returns the angles of the table in degrees, in steps that resolve the forward peak and the
+    /// ripples. For the size parameter x of the mean radius at the shortest wavelength, the width
+    /// of the peak is proportional to 1/x, and the period of the ripples is π/x.
     fn angles_deg(&self) -> Vec<f64> {
         let mean_um: f64 = self.radii_um.iter().map(|(radius, fraction)| radius * fraction).sum();
         let x = size_parameter(mean_um, BAND_NM.0);
@@ -117,8 +105,8 @@ impl MieSpheres {
         let mut angles = vec![0.0];
         let mut angle: f64 = 0.0;
         while angle < 180.0 {
-            // The variable `ripple` is at most one ninth of the period of the ripples. The step
-            // grows from a tenth of `ripple` in the peak to `ripple` at angles above 10·`ripple`.
+            // `ripple` is at most one ninth of the period of the ripples. The step grows from a
+            // tenth of it in the peak to the whole at angles above 10·`ripple`.
             let step = ripple * (angle / (10.0 * ripple)).clamp(0.1, 1.0);
             angle = if angle + 1.5 * step >= 180.0 { 180.0 } else { angle + step };
             angles.push(angle);
@@ -126,8 +114,7 @@ impl MieSpheres {
         angles
     }
 
-    /// Computes the scattering at one wavelength and at a list of angles. `nm` is in nm, and
-    /// `angles_deg` is in degrees.
+    /// Computes the scattering at a wavelength in nm and at angles in degrees.
     pub fn scattering(&self, nm: f64, angles_deg: &[f64]) -> MieScattering {
         let cosines: Vec<f64> = angles_deg.iter().map(|degrees| cos(degrees.to_radians())).collect();
         let mut intensity = vec![0.0; cosines.len()];
@@ -143,8 +130,7 @@ impl MieSpheres {
                 intensity.iter_mut().zip(found).for_each(|(sum, here)| *sum += fraction * here);
             }
         }
-        // The density is (|S₁|² + |S₂|²)/(2k²) divided by the cross-section, which is
-        // `scattering_sum`·2π/k².
+        // The pdf is (|S₁|² + |S₂|²)/(2k²) over the cross-section `scattering_sum`·2π/k².
         let pdf_per_sr = intensity.iter().map(|intensity| intensity / (4.0 * PI * scattering_sum)).collect();
         let wavelength_um = nm * 1e-3;
         let cross_section_um2 = wavelength_um * wavelength_um / TAU * scattering_sum;
@@ -156,9 +142,8 @@ fn size_parameter(radius_um: f64, nm: f64) -> f64 {
     TAU * radius_um / (nm * 1e-3)
 }
 
-/// Returns radii and their fractions, which sum to 1. The values of ln r are evenly spaced and
-/// divide a range into `steps` steps. The range extends by [`RADIUS_RANGE_SIGMAS`]·`sigma` to both
-/// sides of the logarithm of the median.
+/// Returns radii and their fractions, which sum to 1. The values of ln r are evenly spaced in
+/// `steps` steps over [`RADIUS_RANGE_SIGMAS`]·`sigma` on both sides of the median's.
 pub(super) fn lognormal(median_um: f64, sigma: f64, steps: i32) -> Vec<(f64, f64)> {
     if sigma == 0.0 {
         return vec![(median_um, 1.0)];
@@ -169,15 +154,14 @@ pub(super) fn lognormal(median_um: f64, sigma: f64, steps: i32) -> Vec<(f64, f64
     (0..=steps).map(deviation).map(|z| (median_um * exp(sigma * z), fraction(z) / sum)).collect()
 }
 
-/// Number of angles for which the series is summed at the same time.
+/// Number of angles for which the series is summed together.
 const ANGLE_LANES: usize = 8;
 
 impl MieSeries {
     fn new(x: f64, m: f64) -> Self {
         let terms = (x + 4.05 * cbrt(x) + 2.0).ceil() as usize;
         let derivative = log_derivatives(m * x, terms);
-        // The recurrences start with ψ₀ and ψ₋₁, and with χ₀ and χ₋₁. The signs are those of Bohren
-        // & Huffman.
+        // The recurrences start with ψ₀, ψ₋₁, χ₀ and χ₋₁, with the signs of Bohren & Huffman.
         let (sin, cos) = sin_cos(x);
         let (mut psi, mut psi_before) = (sin, cos);
         let (mut chi, mut chi_before) = (cos, -sin);
@@ -188,8 +172,8 @@ impl MieSeries {
             let n = order as f64;
             (psi, psi_before) = ((2.0 * n - 1.0) / x * psi - psi_before, psi);
             (chi, chi_before) = ((2.0 * n - 1.0) / x * chi - chi_before, chi);
-            // Returns (f ψ_n − ψ_{n−1}) / (f ξ_n − ξ_{n−1}) with ξ = ψ − iχ. The result is a_n if f
-            // = D/m + n/x, and b_n if f = mD + n/x.
+            // (f ψ_n − ψ_{n−1}) / (f ξ_n − ξ_{n−1}), ξ = ψ − iχ: a_n for f = D/m + n/x, b_n for mD
+            // + n/x.
             let coefficient = |f: f64| {
                 let (real, imaginary) = (f * psi - psi_before, f * chi - chi_before);
                 let norm = real * real + imaginary * imaginary;
@@ -211,12 +195,8 @@ impl MieSeries {
         Self { sums, differences, scattering_sum, asymmetry_sum }
     }
 
-    /// Returns |S₁|² + |S₂|² at each cosine. The value is computed as (|S₁ + S₂|² + |S₁ − S₂|²)/2.
-    /// With w_n = (2n + 1)/(n(n + 1)), S₁ + S₂ and S₁ − S₂ are sums over n:
-    ///
-    /// S₁ + S₂ = Σ w_n·(a_n + b_n)(π_n + τ_n),
-    ///
-    /// S₁ − S₂ = Σ w_n·(a_n − b_n)(π_n − τ_n).
+    /// Returns |S₁|² + |S₂|² = (|S₁ + S₂|² + |S₁ − S₂|²)/2 at each cosine, with w_n = (2n + 1)/(n(n
+    /// + 1)), S₁ + S₂ = Σ w_n·(a_n + b_n)(π_n + τ_n) and S₁ − S₂ = Σ w_n·(a_n − b_n)(π_n − τ_n).
     fn intensity(&self, cosines: &[f64; ANGLE_LANES]) -> [f64; ANGLE_LANES] {
         let (mut pi, mut pi_before) = ([1.0; ANGLE_LANES], [0.0; ANGLE_LANES]);
         let mut parts = [[0.0; ANGLE_LANES]; 4];
@@ -240,8 +220,8 @@ impl MieSeries {
     }
 }
 
-/// Returns D_n(z) for n up to `terms` by downward recurrence. The recurrence starts far above
-/// `terms` and above z, so the starting value has no influence.
+/// Returns D_n(z) for n up to `terms` by a downward recurrence that starts so far above `terms` and
+/// z that the starting value has no influence.
 fn log_derivatives(z: f64, terms: usize) -> Vec<f64> {
     let start = terms.max(z as usize) + 16 + (4.0 * cbrt(z)) as usize;
     let mut derivatives = vec![0.0; terms + 1];
@@ -274,8 +254,7 @@ mod tests {
         RefractiveIndex::catalogue("water 20C").unwrap()
     }
 
-    /// Reads a CSV table with a header. Returns its first column (the angles) and its other
-    /// columns.
+    /// Reads the angles and the other columns of a CSV table with a header.
     fn table(name: &str) -> (Vec<f64>, Vec<Vec<f64>>) {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden").join(name);
         let text = std::fs::read_to_string(path).unwrap();
@@ -300,8 +279,6 @@ mod tests {
         assert!((found.cross_section_um2 / expected - 1.0).abs() < 2e-3, "{}", found.cross_section_um2);
     }
 
-    /// The phase function, the cross-section and the mean cosine of fog agree with the values of an
-    /// independent Mie program.
     #[test]
     fn fog_matches_an_independent_mie_program() {
         let (angles, columns) = table("mie_fog_phase.csv");

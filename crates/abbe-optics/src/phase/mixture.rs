@@ -5,18 +5,17 @@ use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
 
-/// The density from which a path with several wavelengths samples its direction in a medium.
+/// The pdf from which a path with several wavelengths samples its direction in a medium.
 ///
-/// Each wavelength has a share of the density in proportion to its importance (the balance
-/// heuristic over wavelengths; Wilkie et al., "Hero wavelength spectral sampling", 2014). The
-/// weight of a wavelength is therefore bounded, even if its phase function differs strongly from
-/// the phase function at the hero wavelength. If the phase function does not depend on the
-/// wavelength, the density is the phase function itself.
+/// Each wavelength has a fraction of it in proportion to its importance (the balance heuristic over
+/// wavelengths; Wilkie et al., "Hero wavelength spectral sampling", 2014), so its weight is bounded
+/// even if its phase function differs strongly from that at the hero wavelength. A phase function
+/// that does not depend on the wavelength is the pdf itself.
 #[derive(Debug, Clone, Copy)]
 pub struct PhaseMixture<'a> {
     phase: &'a PhaseFunction,
     nm: Lanes,
-    /// The share of each wavelength. Shares of unused lanes are 0.
+    /// Of each wavelength; 0 in unused lanes.
     fractions: Lanes,
     count: usize,
 }
@@ -31,7 +30,7 @@ impl<'a> PhaseMixture<'a> {
         Self { phase, nm: wavelengths.nm, fractions, count }
     }
 
-    /// Returns the density per steradian at the cosine of the scattering angle.
+    /// Returns the pdf per steradian at the cosine of the scattering angle.
     pub fn eval(&self, cos_theta: f64) -> f64 {
         if self.count == 1 {
             return self.phase.eval(cos_theta, self.nm[0]);
@@ -53,7 +52,7 @@ impl<'a> PhaseMixture<'a> {
     }
 }
 
-const _: () = assert!(LANES == 4, "the shares of a single wavelength list four lanes");
+const _: () = assert!(LANES == 4, "the fractions of a single wavelength list four lanes");
 
 #[cfg(test)]
 mod tests {
@@ -67,7 +66,7 @@ mod tests {
         }
     }
 
-    /// Each wavelength's mean weight is 1, and no weight exceeds the inverse of its share.
+    /// Each wavelength's mean weight is 1, and no weight exceeds the inverse of its fraction.
     #[test]
     fn samples_follow_the_mixture_and_weights_are_bounded() {
         let phase = chromatic();

@@ -1,11 +1,10 @@
-//! The phase function of rain, read from `data/media/rainbow.csv`, which was computed by the series
-//! of [`mie`](super::mie).
+//! The phase function of rain, which `data/media/rainbow.csv` holds from the series of
+//! [`mie`](super::mie).
 //!
-//! The radii of the drops lie between 0.16 and 1 mm. The radii follow a lognormal distribution with
-//! a median of 0.4 mm. The logarithm of the radius has a standard deviation of 0.26, and the
-//! distribution is cut off at 3.5 standard deviations. The drops are water at 20 °C in air. The
-//! table is computed for parallel light. If a light source has the angular size of the sun, the
-//! rendered bows are blurred as in the sky.
+//! The drops are water at 20 °C in air. Their radii follow a lognormal distribution with a median
+//! of 0.4 mm and a standard deviation of ln r of 0.26, cut off at 3.5 standard deviations, so that
+//! they lie between 0.16 and 1 mm. The table is for parallel light. A light with the angular size
+//! of the sun blurs the rendered bows as in the sky.
 
 use super::table::{self, PhaseTable};
 use std::sync::{Arc, OnceLock};
@@ -32,8 +31,7 @@ mod tests {
         MieSpheres { radii_um: lognormal(400.0, 0.26, 100), index: RefractiveIndex::catalogue("water 20C").unwrap() }
     }
 
-    /// Returns the angles of the table in degrees. Each angle is a multiple of 0.001°. The steps
-    /// are smallest in the forward peak, and small in the bows and in the glory.
+    /// In multiples of 0.001°: densest in the forward peak, and dense in bows and glory.
     fn angles() -> Vec<f64> {
         let forward = [(0, 40, 1), (40, 200, 4), (200, 2000, 30), (2000, 10_000, 200)];
         let bows = [(10_000, 120_000, 1000), (120_000, 150_000, 50), (150_000, 178_000, 500), (178_000, 180_000, 100)];
@@ -42,9 +40,8 @@ mod tests {
         thousandths.map(|thousandths| f64::from(thousandths) / 1000.0).collect()
     }
 
-    /// Returns one column of the table. Between 5° and 179° each value is the mean over five angles
-    /// within 0.1°, which removes the narrower ripples that remain after the average over the drop
-    /// sizes.
+    /// Returns one column of the table. From 5° to 179°, each value is the mean over five angles
+    /// within 0.1°, which removes the ripples that the average over the drop sizes leaves.
     fn column(nm: f64) -> Vec<f64> {
         let angles = angles();
         let places = angles.iter().flat_map(|&angle| {
@@ -70,8 +67,7 @@ mod tests {
             for (nm, column) in nm.iter().zip(&columns) {
                 let table = PhaseFunction::Table(rainbow());
                 for (angle, pdf_per_sr) in angles().into_iter().zip(column).step_by(7) {
-                    // The table and the series are normalised separately, and the table is rounded
-                    // to five digits.
+                    // They are normalised separately, and the table is rounded to five digits.
                     let found = table.eval(angle.to_radians().cos(), *nm);
                     assert!((found / pdf_per_sr - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {pdf_per_sr}");
                 }

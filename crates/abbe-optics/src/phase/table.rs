@@ -1,20 +1,19 @@
-//! Phase functions that are tabulated over angles and wavelengths. A table may be measured, or it
-//! may be computed from particle sizes.
+//! Phase functions that are tabulated over angles and wavelengths, measured or computed from
+//! particle sizes.
 //!
-//! The table is linear in cos θ between angles and linear in λ between wavelengths, and the first
-//! and the last column continue beyond their wavelengths. The phase function is therefore a mixture
-//! of columns, each of which is integrated, normalised and sampled exactly.
+//! The table is linear in cos θ between angles and linear in λ between wavelengths, and held beyond
+//! the first and the last column, so it is a mixture of columns, each of which is integrated,
+//! normalised and sampled exactly.
 //!
-//! Angles are stored as the versine 1 − cos θ, in [0, 2]. Unlike the cosine, the versine keeps full
-//! precision near the forward peak.
+//! Angles are stored as the versine 1 − cos θ, in [0, 2], which keeps full precision near the
+//! forward peak.
 
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::distribution::DiscreteDistribution;
 use abbe_spectra::math::elementary::sin;
 use std::f64::consts::TAU;
 
-/// Number of steps of the guide table per cell of the phase function. The guide table speeds up the
-/// search for the cell that contains an angle.
+/// Number of steps of the guide table, which finds the cell of an angle, per cell.
 const GUIDE_STEPS: usize = 2;
 
 /// A phase function over angles and wavelengths.
@@ -22,34 +21,27 @@ const GUIDE_STEPS: usize = 2;
 pub struct PhaseTable {
     /// Wavelengths in nm, ascending.
     nm: Vec<f64>,
-    /// Versines 1 − cos θ of the angles, ascending from 0 to 2.
+    /// 1 − cos θ of the angles, ascending from 0 to 2.
     versines: Vec<f64>,
-    /// One column per wavelength.
     columns: Vec<PhaseColumn>,
-    /// The range of sin(θ/2) is divided into equal steps. Entry i is the index of the first cell
-    /// that overlaps step i. One extra entry at the end is the index of the last cell.
+    /// The first cell that overlaps each equal step of sin(θ/2), and the last cell.
     guide: Vec<u32>,
 }
 
-/// The phase function at one wavelength.
 #[derive(Debug, Clone, PartialEq)]
 struct PhaseColumn {
-    /// Density per steradian at each angle.
+    /// Per steradian, at each angle.
     pdf_per_sr: Vec<f64>,
-    /// Probability of each cell between two angles.
+    /// Between two angles.
     cells: DiscreteDistribution,
     mean_cosine: f64,
 }
 
 impl PhaseTable {
-    /// Creates a table from angles, wavelengths and one list of values per wavelength. The angles
-    /// are in degrees and ascend from 0 to 180; the wavelengths are in nm and ascend. The values
-    /// may have any scale, because each list is normalised to an integral of 1 over the sphere.
-    ///
-    /// # Errors
-    /// Returns an error in these cases: angles or wavelengths do not ascend; the angles do not
-    /// cover 0 to 180; lists have different lengths; a value is negative or not finite; all values
-    /// of a wavelength are 0.
+    /// Creates a table from angles in degrees, ascending from 0 to 180, ascending wavelengths in
+    /// nm, and one list of values, at any scale, per wavelength. Returns an error if angles or
+    /// wavelengths do not ascend, the angles do not cover 0 to 180, lists have different lengths, a
+    /// value is negative or not finite, or all values of a wavelength are 0.
     pub fn new(angles_deg: &[f64], nm: &[f64], values: &[Vec<f64>]) -> Result<Self> {
         check_angles(angles_deg)?;
         check_wavelengths(nm, values.len())?;
@@ -65,12 +57,11 @@ impl PhaseTable {
         Ok(Self { nm: nm.to_vec(), versines, columns: columns?, guide })
     }
 
-    /// Returns whether the columns differ between wavelengths.
     pub(super) fn depends_on_wavelength(&self) -> bool {
         self.columns.iter().any(|column| column.pdf_per_sr != self.columns[0].pdf_per_sr)
     }
 
-    /// Returns the density per steradian.
+    /// Returns the pdf per steradian.
     pub(super) fn eval(&self, cos_theta: f64, nm: f64) -> f64 {
         let versine = (1.0 - cos_theta).clamp(0.0, 2.0);
         let cell = self.cell(versine);
@@ -79,9 +70,8 @@ impl PhaseTable {
         self.interpolated(nm, |column| (1.0 - t) * column.pdf_per_sr[cell] + t * column.pdf_per_sr[cell + 1])
     }
 
-    /// Samples the versine from the random number `u` in [0, 1). The number first selects one of
-    /// the two columns next to the wavelength. Then `u` is rescaled, and the quantile of the
-    /// selected column is evaluated.
+    /// Samples the versine by a random number `u` in [0, 1), which selects one of the two columns
+    /// next to the wavelength, and is then rescaled for the quantile of that column.
     pub(super) fn quantile(&self, nm: f64, mut u: f64) -> f64 {
         let (first, weight) = self.column(nm);
         let column = if u < weight {
@@ -93,18 +83,16 @@ impl PhaseTable {
         };
         let cell = column.cells.sample(&mut u);
         let (from, to) = (column.pdf_per_sr[cell], column.pdf_per_sr[cell + 1]);
-        // The quantile of a linear density within a cell, in the form without cancellation.
+        // The quantile of a linear pdf within a cell, without cancellation.
         let t = u * (from + to) / (from + (from * from + u * (to - from) * (to + from)).max(0.0).sqrt());
         let t = if t.is_finite() { t.min(1.0) } else { 0.0 };
         self.versines[cell] + t * (self.versines[cell + 1] - self.versines[cell])
     }
 
-    /// Returns the mean of cos θ.
     pub(super) fn mean_cosine(&self, nm: f64) -> f64 {
         self.interpolated(nm, |column| column.mean_cosine)
     }
 
-    /// Interpolates a property of the columns at a wavelength.
     fn interpolated(&self, nm: f64, of: impl Fn(&PhaseColumn) -> f64) -> f64 {
         let (first, weight) = self.column(nm);
         let value = of(&self.columns[first]);
@@ -122,7 +110,6 @@ impl PhaseTable {
         (after - 1, (nm - from) / (to - from))
     }
 
-    /// Returns the cell that contains a versine.
     fn cell(&self, versine: f64) -> usize {
         let steps = self.guide.len() - 1;
         let step = (((0.5 * versine).sqrt() * steps as f64) as usize).min(steps - 1);
@@ -161,7 +148,7 @@ impl PhaseColumn {
 fn guide(versines: &[f64]) -> Vec<u32> {
     let cells = versines.len() - 1;
     let steps = GUIDE_STEPS * cells;
-    // The range of each step is widened slightly, because the square root in `cell` is rounded.
+    // Steps are widened slightly, because the square root in `cell` is rounded.
     let versine = |step: f64| 2.0 * (step / steps as f64).powi(2);
     let cell_of = |versine: f64| versines.partition_point(|&known| known <= versine).clamp(1, cells) - 1;
     let mut guide: Vec<u32> = (0..steps).map(|step| cell_of(versine(step as f64) * (1.0 - 1e-12)) as u32).collect();
@@ -204,15 +191,13 @@ fn check_wavelengths(nm: &[f64], columns: usize) -> Result<()> {
 
 /// Parses a table of comma-separated values.
 ///
-/// The first line is a header. The title of the first column is ignored. Each other title contains
-/// the wavelength of its column in nm (`p_550nm_per_sr` or `550`). Each further line contains an
-/// angle in degrees and one value for each of the other columns. If there is only one column of
-/// values, its title needs no wavelength, because the column applies to all wavelengths. Empty
-/// lines and lines that start with `#` are skipped.
+/// The first line is a header: an ignored title, and for each other column its wavelength in nm
+/// (`p_550nm_per_sr` or `550`), which a single column, valid at all wavelengths, does not need.
+/// Each further line contains an angle in degrees and the values. Empty lines and lines that start
+/// with `#` are skipped.
 ///
-/// # Errors
-/// Returns an error if a cell is not a number, a row has the wrong number of cells, or
-/// [`PhaseTable::new`] rejects the values. An error in the text of a line contains the line number.
+/// Returns an error, with the line number for the text of a line, if a cell is not a number, a row
+/// has the wrong number of cells, or [`PhaseTable::new`] rejects the values.
 pub fn parse(text: &str) -> Result<PhaseTable> {
     let mut rows = text
         .trim_start_matches('\u{feff}')
@@ -243,7 +228,6 @@ pub fn parse(text: &str) -> Result<PhaseTable> {
     PhaseTable::new(&angles, &nm, &values)
 }
 
-/// Extracts the wavelengths in nm from the column titles.
 fn wavelengths(titles: &[&str]) -> Result<Vec<f64>> {
     let number = |title: &str| -> Option<f64> {
         let start = title.find(|c: char| c.is_ascii_digit())?;
@@ -265,8 +249,7 @@ fn wavelengths(titles: &[&str]) -> Result<Vec<f64>> {
     }
 }
 
-/// Wavelength in nm assigned to a single column whose title contains no wavelength. The value has
-/// no effect, because a single column applies to all wavelengths.
+/// Wavelength in nm, without effect, of a single column whose title contains none.
 const SINGLE_COLUMN_NM: f64 = 550.0;
 
 #[cfg(test)]
@@ -276,8 +259,6 @@ mod tests {
 
     const FORM: &str = "angle_deg,p_400nm_per_sr,p_700nm_per_sr\n0,3,1\n90,1,1\n180,0,1\n";
 
-    /// A table is interpolated between its wavelengths. Below the first wavelength, the first
-    /// column is used. Above the last wavelength, the last column is used.
     #[test]
     fn table_interpolates_wavelengths_and_holds_its_ends() {
         let table = parse(FORM).unwrap();

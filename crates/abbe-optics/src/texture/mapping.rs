@@ -3,8 +3,7 @@
 use super::point::TexturePoint;
 use abbe_spectra::math::elementary::sin_cos;
 
-/// An affine map of texture coordinates: scale, then rotation, then translation (as in glTF's
-/// `KHR_texture_transform`).
+/// An affine map of uv: scale, then rotation, then translation (glTF's `KHR_texture_transform`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UvTransform {
     matrix: [[f64; 2]; 2],
@@ -15,8 +14,7 @@ impl UvTransform {
     /// The map that changes nothing.
     pub const IDENTITY: Self = Self { matrix: [[1.0, 0.0], [0.0, 1.0]], offset: [0.0; 2] };
 
-    /// Creates the map. `turn` is the angle in radians by which a picture appears turned
-    /// counter-clockwise.
+    /// Creates the map, which turns a picture by `turn` radians counter-clockwise.
     pub fn new(scale: [f64; 2], turn: f64, offset: [f64; 2]) -> Self {
         let (sin, cos) = sin_cos(turn);
         Self { matrix: [[cos * scale[0], sin * scale[1]], [-sin * scale[0], cos * scale[1]]], offset }
@@ -29,7 +27,6 @@ impl UvTransform {
         Self { matrix: self.matrix.map(both), offset: both(self.offset) }
     }
 
-    /// Maps a direction.
     fn edge(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         self.matrix.map(|row| row[0] * u + row[1] * v)
     }

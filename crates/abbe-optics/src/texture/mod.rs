@@ -1,18 +1,17 @@
 //! Textures: quantities that vary over a surface.
 //!
 //! A texture consists of a [`Pattern`], which maps the texture coordinates (u, v) of a surface
-//! point to the number of a *texel*, and of the values of the texels. A [`SpectralTexture`] has a
-//! spectrum for each texel, and a [`ScalarTexture`] has a number.
+//! point to the number of a *texel*, and of a value for each texel: a spectrum
+//! ([`SpectralTexture`]) or a number ([`ScalarTexture`]).
 //!
-//! Filters are stochastic: a lookup selects one texel at random, and the probability of a texel is
-//! its weight in the filter (M. Pharr, B. Wronski, M. Salvi and M. Fajardo, "Filtering After
-//! Shading with Stochastic Texture Filtering", PACM CGIT 7, 2024). Radiance is linear in the
-//! filtered quantity, so its expected value equals the value with the complete filter. A path
-//! vertex stores only the numbers of its texels, and the spectrum of a texel is evaluated at any
-//! wavelength.
+//! Filters are stochastic: a lookup selects one texel with the probability of its weight in the
+//! filter (M. Pharr, B. Wronski, M. Salvi and M. Fajardo, "Filtering After Shading with Stochastic
+//! Texture Filtering", PACM CGIT 7, 2024). Radiance is linear in the filtered quantity, so its
+//! expected value is that of the complete filter. A path vertex stores only the numbers of its
+//! texels, and evaluates their spectra at any wavelength.
 //!
-//! The texture coordinates (0, 0) denote the upper left corner of a picture. u increases to the
-//! right, and v increases downwards, as in glTF.
+//! The texture coordinates (0, 0) denote the upper left corner of a picture, with u to the right
+//! and v downwards, as in glTF.
 
 mod mapping;
 mod normal;

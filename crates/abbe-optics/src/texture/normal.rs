@@ -8,8 +8,8 @@ use glam::{DVec3, Vec3};
 
 /// A picture of shading normals, whose copies share their texels.
 ///
-/// The map has no reduced copies. A lookup selects a texel of the picture within the footprint, so
-/// a distant surface shows the mean radiance of its texels, not the radiance of their mean normal.
+/// It has no reduced copies: a lookup selects a texel within the footprint, so a distant surface
+/// shows the mean radiance of its texels, not the radiance of their mean normal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormalMap {
     pattern: ImagePattern,
@@ -17,31 +17,27 @@ pub struct NormalMap {
 }
 
 impl NormalMap {
-    /// Creates the map of a picture. `normals` contains a vector for each pixel, row by row. The
-    /// vectors refer to tangent space: x points along u, y points upwards in the picture, and z
-    /// points along the normal of the surface. They need not have unit length. A vector with z ≤ 0
-    /// or with a component that is not finite becomes the normal of the surface.
+    /// Creates the map of a picture from a vector of any length for each pixel, row by row, in
+    /// tangent space: x along u, y upwards in the picture, and z along the normal of the surface,
+    /// which replaces vectors with z ≤ 0 or a component that is not finite.
     pub fn new(pattern: ImagePattern, normals: impl Iterator<Item = Vec3>) -> Self {
         let unit = |normal: Vec3| if normal.z > 0.0 { normal.normalize_or(Vec3::Z) } else { Vec3::Z };
         Self { pattern: pattern.without_copies(), normals: normals.map(unit).collect() }
     }
 
-    /// Creates the map of a picture whose components from 0 to 1 encode the vectors from −1 to 1.
-    /// `scale` multiplies the vectors.
+    /// Creates the map of a picture with components from 0 to 1 for −`scale` to `scale`.
     pub fn from_picture(pattern: ImagePattern, colours: &[[f32; 3]], scale: Vec3) -> Self {
         Self::new(pattern, colours.iter().map(|&colour| (2.0 * Vec3::from(colour) - 1.0) * scale))
     }
 
-    /// Returns the unit normal of a texel in tangent space.
     fn sample(&self, point: &TexturePoint, random: &mut LookupRandom) -> DVec3 {
         self.normals[self.pattern.texel(point, random) as usize].as_dvec3()
     }
 
-    /// Returns the shading normal at a point as a unit vector.
-    ///
-    /// `normal` is the unit normal of the surface. `tangents` are the derivatives of the position
-    /// by u and v. The tangent space is orthonormal: its first axis is ∂p/∂u made perpendicular to
-    /// `normal`, and its second axis is on the side of −∂p/∂v, because v increases downwards.
+    /// Returns the unit shading normal at a point. `normal` is the unit normal of the surface, and
+    /// `tangents` are the derivatives of the position by u and v. The tangent space is orthonormal:
+    /// its first axis is ∂p/∂u made perpendicular to `normal`, and its second is on the side of
+    /// −∂p/∂v, because v increases downwards.
     pub fn shading_normal(
         &self,
         point: &TexturePoint,
@@ -99,7 +95,6 @@ mod tests {
         assert_eq!(&*bad.normals, [Vec3::Z; 2]);
     }
 
-    /// A footprint over the whole map selects all texels equally often.
     #[test]
     fn a_large_footprint_selects_all_texels() {
         let mut normals = vec![Vec3::Z; 64];

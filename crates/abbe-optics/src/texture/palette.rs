@@ -1,9 +1,6 @@
-//! The spectra of the texels of a picture.
-
 use abbe_spectra::spectrum::SmoothReflectance;
 use rayon::prelude::*;
 
-/// The spectra of the texels of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Palette {
     /// Coefficients of smooth reflectances, 12 bytes for each texel.
@@ -12,13 +9,12 @@ pub(super) enum Palette {
     Bands(BandValues),
 }
 
-/// Values at a few wavelengths, interpolated linearly. The first and the last value continue beyond
-/// them.
+/// Values at a few wavelengths, interpolated linearly and held beyond them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BandValues {
-    /// The wavelengths in nm, in rising order.
+    /// In nm, in rising order.
     pub(super) nm: Vec<f64>,
-    /// For each texel, one value for each wavelength.
+    /// One for each wavelength, texel by texel.
     pub(super) values: Vec<f32>,
 }
 
@@ -28,8 +24,8 @@ const COLOURS_PER_TASK: usize = 4096;
 impl Palette {
     /// Returns the smooth reflectances of linear sRGB colours. The components must lie in [0, 1].
     pub(super) fn smooth(colours: &[[f32; 3]]) -> Self {
-        // Equal colours are fitted once. In the sorted list, each colour is similar to the colour
-        // before. The tasks do not depend on the number of threads.
+        // Equal colours are fitted once, and each colour is similar to the one before in the sorted
+        // list. The tasks do not depend on the number of threads.
         let bits = |index: u32| colours[index as usize].map(f32::to_bits);
         let place = |(index, colour): (usize, &[f32; 3])| (place_on_curve(*colour), index as u32);
         let mut order: Vec<(u32, u32)> = colours.par_iter().enumerate().map(place).collect();
@@ -46,7 +42,6 @@ impl Palette {
         Self::Smooth(coefficients)
     }
 
-    /// Returns the value of a texel at a wavelength (nm).
     #[inline]
     pub(super) fn at(&self, texel: u32, nm: f64) -> f64 {
         match self {
@@ -66,7 +61,7 @@ impl Palette {
 }
 
 /// Returns the place of a colour on a curve through the RGB cube, on which neighbours are similar
-/// (Morton order). The components are divided into 1024 levels of about equal visible difference.
+/// (Morton order), in 1024 levels of about equal visible difference per component.
 fn place_on_curve(colour: [f32; 3]) -> u32 {
     let levels = colour.map(|component| (component.sqrt() * 1023.0) as u32);
     let bit = |i: u32| (0..3).map(|channel| (levels[channel] >> i & 1) << (3 * i + channel as u32)).sum::<u32>();
@@ -105,7 +100,6 @@ impl BandValues {
 mod tests {
     use super::*;
 
-    /// The reflectance of each texel has the colour of the texel.
     #[test]
     fn each_texel_has_the_reflectance_of_its_colour() {
         let colours: Vec<[f32; 3]> =

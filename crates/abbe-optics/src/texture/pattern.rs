@@ -12,25 +12,20 @@ use glam::DVec3;
 pub enum Pattern {
     /// A picture over the unit square of uv.
     Image(ImagePattern),
-    /// Squares of side 1 in uv after the transform. A square has the number 0 if the sum of its row
-    /// and its column is even, and the number 1 otherwise.
+    /// Squares of side 1 in uv after the transform: 0 if row plus column is even, or else 1.
     Checker(UvTransform),
-    /// Stripes of width 1 along v. The stripe 0 ≤ u < 1 has the number 0, and its neighbours have
-    /// the number 1.
+    /// Stripes of width 1 along v, of number 0 for 0 ≤ u < 1, and 1 beside it.
     Stripes(UvTransform),
-    /// Noise from 0 to 1. A lookup returns the texel 1 with the probability of the noise, and the
-    /// texel 0 otherwise.
+    /// Selects the texel 1 with the probability of the noise, from 0 to 1, and otherwise 0.
     Noise(NoisePattern, UvTransform),
-    /// A gradient from 0 to 1. A lookup returns the texel 1 with the probability of the gradient,
-    /// and the texel 0 otherwise.
+    /// Selects the texel 1 with the probability of the gradient, from 0 to 1, and otherwise 0.
     Gradient(GradientPattern, UvTransform),
 }
 
 /// A gradient t^`power`, whose coordinate t is limited to the range from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GradientPattern {
-    /// True if t is the distance from the centre (0.5, 0.5) of the unit square, and 1 at a distance
-    /// of 0.5. False if t is v.
+    /// True if t is the distance from the centre (0.5, 0.5), and 1 at 0.5; false if t is v.
     pub radial: bool,
     /// The exponent, above 0.
     pub power: f64,
@@ -45,8 +40,8 @@ impl GradientPattern {
     }
 }
 
-/// Fractal gradient noise (Perlin 2002). The wavelength of the first octave is about 1 in uv, and
-/// each octave has half the wavelength and half the weight of the octave before.
+/// Fractal gradient noise (Perlin 2002). The first octave has a wavelength of about 1 in uv, and
+/// each further one half the wavelength and half the weight of the octave before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoisePattern {
     /// The number of octaves, at least 1.
@@ -55,8 +50,7 @@ pub struct NoisePattern {
     pub seed: u32,
 }
 
-/// Gradient noise in a plane stays within about ±0.7. This factor stretches the noise to nearly the
-/// whole range from 0 to 1.
+/// Stretches gradient noise in a plane, within about ±0.7, to nearly the whole range from 0 to 1.
 const GAIN: f64 = 0.75;
 
 impl NoisePattern {
@@ -76,8 +70,7 @@ impl NoisePattern {
 }
 
 impl Pattern {
-    /// Selects a texel at a point. The probability of a texel is its weight in the filter over the
-    /// point's footprint.
+    /// Selects a texel at a point, by its weight in the filter over the point's footprint.
     pub fn texel(&self, point: &TexturePoint, random: &mut LookupRandom) -> u32 {
         if let Self::Image(image) = self {
             return image.texel(point, random);
@@ -101,9 +94,9 @@ impl Pattern {
         }
     }
 
-    /// Returns the interpolated value at a point. `value` returns the value of a texel. The point
-    /// is selected at random within the footprint. A function of the value that is not linear, such
-    /// as the colour of a film, needs this interpolation instead of a selected texel.
+    /// Returns the value, interpolated between those of texels, at a point selected at random
+    /// within the footprint. A function of the value that is not linear, such as the colour of a
+    /// film, needs it instead of a selected texel.
     pub fn interpolated(&self, point: &TexturePoint, random: &mut LookupRandom, value: impl Fn(usize) -> f64) -> f64 {
         let mixed = |weight: f64| value(0) + weight * (value(1) - value(0));
         match self {
@@ -114,7 +107,6 @@ impl Pattern {
         }
     }
 
-    /// Returns the number of texels.
     pub(super) fn texel_count(&self) -> usize {
         match self {
             Self::Image(image) => image.texel_count(),
@@ -157,8 +149,6 @@ mod tests {
         }
     }
 
-    /// A footprint that covers a quarter of the second stripe selects it in a quarter of all
-    /// lookups.
     #[test]
     fn a_footprint_averages_a_pattern() {
         let point = TexturePoint { uv: [0.75, 0.5], footprint: [[1.0, 0.0], [0.0, 1.0]] };

@@ -10,8 +10,8 @@ pub type Texel = u32;
 pub struct TexturePoint {
     /// The texture coordinates.
     pub uv: [f64; 2],
-    /// The footprint of a camera ray: two edges of a parallelogram in texture coordinates, centred
-    /// at `uv`. Photons have a footprint of size 0.
+    /// Two edges of a parallelogram, in texture coordinates, centred at `uv`: the footprint of a
+    /// camera ray. That of a photon has size 0.
     pub footprint: [[f64; 2]; 2],
 }
 
@@ -21,8 +21,7 @@ impl TexturePoint {
         Self { uv, footprint: [[0.0; 2]; 2] }
     }
 
-    /// Returns the point `uv` + s · first edge + t · second edge. The footprint of the result has
-    /// size 0.
+    /// Returns the point `uv` + s · first edge + t · second edge.
     pub(super) fn moved(&self, s: f64, t: f64) -> [f64; 2] {
         let [first, second] = self.footprint;
         std::array::from_fn(|i| self.uv[i] + s * first[i] + t * second[i])
@@ -55,7 +54,7 @@ impl LookupRandom {
         (hash64([self.seed, self.count]) >> 11) as f64 * TO_UNIT
     }
 
-    /// Returns `low` or `low` + 1. The expected value is `low` + `fraction`.
+    /// Returns `low` or `low` + 1, with the expected value `low` + `fraction`.
     pub(super) fn round(&mut self, low: f64, fraction: f64) -> f64 {
         if self.uniform() < fraction { low + 1.0 } else { low }
     }

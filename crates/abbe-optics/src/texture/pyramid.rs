@@ -43,11 +43,8 @@ struct MipLevel {
     first: usize,
 }
 
-/// The texels of a picture and of its reduced copies.
-///
-/// Level 0 is the picture. Each further level has half the width and half the height of the level
-/// before, rounded up. The last level has one texel. Texels are numbered level by level, then row
-/// by row.
+/// The texels of a picture (level 0) and of its reduced copies, each half as wide and high as the
+/// level before, rounded up, down to one texel, numbered level by level and row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImagePattern {
     levels: Vec<MipLevel>,
@@ -56,17 +53,14 @@ pub struct ImagePattern {
     transform: UvTransform,
 }
 
-/// The largest number of texels of a pyramid.
 const MOST_TEXELS: usize = 1 << 29;
 
 /// The largest ratio of the edges of a footprint within which the longer edge is sampled.
 const MOST_ANISOTROPY: f64 = 64.0;
 
 impl ImagePattern {
-    /// Creates the pyramid of a picture. `wrap` holds the modes along u and v.
-    ///
-    /// # Errors
-    /// Returns an error if the picture has no texel, or more than 2²⁹ texels with all levels.
+    /// Creates the pyramid of a picture, with wrap modes along u and v. Returns an error if the
+    /// picture has no texel, or more than 2²⁹ texels with all levels.
     pub fn new(size: ImageSize, wrap: [Wrap; 2], filter: Filter, transform: UvTransform) -> Result<Self> {
         let halved = |side: usize| side.div_ceil(2);
         let (mut levels, mut first, mut size) = (Vec::new(), 0_usize, size);
@@ -87,15 +81,13 @@ impl ImagePattern {
         }
     }
 
-    /// Returns the pattern without its reduced copies, so that a lookup samples the whole
-    /// footprint.
+    /// Returns the pattern without reduced copies: a lookup samples the whole footprint.
     #[must_use]
     pub(super) fn without_copies(mut self) -> Self {
         self.levels.truncate(1);
         self
     }
 
-    /// Returns the number of texels of all levels.
     pub(super) fn texel_count(&self) -> usize {
         let last = self.levels[self.levels.len() - 1];
         last.first + last.size.width * last.size.height
@@ -106,9 +98,8 @@ impl ImagePattern {
         self.levels[0].size
     }
 
-    /// Returns the values of all texels. `values` contains the values of the texels of level 0.
-    /// Each texel has `count` adjacent values. A texel of another level is the mean of the area
-    /// that it covers in the level before, so all levels have the same mean.
+    /// Returns the values of all texels, `count` for each, from those of level 0, of which each
+    /// further texel is the area's mean, so all levels have the same mean.
     pub(super) fn reduced(&self, mut values: Vec<f32>, count: usize) -> Vec<f32> {
         values.reserve_exact(count * self.texel_count() - values.len());
         let mut mean = vec![0.0_f64; count];
@@ -134,11 +125,8 @@ impl ImagePattern {
         values
     }
 
-    /// Selects a texel at a point.
-    ///
-    /// The longer edge of the footprint is sampled at random. The shorter edge determines the
-    /// level. Between two levels, and between the nearest texels of a level, the texel is selected
-    /// at random.
+    /// Selects a texel at a point: a random place on the footprint's longer edge, at the level of
+    /// the shorter one, and at random between levels and nearest texels.
     pub(super) fn texel(&self, point: &TexturePoint, random: &mut LookupRandom) -> u32 {
         let point = self.transform.apply(point);
         let ImageSize { width, height } = self.levels[0].size;
@@ -163,8 +151,7 @@ impl ImagePattern {
         (first + y * size.width + x) as u32
     }
 
-    /// Returns the interpolated value at a point that is selected at random within the footprint.
-    /// `value` returns the value of a texel.
+    /// Returns the value, interpolated between texels, at a random point within the footprint.
     pub(super) fn interpolated(
         &self,
         point: &TexturePoint,
@@ -186,7 +173,6 @@ impl ImagePattern {
         }
     }
 
-    /// Selects a row or a column of a level with `count` rows or columns.
     fn index(&self, coordinate: f64, count: usize, wrap: Wrap, random: &mut LookupRandom) -> usize {
         let place = coordinate * count as f64;
         let index = match self.filter {
@@ -200,7 +186,6 @@ impl ImagePattern {
     }
 }
 
-/// Returns the number of the row or the column `index` of a level with `count` rows or columns.
 fn wrapped(index: f64, count: usize, wrap: Wrap) -> usize {
     let sides = count as f64;
     let inside = match wrap {
@@ -215,8 +200,7 @@ fn wrapped(index: f64, count: usize, wrap: Wrap) -> usize {
     (inside.max(0.0) as usize).min(count - 1)
 }
 
-/// Divides `from` cells evenly into `to` parts, and returns the cells of each part, with their
-/// shares of the part.
+/// Divides `from` cells into `to` equal parts. Returns the cells of each and their fractions.
 fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
     let step = from as f64 / to as f64;
     let part = |i: usize| {
@@ -236,7 +220,6 @@ mod tests {
         ImagePattern::new(ImageSize { width, height }, [wrap; 2], filter, UvTransform::IDENTITY).unwrap()
     }
 
-    /// All levels of a picture of odd size have the mean of the picture.
     #[test]
     fn reduced_copies_keep_the_mean() {
         let image = image(13, 6, Wrap::Repeat, Filter::Bilinear);
@@ -264,8 +247,6 @@ mod tests {
         }
     }
 
-    /// Between the centres of two texels, the frequencies of the texels are the weights of linear
-    /// interpolation.
     #[test]
     fn texels_are_selected_with_bilinear_weights() {
         let image = image(2, 2, Wrap::Clamp, Filter::Bilinear);
@@ -278,8 +259,7 @@ mod tests {
         }
     }
 
-    /// A footprint of four texels reads the level with a quarter of the width. A long narrow
-    /// footprint reads the picture itself.
+    /// Four texels read the level of a quarter of the width; a long narrow footprint the picture.
     #[test]
     fn the_footprint_selects_the_level() {
         let image = image(64, 64, Wrap::Repeat, Filter::Bilinear);

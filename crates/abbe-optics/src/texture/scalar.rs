@@ -14,7 +14,7 @@ pub struct ScalarTexture {
 }
 
 impl ScalarTexture {
-    /// Creates the texture of a picture. `values` contains the values of its pixels, row by row.
+    /// Creates the texture of a picture from the values of its pixels, row by row.
     pub fn from_values(pattern: ImagePattern, values: Vec<f32>) -> Self {
         let values = pattern.reduced(values, 1).into();
         Self { pattern: Pattern::Image(pattern), values }
@@ -25,13 +25,12 @@ impl ScalarTexture {
         Self { pattern, values: values.map(|value| value as f32).into() }
     }
 
-    /// Returns the value of a texel that is selected at a point. The expected value is the filtered
-    /// value of the texture.
+    /// Returns the value of a texel selected at a point, whose expectation is filtered.
     pub fn sample(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
         f64::from(self.values[self.pattern.texel(point, random) as usize])
     }
 
-    /// Returns the interpolated value at a point. A footprint is sampled at one point of it.
+    /// Returns the interpolated value at a random point of the footprint.
     pub fn value_at(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
         self.pattern.interpolated(point, random, |texel| f64::from(self.values[texel]))
     }
@@ -44,12 +43,11 @@ impl ScalarTexture {
 
     /// Returns the mean of a picture or of a pattern.
     pub fn mean(&self) -> f64 {
-        match self.pattern {
-            Pattern::Image(_) => self.values.last().map_or(0.0, |&value| f64::from(value)),
-            Pattern::Checker(_) | Pattern::Stripes(_) | Pattern::Noise(..) | Pattern::Gradient(..) => {
-                self.values.iter().map(|&value| f64::from(value)).sum::<f64>() / self.values.len() as f64
-            }
+        let value = |value: &f32| f64::from(*value);
+        if let Pattern::Image(_) = self.pattern {
+            return self.values.last().map_or(0.0, value);
         }
+        self.values.iter().map(value).sum::<f64>() / self.values.len() as f64
     }
 
     /// Returns the memory of the texels in bytes.
@@ -76,7 +74,7 @@ impl SurfaceScalar {
         }
     }
 
-    /// Returns the interpolated value at a point. A footprint is sampled at one point of it.
+    /// Returns the interpolated value at a random point of the footprint.
     pub fn value_at(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
         match self {
             Self::Uniform(value) => *value,

@@ -1,5 +1,4 @@
-//! Spectra that are uniform or vary over a surface. A pattern may choose between two such spectra,
-//! which may be textures themselves.
+//! Spectra that are uniform, vary over a surface, or are chosen by a pattern between two such.
 
 use std::sync::Arc;
 
@@ -9,21 +8,18 @@ use super::point::{LookupRandom, Texel, TexturePoint};
 use super::pyramid::ImagePattern;
 use abbe_spectra::spectrum::{BAND_NM, Outside, Spectrum};
 
-/// A reflectance or a transmittance that varies over a surface. All values lie in [0, 1].
-///
-/// Copies of a texture share their texels.
+/// A reflectance or transmittance in [0, 1] over a surface. Copies share their texels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralTexture {
     pattern: Pattern,
     spectra: Arc<TexelSpectra>,
 }
 
-/// The spectra of the texels of a texture.
 #[derive(Debug, Clone, PartialEq)]
 enum TexelSpectra {
     /// The pixels of a picture.
     Picture(Palette),
-    /// The texels of the first part, then the texels of the second part.
+    /// The texels of the first part, then those of the second part.
     Parts(Box<[SurfaceSpectrum; 2]>),
 }
 
@@ -37,7 +33,7 @@ pub enum SurfaceSpectrum {
 }
 
 impl SurfaceSpectrum {
-    /// Returns the value at a wavelength (nm). `texel` was selected by [`Self::texel`].
+    /// Returns the value at a wavelength (nm), at the texel from [`Self::texel`].
     #[inline(always)]
     pub fn at(&self, texel: Texel, nm: f64) -> f64 {
         match self {
@@ -79,10 +75,7 @@ impl SurfaceSpectrum {
     /// Returns the spectrum if it is uniform.
     #[inline]
     pub fn uniform(&self) -> Option<&Spectrum> {
-        match self {
-            Self::Uniform(spectrum) => Some(spectrum),
-            Self::Textured(_) => None,
-        }
+        if let Self::Uniform(spectrum) = self { Some(spectrum) } else { None }
     }
 
     /// Returns true if a spectrum was made from an RGB colour.
@@ -129,24 +122,22 @@ impl From<SpectralTexture> for SurfaceSpectrum {
 }
 
 impl SpectralTexture {
-    /// Creates the texture of a picture from the linear sRGB colours of its pixels, row by row,
-    /// with components in [0, 1]. Each colour becomes a smooth reflectance.
+    /// Creates the texture of a picture from the linear sRGB colours of its pixels, row by row, in
+    /// [0, 1]. Each becomes a smooth reflectance.
     pub fn from_colours(pattern: ImagePattern, colours: Vec<[f32; 3]>) -> Self {
         let colours = pattern.reduced(colours.into_flattened(), 3);
         let palette = Palette::smooth(colours.as_chunks().0);
         Self { pattern: Pattern::Image(pattern), spectra: Arc::new(TexelSpectra::Picture(palette)) }
     }
 
-    /// Creates the texture of a picture with bands of wavelengths, which `nm` lists in rising
-    /// order. `values` contains one value in [0, 1] for each pixel and band, with those of a pixel
-    /// side by side.
+    /// Creates the texture of a picture with bands at the wavelengths `nm`, in rising order, from
+    /// one value in [0, 1] for each band of each pixel.
     pub fn from_bands(pattern: ImagePattern, nm: Vec<f64>, values: Vec<f32>) -> Self {
         let bands = BandValues { values: pattern.reduced(values, nm.len()), nm };
         Self { pattern: Pattern::Image(pattern), spectra: Arc::new(TexelSpectra::Picture(Palette::Bands(bands))) }
     }
 
-    /// Creates a texture of two parts with values in [0, 1]. The texel 0 of the pattern selects the
-    /// first part.
+    /// Creates a texture of two parts in [0, 1], the first for texel 0 of the pattern.
     pub fn from_parts(pattern: Pattern, parts: [SurfaceSpectrum; 2]) -> Self {
         Self { pattern, spectra: Arc::new(TexelSpectra::Parts(Box::new(parts))) }
     }
@@ -197,8 +188,8 @@ impl SpectralTexture {
         }
     }
 
-    /// Returns a spectrum that stands for the whole texture. A picture has the spectrum of its
-    /// smallest copy, and a pattern has the mean of its two parts.
+    /// Returns a typical spectrum: that of the smallest copy of a picture, or the mean of two
+    /// parts.
     pub fn representative(&self) -> Spectrum {
         if let TexelSpectra::Parts(parts) = &*self.spectra {
             let [first, second] = (**parts).each_ref().map(SurfaceSpectrum::representative);

@@ -4,13 +4,12 @@ use std::f64::consts::TAU;
 
 use abbe_spectra::math::complex::Complex;
 
-/// The least modulus of n·cos θ in a layer. If n·cos θ is 0, which is the critical angle of the
-/// layer, the amplitudes of both faces are ±1 and their sum is 0/0. The results are even functions
-/// of n·cos θ, so this bound changes them by less than 10⁻¹¹.
+/// The least modulus of n·cos θ in a layer. At 0, the critical angle of the layer, the amplitudes
+/// of both faces are ±1 and their sum is 0/0. The results are even in n·cos θ, so this bound
+/// changes them by less than 10⁻¹¹.
 const LEAST_NORMAL_INDEX: f64 = 1e-6;
 
-/// At smaller cosines of the angle of incidence, all light is reflected. The bound avoids an
-/// underflow of the transmitted power.
+/// At smaller cosines, all light is reflected, before transmitted power underflows.
 const LEAST_COSINE: f64 = 1e-100;
 
 /// The response of a stack to s or p polarised light.
@@ -36,9 +35,9 @@ impl PolarisedResponse {
 /// The response of a stack to both polarisations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StackResponse {
-    /// The response to light whose electric field is perpendicular to the plane of incidence.
+    /// For an electric field perpendicular to the plane of incidence.
     pub s: PolarisedResponse,
-    /// The response to light whose electric field lies in the plane of incidence.
+    /// For an electric field in the plane of incidence.
     pub p: PolarisedResponse,
 }
 
@@ -62,7 +61,6 @@ impl StackResponse {
 /// A medium or a layer at one wavelength and one angle.
 #[derive(Debug, Clone, Copy)]
 struct FilmLevel {
-    /// The squared complex index.
     squared: Complex,
     index: Complex,
     /// n·cos θ. Its real and imaginary parts are not negative.
@@ -110,8 +108,7 @@ impl Amplitudes {
     }
 }
 
-/// Returns Fresnel's amplitudes of the interface from `a` to `b`. The result contains the reflected
-/// and the transmitted amplitude for s, and then for p.
+/// Returns Fresnel's reflected and transmitted amplitudes from `a` to `b`, for s and then for p.
 fn interface(a: &FilmLevel, b: &FilmLevel) -> [(Complex, Complex); 2] {
     let pair = |from: Complex, to: Complex, product: Complex| {
         let sum = from + to;
@@ -125,12 +122,10 @@ fn interface(a: &FilmLevel, b: &FilmLevel) -> [(Complex, Complex); 2] {
     [s, p]
 }
 
-/// Returns the response of a stack of layers to light of the wavelength `nm` (nm, in air).
-///
-/// `cos` is the cosine of the angle of incidence; its sign is ignored. The light arrives in a
-/// medium of the real index `incident`. `layers` contains the complex index and the thickness in nm
-/// of each layer, from the incident side to the substrate. At grazing incidence, all light is
-/// reflected.
+/// Returns the response of a stack to light of the wavelength `nm` (nm, in air), all of which is
+/// reflected at grazing incidence. The sign of the cosine of incidence `cos` is ignored. The light
+/// arrives in a medium of the real index `incident`. `layers` contains the complex index and the
+/// thickness in nm of each layer, from the incident side to the substrate.
 pub fn response(
     cos: f64,
     incident: f64,
@@ -223,7 +218,6 @@ mod tests {
         }
     }
 
-    /// A millimetre of silver transmits nothing and reflects like a half-space.
     #[test]
     fn thick_absorbing_layers_do_not_overflow() {
         let silver = Complex::new(0.06, 3.6);
@@ -236,7 +230,6 @@ mod tests {
         }
     }
 
-    /// The transmittance is the same in both directions, also if a layer absorbs.
     #[test]
     fn the_transmittance_is_reciprocal() {
         let layers =

@@ -25,8 +25,8 @@ pub struct PlateResponse {
 }
 
 impl CoatedPlate {
-    /// Returns the reflectance and the transmittance of the plate. The plate is thick, so the
-    /// powers of the reflections between its faces add, separately for s and p.
+    /// Returns the reflectance and the transmittance. The plate is thick, so the powers of the
+    /// reflections between its faces add, separately for s and p.
     pub fn response(&self) -> PlateResponse {
         let one = |of: fn(&StackResponse) -> &PolarisedResponse| {
             let (front, inside, back) = (of(&self.front), of(&self.front_inside), of(&self.back_inside));

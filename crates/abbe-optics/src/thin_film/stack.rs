@@ -22,10 +22,7 @@ pub enum OpticalIndex {
 }
 
 impl OpticalIndex {
-    /// Creates the index of a material that absorbs.
-    ///
-    /// # Errors
-    /// Returns an error if n or k is negative, or if both are 0 at the same wavelength.
+    /// Creates an absorbing index; negative n or k, or n = k = 0 at a wavelength, is an error.
     pub fn absorbing(n: Spectrum, k: Spectrum) -> Result<Self> {
         for (name, part) in [("refractive index", &n), ("extinction coefficient", &k)] {
             let lowest = part.min();
@@ -68,27 +65,20 @@ pub struct FilmLayer {
     pub thickness_nm: SurfaceScalar,
 }
 
-/// Thin films on top of each other, of which at most one has a thickness that varies over the
-/// surface.
+/// Thin films on top of each other, of which at most one varies in thickness over the surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmStack {
     layers: Vec<FilmLayer>,
     absorbs: bool,
-    /// The number of the layer whose thickness varies.
     varying: Option<usize>,
 }
 
-/// The thickness of a layer is at most this value, in nm. The waves in thicker layers do not
-/// interfere, because light of all lamps is less coherent.
+/// The largest thickness in nm: light of no lamp is coherent enough to interfere in thicker layers.
 const MOST_THICKNESS_NM: f64 = 1e6;
 
 impl FilmStack {
-    /// Creates a stack from a list that may be empty. The first layer is on the side of the
-    /// incident light.
-    ///
-    /// # Errors
-    /// Returns an error if a thickness is negative or above 1 mm, or if the thickness of several
-    /// layers varies over the surface.
+    /// Creates a stack of layers from the side of the incident light. Returns an error if a
+    /// thickness is negative or above 1 mm, or several thicknesses vary.
     pub fn new(layers: Vec<FilmLayer>) -> Result<Self> {
         for layer in &layers {
             let (low, high) = layer.thickness_nm.range();
@@ -129,15 +119,9 @@ impl FilmStack {
         self.varying.is_some()
     }
 
-    /// Returns the thickness in nm of the layer that varies, at a point of the surface. If no layer
-    /// varies, returns 0.
+    /// Returns the thickness in nm of the layer that varies at a point, or 0 if none does.
     pub fn thickness_at(&self, point: &TexturePoint, random: &mut LookupRandom) -> f64 {
         self.varying.map_or(0.0, |number| self.layers[number].thickness_nm.value_at(point, random))
-    }
-
-    /// Returns the mean thickness in nm of the layer that varies, or 0 if no layer varies.
-    pub fn mean_thickness(&self) -> f64 {
-        self.varying.map_or(0.0, |number| self.layers[number].thickness_nm.mean())
     }
 
     /// Returns the stack with the mean thickness of each layer.
@@ -156,8 +140,7 @@ impl FilmStack {
         response(cos, incident, self.layers_at(nm, thickness_nm), substrate, nm)
     }
 
-    /// Returns the response to light that meets the last layer first. The light arrives in a medium
-    /// of the index `incident`, on the side of the substrate.
+    /// Returns the response to light from the substrate's side, in a medium of index `incident`.
     pub fn response_reversed(
         &self,
         cos: f64,
@@ -169,7 +152,6 @@ impl FilmStack {
         response(cos, incident, self.layers_at(nm, thickness_nm).rev(), substrate, nm)
     }
 
-    /// Returns the complex index and the thickness in nm of each layer.
     fn layers_at(&self, nm: f64, thickness_nm: f64) -> impl DoubleEndedIterator<Item = (Complex, f64)> {
         self.layers.iter().map(move |layer| {
             let thickness = match layer.thickness_nm {

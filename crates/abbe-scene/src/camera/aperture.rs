@@ -8,15 +8,13 @@ use glam::DVec2;
 /// The opening of a thin lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ApertureStop {
-    /// The radius in m. For a polygon, it is the radius of the circle through the corners.
+    /// The radius in m: for a polygon, that of the circle through the corners.
     pub radius_m: f64,
-    /// The blades of a polygonal opening, or `None` for a disk.
     pub blades: Option<Blades>,
 }
 
 impl ApertureStop {
-    /// Samples a point of the opening uniformly. The coordinates are in m. The first coordinate
-    /// increases to the right, and the second increases upwards.
+    /// Samples a point of the opening uniformly, in m to the right and upwards.
     pub fn sample(&self, u: [f64; 2]) -> DVec2 {
         let unit = match self.blades {
             None => warp::disk(u),
@@ -41,8 +39,7 @@ mod tests {
     fn the_rotation_turns_the_corners_of_a_square() {
         let square = ApertureStop { radius_m: 2.0, blades: Some(Blades { count: 4, rotation: PI / 4.0 }) };
         let places = places(square);
-        // A square with a half-diagonal of 2 becomes the box |x|, |y| ≤ √2 when it is turned by
-        // 45°.
+        // A square with a half-diagonal of 2, turned by 45°, becomes the box |x|, |y| ≤ √2.
         let largest = places.iter().map(|p| p.x.abs().max(p.y.abs())).fold(0.0, f64::max);
         assert!(largest <= 2.0_f64.sqrt() + 1e-12 && largest > 1.39, "{largest}");
         let right = places.iter().filter(|p| p.x > 0.0 && p.y > 0.0).count() as f64 / places.len() as f64;

@@ -1,8 +1,8 @@
 //! The depth of field of a lens, computed by geometrical optics.
 //!
-//! A point at distance u is blurred to a disk. Let R be the radius of the aperture, and u_f the
-//! distance of the plane in focus. On the plane in focus, the diameter of the disk is 2R·|u −
-//! u_f|/u. A point is sharp if the diameter of its disk is less than a pixel.
+//! Let R be the radius of the aperture, and u_f the distance of the plane in focus. A point at
+//! distance u is blurred to a disk whose diameter on the plane in focus is 2R·|u − u_f|/u. The
+//! point is sharp if this diameter is less than a pixel.
 
 use super::{Aperture, Camera};
 
@@ -11,21 +11,17 @@ use super::{Aperture, Camera};
 pub struct DepthOfField {
     /// The distance of the plane in focus.
     pub focus_m: f64,
-    /// The distance at which the sharp range begins.
     pub near_m: f64,
-    /// The distance at which the sharp range ends. It is infinite if the lens is focused at or
-    /// beyond the hyperfocal distance.
+    /// Infinite if the lens is focused at or beyond the hyperfocal distance.
     pub far_m: f64,
-    /// The hyperfocal distance. If the lens is focused at this distance, everything from half of
-    /// this distance to infinity is sharp.
+    /// If the lens is focused at this distance, everything from half of it to infinity is sharp.
     pub hyperfocal_m: f64,
-    /// The blur of a point at infinity: the diameter of its disk, in pixels.
+    /// The diameter of the disk of a point at infinity, in pixels.
     pub blur_at_infinity_px: f64,
 }
 
 impl DepthOfField {
-    /// The depth of field of a camera. `None` for a pinhole and for an orthographic camera,
-    /// which have no blur.
+    /// Computes the depth of field, or `None` for pinhole and orthographic cameras.
     pub fn of(camera: &Camera) -> Option<Self> {
         let (radius_m, focus_m) = match camera.aperture() {
             Aperture::Pinhole | Aperture::Orthographic => return None,

@@ -7,22 +7,20 @@ use abbe_spectra::spectrum::REFERENCE_NM;
 /// The diffraction pattern of a point in focus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ApertureDiffraction {
-    /// The blades of a polygonal aperture, or `None` for a round one.
+    /// `None` for a round aperture.
     pub blades: Option<Blades>,
-    /// The scale of the diffraction pattern divided by the wavelength, in pixels per nm. At the
-    /// wavelength λ, the scale is λN. N is the working f-number: the image distance divided by the
-    /// diameter of the circle around the aperture.
+    /// The scale λN of the pattern divided by the wavelength λ, in pixels per nm. N is the working
+    /// f-number: the image distance divided by the diameter of the circle around the aperture.
     pub spread_px_per_nm: f64,
 }
 
 impl ApertureDiffraction {
-    /// The diffraction pattern of a camera's aperture. The result does not depend on whether the
-    /// scene enables diffraction. `None` for a pinhole and for an orthographic camera, which have
-    /// no lens.
+    /// Computes the pattern of a camera's aperture, whether or not the scene enables diffraction.
+    /// `None` for pinhole and orthographic cameras, which have no lens.
     pub fn of(camera: &Camera) -> Option<Self> {
         let (blades, per_metre) = match camera.aperture() {
             Aperture::Pinhole | Aperture::Orthographic => return None,
-            // λ divided by the diameter is an angle. The size of a pixel is also an angle.
+            // Both λ divided by the diameter and the size of a pixel are angles.
             Aperture::ThinLens { stop, .. } => (stop.blades, 0.5 / (stop.radius_m * camera.pixel_angle())),
             Aperture::System(system) => {
                 let pixel_m = 1e-3 * system.image_mm() * camera.pixel_angle();
@@ -32,8 +30,7 @@ impl ApertureDiffraction {
         per_metre.is_finite().then_some(Self { blades, spread_px_per_nm: 1e-9 * per_metre })
     }
 
-    /// The diameter of the Airy disk of a round aperture at 550 nm, in pixels. This diameter is
-    /// 2.44 λN, where N is the working f-number.
+    /// The diameter 2.44 λN of the Airy disk of a round aperture at 550 nm, in pixels.
     pub fn airy_diameter_px(&self) -> f64 {
         2.44 * REFERENCE_NM * self.spread_px_per_nm
     }
@@ -52,7 +49,7 @@ mod tests {
 
     #[test]
     fn the_airy_disk_follows_from_the_working_f_number() {
-        // A lens with f = 50 mm at f/8 is focused at 5 m. The side of a pixel is 4 µm.
+        // A lens with f = 50 mm at f/8, focused at 5 m, and pixels of 4 µm.
         let (focal_m, focus_m, pixel_m) = (0.05, 5.0, 4e-6);
         let image_m = focal_m * focus_m / (focus_m - focal_m);
         let aperture = Aperture::ThinLens { stop: ApertureStop { radius_m: focal_m / 16.0, blades: None }, focus_m };

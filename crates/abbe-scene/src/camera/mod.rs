@@ -1,9 +1,8 @@
 //! The camera: maps film positions to rays into the scene, and points of the scene to film
 //! positions.
 //!
-//! Film coordinates are in pixels with the origin at the top left. This file contains the pinhole
-//! and the thin lens, which do not depend on wavelength. The module `system` contains lens systems
-//! of real glass.
+//! Film coordinates are in pixels with the origin at the top left. The pinhole and the thin lens,
+//! which do not depend on wavelength, are here, and lens systems of real glass in `system`.
 
 mod aperture;
 mod depth_of_field;
@@ -25,28 +24,24 @@ use abbe_spectra::math::elementary::atan;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// The aperture of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Aperture {
     /// A point: the whole scene is in focus.
     Pinhole,
-    /// Parallel rays that start on the plane of the camera: an orthographic projection.
+    /// An orthographic projection: parallel rays that start on the plane of the camera.
     Orthographic,
     /// A thin lens that is focused on a plane.
     ThinLens {
-        /// The opening of the lens.
         stop: ApertureStop,
-        /// The distance of the plane in focus along the optical axis, in m.
+        /// The distance along the optical axis, in m.
         focus_m: f64,
     },
     /// A lens system of real glass.
     System(Box<SystemLens>),
 }
 
-/// A camera: its pose, field of view, aperture and resolution.
-///
-/// The camera of a measurement has no lens and no field of view. Each of its pixels is a receptor
-/// of a meter, and paths start at the receptors.
+/// A camera: its pose, field of view, aperture and resolution. That of a measurement has no lens
+/// and no field of view: each of its pixels belongs to a sensor of a meter, at which paths start.
 #[derive(Debug, Clone)]
 pub struct Camera {
     origin: DVec3,
@@ -55,39 +50,37 @@ pub struct Camera {
     forward: DVec3,
     aperture: Aperture,
     size: DVec2,
-    /// The side length of a pixel after its projection to the plane at distance 1 from the camera.
-    /// For an orthographic camera, the side length in m.
+    /// The side length of a pixel at distance 1, or in m for an orthographic camera.
     pixel: f64,
-    /// The receptors of meters. Empty for a camera with a picture.
+    /// The sensors of meters. Empty for a camera with a picture.
     sensors: Arc<[Sensor]>,
-    /// The bodies that contain the camera.
     pub medium_stack: MediumStack,
-    /// True if the scene enables diffraction at the aperture. A pinhole ignores this value.
+    /// True if the scene enables diffraction at the aperture. A pinhole ignores it.
     pub diffracts: bool,
 }
 
 /// The connection from a point of the scene to the film, through the lens.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraConnection {
-    /// The index of the pixel. Pixels are numbered row by row.
+    /// The number of the pixel, row by row.
     pub pixel: u32,
     /// The unit vector from the point to the lens.
     pub direction: DVec3,
-    /// The distance from the point to the lens in m.
+    /// In m, from the point to the lens.
     pub distance: f64,
-    /// The factor that converts the point's intensity along `direction` to the pixel's mean
-    /// radiance. The unit is 1/m². The value is 1/(d² Ω), where d is `distance` and Ω is the solid
-    /// angle that the pixel subtends at the lens. For an orthographic camera, the value is 1/(area
-    /// of a pixel).
+    /// Converts the point's intensity along `direction` to the pixel's mean radiance, in 1/m². It
+    /// is 1/(d² Ω), where d is `distance` and Ω is the solid angle that the pixel subtends at the
+    /// lens, or 1/(area of a pixel) for an orthographic camera.
     pub importance: f64,
 }
 
 impl Camera {
-    /// Creates a camera at `origin` (m, relative to the scene's centre).
+    /// Creates a camera at `origin` (m, relative to the scene's centre) with a film of `width` ×
+    /// `height` pixels.
     ///
     /// `forward` and `up` are orthogonal unit vectors; see [`look_at_axes`]. `tan_half_height` is
-    /// the tangent of half the vertical field of view. For an orthographic camera, it is half the
-    /// height of the picture in m. The film has `width` × `height` pixels.
+    /// the tangent of half the vertical field of view, or half the height of the picture in m for
+    /// an orthographic camera.
     pub fn new(
         origin: DVec3,
         (forward, up): (DVec3, DVec3),
@@ -102,10 +95,9 @@ impl Camera {
         Self { origin, right, up, forward, aperture, size, pixel, sensors, medium_stack, diffracts }
     }
 
-    /// Creates the camera of a measurement. Its film has one column, and each receptor has `rows`
-    /// consecutive rows.
+    /// Creates the camera of a measurement, a film of one column with `rows` rows per sensor.
     pub fn of_sensors(sensors: Arc<[Sensor]>, rows: u32) -> Self {
-        /// The angle (rad) of the cone that a path from a receptor represents. It sets the
+        /// The angle (rad) of the cone that a path from a sensor represents, which sets the
         /// footprint of textures and the largest kernels.
         const PATH_ANGLE: f64 = 0.02;
         let height = sensors.len() as u32 * rows;
@@ -114,17 +106,16 @@ impl Camera {
         Self { sensors, ..Self::new(DVec3::ZERO, axes, half, (1, height), Aperture::Pinhole) }
     }
 
-    /// The receptors of a measurement. Empty for a camera with a picture.
     pub fn sensors(&self) -> &Arc<[Sensor]> {
         &self.sensors
     }
 
-    /// Replaces the receptors by others. Their number must be the same.
+    /// Replaces the sensors by the same number of others.
     pub fn set_sensors(&mut self, sensors: Arc<[Sensor]>) {
         self.sensors = sensors;
     }
 
-    /// The receptor of a pixel and its number, or `None` if the camera has a picture.
+    /// The sensor of a pixel and its number, or `None` if the camera has a picture.
     #[inline]
     pub fn sensor(&self, pixel: u64) -> Option<(usize, &Sensor)> {
         if self.sensors.is_empty() {
@@ -139,42 +130,34 @@ impl Camera {
         self.origin
     }
 
-    /// Moves the camera to a pose. Positions are in m, relative to the scene's centre.
+    /// Moves the camera to a pose in m, relative to the scene's centre.
     pub fn look_at(&mut self, LookAt { from, at, up }: LookAt) {
         (self.forward, self.up) = look_at_axes(at - from, up);
         (self.origin, self.right) = (from, self.forward.cross(self.up));
     }
 
-    /// The aperture.
     pub fn aperture(&self) -> &Aperture {
         &self.aperture
     }
 
-    /// The lens system, if the camera has one.
     pub fn system(&self) -> Option<&SystemLens> {
-        match &self.aperture {
-            Aperture::Pinhole | Aperture::Orthographic | Aperture::ThinLens { .. } => None,
-            Aperture::System(system) => Some(system),
-        }
+        let Aperture::System(system) = &self.aperture else { return None };
+        Some(system)
     }
 
-    /// The lens system, if the camera has one, for changes.
     pub fn system_mut(&mut self) -> Option<&mut SystemLens> {
-        match &mut self.aperture {
-            Aperture::Pinhole | Aperture::Orthographic | Aperture::ThinLens { .. } => None,
-            Aperture::System(system) => Some(system),
-        }
+        let Aperture::System(system) = &mut self.aperture else { return None };
+        Some(system)
     }
 
-    /// Returns this camera with a coarser film. Each pixel covers `factor` × `factor` pixels of
-    /// this camera. The centres of the films coincide, and the coarse film is not smaller.
+    /// Returns this camera with a coarser film about the same centre. Each pixel covers `factor` ×
+    /// `factor` pixels of this camera, and the coarse film is not smaller.
     #[must_use]
     pub fn coarser(&self, factor: u32) -> Self {
         let factor = f64::from(factor);
         Self { size: (self.size / factor).ceil(), pixel: self.pixel * factor, ..self.clone() }
     }
 
-    /// Replaces the aperture of a lens by a pinhole.
     pub fn close_aperture(&mut self) {
         if self.aperture != Aperture::Orthographic {
             self.aperture = Aperture::Pinhole;
@@ -186,19 +169,16 @@ impl Camera {
         [self.size.x, self.size.y].map(|pixels| 2.0 * atan(0.5 * pixels * self.pixel_angle()))
     }
 
-    /// The width and the height of an orthographic picture in m. `None` for other cameras.
     pub fn orthographic_size_m(&self) -> Option<[f64; 2]> {
         (self.aperture == Aperture::Orthographic).then(|| (self.size * self.pixel).to_array())
     }
 
-    /// The angle that a pixel in the middle of the picture subtends, in radians. 0 for an
-    /// orthographic camera.
+    /// The angle in rad of a pixel in the middle of the picture. 0 for an orthographic camera.
     pub fn pixel_angle(&self) -> f64 {
         self.pixel_angle_at(f64::INFINITY)
     }
 
-    /// The angle that a pixel in the middle of the picture subtends at a distance, in radians. Only
-    /// for an orthographic camera, it depends on the distance.
+    /// The angle in rad of a pixel in the middle, fixed except for an orthographic camera.
     pub fn pixel_angle_at(&self, distance_m: f64) -> f64 {
         match self.aperture {
             Aperture::Orthographic => self.pixel / distance_m,
@@ -215,8 +195,7 @@ impl Camera {
         }
     }
 
-    /// The corners of a box around the points from which the camera sees the scene. The opening of
-    /// a lens counts as a point.
+    /// A box around the points from which the camera sees the scene; an opening is one point.
     pub fn viewpoint_bounds(&self) -> (DVec3, DVec3) {
         match self.aperture {
             Aperture::Orthographic => {
@@ -238,21 +217,17 @@ impl Camera {
         }
     }
 
-    /// The number of pixels.
     pub fn pixel_count(&self) -> usize {
         (self.size.x * self.size.y) as usize
     }
 
-    /// The number of pixels per row.
     pub fn width(&self) -> usize {
         self.size.x as usize
     }
 
-    /// The ray through a film position (in pixels).
-    ///
-    /// The random numbers `lens` sample the opening of a thin lens. For a lens system, the ray
-    /// passes through the centre of an ideal lens that has the same field of view. See
-    /// [`ray_through`](Self::ray_through).
+    /// The ray through a film position (in pixels). `lens` samples the opening of a thin lens. For
+    /// a lens system, the ray passes through the centre of an ideal lens with the same field of
+    /// view; see [`ray_through`](Self::ray_through).
     pub fn ray(&self, film: DVec2, lens: [f64; 2]) -> Ray {
         let offset = (film - 0.5 * self.size) * self.pixel;
         let through = self.forward + self.right * offset.x - self.up * offset.y;
@@ -265,17 +240,15 @@ impl Camera {
             Aperture::ThinLens { stop, focus_m } => {
                 let opening = stop.sample(lens);
                 let shift = self.right * opening.x + self.up * opening.y;
-                // If `through` were multiplied by `focus_m` instead, the squared length of the
-                // vector could overflow.
+                // The squared length of `through` × `focus_m` could overflow.
                 Ray { origin: self.origin + shift, direction: (through - shift / focus_m).normalize() }
             }
         }
     }
 
     /// Traces a ray of one wavelength from a film position (in pixels) through the lens system.
-    /// Returns the ray that leaves the lens, and the ray's weight. `None` if the lens blocks the
-    /// ray. The random numbers `lens` sample the exit pupil. The number `ghost` selects a ghost;
-    /// `None` stands for the image.
+    /// Returns the ray that leaves the lens and its weight, or `None` if the lens blocks it. `lens`
+    /// samples the exit pupil. `ghost` selects a ghost; `None` stands for the image.
     pub fn ray_through(
         &self,
         glass: &SystemAt<'_>,
@@ -293,7 +266,7 @@ impl Camera {
         Some((Ray { origin: self.origin + to_world(ray.origin) * 1e-3, direction: to_world(ray.direction) }, weight))
     }
 
-    /// Projects a point through the centre of the lens to a position in pixels. The position may be
+    /// Projects a point through the centre of the lens to a position in pixels, which may be
     /// outside the film. Returns `None` for a point behind the camera.
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         let offset = point - self.origin;
@@ -302,17 +275,15 @@ impl Camera {
         (depth > 0.0).then(|| self.on_film(DVec2::new(offset.dot(self.right), offset.dot(self.up)) / scale))
     }
 
-    /// The film position (in pixels) of a point on the plane at distance 1. The components of
-    /// `on_plane` are the point's distances from the optical axis to the right and upwards.
+    /// The film position (in pixels) of a point on the plane at distance 1, given by its distances
+    /// from the optical axis to the right and upwards.
     fn on_film(&self, on_plane: DVec2) -> DVec2 {
         DVec2::new(on_plane.x, -on_plane.y) / self.pixel + 0.5 * self.size
     }
 
     /// Connects a point of the scene to the film. Returns `None` if the image of the point is
-    /// outside the film, or if the camera has no picture.
-    ///
-    /// The random numbers `lens` sample the opening of a thin lens. A lens system is treated as an
-    /// ideal lens, as in [`ray`](Self::ray).
+    /// outside the film, or if the camera has no picture. `lens` samples the opening of a thin
+    /// lens. A lens system is treated as an ideal lens, as in [`ray`](Self::ray).
     pub fn connect(&self, point: DVec3, lens: [f64; 2]) -> Option<CameraConnection> {
         if !self.sensors.is_empty() {
             return None;
@@ -329,8 +300,7 @@ impl Camera {
             return None;
         }
         let sideways = DVec2::new(-offset.dot(self.right), -offset.dot(self.up));
-        // The line from the lens to the point intersects the plane in focus. `on_plane` is this
-        // intersection, projected to the plane at distance 1.
+        // Where the line from the lens to the point meets the plane in focus, at distance 1.
         let on_plane = sideways / depth + shift / focus_m;
         let pixel = self.pixel_of(self.on_film(on_plane))?;
         let distance = offset.length();
@@ -343,27 +313,22 @@ impl Camera {
         })
     }
 
-    /// Connects a point of the scene to the film along the axis of an orthographic camera.
     fn connect_orthographic(&self, point: DVec3) -> Option<CameraConnection> {
         let pixel = self.pixel_of(self.project(point)?)?;
         let distance = (point - self.origin).dot(self.forward);
-        Some(CameraConnection {
-            pixel,
-            direction: -self.forward,
-            distance,
-            importance: (self.pixel * self.pixel).recip(),
-        })
+        let importance = (self.pixel * self.pixel).recip();
+        Some(CameraConnection { pixel, direction: -self.forward, distance, importance })
     }
 
-    /// The index of the pixel at a film position, or `None` outside the film.
+    /// The number of the pixel at a film position, or `None` outside the film.
     fn pixel_of(&self, film: DVec2) -> Option<u32> {
         let is_inside = film.x >= 0.0 && film.y >= 0.0 && film.x < self.size.x && film.y < self.size.y;
         is_inside.then(|| film.y as u32 * self.size.x as u32 + film.x as u32)
     }
 }
 
-/// The unit vectors `forward` and `up` of a camera that looks along `view`. The argument `up` need
-/// not be orthogonal to `view`, but the two vectors must not be parallel.
+/// The unit vectors `forward` and `up` of a camera that looks along `view`. `up` need not be
+/// orthogonal to `view`, but must not be parallel to it.
 pub fn look_at_axes(view: DVec3, up: DVec3) -> (DVec3, DVec3) {
     let forward = view.normalize();
     let right = forward.cross(up).normalize();
@@ -400,7 +365,7 @@ mod tests {
         }
     }
 
-    /// A coarse film covers the same view, also if its size is not a multiple of the factor.
+    /// A coarse film covers the same view, even if its size is not a multiple of the factor.
     #[test]
     fn a_coarse_film_shows_the_same_view() {
         for camera in cameras() {
@@ -421,8 +386,7 @@ mod tests {
         assert!(direction.x < 0.0 && direction.y > 0.0);
     }
 
-    /// The rays of an orthographic camera are parallel, and a pixel covers the same length at all
-    /// distances. The picture is 0.8 m high.
+    /// A pixel covers the same length at all distances. The picture is 0.8 m high.
     #[test]
     fn an_orthographic_camera_sees_along_parallel_rays() {
         let axes = (DVec3::NEG_Z, DVec3::Y);

@@ -1,25 +1,20 @@
 //! The shutter: its opening time, its closing time, and its transmission as a function of time.
 
-/// A shutter. If the shutter opens and closes at the same time, the picture shows that moment
-/// without motion blur.
+/// A shutter. If it opens and closes at the same time, there is no motion blur.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shutter {
-    /// The time at which the shutter opens, in s.
     pub open_s: f64,
-    /// The time at which the shutter closes, in s.
     pub close_s: f64,
-    /// The transmission as a function of time, or `None` if the shutter is fully open the whole
-    /// time.
+    /// The transmission as a function of time, or `None` if the shutter is always fully open.
     curve: Option<ShutterCurve>,
 }
 
 /// The transmission as a piecewise linear function of time.
 #[derive(Debug, Clone, PartialEq)]
 struct ShutterCurve {
-    /// Pairs of a time and the transmission at this time. The time is 0 when the shutter opens and
-    /// 1 when it closes. Both values are from 0 to 1.
+    /// Pairs of a time, 0 at opening and 1 at closing, and the transmission from 0 to 1.
     points: Vec<[f64; 2]>,
-    /// For each point of the curve: the integral of the transmission from time 0 to this point.
+    /// For each point: the integral of the transmission from time 0 to this point.
     passed: Vec<f64>,
 }
 
@@ -41,21 +36,18 @@ impl ShutterCurve {
         Self { points, passed }
     }
 
-    /// The mean transmission.
     fn mean(&self) -> f64 {
         self.passed[self.passed.len() - 1]
     }
 
-    /// The time at which the share `u` of all light has passed through the shutter. The time is 0
-    /// when the shutter opens and 1 when it closes.
+    /// The time (0 at opening, 1 at closing) at which the fraction `u` of all light has passed.
     fn inverse(&self, u: f64) -> f64 {
         let wanted = u * self.mean();
         let last = self.passed.len() - 2;
         let piece = self.passed.partition_point(|&passed| passed <= wanted).saturating_sub(1).min(last);
         let [[from, a], [to, b]] = [self.points[piece], self.points[piece + 1]];
         let rest = wanted - self.passed[piece];
-        // Solves a·x + slope·x²/2 = rest. This form of the solution is accurate even if a is near b
-        // or near 0.
+        // Solves a·x + slope·x²/2 = rest, accurately even if a is near b or near 0.
         let slope = (b - a) / (to - from);
         let root = (a * a + 2.0 * slope * rest).max(0.0).sqrt();
         let x = if a + root > 0.0 { 2.0 * rest / (a + root) } else { 0.0 };
@@ -64,12 +56,9 @@ impl ShutterCurve {
 }
 
 impl Shutter {
-    /// Creates a shutter that opens at `open_s` and closes at `close_s`. Both times are in s, and
-    /// `open_s` ≤ `close_s`.
-    ///
-    /// Each point of `curve` has a time and a transmission, both from 0 to 1. The time is 0 when
-    /// the shutter opens and 1 when it closes. The times must increase, and the transmission must
-    /// not be 0 everywhere.
+    /// Creates a shutter that opens at `open_s` and closes at `close_s` ≥ `open_s`. Each point of
+    /// `curve` is an increasing time, from 0 at opening to 1 at closing, and a transmission from 0
+    /// to 1, which must not be 0 everywhere.
     pub fn new(open_s: f64, close_s: f64, curve: Option<&[[f64; 2]]>) -> Self {
         Self { open_s, close_s, curve: curve.map(ShutterCurve::new) }
     }
@@ -79,9 +68,8 @@ impl Shutter {
         (self.close_s - self.open_s) * self.curve.as_ref().map_or(1.0, ShutterCurve::mean)
     }
 
-    /// The time (in s) at which the share `u` of all light has passed through the shutter. `u` lies
-    /// in [0, 1]. If `u` is uniformly distributed, the density of the times is proportional to the
-    /// transmission.
+    /// The time (in s) at which the fraction `u` (from 0 to 1) of all light has passed. For uniform
+    /// `u`, the pdf of the times is proportional to the transmission.
     pub fn time_s(&self, u: f64) -> f64 {
         let fraction = self.curve.as_ref().map_or(u, |curve| curve.inverse(u));
         (1.0 - fraction) * self.open_s + fraction * self.close_s

@@ -1,12 +1,11 @@
-//! A lens system: a camera lens of real glass. Each ray is traced through the lens with the
-//! refractive indices at the wavelength of the ray.
+//! A camera lens of real glass, through which each ray is traced with the refractive indices at its
+//! wavelength.
 //!
-//! Lens coordinates are in mm and are defined as in [`abbe_optics::lens`]. The origin is the
-//! vertex of the first surface. The position of the camera is this vertex. The z axis points
-//! towards the sensor, the x axis to the right of the picture, and the y axis up. Rays start on the
-//! sensor and are aimed at the plane of the last vertex. Light reaches a sensor position only
-//! through a part of this plane, and rays sample only this part (Kolb, Mitchell & Hanrahan 1995;
-//! exit-pupil bounds after Steinert et al. 2011).
+//! Lens coordinates are in mm, as in [`abbe_optics::lens`]. The origin and the camera's position
+//! are the vertex of the first surface. The z axis points towards the sensor, the x axis to the
+//! right of the picture, and the y axis up. Rays start on the sensor and are aimed at the part of
+//! the plane of the last vertex through which light reaches the sensor position (Kolb, Mitchell &
+//! Hanrahan 1995; exit-pupil bounds after Steinert et al. 2011).
 
 use abbe_optics::aperture::Blades;
 use abbe_optics::glass::lines;
@@ -15,35 +14,28 @@ use abbe_spectra::error::{Error, Result};
 use glam::DVec2;
 use std::f64::consts::PI;
 
-/// The exit-pupil bounds are computed at this number of sensor positions along a radius.
+/// The number of sensor positions along a radius at which the exit-pupil bounds are computed.
 const RADII: usize = 48;
 
-/// The exit-pupil bounds are found by a square grid of rays. This is the number of rays along each
-/// side of the grid.
+/// The number of rays along each side of the square grid that finds the exit-pupil bounds.
 const BOUNDS_GRID: usize = 48;
 
-/// The exit pupil on the axis is measured by a square grid of rays. This is the number of rays
-/// along each side of the grid.
+/// The number of rays along each side of the square grid that measures the exit pupil on the axis.
 const AXIS_GRID: usize = 512;
 
-/// The extent of both grids of rays: half the side length, divided by the semi-aperture of the last
-/// surface. The value exceeds 1 because oblique rays cross the plane of the last vertex outside the
-/// semi-aperture.
+/// Half the side length of both grids, divided by the semi-aperture of the last surface. It exceeds
+/// 1 because oblique rays cross the plane of the last vertex outside the semi-aperture.
 const GRID_EXTENT: f64 = 1.5;
 
-/// The wavelengths (in nm) of the rays that determine the exit-pupil bounds. Several wavelengths
-/// are needed because dispersion moves the exit pupil.
+/// The wavelengths (nm) for the exit-pupil bounds: several, because dispersion moves the pupil.
 const BOUNDING_NM: [f64; 3] = [400.0, lines::D_NM, 760.0];
 
 /// What happens to the light that the surfaces of a lens reflect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LensReflections {
-    /// The surfaces reflect nothing: all light is transmitted.
     Absent,
-    /// The reflected light is lost.
     Lost,
-    /// Light that is reflected at two surfaces reaches the sensor as ghosts. Other reflected light
-    /// is lost.
+    /// Light that two surfaces reflect reaches the sensor as ghosts; other reflected light is lost.
     Ghosts,
 }
 
@@ -51,32 +43,29 @@ pub enum LensReflections {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SystemLens {
     lens: Lens,
-    /// The distance in mm between the last vertex and the sensor.
+    /// In mm, between the last vertex and the sensor.
     sensor_mm: f64,
-    /// The distance in m from the first vertex to the plane in focus. This distance is for the
-    /// wavelength of the d line.
+    /// In m, from the first vertex to the plane in focus at the wavelength of the d line.
     focus_m: f64,
-    /// The focal length in mm at the wavelength of the d line.
+    /// In mm, at the wavelength of the d line.
     focal_mm: f64,
     /// The radius in mm of the entrance pupil at the wavelength of the d line.
     pupil_mm: f64,
     /// The largest distance of a sensor position from the axis, in mm.
     sensor_radius_mm: f64,
-    /// The bounds of the exit pupil on the plane of the last vertex. Each entry contains the bounds
-    /// for one interval of sensor positions on the positive x axis. All intervals have the same
-    /// length. An entry is `None` if no light reaches its interval.
+    /// The bounds of the exit pupil on the plane of the last vertex, for equal intervals of sensor
+    /// positions on the positive x axis. `None` if no light reaches the interval.
     pupils: Vec<Option<[DVec2; 2]>>,
-    /// The integral ∫ cos⁴θ/z² dA over the exit pupil. The integral is for the middle of the sensor
-    /// and for the wavelength of the d line. The weights of all rays are divided by this integral.
-    /// Therefore, if the radiance of the scene is uniform, the middle of the picture has exactly
-    /// this radiance.
+    /// The integral ∫ cos⁴θ/z² dA over the exit pupil, for the middle of the sensor and the
+    /// wavelength of the d line. The weights of all rays are divided by it, so that the middle of
+    /// the picture of a uniform scene has exactly the scene's radiance.
     on_axis: f64,
-    /// The integral `on_axis` for the same lens without blades.
+    /// `on_axis` of the same lens without blades.
     on_axis_round: f64,
     reflections: LensReflections,
-    /// The ghosts that rays sample. Empty if the lens has no ghosts.
+    /// The ghosts that rays sample.
     ghosts: Vec<GhostPair>,
-    /// The least and the largest sag of the last surface within its semi-aperture, in mm.
+    /// The least and the largest sag in mm of the last surface within its semi-aperture.
     last_sag_mm: [f64; 2],
 }
 
@@ -88,20 +77,16 @@ pub struct SystemAt<'a> {
 }
 
 impl SystemLens {
-    /// Creates a lens system that is focused at the distance `focus_m` (in m) from the first
-    /// vertex. `sensor_radius_mm` is the distance of the sensor's corners from the axis.
-    ///
-    /// # Errors
-    /// Returns an error if the lens cannot focus at the distance, the sensor would be inside the
-    /// lens, or no light passes through the lens.
+    /// Creates a lens system that is focused at `focus_m` (in m) from the first vertex.
+    /// `sensor_radius_mm` is the distance of the sensor's corners from the axis. Returns an error
+    /// if the lens cannot focus at the distance, the sensor would be inside the lens, or no light
+    /// passes through the lens.
     pub fn new(lens: Lens, focus_m: f64, sensor_radius_mm: f64) -> Result<Self> {
         let at_d = lens.at(lines::D_NM);
         let sensor_mm = at_d.image_distance_mm(1e3 * focus_m)?;
         let paraxial = at_d.paraxial()?;
         let focal_mm = paraxial.efl_mm;
         let pupil_mm = paraxial.entrance_pupil.map_or(0.0, |pupil| 0.5 * pupil.diameter_mm);
-        let pupils = Vec::new();
-        let (on_axis, on_axis_round) = (0.0, 0.0);
         let mut system = Self {
             lens,
             sensor_mm,
@@ -109,9 +94,9 @@ impl SystemLens {
             focal_mm,
             pupil_mm,
             sensor_radius_mm,
-            pupils,
-            on_axis,
-            on_axis_round,
+            pupils: Vec::new(),
+            on_axis: 0.0,
+            on_axis_round: 0.0,
             reflections: LensReflections::Absent,
             ghosts: Vec::new(),
             last_sag_mm: [0.0; 2],
@@ -125,8 +110,8 @@ impl SystemLens {
             return Err(Error::input("no light passes through the lens").expected("apertures with a common opening"));
         }
         let radius = |i: usize| sensor_radius_mm * i as f64 / (RADII - 1) as f64;
-        // For a polygonal stop, the exit pupil depends on the direction of the sensor position.
-        // Therefore, the bounds are computed for the circumcircle of the polygon.
+        // The exit pupil of a polygonal stop depends on the direction of the sensor position, so
+        // the bounds are those of the polygon's circumcircle.
         let round = Self { lens: system.lens.clone().with_blades(None), ..system.clone() };
         let bounds: Vec<_> = (0..RADII).map(|i| round.bounds(radius(i))).collect();
         system.pupils = bounds.windows(2).map(|pair| union(pair[0], pair[1])).collect();
@@ -134,7 +119,6 @@ impl SystemLens {
         Ok(system)
     }
 
-    /// Returns this lens system with other reflections.
     #[must_use]
     pub fn with_reflections(mut self, reflections: LensReflections) -> Self {
         self.reflections = reflections;
@@ -145,14 +129,13 @@ impl SystemLens {
         self
     }
 
-    /// Removes all ghosts. Reflected light is then lost.
+    /// Removes all ghosts, so that reflected light is lost.
     pub fn remove_ghosts(&mut self) {
         if self.reflections == LensReflections::Ghosts {
             *self = self.clone().with_reflections(LensReflections::Lost);
         }
     }
 
-    /// Removes the coatings of all surfaces.
     pub fn remove_coatings(&mut self) {
         if self.is_coated() {
             self.lens.remove_coatings();
@@ -160,61 +143,51 @@ impl SystemLens {
         }
     }
 
-    /// Returns true if the lens has ghosts.
     pub fn has_ghosts(&self) -> bool {
         !self.ghosts.is_empty()
     }
 
-    /// Returns true if a surface has a coating.
     pub fn is_coated(&self) -> bool {
         self.lens.is_coated()
     }
 
-    /// The distance in m from the first vertex to the plane in focus. This distance is for the
-    /// wavelength of the d line.
+    /// The distance in m from the first vertex to the plane in focus at the d line.
     pub fn focus_m(&self) -> f64 {
         self.focus_m
     }
 
-    /// The radius of the entrance pupil in m.
     pub fn pupil_radius_m(&self) -> f64 {
         1e-3 * self.pupil_mm
     }
 
-    /// The blades of the aperture stop, if it has any.
     pub fn blades(&self) -> Option<Blades> {
         self.lens.blades()
     }
 
-    /// The working f-number at the focus distance of this lens system. The f-number is for the
-    /// middle of the sensor and for the wavelength of the d line. The light that passes through the
-    /// circle around the aperture stop converges in a cone to the middle of the sensor. If θ is the
-    /// half-angle of this cone, the f-number is 1/(2 sin θ).
+    /// The working f-number 1/(2 sin θ) at the focus distance, for the middle of the sensor and the
+    /// wavelength of the d line. θ is the half-angle of the cone in which the light through the
+    /// circle around the aperture stop converges to the middle of the sensor.
     pub fn working_f_number(&self) -> f64 {
         0.5 * (PI / self.on_axis_round).sqrt()
     }
 
-    /// The name of the lens.
     pub fn name(&self) -> &str {
         self.lens.name()
     }
 
-    /// The image distance in mm. The image distance follows from the focal length and the focus
-    /// distance by the thin-lens equation. The height of the sensor divided by this distance is
+    /// The image distance in mm, by the thin-lens equation. The sensor height divided by it is
     /// twice the tangent of half the vertical field of view.
     pub fn image_mm(&self) -> f64 {
         let focus_mm = 1e3 * self.focus_m;
         if focus_mm.is_finite() { self.focal_mm * focus_mm / (focus_mm - self.focal_mm) } else { self.focal_mm }
     }
 
-    /// The lens system at a wavelength in nm. The refractive indices at this wavelength are
-    /// computed only once.
+    /// The lens system at a wavelength in nm, with its refractive indices computed once.
     pub fn at(&self, nm: f64) -> SystemAt<'_> {
         SystemAt { system: self, glass: self.lens.at(nm) }
     }
 
-    /// Returns the ray from a sensor position towards a point on the plane of the last vertex. Also
-    /// returns the factor cos⁴θ/z² of this ray.
+    /// Returns the ray from a sensor position towards a pupil point, and its cos⁴θ/z².
     fn ray_to_pupil(&self, place: DVec2, pupil: DVec2) -> (LensRay, f64) {
         let behind = self.lens.length_mm();
         let origin = place.extend(behind + self.sensor_mm);
@@ -222,8 +195,7 @@ impl SystemLens {
         (LensRay { origin, direction }, direction.z.powi(4) / (self.sensor_mm * self.sensor_mm))
     }
 
-    /// Half the side length of both grids of rays, in mm. The grids lie on the plane of the last
-    /// vertex.
+    /// Half the side length in mm of both grids of rays on the plane of the last vertex.
     fn grid_extent_mm(&self) -> f64 {
         GRID_EXTENT * self.last_surface().semi_aperture_mm
     }
@@ -232,11 +204,10 @@ impl SystemLens {
         &self.lens.surfaces()[self.lens.surfaces().len() - 1]
     }
 
-    /// The bounds, on the plane of the last vertex, of all rays from a sensor position through the
-    /// aperture of the last surface.
+    /// Bounds, on the plane of the last vertex, the rays through the aperture of the last surface.
     fn bounds_of_last_surface(&self, place: DVec2) -> [DVec2; 2] {
-        // A line from the position through a point of the surface crosses the plane at
-        // position + k·(point − position), where k depends on the sag of the point.
+        // A line from the position through a point of the surface crosses the plane at position +
+        // k·(point − position), where k depends on the sag of the point.
         let half_extent = DVec2::splat(self.last_surface().semi_aperture_mm);
         let [low, high] = self.last_sag_mm.map(|sag_mm| {
             let k = self.sensor_mm / (self.sensor_mm - sag_mm);
@@ -245,8 +216,6 @@ impl SystemLens {
         [low[0].min(high[0]), low[1].max(high[1])]
     }
 
-    /// Measures the integral ∫ cos⁴θ/z² dA over the exit pupil. The integral is for the middle of
-    /// the sensor and for the wavelength of the d line.
     fn measure_axis(&self) -> f64 {
         let (at_d, half_extent) = (self.lens.at(lines::D_NM), self.grid_extent_mm());
         let cell = 2.0 * half_extent / AXIS_GRID as f64;
@@ -258,9 +227,8 @@ impl SystemLens {
         grid(AXIS_GRID, half_extent).map(cos4_term).sum()
     }
 
-    /// The bounds of the exit pupil on the plane of the last vertex. They apply to the sensor
-    /// position on the positive x axis that is at the distance `radius_mm` from the optical axis. A
-    /// margin of one grid cell is added on every side.
+    /// The bounds of the exit pupil on the plane of the last vertex, with a margin of one grid
+    /// cell, for a sensor position on the positive x axis at `radius_mm` from the optical axis.
     fn bounds(&self, radius_mm: f64) -> Option<[DVec2; 2]> {
         let half_extent = self.grid_extent_mm();
         let margin = DVec2::splat(2.0 * half_extent / BOUNDS_GRID as f64);
@@ -275,18 +243,14 @@ impl SystemLens {
 }
 
 impl SystemAt<'_> {
-    /// The lens system at all wavelengths.
     pub fn system(&self) -> &SystemLens {
         self.system
     }
 
-    /// The ray from a position of the picture into the scene, and the ray's weight. `None` if the
-    /// lens blocks the ray.
-    ///
-    /// The position is in mm on the sensor. Its first component increases to the right of the
-    /// picture, and its second component increases upwards. The random numbers `u` sample the exit
-    /// pupil. The value of a pixel is the mean of weight × radiance over all `u`. If the lens has
-    /// losses, the weight contains the transmittance of all surfaces.
+    /// The ray from a position of the picture (mm to the right and upwards) into the scene, and its
+    /// weight, or `None` if the lens blocks it. The random numbers `u` sample the exit pupil. The
+    /// mean of weight × radiance over all `u` is the value of a pixel, and the weight contains the
+    /// transmittance of all surfaces if the lens has losses.
     pub fn ray(&self, picture_mm: DVec2, u: [f64; 2]) -> Option<(LensRay, f64)> {
         let system = self.system;
         // The image on the sensor is upside down.
@@ -307,13 +271,11 @@ impl SystemAt<'_> {
         Some((out, size.x * size.y * geometry / system.on_axis * transmitted))
     }
 
-    /// The ray of a ghost from a position of the picture into the scene, and the ray's weight.
-    /// `None` if the lens blocks the ray, or if it has no ghosts.
-    ///
-    /// The arguments are those of [`ray`](Self::ray). The number `choice` in [0, 1) selects the two
-    /// surfaces that reflect. Light of a ghost may reach the sensor from every part of the last
-    /// surface, so `u` samples a rectangle around this surface. The ghosts add the mean of weight ×
-    /// radiance over all `u` and `choice` to the value of a pixel.
+    /// The ray of a ghost from a position of the picture into the scene, and its weight, with the
+    /// arguments of [`ray`](Self::ray); `None` if the lens blocks the ray or has no ghosts. The
+    /// number `choice` in [0, 1) selects the two surfaces that reflect. Light of a ghost may reach
+    /// the sensor from every part of the last surface, so `u` samples a rectangle around it. The
+    /// ghosts add the mean of weight × radiance over all `u` and `choice` to the value of a pixel.
     pub fn ghost_ray(&self, picture_mm: DVec2, u: [f64; 2], mut choice: f64) -> Option<(LensRay, f64)> {
         let system = self.system;
         let found = system.ghosts.iter().find(|pair| {
@@ -329,14 +291,12 @@ impl SystemAt<'_> {
     }
 }
 
-/// The cell centres of a square grid. The grid has `side` × `side` cells and extends from −`extent`
-/// to +`extent` on both axes.
+/// The cell centres of a grid of `side` × `side` cells from −`extent` to +`extent`.
 fn grid(side: usize, extent: f64) -> impl Iterator<Item = DVec2> {
     let place = move |i: usize| extent * (2.0 * (i as f64 + 0.5) / side as f64 - 1.0);
     (0..side).flat_map(move |j| (0..side).map(move |i| DVec2::new(place(i), place(j))))
 }
 
-/// The smallest rectangle around two rectangles.
 fn union(a: Option<[DVec2; 2]>, b: Option<[DVec2; 2]>) -> Option<[DVec2; 2]> {
     match (a, b) {
         (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),

@@ -1,5 +1,4 @@
-//! Construction of the geometry from placed shapes: the primitives, the bounding volume hierarchy
-//! and the areas of the faces.
+//! Construction of the geometry from placed shapes: primitives, hierarchy and face areas.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -17,17 +16,14 @@ use super::world::Geometry;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::sin_cos;
 
-/// Ratio of `Geometry::coincidence_range_m` to the largest coordinate of the scene.
-/// `coincidence_range_m` also contains a margin for the rounding of the centre. The margin is not
-/// part of this ratio. The value is 2⁻²³.
+/// Ratio (2⁻²³) of `Geometry::coincidence_range_m`, without its margin for the rounding of the
+/// centre, to the largest coordinate of the scene.
 const COINCIDENCE_RANGE_FRACTION: f64 = 1.2e-7;
 
 impl Geometry {
-    /// Builds the geometry of all placed shapes. `centre` is subtracted from every position.
-    ///
-    /// # Errors
-    /// Returns an error if a shape is not a valid body, a transform is singular or not finite, a
-    /// shape has no area, or the scene has more than 2³² primitives or vertices.
+    /// Builds the geometry of all placed shapes about `centre`, which is subtracted from every
+    /// position. Returns an error if a shape is not a valid body, a transform is singular or not
+    /// finite, a shape has no area, or the scene has more than 2³² primitives or vertices.
     pub fn build(placed: Vec<PlacedShape>, centre: DVec3) -> Result<Self> {
         let mut primitives =
             Primitives { largest_centre_coordinate: centre.abs().max_element(), ..Primitives::default() };
@@ -89,8 +85,8 @@ impl Primitives {
         };
         placed.face_areas = (0..placed.solid.faces()).map(|face| placed.face_area(face)).collect();
         if !placed.face_areas.iter().any(|&area| area > 0.0) {
-            let message = "the placed shape is so small that the computed area is 0";
-            return Err(Error::input(message).expected("a larger shape"));
+            let error = Error::input("the placed shape is so small that the computed area is 0");
+            return Err(error.expected("a larger shape"));
         }
         self.analytic.push(placed);
         self.list.push(Primitive::Analytic(index));
@@ -104,8 +100,7 @@ impl Primitives {
         self.vertices.extend(mesh.positions().iter().map(|&vertex| linear * vertex + position));
         let first_normal = mesh.normals().map(|normals| {
             let first = self.normals.len() as u32;
-            // With the inverse transpose, outward normals stay outward, even if the transform
-            // mirrors the shape.
+            // With the inverse transpose, outward normals stay outward even under mirroring.
             let to_normal = linear.inverse().transpose();
             let placed = |&normal: &DVec3| (to_normal * normal).normalize_or_zero().as_vec3().to_array();
             self.normals.extend(normals.iter().map(placed));
@@ -124,8 +119,6 @@ impl Primitives {
             let triangle = Triangle { vertices: winding.map(|index| index + first_vertex), mesh: mesh_index };
             if triangle_normal(self.corners(&triangle)).length_squared() > 0.0 {
                 self.list.push(Primitive::Triangle(triangle));
-            } else {
-                self.dropped += 1;
             }
         }
         if self.list.len() == before {
@@ -161,9 +154,8 @@ impl Primitives {
         index(next).map(|_| ())
     }
 
-    /// Renumbers the vertices of each mesh. The vertices are numbered in the order in which the
-    /// triangles of the hierarchy first use them. Triangles that are close in space are then close
-    /// in memory. Unused vertices come last.
+    /// Renumbers the vertices of each mesh by their first use by the triangles of the hierarchy, so
+    /// that near triangles are close in memory. Unused vertices come last.
     fn number_vertices_by_use(&mut self) {
         let mut new_numbers: Vec<Option<u32>> = vec![None; self.vertices.len()];
         let mut next: Vec<u32> = self.meshes.iter().map(|mesh| mesh.first_vertex).collect();
@@ -204,8 +196,7 @@ impl Primitives {
         }
     }
 
-    /// Returns the faces and areas of all objects. The faces of an object are in the same order as
-    /// their primitives in the final list.
+    /// Returns the faces, in the order of the list, and areas of all objects.
     fn objects(&self) -> ObjectSurfaces {
         let mut objects = ObjectSurfaces::default();
         let mut count = std::collections::HashMap::<u32, u32>::new();
@@ -245,11 +236,11 @@ impl PlacedSolid {
         if is_similarity(&self.to_world) || self.solid.has_flat_faces() {
             return local * scale_at([0.5, 0.5]);
         }
-        // The area scale is averaged over the face, which `sample` covers uniformly. Around the
-        // axis the average uses equal steps, which converge fast for a smooth periodic function.
-        // Along the axis it uses three-point Gauss quadrature on short pieces. The pieces are
-        // shortest at the ends, where stretched bodies are most curved. The error is 1e-6 for an
-        // ellipsoid with an axis ratio of 1000 : 1.
+        // The area scale is averaged over the face, which `sample` covers uniformly: in equal steps
+        // around the axis, which converge fast for a smooth periodic function, and by three-point
+        // Gauss quadrature along it, on pieces that are shortest at the ends, where stretched
+        // bodies are most curved. The error is 1e-6 for an ellipsoid with an axis ratio of 1000 :
+        // 1.
         const AXIAL_PIECES: u32 = 256;
         const AZIMUTH_STEPS: u32 = 512;
         let around = |u: f64| -> f64 {
@@ -289,7 +280,6 @@ impl PlacedSolid {
     }
 }
 
-/// Returns whether a linear map preserves angles.
 pub(super) fn is_similarity(map: &DMat3) -> bool {
     let [x, y, z] = [map.x_axis, map.y_axis, map.z_axis];
     let scale = x.length_squared();
@@ -308,7 +298,6 @@ fn shared_meshes(placed: &[PlacedShape]) -> Vec<bool> {
     placed.iter().map(|item| mesh(item).is_some_and(|mesh| uses[&mesh] > 1)).collect()
 }
 
-/// Returns the value of `next`, then increments `next`.
 fn take_number(next: &mut u32) -> u32 {
     let number = *next;
     *next += 1;

@@ -1,14 +1,13 @@
 //! The bounding volume hierarchy (BVH), which finds the primitives that a ray may hit.
 //!
-//! Rays and primitives are in double precision; the boxes are in single precision. Traversal uses a
-//! separate frame. In this frame, the scene's box is centred on the origin, and its half-extent
-//! lies between 2⁹ and 2¹⁰. The scale factor of the frame is a power of two. The ray's origin is
-//! first moved forward, in double precision, to the point where the ray enters this box. In this
-//! frame, rounding errors arise from the ray in single precision, the slab tests and the compressed
-//! boxes. Together they move a plane of a box by less than 2.3e-3. The padding of the boxes
-//! (`PADDING`) is larger than this error, so no primitive is missed. `obvhs` ignores boxes that the
-//! ray leaves at a distance below 1e-4. For a box that contains the ray's origin, the padding keeps
-//! this distance above 1e-4. This holds for any scale of the scene.
+//! Rays and primitives are in double precision; the boxes are in single precision. In the frame of
+//! the traversal, the scene's box is centred on the origin, and a power of two scales its
+//! half-extent to between 2⁹ and 2¹⁰. The ray's origin first moves forward, in double precision, to
+//! the point where the ray enters this box. Rounding errors in this frame arise from the ray in
+//! single precision, the slab tests and the compressed boxes. Together they move a plane of a box
+//! by less than 2.3e-3. The boxes are padded by more (`PADDING`), so no primitive is missed at any
+//! scale of the scene. `obvhs` ignores boxes that the ray leaves at a distance below 1e-4; the
+//! padding also keeps this distance above 1e-4 for a box that contains the ray's origin.
 
 use std::mem::size_of;
 
@@ -27,18 +26,15 @@ use super::ray::Ray;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{exp2, log2};
 
-/// Padding of a box on every side. In the frame of the hierarchy, the padding is 2⁻⁸.
+/// Padding (2⁻⁸) of a box on every side, in the frame of the hierarchy.
 const PADDING: f64 = 0.003_906_25;
 
-/// If a scene has at most this number of primitives, every ray is tested against all of them. This
-/// is cheaper than the test of one node of the hierarchy.
+/// Up to this number of primitives, testing all of them costs less than the test of one node.
 const MAX_LISTED_PRIMITIVES: usize = 4;
 
-/// Largest depth of a hierarchy. The traversal stack has a fixed size, which suffices for this
-/// depth.
+/// Largest depth of a hierarchy for which the fixed traversal stack suffices.
 const MAX_DEPTH: u32 = 31;
 
-/// A bounding volume hierarchy over all primitives.
 #[derive(Debug, Clone)]
 pub(crate) struct Bvh {
     low: DVec3,
@@ -50,17 +46,15 @@ pub(crate) struct Bvh {
 
 #[derive(Debug, Clone)]
 enum BvhNodes {
-    /// Every ray is tested against all primitives 0..count.
+    /// Every ray is tested against the primitives 0..count.
     List(u32),
     Wide(CwBvh),
 }
 
 impl Bvh {
-    /// Builds the hierarchy over the bounding boxes of the primitives. Returns the hierarchy and
-    /// the list `order`. Primitive i of the hierarchy has the number `order[i]` in `boxes`.
-    ///
-    /// # Errors
-    /// Returns an error if a box is not finite, or there are more than 2³² boxes.
+    /// Builds the hierarchy over boxes, and returns it with the list `order`: primitive i of the
+    /// hierarchy is `boxes[order[i]]`. Returns an error if a box is not finite, or there are more
+    /// than 2³² boxes.
     pub(crate) fn build(boxes: &[(DVec3, DVec3)]) -> Result<(Self, Vec<u32>)> {
         let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
         let (low, high) = boxes.iter().fold(nothing, |(low, high), b| (low.min(b.0), high.max(b.1)));
@@ -96,12 +90,10 @@ impl Bvh {
         Aabb::new(low.as_vec3a(), high.as_vec3a())
     }
 
-    /// Returns the smallest and largest coordinates of all boxes.
     pub(crate) fn bounds(&self) -> (DVec3, DVec3) {
         (self.low, self.high)
     }
 
-    /// Returns the memory of the hierarchy in bytes.
     pub(crate) fn memory_bytes(&self) -> usize {
         match &self.nodes {
             BvhNodes::List(_) => 0,
@@ -110,8 +102,8 @@ impl Bvh {
     }
 
     /// Calls `visit` with every primitive that the ray may hit between its origin and `t_max`,
-    /// approximately in order of distance. `visit` returns a new upper limit of t. The new limit
-    /// must not be larger than the limit before the call. A negative value ends the traversal.
+    /// approximately in order of distance. `visit` returns a new upper limit of t, which must not
+    /// exceed the limit before the call. A negative limit ends the traversal.
     #[inline]
     pub(crate) fn traverse(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(u32) -> f64) {
         let wide = match &self.nodes {
@@ -132,8 +124,7 @@ impl Bvh {
         if left < 0.0 {
             return;
         }
-        // The addition of 0 changes −0 to 0. The slab tests would interpret the sign of −0
-        // inconsistently.
+        // Changes −0 to 0, because the slab tests would interpret the sign of −0 inconsistently.
         let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
         let box_ray = BoxRay::new(origin.as_vec3a(), direction, 0.0, left);
         wide.ray_traverse(box_ray, &mut RayHit::none(), |_, primitive| {
@@ -143,16 +134,14 @@ impl Bvh {
         });
     }
 
-    /// Returns the t at which the ray enters the scene's box. Returns 0 if the origin lies inside
-    /// the box, and `None` if the ray misses the box.
+    /// Returns the t at which the ray enters the scene's box (0 from inside), or `None`.
     fn entry_t(&self, ray: &Ray) -> Option<f64> {
         let inside = ray.origin.cmpge(self.low) & ray.origin.cmple(self.high);
         if inside.all() {
             return Some(0.0);
         }
         let inverse = ray.direction.recip();
-        // The box is widened by the padding, because the slab test rounds and the box of a flat
-        // scene has no thickness.
+        // The padding covers rounding of the slab test, and flat scenes.
         let margin = PADDING / self.scale;
         let (mut enter, mut exit) = (0.0_f64, f64::INFINITY);
         for axis in 0..3 {
@@ -172,12 +161,12 @@ impl Bvh {
     }
 }
 
-/// Builds a binary hierarchy by the surface area heuristic. The first step is parallel
-/// locally-ordered clustering (PLOC). The second step is reinsertion.
+/// Builds a binary hierarchy by the surface area heuristic: parallel locally-ordered clustering
+/// (PLOC), then reinsertion.
 ///
-/// `build_cwbvh` of the crate `obvhs` asserts in debug builds that each box lies inside its parent
-/// box, with an absolute tolerance of 1e-5. The coordinates of this frame are too large for this
-/// tolerance, so the steps are called one by one.
+/// The steps are called one by one, because `build_cwbvh` of `obvhs` asserts in debug builds that
+/// each box lies inside its parent box within 1e-5, which is too strict for the large coordinates
+/// of this frame.
 fn build_by_surface_area(boxes: &[Aabb]) -> Bvh2 {
     let indices = (0..boxes.len() as u32).collect();
     let search = PlocSearchDistance::Medium;
@@ -186,10 +175,9 @@ fn build_by_surface_area(boxes: &[Aabb]) -> Bvh2 {
     binary
 }
 
-/// Builds a binary hierarchy by median splits. Each split is along the axis with the largest spread
-/// of box centres. For n boxes, the depth of the hierarchy is at most ⌈log₂ n⌉. This method is for
-/// scenes in which clustering gives a very deep tree. An example is a scene of hundreds of nested
-/// shells.
+/// Builds a binary hierarchy by median splits along the axis with the largest spread of box
+/// centres. For n boxes, its depth is at most ⌈log₂ n⌉. For scenes in which clustering gives a very
+/// deep tree, such as hundreds of nested shells.
 fn build_by_median_splits(boxes: &[Aabb]) -> Bvh2 {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let mut nodes = vec![Bvh2Node::default()];

@@ -1,10 +1,9 @@
 //! The order in which a ray crosses coincident surfaces.
 //!
-//! Examples are a prism on a floor, two cemented lenses, and a light that is flush with the
-//! ceiling. The computed distances to coincident surfaces are equal or differ by rounding. If these
-//! distances determined the order, a ray would occasionally reach the floor from inside the glass,
-//! or miss the floor. If the distances of two crossings agree to rounding, these rules order the
-//! crossings:
+//! Coincident surfaces are a prism on a floor, two cemented lenses, or a light that is flush with
+//! the ceiling. Their computed distances are equal or differ by rounding. If these distances
+//! determined the order, a ray would occasionally reach the floor from inside the glass, or miss
+//! the floor. If two distances agree to rounding, these rules order the crossings:
 //!
 //! - First the ray leaves bodies, then it crosses open surfaces (rectangles, disks, open meshes),
 //!   then it enters bodies. An open surface that touches a body thus lies just outside the body.
@@ -13,9 +12,9 @@
 //! - If two open surfaces coincide, the smaller one lies in front of the larger one, seen from the
 //!   side that the smaller one faces. A light that is flush with a ceiling is thus visible.
 //!
-//! The rules decide the order of any two crossings. A ray in the opposite direction crosses the
-//! surfaces in reverse order. Therefore, if a ray starts on one of several coincident surfaces, it
-//! hits exactly the surfaces that follow its start surface in this order.
+//! The rules order any two crossings, and a ray in the opposite direction crosses the surfaces in
+//! reverse order. A ray that starts on one of several coincident surfaces therefore hits exactly
+//! the surfaces that follow its start surface in this order.
 
 use std::cmp::Ordering;
 
@@ -26,17 +25,15 @@ use super::primitive::{Candidate, Primitives};
 use super::ray::Ray;
 use super::world::Geometry;
 
-/// Two surfaces coincide if their distance is below this multiple of the rounding error of their
-/// coordinates.
+/// The distance, in rounding errors of the coordinates, below which surfaces coincide.
 const ROUNDINGS: f64 = 64.0;
 
-/// The crossing of a surface by a ray.
 #[derive(Debug, Clone, Copy)]
 struct SurfaceCrossing {
     kind: CrossingKind,
     object: u32,
     primitive: u32,
-    /// Cosine between the ray and the surface normal.
+    /// Between the ray and the surface normal.
     cos: f64,
 }
 
@@ -48,14 +45,13 @@ enum CrossingKind {
 }
 
 impl Primitives {
-    /// Returns an upper bound, in m, of the rounding error of a position. This is the error before
-    /// the scene's centre is subtracted from the position.
+    /// Returns an upper bound of a position's rounding error in m before centring.
     pub(super) fn centre_rounding(&self) -> f64 {
         ROUNDINGS * f64::EPSILON * self.largest_centre_coordinate
     }
 
-    /// Returns the distance in m below which two surfaces coincide at a point. The distance is a
-    /// multiple of the rounding error of the coordinates at this point.
+    /// Returns the distance in m below which two surfaces coincide at a point: a multiple of the
+    /// rounding error of the coordinates there.
     fn tolerance(&self, point: DVec3, surfaces: [SurfaceId; 2]) -> f64 {
         let largest_coordinate_m =
             surfaces.into_iter().fold(point.abs().max_element(), |largest_coordinate_m, surface| {
@@ -75,7 +71,7 @@ impl Geometry {
         SurfaceCrossing { kind, object: self.primitives.object(surface.primitive), primitive: surface.primitive, cos }
     }
 
-    /// Returns whether crossing `a` precedes crossing `b` if their surfaces coincide.
+    /// Returns true if crossing `a` precedes crossing `b` where their surfaces coincide.
     fn is_before(&self, a: SurfaceCrossing, b: SurfaceCrossing) -> bool {
         let number = |crossing: SurfaceCrossing| (crossing.object, crossing.primitive);
         match (a.kind, b.kind) {
@@ -93,8 +89,8 @@ impl Geometry {
         }
     }
 
-    /// Returns whether a crossing near the start of a ray is valid. The ray starts on the surface
-    /// `from`, and |t| of the crossing is below `coincidence_range_m`.
+    /// Returns true if a crossing with |t| below `coincidence_range_m` is valid for a ray from
+    /// `from`.
     #[cold]
     pub(super) fn lies_beyond_start(&self, ray: &Ray, from: SurfaceId, candidate: &Candidate) -> bool {
         let other = candidate.surface;
@@ -107,16 +103,15 @@ impl Geometry {
         if primitives.mesh(from.primitive).is_some()
             && primitives.mesh(from.primitive) == primitives.mesh(other.primitive)
         {
-            // Both triangles belong to the same mesh. If the ray crosses both in the same sense
-            // (into the mesh or out of it), the second crossing repeats the first one and is not
-            // valid.
+            // Both triangles belong to one mesh. If the ray crosses both into the mesh or both out
+            // of it, the second crossing repeats the first one and is not valid.
             return candidate.t > 0.0 && (cos > 0.0) != (start_cos > 0.0);
         }
         self.is_before(self.crossing(from, start_cos), self.crossing(other, cos))
     }
 
-    /// Returns whether the ray crosses `first` before `second`. The distances of the two crossings
-    /// must differ by less than `coincidence_range_m`.
+    /// Returns true if the ray crosses `first` before `second`, for distances that differ by less
+    /// than `coincidence_range_m`.
     #[cold]
     pub(super) fn precedes(&self, ray: &Ray, first: &Candidate, second: &Candidate) -> bool {
         let primitives = &self.primitives;

@@ -1,5 +1,4 @@
-//! Four queries: the bounding boxes of objects, the distance to the nearest surface, the list of
-//! flat objects, and the list of convex bodies.
+//! Queries: bounding boxes, the distance to the nearest surface, flat objects, convex bodies.
 
 use super::primitive::{PlacedSolid, Primitive};
 use super::shape::Solid;
@@ -8,9 +7,8 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 
 impl Geometry {
-    /// Returns the axis-aligned bounding boxes of all objects that have surfaces in this geometry.
-    /// The key of a box is the object number. Each box is given by its smallest and largest
-    /// coordinates in m, relative to the centre.
+    /// Returns the axis-aligned bounding boxes (smallest and largest coordinates in m, relative to
+    /// the centre) of all objects that have surfaces in this geometry, by object number.
     pub fn object_bounds(&self) -> BTreeMap<u32, (DVec3, DVec3)> {
         let mut boxes = BTreeMap::new();
         for primitive in &self.primitives.list {
@@ -32,14 +30,13 @@ impl Geometry {
         boxes.map(|(low, high)| (low - point).max(point - high).max(DVec3::ZERO).length()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Iterates over the objects that are flat: rectangles and disks.
+    /// Iterates over the rectangles and disks.
     pub fn flat_objects(&self) -> impl Iterator<Item = u32> + '_ {
         let flat = self.primitives.analytic.iter().filter(|analytic| matches!(analytic.solid, Solid::Flat(_)));
         flat.map(|analytic| analytic.object)
     }
 
-    /// Iterates over the objects that are convex bodies. The predicate of each body tests whether
-    /// the body contains an axis-aligned box.
+    /// Iterates over the convex bodies, each with a test whether it contains an axis-aligned box.
     pub fn convex_bodies(&self) -> impl Iterator<Item = (u32, impl Fn((DVec3, DVec3)) -> bool + '_)> {
         let convex = self.primitives.analytic.iter().filter(|analytic| match analytic.solid {
             Solid::Sphere(_) | Solid::Polyhedron(_) | Solid::Cylinder(_) => true,
@@ -50,8 +47,7 @@ impl Geometry {
 }
 
 impl PlacedSolid {
-    /// Returns whether the convex body contains all corners of an axis-aligned box, and therefore
-    /// the whole box.
+    /// Returns true if the convex body contains all corners of a box, and therefore the box.
     fn contains_box(&self, (low, high): (DVec3, DVec3)) -> bool {
         let corner = |i: usize| DVec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), high, low);
         (0..8).all(|i| self.solid.contains(self.to_local * (corner(i) - self.position)))

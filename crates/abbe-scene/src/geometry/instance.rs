@@ -1,12 +1,12 @@
 //! Meshes that are placed several times.
 //!
 //! The instances of a mesh share its vertices and its bounding volume hierarchy, which are in the
-//! frame of the mesh. A ray finds the instances in the hierarchy of the scene, and then the
-//! triangles of an instance in the hierarchy of the mesh. The corners of a triangle are transformed
-//! to the world before the test. A hit is therefore the same as that of a copied mesh.
+//! frame of the mesh. A ray finds the instances in the hierarchy of the scene, and their triangles
+//! in that of the mesh. The corners of a triangle are transformed to the world before the test, so
+//! a hit is the same as that of a copied mesh.
 //!
-//! The triangles of the instances are numbered after the primitives of the list. Triangle k of an
-//! instance is the primitive `first_primitive` + k.
+//! Triangle k of an instance is the primitive `first_primitive` + k; these numbers follow those of
+//! the primitives of the list.
 
 use std::mem::size_of;
 use std::sync::Arc;
@@ -23,8 +23,7 @@ use super::shape::bounds_of;
 use super::trace::RayQuery;
 use abbe_spectra::error::Result;
 
-/// A mesh is shared if it has at least this number of triangles. Smaller meshes are copied, because
-/// rays find the triangles of copies faster.
+/// The least number of triangles of a shared mesh. Rays find those of copies faster.
 pub(super) const MIN_TRIANGLES: usize = 128;
 
 /// A mesh with its own hierarchy.
@@ -32,35 +31,31 @@ pub(super) const MIN_TRIANGLES: usize = 128;
 pub(super) struct SharedMesh {
     mesh: Arc<TriangleMesh>,
     bvh: Bvh,
-    /// The triangles of the mesh in the order of the hierarchy.
     order: Vec<u32>,
-    /// The area in the frame of the mesh.
     area: f64,
 }
 
 /// One placement of a shared mesh.
 #[derive(Debug, Clone)]
 pub(super) struct Instance {
-    /// Index into `Primitives::shared`.
+    /// Index into `Instances::shared`.
     pub(super) shared: u32,
     pub(super) object: u32,
     /// Index into `Primitives::meshes`.
     pub(super) mesh: u32,
-    /// The number of the first triangle.
     pub(super) first_primitive: u32,
-    /// Linear map from the frame of the mesh to the world.
+    /// From the frame of the mesh to the world.
     to_world: DMat3,
     to_local: DMat3,
     /// Origin of the frame of the mesh in world coordinates.
     position: DVec3,
-    /// True if the transform mirrors the mesh.
     mirrored: bool,
 }
 
 /// A triangle of an instance, in world coordinates.
 struct InstancedTriangle<'a> {
     mesh: &'a TriangleMesh,
-    /// The vertices in the mesh, in the order in which they are counter-clockwise in the world.
+    /// The vertices in the mesh, counter-clockwise in the world.
     vertices: [u32; 3],
     corners: [DVec3; 3],
 }
@@ -98,7 +93,7 @@ impl Instance {
         Self { shared, object, mesh, first_primitive: 0, to_world, to_local, position, mirrored }
     }
 
-    /// Returns a box around the instance. The box contains the transformed box of the mesh.
+    /// Returns a box around the transformed box of the mesh.
     pub(super) fn bounds(&self, shared: &SharedMesh) -> (DVec3, DVec3) {
         let (low, high) = shared.bvh.bounds();
         let corner = |i: usize| DVec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), high, low);
@@ -129,7 +124,6 @@ impl InstancedTriangle<'_> {
     }
 }
 
-/// The shared meshes and their instances.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Instances {
     pub(super) shared: Vec<SharedMesh>,
@@ -145,7 +139,6 @@ impl Instances {
         (instance, primitive - instance.first_primitive)
     }
 
-    /// Returns the instance to which a primitive belongs.
     pub(super) fn instance_of(&self, primitive: u32) -> &Instance {
         self.find(primitive).0
     }
@@ -155,7 +148,6 @@ impl Instances {
         (instance, self.shared[instance.shared as usize].triangle(instance, number))
     }
 
-    /// Returns the corners of a triangle in the world.
     pub(super) fn corners(&self, primitive: u32) -> [DVec3; 3] {
         self.triangle(primitive).1.corners
     }
@@ -169,13 +161,11 @@ impl Instances {
         self.triangle(primitive).1.uv(point)
     }
 
-    /// Returns the box around an instance.
     pub(super) fn bounds(&self, index: u32) -> (DVec3, DVec3) {
         let instance = &self.list[index as usize];
         instance.bounds(&self.shared[instance.shared as usize])
     }
 
-    /// Returns the number of triangles of all instances.
     pub(super) fn triangle_count(&self) -> usize {
         self.list.iter().map(|instance| self.shared[instance.shared as usize].triangle_count()).sum()
     }
@@ -193,8 +183,7 @@ impl RayQuery<'_> {
         let instance = &instances.list[index as usize];
         let shared = &instances.shared[instance.shared as usize];
         let Some(triangle_ray) = &self.triangle_ray else { return };
-        // The search starts before the ray's origin, because a surface that coincides with the
-        // start may lie there.
+        // The search starts before the ray's origin, where a coincident surface may lie.
         let back = self.coincidence_range_m;
         let direction = instance.to_local * self.ray.direction;
         let stretch = direction.length();

@@ -8,26 +8,21 @@ use super::primitive::Primitive;
 use super::shape::Solid;
 use super::world::Geometry;
 
-/// A triangle of a luminous mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuminousFace {
-    /// The lowest corner of a box around the triangle, relative to the scene's centre, in m.
+    /// The lowest corner of a box around the triangle in m, relative to the scene's centre.
     pub low: DVec3,
-    /// The highest corner of the box.
     pub high: DVec3,
-    /// The geometric unit normal.
     pub normal: DVec3,
-    /// A random number with which [`Geometry::sample_area`] and [`Geometry::sample_solid_angle`]
-    /// select this triangle. It is the middle of all such numbers.
+    /// The middle of the random numbers with which [`Geometry::sample_area`] and
+    /// [`Geometry::sample_solid_angle`] select this triangle.
     pub selecting: f64,
-    /// The probability with which these functions select the triangle. It is the share of the
-    /// object's area.
+    /// The probability of this selection: the triangle's fraction of the object's area.
     pub probability: f64,
 }
 
 impl Geometry {
-    /// Returns the corners of an axis-aligned box around an object. Returns `None` if the object
-    /// has no surface.
+    /// Returns the corners of an axis-aligned box around an object, or `None` if it has no surface.
     pub fn bounds_of(&self, object: u32) -> Option<(DVec3, DVec3)> {
         let ObjectSurface { faces, instances, .. } = self.objects.get(object)?;
         let boxes = faces.iter().map(|face| self.bounds_of_primitive(face.surface));
@@ -49,7 +44,7 @@ impl Geometry {
         is_flat.then(|| self.primitives.normal(face.surface, analytic.position))
     }
 
-    /// Returns the number of triangles of a mesh. Returns 0 for other shapes.
+    /// Returns the number of triangles of a mesh, and 0 for other shapes.
     pub fn triangle_count(&self, object: u32) -> usize {
         let faces = self.objects.get(object).map_or(&[][..], |object| &object.faces);
         let is_mesh = faces.first().is_some_and(|face| self.is_triangle(face.surface));

@@ -1,12 +1,11 @@
-//! Triangle meshes with shared vertices. A mesh is validated only once, when it is created.
+//! Triangle meshes with shared vertices, validated when they are created.
 
 use glam::{DAffine3, DVec3};
 
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::atan2;
 
-/// Triangles over shared vertices. The vertices of a triangle are counter-clockwise seen from
-/// outside.
+/// Triangles over shared vertices, which are counter-clockwise seen from outside.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriangleMesh {
     positions: Vec<DVec3>,
@@ -18,15 +17,10 @@ pub struct TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// Creates a mesh. Drops and counts the triangles whose area is zero within rounding.
-    ///
-    /// `normals` and `uvs` have one value per vertex. The normals are vectors of any length except
-    /// zero.
-    ///
-    /// # Errors
-    /// Returns an error if the mesh has no triangles or no area, if an index does not refer to a
-    /// vertex, or if a coordinate is not finite. Also returns an error if the number of normals or
-    /// uvs differs from the number of vertices.
+    /// Creates a mesh without the triangles whose area is zero within rounding, which it counts.
+    /// `normals` (of any length except zero) and `uvs` have one value per vertex. Returns an error
+    /// if the mesh has no triangles or no area, an index does not refer to a vertex, a coordinate
+    /// is not finite, or the number of normals or uvs differs from the number of vertices.
     pub fn new(
         positions: Vec<DVec3>,
         normals: Option<Vec<DVec3>>,
@@ -57,7 +51,6 @@ impl TriangleMesh {
         Ok(Self { dropped: before - triangles.len(), closed, positions, normals, uvs, triangles })
     }
 
-    /// Returns the mesh with front and back exchanged.
     #[must_use]
     pub fn reversed(mut self) -> Self {
         self.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
@@ -65,15 +58,13 @@ impl TriangleMesh {
         self
     }
 
-    /// Returns the mesh without vertex normals.
     #[must_use]
     pub fn without_normals(self) -> Self {
         Self { normals: None, ..self }
     }
 
-    /// Returns the mesh with vertex normals. If the mesh has none, each normal is the mean of the
-    /// normals of the triangles around the vertex, weighted by their angles at the vertex (Thürmer
-    /// and Wüthrich 1998).
+    /// Returns the mesh with vertex normals. Missing ones are the means of the normals of the
+    /// triangles around the vertex, weighted by their angles there (Thürmer and Wüthrich 1998).
     #[must_use]
     pub fn with_normals(self) -> Self {
         if self.normals.is_some() {
@@ -94,34 +85,30 @@ impl TriangleMesh {
         Self { normals: Some(normals), ..self }
     }
 
-    /// Returns the mesh with the texture coordinate v replaced by 1 − v.
     #[must_use]
     pub fn with_flipped_v(mut self) -> Self {
         self.uvs.iter_mut().flatten().for_each(|uv| uv[1] = 1.0 - uv[1]);
         self
     }
 
-    /// Returns the positions of the vertices.
     pub fn positions(&self) -> &[DVec3] {
         &self.positions
     }
 
-    /// Returns the normals (one per vertex, of any length), if the mesh has normals.
+    /// The normals (one per vertex, of any length), if the mesh has normals.
     pub fn normals(&self) -> Option<&[DVec3]> {
         self.normals.as_deref()
     }
 
-    /// Returns one texture coordinate per vertex, if the mesh has texture coordinates.
+    /// One texture coordinate per vertex, if the mesh has them.
     pub fn uvs(&self) -> Option<&[[f64; 2]]> {
         self.uvs.as_deref()
     }
 
-    /// Returns the vertex indices of each triangle.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// Returns the memory of the mesh in bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(self.positions.as_slice())
             + self.normals.as_deref().map_or(0, size_of_val)
@@ -129,23 +116,22 @@ impl TriangleMesh {
             + size_of_val(self.triangles.as_slice())
     }
 
-    /// Returns the number of dropped triangles without area.
+    /// The number of dropped triangles without area.
     pub fn dropped(&self) -> usize {
         self.dropped
     }
 
-    /// Returns the corners of a triangle.
     pub fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
         triangle.map(|index| self.positions[index as usize])
     }
 
-    /// Returns the total area. The unit is the square of the unit of length of the mesh.
+    /// The total area in the square of the unit of length of the mesh.
     pub fn area(&self) -> f64 {
         self.triangles.iter().map(|&t| triangle_normal(self.corners(t)).length() / 2.0).sum()
     }
 
-    /// Returns why paths may get lost in a transparent body with this mesh, or `None` if they do
-    /// not. The transform `to_world` places the mesh in the scene.
+    /// Returns why paths may get lost in a transparent body with this mesh, which `to_world` places
+    /// in the scene, or `None` if they do not.
     pub fn fault_as_body(&self, to_world: &DAffine3) -> Option<String> {
         /// The largest ratio of length to width of a triangle in which no path was lost in the
         /// tests. Distances along longer triangles have rounding errors as large as their width.
@@ -162,8 +148,7 @@ impl TriangleMesh {
         }
     }
 
-    /// Returns the largest ratio of length to width among the triangles. The length of a triangle
-    /// is its longest edge.
+    /// Returns the largest ratio of length (the longest edge) to width among the triangles.
     fn slenderness(&self, to_world: &DAffine3) -> f64 {
         let ratio = |&triangle: &[u32; 3]| {
             let [a, b, c] = self.corners(triangle).map(|corner| to_world.transform_vector3(corner));
@@ -173,8 +158,8 @@ impl TriangleMesh {
         self.triangles.iter().map(ratio).fold(0.0, f64::max)
     }
 
-    /// Computes the volume that a closed mesh encloses. The method is the divergence theorem. The
-    /// volume is negative if the triangles face inwards.
+    /// Computes the volume of a closed mesh by the divergence theorem: negative if it faces
+    /// inwards.
     pub fn signed_volume(&self) -> f64 {
         let origin = self.positions[self.triangles[0][0] as usize];
         self.triangles
@@ -186,9 +171,8 @@ impl TriangleMesh {
             .sum()
     }
 
-    /// Returns whether the triangles bound a volume. They do if every edge belongs to exactly two
-    /// triangles that traverse the edge in opposite directions. Vertices with equal positions count
-    /// as one vertex.
+    /// Returns true if the triangles bound a volume: every edge belongs to exactly two triangles
+    /// that traverse it in opposite directions. Vertices with equal positions count as one vertex.
     pub fn is_closed(&self) -> bool {
         self.closed
     }
@@ -197,8 +181,7 @@ impl TriangleMesh {
 /// Computes [`TriangleMesh::is_closed`].
 fn bounds_a_volume(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
     let representatives = representatives(positions);
-    // Each use of an edge is (smaller vertex, larger vertex, whether the edge runs from the smaller
-    // to the larger).
+    // A use: the smaller vertex, the larger, and whether it runs from smaller to larger.
     let mut uses: Vec<(u32, u32, bool)> = triangles
         .iter()
         .flat_map(|triangle| {
@@ -211,8 +194,7 @@ fn bounds_a_volume(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
     uses.chunk_by(same_edge).all(|edge| edge.len() == 2 && edge[0].2 != edge[1].2)
 }
 
-/// Maps each vertex to a representative. All vertices at the same position have the same
-/// representative.
+/// Maps each vertex to the representative of all vertices at its position.
 fn representatives(positions: &[DVec3]) -> Vec<u32> {
     // The addition of 0 changes −0 to 0.
     let place = |index: u32| (positions[index as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
@@ -227,14 +209,12 @@ fn representatives(positions: &[DVec3]) -> Vec<u32> {
     representatives
 }
 
-/// Returns (b − a) × (c − a). This vector is normal to the triangle, and its length is twice the
-/// triangle's area.
+/// Returns (b − a) × (c − a), a normal of the triangle whose length is twice the triangle's area.
 pub(crate) fn triangle_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Returns whether the area of a triangle is larger than the error caused by rounding of its
-/// coordinates.
+/// Returns true if the area of a triangle exceeds the error caused by rounding of its coordinates.
 fn has_area(corners: [DVec3; 3]) -> bool {
     let [a, b, c] = corners;
     let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
@@ -262,8 +242,7 @@ mod tests {
         assert!(stretched.is_some(), "the transform counts");
     }
 
-    /// Computed normals are the means of the normals around a vertex, weighted by the angles. At
-    /// the first vertex, the triangle on the wall counts as much as the two triangles on the floor.
+    /// At the first vertex, the triangle on the wall counts as much as the two on the floor.
     #[test]
     fn computed_normals_are_weighted_by_angles() {
         let positions = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0)];

@@ -1,4 +1,4 @@
-//! The surfaces of the objects as sets of faces. Points are sampled from these faces.
+//! The surfaces of the objects as sets of faces, from which points are sampled.
 
 use std::mem::size_of;
 
@@ -6,11 +6,10 @@ use glam::DVec3;
 
 use super::hit::SurfaceId;
 
-/// An entry in an object's list of faces. The entry describes one face of a primitive.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ObjectFace {
     pub(super) surface: SurfaceId,
-    /// Cumulative area of the object's faces up to and including this face, in m².
+    /// Area of the object's faces up to and including this face, in m².
     pub(super) area_so_far: f64,
 }
 
@@ -37,25 +36,24 @@ pub(super) struct WorldRectangle {
     pub(super) height: f64,
 }
 
-/// The surface of one object.
 #[derive(Debug, Clone)]
 pub(super) struct ObjectSurface {
     pub(super) faces: Vec<ObjectFace>,
     pub(super) area: f64,
     pub(super) sampling: ShapeSampling,
-    /// The instances of the object. Points of instances are not sampled, so they have no faces.
+    /// The instances of the object. They have no faces, because their points are not sampled.
     pub(super) instances: Vec<u32>,
 }
 
-/// The surfaces of all objects. The index in the list is the object number.
+/// The surfaces of all objects, by object number.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ObjectSurfaces {
     pub(super) list: Vec<ObjectSurface>,
 }
 
 impl ObjectSurface {
-    /// Returns the first face whose cumulative area exceeds `fraction` times the area of the object.
-    /// `fraction` lies in [0, 1). Returns `None` if the object has no face.
+    /// Returns the first face whose cumulative area exceeds `fraction`, in [0, 1), of the whole
+    /// area, or `None` without faces.
     pub(super) fn face_at(&self, fraction: f64) -> Option<SurfaceId> {
         let area = fraction * self.area;
         let index = self.faces.partition_point(|face| face.area_so_far <= area);
@@ -77,7 +75,6 @@ impl ObjectSurfaces {
         }
     }
 
-    /// Adds an instance of a mesh to an object.
     pub(super) fn push_instance(&mut self, object: u32, instance: u32, area: f64) {
         let object = self.entry(object);
         object.area += area;

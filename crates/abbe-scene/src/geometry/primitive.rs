@@ -10,11 +10,10 @@ use super::mesh::triangle_normal;
 use super::ray::Ray;
 use super::shape::{Crossing, LocalLine, Solid};
 
-/// An analytic shape placed in the world.
 #[derive(Debug, Clone)]
 pub(super) struct PlacedSolid {
     pub(super) solid: Solid,
-    /// Linear map from the local frame to the world, without the translation.
+    /// From the local frame to the world, without the translation.
     pub(super) to_world: DMat3,
     pub(super) to_local: DMat3,
     /// |det| of `to_world`.
@@ -22,17 +21,15 @@ pub(super) struct PlacedSolid {
     /// Origin of the local frame in world coordinates.
     pub(super) position: DVec3,
     pub(super) object: u32,
-    /// Areas of the faces in the world, in m².
+    /// In the world, in m².
     pub(super) face_areas: Vec<f64>,
 }
 
-/// A point of an analytic surface in world coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WorldSurfacePoint {
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
-    /// Ratio of two areas of a small piece of surface: the area in the world, divided by the area
-    /// in the local frame.
+    /// The area of a small piece of surface in the world, divided by its area in the local frame.
     pub(super) area_scale: f64,
 }
 
@@ -45,16 +42,14 @@ impl PlacedSolid {
         self.solid.next_crossing(&self.line(ray), start_face, after)
     }
 
-    /// Projects a point in world coordinates onto a face. The point must lie on the face or near
-    /// it.
+    /// Projects a point in world coordinates, on a face or near it, onto the face.
     pub(super) fn surface(&self, point: DVec3, face: u32) -> WorldSurfacePoint {
         self.placed_surface(self.to_local * (point - self.position), face)
     }
 
-    /// Projects a point in local coordinates onto a face. The point must lie on the face or near
-    /// it. Returns the surface point in the world. Normals are transformed by the inverse
-    /// transpose. Outward normals therefore stay outward, even if the transform mirrors the shape.
-    /// The normals of flat shapes stay on the side of the transformed +y axis.
+    /// Projects a point in local coordinates, on a face or near it, onto the face. Normals are
+    /// transformed by the inverse transpose, so outward normals stay outward even if the transform
+    /// mirrors the shape. The normals of flat shapes stay on the side of the transformed +y axis.
     pub(super) fn placed_surface(&self, local: DVec3, face: u32) -> WorldSurfacePoint {
         let surface = self.solid.surface(local, face);
         let normal = self.to_local.transpose() * surface.normal;
@@ -66,15 +61,13 @@ impl PlacedSolid {
         }
     }
 
-    /// Returns the ratio of two densities on a face: the density of `Solid::sample`, and a density
-    /// that is uniform by area in the world. The result is 1, except on curved faces with unequal
-    /// scaling.
+    /// Returns the density of `Solid::sample` on a face, divided by the density that is uniform by
+    /// area in the world. It is 1, except on curved faces with unequal scaling.
     pub(super) fn relative_pdf(&self, face: u32, area_scale: f64) -> f64 {
         self.face_areas[face as usize] / (self.solid.area(face) * area_scale)
     }
 }
 
-/// A triangle of a placed mesh.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Triangle {
     /// Indices into `Primitives::vertices`.
@@ -89,13 +82,10 @@ pub(super) struct PlacedMesh {
     pub(super) object: u32,
     pub(super) closed: bool,
     pub(super) first_vertex: u32,
-    /// Index of the first vertex normal, if the mesh has normals.
     pub(super) first_normal: Option<u32>,
-    /// Index of the first texture coordinate, if the mesh has texture coordinates.
     pub(super) first_uv: Option<u32>,
 }
 
-/// A primitive of the geometry.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Primitive {
     /// Index into `Primitives::analytic`.
@@ -105,25 +95,20 @@ pub(super) enum Primitive {
     Instance(u32),
 }
 
-/// All primitives in the order of the hierarchy, with their data.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Primitives {
     pub(super) list: Vec<Primitive>,
     pub(super) analytic: Vec<PlacedSolid>,
     pub(super) meshes: Vec<PlacedMesh>,
     pub(super) vertices: Vec<DVec3>,
-    /// Unit vectors, in single precision. The rounding error is far smaller than the error of the
-    /// interpolated normals.
+    /// Unit vectors. The rounding error of single precision is below that of interpolation.
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
     pub(super) instances: Instances,
-    pub(super) dropped: usize,
-    /// Largest absolute coordinate of the centre. `Geometry::build` subtracts the centre from all
-    /// positions.
+    /// Largest absolute coordinate of the centre that `Geometry::build` subtracts.
     pub(super) largest_centre_coordinate: f64,
 }
 
-/// A candidate for the nearest crossing.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) t: f64,
@@ -145,7 +130,7 @@ impl Primitives {
         [self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]]
     }
 
-    /// Returns the corners of a triangle of the list, or of a triangle of an instance.
+    /// Returns the corners of a triangle of the list or of an instance.
     pub(super) fn triangle_corners(&self, primitive: u32) -> [DVec3; 3] {
         match self.get(primitive) {
             Some(Primitive::Triangle(triangle)) => self.corners(triangle),
@@ -171,9 +156,7 @@ impl Primitives {
         }
     }
 
-    /// Returns the largest absolute coordinate of a primitive. For an analytic shape, this is the
-    /// largest coordinate of its position. For a triangle, this is the largest coordinate of its
-    /// corners.
+    /// Returns the largest absolute coordinate of a shape's position, or of a triangle's corners.
     pub(super) fn largest_coordinate(&self, primitive: u32) -> f64 {
         let largest =
             |corners: [DVec3; 3]| corners.map(|corner| corner.abs().max_element()).into_iter().fold(0.0, f64::max);
@@ -192,8 +175,7 @@ impl Primitives {
         }
     }
 
-    /// Returns the geometric unit normal of a surface at a point. The point must lie on the surface
-    /// or near it.
+    /// Returns the geometric unit normal of a surface at a point on it or near it.
     pub(super) fn normal(&self, surface: SurfaceId, point: DVec3) -> DVec3 {
         match self.get(surface.primitive) {
             Some(Primitive::Analytic(index)) => self.analytic[*index as usize].surface(point, surface.face).normal,
@@ -203,7 +185,6 @@ impl Primitives {
         }
     }
 
-    /// Computes the hit that belongs to a crossing.
     pub(super) fn hit(&self, ray: &Ray, candidate: &Candidate) -> Hit {
         let Candidate { t, surface, weights: _ } = *candidate;
         match self.get(surface.primitive) {
@@ -234,7 +215,6 @@ impl Primitives {
         triangle_hit(candidate, mesh.object, self.corners(triangle), normals)
     }
 
-    /// Returns the texture coordinates of a point on a surface.
     pub(super) fn uv(&self, surface: SurfaceId, point: DVec3) -> [f64; 2] {
         match self.get(surface.primitive) {
             Some(Primitive::Analytic(index)) => {
@@ -246,8 +226,7 @@ impl Primitives {
         }
     }
 
-    /// Returns true if the coordinate u of a face is the azimuth about an axis, so that u = 0 and u
-    /// = 1 are the same line.
+    /// Returns true if u is the azimuth about an axis, so that u = 0 and u = 1 are the same line.
     pub(super) fn closes_around_axis(&self, surface: SurfaceId) -> bool {
         match self.get(surface.primitive) {
             Some(Primitive::Analytic(index)) => self.analytic[*index as usize].solid.closes_around_axis(surface.face),
@@ -282,8 +261,7 @@ impl Primitives {
     }
 }
 
-/// Computes the hit of a triangle. `normals` are the unit normals of the corners, if the mesh has
-/// normals.
+/// Computes the hit of a triangle. `normals` are the unit normals of the corners, if any.
 #[inline]
 pub(super) fn triangle_hit(
     candidate: &Candidate,
@@ -294,8 +272,7 @@ pub(super) fn triangle_hit(
     let Candidate { t, surface, weights } = *candidate;
     let normal = triangle_normal(corners).normalize();
     let [a, b, c] = corners;
-    // Interpolating from one corner keeps the point in the triangle's plane, even if the sum of the
-    // rounded weights is not 1.
+    // From one corner, it stays in the plane even if rounded weights do not sum to 1.
     let position = a + weights[1] * (b - a) + weights[2] * (c - a);
     let shading_normal = normals.map_or(normal, |normals| {
         let corner = |i: usize| weights[i] * normals[i];
@@ -305,8 +282,8 @@ pub(super) fn triangle_hit(
     Hit { t: t.max(0.0), position, normal, shading_normal, object, surface }
 }
 
-/// Returns the texture coordinates of a point in the plane of a triangle. `uvs` are those of the
-/// corners. Without them, the result consists of the weights of the second and the third corner.
+/// Returns the texture coordinates of a point in the plane of a triangle from those of the corners.
+/// Without them, the result consists of the weights of the second and the third corner.
 pub(super) fn triangle_uv([a, b, c]: [DVec3; 3], uvs: Option<[[f64; 2]; 3]>, point: DVec3) -> [f64; 2] {
     let (to_b, to_c, to_point) = (b - a, c - a, point - a);
     // The weights solve the normal equations of point = a + v (b − a) + w (c − a).

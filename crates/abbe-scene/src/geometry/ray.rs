@@ -1,18 +1,13 @@
-//! Rays.
-
 use glam::DVec3;
 
-/// A ray: an origin and a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// Origin relative to the scene's centre, in m.
     pub origin: DVec3,
-    /// Unit vector along the ray.
     pub direction: DVec3,
 }
 
 impl Ray {
-    /// Creates a ray from `origin` along the unit vector `direction`.
     pub fn new(origin: DVec3, direction: DVec3) -> Self {
         Self { origin, direction }
     }

@@ -12,19 +12,14 @@ use super::world::Geometry;
 use abbe_spectra::math::elementary::sin_cos;
 
 impl Geometry {
-    /// Returns the surface area of an object in m², or 0 for an unknown object. For rectangles,
-    /// disks and open meshes, this is the area of one side.
+    /// Returns an object's area in m² (one side of flat shapes and open meshes), 0 if unknown.
     pub fn area(&self, object: u32) -> f64 {
         self.objects.get(object).map_or(0.0, |object| object.area)
     }
 
-    /// Samples a point on the surface of an object. The components of `u` lie in [0, 1).
-    ///
-    /// The distribution is uniform by area, except on curved shapes with unequal scaling.
-    /// `pdf_area` is the actual density.
-    ///
-    /// # Panics
-    /// Panics if the object does not exist. The lights of a scene refer to placed objects only.
+    /// Samples a point on the surface of an object, with `u` in [0, 1). The distribution is uniform
+    /// by area, except on curved shapes with unequal scaling; `pdf_area` is the actual density.
+    /// Panics if the object does not exist: the lights of a scene refer to placed objects only.
     pub fn sample_area(&self, object: u32, u: [f64; 3]) -> SurfaceSample {
         let known = self.objects.get(object).and_then(|object| Some((object, object.face_at(u[0])?)));
         let (object, surface) = known.expect("the objects of lights are placed");
@@ -37,8 +32,7 @@ impl Geometry {
                 let analytic = &self.primitives.analytic[*index as usize];
                 let local = analytic.solid.sample(surface.face, u);
                 let found = analytic.placed_surface(local, surface.face);
-                let relative_pdf = analytic.relative_pdf(surface.face, found.area_scale);
-                let pdf_area = relative_pdf / object.area;
+                let pdf_area = analytic.relative_pdf(surface.face, found.area_scale) / object.area;
                 SurfaceSample { position: found.position, normal: found.normal, surface, pdf_area }
             }
             Primitive::Triangle(_) | Primitive::Instance(_) => {
@@ -55,10 +49,9 @@ impl Geometry {
     /// Samples a point on a luminous object for the illumination of the point `from`. Returns the
     /// point and its density per solid angle at `from`.
     ///
-    /// On a sphere, the sampling is uniform in the cone of directions from `from` to the sphere. On
-    /// a rectangle with right angles, it is uniform by solid angle. On other shapes, it is uniform
-    /// by area. The sampled point may face away from `from` or be occluded. Returns `None` if the
-    /// sampled point is seen edge-on or the object does not exist.
+    /// The sampling is uniform by solid angle on a sphere and on a rectangle with right angles, and
+    /// uniform by area on other shapes. The sampled point may face away from `from` or be occluded.
+    /// Returns `None` if the point is seen edge-on or the object does not exist.
     pub fn sample_solid_angle(&self, object: u32, from: DVec3, u: [f64; 3]) -> Option<(SurfaceSample, f64)> {
         let entry = self.objects.get(object)?;
         let surface = entry.face_at(u[0])?;
@@ -82,7 +75,6 @@ impl Geometry {
         (pdf.is_finite() && pdf > 0.0).then_some((sample, pdf))
     }
 
-    /// Converts a given point of a surface to a sample with a normal and a density.
     fn sample_at(&self, object: &ObjectSurface, surface: SurfaceId, point: DVec3) -> SurfaceSample {
         match &self.primitives.list[surface.primitive as usize] {
             Primitive::Analytic(index) => {
@@ -98,8 +90,8 @@ impl Geometry {
         }
     }
 
-    /// Returns the probability density with which `sample_solid_angle` samples the point of a hit.
-    /// It is a density per solid angle at `from`. The density is 0 if the point cannot be sampled.
+    /// Returns the density, per solid angle at `from`, with which `sample_solid_angle` samples the
+    /// point of a hit. It is 0 if the point cannot be sampled.
     pub fn pdf_solid_angle(&self, object: u32, from: DVec3, hit: &Hit) -> f64 {
         let Some(entry) = self.objects.get(object).filter(|_| hit.object == object) else { return 0.0 };
         match &entry.sampling {
@@ -132,7 +124,7 @@ fn per_solid_angle(pdf_area: f64, from: DVec3, position: DVec3, normal: DVec3) -
 struct SubtendedCone {
     centre: DVec3,
     radius: f64,
-    /// Unit vector from the sphere's centre to the reference point.
+    /// From the sphere's centre to the reference point.
     axis: DVec3,
     sin_max: f64,
     cos_max: f64,
@@ -141,8 +133,8 @@ struct SubtendedCone {
 }
 
 impl SubtendedCone {
-    /// Largest distance from the sphere, relative to the coordinates, at which a point counts as a
-    /// point of the sphere. A point of the sphere must not see the sphere.
+    /// Largest distance from the sphere, relative to the coordinates, of a point on it, from which
+    /// the sphere must not be visible.
     const ON_SPHERE: f64 = 1e-12;
 
     /// Creates the cone, or returns `None` if `from` lies inside the sphere or on it.
@@ -159,7 +151,7 @@ impl SubtendedCone {
         Some(Self { centre, radius, axis: offset / distance, sin_max, cos_max, one_minus_cos_max })
     }
 
-    /// Returns the uniform density per solid angle in the cone.
+    /// The uniform density per solid angle in the cone.
     fn pdf(&self) -> f64 {
         1.0 / (TAU * self.one_minus_cos_max)
     }
@@ -168,10 +160,10 @@ impl SubtendedCone {
     /// direction.
     ///
     /// At `from`, θ is the angle between the direction and the line to the sphere's centre. At the
-    /// sphere's centre, α is the angle between `axis` and the direction to the sampled point. If s
-    /// = (sin θ / sin θ_max)², these angles satisfy cos α = sin θ √s + cos θ √(1−s) and sin α = cos
-    /// θ √s − sin θ √(1−s). The number s is computed from `u` without cancellation. Distant and
-    /// tiny spheres are therefore sampled as accurately as near ones.
+    /// centre, α is the angle between `axis` and the direction to the sampled point. If s = (sin θ
+    /// / sin θ_max)², these angles satisfy cos α = sin θ √s + cos θ √(1−s) and sin α = cos θ √s −
+    /// sin θ √(1−s). The number s is computed from `u` without cancellation, so distant and tiny
+    /// spheres are sampled as accurately as near ones.
     fn sample(&self, u: f64, turn: f64) -> DVec3 {
         let one_minus_cos = u * self.one_minus_cos_max;
         let s = (u * (2.0 - one_minus_cos) / (1.0 + self.cos_max)).min(1.0);

@@ -1,7 +1,5 @@
-//! Uniform sampling of the solid angle that a rectangle subtends.
-//!
-//! Source: Ureña, Fajardo & King, "An area-preserving parametrization for spherical rectangles",
-//! EGSR 2013.
+//! Uniform sampling of the solid angle that a rectangle subtends (Ureña, Fajardo & King, "An
+//! area-preserving parametrization for spherical rectangles", EGSR 2013).
 
 use std::f64::consts::TAU;
 
@@ -10,35 +8,34 @@ use glam::DVec3;
 use super::object::WorldRectangle;
 use abbe_spectra::math::elementary::{acos, hypot, sin_cos};
 
-/// Smallest solid angle in sr for this method. The solid angle is a difference of angles. Below
-/// this limit, the difference has fewer than ten correct digits, and the caller samples by area.
+/// Smallest solid angle in sr for this method. Below it, the solid angle, which is a difference of
+/// angles, has fewer than ten correct digits, and the caller samples by area.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-6;
 
-/// Largest distance from the rectangle's plane, relative to the coordinates, at which a point
-/// counts as a point of the plane. The distances of such points are rounding errors. Without this
-/// limit, a point of the rectangle would see the rectangle in half of all directions.
+/// Largest distance from the rectangle's plane, relative to the coordinates, that counts as a
+/// rounding error. Without this limit, a point of the rectangle would see it in half of all
+/// directions.
 const IN_PLANE: f64 = 1e-12;
 
-/// A rectangle seen from a point. The point is the origin, and the axes x and y are parallel to the
-/// rectangle's sides. The rectangle's plane is z = z0 < 0.
+/// A rectangle seen from a point, which is the origin. The axes x and y are parallel to the
+/// rectangle's sides, and its plane is z = z0 < 0.
 pub(super) struct SphericalRectangle {
     from: DVec3,
     axes: [DVec3; 3],
     x: [f64; 2],
     y: [f64; 2],
     z0: f64,
-    /// z components of the unit normals of two planes through the point: the plane through the side
-    /// y = y0 and the plane through the side y = y1.
+    /// z of the unit normals of the planes through the point and the sides at y0 and y1.
     side_normals_z: [f64; 2],
-    /// 2π minus two angles of the spherical rectangle: the inner angles at both ends of the side x
-    /// = x0. The sampled angle starts at this value and increases with x.
+    /// 2π minus the inner angles of the spherical rectangle at both ends of the side x = x0. The
+    /// sampled angle starts at this value and increases with x.
     first_angle: f64,
     solid_angle: f64,
 }
 
 impl WorldRectangle {
-    /// Returns the rectangle seen from a point. Returns `None` if the solid angle is too small for
-    /// the method, or if the point lies in the rectangle's plane.
+    /// Returns the rectangle seen from a point, or `None` if the solid angle is too small for the
+    /// method, or if the point lies in the rectangle's plane.
     pub(super) fn seen_from(&self, from: DVec3) -> Option<SphericalRectangle> {
         let offset = self.corner - from;
         let mut normal = self.x.cross(self.y);
@@ -71,7 +68,7 @@ impl WorldRectangle {
 }
 
 impl SphericalRectangle {
-    /// Returns the uniform density per solid angle.
+    /// The uniform density per solid angle.
     pub(super) fn pdf(&self) -> f64 {
         1.0 / self.solid_angle
     }

@@ -6,15 +6,14 @@ use super::ray::Ray;
 use super::shape::TriangleRay;
 use super::world::Geometry;
 
-/// A ray, and the data that all primitive tests of this ray share.
+/// A ray, and the data that all its primitive tests share.
 pub(super) struct RayQuery<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) ray: &'a Ray,
     /// `None` if the scene has no triangles.
     pub(super) triangle_ray: Option<TriangleRay>,
     pub(super) from: Option<SurfaceId>,
-    /// A crossing with |t| up to this value may coincide with the surface on which the ray starts.
-    /// Such a crossing needs a coincidence test.
+    /// The largest |t| of a crossing that may coincide with the start surface.
     pub(super) coincidence_range_m: f64,
 }
 
@@ -26,7 +25,7 @@ impl<'a> RayQuery<'a> {
         Self { geometry, ray, triangle_ray, from, coincidence_range_m }
     }
 
-    /// Returns the first valid crossing of a primitive.
+    /// Returns the first valid crossing of a primitive of the list.
     #[inline(always)]
     pub(super) fn first_crossing(&self, primitive: u32) -> Option<Candidate> {
         match &self.geometry.primitives.list[primitive as usize] {
@@ -69,10 +68,8 @@ impl<'a> RayQuery<'a> {
 }
 
 impl Geometry {
-    /// Returns the nearest hit with t < `t_max`.
-    ///
-    /// `from` is the surface on which the ray starts. If `from` is `None` (for a camera, or a light
-    /// in free space), only crossings at t > 0 count.
+    /// Returns the nearest hit with t < `t_max` of a ray that starts on the surface `from`. If
+    /// `from` is `None` (for a camera, or a light in free space), only crossings at t > 0 count.
     pub fn intersect(&self, ray: &Ray, from: Option<SurfaceId>, t_max: f64) -> Option<Hit> {
         if self.primitives.instances.list.is_empty() {
             self.intersect_with::<false>(ray, from, t_max)
@@ -116,8 +113,8 @@ impl Geometry {
         candidate.t < t_max && self.precedes(ray, candidate, best)
     }
 
-    /// Returns whether a surface blocks the segment from the ray's origin to `t_max`. The target
-    /// surface `to` and the surfaces behind it do not block the segment.
+    /// Returns true if a surface blocks the segment from the ray's origin to `t_max`. The target
+    /// surface `to` and the surfaces behind it do not block it.
     pub fn occluded(&self, ray: &Ray, from: Option<SurfaceId>, to: Option<SurfaceId>, t_max: f64) -> bool {
         if self.primitives.instances.list.is_empty() {
             self.occluded_with::<false>(ray, from, to, t_max)
@@ -171,9 +168,8 @@ impl Geometry {
     pub fn for_each_hit(&self, ray: &Ray, from: Option<SurfaceId>, mut f: impl FnMut(&Hit)) {
         let (mut start, mut travelled) = (*ray, 0.0);
         let mut surface = from;
-        // The search for the next hit starts at the previous hit, as on a light path. Touching
-        // surfaces therefore keep their order. A line crosses a primitive at most six times. This
-        // bounds the number of iterations.
+        // The search for the next hit starts at the previous hit, so touching surfaces keep their
+        // order. A line crosses a primitive at most six times.
         for _ in 0..6 * self.primitive_count() {
             let Some(mut hit) = self.intersect(&start, surface, f64::INFINITY) else { return };
             travelled += hit.t;

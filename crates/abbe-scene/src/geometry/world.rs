@@ -1,4 +1,4 @@
-//! The geometry of a whole scene.
+//! The geometry of a whole scene, as its users see it.
 
 use glam::DVec3;
 
@@ -14,22 +14,18 @@ pub struct Geometry {
     pub(super) bvh: Bvh,
     pub(super) primitives: Primitives,
     pub(super) objects: ObjectSurfaces,
-    /// If the distances of two crossings differ by more than this value, the crossings never
-    /// coincide. A crossing with |t| above this value never coincides with the surface on which the
-    /// ray starts.
+    /// Two crossings whose distances differ by more than this value never coincide, and neither
+    /// does a crossing with a larger |t| with the surface on which the ray starts.
     pub(super) coincidence_range_m: f64,
 }
 
 impl Geometry {
-    /// Returns the smallest and largest coordinates of all surfaces, in m. The coordinates are
-    /// relative to the scene's centre. An empty scene has the smallest coordinates +∞ and the
-    /// largest coordinates −∞.
+    /// Returns the extreme coordinates in m of all surfaces, +∞ and −∞ for an empty scene.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         self.bvh.bounds()
     }
 
-    /// Returns the radius in m of a ball about the origin that contains all surfaces, or 1 for an
-    /// empty scene.
+    /// The radius in m of a ball about the origin around all surfaces, 1 if there are none.
     pub fn radius_m(&self) -> f64 {
         let (low, high) = self.bounds();
         let farthest_m = low.abs().max(high.abs()).length();
@@ -37,10 +33,9 @@ impl Geometry {
         if farthest_m.is_finite() { farthest_m * (1.0 + 1e-6) } else { 1.0 }
     }
 
-    /// Returns the texture coordinates at a hit. On analytic shapes, they lie in [0, 1]. If a mesh
-    /// has texture coordinates, they are interpolated. On other meshes, the result consists of
-    /// barycentric weights. [`Hit`] does not contain texture coordinates because most surfaces have
-    /// no texture.
+    /// Returns the texture coordinates at a hit: in [0, 1] on analytic shapes, interpolated if a
+    /// mesh has them, or else barycentric weights. [`Hit`] lacks them because few surfaces need
+    /// them.
     pub fn uv(&self, hit: &Hit) -> [f64; 2] {
         self.uv_at(hit.surface, hit.position)
     }
@@ -50,19 +45,17 @@ impl Geometry {
         self.primitives.uv(surface, position)
     }
 
-    /// Returns the change of the texture coordinates from a hit to the point at `offset` (m) from
-    /// it. The offset should be parallel to the surface. On faces that close around an axis, the
-    /// change of the azimuth is the shorter one.
+    /// Returns the change of the texture coordinates from a hit by `offset` (m) along the surface.
+    /// Where a face closes around an axis, the azimuth changes the shorter way.
     pub fn uv_step(&self, hit: &Hit, offset: DVec3) -> [f64; 2] {
         let (from, to) = (self.uv(hit), self.primitives.uv(hit.surface, hit.position + offset));
         let [u, v] = [to[0] - from[0], to[1] - from[1]];
         [if self.primitives.closes_around_axis(hit.surface) { u - u.round() } else { u }, v]
     }
 
-    /// Returns the derivatives of the position by the texture coordinates u and v at a hit, in m.
-    /// Returns `None` if the texture coordinates do not determine them.
+    /// Returns the derivatives of the position by u and v in m, or `None` if undetermined.
     pub fn uv_tangents(&self, hit: &Hit) -> Option<[DVec3; 2]> {
-        /// The length in m of the steps that measure the extent of the texture coordinates.
+        /// The length in m of the steps that measure how fast the texture coordinates vary.
         const PROBE_M: f64 = 1e-6;
         /// The change of the texture coordinates over which they are taken as linear.
         const CHANGE: f64 = 1e-4;
@@ -77,25 +70,17 @@ impl Geometry {
         tangents.iter().all(|tangent| tangent.is_finite()).then_some(tangents)
     }
 
-    /// Returns whether the scene has no primitives.
     pub fn is_empty(&self) -> bool {
         self.primitives.list.is_empty()
     }
 
-    /// Returns the number of primitives: analytic shapes and triangles.
+    /// The number of analytic shapes and triangles.
     pub fn primitive_count(&self) -> usize {
         let instances = &self.primitives.instances;
         self.primitives.list.len() - instances.list.len() + instances.triangle_count()
     }
 
-    /// Returns the memory of the geometry in bytes.
     pub fn memory_bytes(&self) -> usize {
         self.bvh.memory_bytes() + self.primitives.memory_bytes() + self.objects.memory_bytes()
-    }
-
-    /// Returns the number of dropped triangles. A triangle is dropped if the area computed from its
-    /// placed corners is zero.
-    pub fn dropped_triangles(&self) -> usize {
-        self.primitives.dropped
     }
 }

@@ -1,6 +1,5 @@
-//! An area light: the surface of an object that emits light. On the outer side of the surface, the
-//! radiance is the same in all directions. A slide may filter the light, so that the spectrum and
-//! the radiance vary over the surface.
+//! An area light: the surface of an object that emits the same radiance in all directions on its
+//! outer side. A slide may filter the light, so that spectrum and radiance vary over the surface.
 
 use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
@@ -14,32 +13,26 @@ use abbe_spectra::math::warp;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// The emission of an object's surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AreaLight {
-    /// The object's number.
     pub object: u32,
-    /// The radiance in W/m²/sr over the band, without the slide.
+    /// In W/m²/sr over the band, without the slide.
     pub radiance: f64,
-    /// The object's area in m².
     pub area_m2: f64,
-    /// The transmittance of the slide in front of the surface, or `None` without a slide.
+    /// The transmittance in front of the surface.
     pub slide: Option<SurfaceSpectrum>,
 }
 
 impl AreaLight {
-    /// Returns the spectrum of the light from a point of the surface.
     pub(super) fn spd(&self, geometry: &Geometry, surface: SurfaceId, position: DVec3) -> EmittedSpd {
         self.slide.as_ref().map_or(EmittedSpd::Own, |slide| {
-            // All rays of a point see the same texel of the filter, and the texels of different
-            // points are independent.
+            // All rays of a point see the same texel, and those of others an independent one.
             let bits = position.to_array().map(f64::to_bits);
             let mut random = LookupRandom::new(f64::from_bits(hash64(bits)));
             EmittedSpd::Filtered(slide.texel(&TexturePoint::new(geometry.uv_at(surface, position)), &mut random))
         })
     }
 
-    /// Returns the transmittance of a texel of the slide at a wavelength (nm).
     pub(super) fn transmittance(&self, texel: Texel, nm: f64) -> f64 {
         self.slide.as_ref().map_or(1.0, |slide| slide.at(texel, nm))
     }
@@ -82,8 +75,7 @@ impl AreaLight {
         })
     }
 
-    /// The radiance that a ray along `direction` sees at a point of the surface. `normal` is the
-    /// normal at this point.
+    /// The radiance that a ray along `direction` sees at a point of the surface with this normal.
     pub(super) fn le(&self, direction: DVec3, normal: DVec3) -> f64 {
         if direction.dot(normal) < 0.0 { self.radiance } else { 0.0 }
     }
@@ -97,8 +89,7 @@ impl AreaLight {
     }
 
     pub(super) fn representative_point(&self, geometry: &Geometry) -> RepresentativePoint {
-        /// The random numbers that select the point. Any numbers are suitable, because all points
-        /// of the surface are inside the same bodies.
+        /// Any random numbers do, because all points of the surface are inside the same bodies.
         const U: [f64; 3] = [0.37, 0.61, 0.53];
         let point = geometry.sample_area(self.object, U);
         RepresentativePoint { position: point.position, surface: Some((point.surface, point.normal)) }

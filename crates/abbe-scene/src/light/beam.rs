@@ -1,5 +1,4 @@
-//! A beam: light from a uniform disk. Either the disk emits parallel light, or each point of the
-//! disk emits into a cone. The radiance inside the cone is constant. The disk itself is invisible.
+//! A beam from a uniform invisible disk, parallel or of constant radiance in a cone per point.
 
 use super::intensity_bounds::IntensityBounds;
 use super::lit_interval::{LitInterval, inside_cone, inside_cylinder};
@@ -15,8 +14,7 @@ use abbe_spectra::math::warp;
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// The mean factor by which a map scales lengths. It is the cube root of the factor by which the
-/// map scales volumes.
+/// The mean factor by which a map scales lengths: the cube root of the factor for volumes.
 pub fn mean_scale(map: &DAffine3) -> f64 {
     cbrt(map.matrix3.determinant().abs())
 }
@@ -24,22 +22,20 @@ pub fn mean_scale(map: &DAffine3) -> f64 {
 /// A uniform disk that emits along its axis.
 #[derive(Debug, Clone)]
 pub struct BeamLight {
-    /// The power in W over the band.
+    /// In W over the band.
     pub power_w: f64,
     centre: DVec3,
     axis: DVec3,
     frame: Frame,
     radius_m: f64,
-    /// Each point of the disk emits into a cone. This is the sine of the cone's half-angle, or 0
-    /// for parallel light.
+    /// The sine of the half-angle of the cone of each point; 0 for parallel light.
     sin_divergence: f64,
     one_minus_cos_divergence: f64,
 }
 
 impl BeamLight {
-    /// Creates a beam from a disk around `centre` (m, relative to the scene's centre). The disk
-    /// emits along the unit vector `axis`. Each point of the disk emits into a cone. `divergence`
-    /// is the half-angle of these cones in radians, and is below π/2.
+    /// Creates a beam from a disk around `centre` (m, relative to the scene's centre) along the
+    /// unit vector `axis`, with a cone of half-angle `divergence` < π/2 (rad) at each point.
     pub fn new(centre: DVec3, axis: DVec3, radius_m: f64, divergence: f64, power_w: f64) -> Self {
         Self {
             power_w,
@@ -58,25 +54,23 @@ impl BeamLight {
         Self { centre, axis, frame: Frame::new(axis), radius_m, ..*self }
     }
 
-    /// The centre of the disk, relative to the scene's centre, in m.
+    /// The centre of the disk in m, relative to the scene's centre.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// The radius of the disk in m.
     pub fn radius_m(&self) -> f64 {
         self.radius_m
     }
 
-    /// The cone that bounds the light. Returns the apex of the cone, and 1 − cos of the cone's
-    /// half-angle. The apex lies behind the disk. `None` for parallel light.
+    /// Returns the apex, behind the disk, of the cone around the light, and 1 − cos of its
+    /// half-angle. `None` for parallel light.
     fn cone(&self) -> Option<(DVec3, f64)> {
         let tangent = self.sin_divergence / (1.0 - self.one_minus_cos_divergence);
         let behind = self.radius_m / tangent;
         (!self.is_parallel()).then(|| (self.centre - behind * self.axis, self.one_minus_cos_divergence))
     }
 
-    /// Returns true if the divergence is 0.
     pub fn is_parallel(&self) -> bool {
         self.sin_divergence == 0.0
     }
@@ -85,13 +79,12 @@ impl BeamLight {
         PI * self.radius_m * self.radius_m
     }
 
-    /// The radiance inside the cones. The radiance L follows from the power Φ = L A π sin² θ, where
-    /// A is the area of the disk and θ is the half-angle of the cones.
+    /// The radiance L inside the cones, from the power Φ = L A π sin² θ, where A is the area of the
+    /// disk and θ is the half-angle of the cones.
     fn radiance(&self) -> f64 {
         self.power_w / (self.area() * PI * self.sin_divergence * self.sin_divergence)
     }
 
-    /// Samples a direction of the beam, in the frame of the beam.
     fn sample_direction(&self, u: LeRandoms) -> DVec3 {
         let tilt = warp::disk([u.rest[0], u.rest[1]]) * self.sin_divergence;
         tilt.extend((1.0 - tilt.length_squared()).max(0.0).sqrt())
@@ -135,9 +128,8 @@ impl BeamLight {
             let irradiance = self.power_w / self.area();
             return inside.then(|| self.incident(-self.axis, local.z, irradiance));
         }
-        // A sample carries light only if it is both on the disk and in the cone of directions. The
-        // code samples either the disk or the cone, whichever has the smaller solid angle. More
-        // samples then also meet the other condition.
+        // A sample carries light only on the disk and in the cone. The one with the smaller solid
+        // angle is sampled.
         let disk_solid_angle = self.area() / (local.z * local.z);
         let cone_solid_angle = 2.0 * PI * self.one_minus_cos_divergence;
         if disk_solid_angle < cone_solid_angle {
@@ -172,8 +164,7 @@ impl BeamLight {
         Some(IntensityBounds::into_cone(apex, intensity, self.axis, warp::half_angle(one_minus_cos)))
     }
 
-    /// A virtual light of parallel rays. `None` for divergent light, because a point receives such
-    /// light from many directions.
+    /// A virtual light of parallel rays; divergent light comes from many directions.
     pub(super) fn virtual_light(&self, u: [f64; 3]) -> Option<VirtualLight> {
         self.is_parallel().then(|| VirtualLight::parallel(-self.axis, Some(self.centre), u))
     }
@@ -183,7 +174,7 @@ impl BeamLight {
     }
 }
 
-/// Examples of the kind of light that this file defines. The contract tests use them.
+/// The contract tests use these lights.
 #[cfg(test)]
 pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
     let light = |name, disk_m: f64, cone_rad, irradiance_at_2_m| TestLight {
@@ -206,8 +197,8 @@ mod tests {
     use super::*;
     use abbe_spectra::math::sobol::Sobol;
 
-    /// A wide beam fills a cone of directions with constant radiance. A sphere of the cross-section
-    /// S in front of a large disk receives the flux L Ω S.
+    /// A sphere of the cross-section S in front of a large disk, whose light fills a cone of
+    /// directions with constant radiance, receives the flux L Ω S.
     #[test]
     fn a_sphere_in_a_wide_beam_receives_all_directions() {
         let (divergence, radius_m) = (1.0_f64, 4.0);

@@ -1,9 +1,8 @@
 //! The contract of all lights: the mean emitted flux equals the power of the light, and the
 //! irradiance from shadow rays equals the irradiance from emitted rays.
 //!
-//! Estimates must agree within four standard errors. Each test also requires a small standard
-//! error, so that the test detects a deviation of two per cent. All runs of the tests use the same
-//! random numbers.
+//! Estimates must agree within four standard errors, which are small enough to detect a deviation
+//! of two per cent. All runs use the same random numbers.
 
 mod distant;
 mod local;
@@ -28,8 +27,7 @@ use std::sync::Arc;
 /// The radius of the bounding sphere that distant lights illuminate.
 const WORLD_RADIUS_M: f64 = 1.5;
 
-/// A test case: a light, the surfaces of the scene, and a square. The irradiance is measured on the
-/// square.
+/// A light, the surfaces of the scene, and a square on which the irradiance is measured.
 struct LightCase {
     name: &'static str,
     light: Light,
@@ -37,7 +35,6 @@ struct LightCase {
     receiver: ReceiverSquare,
 }
 
-/// A square that receives light on the side of its normal.
 #[derive(Clone, Copy)]
 struct ReceiverSquare {
     centre: DVec3,
@@ -60,7 +57,6 @@ impl ReceiverSquare {
         self.centre + self.sides[0] * (u[0] - 0.5) + self.sides[1] * (u[1] - 0.5)
     }
 
-    /// The distance at which a ray hits the front of the square.
     fn intersect(&self, ray: &Ray) -> Option<f64> {
         let approach = -ray.direction.dot(self.normal);
         let t = (ray.origin - self.centre).dot(self.normal) / approach;
@@ -79,7 +75,6 @@ impl LightCase {
         self.light.sample_le(self.extent(), LeRandoms { aim: stream.pair(), rest: stream.triple() })
     }
 
-    /// Returns true if a sampled direction is not blocked.
     fn sees(&self, from: DVec3, incident: &LiSample) -> bool {
         let ray = Ray::new(from, incident.direction);
         !self.geometry.occluded(&ray, None, incident.target, incident.distance)
@@ -160,7 +155,6 @@ fn all_cases() -> Vec<LightCase> {
     local_cases().into_iter().chain(distant_cases()).chain(area_cases()).chain(volume::cases()).collect()
 }
 
-/// A mean and its standard error.
 #[derive(Debug, Clone, Copy)]
 struct SampleMean {
     value: f64,
@@ -181,7 +175,7 @@ impl SampleMean {
     }
 
     /// Asserts that the mean equals `expected` within four standard errors (and rounding), and that
-    /// the relative standard error is below `precision`.
+    /// its relative standard error is below `precision`.
     fn agrees(self, expected: Self, precision: f64, what: &str) {
         let error = self.error.hypot(expected.error);
         let difference = (self.value - expected.value).abs();
@@ -282,8 +276,8 @@ fn shadow_rays_find_the_closed_form_irradiance() {
     }
 }
 
-/// If a light has no extent, a light map uses one virtual light for all passes. Therefore, all
-/// virtual lights of such a light must be equal.
+/// A light map uses one virtual light of a light without extent for all passes, so all of them must
+/// be equal.
 #[test]
 fn virtual_lights_add_up_to_the_light() {
     for case in all_cases() {
@@ -336,8 +330,8 @@ fn sampled_directions_hit_the_light_with_their_pdf() {
 
 #[test]
 fn the_surface_pdf_integrates_to_the_lit_fraction() {
-    // Both sides of the comparison are weighted by the cosine at the light. Without this weight,
-    // the density of area sampling would have no bound near cosine 0.
+    // Both sides are weighted by the cosine at the light, without which the density of area
+    // sampling would have no bound near cosine 0.
     for case in area_cases() {
         let (world, from) = (case.extent(), case.receiver.centre);
         // Uniform directions in a cone around the whole object.
@@ -430,8 +424,7 @@ fn emitted_rays_stay_within_the_cone_and_disk_of_the_light() {
             };
             outermost = outermost.max(offset.length());
         }
-        // All rays start on the disk and stay within the cone. Some rays are near the edges of the
-        // disk and of the cone.
+        // All rays start on the disk and stay within the cone, and some are near the edges of both.
         assert!(widest <= angle + 1e-7 && widest >= 0.95 * angle, "{}: {widest} rad", case.name);
         assert!(outermost <= disk * (1.0 + 1e-12) && outermost >= 0.99 * disk, "{}: {outermost} m", case.name);
     }

@@ -1,5 +1,4 @@
-//! A distant light: parallel light from one direction, or light from a round disk in the sky, for
-//! example the sun.
+//! A distant light: parallel, or from a round disk in the sky such as the sun.
 
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
 use super::virtual_light::VirtualLight;
@@ -9,22 +8,20 @@ use abbe_spectra::math::warp;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// A distant light from one direction.
 #[derive(Debug, Clone)]
 pub struct DirectionalLight {
     /// The direction in which the light travels, as a unit vector.
     toward: DVec3,
     frame: Frame,
-    /// The irradiance on a plane perpendicular to `toward`, in W/m² over the band.
+    /// On a plane perpendicular to `toward`, in W/m² over the band.
     irradiance: f64,
     /// 1 − cos of the angular radius of the disk, or 0 for parallel light.
     one_minus_cos: f64,
 }
 
 impl DirectionalLight {
-    /// Creates a distant light from a disk in the sky. `angular_radius` is the angular radius of
-    /// the disk in radians. The light travels along the unit vector `toward`. `irradiance` is in
-    /// W/m² over the band.
+    /// Creates a distant light that travels along the unit vector `toward`, from a disk of this
+    /// angular radius (rad) in the sky. `irradiance` is in W/m² over the band.
     pub fn new(toward: DVec3, angular_radius: f64, irradiance: f64) -> Self {
         Self { toward, frame: Frame::new(toward), irradiance, one_minus_cos: warp::one_minus_cos(angular_radius) }
     }
@@ -34,29 +31,25 @@ impl DirectionalLight {
         Self { toward, frame: Frame::new(toward), ..*self }
     }
 
-    /// Returns true if the light has an angular radius above 0.
     pub(super) fn has_extent(&self) -> bool {
         self.one_minus_cos > 0.0
     }
 
-    /// The power in W that enters the bounding sphere. The cross-section of the sphere has the area
-    /// π R², and the light from each direction crosses all of this area.
+    /// The power in W that enters the bounding sphere, of cross-section π R², from each direction.
     pub(super) fn power_w(&self, world_radius_m: f64) -> f64 {
         self.fluence() * PI * world_radius_m * world_radius_m
     }
 
-    /// The fluence rate ∫ L dω in W/m². If the disk has the angular radius θ_max, the irradiance is
-    /// ∫ L cos θ dω = L π sin² θ_max.
+    /// The fluence rate ∫ L dω in W/m². The irradiance ∫ L cos θ dω is L π sin² θ_max.
     fn fluence(&self) -> f64 {
         self.irradiance / (1.0 - 0.5 * self.one_minus_cos)
     }
 
-    /// The radiance of the disk in W/m²/sr.
+    /// In W/m²/sr.
     fn disk_radiance(&self) -> f64 {
         self.fluence() / (TAU * self.one_minus_cos)
     }
 
-    /// Samples a direction in which the light travels.
     fn sample_direction(&self, u: LeRandoms) -> DVec3 {
         if self.has_extent() {
             self.frame.to_world(warp::cone(self.one_minus_cos, [u.rest[0], u.rest[1]]))
@@ -100,13 +93,12 @@ impl DirectionalLight {
         VirtualLight::parallel(self.sample_li(u).direction, None, u)
     }
 
-    /// The radiance in W/m²/sr that a ray sees if it leaves the scene along `direction`. `None` if
-    /// the ray misses the disk.
+    /// The radiance in W/m²/sr of a ray that leaves along `direction`, `None` beside the disk.
     pub(super) fn le(&self, direction: DVec3) -> Option<f64> {
         (self.pdf_li(direction) > 0.0).then(|| self.disk_radiance())
     }
 
-    /// The sampling density of [`sample_li`](Self::sample_li) for `direction`, per steradian.
+    /// The pdf of [`sample_li`](Self::sample_li) for `direction`, per steradian.
     pub(super) fn pdf_li(&self, direction: DVec3) -> f64 {
         let one_minus_cos = 0.5 * (direction + self.toward).length_squared();
         if self.has_extent() && one_minus_cos <= self.one_minus_cos { 1.0 / (TAU * self.one_minus_cos) } else { 0.0 }

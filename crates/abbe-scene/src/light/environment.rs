@@ -1,5 +1,4 @@
-//! The environment: distant light from all directions. The light is uniform, or an image or a
-//! standard sky gives its radiance.
+//! The environment: distant light from all directions, uniform, an image or a sky.
 
 use super::environment_map::EnvironmentMap;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, distant_origin};
@@ -11,35 +10,29 @@ use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
 
-/// Distant light from all directions.
 #[derive(Debug, Clone)]
 pub struct EnvironmentLight {
-    /// The mean radiance of all directions, in W/m²/sr over the band.
+    /// Over all directions, in W/m²/sr over the band.
     pub mean_radiance: f64,
-    /// The distribution of the radiance over the directions.
     pub pattern: EnvironmentPattern,
-    /// The rotation from directions of the pattern to directions of the world.
+    /// From directions of the pattern to directions of the world.
     rotation: DMat3,
 }
 
-/// The distribution of the radiance of an environment over the directions.
 #[derive(Debug, Clone)]
 pub enum EnvironmentPattern {
-    /// The same radiance from all directions.
     Uniform,
-    /// An image.
     Image(Arc<EnvironmentMap>),
     /// A standard sky with its ground.
     Sky(Arc<StandardSky>),
 }
 
-/// A sampled direction towards the environment.
 struct EnvironmentSample {
-    /// Unit vector.
+    /// Towards the environment.
     direction: DVec3,
-    /// Density per steradian.
+    /// Per steradian.
     pdf: f64,
-    /// The radiance in W/m²/sr over the band.
+    /// In W/m²/sr over the band.
     radiance: f64,
     spd: EmittedSpd,
 }
@@ -50,23 +43,20 @@ impl EnvironmentLight {
         Self { mean_radiance, pattern, rotation: DMat3::IDENTITY }
     }
 
-    /// Returns true if the radiance is the same from all directions.
     pub fn is_uniform(&self) -> bool {
         matches!(self.pattern, EnvironmentPattern::Uniform)
     }
 
-    /// The environment rotated around the scene.
     pub(super) fn rotated(&self, by: DQuat) -> Self {
         Self { rotation: DMat3::from_quat(by) * self.rotation, ..self.clone() }
     }
 
-    /// The direction of the pattern that corresponds to a direction of the world. The transpose of
-    /// a rotation is its inverse.
+    /// The pattern's direction for one of the world, by the transposed rotation.
     fn in_pattern(&self, direction: DVec3) -> DVec3 {
         self.rotation.transpose() * direction
     }
 
-    /// The point of the image that lies in a direction of the world.
+    /// The point of the image in a direction of the world.
     fn point(&self, direction: DVec3) -> [f64; 2] {
         EnvironmentMap::point(self.in_pattern(direction))
     }
@@ -75,8 +65,7 @@ impl EnvironmentLight {
         self.mean_radiance * 4.0 * PI * PI * world_radius_m * world_radius_m
     }
 
-    /// The radiance (W/m²/sr over the band) and the spectrum that a ray sees if it leaves the scene
-    /// along `direction`.
+    /// The radiance (W/m²/sr over the band) and spectrum of a ray that leaves the scene.
     pub(super) fn le(&self, direction: DVec3) -> (f64, EmittedSpd) {
         match &self.pattern {
             EnvironmentPattern::Uniform => (self.mean_radiance, EmittedSpd::Own),
@@ -90,7 +79,7 @@ impl EnvironmentLight {
         }
     }
 
-    /// The sampling density of [`sample_li`](Self::sample_li) for `direction`, per steradian.
+    /// The pdf of [`sample_li`](Self::sample_li) for `direction`, per steradian.
     pub(super) fn pdf_li(&self, direction: DVec3) -> f64 {
         match &self.pattern {
             EnvironmentPattern::Uniform => 0.25 * FRAC_1_PI,
@@ -99,8 +88,7 @@ impl EnvironmentLight {
         }
     }
 
-    /// Samples a direction towards the environment. Returns `None` if the density of the sampled
-    /// direction is 0.
+    /// Samples a direction towards the environment. Returns `None` if its pdf is 0.
     fn sample(&self, u: [f64; 2]) -> Option<EnvironmentSample> {
         let (direction, pdf, (radiance, spd)) = match &self.pattern {
             EnvironmentPattern::Uniform => (warp::sphere(u), 0.25 * FRAC_1_PI, (self.mean_radiance, EmittedSpd::Own)),
@@ -119,8 +107,7 @@ impl EnvironmentLight {
         (pdf > 0.0).then_some(EnvironmentSample { direction, pdf, radiance, spd })
     }
 
-    /// Samples a direction towards the environment for an emitted ray. If the density of the
-    /// direction is 0, its radiance is 0.
+    /// Samples a direction for an emitted ray, without light if its pdf is 0.
     fn sample_emission(&self, u: LeRandoms) -> EnvironmentSample {
         let none = EnvironmentSample { direction: DVec3::Y, pdf: 1.0, radiance: 0.0, spd: EmittedSpd::Own };
         self.sample([u.rest[0], u.rest[1]]).unwrap_or(none)
@@ -154,8 +141,7 @@ impl EnvironmentLight {
         })
     }
 
-    /// The value of a mixture of the basis spectra at a wavelength in nm. The value is a density
-    /// per nm.
+    /// The value of a mixture of the basis spectra at a wavelength in nm, per nm.
     pub(super) fn mixture_at(&self, weights: [f64; 3], nm: f64) -> f64 {
         match &self.pattern {
             EnvironmentPattern::Image(map) => (0..3).map(|c| weights[c] * map.basis[c].at(nm)).sum(),

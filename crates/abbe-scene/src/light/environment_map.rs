@@ -8,25 +8,22 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// A latitude–longitude image with mean radiance 1. The rows go from +y (top) to −y, and the
-/// columns go around the y axis. The middle column is in the direction −z (see
-/// [`EnvironmentMap::direction`]).
+/// columns around the y axis, with −z in the middle (see [`EnvironmentMap::direction`]).
 #[derive(Debug)]
 pub struct EnvironmentMap {
     width: usize,
     height: usize,
-    /// The weights of the three basis spectra for each pixel. The sum of a pixel's weights is the
-    /// radiance of the pixel divided by the mean radiance.
+    /// The weights of the basis spectra by pixel, with the relative radiance as their sum.
     weights: Vec<[f64; 3]>,
-    /// The sampling distribution over the pixels. The probability of a pixel is proportional to the
-    /// product of its radiance and its solid angle.
+    /// Samples pixels in proportion to radiance times solid angle.
     pub(super) pixels: PiecewiseConstant2d,
-    /// The basis spectra, each with integral 1 over the band.
+    /// Each has integral 1 over the band.
     pub(super) basis: [Spectrum; 3],
 }
 
 impl EnvironmentMap {
-    /// Creates a map from linear RGB pixels (row by row from the top) and the spectra of red, green
-    /// and blue light. Returns `None` if the image is black.
+    /// Creates a map from linear RGB pixels (row by row from the top) and the spectra of the three
+    /// primaries. Returns `None` if the image is black.
     pub fn new(width: usize, height: usize, rgb: &[[f32; 3]], lights: [&Spectrum; 3]) -> Option<Self> {
         let powers = lights.map(Spectrum::integral);
         let mut weights: Vec<[f64; 3]> =
@@ -43,7 +40,7 @@ impl EnvironmentMap {
         Some(Self { width, height, weights, pixels: PiecewiseConstant2d::new(width, &masses)?, basis })
     }
 
-    /// The mean spectrum of all directions. Its integral over the band is 1.
+    /// The mean spectrum of all directions, with integral 1 over the band.
     pub fn mean_spectrum(&self) -> Spectrum {
         let mut sums = [0.0; 3];
         for (pixel, weight) in self.weights.iter().enumerate() {
@@ -54,17 +51,15 @@ impl EnvironmentMap {
         Spectrum::mix(&std::array::from_fn::<_, 3, _>(|c| (sums[c] / total, &self.basis[c])))
     }
 
-    /// The direction towards a point of the image. Both coordinates of the point are in [0, 1]. The
-    /// direction −z is in the middle of the image, +x is at three quarters of the width, and +y is
-    /// the top row.
+    /// The direction towards a point of the image, with coordinates in [0, 1]: −z in the middle, +x
+    /// at three quarters of the width, and +y in the top row.
     pub fn direction(point: [f64; 2]) -> DVec3 {
         let (sin_theta, cos_theta) = sin_cos(PI * point[1]);
         let (sin_phi, cos_phi) = sin_cos(TAU * (point[0] - 0.5));
         DVec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi)
     }
 
-    /// The point of the image that lies in a direction. This function is the inverse of
-    /// [`EnvironmentMap::direction`].
+    /// The point of the image in a direction: the inverse of [`EnvironmentMap::direction`].
     pub fn point(direction: DVec3) -> [f64; 2] {
         let phi = atan2(direction.x, -direction.z);
         [(phi / TAU + 0.5).clamp(0.0, 1.0), acos(direction.y.clamp(-1.0, 1.0)) / PI]
@@ -76,16 +71,14 @@ impl EnvironmentMap {
         row * self.width + column
     }
 
-    /// Two properties of a point of the image: its radiance divided by the mean radiance, and its
-    /// spectrum.
+    /// The radiance at a point of the image, divided by the mean radiance, and the spectrum there.
     pub(super) fn le(&self, point: [f64; 2]) -> (f64, EmittedSpd) {
         let weights = self.weights[self.pixel(point)];
         let sum: f64 = weights.iter().sum();
         (sum, if sum > 0.0 { EmittedSpd::Mixed(weights.map(|w| w / sum)) } else { EmittedSpd::Own })
     }
 
-    /// The sampling density of a point of the image, per steradian. A small area dA of the unit
-    /// square covers the solid angle 2π² sin θ dA.
+    /// The pdf of a point per steradian: dA of the unit square covers 2π² sin θ dA.
     pub(super) fn pdf_solid_angle(&self, point: [f64; 2]) -> f64 {
         let sin_theta = sin(PI * point[1]);
         if sin_theta > 0.0 { self.pixels.pdf(point) / (2.0 * PI * PI * sin_theta) } else { 0.0 }

@@ -1,8 +1,5 @@
-//! A luminaire with a measured distribution of intensity: a point, or a flat luminous opening.
-//!
-//! Each point of an opening has the same distribution of intensity. If the intensity of the
-//! luminaire is I and the area of the opening is A, the radiance of the opening at the angle θ to
-//! its normal is I/(A cos θ). The opening itself is invisible.
+//! A luminaire with a measured distribution of intensity I, the same at all points: a point, or a
+//! flat invisible opening of area A, whose radiance at the angle θ to its normal is I/(A cos θ).
 
 use super::intensity_bounds::IntensityBounds;
 use super::intensity_table::IntensityTable;
@@ -20,24 +17,18 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The shape of the luminous opening of a luminaire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OpeningShape {
-    /// A point.
     Point,
-    /// A rectangle.
     Rectangle,
-    /// An ellipse, for example a disk.
     Ellipse,
 }
 
 /// The luminous opening of a luminaire: a flat figure around the position of the light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuminousOpening {
-    /// The shape.
     pub shape: OpeningShape,
-    /// The vectors from the centre to the middle of two adjacent sides, or half the axes of the
-    /// ellipse, in m.
+    /// From the centre to the middle of two adjacent sides, or half the axes of the ellipse, in m.
     pub half_sides: [DVec3; 2],
 }
 
@@ -45,7 +36,7 @@ impl LuminousOpening {
     /// An opening without extent.
     pub const POINT: Self = Self { shape: OpeningShape::Point, half_sides: [DVec3::ZERO; 2] };
 
-    /// Samples a point uniformly. Returns the offset from the centre in m.
+    /// Samples the offset of a point from the centre in m, uniformly.
     fn sample(&self, u: [f64; 2]) -> DVec3 {
         let [along, across] = self.half_sides;
         match self.shape {
@@ -58,7 +49,7 @@ impl LuminousOpening {
         }
     }
 
-    /// Returns the normal of the opening times its area, in m².
+    /// The normal of the opening times its area, in m².
     fn area_vector(&self) -> DVec3 {
         let of_box = self.half_sides[0].cross(self.half_sides[1]);
         match self.shape {
@@ -68,7 +59,7 @@ impl LuminousOpening {
         }
     }
 
-    /// Half the size of a box around the opening, in m.
+    /// Half the size in m of a box around the opening.
     fn half_size(&self) -> DVec3 {
         self.half_sides[0].abs() + self.half_sides[1].abs()
     }
@@ -77,7 +68,7 @@ impl LuminousOpening {
 /// A luminaire with a measured distribution of intensity.
 #[derive(Debug, Clone)]
 pub struct GoniometricLight {
-    /// The position, relative to the scene's centre, in m.
+    /// In m, relative to the scene's centre.
     position: DVec3,
     /// The axes of the luminaire as columns: C0, C90, and the photometric axis.
     axes: DMat3,
@@ -88,25 +79,23 @@ pub struct GoniometricLight {
 }
 
 impl GoniometricLight {
-    /// Creates a luminaire at `position` (m, relative to the scene's centre).
-    ///
-    /// `toward` is the photometric axis, and `c0` is the direction of the half-plane C0; both are
-    /// unit vectors, and perpendicular to each other. Seen against the photometric axis, which is
-    /// from below for a ceiling luminaire, the C angles increase clockwise. `scale` is the
-    /// intensity in W/sr over the band for a value of 1 in the table.
+    /// Creates a luminaire at `position` (m, relative to the scene's centre). `toward`, the
+    /// photometric axis, and `c0`, the direction of the half-plane C0, are perpendicular unit
+    /// vectors. Seen against the photometric axis, which is from below for a ceiling luminaire, the
+    /// C angles increase clockwise. `scale` is the intensity in W/sr over the band for a value of 1
+    /// in the table.
     pub fn new(position: DVec3, [toward, c0]: [DVec3; 2], scale: f64, table: Arc<IntensityTable>) -> Self {
         let axes = DMat3::from_cols(c0, c0.cross(toward), toward);
         Self { position, axes, scale, table, opening: LuminousOpening::POINT }
     }
 
-    /// Returns the light with a luminous opening.
     #[must_use]
     pub fn with_opening(self, opening: LuminousOpening) -> Self {
         Self { opening, ..self }
     }
 
-    /// Returns the direction of the half-plane C0 if the scene does not state it. The smallest
-    /// rotation from −y to the unit vector `toward` turns the x axis to this direction.
+    /// Returns the direction of the half-plane C0 if the scene gives none: the x axis, turned by
+    /// the smallest rotation from −y to the unit vector `toward`.
     pub fn default_c0(toward: DVec3) -> DVec3 {
         let rest = 1.0 - toward.y;
         if rest < 1e-12 { DVec3::X } else { (DVec3::X - toward.x / rest * (toward - DVec3::Y)).normalize() }
@@ -129,17 +118,16 @@ impl GoniometricLight {
         }
     }
 
-    /// The position, relative to the scene's centre, in m.
+    /// In m, relative to the scene's centre.
     pub fn position(&self) -> DVec3 {
         self.position
     }
 
-    /// Returns true if the light is a point.
     pub(super) fn is_point(&self) -> bool {
         self.opening.shape == OpeningShape::Point
     }
 
-    /// Returns the solid angle of the opening if all its points were at the sampled point.
+    /// The solid angle of the opening if all its points were at the sampled point.
     pub(super) fn apparent_solid_angle(&self, sample: &LiSample) -> f64 {
         self.opening.area_vector().dot(sample.direction).abs() / sample.distance.powi(2)
     }
@@ -159,7 +147,7 @@ impl GoniometricLight {
         self.scale * self.table.at(self.axes.transpose() * outward)
     }
 
-    /// The cone around all light: its axis, and 1 − cos of its half-angle. The axis is the
+    /// The axis of the cone around all light, and 1 − cos of its half-angle. The axis is the
     /// photometric axis or its opposite, whichever gives the narrower cone.
     fn cone(&self) -> (DVec3, f64) {
         let [least, most] = self.table.cosines();
@@ -182,7 +170,6 @@ impl GoniometricLight {
         Some(LitInterval { from, to, pivot })
     }
 
-    /// Returns a virtual light, or `None` if the light has extent.
     pub(super) fn virtual_light(&self, u: [f64; 3]) -> Option<VirtualLight> {
         self.is_point().then(|| VirtualLight::at_point(self.position, u))
     }
@@ -210,7 +197,7 @@ impl GoniometricLight {
     }
 }
 
-/// Examples of the kinds of lights that this file defines. The contract tests use them.
+/// The contract tests use these lights.
 #[cfg(test)]
 pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
     let c0 = axis.any_orthonormal_vector();
@@ -276,8 +263,8 @@ pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
 mod tests {
     use super::*;
 
-    /// The axes of the scene are x to the right and y up, so the C angles of a ceiling luminaire
-    /// increase from +x to −z: counter-clockwise as seen from above.
+    /// The axes are x to the right and y up, so the C angles of a ceiling luminaire increase from
+    /// +x to −z: counter-clockwise as seen from above.
     #[test]
     fn c0_is_x_for_light_from_above_and_from_below() {
         assert_eq!(GoniometricLight::default_c0(-DVec3::Y), DVec3::X);

@@ -1,27 +1,22 @@
-//! Bounds of the place, the intensity and the directions of a local light.
-
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Bounds of the light of a local light.
-///
-/// The light has normals and emits around each normal. The normals are within `normals_rad` of the
-/// axis, and the light leaves within `emission_rad` of a normal. Between these angles, the
-/// intensity falls with the cosine of the angle to the normal.
+/// Bounds of the light of a local light: its normals are within `normals_rad` of the axis, and the
+/// light leaves within `emission_rad` of a normal. Between these angles, the intensity falls with
+/// the cosine of the angle to the normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IntensityBounds {
-    /// The lowest corner of a box around the light, relative to the scene's centre, in m.
+    /// The lowest corner of a box around the light in m, relative to the scene's centre.
     pub low: DVec3,
-    /// The highest corner of the box.
     pub high: DVec3,
-    /// The largest radiant intensity in W/sr over the band. For curved area lights, it is the
-    /// intensity of a convex surface in the mean of all directions.
+    /// The largest radiant intensity in W/sr over the band. For curved area lights, it is that of a
+    /// convex surface in the mean of all directions.
     pub intensity: f64,
-    /// The axis, as a unit vector.
+    /// A unit vector.
     pub axis: DVec3,
-    /// The largest angle between the axis and a normal, in radians.
+    /// The largest angle between the axis and a normal.
     pub normals_rad: f64,
-    /// The largest angle between a normal and the light, in radians.
+    /// The largest angle between a normal and the light.
     pub emission_rad: f64,
 }
 
@@ -31,8 +26,8 @@ impl IntensityBounds {
         Self { low, high, intensity, axis: DVec3::Z, normals_rad: PI, emission_rad: FRAC_PI_2 }
     }
 
-    /// A point that shines into a cone. Inside the cone, the intensity need not fall towards the
-    /// edge. Each direction of the cone therefore counts as a normal that emits only along itself.
+    /// A point that shines into a cone. The intensity need not fall towards its edge, so each
+    /// direction of the cone counts as a normal that emits only along itself.
     pub(super) fn into_cone(at: DVec3, intensity: f64, axis: DVec3, half_angle: f64) -> Self {
         Self { low: at, high: at, intensity, axis, normals_rad: half_angle, emission_rad: 0.0 }
     }

@@ -1,8 +1,7 @@
 //! The measured intensity of a luminaire as a function of direction.
 //!
-//! The intensity is a table over two angles of a spherical coordinate system. Between the angles of
-//! the table, the intensity is bilinear in the two angles. Outside the table, the intensity is 0.
-//! The sampling density is exactly proportional to the interpolated intensity.
+//! The intensity is bilinear between the nodes of a table over two angles of a spherical coordinate
+//! system, and 0 outside. The sampling pdf is exactly proportional to it.
 
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::distribution::DiscreteDistribution;
@@ -11,30 +10,28 @@ use abbe_spectra::math::quadrature::gauss4;
 use glam::{DMat3, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// The largest polar interval in radians, 15°. Longer intervals are divided, so that the four-point
-/// rule integrates the intensity over solid angle up to rounding.
+/// The largest polar interval in radians, 15°: longer ones are divided, so that the four-point rule
+/// integrates the intensity over solid angle up to rounding.
 const LONGEST_INTERVAL: f64 = PI / 12.0;
 
 /// Two azimuths whose difference is within this many radians of 2π are the same plane.
 const FULL_TURN_MARGIN: f64 = 1e-9;
 
-/// The coordinate system of a table (CIE 121 and IES LM-75).
-///
-/// The luminaire has three axes. The z axis is the photometric axis, which points down for a
-/// ceiling luminaire. The x axis is the direction C0, and the y axis is the direction C90.
+/// The coordinate system of a table (CIE 121 and IES LM-75) for the axes of a luminaire: z is the
+/// photometric axis, which points down for a ceiling luminaire, x is C0, and y is C90.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhotometricType {
     /// The polar axis is the photometric axis. The polar angle is γ, and the azimuth is C.
     C,
-    /// The polar axis is x. The polar angle is 90° − H, and the azimuth is V, from z towards y. H
-    /// and V are the horizontal and the vertical angle.
+    /// The polar axis is x. The polar angle is 90° − H, and the azimuth is V, from z towards y,
+    /// where H and V are the horizontal and the vertical angle.
     B,
     /// The polar axis is y. The polar angle is 90° − V, and the azimuth is H, from z towards x.
     A,
 }
 
 impl PhotometricType {
-    /// The axes of the coordinate system as columns: azimuth 0, azimuth 90°, and the polar axis.
+    /// As columns: azimuth 0, azimuth 90°, and the polar axis.
     fn axes(self) -> DMat3 {
         match self {
             Self::C => DMat3::IDENTITY,
@@ -44,38 +41,34 @@ impl PhotometricType {
     }
 }
 
-/// The intensity of a luminaire over all directions. The unit of the values is arbitrary.
+/// The intensity of a luminaire over all directions, in an arbitrary unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct IntensityTable {
-    /// The axes of the coordinate system, see [`PhotometricType::axes`].
+    /// See [`PhotometricType::axes`].
     axes: DMat3,
-    /// The polar angles in radians, ascending.
+    /// In radians, ascending.
     polar: Vec<f64>,
-    /// The azimuths in radians, ascending. They span at most 2π.
+    /// In radians, ascending over at most 2π.
     azimuth: Vec<f64>,
-    /// The values, plane by plane. Each plane has one value for each polar angle.
+    /// Plane by plane, each with one value for each polar angle.
     values: Vec<f64>,
-    /// Selects the polar interval.
     intervals: DiscreteDistribution,
-    /// For each polar interval: selects the azimuth interval. `None` if there is no light.
+    /// By polar interval: selects the azimuth interval. `None` if there is no light.
     sectors: Vec<Option<DiscreteDistribution>>,
     /// The integral ∫ I sin θ dθ of each plane over each polar interval, interval by interval.
     plane_integrals: Vec<f64>,
-    /// The integral of the intensity over all directions.
+    /// Over all directions.
     flux: f64,
     /// The smallest and the largest cosine of the angle between the photometric axis and the light.
     cosines: [f64; 2],
 }
 
 impl IntensityTable {
-    /// Creates a table. `polar` are the polar angles in radians, from 0 to π. `azimuth` are the
-    /// azimuths in radians. They span at most 2π, and the intensity is 0 outside. `values` are the
-    /// intensities, plane by plane. A plane has one azimuth, and one value for each polar angle.
-    ///
-    /// # Errors
-    /// Returns an error if there are fewer than two angles of a kind, if angles are not strictly
-    /// ascending or out of range, if the number of values is wrong, if a value is negative or not
-    /// finite, or if all values are 0.
+    /// Creates a table of `values` plane by plane: a plane has one azimuth, and one value for each
+    /// polar angle. The angles are in radians: `polar` from 0 to π, and `azimuth` over at most 2π,
+    /// outside of which the intensity is 0. Returns an error if there are fewer than two angles of
+    /// a kind, angles are not strictly ascending or out of range, the number of values is wrong, a
+    /// value is negative or not finite, or all values are 0.
     pub fn new(kind: PhotometricType, polar: &[f64], azimuth: &[f64], values: &[f64]) -> Result<Self> {
         let ascending = |angles: &[f64]| angles.len() >= 2 && angles.windows(2).all(|pair| pair[0] < pair[1]);
         let span = |angles: &[f64]| angles.last().zip(angles.first()).map_or(0.0, |(last, first)| last - first);
@@ -129,13 +122,11 @@ impl IntensityTable {
         Ok(table)
     }
 
-    /// The integral of the intensity over all directions: the luminous flux in lm if the values are
-    /// in cd.
+    /// The integral of the intensity over all directions: in lm if the values are in cd.
     pub fn flux(&self) -> f64 {
         self.flux
     }
 
-    /// The largest intensity.
     pub fn largest(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max)
     }
@@ -147,8 +138,7 @@ impl IntensityTable {
         self.direction(self.polar[node % self.polar.len()], self.azimuth[node / self.polar.len()])
     }
 
-    /// The smallest and the largest cosine of the angle between the photometric axis and a
-    /// direction with light.
+    /// The extreme cosines of the angle between the photometric axis and light.
     pub(super) fn cosines(&self) -> [f64; 2] {
         self.cosines
     }
@@ -157,14 +147,12 @@ impl IntensityTable {
         self.values[plane * self.polar.len() + angle]
     }
 
-    /// The unit vector with these angles in radians.
     fn direction(&self, polar: f64, azimuth: f64) -> DVec3 {
         let ((sin_polar, cos_polar), (sin, cos)) = (sin_cos(polar), sin_cos(azimuth));
         self.axes * DVec3::new(sin_polar * cos, sin_polar * sin, cos_polar)
     }
 
-    /// Returns the intensity in the direction of a unit vector. The vector has the axes of the
-    /// luminaire (see [`PhotometricType`]).
+    /// Returns the intensity in the direction of a unit vector with the axes of the luminaire.
     pub fn at(&self, direction: DVec3) -> f64 {
         let local = self.axes.transpose() * direction;
         let polar = atan2(hypot(local.x, local.y), local.z);
@@ -181,14 +169,12 @@ impl IntensityTable {
         mix(along(plane), along(plane + 1), round)
     }
 
-    /// Returns the sampling density of a direction per steradian: the intensity divided by the
-    /// flux.
+    /// The pdf of a direction per steradian: the intensity divided by the flux.
     pub fn pdf(&self, direction: DVec3) -> f64 {
         self.at(direction) / self.flux
     }
 
-    /// Samples a direction in proportion to the intensity. Returns a unit vector with the axes of
-    /// the luminaire. The numbers `u` are in [0, 1).
+    /// Samples a unit vector, with the axes of the luminaire, in proportion to the intensity.
     pub fn sample(&self, u: [f64; 2]) -> DVec3 {
         let [mut u_polar, mut u_azimuth] = u;
         let interval = self.intervals.sample(&mut u_polar);
@@ -201,8 +187,7 @@ impl IntensityTable {
         self.direction(polar, mix(self.azimuth[sector], self.azimuth[sector + 1], round))
     }
 
-    /// Returns the smallest and the largest cosine of the angle between the photometric axis and
-    /// the cells with light.
+    /// Computes `cosines` from the cells with light.
     fn lit_cosines(&self) -> [f64; 2] {
         let is_polar = self.axes.z_axis == DVec3::Z;
         let (mut least, mut most) = (1.0_f64, -1.0_f64);
@@ -216,8 +201,7 @@ impl IntensityTable {
                 let ends = if is_polar {
                     [cos(down[1]), cos(down[0])]
                 } else {
-                    // The photometric axis has azimuth 0 and polar angle 90°, so the cosine is
-                    // sin θ cos φ.
+                    // The axis has azimuth 0 and polar angle 90°, so the cosine is sin θ cos φ.
                     let [narrow, wide] = [sin(down[0]).min(sin(down[1])), widest_sine((down[0], down[1]))];
                     [low * if low < 0.0 { wide } else { narrow }, high * if high < 0.0 { narrow } else { wide }]
                 };
@@ -228,8 +212,7 @@ impl IntensityTable {
     }
 }
 
-/// Divides polar intervals above [`LONGEST_INTERVAL`] into equal parts, and interpolates the
-/// values.
+/// Divides polar intervals above [`LONGEST_INTERVAL`] equally, and interpolates the values.
 fn divided(polar: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let parts: Vec<usize> =
         polar.windows(2).map(|pair| ((pair[1] - pair[0]) / LONGEST_INTERVAL - 1e-9).ceil().max(1.0) as usize).collect();
@@ -243,8 +226,8 @@ fn divided(polar: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (divide(polar), values.chunks(polar.len()).flat_map(divide).collect())
 }
 
-/// Returns the number of the interval that contains `x`, and the fraction of the interval below
-/// `x`. Returns `None` if `x` is outside all intervals.
+/// Returns the number of the interval that contains `x`, and the fraction of it below `x`, or
+/// `None` if `x` is outside all intervals.
 fn place(nodes: &[f64], x: f64) -> Option<(usize, f64)> {
     let last = nodes.len() - 1;
     if !(nodes[0]..=nodes[last]).contains(&x) {
@@ -254,21 +237,20 @@ fn place(nodes: &[f64], x: f64) -> Option<(usize, f64)> {
     Some((interval, (x - nodes[interval]) / (nodes[interval + 1] - nodes[interval])))
 }
 
-/// Interpolates linearly. If both values are equal, the result is exactly this value.
+/// Interpolates linearly. The result is exact if both values are equal.
 fn mix(from: f64, to: f64, fraction: f64) -> f64 {
     from + fraction * (to - from)
 }
 
-/// Samples a number in [0, 1] with a density that is linear between the values at both ends.
+/// Samples a number in [0, 1] with a pdf that is linear between the values at both ends.
 fn inverse_of_linear([low, high]: [f64; 2], u: f64) -> f64 {
     let root = mix(low * low, high * high, u).max(0.0).sqrt();
     if low + root > 0.0 { (u * (low + high) / (low + root)).clamp(0.0, 1.0) } else { u.sqrt() }
 }
 
-/// Samples an angle θ with a density that is proportional to the product of sin θ and an intensity.
-/// The intensity is linear between the values `ends` at both ends of the interval. The function
-/// inverts the integral by Newton's method, and by bisection where Newton's method leaves the
-/// interval.
+/// Samples an angle θ with a pdf proportional to sin θ times an intensity that is linear between
+/// the values `ends` at both ends. Inverts the integral by Newton's method, and by bisection where
+/// Newton's method leaves the interval.
 fn inverse_of_arc((from, to): (f64, f64), ends: [f64; 2], u: f64) -> f64 {
     const MOST_STEPS: u32 = 60;
     let unnormalised_pdf = |angle: f64| mix(ends[0], ends[1], (angle - from) / (to - from)) * sin(angle);

@@ -1,25 +1,20 @@
-//! The part of a ray that can receive light from a source. Direct lighting in a medium samples only
-//! this part.
+//! The part of a ray that light can reach, the range of direct lighting in a medium.
 
 use crate::geometry::Ray;
 use glam::DVec3;
 
-/// The part of a ray that a light can illuminate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LitInterval {
     /// The distance along the ray at which the part begins, in m.
     pub from: f64,
-    /// The distance along the ray at which the part ends, in m.
     pub to: f64,
-    /// The centre of equiangular sampling (Kulla & Fajardo 2012), or `None` if the light has no
-    /// such centre. The irradiance is inversely proportional to the square of the distance from
-    /// this point.
+    /// The centre of equiangular sampling (Kulla & Fajardo 2012), if the irradiance is inversely
+    /// proportional to the square of the distance from such a point.
     pub pivot: Option<DVec3>,
 }
 
-/// The part of a ray inside a cone around the unit vector `axis`. `one_minus_cos` is 1 − cos of the
-/// half-angle of the cone. If the half-angle exceeds 90°, the ray may leave the cone and enter it
-/// again. In this case, the part also contains the gap outside the cone.
+/// The part of a ray inside a cone around the unit vector `axis`. If the half-angle exceeds 90°,
+/// the ray may leave the cone and enter it again; the part then contains the gap.
 pub(super) fn inside_cone(
     ray: &Ray,
     span: (f64, f64),
@@ -43,8 +38,7 @@ pub(super) fn inside_cone(
     between_roots(quadratic, span, inside)
 }
 
-/// The part of a ray inside a half-infinite cylinder. The cylinder starts at `centre` and extends
-/// along the unit vector `axis`.
+/// The part of a ray inside a half-infinite cylinder from `centre` along the unit vector `axis`.
 pub(super) fn inside_cylinder(
     ray: &Ray,
     span: (f64, f64),
@@ -71,8 +65,8 @@ pub(super) fn inside_cylinder(
     (from < to).then_some((from, to))
 }
 
-/// The part of an interval in which `inside` is true. The variable is t. The value of `inside`
-/// changes only at the roots of the polynomial a t² + 2 b t + c.
+/// The part of an interval of t in which `inside`, which changes at the roots of a t² + 2 b t + c,
+/// is true.
 fn between_roots([a, b, c]: [f64; 3], (from, to): (f64, f64), inside: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
     let discriminant = b * b - a * c;
     let mut ends = [from, from, from, to];
@@ -116,8 +110,7 @@ mod tests {
         );
     }
 
-    /// A spot with the half-angle 115° illuminates everything except a cone behind it. This cone
-    /// has the half-angle 65°.
+    /// A spot with the half-angle 115° illuminates everything except a cone of 65° behind it.
     #[test]
     fn a_cone_wider_than_a_half_space_is_lit_on_both_sides() {
         let half = 115_f64.to_radians();

@@ -1,12 +1,11 @@
 //! Light sources: the light that they emit, and the light that reaches a point from them.
 //!
-//! All lights must satisfy the same contract. Tests check the contract for each kind of light. The
-//! mean flux of [`Light::sample_le`] equals [`Light::power_w`]. The function `power_w` uses no
-//! random numbers. At each point, the irradiance from [`Light::sample_li`] equals the irradiance
-//! from the emitted rays.
+//! Tests check the contract of each kind of light: the mean flux of [`Light::sample_le`] equals
+//! [`Light::power_w`], which uses no random numbers, and at each point the irradiance from
+//! [`Light::sample_li`] equals that from the emitted rays.
 //!
-//! Only this file, `bounded_light.rs` and `luminous_surface.rs` contain `match` expressions over
-//! the variants of [`Emitter`]. All other code calls the methods of [`Light`].
+//! Only this file, `bounded_light.rs` and `luminous_surface.rs` match on the variants of
+//! [`Emitter`]. All other code calls the methods of [`Light`].
 
 mod area;
 mod beam;
@@ -58,35 +57,27 @@ use abbe_spectra::spectrum::{Observer, Spectrum, WavelengthDistribution};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 
-/// A light source of the scene.
 #[derive(Debug, Clone)]
 pub struct Light {
-    /// The name in reports.
     pub name: String,
-    /// The name of the group. Lights of a group share a layer of the picture.
+    /// Lights of a group share a layer of the picture.
     pub group: String,
-    /// The kind of light, with its position and radiometric quantity.
+    /// The kind of light, with its position and radiometric quantity at the shutter's opening.
     pub emitter: Emitter,
     /// The relative spectral power distribution: a density per nm with integral 1 over the band.
     pub spectrum: Spectrum,
-    /// The sampling distribution of photon wavelengths. It is proportional to the product of the
-    /// spectrum and the visual importance.
+    /// Samples photon wavelengths in proportion to the spectrum times the visual importance.
     pub wavelengths: WavelengthDistribution,
-    /// The distribution with the ultraviolet that excites fluorophores. `None` if no fluorophore of
-    /// the scene needs it.
+    /// The same with the ultraviolet that excites fluorophores, if the scene needs it.
     pub ultraviolet: Option<Box<WavelengthDistribution>>,
-    /// The visual importance of one watt: ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ. It includes the light that the
-    /// ultraviolet excites.
+    /// The visual importance of one watt, ∫ S(λ)(x̄+ȳ+z̄)(λ) dλ, plus that excited by ultraviolet.
     pub importance_per_watt: f64,
-    /// The bodies that contain the light. If the light crosses bodies, these are the bodies around
-    /// one of its points.
+    /// The bodies that contain the light, or one of its points if it crosses bodies.
     pub medium_stack: MediumStack,
-    /// True if the bodies that contain a point of the light may differ from point to point. A panel
-    /// may lie partly in fog, for example.
+    /// True if the bodies may differ from point to point of the light, as for a panel partly in
+    /// fog.
     pub crosses_bodies: bool,
-    /// The light's own motion (in m) while the shutter is open. An area light has none, because it
-    /// moves with its object. The field `emitter` describes the light at the moment when the
-    /// shutter opens.
+    /// The light's own motion (in m); an area light has none, because its object moves.
     pub motion: Option<AnimatedTransform>,
 }
 
@@ -112,10 +103,8 @@ pub enum Emitter {
 }
 
 impl Emitter {
-    /// Returns the emitter transformed by a map of world positions.
-    ///
-    /// The radius of a beam is multiplied by the mean scale of the map. An environment only
-    /// rotates. An area light is not changed, because its object moves instead.
+    /// Returns the emitter transformed by a map of world positions, whose mean scale multiplies the
+    /// radius of a beam. An environment only rotates, and an area light moves with its object.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         match self {
@@ -131,21 +120,15 @@ impl Emitter {
     }
 }
 
-/// The local lights of the contract tests. The files that define the kinds of lights provide them.
-/// Each light is at `at` and shines along `axis`.
+/// The local lights of the contract tests, at `at` and shining along `axis`.
 #[cfg(test)]
 fn local_test_lights(at: DVec3, axis: DVec3) -> Vec<contract_tests::TestLight> {
     [point::test_lights(at, axis), beam::test_lights(at, axis), goniometric::test_lights(at, axis)].concat()
 }
 
 impl Light {
-    /// Creates a light at rest.
-    ///
-    /// `observer` is the observer of the film. Photon wavelengths are sampled in proportion to the
-    /// product of the spectrum and the visual importance for this observer.
-    ///
-    /// # Errors
-    /// Returns an error if the spectrum has no power within the band.
+    /// Creates a light at rest, or returns an error if the spectrum has no power in the band.
+    /// Photon wavelengths follow the spectrum times the visual importance for the film's observer.
     pub fn new(name: String, emitter: Emitter, spectrum: &LightSpectrum, observer: &'static Observer) -> Result<Self> {
         let spectrum = spectrum.normalised();
         let wavelengths = WavelengthDistribution::visually_weighted(spectrum, observer)
@@ -165,8 +148,7 @@ impl Light {
         })
     }
 
-    /// The emitted power in W over the band. For a distant light, it is the power that enters the
-    /// scene's bounding sphere.
+    /// The emitted power in W over the band; a distant light's enters the bounding sphere.
     pub fn power_w(&self, extent: SceneExtent<'_>) -> f64 {
         match &self.emitter {
             Emitter::Point(light) => light.power_w(),
@@ -180,7 +162,6 @@ impl Light {
         }
     }
 
-    /// Samples an emitted ray.
     pub fn sample_le(&self, extent: SceneExtent<'_>, u: LeRandoms) -> LeSample {
         match &self.emitter {
             Emitter::Point(light) => light.sample_le(u),
@@ -194,11 +175,8 @@ impl Light {
         }
     }
 
-    /// Samples an emitted ray that passes through a sphere.
-    ///
-    /// The random numbers `u.rest` have the same meaning as in [`Light::sample_le`]. The numbers
-    /// `u.aim` cover only the rays through the sphere, so the mean flux is the power that the light
-    /// sends through the sphere.
+    /// Samples an emitted ray that passes through a sphere. `u.aim` covers only the rays through
+    /// the sphere, so the mean flux is the power that the light sends through it.
     pub fn sample_le_through(&self, extent: SceneExtent<'_>, sphere: &BoundingSphere, u: LeRandoms) -> LeSample {
         let sample = match &self.emitter {
             Emitter::Point(light) => light.sample_le_through(sphere, u),
@@ -214,8 +192,7 @@ impl Light {
     }
 
     /// Samples a direction from the point `from` towards the light. Returns `None` if no light
-    /// arrives along the sampled direction. The caller must test whether a surface blocks the
-    /// light.
+    /// arrives along it. The caller must test whether a surface blocks the light.
     pub fn sample_li(&self, extent: SceneExtent<'_>, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         match &self.emitter {
             Emitter::Point(light) => light.sample_li(from),
@@ -230,47 +207,31 @@ impl Light {
     }
 
     /// The radiance (W/m²/sr over the band) and the spectrum that a ray sees if it leaves the scene
-    /// along `direction`. The result is `None` for local lights. It is also `None` for a
-    /// directional light that is not in this direction.
+    /// along `direction`. `None` for local lights, and beside a directional light.
     pub fn le(&self, direction: DVec3) -> Option<(f64, EmittedSpd)> {
         match &self.emitter {
             Emitter::Directional(light) => light.le(direction).map(|radiance| (radiance, EmittedSpd::Own)),
             Emitter::Environment(light) => Some(light.le(direction)),
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Area(_)
-            | Emitter::Volume(_) => None,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => None,
+            Emitter::Area(_) | Emitter::Volume(_) => None,
         }
     }
 
-    /// The radiance (W/m²/sr over the band) of an emitted ray. It is 0 for lights that no camera
-    /// ray can hit on a surface or at infinity.
+    /// The radiance (W/m²/sr over the band) of an emitted ray, 0 if no camera ray hits the light.
     pub fn radiance_of(&self, sample: &LeSample) -> f64 {
-        match &self.emitter {
-            Emitter::Area(light) => light.radiance,
-            Emitter::Directional(_) | Emitter::Environment(_) => {
-                self.le(-sample.direction).map_or(0.0, |(radiance, _)| radiance)
-            }
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) | Emitter::Volume(_) => {
-                0.0
-            }
+        if let Emitter::Area(light) = &self.emitter {
+            return light.radiance;
         }
+        self.le(-sample.direction).map_or(0.0, |(radiance, _)| radiance)
     }
 
-    /// The sampling density of [`Light::sample_li`] for the direction of a ray that leaves the
-    /// scene. The density is per steradian. It is 0 for local lights.
+    /// The pdf per steradian of [`Light::sample_li`] for an escaping direction, 0 for local lights.
     pub fn pdf_li_escaped(&self, direction: DVec3) -> f64 {
         match &self.emitter {
             Emitter::Directional(light) => light.pdf_li(direction),
             Emitter::Environment(light) => light.pdf_li(direction),
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Area(_)
-            | Emitter::Volume(_) => 0.0,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => 0.0,
+            Emitter::Area(_) | Emitter::Volume(_) => 0.0,
         }
     }
 
@@ -281,8 +242,8 @@ impl Light {
         (light.le(direction, hit.normal), light.spd(extent.geometry, hit.surface, hit.position))
     }
 
-    /// The sampling density of [`Light::sample_li`] for the point `hit` on the light's surface. The
-    /// density is per steradian at `from`. It is 0 for lights that are not area lights.
+    /// The pdf per steradian at `from` of [`Light::sample_li`] for the point `hit` on the light's
+    /// surface. 0 for lights that are not area lights.
     pub fn pdf_li_surface(&self, extent: SceneExtent<'_>, from: DVec3, hit: &Hit) -> f64 {
         match self.object() {
             Some(object) => extent.geometry.pdf_solid_angle(object, from, hit),
@@ -290,8 +251,8 @@ impl Light {
         }
     }
 
-    /// The relative spectral power distribution `spd` of this light at a wavelength in nm. It is a
-    /// density per nm. Its integral over the band is 1, or less if a slide absorbs light.
+    /// The relative spectral power distribution `spd` at a wavelength in nm: a density per nm with
+    /// integral 1 over the band, or less if a slide absorbs light.
     pub fn spd_at(&self, spd: EmittedSpd, nm: f64) -> f64 {
         match (spd, &self.emitter) {
             (EmittedSpd::Mixed(weights), Emitter::Environment(light)) => light.mixture_at(weights, nm),
@@ -305,9 +266,8 @@ impl Light {
         }
     }
 
-    /// The part of a ray that the light can illuminate. This part lies within `interval`, an interval
-    /// of distances in m. `None` if there is no such part. If the light has extent, the random
-    /// numbers `u` select the pivot of the interval.
+    /// The part of `interval` (distances along a ray in m) in which the light can illuminate the
+    /// ray, if any. If the light has extent, `u` selects the pivot of the interval.
     pub fn lit_interval(
         &self,
         extent: SceneExtent<'_>,
@@ -327,8 +287,7 @@ impl Light {
         }
     }
 
-    /// Samples a virtual light. Returns `None` if [`has_virtual_lights`](Self::has_virtual_lights)
-    /// is false.
+    /// Samples a virtual light, if the light [has them](Self::has_virtual_lights).
     pub fn virtual_light(&self, extent: SceneExtent<'_>, u: [f64; 3]) -> Option<VirtualLight> {
         match &self.emitter {
             Emitter::Point(light) => Some(VirtualLight::at_point(light.position, u)),
@@ -346,7 +305,6 @@ impl Light {
         matches!(self.emitter, Emitter::Environment(_))
     }
 
-    /// Returns the slide in front of the light.
     pub fn slide(&self) -> Option<&SurfaceSpectrum> {
         if let Emitter::Area(light) = &self.emitter { light.slide.as_ref() } else { None }
     }
@@ -358,9 +316,8 @@ impl Light {
         }
     }
 
-    /// Returns true if virtual lights can represent the light. For an environment, a volume light,
-    /// a divergent beam, a luminous opening or a light with a slide, a single virtual light is too
-    /// inaccurate.
+    /// Returns true if virtual lights can represent the light. A single one is too inaccurate for
+    /// environments, volumes, divergent beams, luminous openings and slides.
     pub fn has_virtual_lights(&self) -> bool {
         match &self.emitter {
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Directional(_) => true,
@@ -371,8 +328,7 @@ impl Light {
         }
     }
 
-    /// The light that the point `from` receives from a virtual light. `None` if the point receives
-    /// no light. The caller must test whether a surface blocks the light.
+    /// The light from a virtual light, if any, at the point `from`, as if nothing blocked it.
     pub fn li_from(&self, extent: SceneExtent<'_>, virtual_light: &VirtualLight, from: DVec3) -> Option<LiSample> {
         let connection = virtual_light.connection_from(from);
         let Some(irradiance) = virtual_light.surface_irradiance(&connection) else {
@@ -389,24 +345,14 @@ impl Light {
         })
     }
 
-    /// Returns true if the light is at infinity. A ray that leaves the scene may then see the
-    /// light.
+    /// Returns true if the light is at infinity, so that a ray that leaves the scene may see it.
     pub fn is_distant(&self) -> bool {
-        match &self.emitter {
-            Emitter::Directional(_) | Emitter::Environment(_) => true,
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Area(_)
-            | Emitter::Volume(_) => false,
-        }
+        matches!(self.emitter, Emitter::Directional(_) | Emitter::Environment(_))
     }
 
-    /// Returns true if no scattered ray can hit the light. In this case, only [`Light::sample_li`]
-    /// finds the light. Beams and luminaires count as delta lights because their surface is
-    /// invisible. Volume lights count as delta lights because a ray never sees the light itself,
-    /// but only the emission of the medium.
+    /// Returns true if no scattered ray can hit the light, so that only [`Light::sample_li`] finds
+    /// it: beams and luminaires are invisible, and of a volume light, rays see the medium's
+    /// emission.
     pub fn is_delta(&self) -> bool {
         match &self.emitter {
             Emitter::Area(_) | Emitter::Environment(_) => false,
@@ -419,35 +365,23 @@ impl Light {
 
     /// Returns true if the light is a uniform environment, which a rotation does not change.
     pub fn is_rotation_invariant(&self) -> bool {
-        match &self.emitter {
-            Emitter::Environment(light) => light.is_uniform(),
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Directional(_)
-            | Emitter::Area(_)
-            | Emitter::Volume(_) => false,
-        }
+        matches!(&self.emitter, Emitter::Environment(light) if light.is_uniform())
     }
 
-    /// The number of the object that emits the light. `None` if the light is not an area light.
     pub fn object(&self) -> Option<u32> {
         if let Emitter::Area(light) = &self.emitter { Some(light.object) } else { None }
     }
 
-    /// The name of the medium that emits the light. `None` if the light is not a volume light.
     pub fn medium_name(&self) -> Option<&str> {
         if let Emitter::Volume(light) = &self.emitter { Some(light.medium_name()) } else { None }
     }
 
-    /// The map from the unit cube to a box around a volume light. `None` for all other lights.
+    /// The map from the unit cube to a box around a volume light.
     pub(super) fn box_of_medium(&self) -> Option<DAffine3> {
         if let Emitter::Volume(light) = &self.emitter { Some(light.box_map()) } else { None }
     }
 
-    /// The position of a point, spot, goniometric or beam light, relative to the scene's centre, in
-    /// m; `None` for all other lights.
+    /// The position of a point, spot, goniometric or beam light in m about the scene's centre.
     pub fn position(&self) -> Option<DVec3> {
         match &self.emitter {
             Emitter::Point(light) => Some(light.position),
@@ -458,26 +392,20 @@ impl Light {
         }
     }
 
-    /// A point of the light. The bodies that contain this point also contain the light. `None` for
-    /// distant lights, which are in air.
+    /// A point in all bodies that contain the light, or `None` for distant lights, in air.
     pub fn representative_point(&self, geometry: &Geometry) -> Option<RepresentativePoint> {
         match &self.emitter {
             Emitter::Area(light) => Some(light.representative_point(geometry)),
             Emitter::Volume(light) => Some(light.representative_point()),
-            Emitter::Point(_)
-            | Emitter::Spot(_)
-            | Emitter::Goniometric(_)
-            | Emitter::Beam(_)
-            | Emitter::Directional(_)
-            | Emitter::Environment(_) => {
+            Emitter::Directional(_) | Emitter::Environment(_) => None,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => {
                 self.position().map(|position| RepresentativePoint { position, surface: None })
             }
         }
     }
 
-    /// The lowest and highest corner of a box around a local light, relative to the scene's centre,
-    /// in m. `None` for distant lights and volume lights. `object_bounds` contains one box around
-    /// each object.
+    /// The corners in m of a box around a local light, relative to the scene's centre. `None` for
+    /// distant and volume lights. `object_bounds` has one box per object.
     pub fn bounds(&self, object_bounds: &BTreeMap<u32, (DVec3, DVec3)>) -> Option<(DVec3, DVec3)> {
         let around = |centre: DVec3, radius: f64| Some((centre - radius, centre + radius));
         match &self.emitter {

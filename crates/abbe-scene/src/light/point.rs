@@ -16,9 +16,9 @@ use std::f64::consts::{PI, TAU};
 /// A point light: the same intensity in all directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointLight {
-    /// The position, relative to the scene's centre, in m.
+    /// In m, relative to the scene's centre.
     pub position: DVec3,
-    /// The intensity in W/sr over the band.
+    /// In W/sr over the band.
     pub intensity: f64,
 }
 
@@ -58,16 +58,14 @@ pub enum SpotFalloff {
     Square,
 }
 
-/// A spot light: a point that shines into a cone with a soft edge.
-///
-/// The intensity is constant inside the inner cone and 0 outside the outer cone.
+/// A spot light: a point that shines into a cone with a soft edge. The intensity is constant inside
+/// the inner cone and 0 outside the outer cone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpotLight {
     position: DVec3,
     axis: DVec3,
     intensity: f64,
-    /// 1 − cos of the half-angles of the inner and the outer cone. For narrow cones, the cosine
-    /// itself would be too inaccurate.
+    /// 1 − cos of the half-angles of the two cones, accurate for narrow ones.
     inner: f64,
     outer: f64,
     falloff: SpotFalloff,
@@ -75,23 +73,18 @@ pub struct SpotLight {
 
 impl SpotLight {
     /// Creates a spot light at `position` (m, relative to the scene's centre) that shines along the
-    /// unit vector `axis`.
-    ///
-    /// `half_angle` is the half-angle of the outer cone in radians. `intensity` is the intensity on
-    /// the axis in W/sr over the band. The intensity falls to 0 over the last `penumbra` radians of
-    /// the cone.
+    /// unit vector `axis` into a cone of `half_angle` radians. `intensity` is that on the axis in
+    /// W/sr over the band; it falls to 0 over the last `penumbra` radians of the cone.
     pub fn new(position: DVec3, axis: DVec3, half_angle: f64, penumbra: f64, intensity: f64) -> Self {
         let inner = warp::one_minus_cos((half_angle - penumbra).max(0.0));
         Self { position, axis, intensity, inner, outer: warp::one_minus_cos(half_angle), falloff: SpotFalloff::Smooth }
     }
 
-    /// Returns the light with another falloff between its cones.
     #[must_use]
     pub fn with_falloff(self, falloff: SpotFalloff) -> Self {
         Self { falloff, ..self }
     }
 
-    /// Returns the light with another intensity on the axis (W/sr).
     #[must_use]
     pub fn with_intensity(self, intensity: f64) -> Self {
         Self { intensity, ..self }
@@ -102,7 +95,7 @@ impl SpotLight {
         Self { position, axis, ..*self }
     }
 
-    /// The position, relative to the scene's centre, in m.
+    /// In m, relative to the scene's centre.
     pub fn position(&self) -> DVec3 {
         self.position
     }
@@ -123,8 +116,7 @@ impl SpotLight {
         self.intensity * TAU * solid_angle
     }
 
-    /// The intensity in a direction, in W/sr. `one_minus_cos` is 1 − cos of the angle between this
-    /// direction and the axis.
+    /// The intensity in W/sr at an angle, given as 1 − cos, to the axis.
     fn intensity_at(&self, one_minus_cos: f64) -> f64 {
         if one_minus_cos <= self.inner {
             self.intensity
@@ -172,8 +164,8 @@ impl SpotLight {
         sample_li_from_point(self.position, from, |outward| self.intensity_along(outward))
     }
 
-    /// The intensity along a unit vector. For unit vectors a and b, 1 − cos of the angle between
-    /// them is |a − b|²/2. This form is accurate even for narrow cones.
+    /// The intensity along a unit vector. 1 − cos of the angle between unit vectors a and b is |a −
+    /// b|²/2, which is accurate even for narrow cones.
     fn intensity_along(&self, outward: DVec3) -> f64 {
         self.intensity_at(0.5 * (outward - self.axis).length_squared())
     }
@@ -184,8 +176,7 @@ impl SpotLight {
     }
 }
 
-/// The light from a point source at `position` that arrives at `from`. `None` if no light arrives.
-/// `intensity` returns the intensity in W/sr for a direction away from the source.
+/// The light at `from` of a point source with an intensity (W/sr) by direction, if any.
 pub(super) fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl Fn(DVec3) -> f64) -> Option<LiSample> {
     let offset = position - from;
     let distance = offset.length();
@@ -204,7 +195,7 @@ pub(super) fn sample_li_from_point(position: DVec3, from: DVec3, intensity: impl
     })
 }
 
-/// Examples of the kinds of lights that this file defines. The contract tests use them.
+/// The contract tests use these lights.
 #[cfg(test)]
 pub(super) fn test_lights(at: DVec3, axis: DVec3) -> Vec<TestLight> {
     let spot = |half_angle, penumbra| Emitter::Spot(SpotLight::new(at, axis, half_angle, penumbra, 5.0));

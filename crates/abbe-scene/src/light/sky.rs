@@ -1,8 +1,6 @@
-//! The CIE standard general sky (ISO 15469:2004, CIE S 011), and the traditional overcast sky.
-//!
-//! The standard describes the luminance of the sky relative to its zenith by two functions: the
-//! gradation φ of the zenith angle Z, and the indicatrix f of the angle χ from the sun. Below the
-//! horizon, the ground has a uniform luminance.
+//! The CIE standard general sky (ISO 15469:2004, CIE S 011), and the traditional overcast sky. The
+//! luminance relative to the zenith is given by the gradation φ of the zenith angle Z and the
+//! indicatrix f of the angle χ from the sun. The ground below has a uniform luminance.
 
 use super::environment_map::EnvironmentMap;
 use abbe_spectra::math::distribution::PiecewiseConstant2d;
@@ -30,45 +28,39 @@ const TYPES: [[f64; 5]; 15] = [
     [-1.0, -0.15, 24.0, -2.8, 0.15],
 ];
 
-/// The number of the traditional overcast sky of Moon and Spencer, which the standard lists after
-/// its 15 types.
+/// The traditional overcast sky of Moon and Spencer, which the standard lists after its 15 types.
 const TRADITIONAL_OVERCAST: u32 = 16;
 
-/// The size of the table of the sampling distribution. The horizon is an edge between two rows.
+/// The size of the sampling table. The horizon is an edge between two rows.
 const TABLE: (usize, usize) = (256, 256);
 
-/// A standard sky with mean radiance 1 over all directions. The zenith is in the direction +y.
+/// A standard sky with mean radiance 1 over all directions and its zenith in the direction +y.
 #[derive(Debug)]
 pub struct StandardSky {
     /// The gradation and the indicatrix, or `None` for the traditional overcast sky.
     parameters: Option<[f64; 5]>,
-    /// The unit vector towards the sun.
     to_sun: DVec3,
-    /// The factor from the relative luminance to the radiance divided by the mean radiance.
+    /// From the relative luminance to the radiance divided by the mean radiance.
     scale: f64,
     /// The radiance of the ground divided by the mean radiance.
     ground: f64,
-    /// The horizontal illuminance from the unobstructed sky, divided by the mean luminance of all
-    /// directions.
+    /// From the unobstructed sky, divided by the mean luminance of all directions.
     horizontal_illuminance: f64,
-    /// The sampling distribution over latitude and longitude.
+    /// Over latitude and longitude.
     table: PiecewiseConstant2d,
 }
 
-/// The direction of the sun.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunDirection {
-    /// The elevation above the horizon, in radians.
+    /// Above the horizon, in radians.
     pub elevation: f64,
-    /// The azimuth from north (−z) through east (+x), in radians.
+    /// From north (−z) through east (+x), in radians.
     pub azimuth: f64,
 }
 
 impl SunDirection {
-    /// The zenith.
     pub const ZENITH: Self = Self { elevation: FRAC_PI_2, azimuth: 0.0 };
 
-    /// Returns the unit vector towards the sun.
     pub fn to_vector(self) -> DVec3 {
         let (sin_azimuth, cos_azimuth) = sin_cos(self.azimuth);
         let (height, level) = sin_cos(self.elevation);
@@ -77,9 +69,8 @@ impl SunDirection {
 }
 
 impl StandardSky {
-    /// Creates a sky. `number` is the number of its type, from 1 to 16. `ground_reflectance` is the
-    /// luminance of the ground times π, divided by the horizontal illuminance from the sky. Returns
-    /// `None` if there is no such type.
+    /// Creates the sky of a type from 1 to 16, or returns `None`. `ground_reflectance` is π times
+    /// the ground's luminance over the horizontal illuminance from the sky.
     pub fn new(number: u32, sun: SunDirection, ground_reflectance: f64) -> Option<Self> {
         let parameters = match number {
             1..=15 => Some(TYPES[number as usize - 1]),
@@ -101,13 +92,12 @@ impl StandardSky {
         TYPES.get((number as usize).wrapping_sub(1)).is_some_and(|[_, _, c, _, e]| *c != 0.0 || *e != 0.0)
     }
 
-    /// Returns the horizontal illuminance from the unobstructed sky, divided by the mean luminance
-    /// of all directions.
+    /// The unobstructed horizontal illuminance divided by the mean luminance of all directions.
     pub fn horizontal_illuminance(&self) -> f64 {
         self.horizontal_illuminance
     }
 
-    /// Returns the radiance in a direction, divided by the mean radiance of all directions.
+    /// The radiance in a direction, divided by the mean radiance of all directions.
     pub(super) fn relative_radiance(&self, direction: DVec3) -> f64 {
         if direction.y <= 0.0 {
             return self.ground;
@@ -124,7 +114,7 @@ impl StandardSky {
         self.scale * gradation(direction.y) * indicatrix(direction.dot(self.to_sun)) / at_zenith
     }
 
-    /// The sampling density of [`Self::sample`], per steradian.
+    /// The pdf of [`Self::sample`], per steradian.
     pub(super) fn pdf(&self, direction: DVec3) -> f64 {
         let point = EnvironmentMap::point(direction);
         let sin_theta = sin(PI * point[1]);
@@ -137,9 +127,8 @@ impl StandardSky {
     }
 
     /// Integrates the radiance times a function of the cosine of the zenith angle over the upper
-    /// hemisphere.
+    /// hemisphere, with these numbers of intervals in zenith angle and in azimuth.
     fn upper_integral(&self, weight: impl Fn(f64) -> f64) -> f64 {
-        /// The numbers of intervals in zenith angle and in azimuth.
         const PANELS: u32 = 24;
         const AZIMUTHS: u32 = 512;
         let along = |zenith: f64| {
@@ -155,9 +144,8 @@ impl StandardSky {
         (0..PANELS).map(|i| gauss16((edge(i), edge(i + 1)), along)).sum()
     }
 
-    /// Returns the sampling distribution over latitude and longitude. The probability of a cell is
-    /// the largest radiance at its corners times its solid angle, so that no direction with light
-    /// is left out.
+    /// The probability of a cell over latitude and longitude is the largest radiance at its corners
+    /// times its solid angle, so that no direction with light is left out.
     fn sampling_table(&self) -> Option<PiecewiseConstant2d> {
         let (columns, rows) = TABLE;
         let corner =

@@ -1,5 +1,3 @@
-//! The normalised spectrum of a light, and its luminous efficacy.
-
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer, Spectrum};
 
@@ -11,10 +9,8 @@ pub struct LightSpectrum {
 }
 
 impl LightSpectrum {
-    /// Normalises a spectrum to integral 1 over the band 360–830 nm.
-    ///
-    /// Photometric quantities always use ȳ of the CIE 1931 observer, even if the film has another
-    /// observer.
+    /// Normalises a spectrum to integral 1 over the band 360–830 nm. Photometric quantities always
+    /// use ȳ of the CIE 1931 observer, even if the film has another observer.
     pub fn new(spectrum: &Spectrum) -> Self {
         let spectrum = spectrum.scaled(1.0 / spectrum.integral());
         let lumens_per_watt = LUMENS_PER_WATT * Observer::cie1931().xyz(&spectrum)[1];
@@ -26,11 +22,8 @@ impl LightSpectrum {
         &self.spectrum
     }
 
-    /// Converts a photometric quantity (lm, cd, cd/m², lx) to the corresponding radiometric
-    /// quantity (W, W/sr, W/m²/sr, W/m²) over the band.
-    ///
-    /// # Errors
-    /// Returns an error if the quantity is positive but the spectrum has no visible light.
+    /// Converts a photometric quantity (lm, cd, cd/m², lx) to the radiometric one in W over the
+    /// band, or returns an error if it is positive but the spectrum has no visible light.
     pub fn watts_from_lumens(&self, value: f64) -> Result<f64> {
         if value > 0.0 && self.lumens_per_watt <= 0.0 {
             return Err(Error::input("the spectrum has no visible light")

@@ -3,38 +3,35 @@
 //! The position follows the formulas of low accuracy of Meeus, Astronomical Algorithms, 2nd edition
 //! (1998): chapters 12 (sidereal time), 13 (horizontal coordinates), 16 (refraction), 22
 //! (obliquity) and 25 (coordinates of the sun). Between 1900 and 2100, the direction is accurate to
-//! 0.01°. The refraction near the horizon depends on the weather, and this error is larger.
+//! 0.01°, except for the refraction near the horizon, which depends on the weather.
 
 use super::sky::SunDirection;
 use abbe_spectra::math::elementary::{asin, atan2, exp, sin, sin_cos, tan};
 
-/// A place on the earth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GeographicPlace {
-    /// The geodetic latitude in degrees, positive in the north.
+    /// Geodetic, positive in the north.
     pub latitude_deg: f64,
-    /// The longitude in degrees, positive in the east.
+    /// Positive in the east.
     pub longitude_deg: f64,
 }
 
 /// The position of the sun as an observer sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunPosition {
-    /// The direction of the middle of the disk, refracted by the atmosphere. The azimuth is counted
-    /// from true north through east.
+    /// The refracted direction of the middle of the disk, with azimuth from true north.
     pub direction: SunDirection,
-    /// The distance of the sun in astronomical units, accurate to 10⁻⁴.
+    /// In astronomical units, accurate to 10⁻⁴.
     pub distance_au: f64,
 }
 
 /// The Julian day of 2000-01-01 at 12:00.
 const J2000: f64 = 2_451_545.0;
 
-/// The difference between terrestrial time and universal time in days: 69 s, as in 2020. The sun
-/// moves by 0.001° in this time.
+/// Terrestrial minus universal time in days: 69 s (2020), 0.001° of the sun's motion.
 const DELTA_T_DAYS: f64 = 69.0 / 86_400.0;
 
-/// The horizontal parallax of the sun at 1 au, in degrees.
+/// The horizontal parallax of the sun at 1 au.
 const PARALLAX_DEG: f64 = 8.794 / 3600.0;
 
 /// The illuminance of sunlight outside the atmosphere at 1 au, in lx (IES RP-21-84).
@@ -44,7 +41,7 @@ const SOLAR_ILLUMINANCE_LX: f64 = 127_500.0;
 const CLEAR_OPTICAL_DEPTH: f64 = 0.21;
 
 impl SunPosition {
-    /// Returns the position at a time, which is a Julian day of universal time.
+    /// Returns the position at a Julian day of universal time.
     pub fn at(place: GeographicPlace, julian_day: f64) -> Self {
         let days = julian_day - J2000;
         let t = (days + DELTA_T_DAYS) / 36_525.0;
@@ -83,8 +80,8 @@ impl SunPosition {
     }
 }
 
-/// Returns the refraction at an elevation without refraction, both in degrees, for 1010 hPa and
-/// 10 °C (Sæmundsson's formula, Meeus 16.4). It is 0 if the whole disk is below the horizon.
+/// Returns the refraction in degrees at an elevation without refraction, for 1010 hPa and 10 °C
+/// (Sæmundsson's formula, Meeus 16.4). It is 0 if the whole disk is below the horizon.
 fn refraction_deg(elevation_deg: f64) -> f64 {
     /// The least elevation of the middle of the disk at which a part of the disk is visible.
     const SUNRISE_DEG: f64 = -0.8333;
@@ -95,9 +92,9 @@ fn refraction_deg(elevation_deg: f64) -> f64 {
     (1.02 / 60.0 / tan((elevation_deg + 10.3 / (elevation_deg + 5.11)).to_radians())).max(0.0)
 }
 
-/// Returns the illuminance of the beam of the sun under a clear sky in lx, on a plane that faces
+/// Returns the illuminance in lx of the beam of the sun under a clear sky, on a plane that faces
 /// the sun (IES RP-21-84, Recommended Practice for the Calculation of Daylight Availability): the
-/// beam is attenuated by 0.21 times the relative air mass 1/sin(elevation).
+/// relative air mass 1/sin(elevation) attenuates the beam.
 pub fn clear_beam_lx(elevation: f64, distance_au: f64) -> f64 {
     SOLAR_ILLUMINANCE_LX / (distance_au * distance_au) * exp(-CLEAR_OPTICAL_DEPTH / sin(elevation))
 }

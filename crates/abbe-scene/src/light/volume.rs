@@ -1,9 +1,7 @@
-//! A volume light: a medium that emits light, such as hot soot or the gas of a neon tube.
-//!
-//! A box around the medium is divided into cells. Probes (the points of a finer grid) measure the
-//! emission of each cell. For most samples, the probability of a cell is proportional to its
-//! emission. For a small share of the samples, all cells have the same probability, because the
-//! probes may miss the emission of a cell. Directions are sampled uniformly.
+//! A volume light: a medium that emits light, such as hot soot or the gas of a neon tube. The cells
+//! of a box around the medium are measured by probes (the points of a finer grid). Most samples
+//! select a cell in proportion to its emission, and a small fraction selects all cells alike,
+//! because the probes may miss emission. Directions are uniform.
 
 use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
@@ -19,16 +17,15 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// One part of an emitting medium: the part inside one body, or inside the box of a grid medium.
+/// The part of an emitting medium inside one body, or inside the box of a grid medium.
 #[derive(Debug, Clone)]
 pub struct VolumeLight {
     medium: Medium,
     /// The surface of the body, or `None` if the medium's own box bounds the medium.
     body: Option<Arc<Geometry>>,
-    /// The map from the unit cube to a box around the emitting part.
+    /// From the unit cube to a box around the emitting part.
     from_unit: DAffine3,
-    /// The sampling distribution over the cells of the box. The x index of the cells varies
-    /// fastest.
+    /// Selects a cell of the box. The x index of the cells varies fastest.
     cells: DiscreteDistribution,
     power_w: f64,
     spectrum: Spectrum,
@@ -40,31 +37,28 @@ const CELLS: usize = 32;
 /// The number of probes along each side of a cell.
 const PROBES: usize = 4;
 
-/// The number of probes along each side of the box.
 const PROBED: usize = CELLS * PROBES;
 
-/// One ray runs beside each row of probes. This is the distance between the ray and the row,
-/// divided by the distance between two probes. Because of this offset, the ray does not run along
-/// an edge of a mesh.
+/// The distance between a row of probes and the ray along it, divided by the distance between two
+/// probes, which keeps the ray from running along an edge of a mesh.
 const BESIDE: f64 = 1e-6;
 
 /// A direction that is unlikely to be parallel to an edge or a face.
 const OBLIQUE: DVec3 = DVec3::new(0.391_827, 0.803_153, 0.448_713);
 
-/// The share of the points that are sampled uniformly over all cells.
+/// The fraction of the points that are sampled uniformly over all cells.
 const DEFENSIVE_FRACTION: f64 = 0.05;
 
-/// A sampled point of a volume light.
 struct VolumeSample {
     position: DVec3,
-    /// The flux in W over the band, divided by the density of the sample.
+    /// In W over the band, divided by the pdf of the sample.
     flux_w: f64,
     spd: EmittedSpd,
 }
 
 /// The measurements in a layer of cells.
 struct ProbedLayer {
-    /// The sum of the emission over the probes of each cell. The x index varies fastest.
+    /// The sum over the probes of each cell. The x index varies fastest.
     emitted: Vec<f64>,
     /// The temperature in K and the density at each probe with thermal emission.
     by_temperature: Vec<(f64, f64)>,
@@ -72,27 +66,24 @@ struct ProbedLayer {
 
 impl VolumeLight {
     /// The light transformed by a map of the scene's positions. Only the box of a grid medium can
-    /// move. A body that contains an emitting medium cannot move.
+    /// move; a body that contains an emitting medium cannot.
     pub(super) fn moved(&self, map: &DAffine3) -> Self {
         Self { medium: self.medium.moved(map), from_unit: *map * self.from_unit, ..self.clone() }
     }
 
-    /// The motion of the medium while the shutter is open, if it moves.
     pub fn motion(&self) -> Option<&AnimatedTransform> {
         self.medium.motion.as_ref()
     }
 
-    /// The name of the medium.
     pub fn medium_name(&self) -> &String {
         &self.medium.name
     }
 
-    /// Creates the light of an emitting medium.
+    /// Creates the light of an emitting medium, or returns `None` if it emits nothing in the band.
     ///
-    /// `from_unit` maps the unit cube to a box around the emitting part. The box is in m, relative
-    /// to the scene's centre. If the medium is inside a body, `body` contains the surface of this
-    /// body and the body's volume in m³. `body` is `None` if the box itself bounds the medium.
-    /// Returns `None` if the medium emits nothing in the band.
+    /// `from_unit` maps the unit cube to a box (m, relative to the scene's centre) around the
+    /// emitting part. `body` contains the surface and the volume in m³ of the body around the
+    /// medium, or is `None` if the box itself bounds the medium.
     pub fn new(medium: &Medium, from_unit: DAffine3, body: Option<(Arc<Geometry>, f64)>) -> Option<Self> {
         let emission = medium.emission.as_ref()?;
         let (body, body_volume) = body.unzip();
@@ -108,8 +99,7 @@ impl VolumeLight {
         let emitted: Vec<f64> = layers.iter().flat_map(|layer| &layer.emitted).copied().collect();
         let sum: f64 = emitted.iter().sum();
         let mean = sum / emitted.len() as f64;
-        // A cell may contain a part of the body even if no probe found emission in the cell.
-        // Therefore, no cell has the probability 0.
+        // A cell dark at its probes may contain a part of the body, so none has probability 0.
         let fractions = emitted.iter().map(|here| (1.0 - DEFENSIVE_FRACTION) * here + DEFENSIVE_FRACTION * mean);
         light.cells = DiscreteDistribution::new(fractions)?;
         let probed_m3 = light.box_m3() / (PROBED as f64).powi(3);
@@ -125,7 +115,6 @@ impl VolumeLight {
         (light.power_w > 0.0 && integral > 0.0).then_some(light)
     }
 
-    /// Measures the emission at the probes of a layer of cells.
     fn probe_layer(&self, layer: usize) -> ProbedLayer {
         let mut probed = ProbedLayer { emitted: vec![0.0; CELLS.pow(2)], by_temperature: Vec::new() };
         let Some(emission) = &self.medium.emission else { return probed };
@@ -154,13 +143,12 @@ impl VolumeLight {
         &self.spectrum
     }
 
-    /// The emitted power in W over the band, before absorption inside the medium.
+    /// In W over the band, before absorption inside the medium.
     pub fn power_w(&self) -> f64 {
         self.power_w
     }
 
-    /// A point at which the emission is strong. The bodies that contain this point also contain the
-    /// light.
+    /// A point at which the emission is strong.
     pub(super) fn representative_point(&self) -> RepresentativePoint {
         let samples = (0..64).map(|i| self.sample([(f64::from(i) + 0.5) / 64.0, 0.37, 0.61]));
         let brightest = samples.max_by(|a, b| a.flux_w.total_cmp(&b.flux_w));
@@ -168,7 +156,7 @@ impl VolumeLight {
         RepresentativePoint { position, surface: None }
     }
 
-    /// The relative spectrum of the emission at a temperature in K, as a density per nm.
+    /// The relative spectrum of the emission at a temperature in K, per nm.
     pub(super) fn spd_at(&self, temperature: f64, nm: f64) -> f64 {
         self.medium.emission.as_ref().map_or(0.0, |emission| emission.spd_at(temperature, nm))
     }
@@ -188,8 +176,7 @@ impl VolumeLight {
         LeSample { origin: position, direction, from: None, flux_w: flux_w * solid_angle / (4.0 * PI), spd }
     }
 
-    /// Samples a direction towards a point of the medium. The irradiance is computed as for a point
-    /// light that has the flux of the sampled point.
+    /// Samples a direction towards a point of the medium, a point light of the sampled flux.
     pub(super) fn sample_li(&self, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
         let VolumeSample { position, flux_w, spd } = self.sample(u);
         let (direction, distance) = (position - from).normalize_and_length();
@@ -208,7 +195,6 @@ impl VolumeLight {
         LitInterval { from, to, pivot: Some(self.sample(u).position) }
     }
 
-    /// Samples a point of the box.
     fn sample(&self, [mut u, v, w]: [f64; 3]) -> VolumeSample {
         let cell = self.cells.sample(&mut u);
         let corner = DVec3::new((cell % CELLS) as f64, (cell / CELLS % CELLS) as f64, (cell / (CELLS * CELLS)) as f64);
@@ -232,14 +218,12 @@ impl VolumeLight {
         self.from_unit.matrix3.determinant().abs()
     }
 
-    /// The position of a probe.
     fn probe(&self, place: [usize; 3]) -> DVec3 {
         let [x, y, z] = place.map(|place| place as f64 + 0.5);
         self.from_unit.transform_point3(DVec3::new(x, y, z) / PROBED as f64)
     }
 
-    /// Returns one value for each probe of a row. The value is true if the probe lies inside the
-    /// body. One ray along the row finds all crossings of the surface.
+    /// Returns whether each probe of a row lies inside, by one ray along the row.
     fn inside_along(&self, first: DVec3, step: DVec3) -> [bool; PROBED] {
         let Some(body) = &self.body else { return [true; PROBED] };
         let (direction, spacing) = step.normalize_and_length();
@@ -254,8 +238,7 @@ impl VolumeLight {
         })
     }
 
-    /// Returns true if a point lies inside the body. A ray that starts inside the body leaves the
-    /// body more often than it enters the body.
+    /// Returns true if a ray from the point leaves the body more often than it enters it.
     fn contains(&self, point: DVec3) -> bool {
         let Some(body) = &self.body else { return true };
         let direction = OBLIQUE.normalize();
@@ -265,8 +248,7 @@ impl VolumeLight {
     }
 }
 
-/// Returns 1 if a ray leaves the body at a surface with this normal, and −1 if the ray enters the
-/// body.
+/// Returns 1 if a ray leaves the body at a surface with this normal, and −1 if it enters the body.
 fn leaves(normal: DVec3, direction: DVec3) -> i32 {
     if normal.dot(direction) > 0.0 { 1 } else { -1 }
 }

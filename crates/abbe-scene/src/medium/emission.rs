@@ -11,54 +11,41 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub enum MediumEmission {
     /// The same spectrum everywhere.
-    Uniform {
-        /// The coefficient in W/m³/sr/nm.
-        spectrum: Spectrum,
-        /// The integral of the spectrum over the band, in W/m³/sr.
-        band: f64,
-    },
-    /// Thermal emission. By Kirchhoff's law, the emission coefficient is j = σ_a(λ) B_λ(T). The
-    /// temperature varies in space.
+    /// The same spectrum (W/m³/sr/nm) everywhere, and its integral over the band.
+    Uniform { spectrum: Spectrum, band: f64 },
+    /// Thermal emission at a varying temperature: j = σ_a(λ) B_λ(T) (Kirchhoff).
     Thermal(Box<ThermalEmission>),
 }
 
-/// Thermal emission of matter whose temperature varies in space.
 #[derive(Debug, Clone)]
 pub struct ThermalEmission {
     temperature: Arc<ScalarField>,
     absorption: Spectrum,
-    /// The logarithm of the emission, integrated over the band. The emission is in W/m³/sr. The
-    /// first entry is for the highest temperature. From each entry to the next, the inverse
-    /// temperature increases by the same step. By Wien's law, the logarithm is a nearly linear
-    /// function of the inverse temperature.
+    /// The log of the emission over the band in W/m³/sr, by equal steps of the inverse temperature
+    /// from the hottest on, in which it is nearly linear (Wien's law).
     log_band: Vec<f64>,
-    /// The inverse temperature of the first entry, and the step of the inverse temperature between
-    /// entries. Both are in 1/K.
+    /// The inverse temperature of the first entry, and its step between entries, in 1/K.
     inverse: (f64, f64),
 }
 
-/// Below this temperature in K, thermal emission counts as 0. Matter that glows dimly emits more
-/// than 10¹⁶ times as much light as matter at this temperature.
+/// Thermal emission below this temperature in K counts as 0: dim glow is 10¹⁶ times stronger.
 const COLDEST_K: f64 = 350.0;
 
-/// The number of steps of the inverse temperature. The relative interpolation error is below 10⁻⁴.
-/// The error cancels in the product of the emission and its normalised spectrum, because the same
-/// interpolated value normalises the spectrum.
+/// The number of steps of the inverse temperature. The relative interpolation error is below 10⁻⁴,
+/// and cancels in the product of the emission and the spectrum that the same value normalises.
 const STEPS: usize = 256;
 
-/// The mean spectrum is computed from a histogram of temperatures. This is the number of bins in
-/// each step of the inverse temperature.
+/// The bins per step of the histogram of temperatures for the mean spectrum.
 const BINS_PER_STEP: f64 = 8.0;
 
 impl MediumEmission {
-    /// Creates an emission with the same spectrum (W/m³/sr/nm at density 1) everywhere.
+    /// Creates the emission of the same spectrum (W/m³/sr/nm at density 1) everywhere.
     pub fn uniform(spectrum: Spectrum) -> Self {
         let band = spectrum.integral();
         Self::Uniform { spectrum, band }
     }
 
-    /// Creates the thermal emission for an absorption coefficient (1/m at density 1) and a field of
-    /// temperatures in K.
+    /// Creates thermal emission from absorption (1/m at density 1) and temperature (K).
     pub fn thermal(absorption: Spectrum, temperature: Arc<ScalarField>) -> Self {
         let hottest = temperature.max().max(1.01 * COLDEST_K);
         let first = 1.0 / hottest;
@@ -71,7 +58,6 @@ impl MediumEmission {
         Self::Thermal(Box::new(ThermalEmission { temperature, absorption, log_band, inverse: (first, step) }))
     }
 
-    /// The emission transformed by a map of the scene's positions.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         match self {
@@ -83,7 +69,7 @@ impl MediumEmission {
         }
     }
 
-    /// The emission coefficient at a point, in W/m³/sr/nm at density 1.
+    /// In W/m³/sr/nm at density 1.
     pub fn at(&self, point: DVec3, nm: f64) -> f64 {
         match self {
             Self::Uniform { spectrum, .. } => spectrum.at(nm),
@@ -94,8 +80,7 @@ impl MediumEmission {
         }
     }
 
-    /// The emission at a point, integrated over the band. The unit is W/m³/sr at density 1. For
-    /// thermal emission, the function also returns the temperature in K.
+    /// The emission over the band in W/m³/sr at density 1, and the temperature in K if thermal.
     pub fn band_at(&self, point: DVec3) -> (f64, Option<f64>) {
         match self {
             Self::Uniform { band, .. } => (*band, None),
@@ -106,8 +91,7 @@ impl MediumEmission {
         }
     }
 
-    /// The relative spectrum of the emission at a temperature in K: a density per nm with integral
-    /// 1 over the band.
+    /// The relative spectrum at a temperature in K: per nm, with integral 1 over the band.
     pub fn spd_at(&self, temperature: f64, nm: f64) -> f64 {
         match self {
             Self::Uniform { spectrum, band } => spectrum.at(nm) / band,
@@ -115,8 +99,8 @@ impl MediumEmission {
         }
     }
 
-    /// The spectrum of the total emission, up to a constant factor. `weights` are pairs of a
-    /// temperature in K and the amount of matter at this temperature.
+    /// The spectrum of the total emission, up to a factor, by pairs of a temperature (K) and an
+    /// amount.
     pub fn mean_spectrum(&self, weights: impl Iterator<Item = (f64, f64)>) -> Spectrum {
         match self {
             Self::Uniform { spectrum, .. } => spectrum.clone(),
@@ -136,9 +120,8 @@ impl MediumEmission {
 
     /// Multiplies the emission by a factor. Thermal emission stays unchanged.
     pub fn scale(&mut self, factor: f64) {
-        match self {
-            Self::Uniform { spectrum, .. } => *self = Self::uniform(spectrum.scaled(factor)),
-            Self::Thermal(_) => {}
+        if let Self::Uniform { spectrum, .. } = self {
+            *self = Self::uniform(spectrum.scaled(factor));
         }
     }
 }
@@ -148,13 +131,12 @@ impl ThermalEmission {
         self.absorption.at(nm) * planck(nm, temperature) * 1e-9
     }
 
-    /// The fractional index in `log_band` that corresponds to a temperature.
+    /// The fractional index in `log_band` of a temperature.
     fn entry(&self, temperature: f64) -> f64 {
         ((1.0 / temperature - self.inverse.0) / self.inverse.1).clamp(0.0, STEPS as f64)
     }
 
-    /// The emission at a temperature in K, integrated over the band. The unit is W/m³/sr at density
-    /// 1.
+    /// The emission at a temperature in K over the band, in W/m³/sr at density 1.
     fn band(&self, temperature: f64) -> f64 {
         if temperature <= COLDEST_K {
             return 0.0;

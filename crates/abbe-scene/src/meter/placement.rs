@@ -4,13 +4,12 @@ use crate::builder::SceneBuilder;
 use glam::DVec3;
 
 impl SceneBuilder {
-    /// The names of the objects, in the order of their numbers.
     pub fn object_names(&self) -> impl Iterator<Item = &str> {
         self.objects.objects.iter().map(|object| object.name.as_str())
     }
 
-    /// The middle of the bounding box of an object in the world, in m. Returns the scene's centre
-    /// if the object has no surface.
+    /// The middle of the bounding box of an object in the world, in m, or the scene's centre if it
+    /// has no surface.
     pub fn middle_of(&self, object: u32) -> DVec3 {
         let around = self.geometry.object_bounds().get(&object).copied();
         self.centre + around.map_or(DVec3::ZERO, |(low, high)| 0.5 * (low + high))

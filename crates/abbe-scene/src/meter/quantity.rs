@@ -3,46 +3,31 @@
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, MELANOPIC_W_PER_LM_OF_D65, Observer};
 use std::sync::OnceLock;
 
-/// A quantity of a meter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Illuminance in lx; for a surface, the mean illuminance.
     Illuminance,
-    /// Irradiance over 360–830 nm, in W/m².
     Irradiance,
-    /// Irradiance per wavelength, in W/m²/nm.
     SpectralIrradiance,
-    /// Luminance in cd/m².
     Luminance,
-    /// Radiance over 360–830 nm, in W/m²/sr.
     Radiance,
-    /// Luminous flux through a surface, in lm.
     LuminousFlux,
-    /// Radiant flux through a surface over 360–830 nm, in W.
     RadiantFlux,
     /// Photosynthetic photon flux density: photons of 400–700 nm, in µmol/m²/s.
     Ppfd,
     /// Irradiance weighted by the action spectrum of the S cones, in W/m² (CIE S 026).
     SConeOpic,
-    /// The same for the M cones.
     MConeOpic,
-    /// The same for the L cones.
     LConeOpic,
-    /// The same for the rods.
     Rhodopic,
-    /// The same for melanopsin.
     Melanopic,
     /// The illuminance of D65 that has the same melanopic irradiance, in lx (CIE S 026).
     MelanopicEdi,
     /// Illuminance, as a percentage of the horizontal illuminance from the unobstructed sky.
     DaylightFactor,
-    /// Correlated colour temperature in K.
     ColourTemperature,
-    /// General colour rendering index.
     ColourRendering,
-    /// Fidelity index Rf of TM-30.
     Tm30Rf,
-    /// Gamut index Rg of TM-30.
     Tm30Rg,
     /// Unified glare rating (CIE 117) for a view along the normal.
     UnifiedGlareRating,
@@ -71,11 +56,19 @@ impl QuantityKind {
     }
 }
 
+/// The function of wavelength that weights the light of a quantity.
+enum WavelengthWeight {
+    Luminous,
+    Radiometric,
+    Photosynthetic,
+    /// An action spectrum of [`Observer::alpha_opic`].
+    AlphaOpic(usize),
+}
+
 /// The Avogadro constant times the Planck constant times the speed of light, in J·m/mol.
 const MOLAR_PLANCK: f64 = 6.022_140_76e23 * 6.626_070_15e-34 * 299_792_458.0;
 
 impl Quantity {
-    /// All quantities.
     pub const ALL: [Self; 20] = [
         Self::Illuminance,
         Self::Irradiance,
@@ -99,132 +92,84 @@ impl Quantity {
         Self::UnifiedGlareRating,
     ];
 
+    /// The name, the unit and the weight of the wavelengths.
+    fn definition(self) -> (&'static str, &'static str, WavelengthWeight) {
+        use WavelengthWeight::{AlphaOpic, Luminous, Photosynthetic, Radiometric};
+        match self {
+            Self::Illuminance => ("illuminance", "lx", Luminous),
+            Self::Irradiance => ("irradiance", "W/m²", Radiometric),
+            Self::SpectralIrradiance => ("spectral_irradiance", "W/m²/nm", Radiometric),
+            Self::Luminance => ("luminance", "cd/m²", Luminous),
+            Self::Radiance => ("radiance", "W/m²/sr", Radiometric),
+            Self::LuminousFlux => ("luminous_flux", "lm", Luminous),
+            Self::RadiantFlux => ("radiant_flux", "W", Radiometric),
+            Self::Ppfd => ("ppfd", "µmol/m²/s", Photosynthetic),
+            Self::SConeOpic => ("s_cone_opic", "W/m²", AlphaOpic(0)),
+            Self::MConeOpic => ("m_cone_opic", "W/m²", AlphaOpic(1)),
+            Self::LConeOpic => ("l_cone_opic", "W/m²", AlphaOpic(2)),
+            Self::Rhodopic => ("rhodopic", "W/m²", AlphaOpic(3)),
+            Self::Melanopic => ("melanopic", "W/m²", AlphaOpic(4)),
+            Self::MelanopicEdi => ("melanopic_edi", "lx", AlphaOpic(4)),
+            Self::DaylightFactor => ("daylight_factor", "%", Luminous),
+            Self::ColourTemperature => ("colour_temperature", "K", Luminous),
+            Self::ColourRendering => ("colour_rendering", "1", Luminous),
+            Self::Tm30Rf => ("tm30_rf", "1", Luminous),
+            Self::Tm30Rg => ("tm30_rg", "1", Luminous),
+            Self::UnifiedGlareRating => ("ugr", "1", Luminous),
+        }
+    }
+
     /// The name in scene files and reports.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Illuminance => "illuminance",
-            Self::Irradiance => "irradiance",
-            Self::SpectralIrradiance => "spectral_irradiance",
-            Self::Luminance => "luminance",
-            Self::Radiance => "radiance",
-            Self::LuminousFlux => "luminous_flux",
-            Self::RadiantFlux => "radiant_flux",
-            Self::Ppfd => "ppfd",
-            Self::SConeOpic => "s_cone_opic",
-            Self::MConeOpic => "m_cone_opic",
-            Self::LConeOpic => "l_cone_opic",
-            Self::Rhodopic => "rhodopic",
-            Self::Melanopic => "melanopic",
-            Self::MelanopicEdi => "melanopic_edi",
-            Self::DaylightFactor => "daylight_factor",
-            Self::ColourTemperature => "colour_temperature",
-            Self::ColourRendering => "colour_rendering",
-            Self::Tm30Rf => "tm30_rf",
-            Self::Tm30Rg => "tm30_rg",
-            Self::UnifiedGlareRating => "ugr",
-        }
+        self.definition().0
     }
 
-    /// The unit in reports.
     pub fn unit(self) -> &'static str {
-        match self {
-            Self::Illuminance | Self::MelanopicEdi => "lx",
-            Self::Irradiance
-            | Self::SConeOpic
-            | Self::MConeOpic
-            | Self::LConeOpic
-            | Self::Rhodopic
-            | Self::Melanopic => "W/m²",
-            Self::SpectralIrradiance => "W/m²/nm",
-            Self::Luminance => "cd/m²",
-            Self::Radiance => "W/m²/sr",
-            Self::LuminousFlux => "lm",
-            Self::RadiantFlux => "W",
-            Self::Ppfd => "µmol/m²/s",
-            Self::DaylightFactor => "%",
-            Self::ColourTemperature => "K",
-            Self::ColourRendering | Self::Tm30Rf | Self::Tm30Rg | Self::UnifiedGlareRating => "1",
-        }
+        self.definition().1
     }
 
-    /// How the readings are computed.
     pub fn kind(self) -> QuantityKind {
-        match self {
-            Self::SpectralIrradiance => QuantityKind::Spectrum,
-            Self::ColourTemperature | Self::ColourRendering | Self::Tm30Rf | Self::Tm30Rg => QuantityKind::OfSpectrum,
-            Self::Illuminance
-            | Self::Irradiance
-            | Self::Luminance
-            | Self::Radiance
-            | Self::LuminousFlux
-            | Self::RadiantFlux
-            | Self::Ppfd
-            | Self::SConeOpic
-            | Self::MConeOpic
-            | Self::LConeOpic
-            | Self::Rhodopic
-            | Self::Melanopic
-            | Self::MelanopicEdi
-            | Self::DaylightFactor
-            | Self::UnifiedGlareRating => QuantityKind::Integral,
+        if self == Self::SpectralIrradiance {
+            QuantityKind::Spectrum
+        } else if matches!(self, Self::ColourTemperature | Self::ColourRendering | Self::Tm30Rf | Self::Tm30Rg) {
+            QuantityKind::OfSpectrum
+        } else {
+            QuantityKind::Integral
         }
     }
 
-    /// Returns true if the quantity is a radiance or a luminance, so that the receptor must be a
-    /// cone.
+    /// Returns true if the quantity is a radiance or a luminance, so that the sensor must be a cone.
     pub fn is_radiance(self) -> bool {
         matches!(self, Self::Luminance | Self::Radiance)
     }
 
-    /// Returns true if the quantity is a flux, so that the receptor must be a surface.
+    /// Returns true if the quantity is a flux, so that the sensor must be a surface.
     pub fn is_flux(self) -> bool {
         matches!(self, Self::LuminousFlux | Self::RadiantFlux)
     }
 
     /// The observer whose function ȳ weights the wavelengths. The integral times
-    /// [`LUMENS_PER_WATT`] and times [`Self::scale`] is the quantity. For a function of the
-    /// spectrum and for the glare rating, it is the illuminance.
+    /// [`LUMENS_PER_WATT`] and [`Self::scale`] is the quantity, or the illuminance for a function
+    /// of the spectrum and for the glare rating.
     pub fn observer(self) -> &'static Observer {
-        match self {
-            Self::Illuminance
-            | Self::Luminance
-            | Self::LuminousFlux
-            | Self::DaylightFactor
-            | Self::ColourTemperature
-            | Self::ColourRendering
-            | Self::Tm30Rf
-            | Self::Tm30Rg
-            | Self::UnifiedGlareRating => Observer::cie1931(),
-            Self::Irradiance | Self::SpectralIrradiance | Self::Radiance | Self::RadiantFlux => Observer::radiometric(),
-            Self::Ppfd => photosynthetic(),
-            Self::SConeOpic => Observer::alpha_opic()[0],
-            Self::MConeOpic => Observer::alpha_opic()[1],
-            Self::LConeOpic => Observer::alpha_opic()[2],
-            Self::Rhodopic => Observer::alpha_opic()[3],
-            Self::Melanopic | Self::MelanopicEdi => Observer::alpha_opic()[4],
+        match self.definition().2 {
+            WavelengthWeight::Luminous => Observer::cie1931(),
+            WavelengthWeight::Radiometric => Observer::radiometric(),
+            WavelengthWeight::Photosynthetic => photosynthetic(),
+            WavelengthWeight::AlphaOpic(number) => Observer::alpha_opic()[number],
         }
     }
 
     /// The factor that converts the integral of [`Self::observer`] to the unit of the quantity.
     pub fn scale(self) -> f64 {
-        match self {
-            Self::Illuminance | Self::Luminance | Self::LuminousFlux | Self::DaylightFactor => 1.0,
-            Self::ColourTemperature
-            | Self::ColourRendering
-            | Self::Tm30Rf
-            | Self::Tm30Rg
-            | Self::UnifiedGlareRating => 1.0,
-            Self::MelanopicEdi => 1.0 / (LUMENS_PER_WATT * MELANOPIC_W_PER_LM_OF_D65),
-            Self::Irradiance
-            | Self::SpectralIrradiance
-            | Self::Radiance
-            | Self::RadiantFlux
-            | Self::Ppfd
-            | Self::SConeOpic
-            | Self::MConeOpic
-            | Self::LConeOpic
-            | Self::Rhodopic
-            | Self::Melanopic => 1.0 / LUMENS_PER_WATT,
+        match self.definition().2 {
+            WavelengthWeight::Luminous => 1.0,
+            WavelengthWeight::AlphaOpic(_) if self == Self::MelanopicEdi => {
+                1.0 / (LUMENS_PER_WATT * MELANOPIC_W_PER_LM_OF_D65)
+            }
+            WavelengthWeight::Radiometric | WavelengthWeight::Photosynthetic | WavelengthWeight::AlphaOpic(_) => {
+                1.0 / LUMENS_PER_WATT
+            }
         }
     }
 }

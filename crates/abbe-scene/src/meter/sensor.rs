@@ -1,8 +1,8 @@
-//! Receptors: the sensitive parts of meters.
+//! Sensors: the sensitive parts of meters.
 //!
-//! A receptor reads the mean ∫ L(ω) p(ω) dω of the radiance L over directions, where p is a density
-//! of directions with integral 1. A factor converts this mean to the quantity of the meter. For all
-//! kinds of illuminance, this factor is π.
+//! A sensor reads the mean ∫ L(ω) p(ω) dω of the radiance L over directions, where p is a pdf of
+//! directions. A factor, π for all kinds of illuminance, converts this mean to the quantity of the
+//! meter.
 
 use crate::geometry::SurfaceId;
 use crate::medium_stack::MediumStack;
@@ -11,37 +11,32 @@ use abbe_spectra::math::warp;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-/// A receptor of a meter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
-    /// The positions and the directions from which the receptor receives light.
     pub shape: SensorShape,
-    /// The bodies that contain the receptor. The field has no meaning for surfaces.
+    /// The bodies that contain the sensor. It has no meaning for surfaces.
     pub medium_stack: MediumStack,
 }
 
-/// The shape of a receptor. Positions are in m, relative to the scene's centre.
+/// The shape of a sensor. Positions are in m, relative to the scene's centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorShape {
-    /// A point that receives light from the directions of a density.
     Point(DVec3, Response),
-    /// The surface of an object. Its points receive light like a plane.
+    /// The surface of an object, whose points receive light like a plane.
     Surface(u32, ReceivingSide),
 }
 
-/// The sides of a surface that receive light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReceivingSide {
     /// The side of the surface normal.
     Front,
     /// The other side.
     Back,
-    /// Both sides. The light of both sides is summed.
+    /// The light of both sides is summed.
     Both,
 }
 
-/// The density of directions of a receptor. Directions lead away from the receptor. All vectors are
-/// unit vectors.
+/// The pdf of directions, away from the sensor. All vectors are unit vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Response {
     /// A plane with this normal: cos θ/π. The reading is illuminance, divided by π.
@@ -51,26 +46,22 @@ pub enum Response {
     /// The side of a cylinder with this axis: sin ε/π², where ε is the angle from the axis. The
     /// reading is the mean illuminance of the side, divided by π.
     Cylinder(DVec3),
-    /// A cone around an axis, uniform in solid angle. The second value is 1 − cos θ for the
-    /// half-angle θ. The reading is the mean radiance in the cone.
+    /// A cone around an axis, uniform in solid angle, with 1 − cos θ for the half-angle θ. The
+    /// reading is the mean radiance in the cone.
     Cone(DVec3, f64),
 }
 
-/// A point of a receptor.
 #[derive(Debug, Clone, Copy)]
 pub struct SensorPoint {
-    /// The position.
     pub position: DVec3,
-    /// The surface on which the point lies, if the receptor is a surface.
+    /// The surface on which the point lies, if the sensor is a surface.
     pub from: Option<SurfaceId>,
-    /// The density of directions.
     pub response: Response,
-    /// The bodies that contain the point.
     pub medium_stack: MediumStack,
 }
 
 impl Response {
-    /// Samples a direction from the density. The response of a cylinder uses all three numbers.
+    /// Samples a direction. The response of a cylinder uses all three numbers.
     pub fn sample(self, [u, v, w]: [f64; 3]) -> DVec3 {
         match self {
             Self::Plane(normal) => Frame::new(normal).to_world(warp::cosine_hemisphere([u, v])),
@@ -84,7 +75,7 @@ impl Response {
         }
     }
 
-    /// Returns the density per steradian.
+    /// Per steradian.
     pub fn pdf(self, direction: DVec3) -> f64 {
         match self {
             Self::Plane(normal) => warp::cosine_hemisphere_pdf(normal.dot(direction)),
@@ -97,8 +88,8 @@ impl Response {
         }
     }
 
-    /// Returns the normal of a plane, or 0 if the receptor receives light from both sides of every
-    /// plane through it.
+    /// Returns the normal of a plane, or 0 if the sensor receives light from both sides of every
+    /// plane.
     pub fn normal(self) -> DVec3 {
         match self {
             Self::Plane(normal) => normal,
@@ -106,8 +97,8 @@ impl Response {
         }
     }
 
-    /// Returns the factor from the mean radiance to the reading: to illuminance for planes, spheres
-    /// and cylinders, and to luminance for cones.
+    /// Returns the factor from the mean radiance to the reading: illuminance for planes, spheres
+    /// and cylinders, and luminance for cones.
     pub fn factor(self) -> f64 {
         match self {
             Self::Plane(_) | Self::Sphere | Self::Cylinder(_) => PI,
@@ -117,23 +108,19 @@ impl Response {
 }
 
 impl Sensor {
-    /// Creates a receptor at a position in m, relative to the scene's centre.
-    ///
-    /// A receptor often lies on a surface, for example on a floor. `extent_m` is the size of the
-    /// scene. A plane is moved along its normal by a billionth of the distances, so that rounding
-    /// does not put it behind the surface.
+    /// Creates a sensor at a position in m, relative to the scene's centre, in a scene of the size
+    /// `extent_m`. A plane, which often lies on a surface such as a floor, is moved along its
+    /// normal by a billionth of the distances, so that rounding does not put it behind the surface.
     pub fn at(position: DVec3, response: Response, extent_m: f64) -> Self {
         const SHIFT: f64 = 1e-9;
         let shifted = position + response.normal() * (SHIFT * (extent_m + position.length()));
         Self { shape: SensorShape::Point(shifted, response), medium_stack: MediumStack::AIR }
     }
 
-    /// Creates the receptor of an object's surface.
     pub fn on_object(object: u32, side: ReceivingSide) -> Self {
         Self { shape: SensorShape::Surface(object, side), medium_stack: MediumStack::AIR }
     }
 
-    /// The position of the receptor, if it is a point.
     pub fn position(&self) -> Option<DVec3> {
         match self.shape {
             SensorShape::Point(position, _) => Some(position),
@@ -147,7 +134,7 @@ mod tests {
     use super::*;
     use abbe_spectra::math::sobol::Sobol;
 
-    /// Each response samples its stated density, and this density has the integral 1.
+    /// Each response samples its pdf, which has the integral 1.
     #[test]
     fn responses_sample_their_pdfs() {
         let axis = DVec3::new(0.3, -0.5, 0.8).normalize();

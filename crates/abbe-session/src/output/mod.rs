@@ -19,7 +19,9 @@ pub mod gates;
 pub mod graph;
 pub mod hash;
 pub mod heat;
-pub mod icc;
+mod icc;
+#[cfg(test)]
+mod icc_tests;
 pub mod junit;
 #[cfg(feature = "pages")]
 pub mod lamps_page;

@@ -3,8 +3,7 @@
 use super::matrix::{Matrix3, apply, diagonal, inverse, product};
 use super::tristimulus::Xyz;
 
-/// A von Kries chromatic adaptation transform, which converts XYZ to a linear space whose
-/// components are similar to cone responses, and scales each of them.
+/// A von Kries chromatic adaptation transform, which scales components like cone responses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationTransform {
     /// Bradford (Lam 1985), which ICC profiles use.
@@ -25,10 +24,9 @@ impl AdaptationTransform {
         }
     }
 
-    /// Returns whether `white` can be used as a white point. Each of the three cone responses to
-    /// `white` must be at least 1/100 of the strongest response. If the light consists of a single
-    /// spectral line, a response may be near 0 or negative. Adaptation to such a light would
-    /// amplify noise, or it would invert colours.
+    /// Returns true if `white` can be a white point: each of the three cone responses to it must be
+    /// at least 1/100 of the strongest. A single spectral line may have responses near 0 or below,
+    /// and adaptation to it would amplify noise or invert colours.
     pub fn can_adapt_from(self, white: Xyz) -> bool {
         const LEAST_RESPONSE: f64 = 0.01;
         let seen = apply(self.matrix(), white);
@@ -37,8 +35,8 @@ impl AdaptationTransform {
     }
 }
 
-/// Returns the matrix that converts XYZ under the white `from` to the corresponding XYZ under the
-/// white `to`. Both whites are normalised to Y = 1, so luminance keeps its scale.
+/// Returns the matrix from XYZ under the white `from` to the corresponding XYZ under the white
+/// `to`. Both whites are normalised to Y = 1, so luminance keeps its scale.
 pub fn adaptation(from: Xyz, to: Xyz, transform: AdaptationTransform) -> [[f64; 3]; 3] {
     let cones = transform.matrix();
     let seen = |white: Xyz| apply(cones, white.map(|value| value / white[1]));

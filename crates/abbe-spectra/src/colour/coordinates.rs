@@ -31,8 +31,7 @@ pub fn uv1960(xyz: Xyz) -> [f64; 2] {
     [u, v * 2.0 / 3.0]
 }
 
-/// The constant δ of CIE 15. If the argument of the cube root is below δ³, a linear function
-/// replaces the root.
+/// The constant δ of CIE 15: below δ³, a linear function replaces the cube root.
 const DELTA: f64 = 6.0 / 29.0;
 
 fn lightness_curve(t: f64) -> f64 {
@@ -43,9 +42,8 @@ fn lightness_curve_inverse(f: f64) -> f64 {
     if f > DELTA { f * f * f } else { 3.0 * DELTA * DELTA * (f - 4.0 / 29.0) }
 }
 
-/// Returns CIE 1976 L*, a*, b* relative to a white (CIE 15). Each component is divided by the same
-/// component of the white. If that component of the white is 0 (for example Z of deep red light), Y
-/// divided by the Y of the white is used instead.
+/// Returns CIE 1976 L*, a*, b* relative to a white (CIE 15). Where a component of the white is 0
+/// (for example Z of deep red light), Y relative to the Y of the white is used instead.
 pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
     let [x, y, z] = [0, 1, 2].map(|i| {
         let i = if white[i] == 0.0 { 1 } else { i };
@@ -54,7 +52,7 @@ pub fn lab(xyz: Xyz, white: Xyz) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Returns the XYZ of L*, a*, b*, as the inverse of [`lab`].
+/// Inverts [`lab`].
 pub fn from_lab(lab: [f64; 3], white: Xyz) -> Xyz {
     let y = (lab[0] + 16.0) / 116.0;
     let curve = [y + lab[1] / 500.0, y, y - lab[2] / 200.0];
@@ -68,7 +66,7 @@ pub fn luv(xyz: Xyz, white: Xyz) -> [f64; 3] {
     [lightness, 13.0 * lightness * (u - white_u), 13.0 * lightness * (v - white_v)]
 }
 
-/// Returns the XYZ of L*, u*, v*, as the inverse of [`luv`]. The result is black if L* is 0.
+/// Inverts [`luv`], with black where L* is 0.
 pub fn from_luv(luv: [f64; 3], white: Xyz) -> Xyz {
     if luv[0] == 0.0 {
         return [0.0; 3];
@@ -79,8 +77,7 @@ pub fn from_luv(luv: [f64; 3], white: Xyz) -> Xyz {
     [y * 9.0 * u / (4.0 * v), y, y * (12.0 - 3.0 * u - 20.0 * v) / (4.0 * v)]
 }
 
-/// The matrix from linear sRGB to the cone responses of Oklab, and the matrix from the cube roots
-/// of these responses to L, a, b (Ottosson 2020).
+/// The matrices from linear sRGB to Oklab's cones, and from their cube roots to L, a, b.
 const OKLAB_CONES: Matrix3 = [
     [0.412_221_470_8, 0.536_332_536_3, 0.051_445_992_9],
     [0.211_903_498_2, 0.680_699_545_1, 0.107_396_956_6],
@@ -94,13 +91,13 @@ const OKLAB: Matrix3 = [
 const OKLAB_CONES_INVERSE: Matrix3 = inverse(&OKLAB_CONES);
 const OKLAB_INVERSE: Matrix3 = inverse(&OKLAB);
 
-/// Returns Oklab L, a, b of XYZ, where the white of sRGB has Y = 1 (Björn Ottosson, "A perceptual
-/// color space for image processing", 2020).
+/// Returns Oklab L, a, b (Björn Ottosson, "A perceptual color space for image processing", 2020).
+/// The white of sRGB has Y = 1.
 pub fn oklab(xyz: Xyz) -> [f64; 3] {
     apply(&OKLAB, apply(&OKLAB_CONES, xyz_to_linear_srgb(xyz)).map(cbrt))
 }
 
-/// Returns the XYZ of Oklab L, a, b, as the inverse of [`oklab`].
+/// Inverts [`oklab`].
 pub fn from_oklab(oklab: [f64; 3]) -> Xyz {
     let cones = apply(&OKLAB_INVERSE, oklab).map(|root| root * root * root);
     RgbSpace::Srgb.to_xyz(apply(&OKLAB_CONES_INVERSE, cones))

@@ -10,9 +10,8 @@ pub fn delta_e_76(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001). The formulas are from Gaurav
-/// Sharma, Wencheng Wu and Edul Dalal, "The CIEDE2000 color-difference formula", Color Research and
-/// Application 30 (2005).
+/// Returns ΔE00 (CIEDE2000) with kL = kC = kH = 1 (CIE 142-2001), by G. Sharma, W. Wu and E. Dalal,
+/// "The CIEDE2000 color-difference formula", Color Research and Application 30 (2005).
 pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let mean_chroma = 0.5 * (hypot(a[1], a[2]) + hypot(b[1], b[2]));
     let stretch = 1.5 - 0.5 * chroma_fraction(mean_chroma);
@@ -46,16 +45,14 @@ pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// The colour difference of two lights seen side by side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightDifference {
-    /// The distance between the chromaticities x, y of the two lights.
+    /// The distance of the chromaticities x, y.
     pub delta_xy: f64,
-    /// ΔE2000 for an observer who is adapted to daylight. The white point is D65, not the light
-    /// itself. If the light were the white point, b* would exaggerate differences for lights with
-    /// almost no Z, such as sodium light.
+    /// ΔE2000 for an observer adapted to daylight: the white point is D65, because the light itself
+    /// would exaggerate differences in b* for lights with almost no Z, such as sodium light.
     pub delta_e_2000: f64,
 }
 
-/// Returns the colour difference between two lights, whose XYZ must have the same scale. The
-/// luminance of the first light must not be 0.
+/// Returns the colour difference of two lights with Y > 0, whose XYZ must have the same scale.
 pub fn light_difference(light: Xyz, other: Xyz) -> LightDifference {
     let seen = |xyz: Xyz| lab(xyz.map(|value| value / light[1]), RgbSpace::Srgb.white());
     let (from, to) = (xy(light), xy(other));
@@ -76,7 +73,6 @@ fn hue_degrees(a: f64, b: f64) -> f64 {
     if a == 0.0 && b == 0.0 { 0.0 } else { atan2(b, a).to_degrees().rem_euclid(360.0) }
 }
 
-/// Wraps an angle difference to the range from −180 to 180 degrees.
 fn wrapped(degrees: f64) -> f64 {
     if degrees > 180.0 {
         degrees - 360.0
@@ -102,7 +98,6 @@ fn mean_hue_degrees(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Almost equal lights must have a small difference, even if their Z is almost 0.
     #[test]
     fn similar_lights_without_blue_have_a_small_difference() {
         // Low-pressure sodium and a metameric mix of 550 nm and 620 nm.

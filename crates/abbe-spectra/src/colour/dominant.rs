@@ -4,25 +4,22 @@ use super::coordinates::xy;
 use crate::math::elementary::hypot;
 use crate::spectrum::{BAND_NM, Observer};
 
-/// A colour has a dominant wavelength if its distance from white in the x, y plane is at least this
-/// value.
+/// The least distance from white, in the x, y plane, of a colour with a dominant wavelength.
 const NEUTRAL: f64 = 1e-4;
 
-/// The dominant wavelength of a colour (CIE 15). The colour can be matched by mixing white with the
-/// spectral colour of this wavelength.
+/// The wavelength whose spectral colour, mixed with white, matches the colour (CIE 15).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DominantWavelength {
-    /// The wavelength in nm, which for purples is that of the complementary colour.
+    /// The wavelength in nm, or for purples that of the complementary colour.
     pub nm: f64,
-    /// True if `nm` is the complementary wavelength, because the colour is a purple.
+    /// True for purples, whose `nm` is the complementary wavelength.
     pub complementary: bool,
-    /// Excitation purity from 0 to 1. It is the distance from white to the colour, divided by the
-    /// distance from white to the diagram's boundary in the same direction.
+    /// Excitation purity from 0 to 1: the distance from white to the colour, relative to the
+    /// distance to the diagram's boundary in the same direction.
     pub purity: f64,
 }
 
-/// Returns the dominant wavelength of a chromaticity x, y relative to the white's chromaticity, or
-/// `None` for neutral colours.
+/// Returns the dominant wavelength of x, y relative to white, or `None` for neutral colours.
 pub fn dominant(colour: [f64; 2], white: [f64; 2], observer: &Observer) -> Option<DominantWavelength> {
     let direction = [colour[0] - white[0], colour[1] - white[1]];
     let distance = hypot(direction[0], direction[1]);
@@ -44,7 +41,6 @@ pub fn dominant(colour: [f64; 2], white: [f64; 2], observer: &Observer) -> Optio
     Some(DominantWavelength { nm, complementary: true, purity: distance.recip() })
 }
 
-/// A point of the spectral locus.
 struct LocusPoint {
     nm: f64,
     xy: [f64; 2],
@@ -52,18 +48,17 @@ struct LocusPoint {
     weight: f64,
 }
 
-/// Intersects a ray from white with the spectral locus. Returns the distance in units of the length
-/// of `direction`, and the wavelength. If there are several intersections, the farthest is
-/// returned. Several intersections are possible, because the tables of the colour-matching
-/// functions are rounded, and the locus therefore turns back on itself at both ends.
+/// Intersects a ray from white with the spectral locus, and returns the distance in units of the
+/// length of `direction`, and the wavelength. The farthest intersection counts, because rounded
+/// tables of colour-matching functions make the locus turn back on itself at both ends.
 fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let mut farthest: Option<(f64, f64)> = None;
     for pair in locus.windows(2) {
         if let Some((distance, fraction)) = intersection([&pair[0], &pair[1]], white, direction)
             && farthest.is_none_or(|(so_far, _)| distance > so_far * (1.0 + 1e-9))
         {
-            // The wavelength is not a linear function of the position `fraction` on the chord. This
-            // position depends on the weights of the two spectral colours in a mixture.
+            // The wavelength is not linear in the position `fraction` on the chord, which depends
+            // on the weights of the two spectral colours in a mixture.
             let (from, to) = (pair[0].weight * fraction, pair[1].weight * (1.0 - fraction));
             farthest = Some((distance, pair[0].nm + (pair[1].nm - pair[0].nm) * from / (from + to)));
         }
@@ -72,7 +67,7 @@ fn crossing(locus: &[LocusPoint], white: [f64; 2], direction: [f64; 2]) -> Optio
 }
 
 /// Intersects a ray with the chord between two points. Returns the distance in units of the length
-/// of `direction`, and the position on the chord as a number from 0 to 1.
+/// of `direction`, and the position on the chord from 0 to 1.
 fn intersection([from, to]: [&LocusPoint; 2], white: [f64; 2], direction: [f64; 2]) -> Option<(f64, f64)> {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let chord = [to.xy[0] - from.xy[0], to.xy[1] - from.xy[1]];

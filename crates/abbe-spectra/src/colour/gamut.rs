@@ -1,23 +1,22 @@
-//! Gamut mapping. If a display cannot show a colour, the mapping replaces it with a colour whose
-//! linear components are all in [0, 1].
+//! Gamut mapping: moves colours that a display cannot show to linear components in [0, 1].
 
+use super::by_name;
 use super::coordinates;
 use super::space::RgbSpace;
 use super::tristimulus::{Rgb, Xyz};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use serde::{Deserialize, Serialize};
 
 /// The method of mapping colours into the gamut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GamutMapping {
-    /// Moves the colour towards the grey of equal luminance, until the colour is inside the gamut.
+    /// Moves the colour towards the grey of equal luminance until it is inside the gamut.
     #[default]
     Desaturate,
     /// Clips each component.
     Clip,
-    /// Moves the colour towards the grey of equal Oklab lightness, at constant hue, until the
-    /// colour is inside the gamut.
+    /// Moves the colour towards the grey of equal Oklab lightness and hue until it is inside.
     Oklab,
 }
 
@@ -34,19 +33,12 @@ impl GamutMapping {
         }
     }
 
-    /// Returns a mapping by its name: `desaturate`, `clip` or `oklab`.
-    ///
-    /// # Errors
-    /// Returns an error if the name is unknown.
+    /// Returns a mapping by its name (`desaturate`, `clip` or `oklab`), or an error.
     pub fn by_name(name: &str) -> Result<Self> {
-        let names = Self::ALL.map(Self::name);
-        Self::ALL
-            .into_iter()
-            .find(|mapping| mapping.name().eq_ignore_ascii_case(name))
-            .ok_or_else(|| Error::unknown_name("gamut mapping", name, names).expected(names.join(", ")))
+        by_name("gamut mapping", name, &Self::ALL.map(|any| (any.name(), any)))
     }
 
-    /// Maps a colour into the gamut. Colours inside the gamut are not changed.
+    /// Maps a colour into the gamut. Colours inside it are not changed.
     #[inline]
     pub fn map(self, rgb: Rgb, space: RgbSpace) -> Rgb {
         match self {
@@ -57,14 +49,14 @@ impl GamutMapping {
     }
 }
 
-/// Returns the brightest sRGB colour that has the chromaticity of `linear_srgb`, desaturated if
-/// this chromaticity is outside sRGB. Returns black if no component is positive.
+/// Returns the brightest sRGB colour with the chromaticity of `linear_srgb`, desaturated if that is
+/// outside sRGB, or black if no component is positive.
 pub fn brightest(linear_srgb: Rgb) -> Rgb {
     let most = linear_srgb.into_iter().fold(0.0, f64::max);
     if most > 0.0 { desaturate(linear_srgb.map(|component| component / most), RgbSpace::Srgb) } else { [0.0; 3] }
 }
 
-/// Returns whether all components are in [0, 1].
+/// Returns true if all components are in [0, 1].
 #[inline]
 pub fn contains(rgb: Rgb) -> bool {
     rgb.iter().all(|component| (0.0..=1.0).contains(component))
@@ -83,8 +75,7 @@ pub fn clip(rgb: Rgb) -> Rgb {
 }
 
 /// Moves the colour towards the grey of equal luminance until it is inside the gamut. A luminance
-/// in [0, 1] is preserved. If the luminance is above 1, the result is white. If the luminance is
-/// below 0, the result is black.
+/// in [0, 1] is preserved; above, the result is white, and below, black.
 #[inline]
 pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     if contains(rgb) {
@@ -96,8 +87,7 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     if grey != luminance {
         return [grey; 3];
     }
-    // The largest fraction of the way from grey to the colour at which all components are inside
-    // [0, 1].
+    // The largest fraction of the way from grey to the colour that stays inside [0, 1].
     let mut fraction: f64 = 1.0;
     for component in rgb {
         if component < 0.0 {
@@ -109,15 +99,13 @@ pub fn desaturate(rgb: Rgb, space: RgbSpace) -> Rgb {
     clip(rgb.map(|component| grey + fraction * (component - grey)))
 }
 
-/// Reduces the Oklab chroma of the colour until the colour is inside the gamut. The Oklab lightness
-/// and hue stay the same. The result has the largest possible chroma, to a precision of one part in
-/// 10⁶.
+/// Reduces the Oklab chroma of the colour, at constant Oklab lightness and hue, until the colour is
+/// inside the gamut. The chroma is the largest possible one to a precision of one part in 10⁶.
 pub fn oklab(rgb: Rgb, space: RgbSpace) -> Rgb {
     if contains(rgb) {
         return rgb;
     }
-    // Oklab is defined relative to D65. The inverse of the picture matrix maps the white of every
-    // space to D65, including the white of ACEScg.
+    // Oklab is relative to D65, to which the inverse picture matrix maps every white.
     let (to_d65, from_d65) = (to_d65(space), from_d65(space));
     let [lightness, a, b] = coordinates::oklab(to_d65(rgb));
     let grey = from_d65(coordinates::from_oklab([unit(lightness), 0.0, 0.0]));

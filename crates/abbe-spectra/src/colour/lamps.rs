@@ -1,11 +1,9 @@
-//! Comparison of two lights: by the colours of the lights, and by the colours of surfaces under
-//! both lights.
+//! Comparison of two lights by their colours, and by the colours of surfaces under both.
 //!
-//! The observer or camera is assumed to be adapted to each light. Therefore the XYZ of a light is
-//! the white point for the CIELAB values of all surfaces under this light. The perfect diffuser has
-//! Y = 100. With this white point, a difference between the colours of the lights does not count as
-//! a difference of the surfaces. The difference of the lights is reported separately as a
-//! [`LightDifference`] at equal luminance.
+//! The observer or camera is assumed to be adapted to each light, so the light is the white point
+//! of the CIELAB values of all surfaces under it, and a difference between the colours of the
+//! lights does not count as a difference of the surfaces. It is reported separately, as a
+//! [`LightDifference`] at equal luminance. The perfect diffuser has Y = 100.
 
 use super::coordinates::lab;
 use super::difference::{LightDifference, delta_e_2000, light_difference};
@@ -16,15 +14,12 @@ use crate::math::sort::sort_by_number;
 use crate::spectrum::library::{self, SpectrumKind};
 use crate::spectrum::{Observer, Spectrum};
 
-/// Two surfaces look alike if their ΔE2000 is at most this value, because such a difference is
-/// hardly visible.
+/// The largest ΔE2000 of surfaces that look alike; it is hardly visible.
 pub const ALIKE: f64 = 2.0;
 
-/// Two surfaces look clearly different if their ΔE2000 is at least this value.
+/// The least ΔE2000 of surfaces that look clearly different.
 pub const DIFFERENT: f64 = 5.0;
 
-/// The name prefixes of the ColorChecker patches and of the further surfaces. The search for pairs
-/// includes all these surfaces.
 const CHART: &str = "colorchecker/";
 const FURTHER: [&str; 2] = ["TCS", "leaf/"];
 
@@ -33,24 +28,20 @@ const FURTHER: [&str; 2] = ["TCS", "leaf/"];
 pub struct LampComparison {
     /// The colour values of the two lights.
     pub reports: [ColourReport; 2],
-    /// The colour difference between the two lights at the same luminance Y = 1.
+    /// The colour difference between the lights at the same luminance Y = 1.
     pub lights: LightDifference,
     /// The 24 patches of the ColorChecker, in the order of the chart.
     pub patches: Vec<PatchDifference>,
     /// Further surfaces: the CIE test colours and leaves.
     pub further: Vec<PatchDifference>,
     /// The pairs of surfaces that look alike under one light and different under the other (see
-    /// [`ALIKE`] and [`DIFFERENT`]). The pairs are sorted by decreasing difference between their
-    /// two ΔE2000 values. A pair contains the indices of its two surfaces. The indices begin with
-    /// the elements of `patches`, and continue with the elements of `further`.
+    /// [`ALIKE`] and [`DIFFERENT`]), by decreasing difference between their two ΔE2000 values. A
+    /// pair contains indices of the elements of `patches`, followed by those of `further`.
     pub pairs: Vec<SplitPair>,
 }
 
 impl LampComparison {
-    /// Compares two lights.
-    ///
-    /// # Errors
-    /// Returns an error if a light has no luminance for the observer.
+    /// Compares two lights. Returns an error if a light has no luminance for the observer.
     pub fn between(lights: [&Spectrum; 2], observer: &Observer) -> Result<Self> {
         let report = |i: usize| {
             ColourReport::of_light(lights[i], observer).map_err(|error| error.on_path(format!("lights[{i}]")))
@@ -82,9 +73,8 @@ impl LampComparison {
         most.expect("the chart has patches")
     }
 
-    /// Returns a sentence that says how different the lights are: the colours of the lights, the
-    /// colours of surfaces, and the pairs of surfaces that split. `names` are the names of the
-    /// lights.
+    /// Returns a sentence that says how different the lights of these names are: their colours, the
+    /// colours of surfaces, and the pairs of surfaces that split.
     pub fn verdict(&self, names: [&str; 2]) -> String {
         let lights = match self.lights.delta_e_2000 {
             ..=ALIKE => "have the same colour",
@@ -134,14 +124,13 @@ pub struct PatchDifference {
     pub xyz: [Xyz; 2],
     /// L*, a*, b* under the first and under the second light.
     pub lab: [[f64; 3]; 2],
-    /// ΔE2000 between the colour of the surface under the first light and its colour under the
-    /// second light.
+    /// ΔE2000 between the colours of the surface under the two lights.
     pub delta_e_2000: f64,
 }
 
 impl PatchDifference {
-    /// Compares the colours of a surface under two lights. `xyz` is the light from the surface, and
-    /// `whites` is the light from a perfect diffuser, on the same scale.
+    /// Compares the light `xyz` from a surface, on the scale of the light `whites` of a perfect
+    /// diffuser.
     fn between(name: &str, xyz: [Xyz; 2], whites: [Xyz; 2]) -> Self {
         let scaled = |values: [Xyz; 2]| [0, 1].map(|i| values[i].map(|value| 100.0 * value / whites[i][1]));
         let (xyz, whites) = (scaled(xyz), scaled(whites));
@@ -169,9 +158,8 @@ pub fn compare_lights(
     surfaces.iter().map(compare).collect()
 }
 
-/// Compares surfaces that return light of other wavelengths than they receive. `returned` takes a
-/// light, and returns the names of the surfaces and the XYZ of the light from each of them, on the
-/// scale of the light.
+/// Compares surfaces that change wavelengths. `returned` takes a light, and returns the names of
+/// the surfaces with the XYZ of the light from each, on the scale of the light.
 pub fn compare_returned_light(
     lights: [&Spectrum; 2],
     returned: impl Fn(&Spectrum) -> Vec<(&'static str, Xyz)>,
@@ -185,15 +173,14 @@ pub fn compare_returned_light(
 /// Two surfaces that look alike under one light and different under the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SplitPair {
-    /// The indices of the two surfaces in the comparison.
+    /// The indices of the surfaces in the comparison.
     pub patches: [usize; 2],
-    /// ΔE2000 between the two surfaces: under the first light, and under the second light.
+    /// ΔE2000 between the surfaces under the first and under the second light.
     pub delta_e_2000: [f64; 2],
 }
 
 /// Returns all pairs of surfaces whose ΔE2000 is at most `alike` under one light and at least
-/// `different` under the other light. The pairs are sorted by decreasing difference between their
-/// two ΔE2000 values.
+/// `different` under the other, by decreasing difference between their two ΔE2000 values.
 fn split_pairs(patches: &[PatchDifference], alike: f64, different: f64) -> Vec<SplitPair> {
     let mut pairs = Vec::new();
     for i in 0..patches.len() {

@@ -6,26 +6,24 @@ use super::tristimulus::Xyz;
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;
 
-/// The mix matches the target if two numbers are below this value: the distance in the x, y plane,
-/// and the relative error of Y.
+/// The distance in the x, y plane and the relative error of Y below which a mix matches the target.
 const MATCH_TOLERANCE: f64 = 1e-4;
 
 /// A mix of primaries with non-negative weights, and its distance from the target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PrimaryMatch {
-    /// The factor of each primary. At most three factors are above 0.
+    /// The factor of each primary, of which at most three are above 0.
     pub weights: Vec<f64>,
     /// XYZ of the mix, on the same scale as the target.
     pub xyz: Xyz,
-    /// The remaining difference between the target and the mix. The luminances of target and mix
-    /// may differ.
+    /// The remaining difference between the target and the mix, whose luminances may differ.
     pub residual: LightDifference,
     /// The relative error of Y.
     pub delta_y: f64,
 }
 
 impl PrimaryMatch {
-    /// Returns whether the mix matches the target.
+    /// Returns true if the mix matches the target.
     pub fn is_exact(&self) -> bool {
         self.residual.delta_xy < MATCH_TOLERANCE && self.delta_y.abs() < MATCH_TOLERANCE
     }
@@ -36,16 +34,12 @@ impl PrimaryMatch {
     }
 }
 
-/// Finds non-negative weights of the primaries. With these weights, the squared distance in XYZ
-/// between the mix and a target is as small as possible.
+/// Finds the non-negative weights of the primaries with the least squared distance in XYZ between
+/// the mix and a target. Returns an error if there are no primaries, a primary has no colour, or
+/// the target has no luminance.
 ///
-/// An optimal mix needs at most three primaries with positive weights, because there are three
-/// equations (Carathéodory's theorem). Therefore the problem is solved for every set of at most
-/// three primaries, and the best solution is returned.
-///
-/// # Errors
-/// Returns an error if there are no primaries, a primary has no colour, or the target has no
-/// luminance.
+/// An optimal mix needs at most three primaries, because there are three equations (Carathéodory's
+/// theorem), so the best solution of all sets of at most three is returned.
 pub fn match_primaries(target: Xyz, primaries: &[Xyz]) -> Result<PrimaryMatch> {
     if !(target.iter().all(|value| value.is_finite()) && target[1] > 0.0) {
         return Err(Error::input("a match target without luminance").expected("a light with luminance"));
@@ -101,8 +95,8 @@ fn best_mix(target: Xyz, units: &[Xyz]) -> Vec<(usize, f64)> {
     best.1
 }
 
-/// Solves the least-squares problem without constraints for one to three primaries. Returns `None`
-/// if a weight is negative or the primaries are linearly dependent.
+/// Solves the unconstrained least-squares problem for one to three primaries. Returns `None` if a
+/// weight is negative or the primaries are linearly dependent.
 fn least_squares(target: Xyz, set: &[usize], units: &[Xyz]) -> Option<Vec<f64>> {
     // Orthogonalises by modified Gram–Schmidt, then substitutes backwards.
     let mut directions: Vec<Xyz> = Vec::with_capacity(3);

@@ -1,9 +1,8 @@
-//! 3 × 3 matrices. Their functions can be called in constant expressions.
+//! 3 × 3 matrices, for constant expressions too.
 
 /// Three rows of three components.
 pub(crate) type Matrix3 = [[f64; 3]; 3];
 
-/// Returns m · v.
 pub(crate) const fn apply(m: &Matrix3, v: [f64; 3]) -> [f64; 3] {
     [
         m[0][0] * v[0] + m[0][1] * v[1] + m[0][2] * v[2],
@@ -12,17 +11,14 @@ pub(crate) const fn apply(m: &Matrix3, v: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// Returns a · b.
 pub(crate) const fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
     transposed(&[apply(a, column(b, 0)), apply(a, column(b, 1)), apply(a, column(b, 2))])
 }
 
-/// Returns the matrix with `v` on its diagonal.
 pub(crate) const fn diagonal(v: [f64; 3]) -> Matrix3 {
     [[v[0], 0.0, 0.0], [0.0, v[1], 0.0], [0.0, 0.0, v[2]]]
 }
 
-/// Returns the inverse of an invertible matrix.
 pub(crate) const fn inverse(m: &Matrix3) -> Matrix3 {
     let rows = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
     let determinant = dot(m[0], rows[0]);
@@ -35,7 +31,6 @@ pub(crate) const fn inverse(m: &Matrix3) -> Matrix3 {
     result
 }
 
-/// Returns the dot product a · b.
 pub(crate) const fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

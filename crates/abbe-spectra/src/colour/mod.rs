@@ -1,8 +1,8 @@
-//! Colorimetry: tristimulus values of light, and all quantities computed from these values.
+//! Colorimetry: tristimulus values of light, and the quantities computed from them.
 //!
-//! The XYZ values of a spectrum Φ are the integrals ∫ Φ x̄ dλ, ∫ Φ ȳ dλ and ∫ Φ z̄ dλ. The factor
-//! 683 is left out, so XYZ values have a radiometric unit, like Φ. RGB values are linear unless a
-//! name contains `encode`, and they may be negative or above 1 until [`gamut`] maps them.
+//! The XYZ of a spectrum Φ are the integrals ∫ Φ x̄ dλ, ∫ Φ ȳ dλ and ∫ Φ z̄ dλ without the factor
+//! 683, so they have a radiometric unit, like Φ. RGB values are linear unless a name contains
+//! `encode`, and they may be negative or above 1 until [`gamut`] maps them.
 
 pub mod adaptation;
 pub mod coordinates;
@@ -33,3 +33,14 @@ pub use report::ColourReport;
 pub use space::{RgbSpace, decode_srgb, encode_srgb, encode_srgb_u8, linear_srgb_to_xyz, srgb_hex, xyz_to_linear_srgb};
 pub use temperature::{CorrelatedTemperature, cct_duv};
 pub use tristimulus::{Rgb, Xyz};
+
+use crate::error::{Error, Result};
+
+/// Returns the value with this name in any letter case, or an error that lists the names of all.
+fn by_name<T: Copy>(kind: &str, name: &str, all: &[(&str, T)]) -> Result<T> {
+    let named = all.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+    named.map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
+        Error::unknown_name(kind, name, names.iter().copied()).expected(names.join(", "))
+    })
+}

@@ -13,15 +13,13 @@ const TEST_COLOURS: usize = 14;
 /// The range of colour temperatures in K for which the index is computed.
 pub(super) const RANGE_K: (f64, f64) = (1000.0, 50_000.0);
 
-/// The reference illuminant is daylight at this temperature in K and above. Below this temperature,
-/// it is a black body.
+/// The reference illuminant is daylight from this temperature in K on, and a black body below.
 const DAYLIGHT_FROM_K: f64 = 5000.0;
 
 /// The step of the sums over wavelengths in CIE 13.3, in nm.
 const CIE_STEP_NM: u32 = 5;
 
-/// The colour rendering indices of a light, relative to a reference illuminant of the same colour
-/// temperature.
+/// The colour rendering indices of a light, relative to a reference of the same colour temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColourRendering {
     /// The general index, the mean of R1–R8.
@@ -30,16 +28,14 @@ pub struct ColourRendering {
     pub special: [f64; TEST_COLOURS],
 }
 
-/// Computes the colour rendering indices of a light with a known correlated colour temperature.
-/// Returns `None` if the temperature is below 1000 K or above 50,000 K. The continuum is sampled
-/// every 5 nm from 380 to 780 nm, and the samples are summed, as in CIE 13.3. Each line is
-/// evaluated at the wavelength of the line.
+/// Computes the colour rendering indices of a light of known correlated colour temperature, or
+/// returns `None` outside 1000–50,000 K. As in CIE 13.3, the sums are over samples of the continuum
+/// every 5 nm from 380 to 780 nm. Each line is evaluated at its wavelength.
 pub fn cri(lamp: &Spectrum, temperature: CorrelatedTemperature) -> Option<ColourRendering> {
     cri_in_steps(lamp, temperature, CIE_STEP_NM)
 }
 
-/// Computes the colour rendering indices of a light as [`cri`] does, but the continuum of the light
-/// and the reference illuminant are summed in steps of `step_nm`.
+/// Computes the same as [`cri`], but sums both continua in steps of `step_nm`.
 pub fn cri_in_steps(lamp: &Spectrum, temperature: CorrelatedTemperature, step_nm: u32) -> Option<ColourRendering> {
     let cct_k = temperature.cct_k;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
@@ -62,7 +58,7 @@ pub fn cri_in_steps(lamp: &Spectrum, temperature: CorrelatedTemperature, step_nm
     Some(ColourRendering { ra: special[..8].iter().sum::<f64>() / 8.0, special })
 }
 
-/// Returns the XYZ of a reflectance under a light, as sums over samples that are `step_nm` apart.
+/// Returns the XYZ of a reflectance under a light, by samples that are `step_nm` apart.
 fn xyz(reflectance: &Spectrum, light: &Spectrum, step_nm: u32) -> Xyz {
     let observer = Observer::cie1931();
     let narrow = light.narrow_part();
@@ -81,8 +77,7 @@ fn xyz(reflectance: &Spectrum, light: &Spectrum, step_nm: u32) -> Xyz {
     sum
 }
 
-/// The von Kries adaptation of CIE 13.3. It adapts from the white of the light to the white of the
-/// reference illuminant.
+/// The von Kries adaptation of CIE 13.3, from the white of the light to that of the reference.
 struct VonKriesAdaptation {
     ratio: [f64; 2],
 }
@@ -93,7 +88,6 @@ impl VonKriesAdaptation {
         Self { ratio: [c / c_lamp, d / d_lamp] }
     }
 
-    /// Returns u, v after adaptation to the reference illuminant.
     fn adapted(&self, uv: [f64; 2]) -> [f64; 2] {
         let [c, d] = c_d(uv);
         let (c, d) = (c * self.ratio[0], d * self.ratio[1]);
@@ -106,8 +100,7 @@ fn c_d([u, v]: [f64; 2]) -> [f64; 2] {
     [(4.0 - u - 10.0 * v) / v, (1.708 * v + 0.404 - 1.481 * u) / v]
 }
 
-/// Returns CIE 1964 W*, U*, V* of a colour with the luminance Y and the chromaticity u, v. White
-/// has Y = 100.
+/// Returns CIE 1964 W*, U*, V* of a luminance Y and chromaticity u, v. White has Y = 100.
 fn uniform(y: f64, [u, v]: [f64; 2], [white_u, white_v]: [f64; 2]) -> [f64; 3] {
     let w = 25.0 * cbrt(y) - 17.0;
     [w, 13.0 * w * (u - white_u), 13.0 * w * (v - white_v)]

@@ -2,8 +2,8 @@
 //!
 //! The 99 colour evaluation samples are tabulated every 5 nm, and a cubic polynomial through four
 //! of these nodes interpolates a reflectance between them. Because the result is linear in the
-//! reflectances at the nodes, a light is first distributed over the nodes, and then all samples are
-//! evaluated at the nodes alone.
+//! reflectances at the nodes, a light is first distributed over the nodes, at which alone the
+//! samples are then evaluated.
 
 use std::sync::OnceLock;
 
@@ -16,7 +16,6 @@ use crate::math::elementary::{atan2, cbrt, exp, hypot, ln_1p, powf, sin_cos};
 use crate::spectrum::{Observer, Outside, Spectrum, daylight_extended, library};
 use serde::Serialize;
 
-/// The number of colour evaluation samples.
 const SAMPLES: usize = 99;
 
 /// The number of hue bins, which have equal angles and begin at the hue angle 0.
@@ -27,15 +26,13 @@ const RANGE_NM: (u32, u32) = (380, 780);
 const STEP_NM: u32 = 5;
 const NODES: usize = ((RANGE_NM.1 - RANGE_NM.0) / STEP_NM) as usize + 1;
 
-/// The reference illuminant is a black body up to the first temperature in K, and daylight from the
-/// second temperature. Between them, it is a mix of both.
+/// The reference is a black body up to the first temperature in K, daylight from the second on.
 const MIX_K: (f64, f64) = (4000.0, 5000.0);
 
-/// The fidelity index decreases by this number for a colour difference of 1 in CAM02-UCS.
+/// The decrease of the fidelity index for a colour difference of 1 in CAM02-UCS.
 const FIDELITY_SLOPE: f64 = 6.73;
 
-/// The colour rendition of a light, relative to a reference illuminant of the same colour
-/// temperature.
+/// The colour rendition of a light, relative to a reference of the same colour temperature.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColourRendition {
     /// The fidelity index Rf, which is 100 if all samples look the same as under the reference.
@@ -51,28 +48,26 @@ pub struct ColourRendition {
     /// The fidelity index of each sample.
     #[serde(skip)]
     pub samples: [f64; SAMPLES],
-    /// The arrows of the colour vector graphic, one for each hue bin. An arrow begins on the unit
-    /// circle, at the mean a′, b′ under the reference. It ends at the mean a′, b′ under the light,
-    /// on the same scale.
+    /// The arrows of the colour vector graphic: from the mean a′, b′ of each hue bin under the
+    /// reference, on the unit circle, to that under the light on the same scale.
     #[serde(skip)]
     pub arrows: [[[f64; 2]; 2]; HUE_BINS],
 }
 
-/// Computes the colour rendition of a light. Returns `None` if the light has no correlated colour
-/// temperature, if this temperature is below 1000 K or above 50,000 K, as for [`super::cri`], or if
-/// a hue bin contains no sample. Below 1200 K, some black bodies leave a hue bin empty.
+/// Computes the colour rendition of a light. Returns `None` if it has no correlated colour
+/// temperature, if this is outside 1000–50,000 K as for [`super::cri`], or if a hue bin contains no
+/// sample, as for some black bodies below 1200 K.
 ///
 /// The light is summed from 380 to 780 nm. As in the standard, the step of the sums is that of the
-/// light: it is 5 nm if the continuum is linear between multiples of 5 nm, and 1 nm otherwise.
-/// Peaks of the continuum that are narrower than 5 nm are integrated. Each line is evaluated at its
-/// wavelength. The same sums determine the correlated colour temperature, so it may differ slightly
-/// from the temperature in a [`super::ColourReport`].
+/// light: 5 nm if the continuum is linear between multiples of 5 nm, and 1 nm otherwise. Peaks of
+/// the continuum narrower than 5 nm are integrated, and each line is evaluated at its wavelength.
+/// The same sums give the correlated colour temperature, which may thus differ slightly from that
+/// of a [`super::ColourReport`].
 pub fn rendition(light: &Spectrum) -> Option<ColourRendition> {
     rendition_in_steps(light, sum_step_nm(light))
 }
 
-/// Computes the colour rendition of a light as [`rendition`] does, but the continuum of the light
-/// and the reference illuminant are summed in steps of `step_nm`.
+/// Computes the same as [`rendition`], but sums both continua in steps of `step_nm`.
 pub fn rendition_in_steps(light: &Spectrum, step_nm: u32) -> Option<ColourRendition> {
     let CorrelatedTemperature { cct_k, .. } = cct_duv(white(&node_weights(light, Observer::cie1931(), step_nm)))?;
     if !(RANGE_K.0..=RANGE_K.1).contains(&cct_k) {
@@ -87,8 +82,7 @@ pub fn rendition_in_steps(light: &Spectrum, step_nm: u32) -> Option<ColourRendit
 type SampleColours = [[f64; 3]; SAMPLES];
 
 impl ColourRendition {
-    /// Computes the rendition from the colours of the samples under the light and under the
-    /// reference. Returns `None` if a hue bin contains no sample.
+    /// Computes the rendition from samples' colours, or returns `None` for an empty hue bin.
     fn of_colours(light: &SampleColours, reference: &SampleColours) -> Option<Self> {
         let mut bins = [HueBin::default(); HUE_BINS];
         let mut samples = [0.0; SAMPLES];
@@ -127,7 +121,6 @@ struct HueBin {
     light: [f64; 2],
     /// a′ and b′ under the reference.
     reference: [f64; 2],
-    /// The colour difference.
     shift: f64,
 }
 
@@ -150,8 +143,7 @@ impl HueBin {
         hypot(self.reference[0], self.reference[1])
     }
 
-    /// Returns the shift of the mean colour along the middle of bin `i` and at right angles to it,
-    /// divided by the chroma of the reference.
+    /// Returns the mean shift along the middle of bin `i`, and across, relative to the chroma.
     fn relative_shift(&self, i: usize) -> [f64; 2] {
         let (sin, cos) = sin_cos(bin_angle() * (i as f64 + 0.5));
         let [a, b] = [0, 1].map(|i| (self.light[i] - self.reference[i]) / self.reference_chroma());
@@ -159,23 +151,20 @@ impl HueBin {
     }
 }
 
-/// The angle of a hue bin in radians.
 fn bin_angle() -> f64 {
     std::f64::consts::TAU / HUE_BINS as f64
 }
 
-/// Returns the hue bin of J′, a′ and b′.
 fn hue_bin([_, a, b]: [f64; 3]) -> usize {
     (atan2(b, a) / bin_angle()).floor().rem_euclid(HUE_BINS as f64) as usize
 }
 
-/// Returns the area of a polygon around the origin.
 fn polygon_area(corners: &[[f64; 2]; HUE_BINS]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     0.5 * corners.iter().zip(next).map(|(from, to)| from[0] * to[1] - from[1] * to[0]).sum::<f64>()
 }
 
-/// Returns the fidelity index of a colour difference in CAM02-UCS. The index is never negative.
+/// Returns the fidelity index of a colour difference in CAM02-UCS, which is never negative.
 fn fidelity(shift: f64) -> f64 {
     10.0 * ln_1p(exp(10.0 - 0.1 * FIDELITY_SLOPE * shift))
 }
@@ -187,10 +176,9 @@ fn samples() -> &'static [Vec<f64>] {
     &table[1..]
 }
 
-/// For each node, the XYZ of a reflectance that is 1 at this node and 0 at all other nodes.
+/// For each node, the XYZ of a reflectance that is 1 there and 0 at all other nodes.
 type NodeWeights = [Xyz; NODES];
 
-/// Returns the step of the sums in nm.
 fn sum_step_nm(light: &Spectrum) -> u32 {
     /// Deviations below this fraction of the value are rounding errors.
     const ROUNDING: f64 = 1e-9;
@@ -276,21 +264,18 @@ fn total(nodes: &NodeWeights, reflectance: impl Iterator<Item = f64>) -> Xyz {
     sum
 }
 
-/// Returns the XYZ of a reflectance of 1.
 fn white(nodes: &NodeWeights) -> Xyz {
     total(nodes, std::iter::repeat(1.0))
 }
 
-/// Returns the colours of all samples under a light.
 fn sample_colours(nodes: &NodeWeights) -> SampleColours {
     let appearance = ColourAppearance::new(white(nodes));
     let samples = samples();
     std::array::from_fn(|i| appearance.cam02_ucs(total(nodes, samples[i].iter().copied())))
 }
 
-/// CIECAM02 with the viewing conditions of TM-30: the adapting luminance is 100 cd/m², the
-/// background has 20 % of the luminance of white, the surround is average, and the adaptation to
-/// the light is complete.
+/// CIECAM02 with the viewing conditions of TM-30: an adapting luminance of 100 cd/m², a background
+/// of 20 % of the luminance of white, an average surround, and complete adaptation to the light.
 struct ColourAppearance {
     /// The matrix from XYZ to the adapted cone responses.
     cones: Matrix3,
@@ -303,7 +288,6 @@ const HUNT_POINTER_ESTEVEZ: Matrix3 =
     [[0.389_71, 0.688_98, -0.078_68], [-0.229_81, 1.183_40, 0.046_41], [0.0, 0.0, 1.0]];
 const CAT02_TO_CONES: Matrix3 = product(&HUNT_POINTER_ESTEVEZ, &inverse(&CAT02));
 
-/// The adapting luminance in cd/m².
 const ADAPTING_LUMINANCE: f64 = 100.0;
 /// The luminance of the background divided by the luminance of white.
 const BACKGROUND: f64 = 0.2;
@@ -312,7 +296,6 @@ const SURROUND_IMPACT: f64 = 0.69;
 const CHROMATIC_INDUCTION: f64 = 1.0;
 
 impl ColourAppearance {
-    /// Adapts to a white.
     fn new(white: Xyz) -> Self {
         let seen = apply(&CAT02, white);
         let scale = diagonal(seen.map(|response| 100.0 / response));
@@ -322,7 +305,6 @@ impl ColourAppearance {
         appearance
     }
 
-    /// Returns the compressed responses of the cones.
     fn compressed(&self, xyz: Xyz) -> [f64; 3] {
         let factor = luminance_adaptation();
         apply(&self.cones, xyz).map(|response| {
@@ -331,7 +313,6 @@ impl ColourAppearance {
         })
     }
 
-    /// Returns J′, a′ and b′ in CAM02-UCS.
     fn cam02_ucs(&self, xyz: Xyz) -> [f64; 3] {
         let responses @ [red, green, blue] = self.compressed(xyz);
         let a = red - (12.0 * green - blue) / 11.0;
@@ -399,8 +380,8 @@ mod tests {
         // 99 samples: seven in each of the bins 0 to 2, and six in each other bin.
         near(found.rf, fidelity((7.0 * 2.0 + 7.0 * chord) / 99.0));
         near(found.samples[17], fidelity(chord));
-        // Of 16 equal triangles, one becomes 1.2 times as large, and one has no area. The triangle
-        // between bins 0 and 1 has twice the angle and 1.2 times the product of its sides.
+        // Of 16 equal triangles, one becomes 1.2 times as large, and one has no area. That between
+        // bins 0 and 1 has twice the angle and 1.2 times the product of its sides.
         let sin = |bins: f64| sin_cos(bins * bin_angle()).0;
         near(found.rg, 100.0 * (13.0 * sin(1.0) + 1.2 * sin(1.0) + 1.2 * sin(2.0)) / (16.0 * sin(1.0)));
         near(hypot(found.arrows[5][0][0], found.arrows[5][0][1]), 1.0);
@@ -413,8 +394,8 @@ mod tests {
         assert_eq!(ColourRendition::of_colours(&red, &red), None);
     }
 
-    /// The sums of TM-30 lack the light above 780 nm, which is a large part of the light of a black
-    /// body of 1200 K. Its correlated colour temperature is therefore slightly wrong.
+    /// The sums of TM-30 lack the light of a black body of 1200 K above 780 nm, which is a large
+    /// part of it, so its correlated colour temperature is slightly wrong.
     #[test]
     fn a_reference_illuminant_has_the_indices_100() {
         let found = rendition(&Spectrum::blackbody(1200.0).unwrap()).unwrap();
@@ -427,7 +408,6 @@ mod tests {
         }
     }
 
-    /// Narrow peaks have the rendition of lines.
     #[test]
     fn narrow_peaks_equal_lines() {
         let light = |fwhm_nm: Option<f64>| {

@@ -1,12 +1,10 @@
-//! The colour values of a spectrum, computed in the same way as in published tables.
+//! The colour values of a spectrum, computed as in published tables.
 //!
-//! By the convention of published reference values, smooth spectra and tables are sampled every nm
-//! from 360 to 830 nm, and the samples are summed. Each line is multiplied by the colour-matching
-//! functions at its wavelength, and peaks of the continuum that are narrower than 5 nm are
-//! integrated exactly. Rendering uses exact integrals instead, which agree with these sums to
-//! within 3·10⁻⁴.
+//! By their convention, smooth spectra and tables are summed over samples at every nm from 360 to
+//! 830 nm. Each line is multiplied by the colour-matching functions at its wavelength, and peaks of
+//! the continuum narrower than 5 nm are integrated exactly. Rendering uses exact integrals instead,
+//! which agree with these sums to within 3·10⁻⁴.
 
-use super::adaptation::{AdaptationTransform, adapt};
 use super::dominant::{DominantWavelength, dominant};
 use super::rendering::{ColourRendering, cri};
 use super::rendition::{ColourRendition, rendition};
@@ -17,18 +15,15 @@ use super::{coordinates, gamut};
 use crate::error::{Error, Result};
 use crate::spectrum::{BAND_NM, LUMENS_PER_WATT, LineSegment, Observer, Spectrum};
 
-/// Lines wider than this value in nm are integrated exactly, and narrower ones evaluated at their
-/// centre.
+/// The width in nm above which lines are integrated; narrower ones are evaluated at their centre.
 const WIDE_LINE_NM: f64 = 5.0;
 
-/// Returns the XYZ of a light, without the factor 683. The integrals ∫ Φ x̄ dλ, ∫ Φ ȳ dλ and ∫ Φ z̄
-/// dλ are computed as sums, as described at the top of this module.
+/// Returns the XYZ of a light, without the factor 683, by the sums of this module.
 pub fn xyz(light: &Spectrum, observer: &Observer) -> Xyz {
     xyz_under(&Spectrum::constant(1.0), light, observer)
 }
 
-/// Returns the XYZ of a reflectance under a light. The scale is that of the light: a reflectance of
-/// 1 has the same XYZ as the light.
+/// Returns the XYZ of a reflectance under a light. A reflectance of 1 has that of the light.
 pub fn xyz_under(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) -> Xyz {
     if !reflectance.line_segments().is_empty() {
         return observer.xyz_under(reflectance, light);
@@ -41,8 +36,8 @@ pub fn xyz_under(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) 
         let smooth_reflectance = reflectance.continuum_at(nm) - fine(&fine_reflectance, nm);
         add(&mut sum, smooth_light * smooth_reflectance, observer.xyz_bar(nm));
     }
-    // The sum above contains only the product of the two smooth parts: one of the light, and one of
-    // the reflectance. All other terms of the product are integrated.
+    // The sum above contains only the product of the smooth parts of the light and of the
+    // reflectance. All other terms of the product are integrated.
     if let Some(fine_light) = &fine_light {
         add(&mut sum, 1.0, observer.xyz_under(reflectance, fine_light));
     }
@@ -73,39 +68,31 @@ fn xyz_of_line(line: &LineSegment, reflectance: &Spectrum, observer: &Observer) 
 /// The colour of a light, or of a reflectance under a light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColourReport {
-    /// XYZ, in which a light has Y = 100. For a reflectance under a light, the perfect diffuser has
-    /// Y = 100.
+    /// XYZ. A light, or the perfect diffuser for a reflectance under a light, has Y = 100.
     pub xyz: Xyz,
     /// Chromaticity x, y.
     pub xy: [f64; 2],
-    /// Linear sRGB, not clipped. A colour with Y = 100 in `xyz` has the luminance 1 in these
-    /// components.
+    /// Linear sRGB, not clipped. Y = 100 in `xyz` is the luminance 1.
     pub linear_srgb: Rgb,
-    /// The colour mapped into sRGB, for a colour swatch. The swatch of a light has the largest
-    /// brightness that its chromaticity allows.
+    /// The colour mapped into sRGB, for a swatch; that of a light is as bright as possible.
     pub srgb_hex: String,
-    /// Dominant wavelength and excitation purity, or `None` for neutral colours. The white is the
+    /// Dominant wavelength and excitation purity, or `None` for neutral colours. White is the
     /// equal-energy white for a light, and the illuminant for a reflectance.
     pub dominant: Option<DominantWavelength>,
-    /// Correlated colour temperature of a light, if this temperature is defined. The observer is
-    /// always CIE 1931.
+    /// Correlated colour temperature of a light, if defined, always for the CIE 1931 observer.
     pub temperature: Option<CorrelatedTemperature>,
-    /// Colour rendering indices of a light, if these indices are defined.
+    /// Colour rendering indices of a light, if defined.
     pub rendering: Option<ColourRendering>,
-    /// Colour rendition of a light by TM-30, if it is defined.
+    /// Colour rendition of a light by TM-30, if defined.
     pub rendition: Option<ColourRendition>,
     /// The melanopic daylight efficacy ratio of a light (CIE S 026). `None` for a reflectance.
     pub melanopic_ratio: Option<f64>,
-    /// The luminous efficacy of the radiation within the band, in lumens per watt. `None` for a
-    /// reflectance.
+    /// The luminous efficacy of the radiation within the band in lm/W. `None` for a reflectance.
     pub efficacy_lm_per_w: Option<f64>,
 }
 
 impl ColourReport {
-    /// Computes the colour of a light.
-    ///
-    /// # Errors
-    /// Returns an error if the spectrum has no luminance for the observer.
+    /// Computes the colour of a light, or returns an error if it has no luminance for the observer.
     pub fn of_light(light: &Spectrum, observer: &Observer) -> Result<Self> {
         let raw = xyz(light, observer);
         let unit = unit_luminance(raw)?;
@@ -125,10 +112,8 @@ impl ColourReport {
         })
     }
 
-    /// Computes the colour of a reflectance under a light, without chromatic adaptation.
-    ///
-    /// # Errors
-    /// Returns an error if the light has no luminance for the observer.
+    /// Computes the colour of a reflectance under a light, without chromatic adaptation. Returns an
+    /// error if the light has no luminance for the observer.
     pub fn of_reflectance(reflectance: &Spectrum, light: &Spectrum, observer: &Observer) -> Result<Self> {
         let white = xyz(light, observer);
         let white_unit = unit_luminance(white)?;
@@ -147,17 +132,9 @@ impl ColourReport {
             efficacy_lm_per_w: None,
         })
     }
-
-    /// Returns linear sRGB after adaptation from `white` to the white of sRGB (Bradford).
-    pub fn adapted_srgb(&self, white: Xyz) -> Rgb {
-        xyz_to_linear_srgb(
-            adapt(self.xyz, white, RgbSpace::Srgb.white(), AdaptationTransform::Bradford).map(|v| v / 100.0),
-        )
-    }
 }
 
-/// Returns the power within the band. The integral is computed as a sum, as described at the top of
-/// this module.
+/// Returns the power within the band, by the sum of this module.
 fn power(light: &Spectrum) -> f64 {
     let fine = light.narrow_part();
     let smooth = |nm: f64| light.continuum_at(nm) - fine.as_ref().map_or(0.0, |fine| fine.continuum_at(nm));

@@ -3,9 +3,10 @@
 use std::sync::OnceLock;
 
 use super::adaptation::{AdaptationTransform, adaptation};
+use super::by_name;
 use super::matrix::{Matrix3, apply, diagonal, inverse, product, transposed};
 use super::tristimulus::{Rgb, Xyz};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::math::elementary::powf;
 use serde::{Deserialize, Serialize};
 
@@ -40,8 +41,8 @@ struct SpaceMatrices {
 }
 
 impl SpaceMatrices {
-    /// Builds the matrices. The columns of `to_xyz` are the primaries. The primaries are scaled so
-    /// that the components (1, 1, 1) give a colour with Y = 1 and the chromaticity of white.
+    /// Builds the matrices. The columns of `to_xyz` are the primaries, scaled so that the
+    /// components (1, 1, 1) have Y = 1 and the chromaticity of white.
     const fn new(primaries_xy: [[f64; 2]; 3], white_xy: [f64; 2]) -> Self {
         let columns = transposed(&[of_xy(primaries_xy[0]), of_xy(primaries_xy[1]), of_xy(primaries_xy[2])]);
         let scale = apply(&inverse(&columns), of_xy(white_xy));
@@ -69,16 +70,9 @@ impl RgbSpace {
         }
     }
 
-    /// Returns a space by its name: `srgb`, `display-p3`, `rec2020` or `acescg`.
-    ///
-    /// # Errors
-    /// Returns an error if the name is unknown.
+    /// Returns a space by its name (`srgb`, `display-p3`, `rec2020` or `acescg`), or an error.
     pub fn by_name(name: &str) -> Result<Self> {
-        let names = Self::ALL.map(Self::name);
-        Self::ALL
-            .into_iter()
-            .find(|space| space.name().eq_ignore_ascii_case(name))
-            .ok_or_else(|| Error::unknown_name("colour space", name, names).expected(names.join(", ")))
+        by_name("colour space", name, &Self::ALL.map(|any| (any.name(), any)))
     }
 
     fn matrices(self) -> &'static SpaceMatrices {
@@ -117,9 +111,9 @@ impl RgbSpace {
         apply(&self.matrices().from_xyz, xyz)
     }
 
-    /// Returns the matrix from XYZ to linear components with which pictures are developed. It
-    /// includes Bradford's transform from the white of sRGB (D65) to the white of this space, so it
-    /// differs from the matrix of [`from_xyz`](Self::from_xyz) only for ACEScg.
+    /// Returns the matrix from XYZ to linear components that develops pictures. It includes
+    /// Bradford's transform from the white of sRGB (D65), so it differs from that of
+    /// [`from_xyz`](Self::from_xyz) only for ACEScg.
     pub fn picture_matrix(self) -> [[f64; 3]; 3] {
         match self {
             Self::Srgb | Self::DisplayP3 | Self::Rec2020 => self.matrices().from_xyz,
@@ -128,20 +122,18 @@ impl RgbSpace {
     }
 
     /// Returns the matrix from XYZ to linear components that includes Bradford's transform from the
-    /// colour `white` to the white of this space. The scale of `white` has no influence on it.
+    /// colour `white`, of any scale, to the white of this space.
     pub fn balanced_matrix(self, white: Xyz) -> [[f64; 3]; 3] {
         product(&self.matrices().from_xyz, &adaptation(white, self.white(), AdaptationTransform::Bradford))
     }
 
-    /// Returns the weights with which the red, green and blue components contribute to Y. The sum
-    /// of the weights is 1.
+    /// Returns the weights of the red, green and blue components in Y, whose sum is 1.
     pub fn luminance_weights(self) -> [f64; 3] {
         self.matrices().to_xyz[1]
     }
 
-    /// Encodes a linear component as a non-linear signal. sRGB and Display P3 use the sRGB curve,
-    /// Rec. 2020 has its own, and ACEScg is linear. The function is odd, so negative components are
-    /// preserved.
+    /// Encodes a linear component as a non-linear signal by an odd function: sRGB and Display P3
+    /// use the sRGB curve, Rec. 2020 has its own, and ACEScg is linear.
     pub fn encode(self, component: f64) -> f64 {
         match self {
             Self::Srgb | Self::DisplayP3 => encode_srgb(component),
@@ -155,7 +147,7 @@ impl RgbSpace {
         }
     }
 
-    /// Decodes a signal to a linear component, as the inverse of [`encode`](Self::encode).
+    /// Inverts [`encode`](Self::encode).
     pub fn decode(self, signal: f64) -> f64 {
         match self {
             Self::Srgb | Self::DisplayP3 => decode_srgb(signal),
@@ -173,8 +165,7 @@ impl RgbSpace {
     }
 }
 
-/// The constants α and β of ITU-R BT.2020. With this number of digits, the curve and its slope are
-/// continuous where the two branches meet.
+/// The constants of ITU-R BT.2020, precise enough for the branches to meet smoothly.
 const BT2020_ALPHA: f64 = 1.099_296_826_809_442_4;
 const BT2020_BETA: f64 = 0.018_053_968_510_807_807;
 
@@ -190,9 +181,8 @@ pub fn linear_srgb_to_xyz(rgb: Rgb) -> Xyz {
     RgbSpace::Srgb.to_xyz(rgb)
 }
 
-/// The linear component at which the two branches of the sRGB curve meet. The rounded thresholds of
-/// the standard (0.0031308 and 0.04045) leave a gap of about 10⁻⁸. With this gap, the inverse would
-/// be inexact.
+/// Where the branches of the sRGB curve meet, as a linear component. The rounded thresholds of the
+/// standard (0.0031308 and 0.04045) leave a gap of 10⁻⁸, and the inverse would be inexact.
 const SRGB_JUNCTION: f64 = 0.003_130_668_442_500_6;
 
 /// Encodes a linear component as an sRGB signal (IEC 61966-2-1) by an odd function.
@@ -202,27 +192,24 @@ pub fn encode_srgb(component: f64) -> f64 {
     signal.copysign(component)
 }
 
-/// Decodes an sRGB signal to a linear component, as the inverse of [`encode_srgb`].
+/// Inverts [`encode_srgb`].
 pub fn decode_srgb(signal: f64) -> f64 {
     let x = signal.abs();
     let component = if x <= 12.92 * SRGB_JUNCTION { x / 12.92 } else { powf((x + 0.055) / 1.055, 2.4) };
     component.copysign(signal)
 }
 
-/// The number of entries of the table that gives a first estimate of a code. With this size, an
-/// estimate is never more than one code too low. The curve is steepest at 0. Even there, the step
-/// from one entry to the next is less than one code: 12.92 · 255 / 4096 = 0.80 codes.
+/// The entries of the table of first estimates of codes. An estimate is at most one code too low,
+/// because even at 0, where the curve is steepest, an entry is 12.92 · 255 / 4096 = 0.80 codes.
 const CODE_TABLE_SIZE: usize = 4096;
 
-/// Clips a linear component to [0, 1] and returns its nearest 8-bit sRGB code. The code is the
-/// result of [`encode_srgb`], multiplied by 255 and rounded. To avoid computing a power, the
-/// function uses a table.
+/// Clips a linear component to [0, 1] and returns its nearest 8-bit sRGB code, which is
+/// [`encode_srgb`] times 255, rounded. A table saves the computation of a power.
 #[inline]
 pub fn encode_srgb_u8(component: f64) -> u8 {
     struct CodeTable {
         guess: Vec<u8>,
-        /// The smallest linear component of each code. The last entry is NaN, so no component is
-        /// ever at or above that entry.
+        /// The smallest linear component of each code, and NaN, which no component reaches.
         least: [f64; 257],
     }
     static TABLE: OnceLock<CodeTable> = OnceLock::new();

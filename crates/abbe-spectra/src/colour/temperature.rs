@@ -7,15 +7,13 @@ use super::tristimulus::Xyz;
 use crate::math::elementary::hypot;
 use crate::spectrum::{BAND_NM, Observer, planck};
 
-/// Colours farther than this from the Planckian locus have no correlated colour temperature (CIE
-/// 15).
+/// The largest distance from the Planckian locus of a colour with a temperature (CIE 15).
 const MAX_DUV: f64 = 0.05;
 
-/// The search covers this range of reciprocal temperatures in 1/MK. The range corresponds to
-/// temperatures from 10⁶ K down to 500 K.
+/// The range of reciprocal temperatures in 1/MK that is searched, from 10⁶ K down to 500 K.
 const MIRED_RANGE: (f64, f64) = (1.0, 2001.0);
 
-/// The first search divides the range of reciprocal temperatures into this number of steps.
+/// The number of steps of the first search over this range.
 const LOCUS_STEPS: usize = 200;
 
 /// The black body whose colour is nearest to a colour.
@@ -23,15 +21,13 @@ const LOCUS_STEPS: usize = 200;
 pub struct CorrelatedTemperature {
     /// The temperature in K.
     pub cct_k: f64,
-    /// The distance from the Planckian locus in the CIE 1960 u, v plane. It is positive above the
-    /// locus (greenish).
+    /// The distance from the Planckian locus in CIE 1960 u, v, positive above it (greenish).
     pub duv: f64,
 }
 
-/// Computes the correlated colour temperature of a colour. `xyz` are the tristimulus values for the
-/// CIE 1931 observer. The result is the temperature at the nearest point of the Planckian locus in
-/// the CIE 1960 u, v plane. Returns `None` if the distance to this point is above 0.05, or if the
-/// temperature is outside 500–10⁶ K.
+/// Computes the correlated colour temperature of the XYZ of the CIE 1931 observer: that of the
+/// nearest point of the Planckian locus in the CIE 1960 u, v plane. Returns `None` if this point is
+/// farther than 0.05, or if the temperature is outside 500–10⁶ K.
 pub fn cct_duv(xyz: Xyz) -> Option<CorrelatedTemperature> {
     let target = uv1960(xyz);
     let square = |uv: [f64; 2]| (uv[0] - target[0]).powi(2) + (uv[1] - target[1]).powi(2);
@@ -39,15 +35,14 @@ pub fn cct_duv(xyz: Xyz) -> Option<CorrelatedTemperature> {
     let nearest = (0..table.len()).min_by(|&a, &b| square(table[a]).total_cmp(&square(table[b])))?;
     let bracket = (mired_of(nearest.saturating_sub(1)), mired_of((nearest + 1).min(LOCUS_STEPS)));
     let mired = minimum(|mired| square(locus(mired)), bracket.0, bracket.1);
-    // If the nearest point is an end of the locus, the colour is beyond that end.
+    // The nearest point of a colour beyond an end of the locus is that end.
     if mired < MIRED_RANGE.0 * (1.0 + 1e-6) || mired > MIRED_RANGE.1 * (1.0 - 1e-6) {
         return None;
     }
     let (foot, before, after) = (locus(mired), locus(mired - 0.01), locus(mired + 0.01));
     let tangent = [after[0] - before[0], after[1] - before[1]];
     let offset = [target[0] - foot[0], target[1] - foot[1]];
-    // With growing reciprocal temperature, the locus runs towards larger u. Therefore a point above
-    // the locus is on its left.
+    // With growing reciprocal temperature, u grows along the locus, so above is left.
     let side = (tangent[0] * offset[1] - tangent[1] * offset[0]).signum();
     let duv = side * hypot(offset[0], offset[1]);
     (duv.abs() <= MAX_DUV).then_some(CorrelatedTemperature { cct_k: 1e6 / mired, duv })
@@ -73,7 +68,7 @@ fn locus(mired: f64) -> [f64; 2] {
     uv1960(xyz)
 }
 
-/// Returns the position of the minimum of a function in an interval, by golden-section search.
+/// Returns the position of the minimum of a function, by golden-section search.
 fn minimum(function: impl Fn(f64) -> f64, mut lower: f64, mut upper: f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let mut inner = [upper - ratio * (upper - lower), lower + ratio * (upper - lower)];

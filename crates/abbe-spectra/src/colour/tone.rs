@@ -1,9 +1,10 @@
 //! Tone curves: the treatment of colours that are brighter than a display can show.
 
+use super::by_name;
 use super::matrix::{Matrix3, apply};
 use super::space::RgbSpace;
 use super::tristimulus::Rgb;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::math::elementary::{log2, powf};
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +15,7 @@ pub enum ToneCurve {
     /// Compresses bright colours, so that highlights keep their colour and their gradations.
     #[default]
     RollOff,
-    /// Changes no colour. The gamut mapping handles colours that are too bright.
+    /// Changes no colour, and leaves colours that are too bright to the gamut mapping.
     Clip,
     /// The Khronos PBR Neutral tone mapper (Khronos Group 2024).
     PbrNeutral,
@@ -22,11 +23,9 @@ pub enum ToneCurve {
     Agx,
 }
 
-/// The curve is the identity up to this component.
 const KNEE: f64 = 0.6;
 
-/// The strength with which very bright colours turn white. A component of 1/`DESATURATION` loses
-/// half of its saturation.
+/// Desaturates very bright colours: a component of 1/`DESATURATION` loses half its saturation.
 const DESATURATION: f64 = 0.02;
 
 impl ToneCurve {
@@ -43,16 +42,9 @@ impl ToneCurve {
         }
     }
 
-    /// Returns a curve by its name: `roll_off`, `clip`, `pbr_neutral` or `agx`.
-    ///
-    /// # Errors
-    /// Returns an error if the name is unknown.
+    /// Returns a curve by its name (`roll_off`, `clip`, `pbr_neutral` or `agx`), or an error.
     pub fn by_name(name: &str) -> Result<Self> {
-        let names = Self::ALL.map(Self::name);
-        Self::ALL
-            .into_iter()
-            .find(|curve| curve.name().eq_ignore_ascii_case(name))
-            .ok_or_else(|| Error::unknown_name("tone curve", name, names).expected(names.join(", ")))
+        by_name("tone curve", name, &Self::ALL.map(|any| (any.name(), any)))
     }
 
     /// Applies the curve to linear components of `space`.
@@ -67,14 +59,12 @@ impl ToneCurve {
     }
 }
 
-/// Compresses the largest component p of a colour to less than 1.
-///
-/// The curve is the highlight compression of the Khronos PBR Neutral tone mapper (Khronos Group,
-/// 2024). The largest component becomes 1 − (1 − k)²/(p + 1 − 2k) above the knee k, and its slope
-/// is continuous. The other components are scaled by the same factor, so the chromaticity is
-/// preserved. Then the colour moves a little towards white. The desaturation is weaker than in the
-/// Khronos curve, because a spectrum must keep its colours. The offset of the Khronos curve for
-/// dark colours is omitted.
+/// Compresses the largest component p of a colour to less than 1, as the Khronos PBR Neutral tone
+/// mapper (Khronos Group, 2024) does. Above the knee k = [`KNEE`], up to which the curve is the
+/// identity, it becomes 1 − (1 − k)²/(p + 1 − 2k), whose slope is continuous there. The other
+/// components are scaled by the same factor, which preserves the chromaticity, and then the colour
+/// moves a little towards white. The desaturation is weaker than that of Khronos, because a
+/// spectrum must keep its colours, and the offset for dark colours is omitted.
 #[inline]
 fn roll_off(rgb: Rgb) -> Rgb {
     let peak = rgb[0].max(rgb[1]).max(rgb[2]);
@@ -90,10 +80,8 @@ fn roll_off(rgb: Rgb) -> Rgb {
 }
 
 /// The Khronos PBR Neutral tone mapper (Khronos Group, "Khronos PBR Neutral Tone Mapper
-/// Specification", 2024).
-///
-/// It subtracts the reflection of a dielectric at normal incidence, 0.04, compresses components
-/// above 0.76, and moves bright colours towards white.
+/// Specification", 2024). It subtracts the reflection of a dielectric at normal incidence, 0.04,
+/// compresses components above 0.76, and moves bright colours towards white.
 fn pbr_neutral(rgb: Rgb) -> Rgb {
     const F90: f64 = 0.04;
     const START: f64 = 0.8 - F90;
@@ -114,33 +102,31 @@ fn pbr_neutral(rgb: Rgb) -> Rgb {
     shifted.map(|component| compressed * (saturation * component / peak + 1.0 - saturation))
 }
 
-/// The inset of AgX for Rec. 2020 (E. Chow, `AgXBaseRec2020`, 2023). It moves the primaries
-/// inwards.
+/// AgX's inset of the primaries for Rec. 2020 (E. Chow, `AgXBaseRec2020`, 2023).
 const AGX_INSET: Matrix3 = [
     [0.856_627_153_315_983, 0.095_121_240_538_158_8, 0.048_251_606_145_858_3],
     [0.137_318_972_929_847, 0.761_241_990_602_591, 0.101_439_036_467_562],
     [0.111_898_212_999_950, 0.076_799_418_603_190_3, 0.811_302_368_396_859],
 ];
 
-/// The outset of AgX for Rec. 2020.
 const AGX_OUTSET: Matrix3 = [
     [1.127_100_581_814_436_8, -0.110_606_643_096_603_23, -0.016_493_938_717_834_573],
     [-0.141_329_763_498_438_3, 1.157_823_702_216_272, -0.016_493_938_717_834_257],
     [-0.141_329_763_498_438_26, -0.110_606_643_096_602_94, 1.251_936_406_595_040_5],
 ];
 
-/// The range of AgX: the logarithms (base 2) of the darkest and the brightest component.
+/// The base-2 logarithms of the darkest and the brightest component of AgX.
 const AGX_RANGE_EV: [f64; 2] = [-12.473_93, 4.026_069];
 
-/// The coefficients of the contrast curve of AgX, from the constant term upwards (B. Wrensch,
-/// "Minimal AgX implementation", 2023).
+/// AgX's contrast curve, from the constant term up (B. Wrensch, "Minimal AgX implementation",
+/// 2023).
 const AGX_CONTRAST: [f64; 7] = [-0.002_32, 0.119_1, 0.429_8, -6.868, 31.96, -40.14, 15.5];
 
 /// The exponent with which a display decodes the output of AgX.
 const AGX_DISPLAY_EXPONENT: f64 = 2.2;
 
-/// AgX: compresses components of Rec. 2020 on a logarithmic scale after an inset of the primaries,
-/// so that bright colours turn white as on film. Returns linear components.
+/// Compresses components of Rec. 2020 on a logarithmic scale after an inset of the primaries, so
+/// that bright colours turn white as on film, and returns linear components (AgX).
 fn agx(rgb: Rgb) -> Rgb {
     let [darkest, brightest] = AGX_RANGE_EV;
     let curve = |component: f64| {
@@ -167,8 +153,7 @@ mod tests {
         assert!(1.0 > r && r > g && g > b && b > 0.3, "bright colours turn white: {r} {g} {b}");
     }
 
-    /// Grey stays grey. AgX shows the grey of 0.18 in the middle of the display's range, and a
-    /// component of 2⁴ as white.
+    /// Grey stays grey. AgX shows 0.18 in the middle of the display's range, and 2⁴ as white.
     #[test]
     fn agx_shows_middle_grey_in_the_middle() {
         for space in RgbSpace::ALL {

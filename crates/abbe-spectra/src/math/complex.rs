@@ -19,13 +19,13 @@ impl Complex {
         Self { re, im }
     }
 
-    /// Returns the number of absolute value 1 with an angle in radians.
+    /// Returns the number of absolute value 1 whose angle in radians this is.
     pub fn unit(angle: f64) -> Self {
         let (im, re) = sin_cos(angle);
         Self { re, im }
     }
 
-    /// Returns e to the power of i times the number.
+    /// Returns exp(i·z) of the number z.
     pub fn exp_i(self) -> Self {
         let unit = Self::unit(self.re);
         if self.im == 0.0 { unit } else { unit * exp(-self.im) }
@@ -43,14 +43,14 @@ impl Complex {
         self.re * self.re + self.im * self.im
     }
 
-    /// Returns the square root whose imaginary part is not negative. If the imaginary part of the
-    /// number is not negative, the real part of the root is not negative either.
+    /// Returns the square root with a non-negative imaginary part. Its real part is not negative
+    /// either if the imaginary part of the number is not.
     pub fn sqrt(self) -> Self {
         if self.im == 0.0 {
             let root = self.re.abs().sqrt();
             return if self.re >= 0.0 { Self::new(root, 0.0) } else { Self::new(0.0, root) };
         }
-        // The larger part comes from a sum of positive numbers, and the other one from the product.
+        // The larger part comes from a sum of positive numbers, and the other from the product.
         let larger = (0.5 * (hypot(self.re, self.im) + self.re.abs())).sqrt();
         let smaller = 0.5 * self.im.abs() / larger;
         let (re, im) = if self.re >= 0.0 { (larger, smaller) } else { (smaller, larger) };

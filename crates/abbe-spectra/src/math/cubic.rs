@@ -8,8 +8,7 @@ pub struct CubicStencil {
 }
 
 impl CubicStencil {
-    /// Creates the stencil of a position among `count` nodes, at least four. The nodes are at the
-    /// positions 0, 1, …, `count` − 1.
+    /// Creates the stencil of a position among `count` ≥ 4 nodes at 0, 1, …, `count` − 1.
     pub fn new(position: f64, count: usize) -> Self {
         let first = (position.floor() as usize).saturating_sub(1).min(count - 4);
         let x = position - first as f64;

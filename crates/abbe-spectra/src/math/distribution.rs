@@ -1,16 +1,14 @@
-//! Discrete and piecewise-constant distributions with exact densities.
+//! Discrete and piecewise-constant distributions with exact pdfs.
 
 /// A distribution over indices whose probabilities are proportional to their weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscreteDistribution {
-    /// Cumulative probabilities. Entry i is the sum of the probabilities below index i; the last
-    /// entry is 1.
+    /// Entry i is the sum of the probabilities below index i; the last entry is 1.
     cumulative: Vec<f64>,
 }
 
 impl DiscreteDistribution {
-    /// Builds the distribution from its weights, which must be finite and not negative. Returns
-    /// `None` if the sum of the weights is 0.
+    /// Builds the distribution from finite weights ≥ 0, or returns `None` if their sum is 0.
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut cumulative = vec![0.0];
         let mut sum = 0.0;
@@ -30,7 +28,7 @@ impl DiscreteDistribution {
         self.cumulative.len() - 1
     }
 
-    /// Always returns false, because a distribution has at least one index of positive weight.
+    /// Returns false, because a distribution has at least one index of positive weight.
     pub fn is_empty(&self) -> bool {
         false
     }
@@ -40,8 +38,8 @@ impl DiscreteDistribution {
         self.cumulative[index + 1] - self.cumulative[index]
     }
 
-    /// Samples an index by the number `u` in [0, 1). Then replaces `u` by a new uniform number,
-    /// which can be used again. An index of probability 0 is never sampled.
+    /// Samples an index, never one of probability 0, by the number `u` in [0, 1), and replaces `u`
+    /// by a new uniform number, which can be used again.
     pub fn sample(&self, u: &mut f64) -> usize {
         let above = self.cumulative.partition_point(|&c| c <= *u).clamp(1, self.len());
         let index = above - 1;
@@ -50,8 +48,7 @@ impl DiscreteDistribution {
     }
 }
 
-/// A density over the unit square that is constant on each cell of a grid (pbrt's
-/// `PiecewiseConstant2D`).
+/// A pdf over the unit square, constant on cells of a grid (pbrt's `PiecewiseConstant2D`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PiecewiseConstant2d {
     columns: usize,
@@ -60,16 +57,15 @@ pub struct PiecewiseConstant2d {
 }
 
 impl PiecewiseConstant2d {
-    /// Builds the density from the weights of the cells, listed row by row with `columns` cells
-    /// each. The rows follow each other along the second coordinate. Returns `None` if all weights
-    /// are 0.
+    /// Builds the pdf from the weights of the cells, row by row with `columns` cells each; the rows
+    /// follow each other along the second coordinate. Returns `None` if all weights are 0.
     pub fn new(columns: usize, weights: &[f64]) -> Option<Self> {
         let rows = DiscreteDistribution::new(weights.chunks(columns).map(|row| row.iter().sum()))?;
         let within_row = weights.chunks(columns).map(|row| DiscreteDistribution::new(row.iter().copied())).collect();
         Some(Self { columns, rows, within_row })
     }
 
-    /// Samples a point of the unit square, and returns it with its density per unit area.
+    /// Samples a point of the unit square, and returns it with its pdf per unit area.
     pub fn sample(&self, u: [f64; 2]) -> ([f64; 2], f64) {
         let [mut a, mut b] = u;
         let row = self.rows.sample(&mut b);
@@ -79,13 +75,13 @@ impl PiecewiseConstant2d {
         (point, self.cell_pdf(row, column))
     }
 
-    /// Returns the density per unit area at a point of the unit square.
+    /// Returns the pdf per unit area at a point of the unit square.
     pub fn pdf(&self, point: [f64; 2]) -> f64 {
         let cell = |x: f64, count: usize| ((x * count as f64) as usize).min(count - 1);
         self.cell_pdf(cell(point[1], self.rows.len()), cell(point[0], self.columns))
     }
 
-    /// Returns the integral of the squared density over the unit square.
+    /// Returns the integral of the squared pdf over the unit square.
     pub fn integral_of_square(&self) -> f64 {
         let (rows, columns) = (self.rows.len(), self.columns);
         let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));
@@ -118,7 +114,7 @@ mod tests {
         assert!(DiscreteDistribution::new([0.0, 0.0]).is_none());
     }
 
-    /// After a choice, the number is the place within the share of the chosen index.
+    /// After a choice, the number is the place within the fraction of the chosen index.
     #[test]
     fn a_number_is_rescaled_for_reuse_after_a_choice() {
         let distribution = DiscreteDistribution::new([1.0, 3.0]).unwrap();

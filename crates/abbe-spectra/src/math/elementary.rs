@@ -1,23 +1,22 @@
 //! Elementary functions that return the same bits on every machine.
 //!
-//! The methods of `f64`, such as `f64::sin`, call the C library of the system. Its results differ
-//! in the last bit between versions. The GNU C library also selects an implementation by the
-//! features of the processor. The functions of this module consist of operations that IEEE 754
-//! rounds exactly: additions, multiplications, divisions and square roots. Their results depend
-//! only on the arguments. Therefore the renderer calls only these functions, and `clippy.toml`
-//! disallows the methods.
+//! The methods of `f64`, such as `f64::sin`, call the C library of the system, whose results differ
+//! in the last bit between versions and, in the GNU C library, between processors. The functions of
+//! this module consist of operations that IEEE 754 rounds exactly (additions, multiplications,
+//! divisions and square roots), so their results depend only on the arguments. The renderer calls
+//! only these functions, and `clippy.toml` disallows the methods.
 //!
-//! [`exp`], [`sin_cos`] and [`atan2_f32`] are called for most path segments or photons, so they are
-//! polynomials of this module, which the compiler can inline. The other functions are those of the
-//! `libm` crate.
+//! [`exp`], [`sin_cos`] and [`atan2_f32`] run for most path segments or photons, so they are
+//! polynomials of this module, which the compiler can inline. The others are those of the crate
+//! `libm`.
 //!
 //! Some methods of `f64` are allowed, because their results are determined:
 //!
-//! - `sqrt`, `mul_add`, `floor`, `ceil`, `round`, `%`, `rem_euclid` and the like are exactly
-//!   rounded.
-//! - `powi` is a fixed sequence of multiplications, followed by one division if the exponent is
-//!   negative: repeated squaring from the lowest bit of the exponent. The compiler either calls
-//!   this loop from its run-time library, or emits the same sequence if the exponent is constant.
+//! - `sqrt`, `mul_add`, `floor`, `ceil`, `round`, `%`, `rem_euclid` and the like are rounded
+//!   exactly.
+//! - `powi` squares repeatedly from the lowest bit of the exponent, and divides once if the
+//!   exponent is negative. The compiler calls this loop from its run-time library, or emits the
+//!   same sequence if the exponent is constant.
 //!
 //! Two dependencies of the renderer still call the C library. `obvhs` rounds the logarithm of the
 //! size of a box up to an integer, which decides how tightly a box encloses its contents, but not
@@ -28,18 +27,15 @@ pub use libm::{
     log2, log10, pow as powf, sinh, tan,
 };
 
-/// 1.5·2⁵². The sum of this number and a smaller number is rounded to an integer, which the lowest
-/// bits of the sum contain in two's complement.
+/// 1.5·2⁵²: adding it rounds a smaller number to an integer, in two's complement in the low bits.
 const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 
 /// The high part of ln 2, whose product with an integer below 2²¹ is exact.
 const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
-/// ln 2 minus its high part.
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// The coefficients of the powers from r² to r¹¹ of a polynomial that approximates exp(r) for |r| ≤
-/// ln(2)/2. The coefficients of 1 and r are 1, and the largest relative error of the polynomial is
-/// nearly minimal: 1.1·10⁻¹⁷.
+/// The coefficients of r² to r¹¹ of a polynomial that approximates exp(r) for |r| ≤ ln(2)/2; those
+/// of 1 and r are 1. The largest relative error is nearly minimal: 1.1·10⁻¹⁷.
 const EXP: [f64; 10] = [
     0.500_000_000_000_001_1,
     0.166_666_666_666_664_13,
@@ -56,7 +52,7 @@ const EXP: [f64; 10] = [
 /// Returns eˣ with an error below 1 unit in the last place.
 #[inline]
 pub fn exp(x: f64) -> f64 {
-    // The powers of 2 beyond this limit are not normal numbers. The condition is false for NaN.
+    // Powers of 2 beyond this limit are not normal numbers. The condition is false for NaN.
     if x.abs() < 708.0 { exp_in_range(x) } else { libm::exp(x) }
 }
 
@@ -80,8 +76,8 @@ fn exp_in_range(x: f64) -> f64 {
 /// π/2 in three parts. Products of the first two parts with an integer below 2²⁰ are exact.
 const FRAC_PI_2_PARTS: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
 
-/// The coefficients of r³, r⁵, …, r¹³ in the approximation of sin r for |r| ≤ π/4. They are from
-/// `k_sin.c` of FreeBSD (copyright 1993 Sun Microsystems, Inc.; permission to use, copy, modify and
+/// The coefficients of r³, r⁵, …, r¹³ in the approximation of sin r for |r| ≤ π/4, from `k_sin.c`
+/// of FreeBSD (copyright 1993 Sun Microsystems, Inc.; permission to use, copy, modify and
 /// distribute it is freely granted).
 const SIN: [f64; 6] = [
     -0.166_666_666_666_666_32,
@@ -92,8 +88,8 @@ const SIN: [f64; 6] = [
     1.589_690_995_211_55e-10,
 ];
 
-/// The coefficients of r⁴, r⁶, …, r¹⁴ in the approximation of cos r for |r| ≤ π/4. They are from
-/// `k_cos.c` of FreeBSD, with the same copyright.
+/// The coefficients of r⁴, r⁶, …, r¹⁴ in the approximation of cos r for |r| ≤ π/4, from `k_cos.c`
+/// of FreeBSD, with the same copyright.
 const COS: [f64; 6] = [
     0.041_666_666_666_666_6,
     -0.001_388_888_888_887_411,
@@ -103,16 +99,14 @@ const COS: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Returns the sine and the cosine of an angle in radians. The error is below 1 unit in the last
-/// place.
+/// Returns the sine and the cosine of an angle in radians with errors below 1 ulp.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     // The integer multiple of π/2 must be below 2²⁰. The condition is false for NaN.
     if x.abs() < 1.6e6 { sin_cos_in_range(x) } else { libm::sincos(x) }
 }
 
-/// Returns the sine and the cosine for |x| < 1.6·10⁶. The argument is reduced by a multiple of π/2
-/// (Cody & Waite).
+/// Returns them for |x| < 1.6·10⁶, reduced by a multiple of π/2 (Cody & Waite).
 #[inline]
 fn sin_cos_in_range(x: f64) -> (f64, f64) {
     let shifted = x * std::f64::consts::FRAC_2_PI + TO_INTEGER;
@@ -154,7 +148,7 @@ pub fn cos(x: f64) -> f64 {
 }
 
 /// The coefficients of a, a³, …, a¹⁷ in the approximation of arctan a for 0 ≤ a ≤ 1. The largest
-/// relative error of the polynomial is nearly minimal. It is 1.5·10⁻⁸.
+/// relative error is nearly minimal: 1.5·10⁻⁸.
 const ATAN: [f32; 9] = [
     1.0,
     -0.333_330_72,
@@ -167,9 +161,8 @@ const ATAN: [f32; 9] = [
     0.002_849_805_6,
 ];
 
-/// Returns the angle of the point (`x`, `y`) from the x axis in radians, from −π to π. The
-/// coordinates are finite. The error is below 4·10⁻⁷, which is less than 2 units in the last place
-/// of π.
+/// Returns the angle of the finite point (`x`, `y`) from the x axis in radians, from −π to π. The
+/// error is below 4·10⁻⁷, less than 2 units in the last place of π.
 #[inline]
 pub fn atan2_f32(y: f32, x: f32) -> f32 {
     let steep = y.abs() > x.abs();
@@ -183,7 +176,7 @@ pub fn atan2_f32(y: f32, x: f32) -> f32 {
     angle.copysign(y)
 }
 
-/// Returns the Bessel function of the first kind J of a whole order.
+/// Returns the Bessel function of the first kind J of an integer order.
 pub fn bessel_j(order: i32, x: f64) -> f64 {
     libm::jn(order, x)
 }
@@ -202,13 +195,11 @@ mod tests {
         (found - expected).abs() / (expected.abs().next_up() - expected.abs())
     }
 
-    /// Returns numbers that are uniform between two limits.
     fn between(from: f64, to: f64) -> impl Iterator<Item = f64> {
         let mut stream = Stream::new(Seed::new(7), Purpose::Pass, 0, from.to_bits() ^ to.to_bits());
         (0..40_000).map(move |_| from + (to - from) * stream.uniform())
     }
 
-    /// Checks a function against the C library.
     #[track_caller]
     fn agrees(name: &str, arguments: impl Iterator<Item = f64>, most_ulps: f64, pair: impl Fn(f64) -> [f64; 2]) {
         let mut largest = 0.0_f64;
@@ -273,8 +264,8 @@ mod tests {
         assert!(between(-20.0, 20.0).all(|x| sin(x).abs() <= 1.0 && cos(x).abs() <= 1.0));
     }
 
-    /// All functions and limits of arguments between which they are compared. The crate `libm`
-    /// promises less than 1 ulp for most of them, and so does the C library.
+    /// The functions and the limits of their arguments. Both libraries promise less than 1 ulp for
+    /// most.
     #[test]
     fn other_functions_agree_with_the_c_library() {
         type Case = (&'static str, (f64, f64), fn(f64) -> [f64; 2]);

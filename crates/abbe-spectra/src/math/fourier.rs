@@ -1,9 +1,9 @@
-//! The discrete Fourier transform. Its results depend only on the data, because the roots of unity
-//! come from [`super::elementary`] and the order of the operations is fixed.
+//! The discrete Fourier transform, whose results depend only on the data: the roots of unity come
+//! from [`super::elementary`], and the order of the operations is fixed.
 //!
-//! Lengths with small prime factors are transformed by the self-sorting algorithm of Stockham
-//! (Van Loan 1992, *Computational Frameworks for the Fast Fourier Transform*, §1.7). All other
-//! lengths are transformed by a convolution with a chirp (Bluestein 1970).
+//! Lengths with small prime factors are transformed by the self-sorting algorithm of Stockham (Van
+//! Loan 1992, *Computational Frameworks for the Fast Fourier Transform*, §1.7), and all others by a
+//! convolution with a chirp (Bluestein 1970).
 
 pub use super::complex::Complex;
 use std::f64::consts::{PI, TAU};
@@ -42,8 +42,7 @@ impl Column {
         Self { re: self.re.map(|re| re * factor), im: self.im.map(|im| im * factor) }
     }
 
-    /// Exchanges the parts. The transform of the exchanged numbers is the inverse transform with
-    /// exchanged parts.
+    /// Exchanges the parts. This turns a transform of exchanged numbers into its inverse.
     #[inline]
     fn exchanged(self) -> Self {
         Self { re: self.im, im: self.re }
@@ -99,7 +98,6 @@ pub struct FourierBuffers {
 /// The Fourier transform of lines of one length.
 #[derive(Debug)]
 pub struct FourierTransform {
-    /// The number of numbers in a line.
     length: usize,
     method: Method,
 }
@@ -127,8 +125,8 @@ impl FourierTransform {
         self.length
     }
 
-    /// Transforms up to [`LINES`] consecutive lines in place. The transforms are not normalised:
-    /// the inverse transform after the forward transform multiplies a line by its length.
+    /// Transforms up to [`LINES`] consecutive lines in place, without normalisation: the forward
+    /// and then the inverse transform multiply a line by its length.
     pub fn transform(&self, lines: &mut [Complex], direction: Direction, buffers: &mut FourierBuffers) {
         let FourierBuffers { columns, spare } = buffers;
         columns.clear();
@@ -157,12 +155,11 @@ impl FourierTransform {
     }
 }
 
-/// The transform of lines whose length has only small prime factors.
 #[derive(Debug)]
 struct Stockham {
     /// exp(−2πi·k/n).
     roots: Vec<Complex>,
-    /// The factors of the length: first all fours, and then primes.
+    /// The factors of the length: fours, and then primes in ascending order.
     radices: Vec<usize>,
 }
 
@@ -190,7 +187,7 @@ impl Stockham {
         }
     }
 
-    /// Performs a step with radix 4. `stride` is the product of the previous radices.
+    /// `stride` is the product of the previous radices.
     fn radix_4(&self, from: &[Column], to: &mut [Column], stride: usize) {
         let part = from.len() / 4;
         for (k, out) in to.chunks_exact_mut(4 * stride).enumerate() {
@@ -209,7 +206,6 @@ impl Stockham {
         }
     }
 
-    /// Performs a step with radix 2.
     fn radix_2(&self, from: &[Column], to: &mut [Column], stride: usize) {
         let (first, second) = from.split_at(from.len() / 2);
         let inputs = first.chunks_exact(stride).zip(second.chunks_exact(stride));
@@ -222,8 +218,8 @@ impl Stockham {
         }
     }
 
-    /// Performs a step with an odd radix p up to `LARGEST_RADIX`. The terms l and p − l are
-    /// combined, because their roots of unity are conjugate.
+    /// Performs a step with an odd radix p up to `LARGEST_RADIX`. The roots of unity of the terms l
+    /// and p − l are conjugate, so these terms are combined.
     fn odd_radix(&self, radix: usize, from: &[Column], to: &mut [Column], stride: usize) {
         let (part, half) = (from.len() / radix, radix / 2);
         let (mut sums, mut differences) =
@@ -252,7 +248,6 @@ impl Stockham {
     }
 }
 
-/// Returns the factors of a length: fours, and then primes in ascending order.
 fn radices(length: usize) -> Vec<usize> {
     let (mut rest, mut radices) = (length, Vec::new());
     while rest.is_multiple_of(4) {
@@ -325,7 +320,6 @@ mod tests {
         a.iter().zip(b).map(|(a, b)| (a.re - b.re).abs().max((a.im - b.im).abs())).fold(0.0, f64::max)
     }
 
-    /// Returns the transform of a line by its definition.
     fn sum_of_waves(line: &[Complex]) -> Vec<Complex> {
         let n = line.len();
         let roots: Vec<Complex> = (0..n).map(|k| Complex::unit(-TAU * (k as f64 / n as f64))).collect();

@@ -11,8 +11,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Builds a frame around the unit vector `n` (Duff et al. 2017). The frame is continuous in `n`
-    /// except on the circle n.z = 0.
+    /// Builds a frame around the unit vector `n`, continuous except at n.z = 0 (Duff et al. 2017).
     #[inline]
     pub fn new(n: DVec3) -> Self {
         let sign = 1.0_f64.copysign(n.z);
@@ -37,8 +36,7 @@ impl Frame {
         DVec3::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
-    /// Returns the vector, in world coordinates, with the components `v` along the axes of the
-    /// frame.
+    /// Returns the world vector with the components `v` along the axes of the frame.
     #[inline]
     pub fn to_world(&self, v: DVec3) -> DVec3 {
         self.s * v.x + self.t * v.y + self.n * v.z

@@ -1,12 +1,11 @@
 //! Kronecker sequences: the multiples of an irrational number, modulo 1.
 //!
 //! Every prefix of a sequence is evenly spread, so the number of points need not be known in
-//! advance. The two sequences use the golden ratio φ and √3. Together, the two sequences fill the
-//! unit square evenly, because 1, φ and √3 are linearly independent over the rational numbers (Weyl
-//! 1916). If the number of points is small, the two coordinates are no more correlated than
-//! independent random numbers. If the number of points is large, the coordinates are far less
-//! correlated than independent random numbers. The pair φ and √2 would be worse. Because 1/φ + √2 ≈
-//! 2.03 is close to an integer, a dozen consecutive points would lie close to one line.
+//! advance. The sequences of the golden ratio φ and of √3 together fill the unit square evenly,
+//! because 1, φ and √3 are linearly independent over the rational numbers (Weyl 1916). A few pairs
+//! of them are no more correlated than independent random numbers, and many are far less so. The
+//! pair φ and √2 would be worse: 1/φ + √2 ≈ 2.03 is close to an integer, so a dozen consecutive
+//! points would lie close to one line.
 
 use super::random::unit_interval;
 
@@ -22,8 +21,8 @@ pub fn sqrt3(index: u32, shift: u64) -> f64 {
     kronecker_point(0xbb67_ae85_84ca_a73b, index, shift)
 }
 
-/// Returns `index` × `step` + `shift`, converted to a number in [0, 1). The unit of the integers is
-/// 2⁻⁶⁴, so the wrapping of the integer product is the reduction modulo 1.
+/// Returns `index` × `step` + `shift` as a number in [0, 1). The unit of the integers is 2⁻⁶⁴, so
+/// the wrapping of their product is the reduction modulo 1.
 fn kronecker_point(step: u64, index: u32, shift: u64) -> f64 {
     let turned = u64::from(index).wrapping_mul(step).wrapping_add(shift);
     unit_interval(turned)
@@ -56,8 +55,6 @@ mod tests {
         assert!(seen.iter().all(|count| (56..=72).contains(count)), "{seen:?}");
     }
 
-    /// The two coordinates of a small number of points must be no more correlated than independent
-    /// random numbers.
     #[test]
     fn few_pairs_of_points_are_uncorrelated() {
         for count in [8_u32, 11, 16, 32] {

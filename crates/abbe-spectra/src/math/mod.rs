@@ -1,7 +1,4 @@
-//! General mathematics that does not deal with light: elementary functions, random streams,
-//! low-discrepancy points, sampling routines and their densities, distributions, quadrature,
-//! complex numbers, Fourier transforms, gradient noise, exact sums, sorting, frames
-//! and rotations.
+//! General mathematics that does not deal with light.
 
 pub mod complex;
 pub mod cubic;

@@ -19,8 +19,8 @@ const GRADIENTS: [DVec3; 12] = [
     DVec3::new(0.0, -1.0, -1.0),
 ];
 
-/// Returns gradient noise with pseudorandom gradients at the points of the unit lattice. The noise
-/// is 0 at these points, and lies between about −0.82 and 0.82.
+/// Returns gradient noise with pseudorandom gradients at the points of the unit lattice, where it
+/// is 0. It lies between about −0.82 and 0.82.
 pub fn gradient_noise(place: DVec3, seed: u64) -> f64 {
     let corner = place.floor();
     let within = place - corner;

@@ -33,8 +33,8 @@ pub fn gauss16((from, to): (f64, f64), f: impl Fn(f64) -> f64) -> f64 {
     symmetric(&SIXTEEN, (from, to), f)
 }
 
-/// Computes the nodes and weights of the Gauss–Legendre rule on \[0, 1\]. Newton's method finds the
-/// roots of the Legendre polynomial.
+/// Computes the nodes and weights of the Gauss–Legendre rule on \[0, 1\], whose nodes are the roots
+/// of a Legendre polynomial, by Newton's method.
 pub fn gauss_legendre(points: usize) -> Vec<(f64, f64)> {
     let n = points as f64;
     (0..points)
@@ -68,12 +68,10 @@ fn symmetric(half: &[(f64, f64)], (from, to): (f64, f64), f: impl Fn(f64) -> f64
 mod tests {
     use super::*;
 
-    /// Each rule must integrate polynomials exactly up to the documented degree, and not beyond
-    /// that degree.
+    /// Each rule must be exact up to the documented degree, and not beyond it.
     #[test]
     fn rules_are_exact_up_to_the_promised_degree() {
-        // The integral of xⁿ from 0 to 2. The interval is not symmetric, so no term cancels by
-        // symmetry.
+        // The integral of xⁿ from 0 to 2, where no term cancels by symmetry.
         let power = |n: i32| move |x: f64| x.powi(n);
         let exact = |n: i32| 2.0_f64.powi(n + 1) / f64::from(n + 1);
         for n in 0..=33 {
@@ -90,7 +88,6 @@ mod tests {
         }
     }
 
-    /// A Gauss–Legendre rule of n points integrates polynomials of degree 2n − 1 exactly.
     #[test]
     fn gauss_rule_is_exact_up_to_degree_2n_minus_1() {
         for points in [4, 5, 32] {

@@ -1,12 +1,9 @@
-//! Independent streams of random numbers, one for each path. A stream is seeded by a hash of the
-//! path's identity.
+//! Independent streams of random numbers, one for each path, seeded by a hash of its identity: its
+//! [`Seed`], [`Purpose`], pass and number.
 //!
 //! Every random number of a render comes from this module, from [`super::sobol`] or from
-//! [`super::kronecker`]. Therefore the picture depends only on the seed, the passes and the paths.
-//! The number of threads and the order of the work have no influence.
-//!
-//! A stream follows from four things: [`Seed`], [`Purpose`], pass and path. A new use of random
-//! numbers needs a new purpose.
+//! [`super::kronecker`], so the picture depends neither on the number of threads nor on the order
+//! of the work. A new use of random numbers needs a new purpose.
 
 use rand::Rng;
 use rand_pcg::Pcg32;
@@ -14,17 +11,16 @@ use rand_pcg::Pcg32;
 /// The largest `f64` below 1, and thus the largest value of a sampling argument `u` in [0, 1).
 pub const ONE_MINUS_ULP: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// The number of replicates. A replicate is one of eight independent subsets of the passes: pass i
-/// belongs to replicate i mod 8. The noise is measured from the differences between the replicates.
+/// The number of replicates, independent subsets of the passes: pass i belongs to replicate i mod
+/// 8. The differences between them measure the noise.
 pub const REPLICATES: usize = 8;
 
-/// The seed of a render, or of the random numbers that one sample of a render needs.
-///
-/// A seed comes from the scene, or from numbers of a stream. No other code computes with it.
+/// The seed of a render, or of the random numbers that one sample of a render needs. It comes from
+/// the scene or from numbers of a stream, and no other code computes with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Seed(u64);
 
-/// The purpose of a stream. Streams of different purposes are independent.
+/// The purpose of a stream, which is independent of streams of other purposes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// Photons of the free set, which have their own wavelengths.
@@ -33,7 +29,7 @@ pub enum Purpose {
     SharedPhoton,
     /// Camera paths.
     Camera,
-    /// Numbers that are drawn once per pass, for example the shared wavelengths.
+    /// Numbers that are drawn once per pass, such as the shared wavelengths.
     Pass,
     /// The shutter time of a pass.
     Moment,
@@ -47,7 +43,7 @@ pub enum Purpose {
     AimPhoton,
     /// Photons of the pilot's trial.
     TrialPhoton,
-    /// Photons with which the pilot chooses the first radii of receptors.
+    /// Photons with which the pilot chooses the first radii of sensors.
     ReceptorPhoton,
     /// Camera paths of the pilot's survey.
     SurveyCamera,
@@ -55,12 +51,12 @@ pub enum Purpose {
     TrialCamera,
     /// Camera paths that make trials of lights.
     LightTrial,
-    /// Camera paths that search for openings.
+    /// Camera paths that search for portals.
     OpeningSearch,
-    /// The choice of lines whose nearest points may be the centre of an opening. Instead of passes,
-    /// it counts the openings that are already found.
+    /// The choice of lines whose nearest points may be the centre of a portal. It counts the
+    /// portals that are already found instead of passes.
     OpeningFit,
-    /// The start of a path at the receptor of a meter. The seed is that of a camera sample.
+    /// The start of a path at the sensor of a meter. The seed is that of a camera sample.
     Sensor,
     /// The random positions of ratio tracking. The seed is that of a sample.
     RatioTracking,
@@ -70,20 +66,18 @@ pub enum Purpose {
 
 /// The words from which the keys of a purpose are hashed.
 struct Words {
-    /// Differs from 0 where the second word does not separate the purpose. The bytes are a word in
-    /// ASCII.
+    /// A word in ASCII, other than 0 where the second word does not separate the purpose.
     mask: u64,
-    /// The second word. `None` if the pass follows the seed.
+    /// The second word, or `None` if the pass follows the seed.
     number: Option<u64>,
     /// The third word of pass 0.
     first_pass: u64,
 }
 
 impl Purpose {
-    /// Returns the words of the purpose. They never change, because pictures depend on them.
-    ///
-    /// Two purposes may only have equal words if their seeds differ: ratio tracking has the words
-    /// of camera paths, but its seeds are hashes.
+    /// Returns the words of the purpose, which never change, because pictures depend on them. Two
+    /// purposes may only have equal words if their seeds differ: ratio tracking has the words of
+    /// camera paths, but its seeds are hashes.
     #[inline]
     const fn words(self) -> Words {
         let (mask, number, first_pass) = match self {
@@ -111,7 +105,7 @@ impl Purpose {
 }
 
 impl Seed {
-    /// Returns the seed that a scene states.
+    /// Returns the seed of a scene.
     pub const fn new(number: u64) -> Self {
         Self(number)
     }
@@ -121,8 +115,7 @@ impl Seed {
         self.0
     }
 
-    /// Returns a seed from random numbers of a stream, or from what follows from them. The numbers
-    /// must differ from sample to sample.
+    /// Returns a seed from random numbers of a stream, which must differ from sample to sample.
     #[inline]
     pub fn of_numbers<const N: usize>(numbers: [f64; N]) -> Self {
         Self(hash64(numbers.map(f64::to_bits)))
@@ -164,13 +157,11 @@ impl Streams {
     }
 }
 
-/// The key of a stream or of a sequence of points. It is the hash of a seed, a purpose, a pass, and
-/// of further numbers.
+/// The key of a stream or sequence: the hash of a seed, a purpose, a pass, and more numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamKey(u64);
 
 impl StreamKey {
-    /// The state of [`hash64`] after one word.
     #[inline]
     fn of_word(word: u64) -> Self {
         Self(hash64([word]))
@@ -191,11 +182,9 @@ impl StreamKey {
         Stream(Pcg32::new(key, mix64(key)))
     }
 
-    /// Returns a key whose numbers are independent of those of this key, for a second sequence of
-    /// the same samples.
+    /// Returns a key with independent numbers, for a second sequence of the same samples.
     #[inline]
     pub fn second_sequence(self) -> Self {
-        /// Any constant.
         const SECOND: u64 = 0x5eed;
         Self(hash64([self.0, SECOND]))
     }
@@ -228,13 +217,13 @@ pub(crate) fn mix64(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// Hashes several words. The result depends on the order of the words.
+/// Hashes several words in their order.
 #[inline]
 pub fn hash64<const N: usize>(words: [u64; N]) -> u64 {
     words.into_iter().fold(0x243f_6a88_85a3_08d3, |state, word| mix64(state ^ word))
 }
 
-/// Converts a word to a number in [0, 1). The number consists of the upper 53 bits of the word.
+/// Converts the upper 53 bits of a word to a number in [0, 1).
 pub fn unit_interval(word: u64) -> f64 {
     (word >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
 }
@@ -272,8 +261,7 @@ mod tests {
 
     #[test]
     fn neighbouring_streams_are_uncorrelated() {
-        // The correlation of n pairs has the standard deviation 1/√n. The bound is four standard
-        // deviations.
+        // The bound is four standard deviations of the correlation of n pairs, 1/√n.
         let n = 20_000_u64;
         for (purpose, step) in [(Purpose::Camera, 1), (Purpose::FreePhoton, 1 << 32)] {
             let mut sum = 0.0;
@@ -341,7 +329,6 @@ mod tests {
         }
     }
 
-    /// Pictures depend on the streams, so the hashed words of a purpose must not change.
     #[test]
     fn the_words_of_a_purpose_stay() {
         let key = |purpose: Purpose| Seed::new(7).streams(purpose).pass(3).part(5).hash();

@@ -1,5 +1,5 @@
-//! Rotations and their angles, by means of [`super::elementary`]. The functions of the crate `glam`
-//! that compute sines or angles call the C library, so the renderer does not use them.
+//! Rotations and their angles, by [`super::elementary`]. The functions of the crate `glam` that
+//! compute sines or angles call the C library, so the renderer does not use them.
 
 use super::elementary::{acos, sin, sin_cos};
 use glam::{DMat3, DQuat, DVec2, DVec3};
@@ -18,8 +18,7 @@ pub fn quaternion(axis: DVec3, angle: f64) -> DQuat {
     DQuat::from_xyzw(vector.x, vector.y, vector.z, cos)
 }
 
-/// Returns the matrices of the right-handed rotations about the x, y and z axes by angles in
-/// radians.
+/// Returns the right-handed rotations about the x, y and z axes by angles in radians.
 pub fn about_axes(angles: [f64; 3]) -> [DMat3; 3] {
     let [(sin_x, cos_x), (sin_y, cos_y), (sin_z, cos_z)] = angles.map(sin_cos);
     [
@@ -34,8 +33,7 @@ pub fn angle_between(a: DQuat, b: DQuat) -> f64 {
     2.0 * acos(a.dot(b).abs().min(1.0))
 }
 
-/// Interpolates between two orientations along the shorter arc (Shoemake 1985). Returns `from` if
-/// `fraction` is 0, and an orientation equal to `to` if `fraction` is 1.
+/// Interpolates along the shorter arc (Shoemake 1985), from `from` to an orientation equal to `to`.
 pub fn slerp(from: DQuat, to: DQuat, fraction: f64) -> DQuat {
     let cosine = from.dot(to);
     // Both signs of a quaternion are the same orientation.
@@ -52,7 +50,6 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// The functions agree with those of `glam` up to rounding.
     #[test]
     fn rotations_agree_with_glam() {
         let axis = DVec3::new(1.0, -2.0, 0.5).normalize();

@@ -1,18 +1,18 @@
 //! Owen-scrambled Sobol points: each prefix of the sequence is evenly spread in every dimension and
 //! in every pair of dimensions.
 //!
-//! The primitive polynomials and the initial direction numbers come from the tables of Joe & Kuo
-//! 2008. Nested uniform scrambling hashes the higher bits of the points. Laine & Karras 2011
-//! introduced this method, and Burley 2020 gives its present form. The hash function comes from
-//! Vegdahl 2021. Numbers have 32 bits, so the sequence repeats after 2³² points.
+//! The primitive polynomials and the initial direction numbers are those of Joe & Kuo 2008. Nested
+//! uniform scrambling hashes the higher bits of the points (Laine & Karras 2011, in the form of
+//! Burley 2020), with the hash function of Vegdahl 2021. Numbers have 32 bits, so the sequence
+//! repeats after 2³² points.
 
 use super::random::{StreamKey, mix64};
 
 /// The number of dimensions.
 pub const DIMENSIONS: usize = 8;
 
-/// For each of the dimensions 1 to 7: the polynomial's degree, its coefficient bits, and the
-/// initial direction numbers. Dimension 0 is the van der Corput sequence.
+/// The polynomial's degree, its coefficient bits and the initial direction numbers of the
+/// dimensions 1 to 7. Dimension 0 is the van der Corput sequence.
 const JOE_KUO: [(u32, u32, [u32; 5]); DIMENSIONS - 1] = [
     (1, 0, [1, 0, 0, 0, 0]),
     (2, 1, [1, 3, 0, 0, 0]),
@@ -23,8 +23,8 @@ const JOE_KUO: [(u32, u32, [u32; 5]); DIMENSIONS - 1] = [
     (5, 2, [1, 1, 5, 5, 17]),
 ];
 
-/// The columns of the generator matrices, side by side for all dimensions. The most significant
-/// digit is in bit 0, because the scrambling needs this order.
+/// The columns of the generator matrices, side by side for all dimensions, with the most
+/// significant digit in bit 0, as the scrambling needs it.
 static DIRECTIONS: [[u32; DIMENSIONS]; 32] = directions();
 
 const fn directions() -> [[u32; DIMENSIONS]; 32] {
@@ -74,7 +74,7 @@ pub struct Sobol {
 }
 
 impl Sobol {
-    /// Returns the point set of a key. Different keys give independent scramblings.
+    /// Returns the point set of a key.
     #[inline]
     pub fn of(key: StreamKey) -> Self {
         Self::new(key.hash())
@@ -106,8 +106,8 @@ impl Sobol {
     }
 }
 
-/// Applies nested uniform scrambling to digits, the most significant of which is in bit 0. For each
-/// bit, a hash of the lower bits decides whether the bit is flipped.
+/// Applies nested uniform scrambling to digits, the most significant of which is in bit 0: a hash
+/// of the lower bits decides whether a bit is flipped.
 #[inline]
 fn owen(digits: u32, seed: u32) -> u32 {
     let mut x = digits;
@@ -152,8 +152,7 @@ mod tests {
 
     #[test]
     fn an_integral_converges_faster_than_random() {
-        // The integral of Π (0.5 + u_d) over [0, 1]⁸ is 1. With 4096 points, independent random
-        // numbers would have an error of about 0.01.
+        // The integral of Π (0.5 + u_d) is 1. 4096 random numbers would err by about 0.01.
         let sobol = Sobol::new(11);
         let n = 4096;
         let product = |index| (0..DIMENSIONS).map(|d| 0.5 + sobol.at(index, d)).product::<f64>();

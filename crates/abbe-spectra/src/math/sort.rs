@@ -1,12 +1,8 @@
-//! Sorting by a number.
-//!
-//! The sort of the standard library is compiled once for each type of element, with about 8 kB of
-//! machine code. This sort is compiled once.
+//! Sorting by a number. The sort of the standard library is compiled for each type of element, to
+//! about 8 kB of machine code; this sort is compiled once.
 
-/// Sorts items by a number, in ascending order. Items with equal numbers keep their order, and NaN
-/// is above or below all other numbers, by its sign.
-///
-/// The number of an item is computed once.
+/// Sorts items by a number, computed once per item, in ascending order. Items with equal numbers
+/// keep their order, and NaN is above or below all other numbers, by its sign.
 pub fn sort_by_number<T>(items: &mut [T], number: impl Fn(&T) -> f64) {
     let mut order = ascending_order(items.iter().map(number).collect());
     // Follows each cycle of the permutation: item `order[i]` moves to place i.
@@ -23,7 +19,6 @@ pub fn sort_by_number<T>(items: &mut [T], number: impl Fn(&T) -> f64) {
     }
 }
 
-/// Returns the indices of numbers in ascending order of the numbers.
 #[inline(never)]
 fn ascending_order(numbers: Vec<f64>) -> Vec<usize> {
     let mut pairs: Vec<(f64, usize)> = numbers.into_iter().zip(0..).collect();
@@ -36,8 +31,7 @@ mod tests {
     use super::*;
     use crate::math::random::{Purpose, Seed, Stream};
 
-    /// Compares the sort with the stable sort of the standard library, for lists with many equal
-    /// numbers.
+    /// Compares with the stable sort of the standard library, for lists with many equal numbers.
     #[test]
     fn items_are_sorted_as_by_a_stable_sort() {
         let mut stream = Stream::new(Seed::new(0), Purpose::Pass, 0, 0);

@@ -15,8 +15,7 @@ pub struct BoundingSphere {
 }
 
 impl BoundingSphere {
-    /// Returns the smallest sphere around an axis-aligned box. The arguments are the lowest and the
-    /// highest corner of the box.
+    /// Returns the smallest sphere around a box from its lowest to its highest corner.
     pub fn around_box(low: DVec3, high: DVec3) -> Self {
         Self { centre: 0.5 * (low + high), radius_m: 0.5 * low.distance(high) }
     }
@@ -32,9 +31,9 @@ impl BoundingSphere {
         self.centre.distance(other.centre) + other.radius_m <= self.radius_m
     }
 
-    /// Returns true if a ray passes through the sphere, or starts in it. `direction` is a unit
-    /// vector. The sphere is wider by a relative 10⁻⁹, so that rounding excludes no ray that
-    /// [`Self::sample_direction`] or [`Self::sample_offset`] returns.
+    /// Returns true if a ray of unit direction passes through the sphere, or starts in it. The
+    /// sphere is wider by a relative 10⁻⁹, so that rounding excludes no ray of
+    /// [`Self::sample_direction`] or [`Self::sample_offset`].
     pub fn contains_part_of(&self, origin: DVec3, direction: DVec3) -> bool {
         let radius2 = self.radius_m * self.radius_m * (1.0 + 2e-9);
         let to_centre = self.centre - origin;
@@ -43,9 +42,8 @@ impl BoundingSphere {
         inside || (along > 0.0 && (to_centre - along * direction).length_squared() <= radius2)
     }
 
-    /// Samples a direction from `origin` through the sphere, uniformly over the solid angle.
-    /// Returns the unit direction and the solid angle in steradians. If the sphere contains the
-    /// origin, the solid angle is 4π.
+    /// Samples a direction from `origin` through the sphere, uniformly over the solid angle, and
+    /// returns the unit direction and the solid angle in steradians, which is 4π from inside.
     pub fn sample_direction(&self, origin: DVec3, u: [f64; 2]) -> (DVec3, f64) {
         let (axis, distance) = (self.centre - origin).normalize_and_length();
         match self.one_minus_cos(distance) {
@@ -55,14 +53,14 @@ impl BoundingSphere {
     }
 
     /// Returns 1 − cos α, where α is half the angle that the sphere subtends at this distance (m)
-    /// from its centre. Returns `None` inside the sphere.
+    /// from its centre, or `None` inside the sphere.
     fn one_minus_cos(&self, distance: f64) -> Option<f64> {
         // 1 − cos α = sin² α / (1 + cos α) is accurate even for small angles.
         let sin = self.radius_m / distance;
         (distance > self.radius_m).then(|| sin * sin / (1.0 + (1.0 - sin * sin).max(0.0).sqrt()))
     }
 
-    /// Returns the density of [`Self::sample_direction`] per steradian.
+    /// Returns the pdf of [`Self::sample_direction`] per steradian.
     pub fn pdf_direction(&self, origin: DVec3, direction: DVec3) -> f64 {
         match self.one_minus_cos(self.centre.distance(origin)) {
             None => 0.25 / PI,
@@ -71,8 +69,8 @@ impl BoundingSphere {
         }
     }
 
-    /// Samples a point of the disk that a beam along `direction` sees of the sphere, uniformly over
-    /// the disk. The disk contains the centre of the sphere, and its area is π r².
+    /// Samples uniformly a point of the disk that a beam along `direction` sees of the sphere,
+    /// which contains the centre and has the area π r².
     pub fn sample_offset(&self, direction: DVec3, u: [f64; 2]) -> DVec3 {
         self.centre + Frame::new(direction).to_world((warp::disk(u) * self.radius_m).extend(0.0))
     }
@@ -88,8 +86,8 @@ mod tests {
     use super::*;
     use crate::math::random::{Purpose, Seed, Stream};
 
-    /// Every sampled ray passes through the sphere, even if the sphere is small and far away. The
-    /// fraction of uniform directions through a sphere equals its solid angle.
+    /// Every sampled ray passes through the sphere, even a small and far one, and the fraction of
+    /// uniform directions through a sphere equals its solid angle.
     #[test]
     fn sampled_rays_pass_through_the_sphere() {
         let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);

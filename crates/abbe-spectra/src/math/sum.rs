@@ -2,13 +2,12 @@
 
 use std::ops::AddAssign;
 
-/// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴. Each term is rounded once to the
-/// quantum, so the bits of the sum do not depend on the order of addition. If the magnitude would
-/// exceed 9·10¹⁸, the sum saturates, and [`overflowed`](Self::overflowed) returns true.
+/// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴, to which each term is rounded once,
+/// so its bits do not depend on the order of addition. A sum of a magnitude beyond 9·10¹⁸
+/// saturates, and [`overflowed`](Self::overflowed) returns true.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExactSum(i128);
 
-/// The reciprocal of the quantum, 2⁶⁴.
 const SCALE: f64 = 18_446_744_073_709_551_616.0;
 
 impl ExactSum {
@@ -17,7 +16,7 @@ impl ExactSum {
         self.0 as f64 / SCALE
     }
 
-    /// Returns whether a term was NaN, or whether a term or the sum was too large.
+    /// Returns true if a term was NaN, or if a term or the sum was too large.
     pub fn overflowed(self) -> bool {
         self.0 == i128::MAX || self.0 == i128::MIN
     }
@@ -33,8 +32,7 @@ impl ExactSum {
     }
 }
 
-/// Converts a term to quanta. The cast saturates, but it would turn NaN into 0, so NaN is marked as
-/// out of range instead.
+/// Converts a term to quanta. The cast saturates, but NaN is marked as out of range.
 fn quanta(term: f64) -> i128 {
     if term.is_nan() { i128::MAX } else { (term * SCALE) as i128 }
 }

@@ -1,12 +1,12 @@
-//! Mappings of the unit square onto disks, spheres and cones, each with its density.
+//! Mappings of the unit square onto disks, spheres and cones, each with its pdf.
 
 use crate::math::elementary::{asin, sin, sin_cos};
 use crate::math::rotation::unit_vector;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-/// Maps the unit square onto the unit disk uniformly (density 1/π) and with little distortion
-/// (Shirley & Chiu 1997).
+/// Maps the unit square onto the unit disk with pdf 1/π and little distortion (Shirley & Chiu
+/// 1997).
 pub fn disk(u: [f64; 2]) -> DVec2 {
     let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     if a == 0.0 && b == 0.0 {
@@ -22,18 +22,17 @@ pub fn regular_polygon(corners: u32, u: [f64; 2]) -> DVec2 {
     let place = u[0] * f64::from(corners);
     let (triangle, across) = (place.floor(), place.fract());
     let corner = |number: f64| unit_vector(number / f64::from(corners) * TAU);
-    // The square root compensates for the width of a triangle, which grows with the distance from
-    // the centre.
+    // The square root compensates for the width of a triangle away from the centre.
     (corner(triangle) * (1.0 - across) + corner(triangle + 1.0) * across) * u[1].sqrt()
 }
 
-/// Samples a direction around +z with the density cos θ / π per steradian (Malley's method).
+/// Samples a direction around +z with the pdf cos θ / π per steradian (Malley's method).
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let d = disk(u);
     d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
 }
 
-/// Samples a direction uniformly over the whole sphere (density 1/(4π) per steradian).
+/// Samples a direction uniformly over the whole sphere (pdf 1/(4π) per steradian).
 pub fn sphere(u: [f64; 2]) -> DVec3 {
     let z = 1.0 - 2.0 * u[0];
     let (sin, cos) = sin_cos(TAU * u[1]);
@@ -57,22 +56,21 @@ pub fn cone_solid_angle(half_angle: f64) -> f64 {
     TAU * one_minus_cos(half_angle)
 }
 
-/// Samples a direction uniformly over the solid angle of a cone around +z, with the density
-/// 1/(2π·`one_minus_cos`). `one_minus_cos` is 1 − cos θ for the half-angle θ, so the result is
-/// accurate even for very narrow cones.
+/// Samples a direction uniformly over a cone around +z, with the pdf 1/(2π·`one_minus_cos`). The
+/// argument is 1 − cos θ of the half-angle θ, so even very narrow cones are accurate.
 pub fn cone(one_minus_cos: f64, u: [f64; 2]) -> DVec3 {
     spherical_direction(u[0] * one_minus_cos, u[1])
 }
 
-/// Returns the direction at the angle θ from +z and at the azimuth 2π·`u`. `one_minus_cos` is 1 −
-/// cos θ, so the result is accurate even for very small angles.
+/// Returns the direction at the angle θ from +z and at the azimuth 2π·`u`. The argument is 1 − cos
+/// θ, so even very small angles are accurate.
 pub fn spherical_direction(one_minus_cos: f64, u: f64) -> DVec3 {
     let (sin, cos) = sin_cos(TAU * u);
     let r = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
     DVec3::new(r * cos, r * sin, 1.0 - one_minus_cos)
 }
 
-/// Returns the density per steradian of [`cosine_hemisphere`].
+/// Returns the pdf of [`cosine_hemisphere`] per steradian.
 pub fn cosine_hemisphere_pdf(cos_theta: f64) -> f64 {
     cos_theta.max(0.0) / PI
 }

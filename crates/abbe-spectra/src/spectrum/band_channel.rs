@@ -1,22 +1,19 @@
-//! Names of the channels of spectral OpenEXR files.
-//!
-//! The names follow the layout of Alban Fichet, Romain Pacanowski and Alexander Wilkie, "An OpenEXR
-//! Layout for Spectral Images", Journal of Computer Graphics Techniques 10(3), 2021.
+//! Names of the channels of spectral OpenEXR files, by the layout of Alban Fichet, Romain
+//! Pacanowski and Alexander Wilkie, "An OpenEXR Layout for Spectral Images", Journal of Computer
+//! Graphics Techniques 10(3), 2021.
 
-/// Returns the name of the channel for light in a band: `S0.`, the centre wavelength and `nm`. The
-/// wavelength has a decimal comma, because a point would end the name of a layer.
+/// Returns the name of the channel for light in a band: `S0.`, the centre wavelength and `nm`. It
+/// has a decimal comma, because a point would end the name of a layer.
 pub fn emissive_channel(centre_nm: f64) -> String {
     format!("S0.{}nm", centre_nm.to_string().replace('.', ","))
 }
 
-/// Returns the wavelength in nm from the name of a channel for light, or `None` if the channel is
-/// not such a band.
+/// Returns the wavelength in nm of a channel for light, or `None` for another channel.
 pub fn emissive_wavelength_nm(channel: &str) -> Option<f64> {
     wavelength_nm(channel.strip_prefix("S0.")?)
 }
 
-/// Returns the wavelength in nm from the name of a channel for reflectances (`T.550nm`), or `None`
-/// if the channel is not such a band.
+/// Returns the wavelength in nm of a channel for reflectances (`T.550nm`), or `None`.
 pub fn reflective_wavelength_nm(channel: &str) -> Option<f64> {
     wavelength_nm(channel.strip_prefix("T.")?)
 }

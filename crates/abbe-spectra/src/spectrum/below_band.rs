@@ -1,11 +1,10 @@
-//! The public methods of spectra that concern the ultraviolet.
+//! The methods of spectra that concern the ultraviolet.
 
 use super::distribution::WavelengthDistribution;
 use super::ultraviolet::{STEPS, Ultraviolet, WeightedPiece, grid_nm};
 use super::value::Spectrum;
 
 impl Spectrum {
-    /// Returns the spectrum without light below the band.
     #[must_use]
     pub(super) fn without_ultraviolet(self) -> Self {
         self.with_part_below(Some(Box::new(Ultraviolet::NONE)))
@@ -28,8 +27,7 @@ impl Spectrum {
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)))
     }
 
-    /// Returns the sum of spectrum · weight over the whole nanometres from 300 to 359 nm and the
-    /// lines. The weight is a function of the wavelength in nm.
+    /// Returns the sum of spectrum · weight (of nm) over whole nm from 300 to 359 and lines.
     #[cold]
     #[inline(never)]
     pub fn ultraviolet_sum(&self, weight: &dyn Fn(f64) -> f64) -> f64 {
@@ -38,10 +36,9 @@ impl Spectrum {
         continuum.sum::<f64>() + lines.sum::<f64>()
     }
 
-    /// Extends a density of wavelengths within the band to the ultraviolet, where it is
-    /// proportional to spectrum · weight. `band_mass` is the integral of spectrum · weight over the
-    /// band. The ultraviolet gets at most the share `most`. Returns `None` if the spectrum has no
-    /// power.
+    /// Extends a pdf of wavelengths within the band to the ultraviolet, proportionally to spectrum
+    /// · weight. `band_mass` is the integral of spectrum · weight over the band, and the
+    /// ultraviolet gets at most the fraction `most`. Returns `None` if the spectrum has no power.
     pub fn extended_wavelengths(
         &self,
         band: Option<&WavelengthDistribution>,
@@ -52,8 +49,7 @@ impl Spectrum {
         WavelengthDistribution::with_ultraviolet(band, band_mass, &self.weighted_ultraviolet(weight), most)
     }
 
-    /// Returns the pieces of spectrum · weight in the ultraviolet, in ascending order. A line is a
-    /// narrow piece.
+    /// Returns ascending pieces of spectrum · weight in the ultraviolet; lines are narrow ones.
     fn weighted_ultraviolet(&self, weight: &dyn Fn(f64) -> f64) -> Vec<WeightedPiece> {
         let ends = self.below_band().lines().iter().flat_map(|line| [line.nm.0, line.nm.1]);
         let mut cuts: Vec<f64> = (0..=STEPS).map(grid_nm).chain(ends).collect();
@@ -107,7 +103,6 @@ mod tests {
         near(b.integral(), 235.0);
     }
 
-    /// Density and samples of a distribution over both parts belong together.
     #[test]
     fn extended_pdfs_are_normalised() {
         let lines = [SpectralLine { nm: 334.15, power: 20.0, fwhm_nm: None }];

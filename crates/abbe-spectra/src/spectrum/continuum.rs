@@ -1,5 +1,4 @@
-//! The smooth part of a spectrum: a piecewise-linear function over the band, which may be
-//! discontinuous between its pieces.
+//! The smooth part of a spectrum: piecewise linear over the band, with possible jumps.
 
 use super::band::BAND_NM;
 use super::index::BandIndex;
@@ -14,19 +13,19 @@ pub struct LinearPiece {
 }
 
 impl LinearPiece {
-    /// Returns the integral over the piece, in the unit of the value multiplied by nm.
+    /// Returns the integral over the piece, in the unit of the value times nm.
     pub fn integral(&self) -> f64 {
         (self.nm.1 - self.nm.0) * (0.5 * self.values.0 + 0.5 * self.values.1)
     }
 
-    /// Returns the value at `nm`, which must be in the piece.
+    /// `nm` must be in the piece.
     fn at(&self, nm: f64) -> f64 {
         let t = ((nm - self.nm.0) / (self.nm.1 - self.nm.0)).clamp(0.0, 1.0);
         self.values.0 + t * (self.values.1 - self.values.0)
     }
 }
 
-/// A piece, stored in a form for fast evaluation. Its upper end is the lower end of the next cell.
+/// A piece in a form for fast evaluation. Its upper end is the lower end of the next cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ContinuumCell {
     lower: f64,
@@ -35,7 +34,6 @@ struct ContinuumCell {
     rise: f64,
 }
 
-/// Adjacent pieces that cover the whole band.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Continuum {
     cells: Vec<ContinuumCell>,
@@ -43,13 +41,12 @@ pub(crate) struct Continuum {
 }
 
 impl Continuum {
-    /// Returns a function with the same value everywhere.
     pub(crate) fn constant(value: f64) -> Self {
         Self::from_pieces(&[LinearPiece { nm: BAND_NM, values: (value, value) }])
     }
 
-    /// Builds a function from pieces, which must be in ascending order and cover the band without
-    /// gaps. Empty pieces are dropped, and a constant function becomes one piece.
+    /// Builds a function from ascending pieces that cover the band without gaps. Empty pieces are
+    /// dropped, and a constant function becomes one piece.
     pub(crate) fn from_pieces(pieces: &[LinearPiece]) -> Self {
         let first = pieces.first().map_or(0.0, |piece| piece.values.0);
         let flat = pieces.iter().all(|piece| piece.values == (first, first));
@@ -69,8 +66,7 @@ impl Continuum {
         Self { cells, index }
     }
 
-    /// Builds a continuous function through knots (nm, value). The first and the last knot are the
-    /// ends of the band.
+    /// Builds a continuous function through knots (nm, value), from end to end of the band.
     pub(crate) fn from_knots(knots: &[(f64, f64)]) -> Self {
         let pieces: Vec<LinearPiece> = knots
             .windows(2)
@@ -79,8 +75,7 @@ impl Continuum {
         Self::from_pieces(&pieces)
     }
 
-    /// Returns the value at a wavelength of the band. The value at a discontinuity is the limit
-    /// from the side of longer wavelengths.
+    /// Returns the value in the band, at a discontinuity the limit from longer wavelengths.
     #[inline]
     pub(crate) fn at(&self, nm: f64) -> f64 {
         if let [only] = self.cells.as_slice()
@@ -89,12 +84,10 @@ impl Continuum {
             return only.value;
         }
         let cell = &self.cells[self.index.find(nm, |i| self.cells[i].lower)];
-        // Rounding may give a fraction above 1. The minimum limits the fraction, so values never
-        // leave the range of their piece.
+        // Rounding may exceed 1, and the minimum keeps values in the range of their piece.
         cell.value + ((nm - cell.lower) * cell.per_width).min(1.0) * cell.rise
     }
 
-    /// Returns the pieces in ascending order.
     pub(crate) fn pieces(&self) -> impl ExactSizeIterator<Item = LinearPiece> + '_ {
         (0..self.cells.len()).map(|i| self.piece(i))
     }
@@ -105,7 +98,6 @@ impl Continuum {
         LinearPiece { nm: (cell.lower, end), values: (cell.value, cell.value + cell.rise) }
     }
 
-    /// Returns the value if the function is constant.
     pub(crate) fn is_constant(&self) -> Option<f64> {
         match self.cells.as_slice() {
             [only] if only.rise == 0.0 => Some(only.value),
@@ -113,19 +105,16 @@ impl Continuum {
         }
     }
 
-    /// Returns the function multiplied by a factor.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let scale =
             |cell: &ContinuumCell| ContinuumCell { value: cell.value * factor, rise: cell.rise * factor, ..*cell };
         Self { cells: self.cells.iter().map(scale).collect(), index: self.index.clone() }
     }
 
-    /// Returns the integral over the band.
     pub(crate) fn integral(&self) -> f64 {
         self.pieces().map(|piece| piece.integral()).sum()
     }
 
-    /// Returns a cursor at the lower end of the band.
     pub(crate) fn cursor(&self) -> ContinuumCursor<'_> {
         ContinuumCursor { continuum: self, i: 0, piece: self.piece(0) }
     }
@@ -149,8 +138,8 @@ impl ContinuumCursor<'_> {
         self.piece.nm.1
     }
 
-    /// Returns the values at both ends of an interval, as limits from its inside. The interval must
-    /// contain no knot, and it must begin at the wavelength that was last passed to `knot_after`.
+    /// Returns the values at both ends of an interval without knots, as limits from its inside. The
+    /// interval must begin at the wavelength that was last passed to `knot_after`.
     pub(crate) fn values_on(&self, lower: f64, upper: f64) -> (f64, f64) {
         (self.piece.at(lower), self.piece.at(upper))
     }

@@ -25,12 +25,9 @@ fn components() -> &'static Components {
 }
 
 impl Spectrum {
-    /// Returns the spectrum of daylight of a correlated colour temperature in K by CIE 15. The
-    /// power is relative, and it is 100 at 560 nm. The factors M₁ and M₂ are not rounded here, so
-    /// the published tables of D50, D55, D65 and D75, whose factors are rounded, differ slightly.
-    ///
-    /// # Errors
-    /// Returns an error if the temperature is outside 4000–25,000 K.
+    /// Returns daylight of a correlated colour temperature in K by CIE 15, in relative power that
+    /// is 100 at 560 nm, or an error outside 4000–25,000 K. The factors M₁ and M₂ are not rounded,
+    /// so it differs slightly from the published tables of D50, D55, D65 and D75.
     pub fn daylight(temperature_k: f64) -> Result<Self> {
         if !(DAYLIGHT_K.0..=DAYLIGHT_K.1).contains(&temperature_k) {
             let what = format!("daylight of {temperature_k} K");
@@ -40,8 +37,7 @@ impl Spectrum {
     }
 }
 
-/// Computes the same spectrum as [`Spectrum::daylight`], but does not check the temperature. Above
-/// 25,000 K, the function uses the formula for temperatures above 7000 K.
+/// Computes [`Spectrum::daylight`], also above 25,000 K by the formula from 7000 K on.
 pub(crate) fn daylight_extended(temperature_k: f64) -> Spectrum {
     let t = 1000.0 / temperature_k;
     let x = if temperature_k <= 7000.0 {

@@ -1,4 +1,4 @@
-//! Wavelength sampling: probability densities that follow a spectrum.
+//! Wavelength sampling: pdfs that follow a spectrum.
 
 use super::band::BAND_NM;
 use super::continuum::Continuum;
@@ -8,24 +8,22 @@ use super::sweep::sweep;
 use super::ultraviolet::WeightedPiece;
 use super::value::Spectrum;
 
-/// This share of the density of [`WavelengthDistribution::visually_weighted`] follows the product
-/// of the power and the visual response. The other part of the density follows the power alone.
+/// The fraction of the pdf of [`WavelengthDistribution::visually_weighted`] that follows the power
+/// times the visual response. The rest follows the power alone.
 const VISUAL_WEIGHT: f64 = 0.85;
 
-/// If the density is almost 0 at one end of a segment, every sampled wavelength has at least this
-/// distance from both ends. The distance is a fraction of the width of the segment.
+/// The least distance of a sampled wavelength from both ends of a segment, as a fraction of its
+/// width, where the pdf is almost 0 at one end.
 const END_GUARD: f64 = 1e-6;
 
-/// The distance, in nm, between adjacent samples of the tabulated visual response. It is small
-/// enough for importance sampling, and large enough for the table to stay in the first-level cache.
+/// The distance, in nm, between samples of the tabulated visual response: small enough for
+/// importance sampling, and large enough for the table to stay in the first-level cache.
 const VISUAL_STEP_NM: u32 = 5;
 
-/// The guide table has at least this number of steps per segment. With four steps per segment, most
-/// samples find their segment without a search.
+/// The least number of guide steps per segment, with which most samples need no search.
 const GUIDE_STEPS_PER_SEGMENT: usize = 4;
 
-/// A segment of the band in which the density is a linear function of the wavelength. Reciprocals
-/// are stored, so that sampling needs no divisions.
+/// A segment of the band in which the pdf is linear, stored so that sampling needs no divisions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct PdfSegment {
     lower: f64,
@@ -33,17 +31,16 @@ struct PdfSegment {
     last: f64,
     width: f64,
     per_width: f64,
-    /// The density per nm at the lower end, and its increase from the lower to the upper end.
+    /// The pdf per nm at the lower end, and its increase to the upper end.
     pdf_per_nm: f64,
     rise: f64,
-    /// The total probability of all lower segments, and the reciprocal of this segment's
-    /// probability.
+    /// The probability of all lower segments, and the reciprocal of the probability of this one.
     before: f64,
     per_mass: f64,
 }
 
-/// A segment before normalisation. The fields are the ends of the segment in nm, the weights per nm
-/// at both ends, the mass of all lower segments, and the mass of this segment.
+/// A segment before normalisation: its ends in nm, the weights per nm at both ends, the mass of all
+/// lower segments, and its own mass.
 struct UnscaledSegment {
     ends: (f64, f64),
     weights: (f64, f64),
@@ -63,8 +60,7 @@ impl PdfSegment {
             pdf_per_nm: part.weights.0 / total,
             rise: (part.weights.1 - part.weights.0) / total,
             before: part.before / total,
-            // For the smallest masses, the quotient is infinite. The limit prevents a later product
-            // of 0 and infinity, which would be NaN.
+            // The limit prevents infinity for the smallest masses, whose product with 0 is NaN.
             per_mass: (total / part.mass).min(f64::MAX),
         }
     }
@@ -96,43 +92,40 @@ struct LinearWeight<'a> {
 }
 
 impl LinearWeight<'_> {
-    /// Returns the weight at a value of the spectrum.
     fn of(&self, value: f64) -> f64 {
         self.factor * value + self.offset
     }
 }
 
-/// A piecewise-linear density over wavelength, in 1/nm. It has a knot at each knot of the spectrum
-/// and, if it is visually weighted, at each sample of the visual response, every 5 nm. A spectral
-/// line becomes a narrow segment, which has exactly the probability of the line.
+/// A piecewise-linear pdf over wavelength, in 1/nm, with a knot at each knot of the spectrum and,
+/// if it is visually weighted, at each sample of the visual response, every 5 nm. A spectral line
+/// becomes a narrow segment with exactly its probability.
 ///
-/// The density is linear between knots, so it is not exactly the product of the spectrum and the
-/// observer. Nevertheless, an estimator that divides by the density is unbiased, because the
-/// density is positive wherever the spectrum is positive.
+/// Because it is linear between knots, the pdf is not exactly the product of the spectrum and the
+/// observer. An estimator that divides by it is still unbiased, because it is positive wherever the
+/// spectrum is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WavelengthDistribution {
-    /// Segments of positive probability in ascending order. The density is 0 between them.
+    /// Segments of positive probability in ascending order, with a pdf of 0 between them.
     segments: Vec<PdfSegment>,
     by_wavelength: BandIndex,
     /// The total probability below each segment. The last entry is infinity.
     before: Vec<f64>,
-    /// The guide table: the segment that contains the lower end of each of the equal steps into
-    /// which the interval [0, 1] of total probability is divided. The number of steps is a power of
-    /// two.
+    /// The guide table: for each equal step of the total probability, whose number is a power of
+    /// two, the segment that contains its lower end.
     guide: Vec<u32>,
 }
 
 impl WavelengthDistribution {
-    /// Returns a density proportional to the spectrum, or `None` if the spectrum has no power.
+    /// Returns a pdf proportional to the spectrum, or `None` if the spectrum has no power.
     pub fn new(spectrum: &Spectrum) -> Option<Self> {
         let one = Spectrum::constant(1.0);
         Self::weighted(spectrum, &LinearWeight { function: &one, factor: 1.0, offset: 0.0 })
     }
 
-    /// Returns a mixed density, or `None` if the spectrum has no power. A share of 85 % is
-    /// proportional to spectrum × (x̄ + ȳ + z̄). The response x̄ + ȳ + z̄ is tabulated every 5 nm.
-    /// A share of 15 % is proportional to the spectrum alone, so that every wavelength with power
-    /// has a positive density.
+    /// Returns a mixed pdf, or `None` if the spectrum has no power: 85 % is proportional to
+    /// spectrum × (x̄ + ȳ + z̄), a response tabulated every 5 nm, and 15 % to the spectrum alone,
+    /// so that every wavelength with power has a positive pdf.
     pub fn visually_weighted(spectrum: &Spectrum, observer: &Observer) -> Option<Self> {
         let nm = (BAND_NM.0 as u32..=BAND_NM.1 as u32).step_by(VISUAL_STEP_NM as usize).map(f64::from);
         let knots: Vec<(f64, f64)> = nm.map(|nm| (nm, observer.sum_bar().at(nm))).collect();
@@ -149,8 +142,7 @@ impl WavelengthDistribution {
         Self::new(spectrum)
     }
 
-    /// Returns a density that is proportional to spectrum · weight at the knots of the spectrum and
-    /// of the weight.
+    /// Returns a pdf that is proportional to spectrum · weight at the knots of both.
     fn weighted(spectrum: &Spectrum, weight: &LinearWeight<'_>) -> Option<Self> {
         let peak = spectrum.max();
         if !(peak.is_finite() && peak > 0.0) {
@@ -170,11 +162,10 @@ impl WavelengthDistribution {
         (total > 0.0 && total.is_finite()).then(|| Self::normalised(&parts, total))
     }
 
-    /// Returns a density with a share below the band, or `None` if nothing has power. `band` is
-    /// the density within the band. Its weight is `band_mass`. Below the band, the density is
-    /// proportional to the pieces. Their integral is their weight, but their share is at most
-    /// `most`. The share is rounded up to a multiple of 1/1024. The edge between the two parts then
-    /// lies between two cells of a table of photons.
+    /// Returns a pdf of `band`, of the weight `band_mass`, and of pieces below the band, whose
+    /// weight is their integral, or `None` if nothing has power. The fraction below the band is at
+    /// most `most`, and it is rounded up to a multiple of 1/1024, so that the edge between the
+    /// parts lies between two cells of a table of photons.
     #[cold]
     #[inline(never)]
     pub(super) fn with_ultraviolet(
@@ -194,8 +185,8 @@ impl WavelengthDistribution {
         Self::of_pieces(pieces, &band.segments, ultraviolet, fraction)
     }
 
-    /// Joins the pieces below the band, whose integral is `ultraviolet` and whose share of the density
-    /// is `fraction`, with the segments of a density within the band.
+    /// Joins the pieces below the band, whose integral is `ultraviolet` and whose fraction of the
+    /// pdf is `fraction`, with the segments of a pdf within the band.
     fn of_pieces(pieces: &[WeightedPiece], band: &[PdfSegment], ultraviolet: f64, fraction: f64) -> Option<Self> {
         let scale = fraction / ultraviolet;
         let below = pieces.iter().map(|&(ends, values)| (ends, (scale * values.0, scale * values.1)));
@@ -231,10 +222,9 @@ impl WavelengthDistribution {
         Self { segments, by_wavelength, before, guide }
     }
 
-    /// Samples a wavelength from the random number `u` in [0, 1). Returns the wavelength in nm and
-    /// its density in 1/nm. The wavelength increases with `u`, so stratified values of `u` give
-    /// stratified wavelengths. The density is positive and equals [`pdf`](Self::pdf) at the
-    /// wavelength.
+    /// Samples a wavelength from the random number `u` in [0, 1), and returns it in nm with its
+    /// positive [`pdf`](Self::pdf) in 1/nm. The wavelength increases with `u`, so stratified values
+    /// of `u` give stratified wavelengths.
     #[inline(always)]
     pub fn sample(&self, u: f64) -> (f64, f64) {
         // The product is exact because the number of steps is a power of two.
@@ -248,7 +238,7 @@ impl WavelengthDistribution {
         (nm, segment.at(nm))
     }
 
-    /// Returns the density in 1/nm at a wavelength in nm, which is 0 outside the band.
+    /// Returns the pdf in 1/nm at a wavelength in nm, which is 0 outside the band.
     #[inline]
     pub fn pdf(&self, nm: f64) -> f64 {
         let first = self.segments[0].lower;

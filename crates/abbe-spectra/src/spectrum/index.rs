@@ -2,28 +2,25 @@
 
 use super::band::BAND_NM;
 
-/// The largest number of buckets of an index. If there are more segments than buckets, some buckets
-/// contain several segments, and one with many is searched by bisection.
+/// The largest number of buckets of an index. With more segments than buckets, some buckets contain
+/// several segments, and one with many is searched by bisection.
 const MAX_BUCKETS: usize = 1 << 17;
 
-/// A bucket with at most this number of segments is searched segment by segment. If a bucket has
-/// more segments, bisection is faster.
+/// The largest number of segments of a bucket for which linear search beats bisection.
 const MAX_LINEAR_SEARCH: usize = 6;
 
-/// Buckets of equal width over the band. Each bucket stores the first segment that reaches into it
-/// (the guide table or cut-point method: H.-C. Chen and Y. Asau, "On generating random variates
-/// from an empirical distribution", AIIE Transactions 6, 1974).
+/// Buckets of equal width over the band, each with the first segment that reaches into it (the
+/// guide table or cut-point method: H.-C. Chen and Y. Asau, "On generating random variates from an
+/// empirical distribution", AIIE Transactions 6, 1974).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BandIndex {
     buckets_per_nm: f64,
-    /// For each bucket, the number of the segment that contains the lower end of the bucket. The
-    /// list ends with one extra entry.
+    /// The segment that contains the lower end of each bucket, and one extra entry.
     first: Vec<u32>,
 }
 
 impl BandIndex {
-    /// Builds an index over segments from their lower ends in nm, in ascending order. Wavelengths
-    /// below the first lower end belong to the first segment.
+    /// Builds an index from ascending lower ends in nm. The first segment also takes what is below.
     pub(crate) fn new(lower: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
         let count = lower.len();
         let buckets = count.clamp(1, MAX_BUCKETS);
@@ -32,8 +29,8 @@ impl BandIndex {
         let mut rest = lower.clone().skip(1).peekable();
         let mut segment = 0_u32;
         for bucket in 0..=buckets {
-            // Rounding may put a wavelength into the next bucket. Because of the margin, the search
-            // never starts beyond the segment that contains the wavelength.
+            // Rounding may put a wavelength into the next bucket. With the margin, the search never
+            // starts beyond the segment that contains the wavelength.
             let edge = BAND_NM.0 + bucket as f64 / buckets_per_nm - 1e-9;
             while rest.next_if(|&lower| lower <= edge).is_some() {
                 segment += 1;
@@ -50,16 +47,14 @@ impl BandIndex {
         Self { buckets_per_nm, first }
     }
 
-    /// Returns the number of the last segment whose lower end, which the function `lower` returns,
-    /// is ≤ `nm`. `nm` must be in the band.
+    /// Returns the last segment whose lower end, by `lower`, is ≤ `nm` (in the band).
     #[inline]
     pub(crate) fn find(&self, nm: f64, lower: impl Fn(usize) -> f64) -> usize {
         let buckets = self.first.len() - 1;
         let bucket = (((nm - BAND_NM.0) * self.buckets_per_nm) as usize).min(buckets - 1);
         let mut segment = self.first[bucket] as usize;
-        // The stored ends of the buckets are shifted by the margin, and the number of the bucket is
-        // rounded. Therefore the segment may begin after the stored upper end of this bucket. To
-        // include such a segment, the search extends to the end of the next bucket.
+        // Because of the margin and of rounding, the segment may begin after the stored upper end
+        // of this bucket, so the search extends to the end of the next one.
         let mut last = self.first[(bucket + 2).min(buckets)] as usize;
         if last - segment <= MAX_LINEAR_SEARCH {
             while segment < last && lower(segment + 1) <= nm {

@@ -1,15 +1,13 @@
 //! The wavelengths of one light path, and the values at these wavelengths.
 
-/// The number of wavelengths of a new path. Four stratified wavelengths cost little more than one,
-/// and they remove most of the colour noise if no glass disperses the light. Eight would improve
-/// little further.
+/// The number of wavelengths of a new path. Four stratified ones cost little more than one, and
+/// remove most colour noise if no glass disperses the light; eight would improve little further.
 pub const LANES: usize = 4;
 
 /// One value for each wavelength of a path. Unused lanes are 0.
 pub type Lanes = [f64; LANES];
 
-/// The wavelengths of a path. It starts with [`LANES`] of them, and only the hero wavelength
-/// remains after the first dispersive refraction.
+/// The wavelengths of a path: only the hero remains after the first dispersive refraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wavelengths {
     /// Wavelengths in nm, of which the first `count` are in use.

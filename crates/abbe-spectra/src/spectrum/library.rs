@@ -2,8 +2,7 @@
 //! coefficients) and of refractive indices of metals.
 //!
 //! The catalogue `data/library.csv` names the file and the column of every entry. The files are
-//! part of the compiled crate, and only the column of an entry is parsed, when the entry is
-//! requested.
+//! part of the compiled crate, and only the column of a requested entry is parsed.
 
 use std::sync::OnceLock;
 
@@ -16,11 +15,10 @@ use serde::Serialize;
 /// The physical quantity of a library spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpectrumKind {
-    /// Power per nm, which is 0 outside the table. Each entry has its own scale, so the powers of
-    /// two entries are not comparable.
+    /// Power per nm, on a scale of each entry's own, and 0 outside the table.
     Light,
-    /// A reflectance from 0 to 1. Outside the table, the value at the nearest end is used, as for
-    /// all following kinds.
+    /// A reflectance from 0 to 1. Outside the table, this and all further kinds keep the end
+    /// values.
     Reflectance,
     /// A transmittance from 0 to 1.
     Transmittance,
@@ -85,7 +83,6 @@ pub struct LibrarySpectrum {
     pub spectrum: Spectrum,
 }
 
-/// A data file that is part of the program.
 #[derive(Debug, PartialEq, Eq)]
 struct LibraryFile {
     path: &'static str,
@@ -99,14 +96,14 @@ impl LibraryFile {
     }
 }
 
-/// The file of spectral lines. All other files are tables with one column per entry.
+/// The file of spectral lines. All others are tables with one column per entry.
 const LINES_FILE: &str = "illuminants/lines.csv";
 
 static CATALOGUE: &str = include_str!("../../data/library.csv");
 static METALS: &str = include_str!("../../data/metals/metals.csv");
 static METALS_NK: &str = include_str!("../../data/metals/metals_nk.csv");
 
-static FILES: [LibraryFile; 14] = [
+static FILES: [LibraryFile; 16] = [
     LibraryFile::new(
         "illuminants/cie_standard_1nm.csv",
         "CIE 15; A by its formula, D beyond 780 nm from the CIE daylight components",
@@ -165,9 +162,6 @@ static FILES: [LibraryFile; 14] = [
         "ASTM G173 sunlight with single Rayleigh scattering, computed",
         include_str!("../../data/reflectance/sky_zenith_single_scatter.csv"),
     ),
-];
-
-static MEDIA: [LibraryFile; 2] = [
     LibraryFile::new(
         "media/water.csv",
         "Pope and Fry 1997, Hale and Querry 1973; Morel 1974, Smith and Baker 1981",
@@ -191,13 +185,10 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     list().iter().map(|listing| listing.name)
 }
 
-/// The description of the expected input. It is part of the error for an unknown spectrum name.
+/// The expected input in the error for an unknown spectrum name.
 pub const EXPECTED_NAME: &str = "the name of a built-in spectrum";
 
-/// Returns the spectrum with this name. Case is ignored.
-///
-/// # Errors
-/// Returns an error if the name is not in the catalogue. The error suggests a similar name.
+/// Returns the spectrum with this name in any case, or an error with a suggestion.
 pub fn find(name: &str) -> Result<LibrarySpectrum> {
     let listing = list()
         .iter()
@@ -216,7 +207,7 @@ pub struct LibraryMetal {
     pub symbol: &'static str,
     /// The English name.
     pub name: &'static str,
-    /// Another spelling of the name that is also accepted. The string is empty if there is none.
+    /// Another accepted spelling of the name, or an empty string.
     pub also: &'static str,
     /// The source of the measured data.
     pub source: &'static str,
@@ -241,10 +232,7 @@ impl LibraryMetal {
     }
 }
 
-/// Returns the metal with this symbol or this English name. Case is ignored.
-///
-/// # Errors
-/// Returns an error if the name is unknown. The error suggests a similar name.
+/// Returns the metal of this symbol or name in any case, or an error with a suggestion.
 pub fn metal(name: &str) -> Result<LibraryMetal> {
     metals().find(|metal| metal.is_called(name)).ok_or_else(|| {
         let candidates = metals().flat_map(|metal| [metal.symbol, metal.name]);
@@ -270,7 +258,7 @@ fn listing(row: &'static str) -> LibraryListing {
     let [name, kind, path, column, description] = cells(row);
     let kind =
         SpectrumKind::ALL.into_iter().find(|known| known.name() == kind).expect("the catalogue names known kinds");
-    let file = FILES.iter().chain(&MEDIA).find(|file| file.path == path).expect("the catalogue names built-in files");
+    let file = FILES.iter().find(|file| file.path == path).expect("the catalogue names built-in files");
     LibraryListing { name, kind, description, source: file.source, file, column }
 }
 
@@ -287,7 +275,6 @@ pub(crate) fn columns<const N: usize>(text: &str) -> [Vec<f64>; N] {
     columns
 }
 
-/// Parses one column of a table whose first column contains the wavelengths.
 fn table(text: &str, column: &str, outside: Outside) -> Spectrum {
     let header = text.lines().next().expect("a built-in table has a header");
     let place = header.split(',').position(|title| title == column).expect("the catalogue names an existing column");
@@ -303,8 +290,7 @@ fn table(text: &str, column: &str, outside: Outside) -> Spectrum {
     Spectrum::table(&nm, &values, outside).expect("a built-in table is valid")
 }
 
-/// Parses the spectral lines of one lamp. Each row contains the name of a lamp, a wavelength in nm
-/// and a power.
+/// Parses the spectral lines of one lamp from rows of a lamp name, a wavelength in nm and a power.
 fn lines(text: &str, lamp: &str) -> Spectrum {
     let lines: Vec<SpectralLine> = text
         .lines()
@@ -338,7 +324,7 @@ mod tests {
 
     #[test]
     fn every_file_is_in_the_catalogue() {
-        for file in FILES.iter().chain(&MEDIA) {
+        for file in &FILES {
             assert!(list().iter().any(|listing| listing.file == file), "{}", file.path);
         }
     }

@@ -16,8 +16,7 @@ pub(crate) const MIN_WIDTH_NM: f64 = 1e-6;
 pub struct SpectralLine {
     /// The centre wavelength in nm (in air).
     pub nm: f64,
-    /// The power in W. If the unit of the spectrum is not W/nm, this number is the integral of the
-    /// spectrum over the line. Its unit is then the unit of the spectrum, multiplied by nm.
+    /// The power in W: the integral of the spectrum over the line, in its unit times nm.
     pub power: f64,
     /// The full width in nm, by default [`DEFAULT_LINE_WIDTH_NM`].
     pub fwhm_nm: Option<f64>,
@@ -43,9 +42,7 @@ impl SpectralLine {
         }
     }
 
-    /// Returns the line as a segment of constant density, clipped to the band, so that its power
-    /// outside the band is lost. Returns `None` if no part of the line is left. Returns the part of
-    /// the line within an interval of wavelengths.
+    /// Returns the part of the line in an interval, as constant power per nm, if there is one.
     fn segment(&self, (from, to): (f64, f64)) -> Option<LineSegment> {
         let half = 0.5 * self.fwhm_nm.unwrap_or(DEFAULT_LINE_WIDTH_NM);
         let (lower, upper) = (self.nm - half, self.nm + half);
@@ -77,7 +74,6 @@ impl LineSegment {
     }
 }
 
-/// Line segments in ascending order, without overlap.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lines {
     segments: Vec<LineSegment>,
@@ -89,22 +85,17 @@ impl Lines {
         Self::from_segments(Vec::new())
     }
 
-    /// Converts lines to segments.
-    ///
-    /// # Errors
-    /// Returns an error if a wavelength, power or width is out of range. The error contains the
-    /// index of the line.
+    /// Converts lines to segments, or returns an error with the index of a line out of range.
     pub(crate) fn new(lines: &[SpectralLine]) -> Result<Self> {
         lines.iter().enumerate().try_for_each(|(i, line)| line.check(i))?;
         Ok(Self::from_segments(lines.iter().filter_map(|line| line.segment(BAND_NM)).collect()))
     }
 
-    /// Returns the parts of lines that lie in the ultraviolet.
     pub(super) fn below_band(lines: &[SpectralLine]) -> Vec<LineSegment> {
         lines.iter().filter_map(|line| line.segment((ULTRAVIOLET_FROM_NM, BAND_NM.0))).collect()
     }
 
-    /// Builds the list from any segments, adding the densities of overlapping ones.
+    /// Builds the list from any segments, adding the power per nm of overlapping ones.
     pub(crate) fn from_segments(mut segments: Vec<LineSegment>) -> Self {
         segments.retain(|segment| segment.power > 0.0);
         sort_by_number(&mut segments, |segment| segment.nm.0);
@@ -134,8 +125,7 @@ impl Lines {
     }
 }
 
-/// Splits overlapping segments at all segment ends, and adds the densities of the parts that
-/// overlap. The segments must be sorted by their lower ends.
+/// Splits segments, sorted by their lower ends, at all ends, and adds the power per nm of overlaps.
 fn disjoint(segments: &[LineSegment]) -> Vec<LineSegment> {
     let mut cuts: Vec<f64> = segments.iter().flat_map(|segment| [segment.nm.0, segment.nm.1]).collect();
     cuts.sort_by(f64::total_cmp);
@@ -174,8 +164,7 @@ impl LineCursor<'_> {
         }
     }
 
-    /// Returns the power per nm on an interval that begins at `lower` and contains no knot. `lower`
-    /// must be the wavelength that was last passed to `knot_after`.
+    /// Returns the power per nm from `lower`, last passed to `knot_after`, to the next knot.
     pub(crate) fn values_on(&self, lower: f64) -> f64 {
         self.rest.first().filter(|segment| segment.nm.0 <= lower).map_or(0.0, LineSegment::power_per_nm)
     }

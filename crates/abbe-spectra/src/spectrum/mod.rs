@@ -2,9 +2,9 @@
 //! library of measured spectra.
 //!
 //! A [`Spectrum`] is the sum of a piecewise-linear function over the simulated band and narrow
-//! lines of exact power. A table, formula or colour is converted to such a function once, when it
-//! is read. Values, integrals, products and sampled wavelengths are computed for exactly that
-//! function, so no line is lost between samples.
+//! lines of exact power. A table, formula or colour is converted to it once, when it is read, and
+//! values, integrals, products and sampled wavelengths are computed for exactly that function, so
+//! no line is missed between samples.
 
 pub mod library;
 pub mod read;

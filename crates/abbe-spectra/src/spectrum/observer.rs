@@ -17,21 +17,19 @@ pub const MELANOPIC_W_PER_LM_OF_D65: f64 = 1.3262e-3;
 /// The names of the observers.
 pub const OBSERVER_NAMES: [&str; 4] = ["cie1931", "cie1964", "cie2015_2", "cie2015_10"];
 
-/// A standard observer: the colour-matching functions x̄, ȳ and z̄, tabulated from 360 to 830 nm in
-/// steps of 1 nm. They are linear between the samples and 0 outside the table.
+/// A standard observer: the colour-matching functions x̄, ȳ and z̄ by nm from 360 to 830 nm, linear
+/// between the samples and 0 outside the table.
 #[derive(Debug)]
 pub struct Observer {
     name: &'static str,
-    /// One entry per nm. The last entry is stored twice, so that interpolation at the end of the
-    /// band needs no special case.
+    /// One entry per nm, the last one twice, so that interpolation has no special case.
     every_nm: Vec<[f64; 3]>,
     bars: [Spectrum; 3],
     sum: Spectrum,
 }
 
 impl Observer {
-    /// Returns the CIE 1931 observer for a field of 2° (ISO/CIE 11664-1). Its function ȳ is the
-    /// luminous efficiency function V(λ).
+    /// Returns the CIE 1931 observer for 2° (ISO/CIE 11664-1), whose ȳ is V(λ).
     pub fn cie1931() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie1931", include_str!("../../data/cie/cie1931_2deg_1nm.csv")))
@@ -43,29 +41,27 @@ impl Observer {
         OBSERVER.get_or_init(|| Self::parse("cie1964", include_str!("../../data/cie/cie1964_10deg_1nm.csv")))
     }
 
-    /// Returns the observer of CIE 170-2:2015 for a field of 2°, which is derived from cone
-    /// fundamentals. Its table starts at 390 nm.
+    /// Returns the observer of CIE 170-2:2015 for 2°, from cone fundamentals, from 390 nm on.
     pub fn cie2015_2() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie2015_2", include_str!("../../data/cie/cie2015_2deg_1nm.csv")))
     }
 
-    /// Returns the observer of CIE 170-2:2015 for a field of 10°, which is derived from cone
-    /// fundamentals. Its table starts at 390 nm.
+    /// Returns the observer of CIE 170-2:2015 for a field of 10°, as [`Self::cie2015_2`].
     pub fn cie2015_10() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::parse("cie2015_10", include_str!("../../data/cie/cie2015_10deg_1nm.csv")))
     }
 
-    /// Returns the observer with ȳ = 1 at all wavelengths. With it, Y is the radiant quantity over
-    /// the band. It is not one of the named observers, because it describes no eye.
+    /// Returns the observer with ȳ = 1, whose Y is the radiant quantity over the band. It has no
+    /// name among [`OBSERVER_NAMES`], because it describes no eye.
     pub fn radiometric() -> &'static Self {
         static OBSERVER: OnceLock<Observer> = OnceLock::new();
         OBSERVER.get_or_init(|| Self::with_luminosity("radiometric", |_| 1.0))
     }
 
-    /// Returns five observers: their functions ȳ are the action spectra of the S, M and L cones, of
-    /// the rods and of melanopsin (CIE S 026:2018, table 2).
+    /// Returns five observers whose ȳ are the action spectra of the S, M and L cones, of the rods
+    /// and of melanopsin (CIE S 026:2018, table 2).
     pub fn alpha_opic() -> [&'static Self; 5] {
         static OBSERVERS: OnceLock<[Observer; 5]> = OnceLock::new();
         let observers = OBSERVERS.get_or_init(|| {
@@ -80,15 +76,13 @@ impl Observer {
     }
 
     /// Returns the melanopic daylight efficacy ratio of a light (CIE S 026:2018): its melanopic
-    /// irradiance per illuminance, divided by that of D65. Returns `None` for a light without
-    /// luminance.
+    /// irradiance per illuminance, relative to that of D65, or `None` without luminance.
     pub fn melanopic_ratio(light: &Spectrum) -> Option<f64> {
         let [melanopic, luminous] = [Self::alpha_opic()[4], Self::cie1931()].map(|observer| observer.xyz(light)[1]);
         (luminous > 0.0).then(|| melanopic / (LUMENS_PER_WATT * luminous * MELANOPIC_W_PER_LM_OF_D65))
     }
 
-    /// Returns the CIE 1931 observer with another function ȳ, whose value at a whole number of nm
-    /// `luminosity` returns.
+    /// Returns the CIE 1931 observer with another function ȳ, given by `luminosity` at whole nm.
     pub fn with_luminosity(name: &'static str, luminosity: impl Fn(f64) -> f64) -> Self {
         let mut every_nm = Self::cie1931().every_nm.clone();
         let last = every_nm.len() - 1;
@@ -96,10 +90,7 @@ impl Observer {
         Self::from_table(name, every_nm)
     }
 
-    /// Returns an observer by its name: `cie1931`, `cie1964`, `cie2015_2` or `cie2015_10`.
-    ///
-    /// # Errors
-    /// Returns an error if the name is unknown.
+    /// Returns an observer by its name (see [`OBSERVER_NAMES`]), or an error if it is unknown.
     pub fn by_name(name: &str) -> Result<&'static Self> {
         match name.to_ascii_lowercase().as_str() {
             "cie1931" => Ok(Self::cie1931()),
@@ -128,8 +119,8 @@ impl Observer {
         [from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1]), from[2] + t * (to[2] - from[2])]
     }
 
-    /// Returns the exact integrals of spectrum · (x̄, ȳ, z̄) over the band. To obtain the luminous
-    /// quantity, multiply the second integral by [`LUMENS_PER_WATT`].
+    /// Returns the exact integrals of spectrum · (x̄, ȳ, z̄) over the band. The second times
+    /// [`LUMENS_PER_WATT`] is the luminous quantity.
     pub fn xyz(&self, spectrum: &Spectrum) -> [f64; 3] {
         self.bars.each_ref().map(|bar| sweep::product_integral([spectrum, bar].map(Spectrum::parts)))
     }
@@ -178,7 +169,7 @@ impl Observer {
 mod tests {
     use super::*;
 
-    /// The toolbox of CIE S 026 states 0.496 for illuminant A.
+    /// The toolbox of CIE S 026 gives 0.496 for illuminant A.
     #[test]
     fn the_melanopic_ratio_is_1_for_d65_and_half_for_incandescent_light() {
         for (name, expected) in [("D65", 1.0), ("A", 0.496)] {

@@ -7,15 +7,12 @@ const C1_RADIANCE: f64 = 1.191_042_972_397_188e-16;
 /// The second radiation constant, hc/k in m K, exact in the SI of 2019.
 pub(crate) const C2_M_K: f64 = 0.014_387_768_775_039_337;
 
-/// The largest exponent that is evaluated. Above this exponent, the radiance is below the smallest
-/// positive `f64` at every wavelength of the band.
+/// The largest exponent that is evaluated. Above it, the radiance is below the smallest `f64`.
 const LAST_EXPONENT: f64 = 1600.0;
 
-/// Returns the spectral radiance of a black body by Planck's law, in W m⁻² sr⁻¹ m⁻¹. The wavelength
-/// in nm and the temperature in K must be positive.
-///
-/// The exponential is split into two equal factors, so that very small radiances keep their
-/// precision.
+/// Returns the spectral radiance of a black body by Planck's law, in W m⁻² sr⁻¹ m⁻¹, for a positive
+/// wavelength in nm and temperature in K. The exponential is split into two equal factors, so that
+/// very small radiances keep their precision.
 pub fn planck(nm: f64, temperature_k: f64) -> f64 {
     let length_m = nm * 1e-9;
     let exponent = C2_M_K / (length_m * temperature_k);
@@ -41,7 +38,7 @@ mod tests {
         assert!((planck(nm, temperature) / classical - 1.0).abs() < 1e-12);
     }
 
-    /// At an exponent of 1, one form of the denominator replaces the other.
+    /// An exponent of 1 is where one form of the denominator replaces the other.
     #[test]
     fn radiance_is_smooth_where_the_form_changes() {
         let temperature = C2_M_K / 550e-9;

@@ -6,8 +6,7 @@ use super::planck::planck;
 use super::sweep::sweep;
 use super::value::Spectrum;
 
-/// The largest relative error of the linear pieces of a product. The error is relative to the
-/// product of the maxima of the two spectra.
+/// The largest error of the linear pieces of a product, relative to the product of the maxima.
 const PRODUCT_TOLERANCE: f64 = 1e-7;
 
 impl Spectrum {
@@ -42,26 +41,22 @@ impl Spectrum {
         complement.with_part_below(self.below_band().complement())
     }
 
-    /// Returns the sum of weighted black-body radiances in W m⁻² sr⁻¹ nm⁻¹. `bodies` lists pairs of
-    /// a temperature in K (above 0) and a weight.
+    /// Returns the radiance in W m⁻² sr⁻¹ nm⁻¹ of black bodies (K above 0, weight).
     pub fn blackbodies(bodies: &[(f64, f64)]) -> Self {
         let radiance = |nm: f64| bodies.iter().map(|&(kelvin, weight)| weight * planck(nm, kelvin)).sum::<f64>() * 1e-9;
         Self::of_formula(radiance)
     }
 }
 
-/// Returns the mean of the product of two linear functions. Each function is given by its values at
-/// both ends.
+/// Returns the mean of the product of two linear functions, given at both ends.
 fn mean_product(a: (f64, f64), b: (f64, f64)) -> f64 {
     (2.0 * (a.0 * b.0 + a.1 * b.1) + a.0 * b.1 + a.1 * b.0) / 6.0
 }
 
-/// Approximates the product of two linear functions by linear pieces, and appends the pieces to the
-/// list. The tolerance determines the number of pieces.
+/// Appends linear pieces within the tolerance of the product of two linear functions.
 fn add_pieces(nm: (f64, f64), [a, b]: [(f64, f64); 2], tolerance: f64, pieces: &mut Vec<LinearPiece>) {
-    // The product of two linear functions is replaced by a straight line through its end points.
-    // The error is at most a quarter of the product of the two rises. If the interval is divided
-    // into equal parts, the error is proportional to the square of the width of a part.
+    // A straight line through the end points of the product is off by at most a quarter of the
+    // product of the two rises. The error is proportional to the square of the width of a part.
     let off = 0.25 * ((a.1 - a.0) * (b.1 - b.0)).abs();
     let parts = if off > tolerance { (off / tolerance).sqrt().ceil() } else { 1.0 };
     let value = |t: f64| (a.0 + t * (a.1 - a.0)) * (b.0 + t * (b.1 - b.0));

@@ -6,12 +6,9 @@ use super::value::Spectrum;
 use crate::error::{Error, Result};
 
 impl Spectrum {
-    /// Returns a smooth reflectance within [0, 1] that has the given linear sRGB colour under D65
-    /// and for the CIE 1931 observer. The error is at most 10⁻³ for every colour of the RGB cube,
-    /// and greys are constant.
-    ///
-    /// # Errors
-    /// Returns an error if a component is outside [0, 1].
+    /// Returns a smooth reflectance within [0, 1] of this linear sRGB colour under D65 and for the
+    /// CIE 1931 observer, or an error if a component is outside [0, 1]. The error is at most 10⁻³
+    /// for every colour of the RGB cube, and greys are constant.
     pub fn rgb_reflectance(rgb: [f64; 3]) -> Result<Self> {
         if !rgb.iter().all(|component| (0.0..=1.0).contains(component)) {
             return Err(
@@ -25,20 +22,17 @@ impl Spectrum {
         Ok(Self::upsampled(smooth::sampled(&|nm| smooth_reflectance.at(nm), &[])))
     }
 
-    /// Returns a light of the given linear sRGB colour: D65 times a smooth filter. Its XYZ values,
-    /// computed without the factor 683, match the colour up to 10⁻³ of its largest component. A
-    /// colour says nothing about the ultraviolet, so the light has none.
-    ///
-    /// # Errors
-    /// Returns an error if a component is negative or not finite.
+    /// Returns a light of this linear sRGB colour: D65 times a smooth filter, without ultraviolet,
+    /// about which a colour says nothing. Its XYZ, without the factor 683, match up to 10⁻³ of the
+    /// largest component. Returns an error if a component is negative or not finite.
     pub fn rgb_light(rgb: [f64; 3]) -> Result<Self> {
         if !rgb.iter().all(|component| component.is_finite() && *component >= 0.0) {
             return Err(
                 Error::input(format!("the colour {rgb:?} for a light")).expected("finite components of 0 or more")
             );
         }
-        // The filter is fitted to a scaled colour whose brightest component is 0.5. A filter with
-        // values near 1 would be less smooth.
+        // The filter is fitted to a scaled colour whose brightest component is 0.5, because a
+        // filter with values near 1 would be less smooth.
         let scale = 2.0 * rgb.iter().copied().fold(0.0, f64::max);
         let d65 = &basis().d65;
         if scale == 0.0 || rgb == [rgb[0]; 3] {
@@ -61,8 +55,7 @@ mod tests {
         XYZ_TO_LINEAR_SRGB.map(|row| dot(row, xyz))
     }
 
-    /// Tests 9³ colours on a regular grid in the RGB cube. Returns the largest error of any
-    /// component, and the colour with this error.
+    /// Returns the largest error of a component among 9³ colours of the RGB cube, and its colour.
     fn worst(back: impl Fn(Vec3) -> Vec3) -> (f64, Vec3) {
         let colours = (0..729).map(|code| [code / 81, code / 9 % 9, code % 9].map(|level| f64::from(level) / 8.0));
         let error = |rgb: Vec3| {
@@ -72,7 +65,6 @@ mod tests {
         colours.map(|rgb| (error(rgb), rgb)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
     }
 
-    /// Every colour of the cube must be reproduced by a reflectance within [0, 1].
     #[test]
     fn every_colour_has_a_reflectance_within_0_and_1() {
         let worst = worst(|rgb| {

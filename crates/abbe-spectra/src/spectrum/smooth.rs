@@ -4,23 +4,21 @@ use super::band::BAND_NM;
 use super::continuum::Continuum;
 use rayon::prelude::*;
 
-/// The largest relative error of the linear pieces. The error is relative to the maximum of the
-/// function. The promised error is 10⁻⁶. The tolerance is less than half of it, because a peak may
-/// afterwards be scaled to its exact area.
+/// The largest error of the linear pieces, relative to the maximum of the function. It is less than
+/// half of the promised 10⁻⁶, because a peak may afterwards be scaled to its exact area.
 const SAMPLING_TOLERANCE: f64 = 4e-7;
 
 /// The largest depth of the recursion that divides an interval between two initial knots.
 const MAX_DIVISIONS: u32 = 12;
 
-/// The largest number of parts into which one step of the recursion divides an interval.
+/// The largest number of parts into which a step of the recursion divides an interval.
 const MAX_PARTS: f64 = 8.0;
 
-/// A task converts this number of intervals at a time.
+/// The number of intervals that a task converts at a time.
 const CHUNK: usize = 64;
 
-/// Converts a smooth function to pieces. The initial knots are all whole numbers of nm in the band,
-/// and the wavelengths `extra`. More knots are added until the error is at most 10⁻⁶ times the
-/// maximum of the function.
+/// Converts a smooth function to pieces. Knots are all whole nm of the band, the wavelengths
+/// `extra`, and more until the error is at most 10⁻⁶ times the function's maximum.
 pub(crate) fn sampled(function: &(dyn Fn(f64) -> f64 + Sync), extra: &[f64]) -> Continuum {
     let mut knots: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
     knots.extend(extra.iter().filter(|nm| (BAND_NM.0..=BAND_NM.1).contains(*nm)));
@@ -67,8 +65,7 @@ fn refine(
     }
 }
 
-/// Integrates the function itself, not its linear pieces, over the band by Simpson's rule on each
-/// piece.
+/// Integrates the function itself, not its linear pieces, by Simpson's rule on each piece.
 pub(crate) fn integral_of(function: impl Fn(f64) -> f64, pieces: &Continuum) -> f64 {
     pieces
         .pieces()

@@ -2,8 +2,8 @@
 //!
 //! Method: W. Jakob and J. Hanika, "A low-dimensional function space for efficient spectral
 //! upsampling", Computer Graphics Forum 38 (2019). A reflectance is S(c₀ + c₁x + c₂x²) with the
-//! sigmoid S(y) = ½ + y/(2√(1 + y²)). The three coefficients are fitted when a colour is read, so
-//! no coefficient table is needed.
+//! sigmoid S(y) = ½ + y/(2√(1 + y²)), whose coefficients are fitted when a colour is read, so no
+//! coefficient table is needed.
 
 use std::sync::OnceLock;
 
@@ -13,40 +13,33 @@ use super::observer::Observer;
 use super::value::Spectrum;
 use wide::f32x4;
 
-/// The matrix that converts XYZ to linear sRGB (IEC 61966-2-1). The white point is x = 0.3127, y =
-/// 0.3290.
+/// The matrix from XYZ to linear sRGB (IEC 61966-2-1) for the white point x = 0.3127, y = 0.3290.
 pub(super) const XYZ_TO_LINEAR_SRGB: [[f64; 3]; 3] = [
     [3.240_969_941_904_521, -1.537_383_177_570_093, -0.498_610_760_293],
     [-0.969_243_636_280_879_4, 1.875_967_501_507_72, 0.041_555_057_407_175_56],
     [0.055_630_079_696_993_59, -0.203_976_958_888_976_5, 1.056_971_514_242_878],
 ];
 
-/// The number of samples of a fit: one per nm of the band.
 const FIT_SAMPLES: usize = (BAND_NM.1 - BAND_NM.0) as usize + 1;
 
-/// The fit stops when the error in linear RGB is below this value. One step of an 8-bit display
-/// value is much larger.
+/// The error in linear RGB below which the fit stops, far below one step of an 8-bit display value.
 const FIT_TOLERANCE: f64 = 1e-9;
 
-/// The error in linear RGB that a fit near a known colour may have. It is far below one step of an
-/// 8-bit display value, except for the darkest values.
+/// The error of a fit near a known colour, below one 8-bit step except for the darkest values.
 const NEAR_TOLERANCE: f64 = 1e-5;
 
-/// The number of steps of a fit near a known colour. If the steps do not suffice, the fit starts
-/// from a grey.
+/// The number of steps of a fit near a known colour, after which the fit starts from a grey.
 const NEAR_STEPS: usize = 30;
 
-/// The size of the first coefficient of white. The reflectance differs from 1 by less than 10⁻¹⁶.
+/// The size of the first coefficient of white, whose reflectance differs from 1 by less than 10⁻¹⁶.
 const BLACK_OR_WHITE: f64 = 1e9;
 
 pub(super) type Vec3 = [f64; 3];
 
-/// The illuminant and observer of the fit: D65 and CIE 1931.
 pub(super) struct FitBasis {
     /// D65, scaled so that its Y is 1.
     pub(super) d65: Spectrum,
-    /// For each sample, its contribution to the linear sRGB colour if the reflectance is 1. The sum
-    /// over all samples is (1, 1, 1).
+    /// The linear sRGB colour of each sample at reflectance 1. Their sum is (1, 1, 1).
     to_rgb: Vec<Vec3>,
 }
 
@@ -78,15 +71,14 @@ pub(super) fn basis() -> &'static FitBasis {
 pub struct SmoothReflectance(Vec3);
 
 impl SmoothReflectance {
-    /// Returns the reflectance that has the given linear sRGB colour under D65 and for the CIE 1931
-    /// observer. The components must lie in [0, 1]. The error is at most 10⁻³, and greys are
-    /// constant.
+    /// Returns the reflectance of this linear sRGB colour, with components in [0, 1], under D65 and
+    /// for the CIE 1931 observer. The error is at most 10⁻³, and greys are constant.
     pub fn of_rgb(rgb: [f64; 3]) -> Self {
         if rgb == [rgb[0]; 3] { Self([grey(rgb[0]), 0.0, 0.0]) } else { Self(fit(rgb)) }
     }
 
-    /// Returns the same as [`Self::of_rgb`] up to an error of 10⁻⁵ in linear sRGB. The fit starts
-    /// at the reflectance of a similar colour.
+    /// Returns the same as [`Self::of_rgb`] up to an error of 10⁻⁵ in linear sRGB, by a fit that
+    /// starts at the reflectance of a similar colour.
     pub fn of_rgb_near(rgb: [f64; 3], similar: Self) -> Self {
         if rgb == [rgb[0]; 3] {
             return Self::of_rgb(rgb);
@@ -101,8 +93,7 @@ impl SmoothReflectance {
         sigmoid(polynomial(self.0, nm))
     }
 
-    /// Returns the coefficients c₀, c₁ and c₂. The variable x of the polynomial is −1 at 360 nm and
-    /// 1 at 830 nm.
+    /// Returns the coefficients c₀, c₁ and c₂ in x, which is −1 at 360 nm and 1 at 830 nm.
     pub fn coefficients(self) -> [f64; 3] {
         self.0
     }
@@ -139,9 +130,9 @@ fn grey(value: f64) -> f64 {
     if root > 0.0 { (level / root).clamp(-BLACK_OR_WHITE, BLACK_OR_WHITE) } else { BLACK_OR_WHITE.copysign(level) }
 }
 
-/// Fits the coefficients to a colour whose components lie in [0, 1]. The method is
-/// Levenberg–Marquardt (damped Gauss–Newton). The target of the fit moves in eight stages from a
-/// grey to the given colour. The grey and the colour have the same mean of the three components.
+/// Fits the coefficients to a colour with components in [0, 1] by Levenberg–Marquardt (damped
+/// Gauss–Newton). The target of the fit moves in eight stages from the grey of the same mean
+/// component to the colour.
 fn fit(rgb: Vec3) -> Vec3 {
     let mean = (rgb.iter().sum::<f64>() / 3.0).clamp(0.01, 0.99);
     let mut c = [grey(mean), 0.0, 0.0];
@@ -153,9 +144,8 @@ fn fit(rgb: Vec3) -> Vec3 {
     c
 }
 
-/// Improves the coefficients until the error in linear RGB is below `tolerance`, but at most
-/// `steps` times. `residual` returns the error and its derivatives. Returns the coefficients and
-/// their error.
+/// Improves the coefficients in at most `steps` steps until the error in linear RGB, which
+/// `residual` returns with its derivatives, is below `tolerance`. Returns them and their error.
 fn solve_from(
     mut c: Vec3,
     target: Vec3,
@@ -182,8 +172,8 @@ fn solve_from(
     (c, dot(error, error).sqrt())
 }
 
-/// Returns the error of a fit in linear sRGB, and the derivatives of the error with respect to the
-/// coefficients. The indices of a derivative are `[channel][coefficient]`.
+/// Returns the error of a fit in linear sRGB and its derivatives with respect to the coefficients,
+/// indexed by `[channel][coefficient]`.
 fn residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
     let mut error = target.map(|component| -component);
     let mut jacobian = [[0.0; 3]; 3];
@@ -205,8 +195,7 @@ fn residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
 
 /// The samples of [`FitBasis`] in single precision, four at a time.
 struct FastBasis {
-    /// For each group of samples: the variables of the polynomial, and the contributions to red,
-    /// green and blue.
+    /// The variables of the polynomial, and the contributions to red, green and blue.
     groups: Vec<(f32x4, [f32x4; 3])>,
 }
 
@@ -227,8 +216,7 @@ fn fast_basis() -> &'static FastBasis {
     })
 }
 
-/// Returns the same as [`residual`] in single precision, in which the error of the sums is about
-/// 10⁻⁶.
+/// Computes [`residual`] in single precision, with errors of the sums of about 10⁻⁶.
 fn fast_residual(c: Vec3, target: Vec3) -> (Vec3, [Vec3; 3]) {
     let [c0, c1, c2] = c.map(|coefficient| f32x4::splat(coefficient as f32));
     let (one, half) = (f32x4::splat(1.0), f32x4::splat(0.5));
@@ -266,7 +254,6 @@ fn step(c: Vec3, error: Vec3, jacobian: [Vec3; 3], damping: f64) -> Vec3 {
     if next.iter().all(|coefficient| coefficient.is_finite()) { next } else { c }
 }
 
-/// Solves three linear equations by Cramer's rule.
 fn solve(m: [Vec3; 3], right: Vec3) -> Vec3 {
     let determinant = |m: [Vec3; 3]| {
         m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
@@ -288,7 +275,6 @@ pub(super) fn dot(a: Vec3, b: Vec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// A fit that starts at another colour gives the same spectrum.
     #[test]
     fn fits_near_a_similar_colour_agree_with_fits_from_grey() {
         let colours = [[0.2, 0.5, 0.1], [0.21, 0.5, 0.1], [1.0, 0.0, 0.0], [0.98, 0.02, 0.0], [0.3, 0.3, 0.31]];
@@ -301,7 +287,6 @@ mod tests {
         }
     }
 
-    /// The residual in single precision is that in double precision.
     #[test]
     fn the_fast_residual_is_the_residual() {
         for c in [[0.3, -0.2, 0.8], [-4.0, 3.0, 20.0], [300.0, -700.0, 90.0]] {

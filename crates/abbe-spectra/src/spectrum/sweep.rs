@@ -1,11 +1,10 @@
-//! Simultaneous traversal of several spectra, interval by interval. Sums and products of spectra,
-//! and the integrals of products, use this traversal.
+//! Simultaneous traversal of several spectra, interval by interval, for their sums and products,
+//! and for integrals of products.
 
 use super::band::BAND_NM;
 use super::continuum::{Continuum, ContinuumCursor};
 use super::line::{LineCursor, Lines};
 
-/// The two parts of a spectrum: the continuum and the lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SpectrumParts<'a> {
     pub(crate) continuum: &'a Continuum,
@@ -17,9 +16,9 @@ struct SpectrumCursor<'a> {
     lines: LineCursor<'a>,
 }
 
-/// Divides the band at every knot of every spectrum, so that all spectra are linear within each
-/// interval, and calls `visit` with the ends of the interval in nm and the values of every spectrum
-/// at both ends. Lines contribute their power per nm.
+/// Divides the band at every knot of every spectrum, so that all are linear within each interval,
+/// and calls `visit` with the ends of the interval in nm and the values of every spectrum at both
+/// ends, including the power per nm of lines.
 pub(crate) fn sweep<const N: usize>(
     spectra: [SpectrumParts<'_>; N],
     mut visit: impl FnMut((f64, f64), [(f64, f64); N]),
@@ -42,8 +41,8 @@ pub(crate) fn sweep<const N: usize>(
     }
 }
 
-/// Integrates the product of at most three spectra over the band. The result is exact, because
-/// Simpson's rule is exact for cubic polynomials.
+/// Integrates the product of at most three spectra over the band, exactly, because Simpson's rule
+/// is exact for cubic polynomials.
 pub(crate) fn product_integral<const N: usize>(spectra: [SpectrumParts<'_>; N]) -> f64 {
     const { assert!(N <= 3, "four linear factors make a quartic, which Simpson's rule does not integrate") }
     let mut sum = 0.0;

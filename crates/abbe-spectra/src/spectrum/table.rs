@@ -9,13 +9,12 @@ use crate::error::{Error, Result};
 pub enum Outside {
     /// The value is 0 outside the table, as for lights.
     Zero,
-    /// Outside the table, the value at the nearest end is used. This is the rule for reflectances
-    /// and optical constants.
+    /// Outside the table, the value is that at the nearest end, as for reflectances and optical
+    /// constants.
     Hold,
 }
 
-/// If a table has steps below this width in nm, a sum with one sample per nm would miss some
-/// features of the table.
+/// The width of steps in nm below which one sample per nm would miss features of a table.
 const FINE_STEP_NM: f64 = 0.49;
 
 /// Returns the first error in a list of samples, and the index of the wrong sample.
@@ -39,18 +38,15 @@ pub(crate) fn first_fault(nm: &[f64], values: &[f64]) -> Option<(usize, Error)> 
     None
 }
 
-/// Returns whether two adjacent samples of a table in the band are too close for a sum with one
-/// sample per nm.
+/// Returns true if two adjacent samples in the band are too close for a sum with one sample per nm.
 pub(crate) fn is_fine(nm: &[f64]) -> bool {
     is_fine_within(nm, BAND_NM)
 }
 
-/// Returns true if the table has finer steps than 0.49 nm somewhere in an interval of wavelengths.
 pub(super) fn is_fine_within(nm: &[f64], (from, to): (f64, f64)) -> bool {
     nm.windows(2).any(|pair| pair[1] - pair[0] < FINE_STEP_NM && pair[1] > from && pair[0] < to)
 }
 
-/// Converts a table to a function over the band.
 pub(crate) fn continuum(nm: &[f64], values: &[f64], outside: Outside) -> Result<Continuum> {
     if nm.len() != values.len() {
         let what = format!("{} wavelengths and {} values", nm.len(), values.len());
@@ -76,8 +72,8 @@ pub(crate) fn continuum(nm: &[f64], values: &[f64], outside: Outside) -> Result<
     Ok(Continuum::from_pieces(&pieces(nm, values, ends)))
 }
 
-/// Converts at least two samples to pieces. `below` contains the first wavelength and the value
-/// below it, and `above` the last wavelength and the value above it.
+/// Converts at least two samples to pieces. `below` is the first wavelength and the value below it,
+/// and `above` the last one and the value above it.
 fn pieces(nm: &[f64], values: &[f64], [below, above]: [(f64, f64); 2]) -> Vec<LinearPiece> {
     let mut pieces = Vec::with_capacity(nm.len() + 1);
     if below.0 > BAND_NM.0 {
@@ -95,8 +91,8 @@ fn pieces(nm: &[f64], values: &[f64], [below, above]: [(f64, f64); 2]) -> Vec<Li
         }
     }
     if above.0 < BAND_NM.1 {
-        // The last piece begins one floating-point step beyond the last sample, so that the sample
-        // belongs to the table.
+        // The last piece begins one floating-point step beyond the last sample, which thus belongs
+        // to the table.
         let from = if above.0 < BAND_NM.0 { BAND_NM.0 } else { above.0.next_up() };
         if let Some(last) = pieces.last_mut() {
             last.nm.1 = from;

@@ -1,17 +1,15 @@
 //! The ultraviolet part of a spectrum: the wavelengths from 300 nm to the lower end of the band.
 //!
-//! No sensor sees these wavelengths, and integrals over the band do not include them. They only
-//! excite fluorophores, so linear pieces 1 nm wide are precise enough.
+//! No sensor sees these wavelengths, and integrals over the band exclude them. They only excite
+//! fluorophores, so linear pieces 1 nm wide are precise enough.
 
 use super::band::{BAND_NM, ULTRAVIOLET_FROM_NM};
 use super::continuum::Continuum;
 use super::line::LineSegment;
 use super::table::{self, Outside};
 
-/// The number of steps of 1 nm.
 pub(super) const STEPS: usize = (BAND_NM.0 - ULTRAVIOLET_FROM_NM) as usize;
 
-/// The ultraviolet part of a spectrum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ultraviolet {
     /// The values at whole nanometres from 300 to 360 nm.
@@ -19,19 +17,16 @@ pub(super) struct Ultraviolet {
     lines: Vec<LineSegment>,
 }
 
-/// The values of a spectrum below the band.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BelowBand<'a> {
     /// `None` if the value at the lower end of the band is held.
     pub(super) part: Option<&'a Ultraviolet>,
-    /// The continuum within the band.
     pub(super) within: &'a Continuum,
 }
 
 /// A piece of a weighted spectrum: its ends in nm, and the values at the ends.
 pub(super) type WeightedPiece = ((f64, f64), (f64, f64));
 
-/// Returns the wavelength of a grid point in nm.
 pub(super) fn grid_nm(i: usize) -> f64 {
     ULTRAVIOLET_FROM_NM + i as f64
 }
@@ -39,8 +34,8 @@ pub(super) fn grid_nm(i: usize) -> f64 {
 impl Ultraviolet {
     pub(super) const NONE: Self = Self { values: [0.0; STEPS + 1], lines: Vec::new() };
 
-    /// Samples a function. If `narrow` is true, a value is the mean over 1 nm, so that narrow peaks
-    /// keep their power.
+    /// Samples a function, by means over 1 nm if it is `narrow`, so that narrow peaks keep their
+    /// power.
     #[cold]
     #[inline(never)]
     pub(super) fn sampled(function: &dyn Fn(f64) -> f64, narrow: bool) -> Option<Box<Self>> {
@@ -53,8 +48,8 @@ impl Ultraviolet {
         Some(Box::new(Self { values: std::array::from_fn(value), ..Self::NONE }))
     }
 
-    /// Samples a valid table with at least one sample. Returns `None` if the table holds its first
-    /// value over the whole ultraviolet.
+    /// Samples a valid, non-empty table, or returns `None` if the table holds its first value over
+    /// the whole ultraviolet.
     #[cold]
     #[inline(never)]
     pub(super) fn of_table(nm: &[f64], values: &[f64], outside: Outside) -> Option<Box<Self>> {
@@ -76,8 +71,7 @@ impl Ultraviolet {
         Self::sampled(&at, table::is_fine_within(nm, (ULTRAVIOLET_FROM_NM, BAND_NM.0)))
     }
 
-    /// Returns the parts of spectral lines that lie in the ultraviolet, or `None` if there are
-    /// none. The lines may overlap.
+    /// Returns the part of spectral lines, which may overlap, or `None` if there are none.
     pub(super) fn of_lines(lines: Vec<LineSegment>) -> Option<Box<Self>> {
         (!lines.is_empty()).then(|| Box::new(Self { lines, ..Self::NONE }))
     }
@@ -94,15 +88,13 @@ impl Ultraviolet {
         on.map(LineSegment::power_per_nm).sum()
     }
 
-    /// Samples a function that combines the continua of spectra, and adds lines.
     pub(super) fn combined(of: &dyn Fn(f64) -> f64, lines: Vec<LineSegment>) -> Option<Box<Self>> {
         let mut part = Self::sampled(of, false)?;
         part.lines = lines;
         Some(part)
     }
 
-    /// Returns the ultraviolet part of a weighted sum, or `None` if no part has data below the
-    /// band.
+    /// Returns the part of a weighted sum, or `None` if no term has data below the band.
     #[cold]
     #[inline(never)]
     pub(super) fn of_mix(parts: &[(f64, BelowBand<'_>)]) -> Option<Box<Self>> {
@@ -139,23 +131,20 @@ impl<'a> BelowBand<'a> {
         self.part.map_or_else(|| self.within.at(BAND_NM.0), |part| part.continuum_at(nm))
     }
 
-    /// Returns the power per nm of the lines at a wavelength in nm.
     pub(super) fn lines_at(self, nm: f64) -> f64 {
         self.part.map_or(0.0, |part| part.lines_at(nm))
     }
 
-    /// Returns the lines below the band.
     pub(super) fn lines(self) -> &'a [LineSegment] {
         self.part.map_or(&[], |part| &part.lines)
     }
 
-    /// Returns the ultraviolet part without lines.
     pub(super) fn continuum_only(self) -> Option<Box<Ultraviolet>> {
         self.part.map(|part| Box::new(Ultraviolet { values: part.values, ..Ultraviolet::NONE }))
     }
 
-    /// Returns the ultraviolet part of the product with another spectrum, or `None` if neither has
-    /// data below the band.
+    /// Returns the part of the product with another spectrum, or `None` if neither has data below
+    /// the band.
     #[cold]
     #[inline(never)]
     pub(super) fn product(self, other: BelowBand<'_>) -> Option<Box<Ultraviolet>> {
@@ -169,7 +158,6 @@ impl<'a> BelowBand<'a> {
         Ultraviolet::combined(&|nm| self.continuum_at(nm) * other.continuum_at(nm), lines)
     }
 
-    /// Returns the ultraviolet part of 1 minus the continuum.
     pub(super) fn complement(self) -> Option<Box<Ultraviolet>> {
         self.part?;
         Ultraviolet::combined(&|nm| 1.0 - self.continuum_at(nm), Vec::new())

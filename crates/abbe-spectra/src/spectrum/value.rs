@@ -11,28 +11,24 @@ use super::ultraviolet::{BelowBand, Ultraviolet};
 use crate::error::{Error, Result};
 use crate::math::elementary::{exp, ln, powf};
 
-/// If a peak is narrower than this width in nm, one sample per nm does not represent it well.
+/// The width of a peak in nm below which one sample per nm does not represent it well.
 const NARROW_NM: f64 = 5.0;
 
 /// A function of wavelength over the band 360–830 nm, such as power per nm, reflectance or
-/// extinction.
+/// extinction: the sum of a piecewise-linear continuum, which may be discontinuous, and narrow
+/// lines of exact power. Every integral is exact for it, and [`at`](Self::at) takes constant time.
 ///
-/// A spectrum is the sum of a piecewise-linear continuum, which may be discontinuous, and narrow
-/// lines of exact power. Every integral is exact for this function, and [`at`](Self::at) takes
-/// constant time.
-///
-/// A spectrum also has values from 300 to 360 nm, which matter only to fluorophores. Integrals,
-/// extremes and products with colour-matching functions cover the band alone.
+/// It also has values from 300 to 360 nm, which matter only to fluorophores. Integrals, extremes
+/// and products with colour-matching functions cover the band alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// The spectrum without its lines.
     continuum: Continuum,
     lines: Lines,
     /// The part of the continuum whose features are too narrow for a sum with one sample per nm.
     narrow: Option<Box<Continuum>>,
     /// True if a part of the spectrum was made from an RGB colour.
     upsampled: bool,
-    /// The part below the band. `None` if the value at the lower end of the band is held.
+    /// The part below the band, or `None` if the value at the lower end of the band is held.
     ultraviolet: Option<Box<Ultraviolet>>,
 }
 
@@ -42,13 +38,11 @@ impl Spectrum {
         Self::from_continuum(Continuum::constant(value))
     }
 
-    /// Builds a spectrum by linear interpolation of samples at the wavelengths `nm`. Samples
-    /// outside the band serve to interpolate the values at its ends.
-    ///
-    /// # Errors
-    /// Returns an error if the lists have different lengths or are empty; if wavelengths do not
-    /// ascend, occur twice or are not positive; or if values are negative or not finite. A single
-    /// sample is also an error if the spectrum is 0 outside the table.
+    /// Builds a spectrum by linear interpolation of samples at the wavelengths `nm`, of which those
+    /// outside the band give the values at its ends. Returns an error if the lists differ in length
+    /// or are empty; if wavelengths do not ascend, occur twice or are not positive; if values are
+    /// negative or not finite; or if there is only one sample of a spectrum that is 0 outside the
+    /// table.
     pub fn table(nm: &[f64], values: &[f64], outside: Outside) -> Result<Self> {
         let continuum = table::continuum(nm, values, outside)?;
         let fine = table::is_fine(nm);
@@ -57,22 +51,17 @@ impl Spectrum {
         Ok(Self { narrow, ultraviolet, ..Self::from_continuum(continuum) })
     }
 
-    /// Builds a spectrum from lines of exact power. Each line is a box of constant density, 0.001
-    /// nm wide unless its width is given. The densities of overlapping boxes are added, and parts
-    /// of a box outside the band are cut off with their power.
-    ///
-    /// # Errors
-    /// Returns an error if a wavelength is not positive, a power is negative or not finite, or a
-    /// width is below 10⁻⁶ nm.
+    /// Builds a spectrum from lines of exact power. Each line is a box of constant power per nm,
+    /// 0.001 nm wide unless its width is given; overlapping boxes are added, and parts outside the
+    /// band are cut off with their power. Returns an error if a wavelength is not positive, a power
+    /// is negative or not finite, or a width is below 10⁻⁶ nm.
     pub fn lines(lines: &[SpectralLine]) -> Result<Self> {
         let ultraviolet = Ultraviolet::of_lines(Lines::below_band(lines));
         Ok(Self { lines: Lines::new(lines)?, ultraviolet, ..Self::constant(0.0) })
     }
 
-    /// Returns the spectral radiance of a black body in W m⁻² sr⁻¹ nm⁻¹.
-    ///
-    /// # Errors
-    /// Returns an error if the temperature (in K) is not positive and finite.
+    /// Returns the spectral radiance of a black body in W m⁻² sr⁻¹ nm⁻¹, or an error if the
+    /// temperature (in K) is not positive and finite.
     pub fn blackbody(temperature_k: f64) -> Result<Self> {
         if !(temperature_k.is_finite() && temperature_k > 0.0) {
             let what = format!("a black body at {temperature_k} K");
@@ -82,10 +71,8 @@ impl Spectrum {
     }
 
     /// Returns a Gaussian peak of height 1 with the centre `peak_nm` and the full width at half
-    /// maximum `fwhm_nm`.
-    ///
-    /// # Errors
-    /// Returns an error if the centre is not positive and finite, or the width is below 10⁻⁶ nm.
+    /// maximum `fwhm_nm`, or an error if the centre is not positive and finite, or the width is
+    /// below 10⁻⁶ nm.
     pub fn gaussian(peak_nm: f64, fwhm_nm: f64) -> Result<Self> {
         if !(peak_nm.is_finite() && peak_nm > 0.0) {
             return Err(Error::input(format!("a peak at {peak_nm} nm")).expected("a positive wavelength in nm"));
@@ -108,12 +95,9 @@ impl Spectrum {
         Ok(Self { narrow, ultraviolet, ..Self::from_continuum(continuum) })
     }
 
-    /// Returns a power law of the wavelength: `value` · (λ/`reference_nm`)^`exponent`. Rayleigh
-    /// scattering has the exponent −4.
-    ///
-    /// # Errors
-    /// Returns an error if the reference is not positive, the value is negative, or the function is
-    /// not finite over the band.
+    /// Returns the power law `value` · (λ/`reference_nm`)^`exponent`, such as Rayleigh scattering
+    /// with the exponent −4. Returns an error if the reference is not positive, the value is
+    /// negative, or the function is not finite over the band.
     pub fn power_law(reference_nm: f64, value: f64, exponent: f64) -> Result<Self> {
         let law = |nm: f64| value * powf(nm / reference_nm, exponent);
         if !(reference_nm.is_finite() && reference_nm > 0.0) {
@@ -162,9 +146,9 @@ impl Spectrum {
         }
     }
 
-    /// Returns the value at a wavelength in nm, which within a line includes the line's power per
-    /// nm. The value is 0 below 300 nm and above the band. At a discontinuity, it is the limit from
-    /// the side of longer wavelengths, except at the end of a table, where it is the last sample.
+    /// Returns the value at a wavelength in nm, which within a line includes its power per nm, and
+    /// is 0 below 300 nm and above the band. At a discontinuity, it is the limit from the side of
+    /// longer wavelengths, except at the end of a table, where it is the last sample.
     #[inline]
     pub fn at(&self, nm: f64) -> f64 {
         if !(nm >= BAND_NM.0 && nm <= BAND_NM.1) {
@@ -173,17 +157,17 @@ impl Spectrum {
         self.continuum.at(nm) + self.lines.at(nm)
     }
 
-    /// Returns the integral over the band, in the unit of the value multiplied by nm.
+    /// Returns the integral over the band, in the unit of the value times nm.
     pub fn integral(&self) -> f64 {
         self.continuum.integral() + self.lines.segments().iter().map(|line| line.power).sum::<f64>()
     }
 
-    /// Multiplies two spectra and returns the exact integral of the product over the band.
+    /// Returns the exact integral of the product of two spectra over the band.
     pub fn product_integral(&self, other: &Self) -> f64 {
         sweep::product_integral([self.parts(), other.parts()])
     }
 
-    /// Returns the largest value in the band, to which lines contribute their power per nm.
+    /// Returns the largest value in the band, including the power per nm of lines.
     pub fn max(&self) -> f64 {
         self.extreme(f64::max)
     }
@@ -222,20 +206,18 @@ impl Spectrum {
     }
 
     /// Returns the narrow part of the continuum: peaks narrower than 5 nm, and tables whose samples
-    /// are closer than half a nm. A sum with one sample per nm must exclude this part, and the
-    /// caller must integrate it exactly instead.
+    /// are closer than half a nm. A caller that sums one sample per nm must integrate it instead.
     pub(crate) fn narrow_part(&self) -> Option<Self> {
         self.narrow
             .as_ref()
             .map(|narrow| Self { narrow: self.narrow.clone(), ..Self::from_continuum((**narrow).clone()) })
     }
 
-    /// Returns the fraction of the integral, from 0 to 1, that lies in lines and in peaks narrower
-    /// than 5 nm.
+    /// Returns the fraction of the integral that lies in lines and in peaks narrower than 5 nm.
     pub fn line_fraction(&self) -> f64 {
         let narrow_lines = self.lines.segments().iter().filter(|line| line.nm.1 - line.nm.0 < NARROW_NM);
-        // The narrow part also contains finely sampled tables. The narrow part counts only if most
-        // of its power lies in a peak.
+        // The narrow part also contains finely sampled tables. It counts only if most of its power
+        // lies in a peak.
         let peaks = self.narrow.iter().map(|narrow| {
             let highest = narrow.pieces().map(|piece| piece.values.0.max(piece.values.1)).fold(0.0, f64::max);
             let area = narrow.integral();
@@ -245,8 +227,8 @@ impl Spectrum {
         if all > 0.0 { (narrow_lines.map(|line| line.power).sum::<f64>() + peaks.sum::<f64>()) / all } else { 0.0 }
     }
 
-    /// Returns whether a part of the spectrum was made from an RGB colour. Such a spectrum is only
-    /// a smooth estimate from three numbers.
+    /// Returns true if a part of the spectrum is a smooth estimate from the three numbers of an RGB
+    /// colour.
     pub fn is_upsampled(&self) -> bool {
         self.upsampled
     }
@@ -268,39 +250,33 @@ impl Spectrum {
         Self { lines: Lines::none(), ultraviolet: self.below_band().continuum_only(), ..self.clone() }
     }
 
-    /// Builds a spectrum from line segments, adding the densities of overlapping ones.
+    /// Builds a spectrum from line segments, adding the power per nm of overlapping ones.
     pub fn from_segments(segments: &[LineSegment]) -> Self {
         Self { lines: Lines::from_segments(segments.to_vec()), ..Self::constant(0.0) }
     }
 
-    /// Returns a spectrum that is marked as made from an RGB colour.
     pub(super) fn upsampled(continuum: Continuum) -> Self {
         Self { upsampled: true, ..Self::from_continuum(continuum) }
     }
 
-    /// Creates a spectrum without lines and without a narrow part.
     pub(crate) fn from_continuum(continuum: Continuum) -> Self {
         Self { continuum, lines: Lines::none(), narrow: None, upsampled: false, ultraviolet: None }
     }
 
-    /// Replaces the part below the band.
     pub(super) fn with_part_below(self, ultraviolet: Option<Box<Ultraviolet>>) -> Self {
         Self { ultraviolet, ..self }
     }
 
-    /// Converts a smooth function.
     pub(super) fn of_formula(function: impl Fn(f64) -> f64 + Sync) -> Self {
         let ultraviolet = Ultraviolet::sampled(&function, false);
         Self { ultraviolet, ..Self::from_continuum(smooth::sampled(&function, &[])) }
     }
 
-    /// Returns the values below the band.
     #[inline]
     pub(super) fn below_band(&self) -> BelowBand<'_> {
         BelowBand { part: self.ultraviolet.as_deref(), within: &self.continuum }
     }
 
-    /// Returns references to the continuum and the lines.
     pub(crate) fn parts(&self) -> SpectrumParts<'_> {
         SpectrumParts { continuum: &self.continuum, lines: &self.lines }
     }

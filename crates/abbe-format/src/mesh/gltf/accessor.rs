@@ -3,17 +3,17 @@
 use ::gltf::Accessor;
 use ::gltf::accessor::sparse::IndexType;
 use ::gltf::accessor::{DataType, Dimensions};
-use ::gltf::buffer::{Data, View};
+use ::gltf::buffer::View;
 use abbe_spectra::error::{Error, Result};
 use glam::DVec3;
 
 /// Reads the accessors of a glTF file.
 pub struct GltfAccessors<'b> {
-    buffers: &'b [Data],
+    buffers: &'b [Vec<u8>],
 }
 
 impl<'b> GltfAccessors<'b> {
-    pub fn new(buffers: &'b [Data]) -> Self {
+    pub fn new(buffers: &'b [Vec<u8>]) -> Self {
         Self { buffers }
     }
 

@@ -1,5 +1,15 @@
 //! Addresses of the data that a glTF file names.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+/// Decodes an address that contains its data in base 64. Returns `None` if the address names a file,
+/// and `Some(None)` if its data is not valid.
+pub(super) fn decoded_data(uri: &str) -> Option<Option<Vec<u8>>> {
+    let encoded = uri.strip_prefix("data:")?.split_once(";base64,");
+    Some(encoded.and_then(|(_, encoded)| STANDARD.decode(encoded).ok()))
+}
+
 /// Decodes the percent escapes of an address. Returns `None` if the result is not UTF-8.
 pub fn decoded_address(uri: &str) -> Option<String> {
     let mut decoded = Vec::with_capacity(uri.len());

@@ -1,9 +1,10 @@
 //! Opens glTF files, and checks what the crate `gltf` does not check.
 
 use super::super::packed::read;
-use super::{address::decoded_address, extensions};
+use super::address::{decoded_address, decoded_data};
+use super::extensions;
 use crate::FileAccess;
-use ::gltf::buffer::{Data, Source};
+use ::gltf::buffer::{Buffer, Source};
 use ::gltf::json::Root;
 use ::gltf::{Document, Glb};
 use abbe_spectra::error::{Error, Result};
@@ -31,15 +32,56 @@ impl GltfFile {
         check_extensions(&mut root)?;
         check_attributes(&root)?;
         let document = Document::from_json(root).map_err(|error| invalid(&error))?;
-        check_uris(&document, file_access)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Ok(Self { document, has_property_animations, blob, folder, file_access })
+        let file = Self { document, has_property_animations, blob, folder, file_access };
+        for buffer in file.document.buffers() {
+            match buffer.source() {
+                Source::Uri(uri) if !uri.starts_with("data:") => drop(file.buffer_path(uri)?),
+                Source::Uri(_) | Source::Bin => {}
+            }
+        }
+        Ok(file)
     }
 
     /// Reads the buffers. This function is called once, because it moves the data of a binary file.
-    pub fn buffers(&mut self) -> Result<Vec<Data>> {
-        ::gltf::import_buffers(&self.document, Some(&self.folder), self.blob.take()).map_err(|error| invalid(&error))
+    pub fn buffers(&mut self) -> Result<Vec<Vec<u8>>> {
+        let mut blob = self.blob.take();
+        let mut read = |buffer: Buffer<'_>| {
+            let (number, expected) = (buffer.index(), buffer.length());
+            let data = match buffer.source() {
+                Source::Uri(uri) => self.read_uri(uri)?,
+                Source::Bin => blob.take().ok_or_else(|| malformed("the binary chunk is missing"))?,
+            };
+            if data.len() < expected {
+                let what = format!("buffer {number} of the glTF file is truncated: {} of {expected} bytes", data.len());
+                return Err(Error::input(what));
+            }
+            Ok(data)
+        };
+        self.document.buffers().map(&mut read).collect()
     }
+
+    fn read_uri(&self, uri: &str) -> Result<Vec<u8>> {
+        if let Some(data) = decoded_data(uri) {
+            return data.ok_or_else(|| invalid_address(uri));
+        }
+        let read = std::fs::read(self.buffer_path(uri)?);
+        read.map_err(|cause| Error::input(format!("the glTF file or its data cannot be read: {cause}")))
+    }
+
+    /// Returns the path of a buffer, which the file access must allow.
+    fn buffer_path(&self, uri: &str) -> Result<PathBuf> {
+        let decoded = decoded_address(uri).ok_or_else(|| invalid_address(uri))?;
+        let path = decoded.strip_prefix("file://").or(decoded.strip_prefix("file:")).unwrap_or(&decoded);
+        self.file_access.file(&self.folder, Path::new(path))
+    }
+}
+
+/// Returns the error of a buffer's address, which may hold megabytes of data.
+fn invalid_address(uri: &str) -> Error {
+    let start: String = uri.chars().take(60).collect();
+    let dots = if start.len() < uri.len() { "…" } else { "" };
+    Error::input(format!("the glTF buffer's address \"{start}{dots}\" is not valid"))
 }
 
 /// The extensions (not of materials) that Abbe reads and that the crate `gltf` does not know.
@@ -130,28 +172,6 @@ fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
     Ok(())
 }
 
-/// Checks the addresses of buffers: the percent-decoded text must be UTF-8, and the file access
-/// must allow the path. The crate `gltf` makes neither of these checks.
-fn check_uris(document: &Document, file_access: FileAccess) -> Result<()> {
-    for buffer in document.buffers() {
-        if let Source::Uri(uri) = buffer.source()
-            && !uri.starts_with("data:")
-        {
-            let invalid = || Error::input(format!("the glTF buffer's address \"{uri}\" is not valid"));
-            let decoded = decoded_address(uri).ok_or_else(invalid)?;
-            let path = decoded.strip_prefix("file://").or(decoded.strip_prefix("file:")).unwrap_or(&decoded);
-            file_access.file(Path::new(""), Path::new(path))?;
-        }
-    }
-    Ok(())
-}
-
 fn invalid(error: &::gltf::Error) -> Error {
-    if let ::gltf::Error::BufferLength { buffer, expected, actual } = error {
-        return Error::input(format!("buffer {buffer} of the glTF file is truncated: {actual} of {expected} bytes"));
-    }
-    if let ::gltf::Error::Io(cause) = error {
-        return Error::input(format!("the glTF file or its data cannot be read: {cause}"));
-    }
     Error::input(format!("not a valid glTF file: {error}"))
 }

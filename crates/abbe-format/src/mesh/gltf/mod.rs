@@ -15,7 +15,6 @@ mod vertex_colours;
 use super::material::{MeshMaterial, MeshTexture};
 use super::part::{MeshPart, PartsAndNotes, UnplacedParts, fan};
 use crate::FileAccess;
-use ::gltf::buffer::Data;
 use ::gltf::mesh::Mode;
 use ::gltf::{Document, Primitive, Semantic};
 use abbe_scene::geometry::mesh::TriangleMesh;
@@ -110,7 +109,7 @@ struct SceneReader<'b> {
 }
 
 impl<'b> SceneReader<'b> {
-    fn new(file: &'b GltfFile, buffers: &'b [Data]) -> Self {
+    fn new(file: &'b GltfFile, buffers: &'b [Vec<u8>]) -> Self {
         let pictures = GltfPictures::new(&file.document, buffers, &file.folder, file.file_access);
         Self { accessors: GltfAccessors::new(buffers), pictures }
     }

@@ -1,17 +1,14 @@
 //! Pictures of glTF files: buffer views, data addresses and files.
 
 use super::super::material::MeshTexture;
-use super::address::decoded_address;
+use super::address::{decoded_address, decoded_data};
 use crate::{FileAccess, PictureFile};
-use ::gltf::buffer::Data;
 use ::gltf::image::Source;
 use ::gltf::material::NormalTexture;
 use ::gltf::texture::{Info, MagFilter, WrappingMode};
 use ::gltf::{Document, Texture};
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
 use abbe_spectra::error::{Error, Result};
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,7 +16,7 @@ use std::sync::Arc;
 /// Reads the pictures of a glTF file, each once.
 pub(super) struct GltfPictures<'b> {
     document: &'b Document,
-    buffers: &'b [Data],
+    buffers: &'b [Vec<u8>],
     folder: PathBuf,
     file_access: FileAccess,
     /// The pictures by their index in the file.
@@ -29,7 +26,7 @@ pub(super) struct GltfPictures<'b> {
 }
 
 impl<'b> GltfPictures<'b> {
-    pub(super) fn new(document: &'b Document, buffers: &'b [Data], folder: &Path, file_access: FileAccess) -> Self {
+    pub(super) fn new(document: &'b Document, buffers: &'b [Vec<u8>], folder: &Path, file_access: FileAccess) -> Self {
         let known = vec![None; document.images().len()];
         Self { document, buffers, folder: folder.to_owned(), file_access, known, unusable: Vec::new() }
     }
@@ -92,15 +89,11 @@ impl<'b> GltfPictures<'b> {
             Source::View { view, mime_type: _ } => {
                 let buffer = self.buffers.get(view.buffer().index());
                 let end = view.offset().checked_add(view.length());
-                let bytes = buffer.zip(end).and_then(|(buffer, end)| buffer.0.get(view.offset()..end));
+                let bytes = buffer.zip(end).and_then(|(buffer, end)| buffer.get(view.offset()..end));
                 PictureFile::decode(bytes.ok_or_else(|| Error::input("it reaches beyond its buffer"))?)
             }
-            Source::Uri { uri, mime_type: _ } => match uri.strip_prefix("data:") {
-                Some(data) => {
-                    let encoded = data.split_once(";base64,").map(|(_, encoded)| encoded);
-                    let bytes = encoded.and_then(|encoded| STANDARD.decode(encoded).ok());
-                    PictureFile::decode(&bytes.ok_or_else(|| Error::input("its data address is not valid"))?)
-                }
+            Source::Uri { uri, mime_type: _ } => match decoded_data(uri) {
+                Some(data) => PictureFile::decode(&data.ok_or_else(|| Error::input("its data address is not valid"))?),
                 None => {
                     let decoded = decoded_address(uri).ok_or_else(|| Error::input("its address is not valid"))?;
                     PictureFile::read(&self.file_access.file(&self.folder, Path::new(&decoded))?)

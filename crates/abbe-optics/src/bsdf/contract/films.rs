@@ -9,7 +9,7 @@ use crate::thin_film::{FilmLayer, FilmStack, OpticalIndex};
 use abbe_spectra::spectrum::Spectrum;
 use glam::DVec3;
 
-/// Returns a stack with a clear layer, or with the clear layer on a thin layer of a metal.
+/// Returns a stack with a clear layer, which may lie on a thin layer of a metal.
 fn stack(thickness_nm: f64, with_metal: bool) -> FilmStack {
     let layer = |index, thickness_nm| FilmLayer { index, thickness_nm: SurfaceScalar::Uniform(thickness_nm) };
     let metal = OpticalIndex::absorbing(ramp(0.1, 0.3), ramp(2.0, 5.0)).unwrap();
@@ -65,7 +65,6 @@ pub(super) fn cases() -> Vec<BsdfCase> {
     ]
 }
 
-/// Rough glass under clear films scatters all light, at any index, roughness and angle.
 #[test]
 fn clear_films_on_rough_glass_keep_the_energy() {
     let layer = |n: f64, thickness_nm: f64| FilmLayer {

@@ -1,5 +1,4 @@
-//! A grid that divides the sphere into cells of equal solid angle. The module integrates densities
-//! over the cells and compares the integrals with a histogram of samples by the χ² test.
+//! A grid of cells of equal solid angle, to compare a pdf with samples by the χ² test.
 
 use std::f64::consts::TAU;
 
@@ -23,8 +22,7 @@ pub(super) fn cell(w: DVec3) -> usize {
     band * SECTORS + ((turn * SECTORS as f64) as usize).min(SECTORS - 1)
 }
 
-/// A rectangle in the unit square. The equal-area map transforms the rectangle to a region of the
-/// sphere.
+/// A rectangle in the unit square, which the equal-area map transforms to a region of the sphere.
 #[derive(Clone, Copy)]
 struct SpherePatch {
     at: [f64; 2],
@@ -49,8 +47,7 @@ impl SpherePatch {
         [[x, y], [x + size[0], y], [x, y + size[1]], [x + size[0], y + size[1]]].map(|at| Self { at, size })
     }
 
-    /// Integrates `f` by adaptive subdivision. A rectangle is divided into quarters until the
-    /// result changes by less than `tolerance`.
+    /// Integrates `f` by quarters of a rectangle until it changes by less than `tolerance`.
     fn refined(self, f: &impl Fn(DVec3) -> f64, tolerance: f64, known: f64, depth: usize) -> f64 {
         let quarters = self.quarters().map(|quarter| (quarter, quarter.integral(f)));
         let sum: f64 = quarters.iter().map(|(_, value)| value).sum();
@@ -78,8 +75,7 @@ pub(super) fn integrals_within(tolerance: f64, f: impl Fn(DVec3) -> f64) -> Vec<
         .collect()
 }
 
-/// Counts of samples. The samples of each cell of the sphere, the samples in delta directions, and
-/// the samples without a valid direction are counted separately.
+/// Counts the samples of each cell, those in delta directions, and those without a valid direction.
 pub(super) struct Histogram {
     pub(super) cells: Vec<f64>,
     pub(super) deltas: f64,

@@ -11,7 +11,7 @@ use crate::lens::prescription::medium;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::rotation;
 
-/// Places the surfaces of a file in space. `object_mm` is the distance of the object.
+/// Places the surfaces of a file, whose object has this distance, in space.
 pub(super) fn system(reader: ZmxReader<'_>, object_mm: f64) -> Result<FoldedSystem> {
     let unit_mm = reader.unit_mm;
     let half_field_deg = reader.widest_field().filter(|_| reader.fields == FieldKind::Angle);
@@ -72,11 +72,9 @@ fn surface(row: &ZmxSurface, frame: DAffine3, unit_mm: f64) -> Result<FoldedSurf
     })
 }
 
-/// Returns the transform of a coordinate break: from the new axes to the axes in front of it.
-///
-/// With the order 0, the axes are first shifted and then rotated about x, about the new y, and about
-/// the new z. With any other order, they are rotated about z, y and x, and then shifted. The angles
-/// are right-handed.
+/// Returns the transform of a coordinate break from the new axes to those in front of it. With the
+/// order 0, they are shifted and then rotated about x, the new y and the new z; with any other
+/// order, rotated about z, y and x, and then shifted. The angles are right-handed.
 fn coordinate_break(row: &ZmxSurface, unit_mm: f64) -> DAffine3 {
     let [x, y, tilt_x, tilt_y, tilt_z, order] = row.parameters;
     let shift = DAffine3::from_translation(DVec3::new(x, y, 0.0) * unit_mm);

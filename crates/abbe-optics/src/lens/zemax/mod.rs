@@ -1,12 +1,12 @@
-//! Zemax lens files (`.zmx`): sequential systems of spheres, conics and even aspheres. The media
-//! come from the built-in catalogue or from `.agf` files.
+//! Zemax lens files (`.zmx`): sequential systems of spheres, conics and even aspheres, with media
+//! from the built-in catalogue or from `.agf` files.
 //!
-//! The file is a list of operands, one per line, and the operands of a surface are indented under
-//! its `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `OBNA`, `FTYP`,
-//! `XFLN` and `YFLN`. For surfaces, it also uses `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`,
-//! `GLAS`, `DIAM`, `CLAP` and `OBSC`. An operand that is known to change the rays but is not
-//! supported is an error, and all other operands are ignored. The first surface is the object, and
-//! the last surface is the sensor.
+//! The file is a list of operands, one per line, where those of a surface are indented under its
+//! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `OBNA`, `FTYP`,
+//! `XFLN` and `YFLN`, and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`,
+//! `DIAM`, `CLAP` and `OBSC`. Operands that are known to change the rays but are not supported are
+//! errors, and all others are ignored. The first surface is the object, and the last one the
+//! sensor.
 //!
 //! A system with mirrors or coordinate breaks becomes a [`FoldedSystem`], which can be analysed but
 //! not used in a camera.
@@ -37,28 +37,21 @@ pub enum ZmxSystem {
     Folded(FoldedSystem),
 }
 
-/// Parses a lens from the bytes of a file. The encoding is UTF-8, UTF-16 or Latin-1. Error messages
-/// contain `path` and the line number. Each glass is searched in `catalogues` first, in the order
-/// of the list, and then in the built-in catalogue.
+/// Parses a lens from the bytes of a file in UTF-8, UTF-16 or Latin-1. Each glass is searched in
+/// `catalogues` in their order, and then in the built-in catalogue.
 ///
-/// # Errors
-/// Returns an error if an operand is not supported, a glass is unknown, or the surfaces form no
-/// valid lens. Also returns an error if the system has mirrors or coordinate breaks.
+/// Returns an error with `path` and the line number if an operand is not supported, a glass is
+/// unknown, the surfaces form no valid lens, or the system has mirrors or coordinate breaks.
 pub fn parse(bytes: &[u8], path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     read(bytes, path, catalogues)?.unfolded().map_err(|error| error.in_file(path))
 }
 
-/// Parses a system from the bytes of a file, with or without mirrors. The arguments are those of
-/// [`parse`].
-///
-/// # Errors
-/// Returns an error if an operand is not supported, a glass is unknown, or the surfaces form no
-/// valid system.
+/// Parses a system with or without mirrors, like [`parse`]. Returns an error if an operand is not
+/// supported, a glass is unknown, or the surfaces form no valid system.
 pub fn parse_system(bytes: &[u8], path: &Path, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
     system(read(bytes, path, catalogues)?).map_err(|error| error.in_file(path))
 }
 
-/// Returns the system that the operands describe.
 fn system(mut reader: ZmxReader<'_>) -> Result<ZmxSystem> {
     let object_mm = reader.take_ends()?;
     let is_folded = |row: &ZmxSurface| row.kind != SurfaceKind::Refracting || row.thickness < 0.0;
@@ -68,7 +61,6 @@ fn system(mut reader: ZmxReader<'_>) -> Result<ZmxSystem> {
     reader.lens(object_mm).map(ZmxSystem::Lens)
 }
 
-/// Reads the operands of a file.
 fn read<'a>(bytes: &[u8], path: &Path, catalogues: &'a [AgfCatalogue]) -> Result<ZmxReader<'a>> {
     let text = text(bytes).map_err(|error| error.in_file(path))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -82,8 +74,7 @@ fn read<'a>(bytes: &[u8], path: &Path, catalogues: &'a [AgfCatalogue]) -> Result
     Ok(reader)
 }
 
-/// Returns the names of the glass catalogues (`GCAT`) that a file lists. If the file is not text,
-/// the result is empty.
+/// Returns the names of the glass catalogues (`GCAT`) that a file lists; none if it is not text.
 pub fn catalogues(bytes: &[u8]) -> Vec<String> {
     let text = text(bytes).unwrap_or_default();
     let lines = text.lines().filter_map(|line| line.trim().strip_prefix("GCAT "));

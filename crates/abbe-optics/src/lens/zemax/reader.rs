@@ -8,7 +8,6 @@ use crate::lens::profile::SurfaceProfile;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{hypot, sin};
 
-/// The field points of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FieldKind {
     /// Angles in degrees.
@@ -19,12 +18,11 @@ pub(super) enum FieldKind {
     ImageHeight,
 }
 
-/// The contents of a file during parsing.
 pub(super) struct ZmxReader<'a> {
     catalogues: &'a [AgfCatalogue],
     pub(super) name: String,
     pub(super) unit_mm: f64,
-    /// The lengths are in the unit of the file until [`ZmxReader::opening_mm`] converts them.
+    /// In the unit of the file until [`ZmxReader::opening_mm`] converts them.
     opening: ApertureSpec,
     pub(super) fields: FieldKind,
     /// The number of fields that are in use, if the file states it.
@@ -83,8 +81,7 @@ impl<'a> ZmxReader<'a> {
         Ok(())
     }
 
-    /// Returns the largest distance of a field from the axis. Returns `None` if the file has only
-    /// the field on the axis.
+    /// Returns the largest distance of a field from the axis, if there is one beside the axis.
     pub(super) fn widest_field(&self) -> Option<f64> {
         let count = self.field_count.unwrap_or(usize::MAX).min(self.field_x.len().max(self.field_y.len()));
         let at = |fields: &[f64], i: usize| fields.get(i).copied().unwrap_or(0.0);
@@ -92,8 +89,7 @@ impl<'a> ZmxReader<'a> {
         Some(distances.fold(0.0, f64::max)).filter(|widest| *widest > 0.0)
     }
 
-    /// Removes the object and the image from the surfaces, and returns the distance of the object
-    /// in mm.
+    /// Removes the object and the image, and returns the object's distance in mm.
     pub(super) fn take_ends(&mut self) -> Result<f64> {
         let sensor = self.rows.pop().filter(|_| self.rows.len() > 1);
         let Some(sensor) = sensor else {
@@ -113,7 +109,6 @@ impl<'a> ZmxReader<'a> {
         Ok(object_mm)
     }
 
-    /// Returns the system as a lens without mirrors.
     pub(super) fn unfolded(mut self) -> Result<Lens> {
         let object_mm = self.take_ends()?;
         for row in &self.rows {
@@ -127,7 +122,7 @@ impl<'a> ZmxReader<'a> {
         self.lens(object_mm)
     }
 
-    /// Returns the size of the stop in mm. `object_mm` is the distance of the object.
+    /// Returns the size of the stop in mm, for an object at this distance.
     pub(super) fn opening_mm(&self, object_mm: f64) -> ApertureSpec {
         match self.opening {
             ApertureSpec::EntrancePupil { diameter_mm } => {
@@ -138,7 +133,6 @@ impl<'a> ZmxReader<'a> {
         }
     }
 
-    /// Returns the system as a lens without mirrors.
     pub(super) fn lens(self, object_mm: f64) -> Result<Lens> {
         let lines: Vec<usize> = self.rows.iter().map(|row| row.line).collect();
         let surfaces = self.rows.iter().map(|row| row.surface(self.unit_mm)).collect::<Result<_>>()?;
@@ -177,8 +171,7 @@ fn object_cone(arguments: &[&str]) -> Result<ApertureSpec> {
     Ok(ApertureSpec::ObjectCone { tangent: sine / (1.0 - sine * sine).sqrt(), object_mm: f64::INFINITY })
 }
 
-/// Adds a line number to an error that contains the path of a surface. The number is the line of
-/// the surface in the file.
+/// Adds the line in the file to an error that contains the path of a surface.
 fn placed(error: Error, lines: &[usize]) -> Error {
     let path = error.location.path.as_deref().unwrap_or_default();
     let surface = path.strip_prefix("surfaces[").and_then(|rest| rest.split(']').next()?.parse::<usize>().ok());

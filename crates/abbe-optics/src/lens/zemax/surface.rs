@@ -8,7 +8,6 @@ use abbe_spectra::error::{Error, Result};
 
 const GLASSES: &str = "a glass of the built-in catalogue, or of an .agf catalogue that is read with the lens";
 
-/// What a surface does with light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SurfaceKind {
     /// Refraction, or nothing if the media on both sides are equal.
@@ -28,9 +27,9 @@ pub(super) struct ZmxSurface {
     pub(super) thickness: f64,
     /// The medium behind the surface. `None` is air, and for a mirror the medium in front of it.
     pub(super) index: Option<RefractiveIndex>,
-    /// Semi-diameter. If the file does not state it, the value is 0.
+    /// 0 if the file does not state it.
     semi_aperture: f64,
-    /// Radius of a circular aperture. If it is given, it replaces the semi-diameter.
+    /// Radius of a circular aperture, which replaces the semi-diameter.
     clear: Option<f64>,
     /// Radius of the central obscuration, or 0.
     obscuration: f64,
@@ -57,7 +56,7 @@ impl ZmxSurface {
         }
     }
 
-    /// Reads an operand. A remark for the user is added to `notes`.
+    /// Reads an operand, with remarks for the user in `notes`.
     pub(super) fn read(
         &mut self,
         operand: &str,
@@ -106,7 +105,6 @@ impl ZmxSurface {
         Ok(())
     }
 
-    /// Sets the coefficient of h^(2·order).
     fn read_term(&mut self, order: f64, value: f64) -> Result<()> {
         if value == 0.0 {
             return Ok(());
@@ -121,14 +119,12 @@ impl ZmxSurface {
         Ok(())
     }
 
-    /// Returns the radius of the aperture in the unit of the file. Returns `None` if the file does
-    /// not state it.
+    /// Returns the radius of the aperture in the unit of the file, if the file states it.
     pub(super) fn aperture(&self) -> Option<f64> {
         self.clear.or(Some(self.semi_aperture)).filter(|radius| *radius > 0.0)
     }
 
-    /// Returns the radius of a circular aperture (`CLAP`) and the radius of the central obscuration,
-    /// in the unit of the file.
+    /// Returns the radii of a circular aperture and of the obscuration, in the file's unit.
     pub(super) fn blocking(&self) -> (Option<f64>, f64) {
         (self.clear, self.obscuration)
     }
@@ -143,8 +139,7 @@ impl ZmxSurface {
         }
     }
 
-    /// Converts the surface to a refracting surface in mm. If the file does not state the
-    /// semi-diameter, the result has a semi-aperture of 0.
+    /// Converts the surface to mm, with a semi-aperture of 0 if the file lacks it.
     pub(super) fn surface(&self, unit_mm: f64) -> Result<LensSurface> {
         if !self.thickness.is_finite() {
             return Err(Error::input("found an infinite thickness").at(self.line, 1));
@@ -160,15 +155,14 @@ impl ZmxSurface {
     }
 }
 
-/// Returns the index of a glass by name. `___BLANK` is a model glass with a given n_d and Abbe
-/// number. If the name is unknown, the n_d and the Abbe number of the line replace the formula.
+/// Returns the index of a glass by name, where `___BLANK` is a model glass of a given n_d and Abbe
+/// number. For an unknown name, those of the line replace the formula.
 fn glass(arguments: &[&str], catalogues: &[AgfCatalogue], notes: &mut Vec<String>) -> Result<RefractiveIndex> {
-    /// The values that Zemax writes into the line of a catalogue glass as a placeholder.
+    /// Zemax writes these values into the line of a catalogue glass as placeholders.
     const PLACEHOLDER: (f64, f64) = (1.5, 40.0);
     let Some(name) = arguments.first() else { return Err(Error::input("found no glass name")) };
-    // The number after the name says how the glass is defined. 1 is a model glass.
-    let is_model = *name == "___BLANK" || arguments.get(1) == Some(&"1");
-    if is_model {
+    // The number after the name is 1 for a model glass.
+    if *name == "___BLANK" || arguments.get(1) == Some(&"1") {
         return RefractiveIndex::abbe(number(arguments, 3)?, number(arguments, 4)?);
     }
     if let Some(file) = catalogues.iter().find(|file| file.has(name)) {

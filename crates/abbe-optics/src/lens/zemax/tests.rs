@@ -1,5 +1,5 @@
-//! Tests of Zemax files as they occur in practice: computed semi-diameters, unknown glasses,
-//! apertures of all kinds, mirrors and coordinate breaks.
+//! Zemax files as they occur in practice: computed semi-diameters, unknown glasses, apertures of
+//! all kinds, mirrors and coordinate breaks.
 
 use super::*;
 use crate::glass::lines;
@@ -17,8 +17,7 @@ fn lens(text: &str) -> Result<Lens> {
     parse(text.as_bytes(), "triplet.zmx".as_ref(), &[])
 }
 
-/// The rims of the bundles of all fields pass the computed apertures, and each aperture touches one
-/// of them.
+/// The rims of all fields' bundles pass the apertures, and each aperture touches one.
 #[test]
 fn missing_semi_diameters_follow_from_field_and_pupil() {
     let lens = lens(TRIPLET).unwrap();
@@ -107,7 +106,7 @@ fn folded(text: &str) -> FoldedSystem {
 
 const HEAD: &str = "MODE SEQ\nUNIT MM\nENPD 20\nFTYP 0 0 2 1\nYFLN 0 0.5\nSURF 0\n  DISZ INFINITY\n";
 
-/// A paraboloid has no spherical aberration. Its focal length is half of its radius.
+/// A paraboloid has no spherical aberration, and a focal length of half of its radius.
 #[test]
 fn a_paraboloid_focuses_parallel_light_to_a_point() {
     let surface = "SURF 1\n  STOP\n  CURV -0.005\n  CONI -1\n  DISZ -100\n  GLAS MIRROR 0 0 1.5 40\n  DIAM 10\n";
@@ -122,8 +121,7 @@ fn a_paraboloid_focuses_parallel_light_to_a_point() {
     assert!(analysis.fields[2].rms_mm[1] > 1e-3);
 }
 
-/// A Cassegrain telescope: two mirrors, and a central obscuration. Two conics with common foci give
-/// a sharp image on the axis.
+/// Two mirrors and a central obscuration. Two conics with common foci are sharp on the axis.
 #[test]
 fn a_cassegrain_telescope_has_its_focal_length() {
     // Primary f = 100 mm, secondary 70 mm in front of it, magnification 4.
@@ -145,7 +143,6 @@ fn a_cassegrain_telescope_has_its_focal_length() {
     assert!((analysis.fields[0].passing - 0.84).abs() < 0.02, "{}", analysis.fields[0].passing);
 }
 
-/// A plane mirror at 45° between a lens and its image changes no figure of the lens.
 #[test]
 fn a_fold_mirror_changes_no_figure() {
     let lens = "SURF 1\n  STOP\n  CURV 0.01\n  DISZ 5\n  GLAS N-BK7\n  DIAM 10\nSURF 2\n  CURV -0.01\n";
@@ -175,7 +172,6 @@ fn a_fold_mirror_changes_no_figure() {
     }
 }
 
-/// The order of a coordinate break: shift and then rotation, or the other way round.
 #[test]
 fn the_order_of_a_coordinate_break_is_respected() {
     let text = |order: u32| {
@@ -188,8 +184,8 @@ fn the_order_of_a_coordinate_break_is_respected() {
     assert!((image(1) - DVec3::new(0.0, 0.0, 10.0)).length() < 1e-12, "{}", image(1));
 }
 
-/// A lens in front of a tilted and shifted plate. The values are those of optiland 0.6.3
-/// (`tests/golden/make_folded.py`), traced with the same rays.
+/// A lens in front of a tilted and shifted plate, with the values of optiland 0.6.3 for the same
+/// rays (`tests/golden/make_folded.py`).
 #[test]
 fn a_tilted_plate_shifts_and_blurs_the_image_as_computed_elsewhere() {
     let text = "MODE SEQ\nUNIT MM\nENPD 10\nFTYP 0 0 2 1\nYFLN 0 2\nSURF 0\n  DISZ INFINITY\n\

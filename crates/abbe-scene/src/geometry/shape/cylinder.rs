@@ -20,7 +20,6 @@ pub(crate) struct Cylinder {
 
 impl Cylinder {
     pub(crate) const FACES: u32 = 3;
-    /// The face around the axis.
     pub(crate) const ROUND_FACE: u32 = SIDE;
 
     pub(crate) fn next_crossing(&self, line: &LocalLine, start_face: Option<u32>, after: f64) -> Option<Crossing> {
@@ -33,8 +32,7 @@ impl Cylinder {
         }
     }
 
-    /// Returns the part of the line that lies between two planes: the plane of the top face and the
-    /// plane of the bottom face.
+    /// Returns the part of the line between the planes of the top and the bottom face.
     fn slab(&self, line: &LocalLine) -> Option<Span> {
         let (y, speed) = (line.origin.y, line.direction.y);
         if speed == 0.0 {
@@ -46,7 +44,7 @@ impl Cylinder {
     }
 
     /// Returns the exit of a line that starts on a face, or `None` if the line points out of the
-    /// body. The body is convex, so a line that leaves it never re-enters it.
+    /// body, which is convex, so that the line never re-enters it.
     fn exit_from(&self, line: &LocalLine, start: u32) -> Option<Crossing> {
         let speed = line.direction.y;
         let side = match start {

@@ -7,7 +7,6 @@ use glam::DVec3;
 use super::local::{Crossing, LocalLine, LocalSurfacePoint};
 use abbe_spectra::math::elementary::sin_cos;
 
-/// The outline of a flat shape.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum FlatShape {
     /// |x| ≤ half_width, |z| ≤ half_height.
@@ -17,8 +16,7 @@ pub(crate) enum FlatShape {
 }
 
 impl FlatShape {
-    /// Returns where the line crosses the plane inside the outline. If a line starts on the shape,
-    /// the line never crosses the shape again.
+    /// Returns where the line crosses the shape, which a line that starts on it never does.
     pub(crate) fn next_crossing(&self, line: &LocalLine, start_face: Option<u32>, after: f64) -> Option<Crossing> {
         if start_face.is_some() || line.direction.y == 0.0 {
             return None;

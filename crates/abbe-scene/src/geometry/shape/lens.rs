@@ -2,10 +2,9 @@
 //! 2 edge.
 //!
 //! The lens is built from convex sets: the cylinder of the edge, and one ball or half-space per
-//! surface. If a surface is convex or plane, the lens lies inside the set of this surface. If a
-//! surface is concave, the lens lies outside the set of this surface. A line intersects each convex
-//! set in one span. The lens combines these spans on the line. Entries and exits therefore
-//! alternate, and faces meet at their rims without gaps.
+//! surface, inside of which it lies if the surface is convex or plane, and outside if it is
+//! concave. A line intersects each set in one span, and the lens combines these spans on the line,
+//! so entries and exits alternate, and faces meet at their rims without gaps.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,20 +19,18 @@ const FRONT: u32 = 0;
 const BACK: u32 = 1;
 const EDGE: u32 = 2;
 
-/// One of the two surfaces and its convex set. The set of a plane is a half-space. The set of a
-/// sphere is its ball, extended beyond the ball's centre to a half-space. Without this extension,
-/// the far side of the ball would cut a thick lens.
+/// One of the two surfaces and its convex set: the half-space of a plane, or the ball of a sphere,
+/// extended beyond its centre to a half-space, so that its far side does not cut a thick lens.
 #[derive(Debug, Clone, Copy)]
 struct Cap {
     face: u32,
     /// z of the vertex, where the surface crosses the axis.
     vertex_z: f64,
-    /// Radius of the ball, or `None` for a plane.
+    /// `None` for a plane.
     radius: Option<f64>,
-    /// The z direction that points out of the set at the vertex: +1 for +z, −1 for −z.
+    /// The z direction (+1 or −1) that points out of the set at the vertex.
     outward: f64,
-    /// True if the lens lies inside the set (convex or plane surface). False if the lens lies
-    /// outside the set (concave surface).
+    /// True if the lens lies inside the set (convex or plane surface), not outside (concave).
     kept: bool,
 }
 
@@ -47,11 +44,9 @@ pub(crate) struct LensSolid {
 
 impl LensSolid {
     pub(crate) const FACES: u32 = 3;
-    /// The face around the axis.
     pub(crate) const ROUND_FACE: u32 = EDGE;
 
-    /// Creates a lens. A radius is positive if the centre of curvature lies towards +z. A radius of
-    /// 0 means a plane.
+    /// Creates a lens from radii: positive towards a centre at +z, and 0 for a plane.
     pub(crate) fn new(radius1: f64, radius2: f64, thickness: f64, diameter: f64) -> Self {
         let front = Cap {
             face: FRONT,
@@ -75,8 +70,7 @@ impl LensSolid {
         (self.front.rim_z(self.edge_radius), self.back.rim_z(self.edge_radius))
     }
 
-    /// Returns the support function of the lens: the largest dot product of `direction` with a
-    /// point of the lens. `direction` may have any length.
+    /// Returns the support function: the largest dot product of `direction` with a point of it.
     pub(crate) fn support(&self, direction: DVec3) -> f64 {
         let across = self.edge_radius * hypot(direction.x, direction.y);
         let (front, back) = self.rims();
@@ -92,7 +86,6 @@ impl LensSolid {
         }
     }
 
-    /// Returns the span of the line inside all convex sets that contain the lens.
     fn kept(&self, line: &LocalLine) -> Option<Span> {
         let mut span = Span::of_face(ball_roots(&project_xy(line), self.edge_radius)?, EDGE);
         for cap in [&self.front, &self.back] {
@@ -114,27 +107,22 @@ impl LensSolid {
     }
 
     fn next_from(&self, line: &LocalLine, start: u32) -> Option<Crossing> {
-        // The t at which the line leaves the set of its start face. This t is negative if the line
-        // points out of the set.
+        // The t at which the line leaves the set of its start face, negative if it points out.
         let (kept, set_exit_t) = match start {
             EDGE => (true, chord_t(&project_xy(line))),
             FRONT => (self.front.kept, self.front.set_exit_t(line)),
             _ => (self.back.kept, self.back.set_exit_t(line)),
         };
-        let into_set = set_exit_t > 0.0;
-        if kept == into_set {
-            return self.exit_from(line, start, set_exit_t);
+        match (kept, set_exit_t > 0.0) {
+            (true, true) | (false, false) => self.exit_from(line, start, set_exit_t),
+            // The line leaves a convex set that contains the lens, so it never re-enters the lens.
+            (true, false) => None,
+            (false, true) => self.entry_from(line, start, set_exit_t),
         }
-        if kept {
-            // The line leaves this set. The set is convex and contains the lens, so the line never
-            // re-enters the lens.
-            return None;
-        }
-        self.entry_from(line, start, set_exit_t)
     }
 
-    /// Returns the first exit of a line. The line starts on a face and points into the lens.
-    /// Rounding may place the start beyond another face. The exit is then at t = 0.
+    /// Returns the first exit of a line that starts on a face and points into the lens. If rounding
+    /// places the start beyond another face, the exit is at t = 0.
     fn exit_from(&self, line: &LocalLine, start: u32, set_exit_t: f64) -> Option<Crossing> {
         let edge = if start == EDGE {
             set_exit_t
@@ -156,8 +144,8 @@ impl LensSolid {
         Some(Crossing { t: exit.t.max(0.0), ..exit }).filter(|exit| exit.t < f64::INFINITY)
     }
 
-    /// Returns the re-entry of a line, or `None` if the line misses the lens. The line starts on a
-    /// concave face and points into the hollow.
+    /// Returns the re-entry of a line from a concave face through the hollow, or `None` if it
+    /// misses.
     fn entry_from(&self, line: &LocalLine, start: u32, set_exit_t: f64) -> Option<Crossing> {
         let mut entry = Crossing { t: set_exit_t, face: start };
         let other = if start == FRONT { &self.back } else { &self.front };
@@ -216,13 +204,12 @@ impl LensSolid {
 }
 
 impl Cap {
-    /// Returns the z coordinate of the ball's centre, or of the plane.
+    /// The z coordinate of the ball's centre, or of the plane.
     fn centre_z(&self) -> f64 {
         self.vertex_z - self.outward * self.radius.unwrap_or(0.0)
     }
 
-    /// Returns the height of the cap (the sagitta) over a disk of the given radius. This form is
-    /// accurate for nearly flat caps.
+    /// Returns the sagitta of the cap over a disk, accurate also for nearly flat caps.
     fn sagitta(&self, disk_radius: f64) -> f64 {
         self.radius.map_or(0.0, |radius| {
             let root = ((radius - disk_radius) * (radius + disk_radius)).max(0.0).sqrt();
@@ -234,26 +221,23 @@ impl Cap {
         self.vertex_z - self.outward * self.sagitta(edge_radius)
     }
 
-    /// Returns the support function of the ball. Returns `None` for a plane, or if the extreme
-    /// point of the ball lies outside the cap.
+    /// Returns the ball's support function, or `None` for a plane or an extreme point off the cap.
     fn support(&self, direction: DVec3, edge_radius: f64) -> Option<f64> {
         let radius = self.radius?;
         let sin = edge_radius / radius;
         let in_cap = self.outward * direction.z >= direction.length() * ((1.0 - sin) * (1.0 + sin)).max(0.0).sqrt();
-        // The support is computed relative to the vertex, because this is accurate for nearly flat
-        // caps. If d⊥ is the component of d perpendicular to the axis, r(|d| − d·axis) equals
-        // r|d⊥|²/(|d| + d·axis).
+        // Relative to the vertex, the support is accurate for nearly flat caps: if d⊥ is the
+        // component of d perpendicular to the axis, r(|d| − d·axis) equals r|d⊥|²/(|d| + d·axis).
         let along = self.outward * direction.z;
         let bulge = radius * direction.with_z(0.0).length_squared() / (direction.length() + along);
         in_cap.then_some(self.vertex_z * direction.z + bulge)
     }
 
-    /// Returns the span of the line inside the set.
     fn span(&self, line: &LocalLine) -> Option<Span> {
         let Some((first, second)) = self.radius.and_then(|radius| self.roots(line, radius)) else {
             return self.half_space(line);
         };
-        // A root is valid if it lies on the half of the ball that belongs to the surface.
+        // A root is valid on the half of the ball that belongs to the surface.
         let on_cap = |t: f64| self.outward * (line.at(t).z - self.centre_z()) >= 0.0;
         match (on_cap(first), on_cap(second)) {
             (true, true) => Some(Span::of_face((first, second), self.face)),
@@ -263,10 +247,10 @@ impl Cap {
         }
     }
 
-    /// Returns the two t at which the line crosses the surface of the ball. In the quadratic
-    /// equation, positions are relative to the vertex, and t is relative to the point of the line
-    /// nearest to the vertex. The constant term therefore does not contain the square of the radius
-    /// of curvature, and the roots are accurate for nearly flat surfaces.
+    /// Returns the two t at which the line crosses the surface of the ball. Positions are relative
+    /// to the vertex, and t is relative to the point of the line nearest to it, so that the
+    /// constant term of the quadratic equation does not contain the square of the radius of
+    /// curvature, and the roots are accurate for nearly flat surfaces.
     fn roots(&self, line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
         let direction = line.direction;
         let a = direction.length_squared();
@@ -283,8 +267,7 @@ impl Cap {
         Some((first + shift, second + shift))
     }
 
-    /// Returns the span of the line inside a half-space. The half-space lies behind the plane or,
-    /// for a ball, behind the ball's centre.
+    /// Returns the span inside the half-space behind the plane or the ball's centre.
     fn half_space(&self, line: &LocalLine) -> Option<Span> {
         let height = self.outward * (line.origin.z - self.centre_z());
         let speed = self.outward * line.direction.z;
@@ -296,8 +279,8 @@ impl Cap {
         Some(Span::of_face(roots, self.face))
     }
 
-    /// Returns the t at which a line that starts on this surface leaves the set, or ∞ if the line
-    /// never leaves the set. The result is negative if the line points out of the set.
+    /// Returns the t at which a line from this surface leaves the set: ∞ if it never does, and
+    /// negative if it points out.
     fn set_exit_t(&self, line: &LocalLine) -> f64 {
         let Some(radius) = self.radius else {
             return if self.outward * line.direction.z < 0.0 { f64::INFINITY } else { -1.0 };
@@ -317,9 +300,9 @@ impl Cap {
         let centre = DVec3::new(0.0, 0.0, self.centre_z());
         let radial = (point - centre).normalize_or(DVec3::new(0.0, 0.0, self.outward));
         let across = point.with_z(0.0).length();
-        // Near the axis, z is computed from the sagitta. The sum of the centre's z and the radius
-        // would be inaccurate on a nearly flat surface. Far from the axis, where the surface is
-        // steep, the point is computed from the centre and the radius.
+        // Near the axis, z is computed from the sagitta, because the sum of the centre's z and the
+        // radius would be inaccurate on a nearly flat surface. Far from the axis, where the surface
+        // is steep, the point is computed from the centre and the radius.
         let snapped = if across < 0.7 * radius {
             point.with_z(self.vertex_z - self.outward * self.sagitta(across))
         } else {
@@ -332,8 +315,7 @@ impl Cap {
         self.radius.map_or(PI * edge_radius * edge_radius, |radius| TAU * radius * self.sagitta(edge_radius))
     }
 
-    /// Samples a point uniformly on the cap. By Archimedes' theorem, zones of equal height have
-    /// equal areas.
+    /// Samples a point uniformly on the cap. By Archimedes, zones of equal height have equal areas.
     fn sample(&self, edge_radius: f64, u: f64, sin: f64, cos: f64) -> DVec3 {
         let height = u * self.sagitta(edge_radius);
         let ring =
@@ -362,7 +344,6 @@ fn subtract(pieces: [Option<Span>; 3], hollow: Span) -> [Option<Span>; 3] {
     left
 }
 
-/// Projects the line onto the xy plane.
 fn project_xy(line: &LocalLine) -> LocalLine {
     LocalLine { origin: line.origin.with_z(0.0), direction: line.direction.with_z(0.0) }
 }

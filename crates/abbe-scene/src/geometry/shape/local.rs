@@ -7,8 +7,7 @@ use glam::DVec3;
 use abbe_spectra::math::elementary::atan2;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 
-/// The line `origin + t·direction`. The direction is not normalised, so a transform of the line to
-/// another frame does not change t.
+/// The line `origin + t·direction`. The direction is not normalised, so transforms do not change t.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LocalLine {
     pub(crate) origin: DVec3,
@@ -21,14 +20,13 @@ impl LocalLine {
     }
 }
 
-/// The crossing of a face by a line, at the parameter `t`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Crossing {
     pub(crate) t: f64,
     pub(crate) face: u32,
 }
 
-/// The part of a line inside a convex set, from its entry to its exit. Either end may be infinite.
+/// The part of a line inside a convex set. Either end may be infinite.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Span {
     pub(crate) enter: Crossing,
@@ -36,27 +34,24 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// Creates a span whose entry and exit lie on the same face. `roots` contains the t of both.
+    /// Creates a span whose entry and exit, at the t of `roots`, lie on the same face.
     pub(crate) fn of_face(roots: (f64, f64), face: u32) -> Self {
         Self { enter: Crossing { t: roots.0, face }, exit: Crossing { t: roots.1, face } }
     }
 
-    /// Returns the intersection of two spans, or `None` if it is empty.
     pub(crate) fn intersection(self, other: Self) -> Option<Self> {
         let enter = if other.enter.t > self.enter.t { other.enter } else { self.enter };
         let exit = if other.exit.t < self.exit.t { other.exit } else { self.exit };
         (enter.t <= exit.t).then_some(Self { enter, exit })
     }
 
-    /// Returns the entry or the exit of the span: the first of these two with a finite t above
-    /// `after`.
+    /// Returns the first end of the span with a finite t above `after`.
     pub(crate) fn next_crossing(&self, after: f64) -> Option<Crossing> {
         [self.enter, self.exit].into_iter().find(|end| end.t > after && end.t < f64::INFINITY)
     }
 }
 
-/// A point of a surface and the outward unit normal at this point, both in the local frame. The
-/// position is projected onto the surface.
+/// A point of a surface, projected onto it, and the outward unit normal there, in the local frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LocalSurfacePoint {
     pub(crate) point: DVec3,
@@ -69,13 +64,10 @@ pub(crate) fn azimuth_fraction(x: f64, y: f64) -> f64 {
     (atan2(y, x) / TAU).rem_euclid(1.0).min(ONE_MINUS_ULP)
 }
 
-/// Returns the range of t in which a line lies inside a ball about the origin. `radius` is the
-/// radius of the ball.
-///
-/// The function also serves for cylinders, if the axial components of the line's origin and
-/// direction are 0. The discriminant is computed from the point of closest approach. The roots are
-/// computed without cancellation. They are therefore accurate also for small balls, distant balls,
-/// and lines that almost graze the ball.
+/// Returns the range of t in which a line lies inside a ball about the origin, or in a cylinder if
+/// the axial components of the line are 0. The discriminant is computed from the point of closest
+/// approach, and the roots without cancellation, so they are accurate also for small and distant
+/// balls, and for lines that almost graze the ball.
 #[inline]
 pub(crate) fn ball_roots(line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
     let a = line.direction.length_squared();
@@ -92,17 +84,15 @@ pub(crate) fn ball_roots(line: &LocalLine, radius: f64) -> Option<(f64, f64)> {
     Some(ordered_roots(a, b, c, discriminant * a))
 }
 
-/// Returns the t at which a line crosses the surface of a ball a second time. The line starts on
-/// the surface, and the ball's centre is the origin. The constant term of the quadratic equation is
-/// taken as exactly 0, so one root is 0 and the other root is −2b/a. The result is negative if the
-/// line points out of the ball.
+/// Returns the t at which a line that starts on the surface of a ball about the origin crosses it a
+/// second time. The constant term of the quadratic equation is exactly 0, so the other root is
+/// −2b/a. It is negative if the line points out of the ball.
 pub(crate) fn chord_t(line: &LocalLine) -> f64 {
     let a = line.direction.length_squared();
     if a == 0.0 { f64::INFINITY } else { -2.0 * line.origin.dot(line.direction) / a }
 }
 
-/// Returns the roots of a t² + 2b t + c in ascending order. `discriminant` is b² − ac and must not
-/// be negative. The roots are computed without cancellation.
+/// Returns the roots of a t² + 2b t + c in ascending order without cancellation, by b² − ac ≥ 0.
 #[inline]
 pub(crate) fn ordered_roots(a: f64, b: f64, c: f64, discriminant: f64) -> (f64, f64) {
     let q = -b - discriminant.sqrt().copysign(b);

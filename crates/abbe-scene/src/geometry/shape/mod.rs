@@ -1,10 +1,9 @@
 //! The shapes of a scene in their local frames.
 //!
-//! Every analytic shape implements the same operations. They find the next crossing of a line
-//! (`LocalLine`). They project a point onto a face, and compute the normal and the texture
-//! coordinates there. They also compute the area of a face, and sample a face uniformly. The origin
-//! and the axes of a local frame are the same as in the scene file. [`geometry`](super) places the
-//! shapes in the world, traces rays and samples points on the shapes.
+//! Every analytic shape finds the next crossing of a line (`LocalLine`), projects a point onto a
+//! face, computes the normal and the texture coordinates there, and computes the area of a face and
+//! samples it uniformly. Local frames have the origin and the axes of the scene file.
+//! [`geometry`](super) places the shapes in the world, traces rays and samples points.
 
 mod cylinder;
 mod flat;
@@ -31,69 +30,53 @@ pub(crate) use triangle::TriangleRay;
 pub enum Shape {
     /// A sphere about the origin.
     Sphere {
-        /// Radius in m.
         radius: f64,
     },
-    /// A rectangle in the xz plane, centred on the origin, facing +y.
+    /// A rectangle in the xz plane (`width` along x), centred on the origin, facing +y.
     Rectangle {
-        /// Extent along x in m.
         width: f64,
-        /// Extent along z in m.
         height: f64,
     },
     /// A disk in the xz plane, centred on the origin, facing +y.
     Disk {
-        /// Radius in m.
         radius: f64,
     },
     /// A box centred on the origin.
     Box {
-        /// Extents along x, y, z in m.
         size: DVec3,
     },
     /// A closed cylinder centred on the origin, with its axis along y.
     Cylinder {
-        /// Radius in m.
         radius: f64,
-        /// Extent along y in m.
         height: f64,
     },
-    /// A closed triangular prism with its axis along z and its apex towards +y. The centroid of its
-    /// triangle is the origin.
+    /// A closed triangular prism along z, apex towards +y, triangle's centroid at the origin.
     Prism {
-        /// Length of each of the two legs that meet at the apex, in m.
+        /// Length of each of the two legs that meet at the apex.
         side: f64,
-        /// Extent along z in m.
+        /// Extent along z.
         length: f64,
-        /// Angle at the apex in degrees, in (0, 180).
+        /// In (0, 180).
         apex_deg: f64,
     },
-    /// A lens: two spherical surfaces about the z axis and a cylindrical edge. The front vertex is
-    /// the origin.
+    /// A lens: spherical surfaces about z and a cylindrical edge, front vertex at the origin.
     Lens {
-        /// Radius of curvature of the front surface in m. It is positive if the centre of curvature
-        /// lies towards +z. A radius of 0 means a plane.
+        /// Radius of curvature in front: positive if its centre lies towards +z, 0 for a plane.
         radius1: f64,
-        /// Radius of curvature of the back surface in m. The sign convention is the same as for
-        /// `radius1`. For a biconvex lens, `radius1` is positive and `radius2` is negative.
+        /// That of the back surface, with the same sign: negative for a biconvex lens.
         radius2: f64,
-        /// Distance between the vertices in m.
+        /// Distance between the vertices.
         thickness: f64,
-        /// Diameter of the edge in m.
         diameter: f64,
     },
-    /// A triangle mesh.
     Mesh(Arc<TriangleMesh>),
 }
 
-/// A shape placed in the world.
 #[derive(Debug, Clone)]
 pub struct PlacedShape {
-    /// The shape in its local frame.
     pub shape: Shape,
-    /// Map from the local frame to the world, in m. Any invertible map is valid, including
-    /// mirroring and unequal scales.
+    /// From the local frame to the world, in m: any invertible map, also a mirroring one.
     pub to_world: DAffine3,
-    /// Number of the object. Several placed shapes may belong to one object.
+    /// Several placed shapes may belong to one object.
     pub object: u32,
 }

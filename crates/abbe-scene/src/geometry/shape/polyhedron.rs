@@ -1,8 +1,6 @@
-//! Box and prism: intersections of half-spaces, with one face per half-space.
-//!
-//! Along a line, the last of the entries into half-spaces is the entry into the body. The first of
-//! the exits from half-spaces is the exit from the body. Entries and exits therefore alternate by
-//! construction, also at edges and corners.
+//! Box and prism: intersections of half-spaces, one per face. A line enters the body at the last of
+//! its entries into half-spaces, and leaves it at the first of its exits, so entries and exits
+//! alternate by construction, also at edges and corners.
 
 use glam::DVec3;
 
@@ -16,8 +14,7 @@ struct HalfSpace {
     offset: f64,
 }
 
-/// The part of the plane that belongs to the face. The part is the parallelogram that two edges
-/// span at a corner, or the triangle that is half of this parallelogram.
+/// The face in its plane: the parallelogram of two edges at a corner, or half of it.
 #[derive(Debug, Clone, Copy)]
 struct FaceOutline {
     corner: DVec3,
@@ -26,7 +23,6 @@ struct FaceOutline {
     triangle: bool,
 }
 
-/// A convex body with flat faces.
 #[derive(Debug, Clone)]
 pub(crate) struct Polyhedron {
     half_spaces: Vec<HalfSpace>,
@@ -34,7 +30,6 @@ pub(crate) struct Polyhedron {
 }
 
 impl Polyhedron {
-    /// Returns whether a point lies inside the body.
     pub(crate) fn contains(&self, point: DVec3) -> bool {
         self.half_spaces.iter().all(|half_space| half_space.normal.dot(point) < half_space.offset)
     }
@@ -59,8 +54,7 @@ impl Polyhedron {
         body
     }
 
-    /// Creates a triangular prism. The centroid of its triangle is the origin. Faces: right leg
-    /// (+x), left leg (−x), base, −z, +z.
+    /// Creates a triangular prism. Faces: right leg (+x), left leg (−x), base, −z, +z.
     pub(crate) fn prism(side: f64, length: f64, apex_deg: f64) -> Self {
         let (sin, cos) = sin_cos(0.5 * apex_deg.to_radians());
         let (half_base, height) = (side * sin, side * cos);
@@ -70,8 +64,8 @@ impl Polyhedron {
         let left = DVec3::new(-half_base, -height / 3.0, z);
         let along = DVec3::new(0.0, 0.0, length);
         let mut body = Self { half_spaces: Vec::with_capacity(5), facets: Vec::with_capacity(5) };
-        // The apex angle determines the normals of the two legs. The apex determines their common
-        // offset. Both planes therefore contain the same line at the apex.
+        // The apex angle determines the normals of the legs, and the apex their common offset, so
+        // that both planes contain the same line at the apex.
         let (leg_right, leg_left) = (DVec3::new(cos, sin, 0.0), DVec3::new(-cos, sin, 0.0));
         let parallelogram = |corner, edge_u, edge_v| FaceOutline { corner, edge_u, edge_v, triangle: false };
         body.push(leg_right, leg_right.dot(top), parallelogram(top + along, -along, right - top));
@@ -122,7 +116,7 @@ impl Polyhedron {
     }
 
     /// Returns the exit of a line that starts on a face, or `None` if the line points out of the
-    /// body. Rounding may place the start beyond another face. The exit is then at t = 0.
+    /// body. If rounding places the start beyond another face, the exit is at t = 0.
     fn exit_from(&self, line: &LocalLine, start: u32) -> Option<Crossing> {
         if self.half_spaces[start as usize].normal.dot(line.direction) >= 0.0 {
             return None;
@@ -171,7 +165,7 @@ impl Polyhedron {
         facet.corner + s * facet.edge_u + t * facet.edge_v
     }
 
-    /// Iterates over the corners. Each corner occurs at least once.
+    /// Iterates over the corners, each at least once.
     pub(crate) fn corners(&self) -> impl Iterator<Item = DVec3> {
         self.facets.iter().flat_map(|facet| {
             let far = if facet.triangle { facet.corner } else { facet.corner + facet.edge_u + facet.edge_v };

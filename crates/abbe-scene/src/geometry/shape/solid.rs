@@ -25,29 +25,23 @@ pub(crate) enum Solid {
     Lens(LensSolid),
 }
 
-/// Scale factor of a body for the inside test. A point inside the scaled body is also inside the
-/// original body, regardless of rounding.
+/// A point inside a body scaled by this factor is inside the body, regardless of rounding.
 const INSIDE_FRACTION: f64 = 1.0 - 1e-9;
 
-/// A validated shape: either an analytic solid or a mesh.
 pub(crate) enum ValidShape<'a> {
     Solid(Solid),
     Mesh(&'a Arc<TriangleMesh>),
 }
 
 impl Shape {
-    /// Checks that the parameters describe a valid body.
-    ///
-    /// # Errors
-    /// Returns an error if a number is not finite or not positive, the surfaces of a lens cannot
-    /// span the lens's diameter, or the edge of a lens has negative thickness. The JSON path in the
-    /// error names the wrong parameter.
+    /// Checks the parameters. Returns an error, with the JSON path, if a number is not finite or
+    /// not positive, the surfaces of a lens cannot span its diameter, or its edge has negative
+    /// thickness.
     pub fn validate(&self) -> Result<()> {
         self.validated().map(|_| ())
     }
 
-    /// Returns the corners of a bounding box in the local frame, in m, or `None` if the shape is
-    /// not a valid body.
+    /// Returns the corners of a local bounding box, or `None` for an invalid shape.
     pub(crate) fn bounds(&self) -> Option<(DVec3, DVec3)> {
         Some(match self.validated().ok()? {
             ValidShape::Solid(solid) => solid.bounds(&DMat3::IDENTITY),
@@ -55,10 +49,8 @@ impl Shape {
         })
     }
 
-    /// Returns the analytic solid or the mesh of the shape.
-    ///
-    /// # Errors
-    /// Returns the errors of [`Shape::validate`]. A mesh is validated when it is created.
+    /// Returns the analytic solid or the (already valid) mesh, or the errors of
+    /// [`Shape::validate`].
     pub(crate) fn validated(&self) -> Result<ValidShape<'_>> {
         Ok(ValidShape::Solid(match *self {
             Self::Sphere { radius } => Solid::Sphere(Sphere { radius: positive("radius", radius)? }),
@@ -68,9 +60,7 @@ impl Shape {
             }),
             Self::Disk { radius } => Solid::Flat(FlatShape::Disk { radius: positive("radius", radius)? }),
             Self::Box { size } => {
-                for extent in size.to_array() {
-                    positive("size", extent)?;
-                }
+                size.to_array().into_iter().try_for_each(|extent| positive("size", extent).map(drop))?;
                 Solid::Polyhedron(Polyhedron::cuboid(size))
             }
             Self::Cylinder { radius, height } => Solid::Cylinder(Cylinder {
@@ -95,8 +85,8 @@ impl Shape {
 
 impl Solid {
     /// Returns the first crossing with t > `after`. If the line starts on the face `start_face`,
-    /// the origin of the line counts as exactly on this face, regardless of rounding. The search
-    /// for the next crossing begins on the side towards which the line points.
+    /// its origin counts as exactly on this face, regardless of rounding, and the search begins on
+    /// the side towards which the line points.
     pub(crate) fn next_crossing(&self, line: &LocalLine, start_face: Option<u32>, after: f64) -> Option<Crossing> {
         match self {
             Self::Sphere(sphere) => sphere.next_crossing(line, start_face, after),
@@ -107,8 +97,7 @@ impl Solid {
         }
     }
 
-    /// Projects a point onto a face. The point must lie on the face or near it. Returns the surface
-    /// point.
+    /// Projects a point on a face or near it onto the face.
     pub(crate) fn surface(&self, point: DVec3, face: u32) -> LocalSurfacePoint {
         match self {
             Self::Sphere(sphere) => sphere.surface(point),
@@ -140,7 +129,6 @@ impl Solid {
         }
     }
 
-    /// Returns the number of faces.
     pub(crate) fn faces(&self) -> u32 {
         match self {
             Self::Sphere(_) | Self::Flat(_) => 1,
@@ -161,7 +149,7 @@ impl Solid {
         }
     }
 
-    /// Samples a point of a face. The distribution is uniform by area in the local frame.
+    /// Samples a point of a face uniformly by area in the local frame.
     pub(crate) fn sample(&self, face: u32, u: [f64; 2]) -> DVec3 {
         match self {
             Self::Sphere(sphere) => sphere.sample(u),
@@ -172,15 +160,12 @@ impl Solid {
         }
     }
 
-    /// Returns whether the shape bounds a volume. Rectangles and disks do not.
+    /// Returns true if the shape bounds a volume.
     pub(crate) fn is_closed(&self) -> bool {
-        match self {
-            Self::Flat(_) => false,
-            Self::Sphere(_) | Self::Polyhedron(_) | Self::Cylinder(_) | Self::Lens(_) => true,
-        }
+        !matches!(self, Self::Flat(_))
     }
 
-    /// Returns whether a point lies inside the body, with a margin larger than rounding. Returns
+    /// Returns true if a point lies inside the body, with a margin larger than rounding. Returns
     /// `false` for flat shapes and for lenses, which need not be convex.
     pub(crate) fn contains(&self, point: DVec3) -> bool {
         match self {
@@ -193,45 +178,28 @@ impl Solid {
         }
     }
 
-    /// Returns whether all faces are flat. A linear map scales the area of a flat face by a
-    /// constant factor.
+    /// Returns true if all faces are flat, so that a linear map scales their areas by constants.
     pub(crate) fn has_flat_faces(&self) -> bool {
-        match self {
-            Self::Flat(_) | Self::Polyhedron(_) => true,
-            Self::Sphere(_) | Self::Cylinder(_) | Self::Lens(_) => false,
-        }
+        matches!(self, Self::Flat(_) | Self::Polyhedron(_))
     }
 
     /// Returns true if a linear map scales the area of a face alike at all points that differ only
     /// in their distance along the axis, or from the axis.
     pub(crate) fn has_straight_sides(&self) -> bool {
-        match self {
-            Self::Flat(_) | Self::Polyhedron(_) | Self::Cylinder(_) => true,
-            Self::Sphere(_) | Self::Lens(_) => false,
-        }
+        self.has_flat_faces() || matches!(self, Self::Cylinder(_))
     }
 
-    /// Returns the radius of a sphere, or `None` for other shapes.
     pub(crate) fn sphere_radius(&self) -> Option<f64> {
-        match self {
-            Self::Sphere(sphere) => Some(sphere.radius),
-            Self::Flat(_) | Self::Polyhedron(_) | Self::Cylinder(_) | Self::Lens(_) => None,
-        }
+        if let Self::Sphere(sphere) = self { Some(sphere.radius) } else { None }
     }
 
-    /// Returns half of the width and half of the height of a rectangle, or `None` for other shapes.
+    /// Returns half of the width and half of the height of a rectangle.
     pub(crate) fn rectangle(&self) -> Option<(f64, f64)> {
-        match *self {
-            Self::Flat(FlatShape::Rectangle { half_width, half_height }) => Some((half_width, half_height)),
-            Self::Flat(FlatShape::Disk { .. })
-            | Self::Sphere(_)
-            | Self::Polyhedron(_)
-            | Self::Cylinder(_)
-            | Self::Lens(_) => None,
-        }
+        let Self::Flat(FlatShape::Rectangle { half_width, half_height }) = *self else { return None };
+        Some((half_width, half_height))
     }
 
-    /// Returns the smallest and largest coordinates of the shape after a linear map of the shape.
+    /// Returns the smallest and largest coordinates of the shape after a linear map.
     pub(crate) fn bounds(&self, linear: &DMat3) -> (DVec3, DVec3) {
         let row = |axis| DVec3::new(linear.x_axis[axis], linear.y_axis[axis], linear.z_axis[axis]);
         let rows = [row(0), row(1), row(2)];
@@ -255,7 +223,6 @@ impl Solid {
     }
 }
 
-/// Returns the smallest and largest coordinates of a set of points.
 pub(crate) fn bounds_of(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     let nothing = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
     points.fold(nothing, |(low, high), point| (low.min(point), high.max(point)))

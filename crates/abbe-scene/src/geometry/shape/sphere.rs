@@ -7,7 +7,6 @@ use glam::DVec3;
 use super::local::{Crossing, LocalLine, LocalSurfacePoint, azimuth_fraction, ball_roots, chord_t};
 use abbe_spectra::math::elementary::{acos, sin_cos};
 
-/// A sphere about the origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sphere {
     pub(crate) radius: f64,
@@ -44,8 +43,7 @@ impl Sphere {
     }
 }
 
-/// Returns the unit vector at height `y` above the equator. `turn` (0 to 1) is the azimuth as a
-/// fraction of a full turn about the y axis.
+/// Returns the unit vector at height `y` and azimuth `turn` (0 to 1) about the y axis.
 fn on_unit_sphere(y: f64, turn: f64) -> DVec3 {
     let ring = ((1.0 - y) * (1.0 + y)).max(0.0).sqrt();
     let (sin, cos) = sin_cos(TAU * turn);

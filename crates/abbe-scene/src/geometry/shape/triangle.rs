@@ -3,14 +3,13 @@
 //!
 //! As in Woop, Benthin & Wald, "Watertight ray/triangle intersection" (JCGT 2, 2013), vertices are
 //! transformed to a frame whose third axis is the ray. Every triangle uses the same arithmetic for
-//! a shared vertex. If two triangles share an edge, they therefore compute two edge functions for
-//! this edge that differ only in sign. If a line passes exactly through an edge or a vertex, the
-//! test of every triangle displaces the line by the same infinitesimal step. A ray through the edge
-//! thus intersects exactly one of the two triangles.
+//! a shared vertex, so the edge functions that two triangles compute for their common edge differ
+//! only in sign. If a line passes exactly through an edge or a vertex, the test of every triangle
+//! displaces it by the same infinitesimal step.
 
 use glam::DVec3;
 
-/// The data of a ray that all triangle tests of this ray share.
+/// The data of a ray that all its triangle tests share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TriangleRay {
     origin: DVec3,
@@ -19,18 +18,15 @@ pub(crate) struct TriangleRay {
     across_y: DVec3,
 }
 
-/// The intersection of a line with the inside of a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TriangleHit {
-    /// Ray parameter, which may be negative.
+    /// May be negative.
     pub(crate) t: f64,
-    /// Barycentric weights of the three vertices.
     pub(crate) weights: [f64; 3],
 }
 
 impl TriangleRay {
-    /// Creates the frame of a ray with a unit direction (Duff et al., "Building an orthonormal
-    /// basis, revisited", JCGT 6, 2017).
+    /// Creates the frame of a unit direction (Duff et al., JCGT 6, 2017).
     pub(crate) fn new(origin: DVec3, direction: DVec3) -> Self {
         let sign = 1.0_f64.copysign(direction.z);
         let a = -1.0 / (sign + direction.z);
@@ -40,13 +36,12 @@ impl TriangleRay {
         Self { origin, direction, across_x, across_y }
     }
 
-    /// Returns two unit vectors perpendicular to the ray and to each other.
+    /// Two unit vectors perpendicular to the ray and to each other.
     pub(crate) fn across(&self) -> (DVec3, DVec3) {
         (self.across_x, self.across_y)
     }
 
-    /// Returns the intersection of the line with the triangle. The intersection may lie on either
-    /// side of the ray's origin.
+    /// Returns the intersection of the line with the triangle, on either side of the ray's origin.
     #[inline(always)]
     pub(crate) fn intersect(&self, [a, b, c]: [DVec3; 3]) -> Option<TriangleHit> {
         let (a, b, c) = (a - self.origin, b - self.origin, c - self.origin);
@@ -74,10 +69,9 @@ impl TriangleRay {
     }
 }
 
-/// Decides whether a line that passes exactly through at least one edge counts as inside. For these
-/// edges, the edge functions are evaluated for a slightly displaced line. The displacement is (ε,
-/// ε²), and ε tends to 0. The edge function of an edge from p to q then changes by ε (p.y − q.y) +
-/// ε² (q.x − p.x).
+/// Decides whether a line that passes exactly through at least one edge counts as inside. Its edge
+/// functions are evaluated for a line displaced by (ε, ε²) with ε → 0, which changes that of an
+/// edge from p to q by ε (p.y − q.y) + ε² (q.x − p.x).
 #[cold]
 fn inside_by_tie_break(x: [f64; 3], y: [f64; 3], edges: [f64; 3]) -> bool {
     let sign = |edge: usize| {

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Returns whether a point is inside a shape, as the scene format defines the shape.
+/// Returns true if a point is inside a shape, as the scene format defines the shape.
 fn inside(shape: &Shape, p: DVec3) -> bool {
     match *shape {
         Shape::Sphere { radius } => p.length() < radius,
@@ -25,8 +25,7 @@ fn inside(shape: &Shape, p: DVec3) -> bool {
     }
 }
 
-/// Returns all t where a ray crosses the boundary of a shape. The function walks along the ray in
-/// small steps and refines each crossing by bisection.
+/// Returns all t where a ray crosses a shape's boundary: small steps and bisection.
 fn transitions(shape: &Shape, to_local: DAffine3, ray: &Ray, length: f64, steps: u32) -> Vec<f64> {
     let is_inside = |t: f64| inside(shape, to_local.transform_point3(ray.at(t)));
     let step = length / f64::from(steps);
@@ -70,9 +69,7 @@ fn agrees_with_its_definition(shape: &Shape, to_world: DAffine3) {
             assert!(hit.position.distance(ray.at(hit.t)) < 1e-9 * size, "{shape:?}: {hit:?}");
             assert!((hit.normal.length() - 1.0).abs() < 1e-14 && local.is_finite());
         }
-        // `left` contains the hits without a counterpart in `expected`. The small steps may miss
-        // thin regions. Therefore, these hits are allowed, but only as pairs that are close
-        // together.
+        // Small steps may miss thin regions, so extra hits are allowed as close pairs.
         let too_thin =
             left.chunks(2).all(|pair| pair.len() == 2 && pair[1].t - pair[0].t < 2.0 * length / f64::from(steps));
         assert!(too_thin, "{shape:?}: hits too many: {left:?}");
@@ -89,8 +86,7 @@ fn closed_shapes_are_hit_where_their_definition_says() {
     }
 }
 
-/// For every transform, the normal must point from the inside of the shape to the outside. The
-/// shape's definition decides which points are inside.
+/// The normal must point from the inside of the shape, by its definition, to the outside.
 #[test]
 fn normals_of_closed_shapes_point_outwards_also_when_mirrored() {
     let mut rng = random(5);
@@ -186,8 +182,7 @@ fn far_and_tiny_balls_are_hit_to_the_last_digits() {
     assert!((hit.position.length() - 1.0).abs() < 3e-16);
 }
 
-/// A hit at t ≥ `t_max` is not reported. Normals and texture coordinates are interpolated on a
-/// mesh.
+/// A hit at t ≥ `t_max` is not reported. A mesh interpolates normals and texture coordinates.
 #[test]
 fn hits_stop_at_t_max_and_meshes_interpolate_attributes() {
     let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Z];
@@ -267,8 +262,7 @@ fn texture_coordinates_cover_the_unit_square_and_stay_in_it() {
     }
 }
 
-/// Seen from outside with +y up, the texture coordinate u increases to the right on every shape. On
-/// upright faces, v increases downwards.
+/// From outside with +y up, u increases to the right, and v down on upright faces.
 #[test]
 fn pictures_are_upright_and_not_mirrored() {
     let (level, facing) = (DAffine3::IDENTITY, DAffine3::from_rotation_x(std::f64::consts::FRAC_PI_2));

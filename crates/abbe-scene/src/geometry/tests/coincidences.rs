@@ -2,9 +2,8 @@
 
 use super::*;
 
-/// Returns a floor (object 0), a glass block on it (object 1) and a mesh on the block (object 2).
-/// All positions are relative to `centre`. Because of the rotation, no coordinate is exactly
-/// representable.
+/// Returns a floor (object 0), a glass block on it (object 1) and a mesh on the block (object 2),
+/// relative to `centre`. Because of the rotation, no coordinate is exactly representable.
 fn block_on_floor(to_world: DAffine3, order: [usize; 3], floor_faces_up: bool, centre: DVec3) -> Geometry {
     let up = |height: f64| DAffine3::from_translation(DVec3::new(0.0, height, 0.0));
     let flip = if floor_faces_up { DAffine3::IDENTITY } else { DAffine3::from_rotation_x(std::f64::consts::PI) };
@@ -17,9 +16,8 @@ fn block_on_floor(to_world: DAffine3, order: [usize; 3], floor_faces_up: bool, c
     Geometry::build(things, centre).unwrap()
 }
 
-/// Follows a path through the objects in `bodies`; all other surfaces reflect the path. The path
-/// must enter and leave each body alternately. It must hit the other surfaces only from outside all
-/// bodies.
+/// Follows a path through the objects in `bodies`; all other surfaces reflect it. The path must
+/// enter and leave each body alternately, and hit the other surfaces only from outside all bodies.
 fn paths_keep_their_order(geometry: &Geometry, start: DVec3, bodies: &[u32], rng: &mut Pcg64) {
     let mut ray = Ray::new(start, unit_vector(rng));
     let (mut from, mut inside) = (None, [false; 4]);

@@ -2,8 +2,7 @@
 
 use super::*;
 
-/// Counts the rays that leak. A ray starts inside a closed mesh, so it must leave the mesh once
-/// more often than it enters.
+/// Counts rays from inside that do not leave once more often than they enter.
 fn leaks(geometry: &Geometry, rays: impl Iterator<Item = Ray>) -> u64 {
     let mut leaks = 0;
     for ray in rays {
@@ -59,8 +58,7 @@ fn rays_at_vertices_and_edges_do_not_leak() {
     assert_eq!(leaks(&geometry, rays.into_iter()), 0);
 }
 
-/// The rays have exactly representable coordinates and pass exactly through edges, corners and
-/// diagonals of a box.
+/// Exactly representable rays pass exactly through edges, corners and diagonals.
 #[test]
 fn exact_rays_through_edges_and_corners_of_a_box_do_not_leak() {
     let geometry = alone(mesh(box_mesh(DVec3::splat(2.0))), DAffine3::IDENTITY);

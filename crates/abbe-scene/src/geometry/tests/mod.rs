@@ -46,8 +46,7 @@ fn alone(shape: Shape, to_world: DAffine3) -> Geometry {
     Geometry::build(vec![placed(shape, to_world, 0)], DVec3::ZERO).unwrap()
 }
 
-/// Returns a transform that rotates, translates and scales uniformly. The entries of its matrix are
-/// not round numbers.
+/// Rotates, translates and scales uniformly, with matrix entries that are not round numbers.
 fn turned(scale: f64) -> DAffine3 {
     let rotation = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
     DAffine3::from_scale_rotation_translation(DVec3::splat(scale), rotation, scale * DVec3::new(0.3, -0.2, 0.5))
@@ -62,8 +61,7 @@ fn lens(radius1: f64, radius2: f64, thickness: f64) -> Shape {
     Shape::Lens { radius1, radius2, thickness, diameter: 0.5 }
 }
 
-/// Returns a list of lenses. It contains every combination of convex, concave and plane surfaces, a
-/// nearly flat lens and a rod lens.
+/// Returns all pairs of convex, concave and plane surfaces, a flat and a rod lens.
 fn lenses() -> Vec<Shape> {
     let mut all = Vec::new();
     for radius1 in [0.5, -0.6, 0.0] {
@@ -90,7 +88,7 @@ fn closed_shapes() -> Vec<Shape> {
     all
 }
 
-/// Returns a closed mesh with shared vertices. It has 20·4ⁿ triangles on the unit sphere.
+/// Returns a closed mesh of 20·4ⁿ triangles with shared vertices on the unit sphere.
 fn icosphere(levels: u32) -> TriangleMesh {
     let g = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut positions: Vec<DVec3> = Vec::new();
@@ -129,7 +127,6 @@ fn icosphere(levels: u32) -> TriangleMesh {
     TriangleMesh::new(positions, None, None, triangles).unwrap()
 }
 
-/// Returns a box of the given size as a mesh.
 fn box_mesh(size: DVec3) -> TriangleMesh {
     let corner = |i: usize| 0.5 * size * DVec3::new([-1.0, 1.0][i & 1], [-1.0, 1.0][i >> 1 & 1], [-1.0, 1.0][i >> 2]);
     let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];

@@ -20,8 +20,7 @@ fn areas_of_plainly_scaled_shapes_are_exact() {
         (Shape::Box { size: DVec3::new(1.0, 2.0, 3.0) }, 22.0),
         (Shape::Cylinder { radius: 1.0, height: 2.0 }, 6.0 * PI),
         (Shape::Prism { side, length, apex_deg: 60.0 }, 3.0 * side * length + 0.5 * 3.0_f64.sqrt() * side * side),
-        // The caps have the areas 2πRh with h = 0.5 − 0.3 and 1 − 0.8. The distance between the
-        // rims is 0.6 − 0.4.
+        // Caps of areas 2πRh, h = 0.5 − 0.3 and 1 − 0.8, and rims 0.6 − 0.4 apart.
         (
             Shape::Lens { radius1: 0.5, radius2: -0.5, thickness: 0.6, diameter: 0.8 },
             PI * (2.0 * 2.0 * 0.5 * 0.2 + 0.8 * 0.2),
@@ -75,8 +74,7 @@ fn points_lie_on_the_surface_and_pdfs_integrate_to_one() {
         for to_world in [turned(1e-3), stretched()] {
             let geometry = alone(shape.clone(), to_world);
             let size = (geometry.bounds().1 - geometry.bounds().0).length();
-            // The mean of 1/pdf is the area. If the density is uniform, all values of 1/pdf are
-            // equal.
+            // The mean of 1/pdf is the area, and all are equal if the pdf is uniform.
             let (count, mut sum, mut squares) = (4000, 0.0, 0.0);
             for _ in 0..count {
                 let sample = geometry.sample_area(0, numbers(&mut rng));
@@ -99,13 +97,10 @@ fn points_lie_on_the_surface_and_pdfs_integrate_to_one() {
     }
 }
 
-/// χ² test of samples on a sphere and on spherical caps. The bins are slices of equal height along
-/// an axis. They have equal areas, independently of the sampling method.
+/// χ² test on a sphere and spherical caps, in slices of equal height and thus area.
 #[test]
 fn points_are_uniform_over_the_area() {
     let mut rng = random(13);
-    // By Archimedes' theorem, the coordinate along an axis is uniform on a sphere and on a
-    // spherical cap.
     let sphere = alone(Shape::Sphere { radius: 1.0 }, DAffine3::IDENTITY);
     let capped = alone(lens(0.5, -0.4, 0.25), DAffine3::IDENTITY);
     let (bins, count) = (20, 20_000);
@@ -133,8 +128,8 @@ fn points_are_uniform_over_the_area() {
     }
 }
 
-/// Returns the solid angle of a rectangle. The corners a, b, c, d are relative to the point of
-/// view. The result is the sum of the solid angles of two triangles (Van Oosterom & Strackee 1983).
+/// Returns the solid angle of a rectangle with corners relative to the point of view, as the sum
+/// over two triangles (Van Oosterom & Strackee 1983).
 fn solid_angle(corners: [DVec3; 4]) -> f64 {
     let triangle = |a: DVec3, b: DVec3, c: DVec3| {
         let (x, y, z) = (a.length(), b.length(), c.length());
@@ -169,8 +164,7 @@ fn a_rectangles_pdf_is_its_solid_angle() {
     }
 }
 
-/// The density of points sampled on a sphere is one over the solid angle of the cone that the
-/// sphere subtends. This holds for near, distant and tiny spheres.
+/// Checks near, distant and tiny spheres.
 #[test]
 fn sphere_pdf_is_one_over_its_cone_solid_angle() {
     let mut rng = random(15);
@@ -189,8 +183,7 @@ fn sphere_pdf_is_one_over_its_cone_solid_angle() {
             assert!((sample.position.length() / radius - 1.0).abs() < 1e-14);
             let facing = sample.normal.dot((from - sample.position).normalize());
             assert!(facing > -1e-6, "the point drawn faces away: {facing}");
-            // For uniform directions in the cone, 1 − cos θ is uniform, where θ is the angle from
-            // the axis. This value equals sin² θ / (1 + cos θ).
+            // For uniform directions in the cone, 1 − cos θ = sin² θ / (1 + cos θ) is uniform.
             let to = sample.position - from;
             let across2 = (sample.position - sample.position.dot(axis) * axis).length_squared() / to.length_squared();
             let fraction = across2 / (1.0 + (1.0 - across2).sqrt()) * TAU / expected;
@@ -202,8 +195,7 @@ fn sphere_pdf_is_one_over_its_cone_solid_angle() {
     }
 }
 
-/// For every shape, the mean of 1/pdf equals the solid angle of the shape. For an invisible sampled
-/// point, 1/pdf is replaced by 0. The solid angle is estimated with random rays.
+/// The mean of 1/pdf over visible points equals the solid angle, which random rays estimate.
 #[test]
 fn directional_pdfs_integrate_to_the_visible_solid_angle() {
     let mut rng = random(16);

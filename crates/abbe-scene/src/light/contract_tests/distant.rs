@@ -25,7 +25,7 @@ pub(super) fn distant_cases() -> Vec<LightCase> {
 }
 
 /// A rotation turns an image from the zenith to the horizon. Sampled directions carry the radiance
-/// and the density that their directions have.
+/// and the density of the image there.
 #[test]
 fn a_rotated_image_is_sampled_where_it_shines() {
     let basis = [620.0, 540.0, 450.0].map(|nm| Spectrum::gaussian(nm, 60.0).unwrap());

@@ -2,18 +2,16 @@
 
 use super::*;
 
-/// A local light for the contract tests.
 #[derive(Clone)]
 pub(in crate::light) struct TestLight {
     pub(in crate::light) name: &'static str,
     pub(in crate::light) emitter: Emitter,
     /// The largest angle between an emitted ray and the axis.
     pub(in crate::light) cone_rad: f64,
-    /// The largest distance between the origin of an emitted ray and the light's position. All rays
-    /// start in the plane that contains this position and is perpendicular to the axis.
+    /// The largest distance from the light's position at which a ray starts, on the plane through
+    /// this position that is perpendicular to the axis.
     pub(in crate::light) disk_m: f64,
-    /// The irradiance on the axis at a distance of 2 m, or `None` if this irradiance has no closed
-    /// form.
+    /// The irradiance on the axis at a distance of 2 m, if it has a closed form.
     pub(in crate::light) irradiance_at_2_m: Option<f64>,
 }
 
@@ -65,8 +63,7 @@ fn moved_lights_shine_on_moved_points() {
     }
 }
 
-/// All emitted rays lie within the bounds of place and direction. The bounds of a beam begin at the
-/// apex of its cone, so the test follows the rays for 1 m.
+/// The bounds of a beam begin at the apex of its cone, so the test follows the rays for 1 m.
 #[test]
 fn emitted_light_stays_within_the_intensity_bounds() {
     for case in all_cases() {

@@ -6,8 +6,8 @@ use crate::medium::{Density, Medium, MediumEmission};
 use abbe_optics::phase::PhaseFunction;
 use abbe_spectra::spectrum::planck;
 
-/// Two volume lights: a rotated tube with uniform emission, and a box filled with matter. The
-/// matter is hot in the middle and cold outside.
+/// A rotated tube with uniform emission, and a box with matter that is hot in the middle and cold
+/// outside.
 pub(super) fn cases() -> Vec<LightCase> {
     let tube = place_turned(Shape::Cylinder { radius: 0.2, height: 0.6 });
     let from_unit = tube.to_world

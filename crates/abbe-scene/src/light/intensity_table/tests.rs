@@ -69,8 +69,7 @@ fn the_pdf_integrates_to_one() {
     }
 }
 
-/// The shares of the samples in octants and rings equal the integrals of the density within four
-/// standard errors.
+/// The fractions in octants and rings equal the integrals of the pdf within four errors.
 #[test]
 fn samples_follow_their_pdf() {
     let cell = |d: DVec3| {

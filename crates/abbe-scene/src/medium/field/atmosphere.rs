@@ -1,5 +1,4 @@
-//! An atmosphere: a field that decreases exponentially with the height above a plain or above a
-//! planet.
+//! A field that decreases exponentially with the height above a plain or a planet.
 
 use super::FieldLine;
 use abbe_spectra::math::elementary::{exp, exp_m1};
@@ -7,14 +6,12 @@ use abbe_spectra::math::quadrature::gauss16;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A field that decreases with height. The field equals `value` times exp(−height/`scale_height`).
+/// The field is `value` times exp(−height/`scale_height`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Atmosphere {
-    /// The value at height 0.
     pub value: f64,
     /// The increase in height over which the field decreases by the factor 1/e.
     pub scale_height: f64,
-    /// The surface at height 0.
     pub above: Ground,
 }
 
@@ -23,26 +20,22 @@ pub struct Atmosphere {
 pub enum Ground {
     /// The plane at this y coordinate. Heights below the plane are negative.
     Plain(f64),
-    /// A sphere. Inside the sphere, the height is 0.
+    /// A sphere, inside of which the height is 0.
     Planet(Planet),
 }
 
-/// The sphere of a planet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Planet {
-    /// The centre.
     pub center: DVec3,
-    /// The radius.
     pub radius: f64,
 }
 
-/// The thickness of a shell in scale heights. For this thickness, Gauss quadrature with sixteen
-/// points has a relative error below 10⁻¹⁴, even for a line that is tangent to a sphere of constant
-/// height.
+/// The thickness of a shell in scale heights, for which Gauss quadrature with sixteen points has a
+/// relative error below 10⁻¹⁴, even for a line that is tangent to a sphere of constant height.
 const HEIGHTS_PER_PIECE: f64 = 8.0;
 
-/// The largest number of pieces of a line on each side of the line's lowest point. Above these
-/// pieces, the field is less than e⁻⁴⁰ times the field at the lowest point.
+/// The largest number of pieces of a line on each side of its lowest point. Beyond them, the field
+/// is less than e⁻⁴⁰ times the field at that point.
 const MAX_PIECES: u32 = 5;
 
 impl Atmosphere {
@@ -57,7 +50,7 @@ impl Atmosphere {
         self.value * exp(-self.height(local) / self.scale_height)
     }
 
-    /// The largest value along the line. This is the value at the lowest point.
+    /// The value at the lowest point of the line.
     pub(super) fn majorant(&self, line: &FieldLine, interval: (f64, f64)) -> f64 {
         match self.above {
             Ground::Plain(_) => self.at(line.at(interval.0)).max(self.at(line.at(interval.1))),
@@ -72,9 +65,8 @@ impl Atmosphere {
         }
     }
 
-    /// Visits the pieces of a line. Above a plain, the line is one piece. Around a planet, each
-    /// piece is the part of the line inside the planet or inside one of several spherical shells.
-    /// All shells have the same thickness.
+    /// Visits the pieces of a line: the whole line above a plain, or its parts inside the planet
+    /// and inside spherical shells of equal thickness around it.
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,
@@ -104,8 +96,7 @@ impl Atmosphere {
     }
 
     /// The parameters at which the rising half of the line crosses the edges of the shells. The
-    /// lowest shell begins at the height of the point with the parameter `from`. This point may be
-    /// on the falling half of the line.
+    /// lowest shell begins at the height of the point `from`, on either half of the line.
     fn shells(&self, line: &FieldLine, planet: &Planet, from: f64) -> [f64; MAX_PIECES as usize + 1] {
         let nearest = line.nearest_to(planet.center);
         let closest = (line.at(nearest) - planet.center).length();
@@ -123,8 +114,7 @@ impl Atmosphere {
     pub(super) fn integral(&self, line: &FieldLine, piece: (f64, f64)) -> f64 {
         match self.above {
             Ground::Plain(_) => {
-                // The integral is the product of (1 − e⁻ˣ)/x, the value at the lower end, and the
-                // length.
+                // The product of (1 − e⁻ˣ)/x, the value at the lower end, and the length.
                 let x = (line.direction.y * (piece.1 - piece.0) / self.scale_height).abs();
                 let fraction = if x == 0.0 { 1.0 } else { -exp_m1(-x) / x };
                 self.majorant(line, piece) * (piece.1 - piece.0) * fraction
@@ -134,7 +124,7 @@ impl Atmosphere {
     }
 }
 
-/// Visits the part of a piece that lies inside the window.
+/// Visits the part of a piece that lies inside the interval.
 fn visit_within(
     interval: (f64, f64),
     piece: (f64, f64),

@@ -1,27 +1,21 @@
-//! A field in the shape of a ball. Its value decreases towards the surface of the ball.
-
 use super::FieldLine;
 use abbe_spectra::math::quadrature::gauss4;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A ball that fades near its surface, over the share `falloff` of the radius. The fade is a
-/// smoothstep function of the squared distance from the centre. Along every line, the fade is
-/// therefore a polynomial.
+/// A ball that fades near its surface: a smoothstep function of the squared distance from the
+/// centre, which is a polynomial along every line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallField {
-    /// The value at the centre.
     pub value: f64,
-    /// The centre.
     pub center: DVec3,
-    /// The radius.
     pub radius: f64,
-    /// The share of the radius over which the field fades, from 0 to 1.
+    /// The fraction of the radius over which the field fades.
     pub falloff: f64,
 }
 
 impl BallField {
-    /// The radius at which the fade begins.
+    /// Where the fade begins.
     fn inner(&self) -> f64 {
         self.radius * (1.0 - self.falloff)
     }
@@ -30,7 +24,7 @@ impl BallField {
         self.value * fade((local - self.center).length_squared(), self.inner(), self.radius)
     }
 
-    /// The largest value along the line. This is the value at the point nearest to the centre.
+    /// The value at the point of the line nearest to the centre.
     pub(super) fn majorant(&self, line: &FieldLine, interval: (f64, f64)) -> f64 {
         self.at(line.at(line.nearest_to(self.center).clamp(interval.0, interval.1)))
     }
@@ -56,15 +50,13 @@ impl BallField {
         ControlFlow::Continue(())
     }
 
-    /// Integrates a piece exactly. Along a line, the smoothstep of the squared distance is a
-    /// polynomial of degree 6.
+    /// Integrates a piece exactly: along a line, the fade is a polynomial of degree 6.
     pub(super) fn integral(&self, line: &FieldLine, piece: (f64, f64)) -> f64 {
         gauss4(piece, |t| self.at(line.at(t)))
     }
 }
 
-/// Returns 1 inside the inner radius, 0 outside the outer radius, and a smoothstep of the squared
-/// distance in between.
+/// Returns 1 inside, 0 outside, and a smoothstep of the squared distance in between.
 pub(super) fn fade(distance_squared: f64, inner: f64, outer: f64) -> f64 {
     if distance_squared <= inner * inner {
         1.0

@@ -1,9 +1,8 @@
 //! A grid of values at the centres of cells, with trilinear interpolation.
 //!
-//! Between the outermost centres and the faces of the box, the interpolation uses the values at the
-//! outermost centres. Therefore, the value is constant if the grid has only one cell. Between two
-//! adjacent planes of cell centres, the interpolated value along a line is a cubic polynomial.
-//! Gauss quadrature with two points integrates this polynomial exactly.
+//! Beyond the outermost centres, the interpolation uses their values, so the value is constant if
+//! the grid has only one cell. Between two adjacent planes of centres, the value along a line is a
+//! cubic polynomial, which Gauss quadrature with two points integrates exactly.
 
 use super::FieldLine;
 use abbe_spectra::error::{Error, Result};
@@ -11,31 +10,25 @@ use abbe_spectra::math::quadrature::gauss2;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// A grid of non-negative values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldGrid {
     resolution: [usize; 3],
-    /// The values at the centres of the cells. The x index varies fastest, then y, then z. Single
-    /// precision saves memory.
+    /// At the cell centres, x fastest, then y, then z. Single precision saves memory.
     values: Vec<f32>,
-    /// The number of blocks along each axis.
+    /// Along each axis.
     blocks: [usize; 3],
-    /// The largest value in each block.
+    /// By block.
     maxima: Vec<f32>,
 }
 
-/// The side of a block. The unit is the distance between adjacent centres. Each block stores its
-/// largest value. This value shows whether the block is empty. It is also an upper bound of the
-/// value along a line through the block.
+/// The side of a block in units of cells. The largest value that is stored for a block shows
+/// whether the block is empty, and bounds the value along a line through it.
 const BLOCK: usize = 8;
 
 impl FieldGrid {
-    /// Creates a grid from the values at the centres of its cells. The x index varies fastest, then
-    /// y, then z.
-    ///
-    /// # Errors
-    /// Returns an error if the number of values differs from the number of cells, or if there is no
-    /// cell. Also returns an error if a value is negative or not finite in single precision.
+    /// Creates a grid from the values at the centres of its cells, with x varying fastest, then y,
+    /// then z. Returns an error if the number of values differs from the number of cells, there is
+    /// no cell, or a value is negative or not finite in single precision.
     pub fn new(resolution: [usize; 3], values: impl ExactSizeIterator<Item = f64>) -> Result<Self> {
         let [x, y, z] = resolution;
         let cells = x.checked_mul(y).and_then(|cells| cells.checked_mul(z)).filter(|&cells| cells > 0);
@@ -59,8 +52,7 @@ impl FieldGrid {
         Ok(grid)
     }
 
-    /// The largest of the values at the cell centres in a block. The centres on the far faces of
-    /// the block are included.
+    /// The largest value at the cell centres in a block, including those on its far faces.
     fn max_in_block(&self, block: [usize; 3]) -> f32 {
         let range = |axis: usize| {
             let first = block[axis] * BLOCK;
@@ -84,8 +76,7 @@ impl FieldGrid {
         self.value(self.cells_per_length(bounds) * (local - bounds.0) - DVec3::splat(0.5))
     }
 
-    /// The value at a point. `place` is the offset of the point from the centre of the first cell,
-    /// in units of cells.
+    /// The value at an offset from the centre of the first cell, in units of cells.
     fn value(&self, place: DVec3) -> f64 {
         let mut corner = [0; 3];
         let mut fraction = [0.0; 3];
@@ -114,15 +105,13 @@ impl FieldGrid {
         DVec3::new(x, y, z) / (bounds.1 - bounds.0)
     }
 
-    /// Converts a line to coordinates in units of cells. The origin of these coordinates is the
-    /// centre of the first cell.
+    /// Converts a line to coordinates in units of cells from the centre of the first cell.
     fn in_centres(&self, line: &FieldLine, bounds: (DVec3, DVec3)) -> FieldLine {
         let scale = self.cells_per_length(bounds);
         FieldLine { origin: scale * (line.origin - bounds.0) - DVec3::splat(0.5), direction: scale * line.direction }
     }
 
-    /// An upper bound of the value along the line: the largest value that is stored for a block on
-    /// the line.
+    /// The largest value that is stored for a block on the line, which bounds the value along it.
     pub(super) fn majorant(&self, line: &FieldLine, interval: (f64, f64), bounds: (DVec3, DVec3)) -> f64 {
         let mut max = 0.0_f32;
         let _ = self.for_each_block(&self.in_centres(line, bounds), interval, |_, bound| {
@@ -132,8 +121,7 @@ impl FieldGrid {
         f64::from(max)
     }
 
-    /// Divides the line at the planes that contain the cell centres, and visits the pieces. Pieces
-    /// in empty blocks are skipped.
+    /// Divides the line at planes of cell centres, and visits the pieces in no empty block.
     pub(super) fn for_each_piece(
         &self,
         line: &FieldLine,
@@ -171,16 +159,15 @@ impl FieldGrid {
     }
 }
 
-/// Divides a line at the planes of integer coordinates, and visits the pieces (Amanatides & Woo
-/// 1987). The coordinates go from 0 to `last` on each axis.
+/// Visits the pieces of a line between integer planes from 0 to `last` (Amanatides & Woo 1987).
 fn for_each_step(
     line: &FieldLine,
     (from, to): (f64, f64),
     last: [i64; 3],
     mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    // For each axis: the next plane, and the parameter at which the line crosses this plane. The
-    // parameter is computed from the integer, so that rounding errors do not accumulate.
+    // For each axis: the next plane, and the parameter at which the line crosses it, computed from
+    // the integer so that rounding errors do not accumulate.
     let start = line.at(from);
     let mut plane = [0_i64; 3];
     let crossing = |axis: usize, plane: i64| {

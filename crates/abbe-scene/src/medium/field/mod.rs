@@ -1,10 +1,8 @@
-//! Scalar fields: a density or temperature as a function of position. Each field has a box, and the
-//! value outside the box is 0.
+//! Scalar fields: a density or temperature as a function of position in a box, and 0 outside.
 //!
-//! A straight line through a field is split into pieces, such as cells of a grid or shells of an
-//! atmosphere. A quadrature rule integrates each piece with a relative error below 10⁻¹². The
-//! integral along the line is the sum over the pieces. Newton's method finds the position in a
-//! piece at which the integral along the line reaches a given value.
+//! A line through a field is split into pieces, such as cells of a grid or shells of an atmosphere,
+//! which a quadrature rule integrates with a relative error below 10⁻¹². Newton's method finds the
+//! position at which the integral along the line reaches a given value.
 
 mod atmosphere;
 mod ball;
@@ -22,32 +20,25 @@ use crate::geometry::Ray;
 use glam::{DAffine3, DVec3};
 use std::ops::ControlFlow;
 
-/// A scalar field, placed in the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarField {
     shape: FieldShape,
-    /// The transform from scene coordinates to local coordinates. The box of the field is
-    /// axis-aligned in local coordinates.
+    /// From scene coordinates to local coordinates, in which the box is axis-aligned.
     to_local: DAffine3,
     /// The lowest and highest corner of the box.
     bounds: (DVec3, DVec3),
 }
 
-/// The variation of a field within its box.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FieldShape {
-    /// The same value everywhere.
     Constant(f64),
-    /// Trilinear interpolation between values at the centres of cells.
     Grid(FieldGrid),
-    /// Exponential decrease with height.
     Atmosphere(Atmosphere),
-    /// A ball that fades towards its surface.
     Ball(BallField),
 }
 
-/// A straight line in a field's own coordinates. The parameter is the distance along the ray in m.
-/// If the field's coordinates are scaled, the direction of the line is therefore not a unit vector.
+/// A line in a field's own coordinates. The parameter is the distance along the ray in m, so the
+/// direction is not a unit vector if the coordinates are scaled.
 #[derive(Debug, Clone, Copy)]
 struct FieldLine {
     origin: DVec3,
@@ -59,13 +50,12 @@ impl FieldLine {
         self.origin + t * self.direction
     }
 
-    /// The parameter at which the line is nearest to a point.
     fn nearest_to(&self, point: DVec3) -> f64 {
         (point - self.origin).dot(self.direction) / self.direction.length_squared()
     }
 
-    /// The parameters at which the line enters and leaves a sphere, or `None` if the line misses
-    /// the sphere. `nearest` is the parameter of the point nearest to the sphere's centre.
+    /// The parameters at which the line enters and leaves a sphere, if it does. `nearest` is the
+    /// parameter of the point nearest to the sphere's centre.
     fn crossings(&self, centre: DVec3, radius: f64, nearest: f64) -> Option<(f64, f64)> {
         let closest = (self.at(nearest) - centre).length();
         (closest < radius).then(|| {
@@ -75,21 +65,18 @@ impl FieldLine {
     }
 }
 
-/// The largest number of Newton steps. Bisection alone would reach full precision with this number
-/// of steps.
+/// The number of steps in which bisection alone reaches full precision.
 const MAX_NEWTON_STEPS: u32 = 100;
 
 impl ScalarField {
-    /// Creates a field in a box. `bounds` are the lowest and the highest corner of the box.
-    /// `to_local` maps positions of the scene (m, relative to its centre) to the coordinates of the
-    /// box.
+    /// Creates a field in a box with these corners. `to_local` maps positions of the scene (m,
+    /// relative to its centre) to the coordinates of the box.
     pub fn new(shape: FieldShape, bounds: (DVec3, DVec3), to_local: DAffine3) -> Self {
         Self { shape, to_local, bounds }
     }
 
-    /// Returns true if the field is smooth enough for a grid that interpolates its column
-    /// densities. `cells` is the number of cells of the grid along the longest side of the box. The
-    /// scale height of an atmosphere must be at least one cell.
+    /// Returns true if a grid with this number of cells along the longest side of the box can
+    /// interpolate column densities: an atmosphere's scale height must be at least one cell.
     pub fn is_smooth_in_cells(&self, cells: u32) -> bool {
         let longest = (self.bounds.1 - self.bounds.0).max_element();
         match &self.shape {
@@ -98,27 +85,24 @@ impl ScalarField {
         }
     }
 
-    /// The map from the unit cube to the box in the scene.
     pub fn from_unit(&self) -> DAffine3 {
         let (low, high) = self.bounds;
         self.to_local.inverse() * DAffine3::from_translation(low) * DAffine3::from_scale(high - low)
     }
 
-    /// The field transformed by a map of the scene's positions.
     #[must_use]
     pub fn moved(&self, map: &DAffine3) -> Self {
         Self { to_local: self.to_local * map.inverse(), ..self.clone() }
     }
 
-    /// The corners of the box in the scene.
     pub fn corners(&self) -> [DVec3; 8] {
         let from_unit = self.from_unit();
         let corner = |i: usize| DVec3::from_array(std::array::from_fn(|axis| (i >> axis & 1) as f64));
         std::array::from_fn(|i| from_unit.transform_point3(corner(i)))
     }
 
-    /// The smallest of three integrals of the field. Each integral is along the line between the
-    /// centres of two opposite faces of the box. The unit is m times the unit of the field.
+    /// The smallest integral of the field between the centres of two opposite faces of the box, in
+    /// m times the unit of the field.
     pub fn min_column_m(&self) -> f64 {
         let corners = self.corners();
         let middle = 0.5 * (corners[0] + corners[7]);
@@ -130,7 +114,7 @@ impl ScalarField {
         across.into_iter().fold(f64::INFINITY, f64::min)
     }
 
-    /// The largest distance between a corner of the box and the scene's centre, in m.
+    /// The largest distance between a corner of the box and the scene's centre.
     pub fn radius_m(&self) -> f64 {
         self.corners().map(DVec3::length).into_iter().fold(0.0, f64::max)
     }
@@ -142,8 +126,7 @@ impl ScalarField {
         if inside { self.local_at(local) } else { 0.0 }
     }
 
-    /// The distances at which the ray enters and leaves the box. Both distances lie within the
-    /// first `length_m` of the ray. `None` if this part of the ray misses the box.
+    /// The distances at which the first `length_m` of the ray enter and leave the box, if they do.
     pub fn interval(&self, ray: &Ray, length_m: f64) -> Option<(f64, f64)> {
         self.clipped(&self.line(ray), length_m)
     }
@@ -170,8 +153,8 @@ impl ScalarField {
         }
     }
 
-    /// The integral of the field along the first `length_m` of the ray. The unit is m times the
-    /// unit of the field. The length may be infinite.
+    /// The integral of the field along the first `length_m` of the ray, in m times the unit of the
+    /// field. The length may be infinite.
     pub fn column_m(&self, ray: &Ray, length_m: f64) -> f64 {
         let line = self.line(ray);
         let mut sum = 0.0;
@@ -183,7 +166,7 @@ impl ScalarField {
     }
 
     /// The distance along the ray at which the integral of the field reaches `column_m`. `None` if
-    /// the integral over the first `length_m` of the ray is smaller than `column_m`.
+    /// the integral over the first `length_m` is smaller.
     pub fn distance_at(&self, ray: &Ray, length_m: f64, column_m: f64) -> Option<f64> {
         let line = self.line(ray);
         let mut left = column_m;
@@ -200,9 +183,8 @@ impl ScalarField {
         found
     }
 
-    /// Computes the integral of the field along a ray by the midpoint rule. The part of the ray
-    /// inside the box is divided into `steps` steps. The error is proportional to the square of the
-    /// step.
+    /// Computes the integral of the field along a ray by the midpoint rule with `steps` steps
+    /// inside the box. The error is proportional to the square of the step.
     pub fn column_by_steps(&self, ray: &Ray, length_m: f64, steps: u32) -> f64 {
         let line = self.line(ray);
         let Some((from, to)) = self.clipped(&line, length_m) else { return 0.0 };
@@ -216,7 +198,7 @@ impl ScalarField {
         FieldLine { origin, direction: self.to_local.transform_vector3(ray.direction) }
     }
 
-    /// The part of the line that lies inside the box and between the parameters 0 and `length_m`.
+    /// The part of the line inside the box and between the parameters 0 and `length_m`.
     fn clipped(&self, line: &FieldLine, length_m: f64) -> Option<(f64, f64)> {
         let (mut from, mut to) = (0.0_f64, length_m);
         for axis in 0..3 {
@@ -236,7 +218,6 @@ impl ScalarField {
         (from < to).then_some((from, to))
     }
 
-    /// The value at a point inside the box. The point is given in the field's own coordinates.
     fn local_at(&self, local: DVec3) -> f64 {
         match &self.shape {
             FieldShape::Constant(value) => *value,
@@ -246,8 +227,8 @@ impl ScalarField {
         }
     }
 
-    /// Divides the first `length_m` of the line into pieces, and calls `visit` with each piece in
-    /// order. Parts where the field is 0 may be left out.
+    /// Divides the first `length_m` of the line into pieces, and calls `visit` with each in order.
+    /// Parts where the field is 0 may be left out.
     fn for_each_piece(&self, line: &FieldLine, length_m: f64, mut visit: impl FnMut((f64, f64)) -> ControlFlow<()>) {
         let Some(interval) = self.clipped(line, length_m) else { return };
         let _ = match &self.shape {
@@ -258,7 +239,7 @@ impl ScalarField {
         };
     }
 
-    /// The integral over a piece or a part of a piece.
+    /// The integral over a piece or a part of one.
     fn integral(&self, line: &FieldLine, piece: (f64, f64)) -> f64 {
         match &self.shape {
             FieldShape::Constant(value) => value * (piece.1 - piece.0),
@@ -268,9 +249,9 @@ impl ScalarField {
         }
     }
 
-    /// The parameter at which the integral from the start of the piece reaches `wanted`. `whole` is
-    /// the integral over the piece. If a Newton step would leave the interval that contains the
-    /// solution, a bisection step replaces it.
+    /// The parameter at which the integral from the start of the piece, of `whole` in total,
+    /// reaches `wanted`. Bisection replaces Newton steps that would leave the interval with the
+    /// solution.
     fn invert(&self, line: &FieldLine, piece: (f64, f64), whole: f64, wanted: f64) -> f64 {
         let (mut low, mut high) = piece;
         let mut t = low + (high - low) * (wanted / whole);

@@ -6,42 +6,35 @@ use abbe_spectra::error::Result;
 use abbe_spectra::math::noise::gradient_noise;
 use glam::DVec3;
 
-/// Fractal gradient noise (Perlin 2002), from 0 to 1. Noise below a threshold becomes 0. Each
-/// octave has half the wavelength and half the weight of the octave before.
+/// Fractal gradient noise (Perlin 2002). Each octave has half the wavelength and half the weight of
+/// the octave before. Noise below a threshold becomes 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// The largest value.
     pub value: f64,
     /// The wavelength of the first octave.
     pub scale: f64,
-    /// The number of octaves.
     pub octaves: u32,
-    /// The threshold, from 0 to 1.
+    /// From 0 to 1.
     pub threshold: f64,
-    /// The width of the region in which the noise fades to 0, as a share of the half-axes of an
-    /// ellipsoid. The share is from 0 to 1, and 0 means no fade. The ellipsoid is inscribed in the
-    /// box, and the fade ends at its surface.
+    /// The width of the region in which the noise fades to 0 at the surface of the ellipsoid
+    /// inscribed in the box, as a fraction (0 to 1) of the half-axes. 0 means no fade.
     pub falloff: f64,
-    /// The seed.
     pub seed: u32,
 }
 
-/// The number of cells per wavelength of the last octave.
+/// For the last octave.
 const CELLS_PER_WAVELENGTH: f64 = 2.0;
 
-/// The largest number of cells along the longest side of the box.
+/// Along the longest side of the box.
 const MAX_CELLS: f64 = 128.0;
 
-/// Gradient noise stays within about ±0.82. This factor stretches the noise to nearly the whole
-/// range from 0 to 1.
+/// Stretches gradient noise, which stays within about ±0.82, to nearly the whole range from 0 to 1.
 const GAIN: f64 = 0.75;
 
 impl Noise {
-    /// Computes the noise on a grid in a box. The arguments are the lowest and the highest corner
-    /// of the box.
-    ///
-    /// # Errors
-    /// Returns an error if a value is not finite in single precision.
+    /// Computes the noise on a grid in a box with these corners. Returns an error if a value is not
+    /// finite in single precision.
     pub fn grid(&self, (low, high): (DVec3, DVec3)) -> Result<FieldGrid> {
         let size = high - low;
         let smallest = self.scale / f64::from(1_u32 << (self.octaves - 1));
@@ -54,8 +47,7 @@ impl Noise {
         FieldGrid::new(resolution, values)
     }
 
-    /// The value at a point of a box. `offset` is the offset of the point from the lowest corner of
-    /// the box, and `size` is the size of the box.
+    /// The value at an offset from the lowest corner of a box of this size.
     fn at(&self, offset: DVec3, size: DVec3) -> f64 {
         let from_middle = 2.0 * offset / size - 1.0;
         let inside = if self.falloff > 0.0 { fade(from_middle.length_squared(), 1.0 - self.falloff, 1.0) } else { 1.0 };

@@ -11,8 +11,7 @@ fn random(number: u64) -> Stream {
     Stream::new(Seed::new(3), Purpose::SurveyPhoton, 0, number)
 }
 
-/// A map from scene coordinates to field coordinates. The map consists of a rotation, an uneven
-/// scale and a translation.
+/// A rotation, an uneven scale and a translation from scene coordinates to field coordinates.
 fn placement() -> DAffine3 {
     let turned = DAffine3::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 0.8);
     (DAffine3::from_translation(DVec3::new(0.3, -1.0, 2.0)) * DAffine3::from_scale(DVec3::new(2.0, 0.5, 1.3)) * turned)
@@ -60,8 +59,8 @@ fn fields() -> Vec<(&'static str, ScalarField)> {
     shapes().into_iter().map(place).collect()
 }
 
-/// Rays for the tests. Some rays start inside the box of the field, and others start outside. Some
-/// cross the box, and others miss it. Some end before the box, some inside it, and some behind it.
+/// Rays that start inside or outside the box of the field, cross or miss it, and end before, inside
+/// or behind it.
 fn rays(count: u64) -> impl Iterator<Item = (Ray, f64)> {
     let to_world = placement().inverse();
     let place = move |u: [f64; 3], spread: f64| {
@@ -180,8 +179,7 @@ fn rays_along_faces_and_planes_of_centres_are_exact() {
     let beside = Ray::new(DVec3::new(-1.0, 2.0 + 1e-12, 1.0), DVec3::X);
     assert_eq!(field.column_m(&beside, f64::INFINITY), 0.0);
     assert_eq!(field.interval(&beside, f64::INFINITY), None);
-    // Two lines: one in the first plane of cell centres, where the value is 0, and one in the last
-    // plane.
+    // One line in the first plane of cell centres, where the value is 0, and one in the last plane.
     assert_eq!(field.column_m(&Ray::new(DVec3::new(0.5, -1.0, 0.5), DVec3::Y), 10.0), 0.0);
     assert!((field.column_m(&Ray::new(DVec3::new(5.5, 3.0, 0.5), DVec3::NEG_Y), 10.0) - 10.0).abs() < 1e-12);
 }
@@ -206,8 +204,8 @@ fn the_columns_of_a_planetary_atmosphere_are_exact() {
         let along = field.column_m(&Ray::new(DVec3::ZERO, direction), f64::INFINITY);
         assert!((along / (radius * bessel) - 1.0).abs() < 1e-11, "{along} against {}", radius * bessel);
     }
-    // A grazing ray comes from space, passes its lowest point and returns to space. Its column
-    // density is twice the column density of the half beyond the lowest point.
+    // The column density of a ray that grazes the planet is twice that of the half beyond its
+    // lowest point.
     let height = 3_000.0;
     let ray = Ray::new(DVec3::new(-6.9e6, height, 0.0), DVec3::X);
     let x = (radius + height) / scale_height;
@@ -268,8 +266,8 @@ fn the_seed_and_the_threshold_determine_the_noise() {
 #[test]
 fn only_thin_atmospheres_are_too_fine_for_a_grid() {
     for (name, field) in fields() {
-        // The longest side of the box is 3. With 32 cells, a cell is 0.094 long. With 4 cells, a
-        // cell is 0.75 long.
+        // The longest side of the box is 3: a cell is 0.094 long with 32 cells, and 0.75 with 4
+        // cells.
         assert!(field.is_smooth_in_cells(32), "{name}");
         assert_eq!(field.is_smooth_in_cells(4), !["plain", "planet"].contains(&name), "{name}");
     }

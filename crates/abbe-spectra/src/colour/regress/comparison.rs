@@ -5,20 +5,19 @@ use crate::colour::{RgbSpace, Xyz, decode_srgb, delta_e_2000, lab, linear_srgb_t
 use crate::error::{Error, Result};
 use serde::Serialize;
 
-/// The tolerances of a judgement.
-///
-/// The defaults accept every correct sum over samples in steps of 1 nm: with or without half
-/// weights at the ends, with linear or Sprague interpolation of the colour-matching functions at
-/// lines, and with the matrix of IEC 61966-2-1 that is rounded to four digits (at most ΔE2000 0.055
-/// and a difference of 0.0002). They accept neither samples in steps of 5 nm (up to ΔE2000 1.3 and
-/// 0.011) nor lines that are moved to a whole number of nm (0.49 and 0.011).
+/// The tolerances of a judgement. The defaults accept every correct sum over samples in steps of 1
+/// nm: with or without half weights at the ends, with linear or Sprague interpolation of the
+/// colour-matching functions at lines, and with the matrix of IEC 61966-2-1 that is rounded to four
+/// digits (at most ΔE2000 0.055 and a difference of 0.0002). They accept neither samples in steps
+/// of 5 nm (up to ΔE2000 1.3 and 0.011) nor lines that are moved to a whole number of nm (0.49 and
+/// 0.011).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RegressionTolerances {
-    /// The largest ΔE2000. The white is D65 for all cases, because b* would exaggerate differences
-    /// under lights with almost no Z, such as sodium light, if the light itself were the white.
+    /// The largest ΔE2000. The white is D65 for all cases, because with the light as the white, b*
+    /// would exaggerate differences under lights with almost no Z, such as sodium light.
     pub delta_e_2000: f64,
-    /// The largest difference of a component. The difference is relative to the largest component
-    /// of the expected colour, or to white if white is larger.
+    /// The largest difference of a component, relative to the largest component of the expected
+    /// colour, or to white if white is larger.
     pub component: f64,
 }
 
@@ -28,8 +27,7 @@ impl Default for RegressionTolerances {
     }
 }
 
-/// The colour that a converter computed for a case. A form that the converter does not compute is
-/// `None`.
+/// The colour that a converter computed for a case, with `None` for forms that it does not compute.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ConvertedColour {
     /// XYZ.
@@ -123,8 +121,7 @@ pub struct CaseComparison {
 }
 
 impl CaseComparison {
-    /// Returns the largest ΔE2000 of all forms. A colour with a component that is not finite has an
-    /// infinite difference.
+    /// Returns the largest ΔE2000 of all forms, infinite if a component is not finite.
     pub fn delta_e_2000(&self) -> f64 {
         self.colours.iter().map(|colour| colour.delta_e_2000.unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
     }
@@ -161,12 +158,8 @@ impl RegressionReport {
     }
 }
 
-/// Judges the colours of a converter for all cases of some groups. An empty list of groups means
-/// all groups.
-///
-/// # Errors
-/// Returns an input error if a case is unknown, occurs twice or is missing, or if a colour is given
-/// in no form.
+/// Judges the colours of a converter for all cases of some groups, or of all if there are none.
+/// Returns an error if a case is unknown, occurs twice, is missing, or has a colour in no form.
 pub fn compare_groups(
     converted: &[(String, ConvertedColour)],
     groups: &[CaseGroup],
@@ -186,10 +179,8 @@ pub fn compare_groups(
     Ok(report(&pairs, tolerances))
 }
 
-/// Judges the colours of a converter for some cases.
-///
-/// # Errors
-/// Returns an input error if a case is unknown or occurs twice, or if a colour is given in no form.
+/// Judges the colours of a converter for some cases. Returns an error if a case is unknown or
+/// occurs twice, or if a colour has no form.
 pub fn compare_given(
     converted: &[(String, ConvertedColour)],
     tolerances: RegressionTolerances,
@@ -200,7 +191,6 @@ pub fn compare_given(
 /// A case, and the colour that the converter computed for it.
 type CaseOfConverter<'a> = (&'static RegressionCase, &'a ConvertedColour);
 
-/// Returns the cases of the colours.
 fn given(converted: &[(String, ConvertedColour)]) -> Result<Vec<CaseOfConverter<'_>>> {
     let all = &RegressionSet::get().cases;
     let case = |(i, (id, colour)): (usize, &'_ (String, ConvertedColour))| {
@@ -282,8 +272,7 @@ const SCALE_SLACK: f64 = 10.0;
 /// The smallest relative deviation of a factor from 1, or from another factor, that counts.
 const SCALE_DEVIATION: f64 = 0.01;
 
-/// Returns a hint if a factor explains the differences: one factor for all cases, or one for each
-/// light.
+/// Returns a hint if one factor for all cases, or one for each light, explains the differences.
 fn scale_hint(pairs: &[CaseOfConverter<'_>], tolerances: &RegressionTolerances) -> Option<String> {
     [ColourForm::Xyz, ColourForm::LinearSrgb].into_iter().find_map(|form| {
         let mut lights: Vec<&str> = pairs.iter().map(|(case, _)| case.light.as_str()).collect();
@@ -305,8 +294,7 @@ fn scale_hint(pairs: &[CaseOfConverter<'_>], tolerances: &RegressionTolerances) 
     })
 }
 
-/// Returns the factor between the converted and the expected colours under a light. Returns `None`
-/// if no factor explains the differences.
+/// Returns the factor between converted and expected colours under a light, if one explains them.
 fn light_factor(
     form: ColourForm,
     light: &str,

@@ -42,11 +42,10 @@ const LINE_LAMPS: [&str; 8] = [
 /// The lamps that illuminate the ColorChecker.
 const CHART_LAMPS: [&str; 8] = ["A", "D50", "D65", "FL2", "FL11", "HP1", "LED-B3", "sodium-low-pressure"];
 
-/// Lights of three LEDs with the colours of lamps: the name, and the weights of `led/red`,
+/// The names of lights of three LEDs with the colours of lamps, and the weights of `led/red`,
 /// `led/green` and `led/blue`. The colours are equal, but most surfaces look different.
 const LED_MATCHES: [(&str, [f64; 3]); 1] = [("led-match/HP1", [686.628812, 142.709387, 11.9683947])];
 
-/// The prefix of the ColorChecker patches in the library.
 const CHART: &str = "colorchecker/";
 
 /// The group of a case.
@@ -97,10 +96,9 @@ pub struct RegressionSpectrum {
 pub struct CaseColour {
     /// XYZ. A light and the perfect diffuser have Y = 100.
     pub xyz: Xyz,
-    /// Linear sRGB without chromatic adaptation, not clipped. A light and the perfect diffuser have
-    /// the luminance 1.
+    /// Linear sRGB, neither adapted nor clipped. A light and the perfect diffuser have Y = 1.
     pub linear_srgb: Rgb,
-    /// The linear components clipped to 0–1, and encoded with the curve of IEC 61966-2-1.
+    /// The linear components clipped to 0–1 and encoded with the curve of IEC 61966-2-1.
     pub srgb: Rgb,
 }
 
@@ -135,7 +133,6 @@ impl RegressionSet {
         SET.get_or_init(Self::build)
     }
 
-    /// Returns the spectrum with this name.
     fn spectrum(&self, name: &str) -> &Spectrum {
         let named = self.spectra.iter().find(|entry| entry.name == name);
         &named.expect("a case names a spectrum of the set").spectrum
@@ -166,7 +163,6 @@ impl RegressionSet {
         set
     }
 
-    /// Adds a light, and the case of its colour.
     fn add_light(&mut self, name: &str, group: CaseGroup, spectrum: Spectrum) {
         let xyz = report::xyz(&spectrum, Observer::cie1931());
         self.cases.push(RegressionCase {
@@ -179,7 +175,6 @@ impl RegressionSet {
         self.spectra.push(RegressionSpectrum { name: name.to_string(), is_reflectance: false, spectrum });
     }
 
-    /// Adds the patches of the ColorChecker under a light.
     fn add_chart(&mut self, patches: &[&str], lamp: &str, group: CaseGroup) {
         let (light, observer) = (self.spectrum(lamp), Observer::cie1931());
         let white = report::xyz(light, observer);
@@ -199,7 +194,7 @@ impl RegressionSet {
 }
 
 impl CaseColour {
-    /// Returns all forms of a colour whose Y is relative to 100.
+    /// Returns all forms of a colour, whose Y is relative to 100.
     fn of_xyz(xyz: Xyz) -> Self {
         let linear_srgb = xyz_to_linear_srgb(xyz.map(|value| value / 100.0));
         Self { xyz, linear_srgb, srgb: linear_srgb.map(|component| encode_srgb(component.clamp(0.0, 1.0))) }

@@ -29,7 +29,7 @@ const FORMATS: [ColumnFormat; 8] = [
     ColumnFormat { separator: Separator::Blank, decimal_comma: true },
 ];
 
-/// A cell and the column of its first character, counted from 1.
+/// A cell and the column of its first character, from 1.
 type TextCell<'a> = (usize, &'a str);
 
 impl ColumnFormat {
@@ -47,20 +47,17 @@ impl ColumnFormat {
 
     fn number(self, cell: &str) -> Option<f64> {
         let cell = cell.trim_matches('"').trim();
-        // Rust also parses words such as "inf" and "nan". They are reported later as invalid
-        // values.
+        // Rust also parses "inf" and "nan", which are reported later as invalid values.
         if self.decimal_comma { cell.replace(',', ".").parse().ok() } else { cell.parse().ok() }
     }
 
-    /// Returns whether the row consists of two or more numbers in this format.
+    /// Returns true if the row consists of two or more numbers in this format.
     fn fits(self, row: &str) -> bool {
         let cells = self.cells(row);
         cells.len() >= 2 && cells.iter().all(|(_, cell)| self.number(cell).is_some())
     }
 }
 
-/// Splits a row into trimmed cells. Each cell is returned together with the column of its first
-/// character, counted from 1.
 fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterator<Item = TextCell<'_>> {
     let mut start = 0;
     row.split(is_separator).map(move |cell| {
@@ -70,16 +67,13 @@ fn pieces(row: &str, is_separator: impl Fn(char) -> bool + Copy) -> impl Iterato
     })
 }
 
-/// Parses rows of wavelength and value.
+/// Parses rows of wavelength and value. Returns an error with the line and the column if a row does
+/// not consist of two numbers, or if a sample is invalid.
 ///
 /// The separator of the cells is a semicolon, tab, bar, comma or blanks. Numbers may have a decimal
 /// comma, unless the separator is a comma. Empty rows and rows that begin with `#`, `%` or `//` are
-/// skipped. One header row may come first. If the first title of the header contains µm (or um),
-/// the wavelengths are in µm, otherwise in nm.
-///
-/// # Errors
-/// Returns an error if a row does not consist of two numbers, or if a sample is invalid. The error
-/// contains the line and the column.
+/// skipped. One header row may come first; if its first title contains µm (or um), the wavelengths
+/// are in µm, otherwise in nm.
 pub fn parse(text: &str) -> Result<SpectrumSamples> {
     let rows = text
         .lines()
@@ -109,8 +103,7 @@ pub fn parse(text: &str) -> Result<SpectrumSamples> {
             known.number(cell).ok_or_else(|| Error::input(format!("\"{cell}\"")).expected("a number").at(line, column))
         };
         let nm = number(nm_column, nm)?;
-        // The wavelength is rounded to 10⁻⁹ nm, so that 0.5005 µm becomes exactly 500.5 nm. This
-        // step is far below the width of any line.
+        // Rounded to 10⁻⁹ nm, far below the width of any line: 0.5005 µm is exactly 500.5 nm.
         let nm = nm_per_unit.filter(|unit| *unit != 1.0).map_or(nm, |unit| (nm * unit * 1e9).round() / 1e9);
         samples.push(((nm, (line, nm_column)), (number(value_column, value)?, (line, value_column))));
     }
@@ -122,12 +115,10 @@ fn not_two_numbers(row: &str) -> Error {
     Error::input(format!("the row \"{shown}\"")).expected("two numbers: wavelength and value")
 }
 
-/// Returns the factor that converts the wavelengths of the file to nm. A word in the title of the
-/// first column names the unit.
+/// Returns the factor from the unit that a word in the title of the first column names to nm.
 fn unit_of_header(row: &str) -> f64 {
     let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row).to_lowercase();
-    // The letter µ has two code points. If the file has another encoding, µ is decoded as the
-    // replacement character.
+    // µ has two code points, and in another encoding, it is the replacement character.
     let is_micro =
         |word: &str| ["um", "µm", "μm", "\u{fffd}m", "micron", "microns", "micrometer", "micrometre"].contains(&word);
     let mut words = first.split(|c: char| !(c.is_alphabetic() || c == '\u{fffd}'));

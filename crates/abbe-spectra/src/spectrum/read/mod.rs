@@ -14,12 +14,8 @@ pub use columns::parse as parse_columns;
 pub use spdx::parse as parse_spdx;
 pub use spectrum_samples::SpectrumSamples;
 
-/// Reads the samples of a file. Files with the extension `.spdx` or `.xml` are read as IES TM-27,
-/// all others as columns of text.
-///
-/// # Errors
-/// Returns an error if the file cannot be read, or if a sample is invalid. The error contains the
-/// file, and the line and column of the sample.
+/// Reads the samples of a file: `.spdx` and `.xml` as IES TM-27, all others as columns of text.
+/// Returns an error with the file, line and column if it cannot be read or a sample is invalid.
 pub fn samples(path: &Path) -> Result<SpectrumSamples> {
     let bytes = std::fs::read(path)
         .map_err(|error| Error::input(format!("cannot read the spectrum: {error}")).in_file(path))?;
@@ -32,10 +28,8 @@ pub fn samples(path: &Path) -> Result<SpectrumSamples> {
     samples.map_err(|error| error.in_file(path))
 }
 
-/// Reads the spectrum of a file. `outside` determines the values beyond both ends of the table.
-///
-/// # Errors
-/// Returns the errors of [`samples`] and [`Spectrum::table`].
+/// Reads the spectrum of a file, with the errors of [`samples`] and [`Spectrum::table`]. `outside`
+/// determines the values beyond both ends of the table.
 pub fn spectrum_file(path: &Path, outside: Outside) -> Result<Spectrum> {
     samples(path)?.spectrum(outside).map_err(|error| error.in_file(path))
 }

@@ -1,6 +1,6 @@
-//! IES TM-27: spectral data as XML.
+//! IES TM-27: spectral data as XML (ANSI/IES TM-27-14 and TM-27-20, *Standard Format for the
+//! Electronic Transfer of Spectral Data*).
 //!
-//! ANSI/IES TM-27-14 and TM-27-20, *Standard Format for the Electronic Transfer of Spectral Data*.
 //! The element `SpectralDistribution` contains one element `SpectralData` per sample, whose
 //! attribute `wavelength` is in nm and whose text is the value. `SpectralQuantity` names the
 //! measured quantity.
@@ -11,11 +11,8 @@ use super::spectrum_samples::{PlacedNumber, SpectrumSamples};
 use crate::error::{Error, Result};
 use crate::spectrum::library::SpectrumKind;
 
-/// Parses the samples of a TM-27 document.
-///
-/// # Errors
-/// Returns an error if the text is not well-formed XML, contains no spectral data, or contains
-/// invalid samples. The error contains the line and the column.
+/// Parses the samples of a TM-27 document. Returns an error with the line and the column if the
+/// text is not well-formed XML, contains no spectral data, or contains invalid samples.
 pub fn parse(text: &str) -> Result<SpectrumSamples> {
     let document = Document::parse(text).map_err(|error| {
         let place = error.pos();
@@ -54,7 +51,7 @@ fn sample(node: Node<'_, '_>) -> Result<(PlacedNumber, PlacedNumber)> {
     Ok(((number(nm)?, (line, column)), (number(node.text().unwrap_or(""))?, (line, column))))
 }
 
-/// Returns the kind of a measured quantity. Absorptance and unknown quantities have no kind.
+/// Absorptance and unknown quantities have no kind.
 fn kind_of(quantity: &str) -> Option<SpectrumKind> {
     match quantity.trim().to_ascii_lowercase().as_str() {
         "flux" | "intensity" | "irradiance" | "radiance" | "exitance" | "relative" => Some(SpectrumKind::Light),

@@ -6,8 +6,7 @@ use crate::spectrum::library::SpectrumKind;
 use crate::spectrum::table::{self, Outside};
 use crate::spectrum::value::Spectrum;
 
-/// The range of wavelengths in nm that a file may contain, because other values indicate a wrong
-/// unit.
+/// The range of wavelengths in nm of a file; others indicate a wrong unit.
 const PLAUSIBLE_NM: (f64, f64) = (10.0, 1e6);
 
 /// The samples of a file.
@@ -21,14 +20,11 @@ pub struct SpectrumSamples {
     pub kind: Option<SpectrumKind>,
 }
 
-/// A number with its line and column in the file, both counted from 1.
+/// A number with its line and column in the file, from 1.
 pub(super) type PlacedNumber = (f64, (usize, usize));
 
 impl SpectrumSamples {
-    /// Builds the spectrum by interpolation of the samples.
-    ///
-    /// # Errors
-    /// Returns the errors of [`Spectrum::table`].
+    /// Builds the spectrum by interpolation of the samples, with the errors of [`Spectrum::table`].
     pub fn spectrum(&self, outside: Outside) -> Result<Spectrum> {
         Spectrum::table(&self.nm, &self.values, outside)
     }
