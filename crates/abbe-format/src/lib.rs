@@ -49,6 +49,8 @@
 //! [`abbe_scene`] is the result, [`abbe_optics`] finds glasses and lenses, and [`abbe_spectra`]
 //! spectra.
 
+#![allow(missing_docs, reason = "a field or a method whose name says what it is needs no doc")]
+
 mod camera;
 mod check;
 mod coating;
