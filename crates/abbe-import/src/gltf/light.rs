@@ -20,8 +20,7 @@ pub(super) fn punctual_light(light: &Light, placed: &PlacedNode) -> Value {
             let to = (DVec3::from(at) + direction).to_array();
             let form = json!({
                 "at": at, "to": to, "half_angle": outer.to_degrees(), "penumbra": (outer - inner).to_degrees(),
-                "falloff": "square",
-                "spectrum": spectrum, "luminous_intensity": strength
+                "falloff": "square", "spectrum": spectrum, "luminous_intensity": strength
             });
             ("spot", form)
         }

@@ -133,9 +133,7 @@ impl MitsubaReader<'_> {
                     }
                     mix.push(json!({"material": inner, "weight": weight}));
                 }
-                MitsubaSurface::Invisible => {
-                    self.note(bsdf, "an invisible part of a blend is left out");
-                }
+                MitsubaSurface::Invisible => self.note(bsdf, "an invisible part of a blend is left out"),
             }
         }
         Ok(match mix.len() {

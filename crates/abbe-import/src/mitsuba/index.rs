@@ -5,50 +5,17 @@ use abbe_spectra::error::{Error, Result};
 use serde_json::{Value, json};
 
 /// The names and the indices of Mitsuba 3 (`ior.h`).
-const INDICES: [(&str, f64); 23] = [
-    ("vacuum", 1.0),
-    ("helium", 1.000036),
-    ("hydrogen", 1.000132),
-    ("air", 1.000277),
-    ("carbon dioxide", 1.00045),
-    ("water", 1.3330),
-    ("acetone", 1.36),
-    ("ethanol", 1.361),
-    ("carbon tetrachloride", 1.461),
-    ("glycerol", 1.4729),
-    ("benzene", 1.501),
-    ("silicone oil", 1.52045),
-    ("bromine", 1.661),
-    ("water ice", 1.31),
-    ("fused quartz", 1.458),
-    ("pyrex", 1.470),
-    ("acrylic glass", 1.49),
-    ("polypropylene", 1.49),
-    ("bk7", 1.5046),
-    ("sodium chloride", 1.544),
-    ("amber", 1.55),
-    ("pet", 1.5750),
-    ("diamond", 2.419),
-];
+const INDICES: &str = "vacuum 1.0, helium 1.000036, hydrogen 1.000132, air 1.000277, carbon dioxide 1.00045, \
+    water 1.3330, acetone 1.36, ethanol 1.361, carbon tetrachloride 1.461, glycerol 1.4729, benzene 1.501, \
+    silicone oil 1.52045, bromine 1.661, water ice 1.31, fused quartz 1.458, pyrex 1.470, acrylic glass 1.49, \
+    polypropylene 1.49, bk7 1.5046, sodium chloride 1.544, amber 1.55, pet 1.5750, diamond 2.419";
 
 /// Indices up to this value are those of a gas, which is like air in Abbe.
 const GAS: f64 = 1.001;
 
-/// The metals of Abbe by the names of Mitsuba.
-const METALS: [(&str, &str); 12] = [
-    ("Ag", "silver"),
-    ("Al", "aluminium"),
-    ("Au", "gold"),
-    ("Cr", "chromium"),
-    ("Cu", "copper"),
-    ("Cu_palik", "copper"),
-    ("Fe", "iron"),
-    ("Ni", "nickel"),
-    ("Ni_palik", "nickel"),
-    ("Pt", "platinum"),
-    ("Ti", "titanium"),
-    ("W", "tungsten"),
-];
+/// The names of metals in Mitsuba, each followed by Abbe's name.
+const METALS: &str = "Ag silver, Al aluminium, Au gold, Cr chromium, Cu copper, Cu_palik copper, Fe iron, Ni nickel, \
+    Ni_palik nickel, Pt platinum, Ti titanium, W tungsten";
 
 impl MitsubaReader<'_> {
     /// Reads an index of refraction: a number, or the name of a material.
@@ -58,9 +25,10 @@ impl MitsubaReader<'_> {
             return number(element);
         }
         let material = element.required("value")?.to_lowercase();
-        let known = INDICES.iter().find(|(known, _)| *known == material);
-        known.map(|&(_, index)| index).ok_or_else(|| {
-            let names = INDICES.iter().map(|&(known, _)| known);
+        let entries = || INDICES.split(", ").filter_map(|entry| entry.rsplit_once(' '));
+        let known = entries().find(|(known, _)| *known == material).and_then(|(_, index)| index.parse().ok());
+        known.ok_or_else(|| {
+            let names = entries().map(|(known, _)| known);
             element.locate(Error::unknown_name("index of refraction", &material, names))
         })
     }
@@ -105,7 +73,8 @@ impl MitsubaReader<'_> {
         match indices {
             [None, None] if material == "none" => Ok(None),
             [None, None] => {
-                let metal = METALS.iter().find(|(known, _)| *known == material).map(|&(_, metal)| metal);
+                let mut entries = METALS.split(", ").filter_map(|entry| entry.split_once(' '));
+                let metal = entries.find(|(known, _)| *known == material).map(|(_, metal)| metal);
                 if metal.is_none() {
                     let what = format!("the metal \"{material}\" is not known and becomes chromium");
                     self.note(properties.element, what);
