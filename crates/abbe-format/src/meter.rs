@@ -230,31 +230,26 @@ impl MeterFile {
             if explicit { Err(error()) } else { Ok(()) }
         };
         let quantity = self.quantity();
-        let fits = if quantity.is_radiance() != spot.is_some() {
-            let expected = if spot.is_some() { "luminance or radiance" } else { "a quantity other than luminance" };
-            Err(check::fault(&at.key("quantity"), format!("found {}", quantity.name()), expected))
-        } else if quantity.is_flux() && surface.is_none() {
-            let found = format!("found {}", quantity.name());
-            Err(check::fault(&at.key("quantity"), found, "a flux only with `surface`"))
-        } else if quantity == Quantity::UnifiedGlareRating && !flat {
-            let found = format!("found {}", quantity.name());
-            Err(check::fault(&at.key("quantity"), found, "a glare rating only with `points` or `grid`"))
-        } else {
-            Ok(())
+        let expected = match spot {
+            Some(_) if !quantity.is_radiance() => Some("luminance or radiance"),
+            None if quantity.is_radiance() => Some("a quantity other than luminance"),
+            _ if quantity.is_flux() && surface.is_none() => Some("a flux only with `surface`"),
+            _ if quantity == Quantity::UnifiedGlareRating && !flat => {
+                Some("a glare rating only with `points` or `grid`")
+            }
+            _ => None,
         };
+        let wrong = |expected: &str| check::fault(&at.key("quantity"), format!("found {}", quantity.name()), expected);
+        let fits = expected.map_or(Ok(()), |expected| Err(wrong(expected)));
+        let axis = cylinder.as_ref().and_then(|cylinder| cylinder.axis);
         check::all([
             fits,
-            points
-                .as_ref()
-                .map_or(Ok(()), |points| check::entries(&at.key("points"), points.len(), 1, "at least one point")),
+            points.as_ref().map_or(Ok(()), |it| check::entries(&at.key("points"), it.len(), 1, "at least one point")),
             grid.as_ref().map_or(Ok(()), |grid| grid.validate(&at.key("grid"))),
             normal.map_or(Ok(()), |normal| check::direction(&at.key("normal"), normal)),
             unused("normal", normal.is_some() && !flat, "`points` or `grid`"),
             unused("side", side.is_some() && surface.is_none(), "`surface`"),
-            cylinder
-                .as_ref()
-                .and_then(|cylinder| cylinder.axis)
-                .map_or(Ok(()), |axis| check::direction(&at.key("cylinder").key("axis"), axis)),
+            axis.map_or(Ok(()), |axis| check::direction(&at.key("cylinder").key("axis"), axis)),
             spot.as_ref().map_or(Ok(()), |spot| spot.validate(&at.key("spot"))),
         ])
     }

@@ -89,9 +89,8 @@ impl RenderFile {
         };
         let samples = |n: u32| check::count(&at.key("camera_samples"), u64::from(n), 1, 1024);
         let seconds = |seconds: f64| check::not_negative(&at.key("checkpoint_seconds"), seconds);
-        let map = |map: LightMapFile| {
-            check::count(&at.key("light_map").key("resolution"), u64::from(map.resolution), 2, 1024)
-        };
+        let at_map = at.key("light_map");
+        let map = |map: LightMapFile| check::count(&at_map.key("resolution"), u64::from(map.resolution), 2, 1024);
         check::all(counts.into_iter().chain([
             self.camera_samples.map_or(Ok(()), samples),
             radius,

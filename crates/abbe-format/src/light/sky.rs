@@ -162,12 +162,11 @@ impl SkyFile {
 
     /// Checks that there is at most one position of the sun, above the horizon if it matters.
     fn validate_sun_position(&self, at: &JsonPath) -> Result<()> {
-        let by_place = match (&self.place, &self.time) {
-            (Some(_), Some(_)) => true,
-            (None, None) => false,
-            (Some(_), None) => return Err(check::fault(at, "found `place` without `time`", "both keys")),
-            (None, Some(_)) => return Err(check::fault(at, "found `time` without `place`", "both keys")),
-        };
+        let by_place = self.place.is_some();
+        if by_place != self.time.is_some() {
+            let (one, other) = if by_place { ("place", "time") } else { ("time", "place") };
+            return Err(check::fault(at, format!("found `{one}` without `{other}`"), "both keys"));
+        }
         for (key, explicit) in [("sun_elevation", self.sun_elevation), ("sun_azimuth", self.sun_azimuth)] {
             if by_place && explicit.is_some() {
                 let what = format!("found `{key}` beside `place` and `time`");

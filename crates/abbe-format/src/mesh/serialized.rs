@@ -79,10 +79,8 @@ fn part(bytes: &[u8], start: usize) -> Result<MeshPart> {
     let mut triangles = Vec::new();
     for corner in data.take(faces, 3 * index_size)?.chunks_exact(3 * index_size) {
         let index = |i: usize| number(corner, i * index_size, index_size).and_then(|index| u32::try_from(index).ok());
-        let (Some(a), Some(b), Some(c)) = (index(0), index(1), index(2)) else {
-            return Err(Error::input("the mesh has more than 2³² vertices"));
-        };
-        triangles.push([a, b, c]);
+        let index = |i: usize| index(i).ok_or_else(|| Error::input("the mesh has more than 2³² vertices"));
+        triangles.push([index(0)?, index(1)?, index(2)?]);
     }
     let normals = normals.filter(|_| declared & flags::FACE_NORMALS == 0);
     let mesh = TriangleMesh::new(positions, normals, uvs, triangles)?;

@@ -156,12 +156,11 @@ impl<'a> Resolver<'a> {
             ShapeFile::Prism { side, length, apex } => {
                 Shape::Prism { side: side * m, length: length * m, apex_deg: apex }
             }
-            ShapeFile::Lens { radius1, radius2, thickness, diameter } => Shape::Lens {
-                radius1: radius1 * m,
-                radius2: radius2 * m,
-                thickness: thickness * m,
-                diameter: diameter * m,
-            },
+            ShapeFile::Lens { radius1, radius2, thickness, diameter } => {
+                let [radius1, radius2, thickness, diameter] =
+                    [radius1, radius2, thickness, diameter].map(|length| length * m);
+                Shape::Lens { radius1, radius2, thickness, diameter }
+            }
             ShapeFile::Mesh(_) | ShapeFile::Triangles(_) | ShapeFile::Shared(_) => return None,
         };
         Some((shape, DAffine3::IDENTITY))

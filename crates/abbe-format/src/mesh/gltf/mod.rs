@@ -206,13 +206,10 @@ impl<'b> SceneReader<'b> {
 }
 
 fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    let turned = |(i, t): (usize, &[u32])| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] };
     match mode {
         Mode::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-        Mode::TriangleStrip => indices
-            .windows(3)
-            .enumerate()
-            .map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })
-            .collect(),
+        Mode::TriangleStrip => indices.windows(3).enumerate().map(turned).collect(),
         Mode::TriangleFan if indices.len() >= 3 => fan(indices).collect(),
         Mode::TriangleFan | Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Vec::new(),
     }

@@ -80,11 +80,8 @@ impl Deformation {
             }
         }
         let Some(joints) = &self.joints else { return Ok(()) };
-        let (Some(numbers), Some(weights)) =
-            (primitive.get(&Semantic::Joints(0)), primitive.get(&Semantic::Weights(0)))
-        else {
-            return Err(Error::input("a mesh with a skin has no joints"));
-        };
+        let found = primitive.get(&Semantic::Joints(0)).zip(primitive.get(&Semantic::Weights(0)));
+        let (numbers, weights) = found.ok_or_else(|| Error::input("a mesh with a skin has no joints"))?;
         let (numbers, weights) = (accessors.floats(&numbers)?, accessors.floats(&weights)?);
         if numbers.len() != positions.len() || weights.len() != positions.len() {
             return Err(Error::input("a mesh with a skin does not have joints for each vertex"));
