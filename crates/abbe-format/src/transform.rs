@@ -255,9 +255,8 @@ mod tests {
 
     #[test]
     fn a_matrix_is_read_row_by_row() {
-        let matrix =
-            transform(r#"[{"matrix": [[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7], [0, 0, 0, 1]]}]"#).to_affine();
-        assert_eq!(matrix.transform_point3(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 7.0, 10.0));
+        let map = transform(r#"[{"matrix": [[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7], [0, 0, 0, 1]]}]"#).to_affine();
+        assert_eq!(map.transform_point3(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 7.0, 10.0));
     }
 
     #[test]

@@ -49,8 +49,7 @@ fn mean_luminance(width: usize, height: usize, rgb: &[[f32; 3]]) -> f64 {
     };
     let edge = |row: usize| cos(PI * row as f64 / height as f64);
     let rows = rgb.chunks_exact(width).enumerate();
-    let sum: f64 =
-        rows.map(|(row, pixels)| (edge(row) - edge(row + 1)) * pixels.iter().map(luminance).sum::<f64>()).sum();
+    let sum: f64 = rows.map(|(row, it)| (edge(row) - edge(row + 1)) * it.iter().map(luminance).sum::<f64>()).sum();
     sum / (2.0 * width as f64)
 }
 

@@ -106,14 +106,12 @@ fn surfaces(at: &JsonPath, files: &[LensSurfaceFile], spectra: &Spectra) -> Resu
     let source = spectra.source;
     let mut front = RefractiveIndex::constant(1.0)?;
     let mut surfaces = Vec::new();
-    for (i, file) in files.iter().enumerate() {
-        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: _, coating } =
-            file;
+    for (i, it) in files.iter().enumerate() {
+        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: _, coating } = it;
         let index = if let IndexFile::Name(name) = ior { medium(name) } else { index_of(ior, source) };
         let index = index.map_err(|error| source.error_at(&at.index(i).key("ior").to_string(), error))?;
         // The file's coefficients begin with h⁴, and a profile's with h², so a 0 comes first.
-        let even_terms =
-            if aspheric.is_empty() { [].into() } else { std::iter::once(&0.0).chain(aspheric).copied().collect() };
+        let even_terms = if aspheric.is_empty() { [].into() } else { [0.0].iter().chain(aspheric).copied().collect() };
         let profile = SurfaceProfile { conic: *conic, even_terms, ..SurfaceProfile::sphere(*radius_mm) };
         let resolve = |file| spectra.lens_coating(&at.index(i).key("coating"), file, [&front, &index]);
         let coating = coating.as_ref().map(resolve).transpose()?;

@@ -89,8 +89,7 @@ impl NodeTree {
         let chain: Vec<usize> =
             std::iter::successors(Some(node), |&node| self.nodes[node].and_then(|(parent, _)| parent)).collect();
         let Some(deepest) = chain.iter().position(|node| self.animations.tracks(*node).is_some()) else { return still };
-        let own =
-            chain[..deepest].iter().rev().fold(DAffine3::IDENTITY, |before, &node| before * self.local(node, None));
+        let own = chain[..deepest].iter().rev().fold(DAffine3::IDENTITY, |all, &node| all * self.local(node, None));
         let moving = &chain[deepest..];
         let at = |time: f64| {
             moving.iter().rev().fold(DAffine3::IDENTITY, |before, &node| before * self.local(node, Some(time)))

@@ -105,9 +105,8 @@ impl MitsubaReader<'_> {
         let local = properties.vector("direction")?.unwrap_or(DVec3::Z);
         let toward = to_world.transform_vector3(local).try_normalize();
         let toward = toward.ok_or_else(|| properties.element.error("the direction of the light is zero"))?;
-        let light_file =
-            json!({"toward": toward.to_array(), "spectrum": light.spectrum, "illuminance": light.quantity});
-        Ok((!light.is_dark()).then(|| json!({"directional": light_file})))
+        let form = json!({"toward": toward.to_array(), "spectrum": light.spectrum, "illuminance": light.quantity});
+        Ok((!light.is_dark()).then(|| json!({"directional": form})))
     }
 
     /// Converts a picture of all directions. In Mitsuba, the middle of the picture is in the

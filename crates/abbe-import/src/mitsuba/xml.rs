@@ -237,9 +237,8 @@ impl XmlLoader {
             "default" => self.add_parameter(child.required("name")?, child.required("value")?),
             "alias" => {
                 let (id, alias) = (child.required("id")?, child.required("as")?);
-                let target = self.by_id.get(id).cloned();
-                let target =
-                    target.ok_or_else(|| child.error(format!("the alias of the unknown identifier \"{id}\"")))?;
+                let unknown = || child.error(format!("the alias of the unknown identifier \"{id}\""));
+                let target = self.by_id.get(id).cloned().ok_or_else(unknown)?;
                 self.add_id(alias.to_string(), target)?;
             }
             "path" => {

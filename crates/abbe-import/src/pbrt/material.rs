@@ -105,9 +105,8 @@ fn conductor(parameters: &Parameters, prefix: &str, textures: &mut TextureReader
     if let Some(metal) = metal {
         return Ok(json!({"conductor": {"metal": metal, "roughness": roughness}}));
     }
-    let is_builtin =
-        |it: &&Parameter| it.kind == "spectrum" && it.string().is_ok_and(|name| name.starts_with("metal-"));
-    if let Some(unknown) = eta.filter(is_builtin).or(k.filter(is_builtin)) {
+    let builtin = |it: &&Parameter| it.kind == "spectrum" && it.string().is_ok_and(|name| name.starts_with("metal-"));
+    if let Some(unknown) = eta.filter(builtin).or(k.filter(builtin)) {
         textures.left_out.push(format!("the metal \"{}\" is replaced by copper", unknown.string()?));
         return Ok(json!({"conductor": {"metal": "copper", "roughness": roughness}}));
     }

@@ -73,26 +73,26 @@ pub(super) fn read_material(file: &Material, pictures: &mut GltfPictures) -> Res
     })
 }
 
+/// Returns the textures that multiply the factors of a material.
+fn textures_of<'a>(file: &Material<'a>) -> impl Iterator<Item = Info<'a>> + use<'a> {
+    let surface = file.pbr_metallic_roughness();
+    let transmission = file.transmission().and_then(|it| it.transmission_texture());
+    let colours = [surface.base_color_texture(), surface.metallic_roughness_texture()];
+    colours.into_iter().chain([transmission, file.emissive_texture()]).flatten()
+}
+
 /// Returns the number of the set of texture coordinates of a material. A material whose textures
 /// use several sets has the set of its first texture.
 pub(super) fn uv_set(file: &Material) -> u32 {
-    let surface = file.pbr_metallic_roughness();
-    let transmission = file.transmission().and_then(|it| it.transmission_texture());
-    let used =
-        [surface.base_color_texture(), surface.metallic_roughness_texture(), transmission, file.emissive_texture()];
     let normals = file.normal_texture().map_or(0, |normals| normal_uv_set_of(&normals));
-    used.into_iter().flatten().next().map_or(normals, |info| uv_set_of(&info))
+    textures_of(file).next().map_or(normals, |info| uv_set_of(&info))
 }
 
 /// Returns true if a material uses texture coordinates.
 pub(super) fn has_textures(file: &Material) -> bool {
-    let surface = file.pbr_metallic_roughness();
-    let transmission = file.transmission().and_then(|it| it.transmission_texture());
-    let used =
-        [surface.base_color_texture(), surface.metallic_roughness_texture(), transmission, file.emissive_texture()];
     let glossiness = file.extension_value(super::extensions::SPECULAR_GLOSSINESS);
     let glossiness = glossiness.is_some_and(|it| it.get("diffuseTexture").is_some());
-    used.iter().any(Option::is_some) || file.normal_texture().is_some() || glossiness
+    textures_of(file).next().is_some() || file.normal_texture().is_some() || glossiness
 }
 
 /// Describes what a glTF file states and the reader ignores.
