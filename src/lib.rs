@@ -105,19 +105,24 @@
 //! | `view` | yes | the live view in the browser (`abbe view`); implies `cli` |
 //! | `meshes` | yes | OBJ, PLY, STL and glTF files, and scenes of other programs |
 //!
-//! To use the renderer without the command line, depend on it as
-//! `abbe = { version = "…", default-features = false }`.
+//! To use the renderer without the command line, depend on it as `abbe = { version = "…",
+//! default-features = false }`.
 
+#![warn(missing_docs)]
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod api;
 #[cfg(feature = "cli")]
+#[allow(missing_docs, reason = "no public interface")]
 pub mod cli;
+#[allow(missing_docs, reason = "no public interface")]
 pub mod reports;
 #[cfg(feature = "pages")]
+#[allow(missing_docs, reason = "no public interface")]
 pub mod study;
 #[cfg(feature = "view")]
+#[allow(missing_docs, reason = "no public interface")]
 pub mod view;
 
 pub use abbe_format as format;
@@ -127,10 +132,8 @@ pub use abbe_spectra::{Error, ErrorKind, ErrorLocation, Observer, Result, Spectr
 pub use api::{Image, PixelSpectrum, RenderOptions, Scene};
 
 /// Returns a spectrum of the built-in library, such as `D65`. `abbe spectrum --list` prints all
-/// names. Letter case does not matter.
-///
-/// # Errors
-/// Returns an error if the name is unknown. If a similar name exists, the error suggests it.
+/// names. Letter case does not matter. Returns an error if the name is unknown. If a similar name
+/// exists, the error suggests it.
 pub fn spectrum_by_name(name: &str) -> Result<Spectrum> {
     Ok(abbe_spectra::spectrum::library::find(name)?.spectrum)
 }

@@ -1,5 +1,4 @@
-//! Refuses renders that need more memory than the machine has. Without this check, the system would
-//! kill the process.
+//! Refuses renders that need more memory than the machine has, before the system kills the process.
 
 use std::path::Path;
 
@@ -41,9 +40,8 @@ fn refusal(budget: &Budget, available: u64) -> Error {
     Error::machine(what).expected(format!("at most {}, which are available; use {remedy}", gigabytes(available)))
 }
 
-/// Returns the available memory in bytes. If a process needs more than this memory, the machine
-/// swaps memory to disk, or the process exceeds the limit of its control group. Returns `None` if
-/// the system does not report the memory.
+/// Returns the available memory in bytes, beyond which the machine swaps, or the process exceeds
+/// the limit of its control group. `None` if the system does not report it.
 fn available_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"));

@@ -1,8 +1,6 @@
-//! The interface of the library for its users: scenes, options, images.
-//!
-//! The crate root re-exports the public items of this module. The command line also uses the
-//! helpers [`PlanReport`], [`memory`] and [`provenance`]. Therefore the library and the command line
-//! write the same files.
+//! The interface of the library for its users: scenes, options, images. The crate root re-exports
+//! its public items. The command line also uses the helpers [`PlanReport`], [`memory`] and
+//! [`provenance`], so that both write the same files.
 
 pub mod memory;
 mod observer;

@@ -60,7 +60,6 @@ impl UnfinishedRender<'_> {
     }
 }
 
-/// The checkpoint of a render.
 pub(super) struct Checkpoint<'a> {
     pub(super) path: &'a Path,
     pub(super) resume: bool,

@@ -1,5 +1,4 @@
-//! The plan of a render in machine-readable form. `abbe explain --json` prints the plan, and the
-//! headers of pictures contain it.
+//! The plan of a render, as `abbe explain --json` prints it and the headers of pictures contain it.
 
 use abbe_scene::camera::{ApertureDiffraction, Camera, DepthOfField};
 use abbe_scene::facts::Facts;
@@ -14,18 +13,18 @@ pub struct PlanReport<'a> {
     wavelengths: &'static str,
     passes: u64,
     photons: u64,
-    /// The number of photons within the gather radius of the first pass. Null if the scene states
+    /// The number of photons within the gather radius of the first pass. Null if the scene sets
     /// this radius.
     nearest: Option<u32>,
-    /// The gather radius of the first pass in m. Null if the scene does not state this radius.
+    /// The gather radius of the first pass in m. Null if the scene does not set this radius.
     radius_m: Option<f64>,
     memory_bytes: u64,
     /// The largest distance, in pixels, that an object moves in the picture while the shutter is
     /// open. Null if nothing moves.
     motion_px: Option<f64>,
     camera: CameraReport,
-    /// Two lists: the objects and lights whose spectra were reconstructed from RGB, and the lights
-    /// with strong spectral lines. If at least one of the two lists is empty, the value is null.
+    /// The objects and lights whose spectra come from RGB, and the lights with strong spectral
+    /// lines. Null if one of the two lists is empty.
     guessed_colours: Option<GuessedColours>,
     notes: &'a [String],
 }
@@ -42,8 +41,7 @@ struct EffectReport<'a> {
     state: &'static str,
     because: &'a str,
     field: &'static str,
-    /// If the effect is on, this text states its cost. If the effect is off, this text describes
-    /// the render without the effect.
+    /// The cost of an effect that is on, or the render without one that is off.
     consequence: &'static str,
 }
 
@@ -59,13 +57,13 @@ struct CameraReport {
 
 #[derive(Debug, Serialize)]
 struct DiffractionReport {
-    /// The diameter of the Airy disk in pixels. On the film, this diameter is 2.44 λN, where λ is
-    /// 550 nm and N is the f-number.
+    /// The diameter of the Airy disk in pixels: 2.44 λN on the film, for λ = 550 nm and the
+    /// f-number N.
     airy_diameter_px: f64,
     /// True if the Airy disk is wider than a pixel.
     matters: bool,
     simulated: bool,
-    /// The number of wavelength slices stored on the film. Each slice needs 48 bytes per pixel.
+    /// The number of wavelength slices, of three sums per pixel each, on the film.
     slices: usize,
 }
 

@@ -13,8 +13,8 @@ use serde_json::Value;
 
 use super::plan_report::PlanReport;
 
-/// Returns the header entries that describe a scene and its plan. `source` is the text of the
-/// scene, or `None` for a resolved scene, which has no text.
+/// Returns the header entries of a scene and its plan. `source` is the text of the scene, if it has
+/// one.
 pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) -> Metadata {
     let mut metadata = Metadata::new().with(names::VERSION, env!("CARGO_PKG_VERSION"));
     if let Some(source) = source {
@@ -35,8 +35,7 @@ pub fn of_render(of_scene: &Metadata, stats: &Stats) -> Metadata {
     of_passes(of_scene, stats.passes, &stats.ledger_w, stats.seconds.total)
 }
 
-/// Adds the header entries that describe the passes of a render: their number, their mean energy
-/// balance, and their time in s.
+/// Adds the passes of a render: their number, mean energy balance, and time in s.
 pub fn of_passes(of_scene: &Metadata, passes: u64, ledger_w: &LedgerStats, seconds: f64) -> Metadata {
     of_scene
         .clone()
@@ -45,8 +44,8 @@ pub fn of_passes(of_scene: &Metadata, passes: u64, ledger_w: &LedgerStats, secon
         .with(names::SECONDS, &format!("{seconds:.3}"))
 }
 
-/// Removes the times and the facts about the machine from a header. Two renders with equal results
-/// then have equal headers.
+/// Removes times and facts about the machine, so that renders with equal results have equal
+/// headers.
 pub fn reproducible(metadata: Metadata) -> Metadata {
     let scene: Option<Value> = metadata.get(names::SCENE).and_then(|text| serde_json::from_str(text).ok());
     let metadata = metadata.without(names::SECONDS);
@@ -62,9 +61,8 @@ pub fn reproducible(metadata: Metadata) -> Metadata {
     metadata.with_json(names::SCENE, &scene)
 }
 
-/// Returns the header of a file if the file contains a finished picture of this scene. The picture
-/// must come from the same version of Abbe and from the same integrator. If the request limits the
-/// number of passes, the picture must contain at least this number of passes.
+/// Returns the header of a file with a finished picture of this scene, from the same version of
+/// Abbe and the same integrator, with at least the passes of the request.
 pub fn finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -> Option<Metadata> {
     let found = read_metadata(path).ok()?;
     let same =
@@ -74,9 +72,9 @@ pub fn finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -
     (same && !is_other && passes >= request.stop.passes_wanted(&job.budget).unwrap_or(1)).then_some(found)
 }
 
-/// Hashes a scene and the files that it names. If two scenes have the same hash, their passes are
-/// equal. The hash ignores the number of passes, the number of threads, the checkpoint interval,
-/// the conversion of the picture for a display, and the folder of the scene.
+/// Hashes a scene and the files that it names. Scenes of the same hash have equal passes: it
+/// ignores the number of passes, the threads, the checkpoint interval, the display of the picture,
+/// and the folder of the scene.
 fn scene_hash(source: &JsonSource) -> String {
     let mut files = FileHash::new(source.file_access());
     files.hash.add_part(source.compact(affects_passes).as_bytes());
@@ -99,8 +97,7 @@ impl FileHash {
         Self { hash: IdentityHash::default(), file_access, added: HashSet::new() }
     }
 
-    /// Adds all files that a glTF file names, in the order in which it names them. Each text in the
-    /// file may name another file.
+    /// Adds all files that a glTF file may name, in its order: each text may be a name.
     fn add_all(&mut self, value: &Value, folder: &Path) {
         match value {
             Value::Object(entries) => entries.values().for_each(|value| self.add_all(value, folder)),
@@ -135,8 +132,7 @@ impl FileHash {
         }
     }
 
-    /// Adds the file of this name in a folder, and returns its path and its bytes. See
-    /// [`Self::add`].
+    /// Adds the file of this name in a folder; see [`Self::add`]. Also returns its path.
     fn add_named(&mut self, name: &str, folder: &Path) -> Option<(PathBuf, Vec<u8>)> {
         if name.len() > LONGEST_PATH {
             return None;
@@ -146,8 +142,7 @@ impl FileHash {
         Some((path, bytes))
     }
 
-    /// Adds a file and returns its bytes. Returns `None` if there is no such file, or if the hash
-    /// contains it.
+    /// Adds a file and returns its bytes, unless it is missing or already in the hash.
     fn add(&mut self, path: &Path) -> Option<Vec<u8>> {
         if self.added.contains(path) || !path.is_file() {
             return None;
@@ -159,9 +154,8 @@ impl FileHash {
     }
 }
 
-/// Returns the texts that may be names of files on the lines that start with `key`: the rest of the
-/// line from each of its words on, because options may precede a name, and a name may contain
-/// spaces.
+/// Returns the texts that may be file names on the lines that start with `key`: the rest of the
+/// line from each of its words on, because options may precede a name with spaces.
 fn names_after(key: &[u8], text: &[u8]) -> impl Iterator<Item = String> {
     let lines = text.split(|&byte| byte == b'\n');
     let rests = lines.filter_map(move |line| Some(line.trim_ascii().strip_prefix(key)?.trim_ascii()));

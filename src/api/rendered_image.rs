@@ -37,8 +37,7 @@ pub struct PixelSpectrum {
 }
 
 impl Image {
-    /// Creates the image of a finished render. `metadata` contains the header entries that describe
-    /// the scene.
+    /// Creates the image of a finished render. `metadata` describes the scene.
     pub(super) fn of_render(rendered: Rendered, job: &Job, metadata: &Metadata) -> Self {
         let metadata = provenance::of_render(metadata, &rendered.stats);
         Self {
@@ -50,8 +49,7 @@ impl Image {
         }
     }
 
-    /// Creates the image of a render that is not finished. `metadata` contains the header entries
-    /// that describe the scene and the passes.
+    /// Creates the image of an unfinished render. `metadata` describes the scene and the passes.
     pub(super) fn of_run(run: &Run, job: &Job, metadata: Metadata) -> Self {
         let (picture, display) = (run.picture(), DisplaySettings::of(job));
         Self { picture, display, stats: None, metadata, interrupted: false }

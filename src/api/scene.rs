@@ -39,7 +39,6 @@ pub struct Scene {
     origin: SceneOrigin,
 }
 
-/// The origin of a scene.
 #[derive(Debug, Clone)]
 enum SceneOrigin {
     /// JSON text, and the changes that are applied to this text in order.

@@ -10,8 +10,7 @@ use abbe_spectra::{Error, Result};
 pub struct SceneText {
     /// The text in the form of a scene file.
     pub text: String,
-    /// Sentences about what the conversion of another program's scene added and left out. Empty for
-    /// a scene file.
+    /// What the conversion of another program's scene added and left out. Empty for a scene file.
     pub notes: Vec<String>,
 }
 

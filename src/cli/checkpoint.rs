@@ -36,13 +36,11 @@ impl CheckpointFile<'_> {
         SavedRun::resume(&self.path, self.job, self.identity, part)
     }
 
-    /// Writes a run to the checkpoint file.
     pub(crate) fn write(&self, run: &Run) -> Result<()> {
         self.write_to(&self.path, run, self.metadata.clone())
     }
 
-    /// Writes a run to the file `path`. `metadata` contains the entries for the header of this
-    /// file.
+    /// Writes a run to the file `path`, with `metadata` in its header.
     pub(crate) fn write_to(&self, path: &Path, run: &Run, metadata: Metadata) -> Result<()> {
         let metadata = match metadata.get(names::PASSES) {
             Some(_) => metadata,
@@ -51,25 +49,21 @@ impl CheckpointFile<'_> {
         SavedRun::write(path, self.job, self.identity, run, metadata)
     }
 
-    /// Writes the final checkpoint if `keep` is set. If `keep` is not set, removes the checkpoint
-    /// file.
+    /// Writes the final checkpoint if `keep` is set, and removes the file otherwise.
     pub(crate) fn finish(&self, run: &Run, keep: bool) -> Result<()> {
         if keep { self.write(run) } else { files::remove_if_present(&self.path) }
     }
 }
 
-/// The time between two checkpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CheckpointInterval {
-    /// The next checkpoint is written after this time.
     Fixed(Duration),
     /// The next checkpoint is written after a minute, or later if saving is slow.
     Automatic,
 }
 
 impl CheckpointInterval {
-    /// Returns the time until the next checkpoint. `duration` is the time that the program needed
-    /// to write the last checkpoint.
+    /// Returns the time until the next checkpoint, if the last one took `duration`.
     fn pause(self, duration: Duration) -> Duration {
         /// The pause is at least `duration` multiplied by this number.
         const LEAST_RATIO: u32 = 20;

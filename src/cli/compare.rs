@@ -55,8 +55,7 @@ struct Inputs {
 }
 
 impl Inputs {
-    /// Reads the pictures. EXR files are compared at the automatic exposure of the reference. PNG
-    /// files are compared as they are.
+    /// Reads EXR files, at the automatic exposure of the reference, or PNG files as they are.
     fn read(picture: &Path, reference: &Path) -> Result<Self> {
         let is_png = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
         match (is_png(picture), is_png(reference)) {

@@ -100,8 +100,7 @@ impl DisplayArgs {
     }
 }
 
-/// Returns the white with this name. `lights` is the colour of all lights of the scene, if the
-/// header of the picture contains it.
+/// Returns the white with this name. `lights` is the colour of all lights of the scene, if known.
 fn white(name: &str, header: &Metadata, lights: Option<Xyz>) -> Result<Option<Xyz>> {
     let scene: Value = header.get(names::SCENE).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default();
     let xyz = match name {

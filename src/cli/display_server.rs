@@ -12,7 +12,6 @@ use abbe_spectra::error::{Error, Result};
 
 use super::print;
 
-/// The longest time to wait for a connection.
 const CONNECTION_TIME: Duration = Duration::from_secs(3);
 
 /// After the last picture, the program waits at most this time until all pictures are sent.
@@ -21,7 +20,6 @@ const END_TIME: Duration = Duration::from_secs(3);
 /// The largest number of images that wait. They have different names.
 const MOST_WAITING: usize = 4;
 
-/// The address of a display server.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ServerAddress {
     host: String,
@@ -64,7 +62,7 @@ impl fmt::Display for ServerAddress {
 }
 
 /// A connection to a display server. A thread sends the images, so a slow server does not delay the
-/// render. If a newer image with the same name arrives, the older one is not sent.
+/// render. A newer image replaces an older one with the same name.
 #[derive(Debug)]
 pub(crate) struct DisplayServer {
     address: ServerAddress,
@@ -92,7 +90,6 @@ impl ImageQueue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the next image.
     fn next(&self) -> TevImage {
         let mut state = self.lock();
         state.is_sending = false;

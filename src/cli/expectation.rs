@@ -3,7 +3,6 @@
 use abbe_spectra::error::{Error, Result};
 use serde_json::Value;
 
-/// An expected value of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Expectation {
     /// The key of the figure in the JSON report.
@@ -44,8 +43,7 @@ pub(crate) fn parse(text: &str) -> std::result::Result<Expectation, String> {
     Ok(Expectation { figure, expected: Expected::Numbers(numbers.ok_or_else(wrong)?) })
 }
 
-/// Returns half a unit of the last digit of a decimal number. Returns `None` for a number with an
-/// exponent.
+/// Returns half a unit of the last digit of a decimal number without exponent.
 fn half_of_last_digit(number: &str) -> Option<f64> {
     let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     let is_plain = number.chars().all(|c| c.is_ascii_digit() || "+-.".contains(c));
@@ -54,10 +52,8 @@ fn half_of_last_digit(number: &str) -> Option<f64> {
 }
 
 impl Expectation {
-    /// Checks a JSON report. Returns a sentence if the value differs.
-    ///
-    /// # Errors
-    /// Returns an input error if the report has no such figure, or if the number of values differs.
+    /// Returns a sentence if the value differs, or an input error if the report has no such figure
+    /// or another number of values.
     pub(crate) fn failure(&self, report: &Value) -> Result<Option<String>> {
         let figures = report.as_object().into_iter().flatten().filter(|(key, _)| is_measured(key));
         let names: Vec<&str> = figures.map(|(key, _)| key.as_str()).collect();

@@ -47,23 +47,19 @@ impl SequenceArgs {
 }
 
 impl SequenceFrame {
-    /// Returns the changes that this frame makes to the scene, in the form `PATH=JSON`. The changes
-    /// do not affect the transmission curve of the shutter.
+    /// Returns the frame's changes of the scene in the form `PATH=JSON`, which leave the
+    /// transmission curve of the shutter.
     pub(crate) fn patches(&self) -> [String; 2] {
         let Self { open_s, close_s, .. } = self;
         [format!("camera.shutter.open={open_s:?}"), format!("camera.shutter.close={close_s:?}")]
     }
 
-    /// The name of the frame in progress lines.
     pub(crate) fn label(&self) -> String {
         format!("frame {} of {}", self.number, self.last)
     }
 
-    /// Returns the file name for this frame. The number of the frame replaces the group of `#`
-    /// signs in the file name of `pattern`.
-    ///
-    /// # Errors
-    /// Returns an error if the file name has no `#` sign, or has several groups of `#` signs.
+    /// Returns the file name for this frame, whose number replaces the group of `#` signs in
+    /// `pattern`. Returns an error if there is no group, or several.
     pub(crate) fn name(&self, pattern: &Path) -> Result<PathBuf> {
         let wrong = |what: &str| {
             let what = format!("the file name {} {what}", pattern.display());

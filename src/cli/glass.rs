@@ -3,14 +3,13 @@
 use std::path::PathBuf;
 
 use abbe_format::resolve;
+use abbe_optics::glass::CauchyFit;
 use abbe_optics::glass::catalogue::{self, Glass};
 use abbe_session::output::file;
 use abbe_spectra::error::Result;
 
 use super::{Outcome, print, values};
-use crate::reports::glass::{
-    CauchyCoefficients, GlassList, GlassListing, GlassReport, IndexSample, SellmeierCoefficients, plot,
-};
+use crate::reports::glass::{GlassList, GlassListing, GlassReport, IndexSample, SellmeierCoefficients, plot};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct GlassArgs {
@@ -90,7 +89,7 @@ fn text(report: &GlassReport<'_>) -> String {
         }
         None => "Sellmeier  none: the material has a different formula\n".to_string(),
     };
-    let CauchyCoefficients { a, b, c, max_error, range_nm: [from, to] } = report.cauchy;
+    let CauchyFit { a, b, c, max_error, range_nm: (from, to) } = report.cauchy;
     text +=
         &format!("Cauchy     a = {a}   b = {b} µm²   c = {c} µm⁴   (error below {max_error:.1e}, {from} to {to} nm)\n");
     report.n.iter().for_each(|IndexSample { nm, n }| text += &format!("n({nm} nm) = {n:.7}\n"));

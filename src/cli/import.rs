@@ -44,9 +44,8 @@ pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the path from the folder of the scene file `scene` to the folder of a file. Without a
-/// scene file, both folders are the same. The path leads out of the folder of the scene file only
-/// if `allow_outside` is true.
+/// Returns the path from the folder of the scene file `scene`, or of the file itself without one,
+/// to the folder of a file. It leads out of the folder only if `allow_outside` is true.
 fn folder_from(scene: Option<&Path>, file: &Path, allow_outside: bool) -> Result<String> {
     let folder = |path: &Path| {
         let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -1,5 +1,5 @@
-//! Handles Ctrl-C and termination. After the first signal, the program finishes the pass and saves
-//! the run. After the second signal, the program ends at once.
+//! Handles Ctrl-C and termination: the first signal finishes the pass and saves the run, and the
+//! second ends the program at once.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

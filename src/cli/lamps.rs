@@ -1,5 +1,5 @@
-//! `abbe lamps`: compares two or three lamps, or a lamp with its best match from primaries. The
-//! module [`super::luminaire`] describes luminaire files.
+//! `abbe lamps`: compares two or three lamps, or a lamp with its best match from primaries. For
+//! luminaire files, see [`super::luminaire`].
 
 use std::path::{Path, PathBuf};
 

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use abbe_optics::lens::LensAnalysis;
 use abbe_optics::lens::image_quality::FAN_PUPIL;
 use abbe_optics::lens::zemax::ZmxSystem;
+use abbe_optics::lens::{LensAnalysis, LineFocus, Pupil};
 use abbe_session::output::file;
 use abbe_spectra::error::{Error, Result};
 
 use super::{Outcome, folded_lens, print, values};
 use crate::reports::folded_lens::FoldedLensReport;
-use crate::reports::lens::{FieldReport, LensList, LensListing, LensReport, LineReport, PupilReport, drawing, find};
+use crate::reports::lens::{FieldReport, LensList, LensListing, LensReport, drawing, find};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct LensArgs {
@@ -67,7 +67,6 @@ fn one(name: &str, arguments: &LensArgs) -> Result<()> {
     if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
 }
 
-/// Prints the remarks of the reader of a lens file.
 fn notes(notes: &[String]) {
     notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
 }
@@ -87,8 +86,8 @@ fn list(json: bool) -> Result<()> {
 
 fn text(report: &LensReport<'_>) -> String {
     let mut text = format!("{} ({} surfaces, {:.3} mm long)\n", report.name, report.surfaces, report.length_mm);
-    let pupil = |pupil: &Option<PupilReport>| match pupil {
-        Some(PupilReport { z_mm, diameter_mm }) => {
+    let pupil = |pupil: &Option<Pupil>| match pupil {
+        Some(Pupil { z_mm, diameter_mm }) => {
             format!("{diameter_mm:.4} mm wide, {z_mm:.4} mm from the first surface")
         }
         None => "at infinity".to_string(),
@@ -105,7 +104,7 @@ fn text(report: &LensReport<'_>) -> String {
         text += &format!("{name:<15} {value}\n");
     }
     text += "\nline         nm   focal length     back focus   transmittance\n";
-    for LineReport { line, nm, efl_mm, bfd_mm, transmittance } in &report.lines {
+    for LineFocus { line, wavelength_nm: nm, efl_mm, bfd_mm, transmittance } in &report.lines {
         let percent = 100.0 * transmittance;
         text += &format!("{line:<4} {nm:>10.4} {efl_mm:>11.4} mm {bfd_mm:>11.4} mm {percent:>13.3} %\n");
     }
@@ -126,7 +125,7 @@ fn text(report: &LensReport<'_>) -> String {
 fn quality_text(fields: &[FieldReport]) -> String {
     let mut text = "\nMTF (geometric, times the limit of diffraction), tangential and sagittal\nfield  ".to_string();
     let frequencies = fields.first().map_or(&[][..], |field| &field.mtf);
-    text += &frequencies.iter().map(|point| format!("{:>10} /mm", point.cycles_per_mm)).collect::<String>();
+    text += &frequencies.iter().map(|point| format!("{:>10} /mm", point.per_mm)).collect::<String>();
     for FieldReport { angle_deg, mtf, .. } in fields {
         let cells = mtf.iter().map(|point| format!("{:>9.2} {:.2}", point.tangential, point.sagittal));
         text += &format!("\n{:<7}{}", format!("{angle_deg:.2}°"), cells.collect::<String>());

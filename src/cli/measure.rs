@@ -122,7 +122,6 @@ pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     Ok(if interrupted { Outcome::Interrupted } else { Outcome::Done })
 }
 
-/// Reads the scene, applies the options, and plans the measurement.
 fn plan(arguments: &MeasureArgs) -> Result<Job> {
     let path = &arguments.scene;
     let mut patches = arguments.set.clone();

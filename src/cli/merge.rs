@@ -137,8 +137,7 @@ fn watch(arguments: &MergeArgs, folder: &Path, outputs: &OutputFiles) -> Result<
     }
 }
 
-/// Merges the parts if they differ from the parts in `merged`. Returns true if nothing is left to
-/// wait for.
+/// Merges the parts unless they are those in `merged`. Returns true if nothing is left to wait for.
 fn refresh(
     arguments: &MergeArgs,
     files: &[PathBuf],

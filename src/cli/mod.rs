@@ -145,19 +145,15 @@ impl Outcome {
     }
 }
 
-/// Runs the `abbe` program with the arguments of this process, and returns its exit status.
-///
-/// This function contains the whole program. It replaces the panic hook of the process, and the
-/// handlers for Ctrl-C and for termination.
+/// Runs the `abbe` program with the arguments of this process, and returns its exit status. It
+/// replaces the panic hook of the process, and the handlers for Ctrl-C and for termination.
 pub fn main() -> ExitCode {
     ExitCode::from(run_from(std::env::args_os()))
 }
 
-/// Runs the `abbe` program with the given arguments, and returns its exit status.
-///
-/// `arguments` contains the name of the program, followed by the words of the command line. Use
-/// this function instead of [`main`] if another program, such as a Python interpreter, owns the
-/// process.
+/// Runs the `abbe` program with the given arguments, the name of the program and the words of the
+/// command line, and returns its exit status. Use it instead of [`main`] if another program, such
+/// as a Python interpreter, owns the process.
 pub fn run_from(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let panic_message = capture_panic_message();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
@@ -171,8 +167,7 @@ pub fn run_from(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// Installs a panic hook. The hook stores the message of the first panic instead of printing the
-/// message.
+/// Installs a panic hook that stores the message of the first panic instead of printing it.
 fn capture_panic_message() -> &'static Mutex<String> {
     static MESSAGE: Mutex<String> = Mutex::new(String::new());
     panic::set_hook(Box::new(|info| {
@@ -231,9 +226,8 @@ fn run(command: &Command) -> Result<Outcome> {
     }
 }
 
-/// Prints clap's message. The help and the version go to standard output. If the help is shown
-/// because an argument is missing, the help goes to standard error. Any other message becomes a
-/// one-line error.
+/// Prints clap's message: the help and the version to standard output, but help because of a
+/// missing argument to standard error. Any other message becomes a one-line error.
 fn report_usage(error: &clap::Error) -> Result<Outcome> {
     let text = error.to_string();
     let kind = error.kind();
@@ -247,8 +241,7 @@ fn report_usage(error: &clap::Error) -> Result<Outcome> {
     Err(Error::input(one_line(&text)))
 }
 
-/// Joins the lines of clap's message into one line. The usage section and everything after it are
-/// left out.
+/// Joins the lines of clap's message into one line, up to the usage section.
 fn one_line(text: &str) -> String {
     let message = text.split("\nUsage:").next().unwrap_or(text);
     let message = message.split("\nFor more information").next().unwrap_or(message);

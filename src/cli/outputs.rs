@@ -11,7 +11,6 @@ use abbe_session::render::{DisplaySettings, Stats};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;
 
-/// The output files of a render.
 #[derive(Debug)]
 pub(crate) struct OutputFiles {
     pub(crate) exr: PathBuf,
@@ -29,7 +28,6 @@ impl OutputFiles {
         Ok(Self { png: exr.with_extension("png"), exr, stats })
     }
 
-    /// The path of the checkpoint.
     pub(crate) fn checkpoint(&self) -> PathBuf {
         self.exr.with_extension("checkpoint.exr")
     }
@@ -38,15 +36,14 @@ impl OutputFiles {
         [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
     }
 
-    /// Checks that all files can be written, and removes the unfinished files that killed runs left
-    /// behind. Call this function before a long render.
+    /// Checks that all files can be written, and removes the unfinished files of killed runs.
     pub(crate) fn check(&self) -> Result<()> {
         self.all().for_each(files::remove_temporary_files);
         self.all().try_for_each(files::check_writable)
     }
 
-    /// Writes the PNG of a finished picture again, with other settings. The header of the EXR file
-    /// then states these settings and the scene that contains them.
+    /// Writes the PNG of a finished picture with other settings, which the header of the EXR file
+    /// then states with the scene that contains them.
     pub(crate) fn develop_again(&self, of_scene: &Metadata, display: &DisplaySettings) -> Result<()> {
         let ExrFile { picture, metadata } = read(&self.exr)?;
         let explicit = [names::SCENE, names::DISPLAY].into_iter().filter_map(|name| Some((name, of_scene.get(name)?)));
@@ -57,24 +54,20 @@ impl OutputFiles {
         write_png(&self.png, &display.screen(&picture))
     }
 
-    /// The name of the EXR file without its folder.
     pub(crate) fn name(&self) -> String {
         self.exr.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
-    /// The names of the pictures as text.
     pub(crate) fn named(&self) -> String {
         format!("{} and {}", self.exr.display(), self.png.display())
     }
 
-    /// Returns true if the pictures can be refreshed during a render. Pipes and devices receive
-    /// only the finished picture.
+    /// Returns false for pipes and devices, which receive only the finished picture.
     pub(crate) fn can_be_refreshed(&self) -> bool {
         [&self.exr, &self.png].into_iter().all(|path| !std::fs::metadata(path).is_ok_and(|found| !found.is_file()))
     }
 
-    /// Saves the EXR and the PNG file. `write_picture` writes the EXR file. Returns the exposure of
-    /// the PNG file in 1/(cd/m²).
+    /// Saves the EXR file by `write_picture`, and the PNG file. Returns its exposure in 1/(cd/m²).
     pub(crate) fn save_pictures(
         &self,
         write_picture: impl FnOnce(&Path) -> Result<()>,
@@ -87,8 +80,7 @@ impl OutputFiles {
         Ok(exposure)
     }
 
-    /// Saves a picture and its statistics. `write_picture` writes the EXR file. Returns the
-    /// exposure of the PNG file in 1/(cd/m²).
+    /// Saves a picture and its statistics. Returns the exposure of the PNG in 1/(cd/m²).
     pub(crate) fn save(
         &self,
         write_picture: impl FnOnce(&Path) -> Result<()>,

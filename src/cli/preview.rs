@@ -1,4 +1,4 @@
-//! The preview of a running render: its EXR and PNG files are refreshed from time to time, and a
+//! The preview of a running render: from time to time, its EXR and PNG files are refreshed, and a
 //! display server receives the picture.
 
 use std::path::Path;
@@ -25,7 +25,7 @@ const FIRST_PAUSE: Duration = Duration::from_secs(1);
 /// The pause between two previews grows by at least this factor.
 const GROWTH: f64 = 1.5;
 
-/// The largest share of the render's time that previews take.
+/// The largest fraction of the render's time that previews take.
 const LARGEST_FRACTION: f64 = 0.03;
 
 /// Writes the picture of a running render to its output files, and sends it to a display server.
@@ -40,8 +40,8 @@ pub(crate) struct Preview<'a> {
 }
 
 impl<'a> Preview<'a> {
-    /// A preview in these files, and on a display server if there is one. `of_scene` contains the
-    /// header entries that describe the scene.
+    /// Creates a preview in these files and on a display server, if given. `of_scene` holds the
+    /// header entries of the scene.
     pub(crate) fn new(
         outputs: &'a OutputFiles,
         of_scene: &Metadata,
@@ -66,8 +66,7 @@ impl<'a> Preview<'a> {
         self.server.is_some() || self.outputs.can_be_refreshed()
     }
 
-    /// Sends the picture to the display server, and writes the files. A failure is reported once,
-    /// and the render continues.
+    /// Sends the picture to the display server, and writes the files. A failure is reported once.
     pub(crate) fn show(&mut self, picture: &Picture, passes: u64) {
         self.send(picture);
         if self.outputs.can_be_refreshed()
@@ -79,7 +78,6 @@ impl<'a> Preview<'a> {
         }
     }
 
-    /// Sends the picture to the display server.
     pub(crate) fn send(&self, picture: &Picture) {
         if let Some(server) = self.server {
             let exposure = self.display.factor(picture);
@@ -94,10 +92,8 @@ impl<'a> Preview<'a> {
     }
 }
 
-/// The times of previews.
 #[derive(Debug, Clone, Copy)]
 struct PreviewSchedule {
-    /// The time at which the next preview is due.
     next: Duration,
     /// The time that all previews have taken.
     spent: Duration,

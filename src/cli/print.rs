@@ -27,8 +27,7 @@ pub(crate) fn json<T: Serialize>(value: &T) -> Result<()> {
     result(&(text + "\n"))
 }
 
-/// Prints a line on standard error. If printing fails, the failure is ignored, because the program
-/// has no other way to report it.
+/// Prints a line on standard error. A failure cannot be reported, so it is ignored.
 pub(crate) fn remark(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", with_command_line_hints(text));
 }
@@ -49,9 +48,9 @@ pub(crate) fn exposure(factor: f64) -> String {
 }
 
 /// Returns the error of a picture as text: the median and the 95th percentile of its pixels, the
-/// root mean square over the picture, and the worst region if it dominates this mean.
+/// root mean square, and the worst region if it dominates this.
 pub(crate) fn picture_error(error: &ErrorStats) -> String {
-    /// A region is named if it contains at least this share of the mean square error.
+    /// A region is named if it contains at least this fraction of the mean square error.
     const DOMINANT: f64 = 0.25;
     let Some(((median, p95), relative)) = error.median.zip(error.p95).zip(error.relative) else {
         return "the error is not known yet".to_string();
@@ -64,16 +63,14 @@ pub(crate) fn picture_error(error: &ErrorStats) -> String {
     format!("error of half of the pixels below {median}, of 95 % below {p95}, RMS of the picture {relative}{worst}")
 }
 
-/// Hints that are added to error messages of the library. Each pair contains a fragment of a
-/// message, and the hint that is added after this fragment.
+/// Hints for error messages of the library, each after the fragment of a message.
 const HINTS: [(&str, &str); 3] = [
     (FileAccess::EXPECTED_WITHIN_FOLDER, ", or the option --allow-outside"),
     (library::EXPECTED_NAME, " (`abbe spectrum --list` prints all)"),
     (catalogue::EXPECTED_NAME, " (`abbe glass --list` prints all)"),
 ];
 
-/// Two labels of a scene patch: the label in the errors of the library, and the label on the
-/// command line.
+/// The label of a scene patch in the errors of the library, and on the command line.
 const PATCH_LABELS: (&str, &str) = (PATCH_LABEL, "--set ");
 
 /// Adds hints to a message of the library: options and commands that help with the problem.
@@ -87,8 +84,7 @@ fn with_command_line_hints(text: &str) -> String {
     text
 }
 
-/// Prints each fault of an error on one line. If a fault is in a scene patch, its line shows the
-/// label `--set` instead of the library's label.
+/// Prints each fault of an error on one line, with the label `--set` for a scene patch.
 pub(crate) fn error(error: &Error) {
     for mut fault in error.clone().into_faults() {
         let label =
@@ -100,7 +96,6 @@ pub(crate) fn error(error: &Error) {
     }
 }
 
-/// Prints the text of an error on one line.
 pub(crate) fn error_line(text: &str) {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     remark(&format!("error: {}", lines.join(" ")));

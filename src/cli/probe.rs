@@ -56,8 +56,8 @@ struct PixelReport {
     noise: Option<f64>,
     /// Estimated bias of Y in cd/m², or null if unknown.
     bias: Option<f64>,
-    /// True if the pixel is near an edge of the illumination, and null if this is unknown. Near an
-    /// edge, the bias may be larger than the estimate.
+    /// Whether the pixel is near an edge of the illumination, where the bias may be larger than the
+    /// estimate; null if this is unknown.
     edge: Option<bool>,
     /// The ratio √(noise² + bias²) / Y.
     relative_error: Option<f64>,
@@ -102,8 +102,8 @@ pub(crate) fn run(arguments: &ProbeArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns a step curve. The curve has one step per band, and the height of the step is the mean
-/// value in the band. The steps meet at the midpoints between the centres of neighbouring bands.
+/// Returns a step curve through the mean value of each band. The steps meet at the midpoints
+/// between the centres of neighbouring bands.
 fn steps(nm: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     let last = nm.len() - 1;
     let middle = |i: usize| 0.5 * (nm[i] + nm[i + 1]);

@@ -1,5 +1,4 @@
-//! Shows the progress of a render. If standard error is a terminal, a bar is shown. Otherwise, a
-//! line is printed every few seconds.
+//! Shows the progress of a render: a bar on a terminal, and otherwise a line every few seconds.
 
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -20,7 +19,6 @@ pub(crate) struct ProgressDisplay {
     trend: ErrorTrend,
 }
 
-/// Remembers whether the measured error rises.
 #[derive(Debug, Default)]
 struct ErrorTrend {
     last: Option<f64>,
@@ -28,8 +26,7 @@ struct ErrorTrend {
 }
 
 impl ErrorTrend {
-    /// Notes the error of the last measurement. Returns true if this measurement is noticeably
-    /// larger than the one before it.
+    /// Notes a measured error. Returns true if it is noticeably larger than before.
     fn rises(&mut self, error: Option<f64>) -> bool {
         /// Smaller changes of the error are not noticeable.
         const NOTICEABLE: f64 = 1.05;
@@ -44,7 +41,6 @@ impl ErrorTrend {
 /// The form of the progress display.
 #[derive(Debug)]
 enum ProgressOutput {
-    /// A bar on a terminal.
     Bar(ProgressBar),
     /// A line every few seconds. The value is the time at which the last line was printed.
     Lines(Option<Duration>),
@@ -52,7 +48,6 @@ enum ProgressOutput {
     Quiet,
 }
 
-/// The number of steps of the bar.
 const STEPS: u64 = 1000;
 
 /// The time between two lines if standard error is not a terminal.
@@ -81,13 +76,11 @@ impl ProgressDisplay {
         bar
     }
 
-    /// The progress line with the label in front.
     fn line(label: Option<&str>, progress: &Progress, error_rises: bool) -> String {
         let line = line(progress, error_rises);
         label.map_or_else(|| line.clone(), |label| format!("{label}: {line}"))
     }
 
-    /// Removes the bar.
     pub(crate) fn finish(&self) {
         match &self.output {
             ProgressOutput::Bar(bar) => bar.finish_and_clear(),
@@ -144,8 +137,7 @@ fn fraction_done(progress: &Progress) -> Option<f64> {
     Some(if left > 0.0 { elapsed / (elapsed + left) } else { 1.0 })
 }
 
-/// Predicts the time at which the target error will be reached. If there is no target, predicts the
-/// times at which the error will fall to the next two round values, such as 2 % and 1 %.
+/// Predicts the time of the target error, or of the next two round values (2 %, 1 %).
 fn predicted_milestones(progress: &Progress) -> Vec<String> {
     let Some(forecast) = progress.forecast else { return Vec::new() };
     let milestones: Vec<ErrorMilestone> = match progress.error_wanted {
@@ -156,8 +148,7 @@ fn predicted_milestones(progress: &Progress) -> Vec<String> {
     milestones.iter().map(|at| format!("{} % in about {}", round(100.0 * at.error), about(left(at)))).collect()
 }
 
-/// Writes a number with three significant digits, without trailing zeros after the decimal point.
-/// Numbers of 100 or more are rounded to integers, and all their digits are written.
+/// Writes a number with three significant digits, or as an integer from 100.
 fn round(number: f64) -> String {
     let digits = (2.0 - log10(number).floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{number:.digits$}");
@@ -172,8 +163,8 @@ fn about(seconds: f64) -> String {
     format!("{:.0} {name}", (seconds / unit).round().max(1.0))
 }
 
-/// Writes one progress line: the number of passes, the time left, the error, the predictions of the
-/// error, and the photons per second. A narrow terminal shows only the beginning of the line.
+/// Writes one progress line: passes, time left, error, predictions of the error, and photons per
+/// second. A narrow terminal shows only the beginning.
 fn line(progress: &Progress, error_rises: bool) -> String {
     let mut parts = vec![match progress.passes_wanted {
         Some(wanted) => format!("{}/{}", progress.passes, print::passes(wanted)),
@@ -239,8 +230,8 @@ mod tests {
         }
     }
 
-    /// Returns a forecast after 16 passes in 12 s. The error is 4 % and consists of bias only. The
-    /// bias is inversely proportional to the fourth root of time.
+    /// Returns a forecast after 16 passes in 12 s. The error of 4 % is bias only, which is
+    /// inversely proportional to the fourth root of time.
     fn forecast() -> Forecast {
         let squares = ErrorSquares { bias: 0.0016, kernel_noise: 0.0, sampling: 0.0 };
         Forecast::without_history(

@@ -69,9 +69,9 @@ pub(crate) fn run(arguments: &RelightArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the header of the new picture: the header of the picture, and the gains. Facts about
-/// passes and energy stay, because they describe the render. The record of a saved run does not
-/// stay, because the new picture has no exact sums.
+/// Returns the header of the picture with the gains. Facts about passes and energy stay, because
+/// they describe the render, but the record of a saved run does not, because the new picture has no
+/// exact sums.
 fn header(of_picture: &Metadata, gains: &[LightGain]) -> Metadata {
     let gains: Map<String, Value> = gains.iter().map(|gain| (gain.group.clone(), json!(gain.rgb))).collect();
     let is_kept = |name: &str| name.starts_with("abbe.") && !["abbe.bandUnits", "abbe.run"].contains(&name);

@@ -152,11 +152,8 @@ pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
 }
 
 /// Checks the scene and the options of a render whose parts are jobs of a cluster. Returns the
-/// number of passes of the scene.
-///
-/// # Errors
-/// Returns an input error if the scene is wrong, or if an option is given that the scripts of the
-/// jobs set themselves.
+/// number of passes, or an input error if the scene is wrong or the scripts of the jobs set an
+/// option themselves.
 pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<Option<u64>> {
     let owned = [
         ("--output", arguments.output.is_some()),
@@ -183,9 +180,7 @@ pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<Option<u64>> 
 
 /// Renders the picture, or all frames of an image sequence.
 fn pictures(arguments: &RenderArgs, server: Option<&DisplayServer>) -> Result<Outcome> {
-    let Some(frames) = arguments.sequence.frames() else {
-        return picture(arguments, None, server);
-    };
+    let Some(frames) = arguments.sequence.frames() else { return picture(arguments, None, server) };
     for frame in frames {
         let outcome = picture(&arguments.of_frame(&frame)?, Some(&frame), server)?;
         if outcome != Outcome::Done {
@@ -195,8 +190,7 @@ fn pictures(arguments: &RenderArgs, server: Option<&DisplayServer>) -> Result<Ou
     Ok(Outcome::Done)
 }
 
-/// Renders one picture. `frame` is the frame of the image sequence that this picture shows, or
-/// `None` if the picture is not part of a sequence.
+/// Renders one picture, which may be a frame of an image sequence.
 fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option<&DisplayServer>) -> Result<Outcome> {
     let outputs = arguments.outputs()?;
     let (source, job) = plan(arguments)?;
@@ -209,8 +203,7 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
     files::remove_temporary_files(&checkpoint.path);
     files::check_writable(&checkpoint.path)?;
     let label = frame.map(SequenceFrame::label);
-    // With `--resume`, some frames of an image sequence may be finished, and others may have no
-    // checkpoint yet.
+    // With `--resume`, some frames may be finished, and others may have no checkpoint yet.
     let resume = arguments.resume && (frame.is_none() || checkpoint.path.exists());
     if frame.is_some()
         && arguments.resume
@@ -270,9 +263,9 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
     Ok(Outcome::Done)
 }
 
-/// Saves the picture. If the picture contains only a part of the passes, the exact film sums are
-/// saved too. Keeps the checkpoint if the render was interrupted, if `--keep-checkpoint` is given,
-/// or if saving failed. Returns the exposure of the PNG in 1/(cd/m²).
+/// Saves the picture, with the exact film sums if it contains only a part of the passes. Keeps the
+/// checkpoint if the render was interrupted, if `--keep-checkpoint` is given, or if saving failed.
+/// Returns the exposure of the PNG in 1/(cd/m²).
 fn save(
     arguments: &RenderArgs,
     outputs: &OutputFiles,
@@ -299,7 +292,6 @@ fn save(
 }
 
 impl RenderArgs {
-    /// Returns the arguments for one frame of a sequence.
     fn of_frame(&self, frame: &SequenceFrame) -> Result<Self> {
         let pattern = self.output.clone().unwrap_or_else(|| self.stem().with_added_extension("####.exr"));
         let mut arguments = Self { output: Some(frame.name(&pattern)?), ..self.clone() };
@@ -336,8 +328,7 @@ impl RenderArgs {
         self.checkpoint_every.or_else(of_scene).map_or(CheckpointInterval::Automatic, CheckpointInterval::Fixed)
     }
 
-    /// Returns the changes to the scene in the form `PATH=JSON`: first the changes from `--set`,
-    /// and then the changes from the other options.
+    /// Returns the changes in the form `PATH=JSON`: of `--set`, and then of other options.
     fn patches(&self) -> Vec<String> {
         let mut patches = self.set.clone();
         let mut add = |path: &str, value: Option<String>| patches.extend(value.map(|value| format!("{path}={value}")));

@@ -19,13 +19,12 @@ pub(crate) struct SceneFileArgs {
 }
 
 impl SceneFileArgs {
-    /// Returns which files the scene may name.
     pub(super) fn file_access(&self) -> FileAccess {
         if self.allow_outside { FileAccess::Anywhere } else { FileAccess::WithinFolder }
     }
 
-    /// Reads a scene file. Prints what the conversion of another program's scene added and left
-    /// out. Then applies `sets`, the patches in the form `PATH=JSON`.
+    /// Reads a scene file, prints what a conversion added and left out, and applies the patches
+    /// `sets` in the form `PATH=JSON`.
     pub(crate) fn read(&self, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
         let access = self.file_access();
         let SceneText { text, notes } = read_scene_text(path, access, self.overlay.as_deref())?;

@@ -85,8 +85,7 @@ fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Res
     Ok(if failures.is_empty() { Outcome::Done } else { Outcome::Exceeded })
 }
 
-/// Returns the light given by an argument. If the library lists the spectrum but does not list it
-/// as a light, prints a note, and returns the spectrum anyway.
+/// Returns the light given by an argument, with a note if the library does not list it as a light.
 pub(super) fn light(text: &str) -> Result<NamedSpectrum> {
     let light = spectrum(text, Role::Light)?;
     light_remark(text).iter().for_each(|remark| print::remark(&format!("note: {remark}")));

@@ -94,7 +94,6 @@ pub(crate) fn run(arguments: &StudyArgs) -> Result<Outcome> {
     }
 }
 
-/// A summary of the results.
 fn text(report: &StudyReport) -> String {
     let mut text = format!("{:<20} {:>16} {:>16}\n", "slope of the error", "fitted", "theory");
     for curve in &report.curves {

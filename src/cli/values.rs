@@ -10,8 +10,7 @@ use abbe_session::output::selection::Region;
 use abbe_session::render::PassPart;
 use abbe_spectra::colour::decode_srgb;
 
-/// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`. A number without a unit is in
-/// seconds.
+/// Parses a duration such as `90s`, `5m`, `1h30m` or `500ms`, or a number of seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || "expected a time such as 90s, 5m or 1h30m".to_string();
     let mut seconds = 0.0;
@@ -97,8 +96,7 @@ pub(crate) fn light_gain(text: &str) -> Result<LightGain, String> {
     if is_valid { Ok(LightGain { group: group.trim().to_string(), rgb }) } else { Err(wrong()) }
 }
 
-/// Parses a region such as `0,0,64,32`: columns x0 to x1, and rows y0 to y1. Column x1 and row y1
-/// are excluded.
+/// Parses a region such as `0,0,64,32`: columns x0 to x1, and rows y0 to y1, both ends excluded.
 pub(crate) fn region(text: &str) -> Result<Region, String> {
     let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -119,8 +117,7 @@ pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct WavelengthList(pub(crate) Vec<f64>);
 
-/// Parses wavelengths in nm within 360–830 nm: a list such as `450,589.3`, or a range with its step
-/// such as `400:700:50`.
+/// Parses wavelengths within 360–830 nm, such as `450,589.3`, or `400:700:50` with a step.
 pub(crate) fn wavelengths(text: &str) -> Result<WavelengthList, String> {
     /// The largest number of wavelengths.
     const MOST: f64 = 1e5;
@@ -148,8 +145,8 @@ pub(crate) fn incidence_deg(text: &str) -> Result<f64, String> {
     angle.ok_or_else(|| "expected degrees from 0 to 90".to_string())
 }
 
-/// Parses a limit on a figure of a comparison, such as `delta_e_2000.p95=2` or `relative_mse=1%`. A
-/// number without a name limits `relative_mse`.
+/// Parses a limit on a figure of a comparison, such as `delta_e_2000.p95=2` or `relative_mse=1%`,
+/// or a number that limits `relative_mse`.
 pub(crate) fn gate_above(text: &str) -> Result<Gate, String> {
     let (figure, limit) = text.split_once('=').unwrap_or(("relative_mse", text));
     gate(figure, limit, GateSide::Above)

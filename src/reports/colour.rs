@@ -5,10 +5,8 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::{Observer, Spectrum};
 use serde::Serialize;
 
-/// Computes the colour of a light, or of a reflectance under a light. Errors name the spectrum.
-///
-/// # Errors
-/// Returns an error if the light has no luminance for the observer.
+/// Computes the colour of a light, or of a reflectance under a light. Returns an error that names
+/// the spectrum if the light has no luminance for the observer.
 pub fn colour(name: &str, spectrum: &Spectrum, under: Option<&Spectrum>, observer: &Observer) -> Result<ColourReport> {
     let report = match under {
         Some(light) => ColourReport::of_reflectance(spectrum, light, observer),
@@ -17,8 +15,7 @@ pub fn colour(name: &str, spectrum: &Spectrum, under: Option<&Spectrum>, observe
     report.map_err(|error| Error { what: format!("{name}: {}", error.what), ..error })
 }
 
-/// The colour of a light or of a surface, with its name. [`ColourReport`] defines the
-/// figures.
+/// The colour of a light or of a surface, with its name. [`ColourReport`] defines the figures.
 #[derive(Debug, Serialize)]
 pub struct NamedColour<'a> {
     /// The name of the light or of the reflectance.
@@ -27,14 +24,12 @@ pub struct NamedColour<'a> {
     pub observer: &'static str,
     /// The lamp that illuminates the reflectance, or `None` for a light.
     pub under: Option<&'a str>,
-    /// Tristimulus values. A light has Y = 100. The scale for a reflectance gives the perfect
-    /// diffuser Y = 100.
+    /// Tristimulus values, with Y = 100 for a light, or for the perfect diffuser under it.
     pub xyz: [f64; 3],
     /// Chromaticity.
     pub xy: [f64; 2],
     /// Linear sRGB. A colour with Y = 100 in `xyz` has the luminance 1 in these components.
     pub linear_srgb: [f64; 3],
-    /// The colour as `#rrggbb`.
     pub srgb_hex: &'a str,
     /// The dominant wavelength in nm.
     pub dominant_nm: Option<f64>,
@@ -42,7 +37,6 @@ pub struct NamedColour<'a> {
     pub complementary: Option<bool>,
     /// Excitation purity, from 0 to 1.
     pub purity: Option<f64>,
-    /// The correlated colour temperature in K.
     pub cct_k: Option<f64>,
     /// The distance from the Planckian locus in CIE 1960 uv, positive above it.
     pub duv: Option<f64>,
@@ -59,8 +53,7 @@ pub struct NamedColour<'a> {
 }
 
 impl<'a> NamedColour<'a> {
-    /// Names the figures of a report. `under` is the name of the lamp that illuminates a
-    /// reflectance, or `None` for a light.
+    /// Names the figures of a report. `under` is the lamp that illuminates a reflectance.
     pub fn new(name: &'a str, report: &'a ColourReport, observer: &'static Observer, under: Option<&'a str>) -> Self {
         let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, .. } = report;
         let ColourReport { rendering, rendition, melanopic_ratio, efficacy_lm_per_w, .. } = report;

@@ -32,7 +32,6 @@ impl Polarised {
 /// CIE 1931 chromaticities of unpolarised light. `None` if there is no light.
 #[derive(Debug, Serialize)]
 pub struct FilmColours {
-    /// The chromaticity of the reflected light.
     pub reflected: Option<[f64; 2]>,
     /// The chromaticity of the transmitted light.
     pub transmitted: Option<[f64; 2]>,
@@ -41,11 +40,8 @@ pub struct FilmColours {
 /// The films at an angle of incidence. Powers are fractions of the incident power.
 #[derive(Debug, Serialize)]
 pub struct FilmAngle {
-    /// The angle of incidence.
     pub degrees: f64,
-    /// The wavelengths of the values.
     pub wavelength_nm: Vec<f64>,
-    /// The reflected power.
     pub reflectance: Polarised,
     /// The transmitted power.
     pub transmittance: Polarised,
@@ -56,13 +52,11 @@ pub struct FilmAngle {
 /// The powers and the colours of a stack of thin films.
 #[derive(Debug, Serialize)]
 pub struct FilmReport {
-    /// The requested angles.
     pub angles: Vec<FilmAngle>,
 }
 
 impl FilmReport {
-    /// Computes the powers at angles of incidence in degrees and at wavelengths in nm, and the
-    /// colours under a lamp.
+    /// Computes the powers at angles in degrees and wavelengths in nm, and the colours.
     pub fn of(system: &FilmSystem, degrees: &[f64], wavelengths: &[f64], lamp: &Spectrum) -> Self {
         Self { angles: degrees.iter().map(|&degrees| at_angle(system, degrees, wavelengths, lamp)).collect() }
     }
@@ -89,8 +83,8 @@ fn at_angle(system: &FilmSystem, degrees: f64, wavelengths: &[f64], lamp: &Spect
     FilmAngle { degrees, wavelength_nm: wavelengths.to_vec(), reflectance, transmittance, xy }
 }
 
-/// Returns the CIE 1931 chromaticity of a light times a factor. The continuum is summed over whole
-/// nanometres, and the factor of a line is that at its centre. Returns `None` if there is no light.
+/// Returns the CIE 1931 chromaticity of a light times a factor, or `None` without light. The
+/// continuum is summed over whole nanometres, and a line counts with the factor at its centre.
 fn chromaticity(light: &Spectrum, factor: impl Fn(f64) -> f64) -> Option<[f64; 2]> {
     let observer = Observer::cie1931();
     let mut sum = [0.0; 3];
@@ -103,8 +97,7 @@ fn chromaticity(light: &Spectrum, factor: impl Fn(f64) -> f64) -> Option<[f64; 2
     (sum.iter().sum::<f64>() > 0.0).then(|| xy(sum))
 }
 
-/// Plots the powers of unpolarised light. If the substrate transmits nothing, only the reflectance
-/// is plotted.
+/// Plots the powers of unpolarised light, only reflected if the substrate transmits nothing.
 pub fn plot(system: &FilmSystem, angles: &[f64]) -> SpectralPlot {
     let mut curves = Vec::new();
     for &degrees in angles {

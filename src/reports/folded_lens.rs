@@ -6,21 +6,14 @@ use serde::Serialize;
 
 use super::lens::SpotReport;
 
-/// The analysis of a folded system. [`abbe_optics::lens::folded::FoldedAnalysis`] defines the
-/// quantities.
+/// The analysis of a folded system, by [`abbe_optics::lens::folded::FoldedAnalysis`].
 #[derive(Debug, Serialize)]
 pub struct FoldedLensReport<'a> {
-    /// The name of the design.
     pub name: &'a str,
-    /// The number of surfaces.
     pub surfaces: usize,
-    /// The number of surfaces that are mirrors.
     pub mirrors: usize,
-    /// The focal length along y.
     pub efl_mm: f64,
-    /// The focal length along x.
     pub efl_x_mm: f64,
-    /// The back focus along y.
     pub bfd_mm: f64,
     /// The back focus along x.
     pub bfd_x_mm: f64,
@@ -39,9 +32,7 @@ pub struct FoldedLensReport<'a> {
 /// The image of a distant point.
 #[derive(Debug, Serialize)]
 pub struct FoldedFieldReport {
-    /// The field angle.
     pub angle_deg: f64,
-    /// The x coordinate of the centre of the spot.
     pub image_x_mm: f64,
     /// The y coordinate of the centre of the spot.
     pub image_height_mm: f64,
@@ -52,10 +43,8 @@ pub struct FoldedFieldReport {
 }
 
 impl<'a> FoldedLensReport<'a> {
-    /// Analyses a system. `half_field_deg` replaces the half field of the system.
-    ///
-    /// # Errors
-    /// Returns an error if the system has no focus, or if no light passes at one of the fields.
+    /// Analyses a system, with a half field that may replace its own. Returns an error if the
+    /// system has no focus, or if no light passes at one of the fields.
     pub fn of(system: &'a FoldedSystem, half_field_deg: Option<f64>) -> Result<Self> {
         let analysis = system.analysis(half_field_deg)?;
         let field = |field: &FoldedField| FoldedFieldReport {

@@ -10,7 +10,6 @@ use serde::Serialize;
 /// The optical data of a glass.
 #[derive(Debug, Serialize)]
 pub struct GlassReport<'a> {
-    /// The name in the catalogue.
     pub name: &'a str,
     /// The kind of material, such as `glass` or `crystal`.
     pub kind: &'static str,
@@ -22,12 +21,10 @@ pub struct GlassReport<'a> {
     pub range_nm: [f64; 2],
     /// `None` if the data of the material does not use the Sellmeier formula.
     pub sellmeier: Option<SellmeierCoefficients>,
-    /// A fit of the index.
-    pub cauchy: CauchyCoefficients,
+    pub cauchy: CauchyFit,
     /// The index at the requested wavelengths. JSON leaves an empty list out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<IndexSample>,
-    /// The source of the data.
     pub source: &'a str,
     /// A restriction of the data.
     pub warning: Option<&'a str>,
@@ -44,32 +41,13 @@ pub struct SellmeierCoefficients {
     pub c: Vec<f64>,
 }
 
-/// The Cauchy formula n = a + b/λ² + c/λ⁴, with λ in µm. The coefficients were fitted to the index
-/// at the wavelengths in `range_nm`.
-#[derive(Debug, Serialize)]
-pub struct CauchyCoefficients {
-    /// Dimensionless.
-    pub a: f64,
-    /// In µm².
-    pub b: f64,
-    /// In µm⁴.
-    pub c: f64,
-    /// The largest absolute error of the index.
-    pub max_error: f64,
-    /// The fitted wavelengths in nm.
-    pub range_nm: [f64; 2],
-}
-
-/// The index at a wavelength.
 #[derive(Debug, Serialize)]
 pub struct IndexSample {
     /// The wavelength in nm.
     pub nm: f64,
-    /// The index of refraction.
     pub n: f64,
 }
 
-/// A list of glasses.
 #[derive(Debug, Serialize)]
 pub struct GlassList<'a> {
     /// The entries, in the order of the catalogue.
@@ -78,7 +56,6 @@ pub struct GlassList<'a> {
 
 /// An entry of the list. [`GlassReport`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "GlassReport has the same fields")]
 pub struct GlassListing<'a> {
     pub name: &'a str,
     pub kind: &'static str,
@@ -87,7 +64,6 @@ pub struct GlassListing<'a> {
 }
 
 impl<'a> GlassList<'a> {
-    /// Lists glasses.
     pub fn of(glasses: &'a [Glass]) -> Self {
         let listed = |glass: &'a Glass| {
             let Glass { name, kind, index, .. } = glass;
@@ -97,11 +73,8 @@ impl<'a> GlassList<'a> {
     }
 }
 
-/// Returns the indices of refraction of a glass at wavelengths in nm.
-///
-/// # Errors
-/// Returns an error if a wavelength outside the visible band is also outside the valid range of the
-/// data.
+/// Returns the indices of a glass at wavelengths in nm, or an error if one outside the visible band
+/// is also outside the valid range of the data.
 pub fn indices(glass: &Glass, nm: &[f64]) -> Result<Vec<f64>> {
     let (from, to) = glass.index.range_nm();
     let is_valid = |nm: f64| (BAND_NM.0..=BAND_NM.1).contains(&nm) || (from..=to).contains(&nm);
@@ -114,13 +87,9 @@ pub fn indices(glass: &Glass, nm: &[f64]) -> Result<Vec<f64>> {
 
 impl<'a> GlassReport<'a> {
     /// Describes a glass, with its index at wavelengths in nm.
-    ///
-    /// # Errors
-    /// Returns the error of [`indices`].
     pub fn of(glass: &'a Glass, nm: &[f64]) -> Result<Self> {
         let index = &glass.index;
         let (from, to) = index.range_nm();
-        let CauchyFit { a, b, c, range_nm, max_error } = glass.cauchy;
         Ok(Self {
             name: &glass.name,
             kind: kind_word(glass.kind),
@@ -128,7 +97,7 @@ impl<'a> GlassReport<'a> {
             vd: index.vd(),
             range_nm: [from, to],
             sellmeier: sellmeier(index.dispersion()),
-            cauchy: CauchyCoefficients { a, b, c, max_error, range_nm: [range_nm.0, range_nm.1] },
+            cauchy: glass.cauchy,
             n: nm.iter().zip(indices(glass, nm)?).map(|(&nm, n)| IndexSample { nm, n }).collect(),
             source: &glass.source,
             warning: index.warning(),

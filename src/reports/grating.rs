@@ -14,23 +14,19 @@ pub struct GratingSetup {
     pub lines_per_mm: f64,
     /// The angle of incidence, from -90 to 90.
     pub angle_deg: f64,
-    /// The angle between the plane of incidence and the plane across the grooves. It is 0 if there
-    /// is a slit or a stop.
+    /// The angle of the plane of incidence to that across the grooves, 0 with a slit or stop.
     pub azimuth_deg: f64,
     /// The fraction of the light that is reflected, from 0 to 1. The rest is transmitted.
     pub reflectance: f64,
-    /// The index of the medium behind the grating.
     pub behind: RefractiveIndex,
     /// The diameter of the stop across the light of each order.
     pub stop_mm: Option<f64>,
-    /// The width of the slit, seen from the grating.
     pub slit_deg: Option<f64>,
 }
 
 /// An order. If the incidence is conical, `degrees` is the angle to the normal.
 #[derive(Debug, Serialize)]
 pub struct OrderReport {
-    /// The number of the order.
     pub order: i32,
     /// `reflected` or `transmitted`.
     pub side: &'static str,
@@ -41,17 +37,15 @@ pub struct OrderReport {
     pub azimuth_degrees: Option<f64>,
     /// The fraction of the incident power.
     pub efficiency: f64,
-    /// The resolving power mN/1.22 of N grooves in front of a round stop (Rayleigh's criterion).
-    /// Left out without a stop.
+    /// The resolving power mN/1.22 of N grooves (Rayleigh's criterion). Left out without a stop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resolving_power: Option<f64>,
-    /// The difference of the wavelengths whose images of the slit are side by side, in nm. Left out
+    /// The difference in nm of the wavelengths whose images of the slit are side by side. Left out
     /// without a slit, and for the order 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slit_nm: Option<f64>,
 }
 
-/// The orders of a grating.
 #[derive(Debug, Serialize)]
 pub struct GratingReport {
     /// The orders on both sides, from the lowest to the highest number.
@@ -89,7 +83,7 @@ impl GratingReport {
 }
 
 impl GratingSetup {
-    /// Returns the resolving power. The stop is across the light of the order, so the order
+    /// Returns the resolving power. The stop is across the light of the order, which therefore
     /// illuminates it through a longer part of the grating.
     fn resolving_power(&self, order: &DiffractedOrder) -> Option<f64> {
         let grooves = self.stop_mm? * self.lines_per_mm / order.direction.z.abs();

@@ -16,18 +16,14 @@ use serde::Serialize;
 use super::colour::NamedColour;
 use super::named::NamedSpectrum;
 
-/// The comparison of two lamps.
 #[derive(Debug)]
 pub struct LampsCompared {
-    /// The observer of all colours.
     pub observer: &'static Observer,
     /// The two lights: A, and either B or the match of A.
     pub lamps: [NamedSpectrum; 2],
-    /// The comparison of A with B.
     pub comparison: LampComparison,
     /// Fluorescent surfaces under A and B.
     pub fluorescent: Vec<PatchDifference>,
-    /// The third lamp, and its comparison with A.
     pub third: Option<(NamedSpectrum, LampComparison)>,
     /// The match of A, if primaries were given.
     pub mix: Option<PrimaryMix>,
@@ -36,7 +32,6 @@ pub struct LampsCompared {
 /// A mix of primaries. Its colour is as close as possible to the colour of a lamp.
 #[derive(Debug)]
 pub struct PrimaryMix {
-    /// The lights that were mixed.
     pub primaries: Vec<NamedSpectrum>,
     /// The weights of the primaries, and how well the mix matches.
     pub found: PrimaryMatch,
@@ -45,11 +40,9 @@ pub struct PrimaryMix {
 }
 
 impl LampsCompared {
-    /// Compares the lamp A with B, or else with its match from the primaries, and with C.
-    ///
-    /// # Errors
-    /// Returns an error if there is neither B nor a primary, if a lamp has no luminance for the
-    /// observer, or if a primary has no colour.
+    /// Compares the lamp A with B, or else with its match from the primaries, and with C. Returns
+    /// an error if there is neither B nor a primary, if a lamp has no luminance for the observer,
+    /// or if a primary has no colour.
     pub fn of(
         a: NamedSpectrum,
         others: [Option<NamedSpectrum>; 2],
@@ -94,10 +87,7 @@ impl LampsCompared {
         ))
     }
 
-    /// The HTML page of the comparison of A and B, with spectra, colour swatches and all numbers.
-    ///
-    /// # Errors
-    /// Returns a machine error if an image cannot be encoded as PNG.
+    /// Returns the HTML page of the comparison, or a machine error if the PNG encoder fails.
     #[cfg(feature = "pages")]
     pub fn html(&self) -> Result<String> {
         let Self { observer, lamps, comparison, fluorescent, third: _, mix } = self;
@@ -111,7 +101,6 @@ impl LampsCompared {
     }
 }
 
-/// Returns the XYZ of the light that a fluorescent surface returns, on the scale of the light.
 fn xyz_of_fluorescent(surface: &Fluorescent, light: &Spectrum, observer: &Observer) -> Xyz {
     let reflected = report::xyz_under(surface.reflectance(), light, observer);
     let fluorophore = &surface.fluorophore;
@@ -131,7 +120,6 @@ impl PrimaryMix {
         Ok(Self { primaries, found, difference })
     }
 
-    /// The mix as a lamp. The field `origin` of the lamp contains the weights of the primaries.
     fn lamp(&self, of: &NamedSpectrum) -> NamedSpectrum {
         NamedSpectrum {
             name: format!("its match from {}", self.names()),
@@ -140,13 +128,11 @@ impl PrimaryMix {
         }
     }
 
-    /// The weights of the primaries as text.
     pub fn weights_text(&self) -> String {
         let part = |(primary, weight): (&NamedSpectrum, &f64)| format!("{weight:.6} × {}", primary.name);
         self.primaries.iter().zip(&self.found.weights).map(part).collect::<Vec<String>>().join(" + ")
     }
 
-    /// The names of the primaries, joined as "a, b and c".
     fn names(&self) -> String {
         let names: Vec<&str> = self.primaries.iter().map(|primary| primary.name.as_str()).collect();
         match names.split_last() {
@@ -159,26 +145,21 @@ impl PrimaryMix {
 /// The figures of a comparison.
 #[derive(Debug, Serialize)]
 pub struct LampsReport<'a> {
-    /// The lamp A.
     pub a: NamedColour<'a>,
     /// The lamp B, or the match of A.
     pub b: NamedColour<'a>,
-    /// The difference between the colours of the lamps. Both lamps have equal luminance, and the
-    /// observer is adapted to D65.
-    pub lights: LampDifference,
+    /// The colour difference of the lamps at equal luminance, with the observer adapted to D65.
+    pub lights: LightDifference,
     /// The match of A, if primaries were given.
     pub r#match: Option<LampMatch<'a>>,
-    /// The ColorChecker patches under A and B.
-    pub patches: Vec<PatchColours<'a>>,
-    /// Fluorescent surfaces under A and B.
-    pub fluorescent: Vec<PatchColours<'a>>,
+    pub patches: &'a [PatchDifference],
+    pub fluorescent: &'a [PatchDifference],
     /// The mean and the maximum of the colour differences of all patches.
     pub delta_e_2000: DeltaESummary,
     /// Pairs of surfaces that look alike only under one of the lamps.
     pub metameric_pairs: MetamericPairs<'a>,
     /// A sentence that says how different A and B are.
     pub verdict: String,
-    /// The third lamp, and its comparison with A.
     pub c: Option<ThirdLamp<'a>>,
     /// A warning if the mix of the primaries does not match A.
     pub warning: Option<String>,
@@ -186,42 +167,23 @@ pub struct LampsReport<'a> {
 
 /// A third lamp, compared with A. The other fields have the meaning of those of [`LampsReport`].
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "LampsReport has the same fields")]
 pub struct ThirdLamp<'a> {
-    /// The lamp C.
     #[serde(flatten)]
     pub colour: NamedColour<'a>,
-    pub lights: LampDifference,
-    pub patches: Vec<PatchColours<'a>>,
+    pub lights: LightDifference,
+    pub patches: &'a [PatchDifference],
     pub delta_e_2000: DeltaESummary,
     pub metameric_pairs: MetamericPairs<'a>,
     pub verdict: String,
 }
 
-/// The difference between two lights. [`LightDifference`] defines the quantities.
-#[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "LightDifference has the same fields")]
-pub struct LampDifference {
-    pub delta_xy: f64,
-    pub delta_e_2000: f64,
-}
-
-impl From<LightDifference> for LampDifference {
-    fn from(LightDifference { delta_xy, delta_e_2000 }: LightDifference) -> Self {
-        Self { delta_xy, delta_e_2000 }
-    }
-}
-
 /// A mix of primaries with a colour close to that of a lamp.
 #[derive(Debug, Serialize)]
 pub struct LampMatch<'a> {
-    /// The names of the primaries.
     pub primaries: Vec<&'a str>,
-    /// The weight of each primary.
     pub weights: &'a [f64],
-    /// The difference that is left.
     #[serde(flatten)]
-    pub left: LampDifference,
+    pub left: LightDifference,
     /// The relative error of Y.
     pub delta_y: f64,
     /// True if the mix has the colour of the lamp.
@@ -229,30 +191,8 @@ pub struct LampMatch<'a> {
     pub exact: bool,
 }
 
-/// The colours of a surface under A and under B. The white point for each colour is the lamp that
-/// illuminates the surface.
-#[derive(Debug, Serialize)]
-pub struct PatchColours<'a> {
-    /// The name of the surface.
-    pub name: &'a str,
-    /// The difference between the colours.
-    pub delta_e_2000: f64,
-    /// Tristimulus values. The perfect diffuser has Y = 100.
-    pub xyz: [[f64; 3]; 2],
-    /// L*, a* and b*.
-    pub lab: [[f64; 3]; 2],
-}
-
-impl<'a> From<&'a PatchDifference> for PatchColours<'a> {
-    fn from(PatchDifference { name, xyz, lab, delta_e_2000 }: &'a PatchDifference) -> Self {
-        Self { name, delta_e_2000: *delta_e_2000, xyz: *xyz, lab: *lab }
-    }
-}
-
-/// The colour differences of several surfaces.
 #[derive(Debug, Serialize)]
 pub struct DeltaESummary {
-    /// The mean.
     pub mean: f64,
     /// The maximum.
     pub max: f64,
@@ -282,7 +222,6 @@ pub struct MetamericPairs<'a> {
     pub alike: f64,
     /// The smallest ΔE2000 of two surfaces that look different.
     pub different: f64,
-    /// The number of examined pairs.
     pub of: usize,
     /// The pairs, from the largest difference on.
     pub split: Vec<MetamericPair<'a>>,
@@ -291,28 +230,26 @@ pub struct MetamericPairs<'a> {
 /// Two surfaces that are told apart under one lamp only.
 #[derive(Debug, Serialize)]
 pub struct MetamericPair<'a> {
-    /// The names of the surfaces.
     pub names: [&'a str; 2],
     /// The difference between the two surfaces: first under A, then under B.
     pub delta_e_2000: [f64; 2],
 }
 
 impl<'a> LampsReport<'a> {
-    /// Returns the figures of a comparison.
     pub fn of(compared: &'a LampsCompared) -> Self {
         let LampsCompared { observer, lamps, comparison, fluorescent, third, mix } = compared;
         let colour = |i: usize| NamedColour::new(&lamps[i].name, &comparison.reports[i], observer, None);
         let r#match = mix.as_ref().map(|PrimaryMix { primaries, found, difference: _ }| LampMatch {
             primaries: primaries.iter().map(|primary| primary.name.as_str()).collect(),
             weights: &found.weights,
-            left: found.residual.into(),
+            left: found.residual,
             delta_y: found.delta_y,
             exact: found.is_exact(),
         });
         let third = third.as_ref().map(|(c, with_c)| ThirdLamp {
             colour: NamedColour::new(&c.name, &with_c.reports[1], observer, None),
-            lights: with_c.lights.into(),
-            patches: with_c.patches.iter().map(PatchColours::from).collect(),
+            lights: with_c.lights,
+            patches: &with_c.patches,
             delta_e_2000: with_c.into(),
             metameric_pairs: with_c.into(),
             verdict: with_c.verdict([&lamps[0].name, &c.name]),
@@ -320,10 +257,10 @@ impl<'a> LampsReport<'a> {
         Self {
             a: colour(0),
             b: colour(1),
-            lights: comparison.lights.into(),
+            lights: comparison.lights,
             r#match,
-            patches: comparison.patches.iter().map(PatchColours::from).collect(),
-            fluorescent: fluorescent.iter().map(PatchColours::from).collect(),
+            patches: &comparison.patches,
+            fluorescent,
             delta_e_2000: comparison.into(),
             metameric_pairs: comparison.into(),
             verdict: comparison.verdict([&lamps[0].name, &lamps[1].name]),

@@ -7,88 +7,51 @@ use abbe_optics::glass::AgfCatalogue;
 use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
 use abbe_optics::lens::section::{DrawnRay, FocusDetail, LensSection, section};
 use abbe_optics::lens::zemax::ZmxSystem;
-use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, LensSurface, Pupil, catalogue};
+use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, LensSurface, LineFocus, Pupil, catalogue};
 use abbe_session::output::drawing::{FocusInset, LensDrawing, RayStroke};
 use abbe_spectra::error::Result;
 use serde::Serialize;
 
-/// The analysis of a lens. [`LensAnalysis`] and [`abbe_optics::lens::Paraxial`] define the
-/// quantities.
+/// The analysis of a lens, as [`LensAnalysis`] and [`abbe_optics::lens::Paraxial`] define it.
 #[derive(Debug, Serialize)]
 pub struct LensReport<'a> {
-    /// The name of the design.
     pub name: &'a str,
-    /// The source of the prescription.
     pub source: Option<&'a str>,
-    /// The number of surfaces, with the stop.
     pub surfaces: usize,
     /// The distance from the first to the last surface.
     pub length_mm: f64,
-    /// The focal length at the d line.
     pub efl_mm: f64,
-    /// The back focus at the d line.
     pub bfd_mm: f64,
     /// The back focus of the F line minus that of the C line.
     pub fc_shift_mm: f64,
     /// `None` if the entrance pupil lies at infinity.
     pub f_number: Option<f64>,
     /// `None` if the pupil lies at infinity.
-    pub entrance_pupil: Option<PupilReport>,
+    pub entrance_pupil: Option<Pupil>,
     /// `None` if the pupil lies at infinity.
-    pub exit_pupil: Option<PupilReport>,
+    pub exit_pupil: Option<Pupil>,
     /// The foci of the lines F, d and C.
-    pub lines: Vec<LineReport>,
+    pub lines: [LineFocus; 3],
     /// Half the field of view.
     pub half_field_deg: f64,
     /// Three fields from the axis to the edge.
     pub fields: Vec<FieldReport>,
 }
 
-/// A pupil. [`Pupil`] defines the quantities.
-#[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "Pupil has the same fields")]
-pub struct PupilReport {
-    pub z_mm: f64,
-    pub diameter_mm: f64,
-}
-
-/// The focus of a spectral line. [`abbe_optics::lens::LineFocus`] defines the quantities.
-#[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "LineFocus has the same fields")]
-pub struct LineReport {
-    pub line: &'static str,
-    pub nm: f64,
-    pub efl_mm: f64,
-    pub bfd_mm: f64,
-    pub transmittance: f64,
-}
-
 /// The image of a distant point. [`FieldPoint`] and [`ImageQuality`] define the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "FieldPoint and ImageQuality have the same fields")]
 pub struct FieldReport {
     pub angle_deg: f64,
     pub image_height_mm: f64,
     pub distortion: Option<f64>,
     pub lateral_colour_mm: f64,
     pub spots: Vec<SpotReport>,
-    pub mtf: Vec<MtfReport>,
+    pub mtf: Vec<MtfPoint>,
     pub ray_fans: Vec<FanReport>,
-}
-
-/// The contrast at a spatial frequency. [`MtfPoint`] defines the quantities.
-#[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "MtfPoint has the same fields")]
-pub struct MtfReport {
-    pub cycles_per_mm: f64,
-    pub tangential: f64,
-    pub sagittal: f64,
-    pub diffraction_limit: f64,
 }
 
 /// The ray fans of a line at the heights `pupil`. [`RayFan`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "RayFan has the same fields")]
 pub struct FanReport {
     pub line: &'static str,
     pub pupil: [f64; FAN_PUPIL.len()],
@@ -96,7 +59,6 @@ pub struct FanReport {
     pub sagittal_mm: [Option<f64>; FAN_PUPIL.len()],
 }
 
-/// The spot of a line.
 #[derive(Debug, Serialize)]
 pub struct SpotReport {
     /// `F`, `d` or `C`.
@@ -106,13 +68,11 @@ pub struct SpotReport {
 }
 
 impl SpotReport {
-    /// Names the spots at [`LINES`].
     pub(super) fn of_lines(rms_mm: [f64; 3]) -> Vec<Self> {
         LINES.iter().zip(rms_mm).map(|(line, rms_mm)| Self { line: line.0, rms_mm }).collect()
     }
 }
 
-/// A list of lenses.
 #[derive(Debug, Serialize)]
 pub struct LensList<'a> {
     /// The entries, in the order of the catalogue.
@@ -121,7 +81,6 @@ pub struct LensList<'a> {
 
 /// An entry of the list. [`LensReport`] defines the quantities.
 #[derive(Debug, Serialize)]
-#[expect(missing_docs, reason = "LensReport has the same fields")]
 pub struct LensListing<'a> {
     pub name: &'a str,
     pub efl_mm: f64,
@@ -131,10 +90,7 @@ pub struct LensListing<'a> {
 }
 
 impl LensList<'static> {
-    /// Lists the built-in lenses.
-    ///
-    /// # Errors
-    /// Returns an error if a lens has no paraxial properties. This is a bug of the catalogue.
+    /// Lists the built-in lenses. An error would be a bug of the catalogue.
     pub fn built_in() -> Result<Self> {
         let listed = |lens: &'static Lens| {
             let paraxial = lens.at(LINES[1].1).paraxial()?;
@@ -151,10 +107,8 @@ impl LensList<'static> {
 }
 
 /// Returns the built-in lens with this name, or the system in this file: a prescription in JSON, or
-/// a Zemax file (`.zmx`). The catalogues in the files `glasses` are searched first.
-///
-/// # Errors
-/// Returns an error if the name is unknown, or if a file cannot be read or is wrong.
+/// a Zemax file (`.zmx`), whose glasses are searched in the catalogues `glasses` first. Returns an
+/// error if the name is unknown, or if a file cannot be read or is wrong.
 pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     let catalogues: Vec<AgfCatalogue> = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
     let unknown = match catalogue::find(name) {
@@ -162,8 +116,8 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
         Err(unknown) => unknown,
     };
     let path = Path::new(name);
-    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if
-    // the file exists, or if it has the extension of a lens file.
+    // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if the
+    // file exists or has the extension of a lens file.
     let is_lens_file =
         |ending: &std::ffi::OsStr| ["json", "zmx"].iter().any(|known| ending.eq_ignore_ascii_case(known));
     if path.exists() || path.extension().is_some_and(is_lens_file) {
@@ -173,20 +127,10 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
 }
 
 impl<'a> LensReport<'a> {
-    /// Reports an analysis, with the image quality at its fields.
-    ///
-    /// # Errors
-    /// Returns an error if no light passes at one of the fields.
+    /// Reports an analysis with image quality. Returns an error if no light passes at a field.
     pub fn of(lens: &'a Lens, analysis: &LensAnalysis) -> Result<Self> {
         let quality = ImageQuality::of(lens, analysis)?;
         let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
-        let pupil = |Pupil { z_mm, diameter_mm }| PupilReport { z_mm, diameter_mm };
-        let mtf = |MtfPoint { per_mm, tangential, sagittal, diffraction_limit }: &MtfPoint| MtfReport {
-            cycles_per_mm: *per_mm,
-            tangential: *tangential,
-            sagittal: *sagittal,
-            diffraction_limit: *diffraction_limit,
-        };
         let fan = |RayFan { line, tangential_mm, sagittal_mm }: &RayFan| FanReport {
             line,
             pupil: FAN_PUPIL,
@@ -199,7 +143,7 @@ impl<'a> LensReport<'a> {
             distortion: field.distortion,
             lateral_colour_mm: field.lateral_colour_mm,
             spots: SpotReport::of_lines(field.spots.map(|spot| spot.rms_mm)),
-            mtf: quality.mtf.iter().map(mtf).collect(),
+            mtf: quality.mtf.to_vec(),
             ray_fans: quality.fans.iter().map(fan).collect(),
         };
         Ok(Self {
@@ -211,28 +155,16 @@ impl<'a> LensReport<'a> {
             bfd_mm: paraxial.bfd_mm,
             fc_shift_mm: analysis.fc_shift_mm(),
             f_number: paraxial.f_number,
-            entrance_pupil: paraxial.entrance_pupil.map(pupil),
-            exit_pupil: paraxial.exit_pupil.map(pupil),
-            lines: lines
-                .iter()
-                .map(|line| LineReport {
-                    line: line.line,
-                    nm: line.wavelength_nm,
-                    efl_mm: line.efl_mm,
-                    bfd_mm: line.bfd_mm,
-                    transmittance: line.transmittance,
-                })
-                .collect(),
+            entrance_pupil: paraxial.entrance_pupil,
+            exit_pupil: paraxial.exit_pupil,
+            lines: *lines,
             half_field_deg: *half_field_deg,
             fields: fields.iter().zip(&quality).map(field).collect(),
         })
     }
 }
 
-/// Draws the cross-section of a lens with rays of the F, d and C lines.
-///
-/// # Errors
-/// Returns an error if no light passes.
+/// Draws the cross-section with rays of the F, d and C lines. Returns an error if no light passes.
 pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
     let LensSection { elements, stop, sensor, rays, foci } = section(lens, analysis)?;
     let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };
@@ -269,7 +201,6 @@ pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
 /// The surfaces of a lens, for other programs.
 #[derive(Debug, Serialize)]
 pub struct LensPrescription<'a> {
-    /// The name of the design.
     pub name: &'a str,
     /// Half the field of view of the design.
     pub half_field_deg: Option<f64>,
@@ -277,7 +208,6 @@ pub struct LensPrescription<'a> {
     pub surfaces: Vec<SurfaceReport<'a>>,
 }
 
-/// A surface of a prescription.
 #[derive(Debug, Serialize)]
 pub struct SurfaceReport<'a> {
     /// The radius of curvature. `None` for a plane.
@@ -288,11 +218,9 @@ pub struct SurfaceReport<'a> {
     pub even_terms: &'a [f64],
     /// The distance to the next surface.
     pub thickness_mm: f64,
-    /// The radius of the edge.
     pub semi_aperture_mm: f64,
     /// The radius of the opaque disc in the middle.
     pub obscuration_mm: f64,
-    /// True for the aperture stop.
     pub stop: bool,
     /// The indices of refraction behind the surface at the requested wavelengths.
     pub n: Vec<f64>,

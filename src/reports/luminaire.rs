@@ -63,7 +63,6 @@ pub struct LuminaireReport<'a> {
     pub name: &'a str,
     /// The format of the file, with its version.
     pub format: &'a str,
-    /// The symmetry of the table, in words.
     pub symmetry: &'a str,
     /// The luminous flux of the table.
     pub flux_lm: f64,

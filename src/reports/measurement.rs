@@ -13,12 +13,10 @@ use abbe_session::render::{
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::log10;
 
-/// Measures with the meters of a planned scene, on the number of threads that the scene states.
-/// Also returns true if the monitor stopped the measurement. Errors name the scene file `path`.
-/// `integrator` replaces the choice of the plan.
-///
-/// # Errors
-/// Returns an error if the integrator cannot measure the scene, or if threads cannot be started.
+/// Measures with the meters of a planned scene, on the threads that it sets, with `integrator` or
+/// the one that suits the meters. Also returns true if the monitor stopped the measurement. Errors
+/// name the scene file `path`: the integrator cannot measure the scene, or threads cannot be
+/// started.
 pub fn measure(
     job: &Job,
     path: &Path,
@@ -30,7 +28,6 @@ pub fn measure(
     measured.map_err(|error| error.in_file(path))
 }
 
-/// Returns the readings as a table.
 pub fn table(report: &MeasurementReport) -> String {
     let mut text = String::new();
     for meter in &report.meters {
@@ -50,12 +47,10 @@ pub fn table(report: &MeasurementReport) -> String {
     text
 }
 
-/// Returns the name of a meter, its quantity and its unit.
 fn title(meter: &MeterReport) -> String {
     format!("{}: {} ({})", meter.name, meter.quantity.replace('_', " "), meter.unit)
 }
 
-/// Returns the position of a reading.
 fn position(point: &PointReport) -> String {
     let short = |value: f64| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string();
     point.position.map(short).join(", ")
@@ -70,11 +65,8 @@ fn summary(meter: &MeterReport) -> Option<String> {
     })
 }
 
-/// Returns the columns of a reading.
 fn row(meter: &MeterReport, point: &PointReport) -> String {
-    let Value::Number(value) = &point.value else {
-        return spectrum_rows(meter, point);
-    };
+    let Value::Number(value) = &point.value else { return spectrum_rows(meter, point) };
     let number = |value: &Option<Value>| match value {
         Some(Value::Number(value)) => significant(*value),
         Some(Value::Spectrum(_)) | None => "-".to_string(),
@@ -101,7 +93,6 @@ fn spectrum_rows(meter: &MeterReport, point: &PointReport) -> String {
     lines.collect()
 }
 
-/// Returns a number with five significant digits.
 fn significant(value: f64) -> String {
     rounded(value, 5.0)
 }
@@ -152,7 +143,6 @@ pub fn csv(report: &MeasurementReport) -> String {
     text
 }
 
-/// Returns a text as a CSV cell.
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }
@@ -166,7 +156,6 @@ pub fn page(report: &MeasurementReport, scene: &Path) -> String {
     meters_page::page(&format!("Light in {name}"), &sections, &report.notes)
 }
 
-/// Returns the section of a meter on the page.
 #[cfg(feature = "pages")]
 fn section(meter: &MeterReport) -> MeterSection {
     let bands = meter.wavelength_nm.as_deref();
@@ -223,7 +212,6 @@ fn plan(meter: &MeterReport) -> Option<PlanMap> {
     })
 }
 
-/// Returns a number with three significant digits.
 #[cfg(feature = "pages")]
 fn three_digits(value: f64) -> String {
     rounded(value, 3.0)

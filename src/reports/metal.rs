@@ -6,12 +6,10 @@ use abbe_spectra::spectrum::library::LibraryMetal;
 use abbe_spectra::spectrum::{BAND_NM, library};
 use serde::Serialize;
 
-/// The complex index n + ik at a wavelength.
 #[derive(Debug, Serialize)]
 pub struct MetalIndex {
     /// The wavelength in nm.
     pub nm: f64,
-    /// The real part.
     pub n: f64,
     /// The imaginary part, which is positive.
     pub k: f64,
@@ -24,15 +22,12 @@ pub struct MetalIndex {
 pub struct MetalReport {
     /// The chemical symbol, such as `Au`.
     pub symbol: &'static str,
-    /// The English name.
     pub name: &'static str,
-    /// The source of the data.
     pub source: &'static str,
     /// The index at the requested wavelengths.
     pub index: Vec<MetalIndex>,
 }
 
-/// The metals of the library.
 #[derive(Debug, Serialize)]
 pub struct MetalList {
     /// The entries, in the order of the library.
@@ -40,10 +35,8 @@ pub struct MetalList {
 }
 
 impl MetalReport {
-    /// Describes the metal with this symbol or English name, with its index at wavelengths in nm.
-    ///
-    /// # Errors
-    /// Returns an error if the name is unknown, or if a wavelength is outside the visible band.
+    /// Describes the metal with this symbol or English name, at wavelengths in nm. Returns an error
+    /// if the name is unknown, or if a wavelength is outside the visible band.
     pub fn of(name: &str, nm: &[f64]) -> Result<Self> {
         if let Some(nm) = nm.iter().find(|nm| !(BAND_NM.0..=BAND_NM.1).contains(*nm)) {
             let expected = format!("wavelengths from {} to {} nm", BAND_NM.0, BAND_NM.1);

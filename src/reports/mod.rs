@@ -1,9 +1,7 @@
 //! Reports: figures of glasses, lenses, films, gratings, spectra and lamps, and results of
-//! measurements and studies.
-//!
-//! The command line prints these reports as text or as JSON, and the Python package receives the
-//! same JSON. Therefore the names of the fields are public, and so is their order. `Option` fields
-//! are null in JSON unless their documentation says that they are left out.
+//! measurements and studies. The command line prints them as text or as JSON, and the Python
+//! package receives the same JSON, so the names and the order of the fields are public. `Option`
+//! fields are null in JSON unless their documentation says that they are left out.
 
 pub mod colour;
 pub mod film;

@@ -9,7 +9,6 @@ use abbe_spectra::spectrum::library::{self, LibraryListing, SpectrumKind};
 use abbe_spectra::spectrum::{Spectrum, read};
 use serde::Serialize;
 
-/// A spectrum, its name and its origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedSpectrum {
     /// The name in the library, a description of a simple JSON spectrum, or the text itself.
@@ -20,11 +19,9 @@ pub struct NamedSpectrum {
     pub spectrum: Spectrum,
 }
 
-/// Returns the spectrum that a text describes: a name of the library, the path of a file, or a
-/// spectrum in the JSON form of scenes.
-///
-/// # Errors
-/// Returns an error if the text is none of these, or if the file or the JSON is wrong.
+/// Returns the spectrum that a text describes: a name of the library, the path of a file, or the
+/// JSON form of scenes. Returns an error if it is none of these, or if the file or the JSON is
+/// wrong.
 pub fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     let origin = Path::new("the command line");
     let is_colour = is_hex_colour(text);
@@ -51,8 +48,8 @@ pub fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     };
     let path = Path::new(text);
     if path.exists() || path.extension().is_some() || text.contains(std::path::is_separator) {
-        // Some names of the library contain a slash, such as led/red. If such a name is misspelt,
-        // it looks like the path of a missing file. Therefore the error also suggests a name.
+        // A misspelt name with a slash, such as led/red, looks like the path of a missing file, so
+        // the error also suggests a name.
         let near = unknown.suggestion.filter(|_| !path.exists());
         let spectrum =
             read::spectrum_file(path, role.outside()).map_err(|error| Error { suggestion: near, ..error })?;
@@ -61,8 +58,7 @@ pub fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     Err(unknown.expected("a name of `abbe spectrum --list`, a file, or a spectrum as JSON"))
 }
 
-/// Describes a spectrum that was given as JSON. A simple spectrum is described in words. The
-/// description of any other spectrum is its JSON text.
+/// Describes a spectrum in JSON: in words if it is simple, or by its JSON text.
 fn described(file: &SpectrumFile, text: &str) -> String {
     match file {
         SpectrumFile::Name(name) => name.clone(),
@@ -84,15 +80,13 @@ fn described(file: &SpectrumFile, text: &str) -> String {
     }
 }
 
-/// Returns a remark on a light given as text, if the library lists the spectrum but does not list
-/// it as a light.
+/// Returns a remark on a spectrum that the library does not list as a light.
 pub fn light_remark(text: &str) -> Option<String> {
     let is_other = library::find(text).is_ok_and(|entry| entry.kind != SpectrumKind::Light);
     let hint = "`abbe spectrum --reflectance-under D65` shows it as a reflectance";
     is_other.then(|| format!("{text} is not a light; {hint}"))
 }
 
-/// The spectra of the library.
 #[derive(Debug, Serialize)]
 pub struct SpectrumList {
     /// The entries, in the order of the library.
@@ -108,12 +102,10 @@ pub struct SpectrumListing {
     pub kind: &'static str,
     /// A few words about the spectrum.
     pub description: &'static str,
-    /// The source of the data.
     pub source: &'static str,
 }
 
 impl SpectrumList {
-    /// Lists the library.
     pub fn of_library() -> Self {
         let listed = |entry: &LibraryListing| SpectrumListing {
             name: entry.name,

@@ -1,5 +1,4 @@
-//! The regression set for code that converts spectra to colours: its export, and the colours of a
-//! converter.
+//! The regression set for code that converts spectra to colours, and the colours of a converter.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,16 +12,13 @@ use abbe_spectra::spectrum::{BAND_NM, Observer};
 use serde::Serialize;
 use serde_json::Value;
 
-/// The columns of a file of colours.
 const COLUMNS: [&str; 10] = ["id", "X", "Y", "Z", "linear_r", "linear_g", "linear_b", "srgb_r", "srgb_g", "srgb_b"];
 
 /// The keys of a colour in JSON.
 const FORMS: [&str; 3] = ["xyz", "linear_srgb", "srgb"];
 
-/// The further keys of a case in `set.json`.
 const CASE_KEYS: [&str; 3] = ["group", "light", "reflectance"];
 
-/// The conventions of the expected values.
 const CONVENTIONS: [&str; 6] = [
     "XYZ is the sum over 360, 361, ... 830 nm of value times observer, plus the power of each line times the observer, interpolated linearly at the line",
     "a case with a reflectance uses the product of the light and the reflectance; at a line, the reflectance is interpolated linearly",
@@ -39,7 +35,6 @@ pub struct ExportedSet {
     pub set: &'static str,
     /// Sentences that define the expected values.
     pub conventions: [&'static str; 6],
-    /// The default tolerances.
     pub tolerances: RegressionTolerances,
     /// The wavelengths of the samples in nm.
     pub nm: Vec<f64>,
@@ -51,7 +46,6 @@ pub struct ExportedSet {
     pub cases: Vec<ExportedCase>,
 }
 
-/// A spectrum of the set.
 #[derive(Debug, Serialize)]
 pub struct ExportedSpectrum {
     /// The name that the cases use.
@@ -60,11 +54,9 @@ pub struct ExportedSpectrum {
     pub kind: &'static str,
     /// The values at the wavelengths of the set, without the lines.
     pub values: Vec<f64>,
-    /// The spectral lines.
     pub lines: Vec<ExportedLine>,
 }
 
-/// A spectral line.
 #[derive(Debug, Serialize)]
 pub struct ExportedLine {
     /// The wavelength in nm.
@@ -73,18 +65,13 @@ pub struct ExportedLine {
     pub power: f64,
 }
 
-/// A case of the set.
 #[derive(Debug, Serialize)]
 pub struct ExportedCase {
-    /// The name of the case.
     pub id: &'static str,
-    /// The group of the case.
     pub group: CaseGroup,
-    /// The name of the light.
     pub light: &'static str,
     /// The name of the reflectance. `None` for the colour of the light itself.
     pub reflectance: Option<&'static str>,
-    /// The expected colour.
     #[serde(flatten)]
     pub expected: CaseColour,
 }
@@ -130,10 +117,8 @@ fn lines(entry: &RegressionSpectrum) -> impl Iterator<Item = ExportedLine> {
         .map(move |line| ExportedLine { nm: rounded(line.centre()), power: line.power })
 }
 
-/// Writes the set to a folder, as JSON and as CSV files. Returns the number of cases.
-///
-/// # Errors
-/// Returns an error if the folder or a file cannot be written.
+/// Writes the set to a folder, as JSON and CSV files. Returns the number of cases, or an error if
+/// the folder or a file cannot be written.
 pub fn write_set(folder: &Path) -> Result<usize> {
     std::fs::create_dir_all(folder)
         .map_err(|error| Error::machine(format!("cannot be created: {error}")).in_file(folder))?;
@@ -178,11 +163,8 @@ pub fn write_set(folder: &Path) -> Result<usize> {
     Ok(set.cases.len())
 }
 
-/// Reads the colours of a converter. A file whose name ends in `.json` is JSON, and any other file
-/// is CSV. Each colour has the name of its case.
-///
-/// # Errors
-/// Returns an error if the file cannot be read, or if it has another form.
+/// Reads the named colours of a converter, as JSON if the file's name ends in `.json`, and as CSV
+/// otherwise. Returns an error if the file cannot be read, or has another form.
 pub fn read_colours(path: &Path) -> Result<Vec<(String, ConvertedColour)>> {
     let text = std::fs::read_to_string(path).map_err(|error| Error::input(format!("cannot be read: {error}")))?;
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
@@ -245,11 +227,8 @@ fn columns(count: usize) -> String {
     if count == 1 { "1 column".to_string() } else { format!("{count} columns") }
 }
 
-/// Reads the colours of a converter from JSON: a list of cases, or an object with this list.
-///
-/// # Errors
-/// Returns an error if the text is not JSON, if it has another form, or if it belongs to another
-/// set.
+/// Reads the colours of a converter from a JSON list of cases, or an object with it. Returns an
+/// error if the text has another form or belongs to another set.
 pub fn colours_of_json(text: &str) -> Result<Vec<(String, ConvertedColour)>> {
     let document: Value = serde_json::from_str(text).map_err(|error| {
         let what = format!("is not JSON: {error}");

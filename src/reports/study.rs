@@ -13,10 +13,8 @@ use abbe_spectra::error::Result;
 use crate::api::{memory, provenance};
 use crate::study::{self, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
 
-/// The files of a study.
 #[derive(Debug, Clone, Copy)]
 pub struct StudyFiles<'a> {
-    /// The scene file, which errors and the report name.
     pub scene: &'a Path,
     /// The folder of the results.
     pub output: &'a Path,
@@ -24,10 +22,8 @@ pub struct StudyFiles<'a> {
     pub reference: Option<&'a Path>,
 }
 
-/// Runs a study of a scene. The number of threads is `threads`, or the one of the scene.
-///
-/// # Errors
-/// Returns an error if a file cannot be read or written, or if the scene cannot be rendered.
+/// Runs a study of a scene, on `threads` or those of the scene. Returns an error if a file cannot
+/// be read or written, or if the scene cannot be rendered.
 pub fn study(
     scene: &SceneFile,
     source: &JsonSource,

@@ -11,22 +11,18 @@ use serde::{Deserialize, Serialize};
 /// The error of a render after some passes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ConvergencePoint {
-    /// The number of passes.
     pub passes: u64,
     /// The seconds of work so far, including the pilot and excluding the measurement of errors.
     pub seconds: f64,
-    /// The error of the picture.
     #[serde(rename = "wrong")]
     pub error: PictureError,
 }
 
-/// Measures the error of a render after 1, 2, 4, 8 … passes, and after the number of passes in the
-/// scene's settings.
+/// Measures the error after 1, 2, 4, 8 … passes, and after those in the scene's settings.
 pub(super) struct ConvergenceMonitor<'a> {
     monitor: &'a mut (dyn StudyMonitor + Send),
     reference: Option<&'a ReferencePicture>,
     passes_wanted: u64,
-    /// The next measurement is due after this many passes.
     next_passes: u64,
     /// Seconds of work so far.
     seconds: f64,
@@ -45,8 +41,7 @@ impl<'a> ConvergenceMonitor<'a> {
         Self { monitor, reference, passes_wanted, next_passes: 1, seconds, measuring, points }
     }
 
-    /// Records the error of a picture. If an error was already recorded for this number of passes,
-    /// nothing changes.
+    /// Records the error of a picture, unless one is known for this number of passes.
     pub(super) fn measure(&mut self, passes: u64, picture: &Picture) {
         let Some(reference) = self.reference else { return };
         if self.points.last().is_none_or(|last| last.passes < passes) {

@@ -18,21 +18,17 @@ use serde::Serialize;
 pub struct ConvergenceCurve {
     /// `photon` or `path`.
     pub integrator: &'static str,
-    /// The error after some passes.
     pub points: Vec<ConvergencePoint>,
-    /// The fitted slope of the error as a function of passes, measured in smooth regions. If the
-    /// picture has too few smooth regions, the slope is fitted over the whole picture.
+    /// The fitted slope of the error as a function of passes, in smooth regions, or over the whole
+    /// picture if it has too few of them.
     pub fit: Option<PowerLawFit>,
-    /// The fitted slope of the error as a function of the seconds of work. The work includes the
-    /// pilot.
+    /// The fitted slope of the error as a function of the seconds of work, with the pilot.
     pub fit_seconds: Option<PowerLawFit>,
     /// The theoretical slopes of the estimators in use. They hold in smooth regions.
     pub theory: Vec<TheoreticalSlope>,
     /// The number of passes in the scene's settings.
     pub passes_wanted: u64,
-    /// The statistics of the render.
     pub stats: Stats,
-    /// The picture of the render.
     #[serde(skip)]
     pub picture: Picture,
 }
@@ -40,14 +36,11 @@ pub struct ConvergenceCurve {
 /// The theoretical slope of an estimator's mean square error as a function of passes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TheoreticalSlope {
-    /// The name of the estimator.
     pub estimator: &'static str,
-    /// The exponent of the number of passes.
     pub slope: f64,
 }
 
-/// Fits ignore points with fewer passes than this. After so few passes, the samples of wavelength
-/// and lens are not evenly distributed yet.
+/// The fewest passes of a fit. Before, wavelengths and lens samples are not yet even.
 pub(super) const FIRST_PASSES: u64 = 4;
 
 impl ConvergenceCurve {
@@ -90,8 +83,7 @@ impl ConvergenceCurve {
         }
     }
 
-    /// Returns the slopes of the estimators without duplicates. The list begins with the least
-    /// steep slope, because this slope dominates after many passes.
+    /// Returns the different slopes, from the least steep one, which dominates after many passes.
     pub fn slopes_in_theory(&self) -> Vec<f64> {
         let mut slopes: Vec<f64> = self.theory.iter().map(|theory| theory.slope).collect();
         slopes.sort_by(|a, b| b.total_cmp(a));
@@ -100,14 +92,13 @@ impl ConvergenceCurve {
     }
 }
 
-/// The error in smooth regions. If the picture has too few smooth regions, this is the error over
-/// the whole picture.
+/// Returns the error in smooth regions, or over the whole picture if it has too few of them.
 pub fn error_to_fit(point: &ConvergencePoint) -> MeanEstimate {
     point.error.smooth.unwrap_or(point.error.whole)
 }
 
-/// Returns the estimators of a plan, and their slopes. The slopes for two-dimensional and for
-/// one-dimensional kernels follow Knaus & Zwicker 2011.
+/// Returns the estimators of a plan, with the slopes for two-dimensional and one-dimensional
+/// kernels of Knaus & Zwicker 2011.
 fn theory(plan: &Plan) -> Vec<TheoreticalSlope> {
     // Caustics also need kernels if they are seen through glass or in mirrors.
     let on_surfaces = plan.indirect == IndirectPlan::Photons || plan.caustics == CausticPlan::Photons;

@@ -16,41 +16,33 @@ use serde::Serialize;
 /// An effect that is on, and the comparison with a picture without this effect.
 #[derive(Debug, Clone, Serialize)]
 pub struct EffectAblation {
-    /// The name of the effect.
     pub name: &'static str,
     /// `on` or `forced`.
     pub state: &'static str,
-    /// The reason why the effect is on.
     pub because: String,
-    /// The number of events of the effect.
     pub events: u64,
     /// The result of a render without the effect, or the reason why the effect cannot be left out.
     pub left_out: AblationResult,
-    /// The picture without the effect.
     #[serde(skip)]
     pub picture: Option<Picture>,
 }
 
-/// The result of leaving an effect out.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AblationResult {
     /// The effect was left out.
     Measured {
-        /// Time and memory without the effect.
         cost: RenderCost,
-        /// The relative mean square difference between two pictures, one without the effect and one
-        /// with it. Both have the same number of passes and the same seeds.
+        /// The relative mean square difference between the pictures without and with the effect,
+        /// with the same passes and seeds.
         relative_mse: f64,
         /// The colour difference between the pictures with and without the effect.
         delta_e_2000: DeltaE,
-        /// The error of the picture without the effect.
         #[serde(rename = "wrong")]
         error: MeanEstimate,
     },
     /// The reason why the effect cannot be left out.
     Refused(String),
-    /// The study had no time for this effect.
     NoTime,
 }
 
@@ -61,15 +53,12 @@ pub struct RenderCost {
     pub seconds: f64,
     /// Seconds per pass.
     pub seconds_per_pass: f64,
-    /// The memory of film, scene and photons, in bytes. The photons' memory is computed from their
-    /// number.
+    /// The memory of film, scene and photons (by their number), in bytes.
     pub memory_bytes: u64,
 }
 
-/// An effect that is off.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct InactiveEffect {
-    /// The name of the effect.
     pub name: &'static str,
     /// `off` or `forbidden`.
     pub state: &'static str,
@@ -79,32 +68,24 @@ pub struct InactiveEffect {
     pub events: u64,
 }
 
-/// The results for all effects.
 #[derive(Debug, Clone, Serialize)]
 pub struct EffectStudy {
-    /// The number of passes of every compared picture.
     pub passes: u64,
-    /// Time and memory of the picture with all effects.
     pub with: RenderCost,
-    /// The error of the picture with all effects.
     #[serde(rename = "wrong")]
     pub error: MeanEstimate,
-    /// The relative mean square difference caused by noise alone. The difference is measured
-    /// between two pictures that have all effects but different seeds.
+    /// The relative mean square difference caused by noise alone, between two pictures with all
+    /// effects but different seeds.
     pub noise_relative_mse: f64,
     /// The colour difference caused by noise alone.
     pub noise_delta_e_2000: DeltaE,
-    /// The effects that are on.
     pub on: Vec<EffectAblation>,
-    /// The effects that are off.
     pub off: Vec<InactiveEffect>,
-    /// The picture with all effects.
     #[serde(skip)]
     pub picture: Picture,
 }
 
-/// The seed offset of the second render with all effects. The difference between both renders
-/// measures the noise.
+/// The seed offset of the second render with all effects, which measures the noise.
 const OTHER_SEED: u64 = 301;
 
 /// Returns the largest number of renders that the measurements need.
@@ -125,8 +106,7 @@ impl RenderCost {
 }
 
 impl EffectStudy {
-    /// Renders the scene with all effects, and once more with another seed. Then renders the scene
-    /// once for each active effect. Each of these renders omits only this effect.
+    /// Renders the scene with all effects, with another seed, and without each active effect.
     pub(super) fn of(
         runner: &mut Runner<'_>,
         scene_file: &SceneFile,
@@ -179,7 +159,6 @@ fn final_error(step: &FinishedStep) -> MeanEstimate {
     step.result.points.last().map_or(none, |point| point.error.whole)
 }
 
-/// Renders the picture without an effect, with as many passes as the picture with all effects.
 fn without(
     runner: &mut Runner<'_>,
     scene_file: &SceneFile,
@@ -209,8 +188,7 @@ fn without(
     Ok((measured, Some(finished.picture)))
 }
 
-/// Returns changes of the scene that switch an effect off. With these changes, the scene forbids
-/// the effect or no longer forces it.
+/// Returns changes of the scene that forbid an effect, or no longer force it.
 fn changes_without(scene_file: &SceneFile, row: &EffectRow) -> Vec<String> {
     let name = row.effect.name;
     let list = |names: Vec<&str>| {

@@ -14,7 +14,6 @@ use serde::Serialize;
 pub struct StudyFilm {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
     pub height: u32,
     /// Pixels per row of the scene's own film.
     pub own_width: u32,
@@ -22,25 +21,21 @@ pub struct StudyFilm {
     pub own_height: u32,
 }
 
-/// The largest number of pixels. More pixels hardly improve error estimates, and make the page
-/// large.
+/// The most pixels. More hardly improve error estimates, and make the page large.
 const MOST_PIXELS: f64 = 65_536.0;
 
 /// The smallest number of pixels, so that the picture stays recognisable.
 const LEAST_PIXELS: f64 = 3_072.0;
 
-/// The target number of passes for a half of the reference, if photon mapping renders the
-/// reference.
+/// The target number of passes for a half of the reference by photon mapping.
 const PHOTON_PASSES: f64 = 200.0;
 
-/// The target number of passes for a half of the reference, if the path tracer renders the
-/// reference.
+/// The target number of passes for a half of the reference by the path tracer.
 const PATH_PASSES: f64 = 64.0;
 
-/// The largest share of the sweep's time that pilots may take.
+/// The largest fraction of the sweep's time that pilots may take.
 const PILOT_FRACTION: f64 = 0.3;
 
-/// The number of passes of a rehearsal.
 const REHEARSAL_PASSES: u64 = 2;
 
 /// Returns the number of renders that are needed to choose the film size.
@@ -49,9 +44,9 @@ pub(super) fn steps(given: Option<&(String, Picture)>) -> usize {
 }
 
 impl StudyFilm {
-    /// Chooses the film for a budget. A given reference determines the size. Otherwise, the film is
-    /// small enough to leave time for all passes of the reference. Short test renders (rehearsals)
-    /// at a quarter of the width and height measure the time of a pass.
+    /// Chooses the film for a budget: of the size of a given reference, or small enough for all
+    /// passes of the reference. Short renders (rehearsals) at a quarter of the width and height
+    /// measure the time of a pass.
     pub(super) fn choose(
         runner: &mut Runner<'_>,
         job: &Job,
@@ -85,8 +80,7 @@ impl StudyFilm {
                 .with_changes(small.changes());
             let stats = runner.render(&step, None)?.result.stats;
             let (fixed, gather) = pass_seconds(&stats);
-            // If camera paths take less time than the rest of a pass, a smaller film hardly saves
-            // time.
+            // If camera paths take less time than the rest, a smaller film hardly saves time.
             let worth = (half / passes - fixed).max(fixed) / gather.max(1e-9) * small.pixels();
             // Every run of the sweep has its own pilot, whose time grows with the number of pixels.
             let pilot = stats.seconds.pilot / PILOT_FRACTION;
@@ -105,24 +99,21 @@ impl StudyFilm {
         f64::from(self.own_width) * f64::from(self.own_height) / self.pixels()
     }
 
-    /// Returns a film of the same aspect ratio. The film has about `pixels` pixels, but never more
-    /// than the scene's own film.
+    /// Returns a film of the same aspect ratio with about `pixels` pixels, at most the scene's own.
     fn of_pixels(&self, pixels: f64) -> Self {
         let scale = (pixels / self.pixels()).sqrt().min(1.0);
         let side = |own: u32| ((f64::from(own) * scale).round() as u32).max(1);
         Self { width: side(self.own_width), height: side(self.own_height), ..*self }
     }
 
-    /// Returns the film as changes of the scene. The changes also switch spectral bands off,
-    /// because spectral bands cost time and their error is not measured.
+    /// Returns the film as changes of the scene, without spectral bands, which cost time.
     pub(super) fn changes(&self) -> Vec<String> {
         let Self { width, height, .. } = self;
         vec![format!("film.width={width}"), format!("film.height={height}"), "film.spectral_bands=0".to_string()]
     }
 }
 
-/// Returns two parts of a pass's time, in seconds. The first part does not depend on the film size.
-/// The second part is the time of the camera paths.
+/// Returns the seconds of a pass without and with the film size: of the camera paths.
 pub(super) fn pass_seconds(stats: &Stats) -> (f64, f64) {
     let (seconds, passes) = (stats.seconds, stats.passes.max(1) as f64);
     ((seconds.pose + seconds.emit + seconds.map) / passes, seconds.gather / passes)

@@ -6,20 +6,17 @@ use serde::{Deserialize, Serialize};
 /// A power law y = c·xᵖ, fitted to points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PowerLawFit {
-    /// The exponent p.
     pub slope: f64,
     /// The standard error of the exponent, from the scatter of the points around the line.
     pub standard_error: f64,
     /// log₁₀ of c.
     #[serde(skip)]
     pub intercept: f64,
-    /// The number of points.
     pub points: usize,
 }
 
 impl PowerLawFit {
-    /// Fits a power law. Returns `None` if fewer than three points are positive, or if all points
-    /// have the same x.
+    /// Fits a power law, unless fewer than three points are positive or all have the same x.
     pub fn of(points: impl Iterator<Item = (f64, f64)>) -> Option<Self> {
         let logs: Vec<(f64, f64)> =
             points.filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (log10(x), log10(y))).collect();
@@ -36,12 +33,10 @@ impl PowerLawFit {
         Some(Self { slope, standard_error: (left / (count - 2.0) / spread).sqrt(), intercept, points: logs.len() })
     }
 
-    /// Writes the exponent with its standard error.
     pub fn words(&self) -> String {
         format!("{:.2} ± {:.2}", self.slope, self.standard_error).replace('-', "−")
     }
 
-    /// The value of the law at `x`.
     pub fn at(&self, x: f64) -> f64 {
         powf(10.0_f64, self.intercept + self.slope * log10(x))
     }
@@ -61,8 +56,8 @@ mod tests {
 
     #[test]
     fn the_standard_error_matches_the_textbook_formula() {
-        // log y = 0, 1, 0 at log x = 0, 1, 2. The fitted line is log y = 1/3. The sum of the
-        // squared residuals is 2/3. The sum of the squared deviations of log x is 2.
+        // log y = 0, 1, 0 at log x = 0, 1, 2. The fitted line is log y = 1/3, with squared
+        // residuals of 2/3 in sum, and squared deviations of log x of 2.
         let fit = PowerLawFit::of([(1.0, 1.0), (10.0, 10.0), (100.0, 1.0)].into_iter()).unwrap();
         assert!(fit.slope.abs() < 1e-12 && (fit.intercept - 1.0 / 3.0).abs() < 1e-12);
         assert!((fit.standard_error - (1.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{fit:?}");

@@ -1,16 +1,15 @@
 //! Measures how much time a render needs for a given accuracy. A study renders a scene many times,
 //! and compares every picture with a reference.
 //!
-//! A study answers four questions. How fast does the error of each integrator fall ([`curves`])?
-//! Which settings reach a given error first ([`sweep`])? How much time does every effect of the
-//! plan take, and how much does the effect change the picture ([`effects`])? Which settings should
-//! a user choose for a wanted error, and how long will the render take ([`recommendation`])?
+//! It answers four questions. How fast does the error of each integrator fall ([`curves`])? Which
+//! settings reach a given error first ([`sweep`])? How much time does every effect of the plan
+//! take, and how much does it change the picture ([`effects`])? Which settings should a user choose
+//! for a wanted error, and how long will the render take ([`recommendation`])?
 //!
-//! A study has a time budget, and its film is as large as the budget allows ([`film`]). The noise
-//! of the reference is measured and subtracted from all errors ([`reference_choice`],
-//! [`mod@reference`]). Every render is a step, and its result is cached in a file. If a study runs
-//! again, the study uses the cached results. The results become JSON, CSV, plots and an HTML page
-//! ([`report`], [`page`]).
+//! A study has a time budget, and its film is as large as this allows ([`film`]). The noise of the
+//! reference is measured and subtracted from all errors ([`reference_choice`], [`mod@reference`]).
+//! Every render is a step, whose result is cached in a file for the next run. The results become
+//! JSON, CSV, plots and an HTML page ([`report`], [`page`]).
 
 mod convergence;
 pub mod curves;

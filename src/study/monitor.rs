@@ -12,9 +12,7 @@ pub trait StudyMonitor: Monitor {
 /// The reason for the early stop of a study.
 #[derive(Debug)]
 pub(super) enum StudyError {
-    /// The monitor stopped the study.
     Interrupted,
-    /// A step failed.
     Failed(Error),
 }
 

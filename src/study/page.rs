@@ -29,9 +29,8 @@ pub(super) struct StudyPictures<'a> {
     development: Development,
     exposure: f64,
     /// The pictures for comparison and their names: the reference, photon mapping, the path tracer,
-    /// and then one picture without each effect.
+    /// and then one without each effect.
     full: Vec<(String, &'a Picture)>,
-    /// The picture with all effects.
     whole: &'a Picture,
 }
 
@@ -76,10 +75,7 @@ fn image(screen: &DisplayImage, words: &str) -> Result<Markup> {
     Ok(html! { img src=(source) alt=(words) width=(screen.width) height=(screen.height); })
 }
 
-/// Writes the page.
-///
-/// # Errors
-/// Returns an error if a picture is too large for PNG.
+/// Writes the page. Returns an error if a picture is too large for PNG.
 pub(super) fn page(report: &StudyReport, pictures: &StudyPictures<'_>) -> Result<String> {
     let title = format!("What accuracy costs: {}", report.title);
     let body = html! {
@@ -395,8 +391,7 @@ fn method(report: &StudyReport) -> Markup {
     }
 }
 
-/// Makes a picture smaller by averaging square blocks of pixels. The result is at most
-/// [`THUMBNAIL`] pixels wide.
+/// Averages square blocks of pixels, to a picture at most [`THUMBNAIL`] pixels wide.
 fn shrunk(picture: &Picture) -> Picture {
     let step = picture.width.div_ceil(THUMBNAIL);
     let (width, height) = ((picture.width / step).max(1), (picture.height / step).max(1));

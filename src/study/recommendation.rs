@@ -11,45 +11,36 @@ use abbe_session::render::Integrator;
 use abbe_spectra::math::elementary::{exp, ln, powf};
 use serde::Serialize;
 
-/// The settings and the time for a wanted error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recommendation {
-    /// The relative mean square error.
     pub relative_mse: f64,
-    /// The settings as text.
     pub settings: String,
-    /// The number of passes for this error.
     pub passes: u64,
     /// The shell command that renders with these settings at the scene's own film size.
     pub command: String,
-    /// Seconds at the study's film size.
     pub seconds: f64,
     /// The seconds at the scene's own film size. They are extrapolated from the number of pixels.
     pub seconds_own_film: f64,
-    /// True if no measured render reached the error. If so, the numbers are extrapolated with the
-    /// expected slope.
+    /// No measured render reached the error: the numbers are extrapolated.
     pub extrapolated: bool,
 }
 
 /// The relative mean square errors of the table.
 pub const ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
 
-/// The limit of extrapolation. A predicted number of passes is at most this factor times the number
-/// of passes at the last measured point.
+/// The limit of extrapolation, as a multiple of the passes of the last measured point.
 const MAX_EXTRAPOLATION: f64 = 1000.0;
 
-/// Settings with their measured errors.
 struct TriedSettings<'a> {
     settings: RenderSettings,
     points: Vec<&'a ConvergencePoint>,
     render_time: RenderTime,
-    /// The expected slope of the error beyond the measurements, or `None` if the error hardly
-    /// falls.
+    /// Of the error beyond the measurements, or `None` if the error hardly falls.
     slope: Option<f64>,
 }
 
-/// Returns the theoretical slope. If the errors of the last points fall more slowly, returns the
-/// slope of these points. If these errors hardly fall at all, returns `None`.
+/// Returns the theoretical slope, or that of the last points if their errors fall more slowly, or
+/// `None` if they hardly fall.
 fn slope_at_the_end(points: &[&ConvergencePoint], curve: &ConvergenceCurve) -> Option<f64> {
     const LAST_POINTS: usize = 4;
     const SHALLOWEST: f64 = -0.3;
@@ -107,8 +98,7 @@ impl TriedSettings<'_> {
         self.render_time.seconds(passes, 1.0)
     }
 
-    /// Returns the number of passes after which the render first reached the error. The number is
-    /// interpolated logarithmically between two points.
+    /// Returns after how many passes the error was first reached, by logarithms.
     fn passes_to(&self, error: f64) -> Option<f64> {
         let value = |i: usize| self.points[i].error.whole.value;
         let passes = |i: usize| self.points[i].passes as f64;
@@ -120,8 +110,7 @@ impl TriedSettings<'_> {
         Some(exp(ln(passes(i - 1)) + fraction * ln(passes(i) / passes(i - 1))))
     }
 
-    /// Returns the number of passes needed for this error if the error falls with the expected
-    /// slope.
+    /// Returns after how many passes the error is reached with the expected slope.
     fn passes_beyond(&self, error: f64) -> Option<f64> {
         let last = self.points.last()?;
         let more = powf(error / last.error.whole.value, 1.0 / self.slope?);

@@ -1,5 +1,4 @@
-//! The reference picture of a study. The noise of the reference is known, and is subtracted from
-//! measured errors.
+//! The reference picture of a study, whose known noise is subtracted from measured errors.
 
 use super::smooth_regions;
 use abbe_session::output::compare::ErrorScale;
@@ -10,7 +9,6 @@ use serde::{Deserialize, Serialize};
 /// A mean over pixels, and the standard error of this mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeanEstimate {
-    /// The mean.
     pub value: f64,
     /// The standard error of the mean, computed as if pixels were independent.
     pub standard_error: f64,
@@ -39,22 +37,18 @@ pub struct PictureError {
     pub smooth: Option<MeanEstimate>,
 }
 
-/// A reference picture.
 #[derive(Debug, Clone)]
 pub struct ReferencePicture {
-    /// The picture.
     pub picture: Picture,
     scale: ErrorScale,
-    /// The relative variance of each pixel of the reference.
     variance: Vec<f64>,
-    /// One value per pixel: true if the pixel is in a smooth region. The list is empty if the picture
-    /// has too few such pixels.
+    /// For each pixel, whether it is in a smooth region. Empty if there are too few.
     smooth: Vec<bool>,
 }
 
 impl ReferencePicture {
-    /// Creates a reference: the mean of two pictures with independent noise and the same bias. Half
-    /// of their difference estimates the noise of the mean in every channel.
+    /// Creates the mean of two pictures with independent noise and the same bias. Half of their
+    /// difference estimates its noise in every channel.
     pub fn of_halves([a, b]: [&Picture; 2]) -> Self {
         let mut mean = a.clone();
         for (mean, other) in mean.xyz.iter_mut().zip(&b.xyz) {
@@ -71,8 +65,7 @@ impl ReferencePicture {
         Self::new(mean, scale, variance, noise)
     }
 
-    /// Creates a reference from an existing picture. The noise comes from the noise layer of Y.
-    /// Pixels with unknown noise count as free of noise.
+    /// Creates a reference from a picture with a noise layer. Unknown noise counts as none.
     pub fn given(picture: Picture) -> Self {
         let scale = ErrorScale::of(&picture);
         let noise: Vec<f64> = picture.noise.iter().map(|noise| f64::from(noise.unwrap_or(0.0)).powi(2)).collect();
@@ -88,20 +81,17 @@ impl ReferencePicture {
         Self { picture, scale, variance, smooth: if enough { smooth } else { Vec::new() } }
     }
 
-    /// The error of a picture of the same size. Pixels that are not finite in the reference are
-    /// ignored.
+    /// Returns the error of a picture, without pixels that are not finite in the reference.
     pub fn error_of(&self, picture: &Picture) -> PictureError {
         let square = |i: usize| self.scale.relative_square(picture.xyz[i], self.picture.xyz[i]) - self.variance[i];
         self.estimate(square)
     }
 
-    /// The relative variance of the reference itself.
     pub fn own_variance(&self) -> PictureError {
         self.estimate(|i| self.variance[i])
     }
 
-    /// Returns the mean square of the reference's bias estimate. The bias and the errors of
-    /// pictures are divided by the same unit.
+    /// Returns the mean square of the reference's bias, in the unit of the errors.
     pub fn estimated_bias_square(&self) -> f64 {
         let bias = |i: usize| {
             let bias = self.picture.bias[i].filter(|bias| *bias > 0.0);
@@ -110,7 +100,7 @@ impl ReferencePicture {
         self.estimate(|i| bias(i).map_or(0.0, |bias| bias.powi(2))).whole.value
     }
 
-    /// The share of pixels in smooth regions, or `None` if there are too few such pixels.
+    /// Returns the fraction of smooth pixels, or `None` if there are too few.
     pub fn smooth_fraction(&self) -> Option<f64> {
         let count = self.smooth.iter().filter(|&&smooth| smooth).count();
         (!self.smooth.is_empty()).then(|| count as f64 / self.smooth.len() as f64)
@@ -127,7 +117,7 @@ impl ReferencePicture {
     }
 }
 
-/// Slopes are measured in smooth regions only if the share of smooth pixels is at least this value.
+/// The least fraction of smooth pixels with which slopes are measured there.
 const LEAST_SMOOTH: f64 = 0.02;
 
 #[cfg(test)]
@@ -147,9 +137,9 @@ mod tests {
 
     #[test]
     fn the_noise_of_the_reference_is_subtracted() {
-        // Errors are divided by a unit that contains the noise of the reference. This noise adds 4
-        // × error × variance to an error. The addition is negligible if the reference has less
-        // noise than the picture.
+        // Errors are divided by a unit with the noise of the reference, which adds 4 × error ×
+        // variance to an error. This is negligible if the reference has less noise than the
+        // picture.
         let reference = ReferencePicture::of_halves([&noisy(1.0, 0.02, 1), &noisy(1.0, 0.02, 2)]);
         let own = reference.own_variance();
         assert!((own.whole.value / (0.0002 / 1.01) - 1.0).abs() < 0.1, "{own:?}");

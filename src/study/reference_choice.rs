@@ -1,9 +1,9 @@
 //! Chooses the integrator of the reference, and renders the reference.
 //!
 //! The noise of a reference can be measured and subtracted, but its bias cannot. The path tracer
-//! has no bias. The path tracer renders the reference if it can find all light in time. Otherwise
-//! photon mapping renders the reference. The kernels of the reference then have a tenth of the
-//! usual area. Therefore the reference has a tenth of the usual bias, but more noise.
+//! has no bias, so it renders the reference if it can find all light in time. Otherwise photon
+//! mapping does, with kernels of a tenth of the usual area, which have a tenth of the usual bias
+//! but more noise.
 
 use super::monitor::StudyError;
 use super::reference::ReferencePicture;
@@ -17,12 +17,9 @@ use abbe_spectra::math::elementary::powf;
 use abbe_transport::sensor::Picture;
 use serde::Serialize;
 
-/// A reference picture and its provenance.
 #[derive(Debug, Clone)]
 pub struct ChosenReference {
-    /// The reference picture.
     pub reference: ReferencePicture,
-    /// The provenance of the picture.
     pub provenance: ReferenceProvenance,
     /// Identifies the picture in the step cache.
     pub(super) identity: String,
@@ -33,7 +30,6 @@ pub struct ChosenReference {
 pub struct ReferenceProvenance {
     /// `path`, `photon` or `given`.
     pub origin: &'static str,
-    /// The reason for this choice.
     pub because: String,
     /// The number of passes of both halves together, or 0 for a given picture.
     pub passes: u64,
@@ -43,30 +39,25 @@ pub struct ReferenceProvenance {
     pub relative_variance: f64,
     /// The relative variance in smooth regions, or null if too few pixels are in smooth regions.
     pub smooth_relative_variance: Option<f64>,
-    /// The mean square of the reference's own bias estimate. The bias and the errors of pictures
-    /// are divided by the same unit. Errors near this value cannot be measured. The value is 0 for
-    /// the path tracer.
+    /// The mean square of the reference's own bias estimate, divided by the same unit as the
+    /// errors; 0 for the path tracer. Errors near this value cannot be measured.
     pub relative_bias_square: f64,
-    /// The share of pixels in smooth regions.
+    /// The fraction of the pixels in smooth regions.
     #[serde(rename = "smooth_share")]
     pub smooth_fraction: Option<f64>,
-    /// The reason why the path tracer cannot find some of the light, or null if it can find all
-    /// light.
+    /// Why the path tracer cannot find some of the light, or null if it finds all.
     #[serde(rename = "out_of_reach")]
     pub unreachable_light: Option<String>,
 }
 
-/// The kernel area of a photon-mapped reference, relative to the kernel area of the scene's
-/// settings.
+/// The kernel area of a photon-mapped reference, relative to the scene's settings.
 const KERNEL_AREA_RATIO: f64 = 0.1;
 
-/// Seed offsets of the two halves of the reference.
 const HALVES: [u64; 2] = [101, 102];
 
 /// Seed offsets of the two trial renders of each integrator.
 const TRIALS: [u64; 2] = [201, 202];
 
-/// The method of the reference.
 struct ReferenceOrigin {
     /// `path`, `photon` or `given`.
     integrator: &'static str,
@@ -85,7 +76,6 @@ pub(super) fn steps(job: &Job, given: Option<&(String, Picture)>) -> usize {
     }
 }
 
-/// Returns a change of the scene that adds `offset` to the seed.
 pub(super) fn seed(job: &Job, offset: u64) -> String {
     format!("render.seed={}", job.budget.seed.number().wrapping_add(offset) % (1 << 53))
 }
@@ -123,8 +113,8 @@ impl ChosenReference {
         let reference = ReferencePicture::of_halves([&halves[0].0.picture, &halves[1].0.picture]);
         let passes = halves.iter().map(|(half, _)| half.result.stats.passes).sum();
         let seconds = halves.iter().map(|(half, _)| half.result.stats.seconds.total).sum();
-        // A time limit ends each half. Two halves with equal settings may therefore have different
-        // numbers of passes, so the identity contains the passes and the time.
+        // A time limit ends each half, so two halves with equal settings may have different passes.
+        // The identity therefore contains the passes and the time.
         let identity = format!("{} {passes} {seconds:?}", halves[0].1);
         let origin = ReferenceOrigin { integrator: integrator.word(), because, passes, seconds, unreachable_light };
         Ok(Self::new(reference, origin, identity))
@@ -146,15 +136,13 @@ impl ChosenReference {
         Self { reference, provenance, identity }
     }
 
-    /// The reference picture with its identity.
     pub(super) fn identified(&self) -> Option<(&ReferencePicture, &str)> {
         Some((&self.reference, &self.identity))
     }
 }
 
-/// Returns a change that shrinks the kernels to a tenth of their area. The change applies to the
-/// number of photons within the first radius. If the scene fixes the radius, the change applies to
-/// the radius itself.
+/// Returns a change that shrinks the kernels to a tenth of their area, by the number of photons
+/// within the first radius, or by the radius itself if the scene fixes it.
 fn narrow_kernels(scene_file: &SceneFile, job: &Job) -> String {
     match scene_file.render.radius {
         Some(radius) => format!("render.radius={}", KERNEL_AREA_RATIO.sqrt() * radius),
@@ -164,9 +152,8 @@ fn narrow_kernels(scene_file: &SceneFile, job: &Job) -> String {
     }
 }
 
-/// Returns the reason why the path tracer cannot find some of the light, or `None` if it can find
-/// all light. The path tracer finds light through glass or from mirrors only if a path hits the
-/// light source by chance.
+/// Returns why the path tracer cannot find some of the light, or `None`. It finds light through
+/// glass or from mirrors only if a path hits the light by chance.
 fn unreachable_light(facts: &Facts) -> Option<String> {
     let cannot_be_hit = |name: &&String| !facts.hittable_lights.contains(name);
     let (lamp, glass) = (facts.lights.iter().find(cannot_be_hit)?, facts.specular.first()?);
@@ -175,11 +162,10 @@ fn unreachable_light(facts: &Facts) -> Option<String> {
     ))
 }
 
-/// Renders trials with both integrators, and predicts the error of each integrator for the render
-/// time of the reference. Returns the integrator for the reference, and the reason. The integrator
-/// is photon mapping in two cases: the path tracer misses light in its trial, or its predicted
-/// error is more than four times the predicted error of photon mapping. Otherwise, the integrator
-/// is the path tracer.
+/// Renders trials with both integrators, and predicts their errors for the time of the reference.
+/// Returns the integrator and the reason: photon mapping if the path tracer misses light in its
+/// trial, or if its predicted error is more than four times that of photon mapping, and the path
+/// tracer otherwise.
 fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(Integrator, String), StudyError> {
     let seconds = TIME_FRACTIONS.trial * budget_seconds / 4.0;
     let mut pair = |integrator: Integrator| -> Result<ReferencePicture, StudyError> {
@@ -194,13 +180,13 @@ fn try_both(runner: &mut Runner<'_>, job: &Job, budget_seconds: f64) -> Result<(
         Ok(ReferencePicture::of_halves([&halves[0].picture, &halves[1].picture]))
     };
     let (photon, path) = (pair(Integrator::Photon)?, pair(Integrator::Path)?);
-    // The ratio of the reference's time to the time of both trials of one integrator. The variance
-    // falls in inverse proportion to this ratio.
+    // The time of the reference divided by that of both trials of one integrator. The variance
+    // falls in inverse proportion.
     let longer = TIME_FRACTIONS.reference * budget_seconds / (2.0 * seconds);
     let (variance, photon_error) =
         (path.own_variance().whole.value, photon.own_variance().whole.value + photon.estimated_bias_square());
-    // The difference between the two pictures, minus the path tracer's noise, has two causes: light
-    // that the path tracer has not found yet, and the bias of photon mapping.
+    // The difference between the two pictures, minus the path tracer's noise, is light that the
+    // path tracer has not found yet, and the bias of photon mapping.
     let apart = photon.error_of(&path.picture).whole;
     let missing = apart.value - variance;
     let has_glass = !Facts::of(&job.scene).specular.is_empty();

@@ -14,46 +14,34 @@ use abbe_session::output::graph::{LogLogPlot, PlotSeries, SeriesStyle};
 use abbe_spectra::math::elementary::powf;
 use serde::Serialize;
 
-/// The results of a study.
 #[derive(Debug, Serialize)]
 pub struct StudyReport {
-    /// The version of the program.
     pub version: &'static str,
     /// The path of the scene file.
     pub scene: String,
-    /// The title of the scene.
     pub title: String,
-    /// The time budget in seconds.
     pub budget_seconds: f64,
-    /// The total time of the renders in seconds.
     pub spent_seconds: f64,
     /// The machine used for the measurement of times.
     pub machine: MachineInfo,
-    /// The film size.
     pub film: StudyFilm,
-    /// The provenance of the reference.
     pub reference: ReferenceProvenance,
     /// The definition of a smooth region.
     pub smooth_rule: &'static str,
     /// Error against time: first photon mapping, and then the path tracer.
     pub curves: [ConvergenceCurve; 2],
-    /// The sweep of settings.
     pub sweep: SettingSweep,
     /// Quantities fixed in the program, with reasons. No option changes them.
     pub fixed_by_design: [&'static str; 3],
-    /// The results for all effects.
     pub effects: EffectStudy,
     /// Recommended settings for given errors, with predicted times.
     #[serde(rename = "wanted")]
     pub recommendations: Vec<Recommendation>,
 }
 
-/// The machine of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MachineInfo {
-    /// The number of worker threads.
     pub threads: usize,
-    /// The number of cores.
     pub cores: usize,
     /// The clock frequency in GHz, if the system reports it.
     pub clock_ghz: Option<f64>,
@@ -79,7 +67,6 @@ impl MachineInfo {
         }
     }
 
-    /// The machine as text.
     pub fn words(&self) -> String {
         let clock = self.clock_ghz.map_or_else(String::new, |ghz| format!(" at {ghz} GHz"));
         let counted = |count: usize, what| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
@@ -217,7 +204,6 @@ impl StudyReport {
         }
     }
 
-    /// Plots error against time for all runs of the sweep.
     pub(super) fn sweep_graph(&self) -> LogLogPlot {
         let of_setting = |setting: Option<Setting>, colour: usize, name: &str| {
             let runs = self.sweep.runs.iter().filter(move |run| run.change.map(|change| change.setting) == setting);
@@ -265,7 +251,6 @@ pub(super) fn signed(value: f64) -> String {
     format!("{value:.2}").replace('-', "−")
 }
 
-/// The columns of a convergence point.
 const POINT_COLUMNS: [&str; 6] = [
     "passes",
     "seconds",

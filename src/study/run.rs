@@ -19,35 +19,28 @@ use abbe_transport::sensor::Picture;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// The options of a study.
 #[derive(Debug, Clone)]
 pub struct StudyOptions {
-    /// The folder of the study's files.
     pub folder: PathBuf,
     /// The approximate limit on the time of the study.
     pub budget: Duration,
-    /// An existing reference picture, and its name. If this is `None`, the study renders a
-    /// reference.
+    /// An existing reference picture, and its name, or `None` to render one.
     pub reference: Option<(String, Picture)>,
 }
 
 /// The outcome of a study that did not fail.
 #[derive(Debug)]
 pub enum StudyOutcome {
-    /// All results are written.
     Finished(Box<StudyReport>),
     /// The monitor stopped the study. The results of finished steps are cached.
     Interrupted,
 }
 
-/// The file name of the study's page.
 pub const PAGE: &str = "study.html";
 
-/// Studies a scene on the current thread pool, and writes the results.
-///
-/// # Errors
-/// Returns an error if the scene is invalid, if the given reference and the scene's film have
-/// different aspect ratios, or if the folder cannot be written.
+/// Studies a scene on the current thread pool, and writes the results. Returns an error if the
+/// scene is invalid, if the given reference has another aspect ratio than the scene's film, or if
+/// the folder cannot be written.
 pub fn run(
     study_scene: &StudyScene,
     options: &StudyOptions,

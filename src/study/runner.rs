@@ -12,10 +12,8 @@ use abbe_session::output::hash::IdentityHash;
 use abbe_session::render::{Integrator, Request, StopRules, current_threads};
 use abbe_transport::sensor::Picture;
 
-/// A render of the study.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RenderStep {
-    /// The name of the step's files.
     pub(super) name: String,
     /// The description in progress reports.
     pub(super) label: String,
@@ -26,8 +24,7 @@ pub(super) struct RenderStep {
 }
 
 impl RenderStep {
-    /// Creates a render by photon mapping with the scene's own settings. The render takes about
-    /// `seconds`.
+    /// Creates a render of about `seconds` by photon mapping with the scene's own settings.
     pub(super) fn new(name: &str, label: &str, seconds: f64) -> Self {
         let stop = StopRules { time: Some(Duration::from_secs_f64(seconds)), ..StopRules::default() };
         let request = Request { integrator: Integrator::Photon, stop };
@@ -46,7 +43,6 @@ impl RenderStep {
         self
     }
 
-    /// Adds changes of the scene.
     pub(super) fn with_changes(mut self, changes: impl IntoIterator<Item = String>) -> Self {
         self.changes.extend(changes);
         self
@@ -65,8 +61,7 @@ pub(super) struct Runner<'a> {
     pub(super) study_scene: &'a StudyScene,
     pub(super) step_cache: StepCache,
     pub(super) monitor: &'a mut (dyn StudyMonitor + Send),
-    /// The changes of the scene that set the film size. All renders after the choice of the film
-    /// size have these changes.
+    /// The changes of the scene that set the film size, once it is chosen.
     pub(super) film_changes: Vec<String>,
     pub(super) steps_done: usize,
     pub(super) steps_total: usize,
@@ -75,8 +70,8 @@ pub(super) struct Runner<'a> {
 }
 
 impl Runner<'_> {
-    /// Renders a step, or loads its cached result. `reference` is a picture and its identity as
-    /// text. If it is given, the error is measured against this picture.
+    /// Renders a step, or loads its cached result. Measures the error against `reference`, a
+    /// picture and its identity, if given.
     pub(super) fn render(
         &mut self,
         step: &RenderStep,
@@ -123,8 +118,7 @@ impl Runner<'_> {
         Ok((StepResult { points, stats, memory_bytes, passes_wanted }, rendered.picture))
     }
 
-    /// Hashes all inputs that affect the result of a step. The number of threads affects the measured
-    /// times.
+    /// Hashes all inputs of a step, also the number of threads, which affects the measured times.
     pub(super) fn identity(&self, step: &RenderStep, changes: &[String], reference: Option<&str>) -> String {
         let mut hash = IdentityHash::default();
         let parts = [

@@ -1,24 +1,21 @@
-//! Finds the smooth regions of a picture. The theoretical convergence rates of kernel estimates
-//! hold only in smooth regions. At an edge, the error falls more slowly.
+//! Finds the smooth regions of a picture. Only there the theoretical convergence rates of kernel
+//! estimates hold; at an edge, the error falls more slowly.
 
 use abbe_transport::sensor::Picture;
 
 /// The window around a pixel extends this many pixels to every side.
 const RADIUS_PX: usize = 3;
 
-/// The largest standard deviation of Y in a smooth window, relative to the mean of the window. The
-/// variance of the noise is subtracted first.
+/// The largest standard deviation of Y in a smooth window, without the noise, relative to the mean.
 const LEVEL: f64 = 0.1;
 
 /// The smallest mean of a smooth window, relative to the mean of the picture.
 const DARKEST: f64 = 0.02;
 
-/// The definition of a smooth region as text.
 pub const RULE: &str = "a pixel is smooth if, in the 7 × 7 pixels of the reference around it, the standard deviation of Y \
                         (without noise) is at most 10 % of the mean, and the mean is at least 2 % of the picture's mean";
 
-/// Returns one value per pixel: true if the pixel is in a smooth region. `noise` is the variance of
-/// Y of each pixel.
+/// Returns for each pixel whether it is in a smooth region. `noise` is the variance of Y.
 pub(super) fn find(picture: &Picture, noise: &[f64]) -> Vec<bool> {
     let (width, height) = (picture.width, picture.height);
     let least = DARKEST * picture.mean_y();

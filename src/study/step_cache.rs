@@ -12,17 +12,14 @@ use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;
 use serde::{Deserialize, Serialize};
 
-/// The result of a step without its picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct StepResult {
     /// The errors after some numbers of passes. The list is empty if no error was measured.
     pub(super) points: Vec<ConvergencePoint>,
     /// The statistics of the render.
     pub(super) stats: Stats,
-    /// The memory of film, scene and photons, in bytes. The photons' memory is computed from their
-    /// number.
+    /// The memory of film, scene and photons (by their number), in bytes.
     pub(super) memory_bytes: u64,
-    /// The number of passes in the settings.
     pub(super) passes_wanted: u64,
 }
 
@@ -40,18 +37,13 @@ struct CachedStep {
     result: StepResult,
 }
 
-/// The subfolder of the steps.
 const STEPS: &str = "steps";
 
-/// The name of a header attribute in the picture file of a step. The attribute stores the identity
-/// of the step.
+/// The header attribute in the picture file of a step that stores its identity.
 const STEP: &str = "abbe.step";
 
 impl StepCache {
-    /// Opens the folder, and creates it if it does not exist.
-    ///
-    /// # Errors
-    /// Returns an error if the folder cannot be created or written.
+    /// Opens or creates the folder. Returns an error if it cannot be created or written.
     pub(super) fn open(folder: &Path) -> Result<Self> {
         let steps = folder.join(STEPS);
         fs::create_dir_all(&steps)
@@ -60,7 +52,6 @@ impl StepCache {
         Ok(Self { folder: folder.to_path_buf() })
     }
 
-    /// The path of a file of the study.
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
@@ -69,8 +60,7 @@ impl StepCache {
         self.folder.join(STEPS).join(name).with_added_extension(extension)
     }
 
-    /// Returns the cached result of a step. A step with another identity or with damaged files
-    /// counts as missing.
+    /// Returns the cached result of a step, unless it has another identity or damaged files.
     pub(super) fn find(&self, name: &str, identity: &str) -> Option<(StepResult, Picture)> {
         let text = fs::read(self.step(name, "json")).ok()?;
         let cached: CachedStep =
@@ -80,7 +70,7 @@ impl StepCache {
     }
 
     /// Stores the result of a step. The picture is written before the record, so that every record
-    /// has its picture. Returns the picture in the precision of the file.
+    /// has one. Returns the picture in the precision of the file.
     pub(super) fn store(
         &self,
         name: &str,

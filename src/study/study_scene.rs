@@ -11,18 +11,13 @@ use serde::{Deserialize, Serialize};
 /// The scene of a study. Its text is read once, so that all steps use the same scene.
 #[derive(Debug, Clone)]
 pub struct StudyScene {
-    /// The path of the scene file.
     pub path: PathBuf,
-    /// The text of the scene file.
     pub text: String,
-    /// The files that the scene may use.
     pub file_access: FileAccess,
-    /// A hash of the scene and of its files.
     pub hash: String,
 }
 
 impl StudyScene {
-    /// Parses the scene file.
     pub(super) fn scene_file(&self) -> Result<SceneFile> {
         Ok(format::parse(&self.text, &self.path, &[])?.0)
     }
@@ -77,7 +72,6 @@ impl Setting {
 /// A setting with a value that differs from the scene's value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SettingChange {
-    /// The setting.
     pub setting: Setting,
     /// The new value; an integer except for radii.
     pub value: f64,
@@ -89,7 +83,6 @@ impl SettingChange {
         format!("render.{}={}", self.setting.key(), self.value)
     }
 
-    /// Returns the change as an option of `abbe render`.
     fn option(&self) -> String {
         match self.setting {
             Setting::Photons => format!("--photons {}", self.value),
@@ -99,26 +92,21 @@ impl SettingChange {
         }
     }
 
-    /// The change as text.
     pub fn words(&self) -> String {
         format!("{}: {}", self.setting.words(), self.value)
     }
 }
 
-/// The integrator and the changed setting of a render.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderSettings {
-    /// The integrator.
     pub integrator: Integrator,
     /// The difference from the scene's own settings, if there is one.
     pub change: Option<SettingChange>,
 }
 
 impl RenderSettings {
-    /// Photon mapping with the scene's own settings.
     pub const DEFAULT: Self = Self { integrator: Integrator::Photon, change: None };
 
-    /// The settings as text.
     pub fn words(&self) -> String {
         match (self.integrator, &self.change) {
             (Integrator::Path, _) => "path tracer".to_string(),
@@ -127,7 +115,6 @@ impl RenderSettings {
         }
     }
 
-    /// The shell command that renders with these settings.
     pub fn command(&self, study_scene: &StudyScene, passes: u64) -> String {
         let integrator = match self.integrator {
             Integrator::Photon => None,

@@ -1,5 +1,4 @@
-//! Varies one setting at a time, and finds the fastest settings for each error. Only settings with
-//! an effect on the picture are varied.
+//! Varies one setting at a time that affects the picture, and finds the fastest by error.
 
 use super::convergence::ConvergencePoint;
 use super::curves::ConvergenceCurve;
@@ -16,7 +15,6 @@ use abbe_spectra::math::sort::sort_by_number;
 use abbe_transport::plan::{CausticPlan, IndirectPlan};
 use serde::Serialize;
 
-/// One render of the sweep.
 #[derive(Debug, Clone, Serialize)]
 pub struct SweepRun {
     /// The difference from the scene's own settings, or null if there is none.
@@ -31,7 +29,6 @@ pub struct SweepRun {
 /// The time of a render as a function of its passes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderTime {
-    /// Seconds of the pilot.
     pub pilot: f64,
     /// The part of a pass's time that does not depend on the film size, in seconds.
     pub fixed: f64,
@@ -42,21 +39,17 @@ pub struct RenderTime {
 /// A point of the Pareto front: no other measured point has a smaller error in less time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ParetoPoint {
-    /// The index of the run that contains the point.
     pub run: usize,
     /// The error and the time.
     pub point: ConvergencePoint,
 }
 
-/// The result of the sweep.
 #[derive(Debug, Clone, Serialize)]
 pub struct SettingSweep {
     /// All runs; the first one has the scene's own settings.
     pub runs: Vec<SweepRun>,
-    /// The Pareto front in order of time.
     pub front: Vec<ParetoPoint>,
-    /// The error and the time with the scene's own settings and number of passes. The value is null
-    /// if the study had no time for these passes.
+    /// The point of the scene's own settings and passes, or null without time for them.
     pub default: Option<ConvergencePoint>,
     /// Changes that were skipped for lack of time.
     pub left_out: Vec<SettingChange>,
@@ -71,8 +64,7 @@ const MARCH_STEPS: [f64; 3] = [0.125, 0.5, 2.0];
 /// Values of the maximum path depth.
 const DEPTHS: [f64; 2] = [4.0, 12.0];
 
-/// Returns the changes of settings. Only settings with an effect on the picture of the scene are
-/// changed.
+/// Returns the changes of settings that affect the picture of the scene.
 pub(super) fn changes(scene_file: &SceneFile, job: &Job) -> Vec<SettingChange> {
     let budget = &job.budget;
     let fractions = |setting: Setting, own: f64, fractions: &[f64]| {
@@ -113,15 +105,13 @@ impl RenderTime {
         Self { pilot: stats.seconds.pilot, fixed, gather }
     }
 
-    /// Predicts the time (s) of a number of passes. The film has `pixel_ratio` times as many pixels
-    /// as the film of the study.
+    /// Predicts the time (s) of passes on a film of `pixel_ratio` times the pixels.
     pub fn seconds(&self, passes: f64, pixel_ratio: f64) -> f64 {
         self.pilot + passes * (self.fixed + self.gather * pixel_ratio)
     }
 }
 
 impl SweepRun {
-    /// The settings of the run.
     pub fn settings(&self) -> RenderSettings {
         RenderSettings { integrator: Integrator::Photon, change: self.change }
     }
@@ -161,8 +151,7 @@ impl SettingSweep {
     }
 }
 
-/// Returns the Pareto front. It contains a point if no other point is better in both time and
-/// error. Errors that are not significant are ignored.
+/// Returns the points that no other point beats in time and error, if significant.
 fn front(runs: &[SweepRun]) -> Vec<ParetoPoint> {
     let places =
         |(run, of): (usize, &SweepRun)| of.points.clone().into_iter().map(move |point| ParetoPoint { run, point });

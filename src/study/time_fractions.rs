@@ -1,23 +1,17 @@
 //! The division of a study's time.
 
-/// The time of each part of a study, as a share of the study's budget. The rehearsals for the
-/// choice of the film size are not included.
+/// The parts of a study, as fractions of its budget without the rehearsals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeFractions {
     /// The trials for the choice of the reference's integrator.
     pub trial: f64,
-    /// The reference.
     pub reference: f64,
-    /// The measurement of error against time for photon mapping.
     pub photon_curve: f64,
     /// The measurement of error against time for the path tracer.
     pub path_curve: f64,
-    /// The sweep of settings.
     pub sweep: f64,
-    /// The effects, one by one.
     pub effects: f64,
 }
 
-/// The shares of every study.
 pub const TIME_FRACTIONS: TimeFractions =
     TimeFractions { trial: 0.06, reference: 0.34, photon_curve: 0.14, path_curve: 0.1, sweep: 0.2, effects: 0.16 };

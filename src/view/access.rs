@@ -1,9 +1,7 @@
-//! Decides which requests the server answers.
-//!
-//! Pages of other sites must not reach the server, also if their domain name points to this machine
-//! (DNS rebinding). The first segment of each path is a random token. The `Host` header must name
-//! an IP address or `localhost`, because rebinding needs a domain name. If a request has an
-//! `Origin`, it must be the address of the page itself.
+//! Decides which requests the server answers. Pages of other sites must not reach it, even if their
+//! domain name points to this machine (DNS rebinding). The first segment of each path is a random
+//! token. The `Host` header must name an IP address or `localhost`, because rebinding needs a
+//! domain name. An `Origin` must be the address of the page itself.
 
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;

@@ -9,7 +9,6 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
-/// The orders of the page to the session.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Orders {
     /// Counts the changes of the scene: of its file, and by the page.
@@ -20,8 +19,7 @@ pub(super) struct Orders {
     pub(super) changes: Vec<String>,
     /// The names of forbidden effects.
     pub(super) forbidden: Vec<String>,
-    /// True while the reader moves a slider or the camera. The session then renders only coarse
-    /// pictures.
+    /// True while the reader moves a slider or the camera, when only coarse pictures are rendered.
     pub(super) is_draft: bool,
     /// Counts the wishes for more passes.
     pub(super) extensions: u64,
@@ -29,14 +27,11 @@ pub(super) struct Orders {
     pub(super) interrupted: bool,
 }
 
-/// The state of the session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SessionState {
-    /// The session loads the scene, or runs the pilot.
     Starting,
     /// The session renders passes.
     Rendering,
-    /// The render has all its passes.
     Finished,
     /// The scene has a fault. The last picture stays.
     Failed,
@@ -53,7 +48,6 @@ impl SessionState {
     }
 }
 
-/// The progress of the present render.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ViewProgress {
     pub(super) passes: u64,
@@ -65,7 +59,6 @@ pub(super) struct ViewProgress {
 }
 
 impl ViewProgress {
-    /// Returns the progress without the time of pauses.
     pub(super) fn new(progress: &Progress, paused: Duration) -> Self {
         let total_s = progress.elapsed.as_secs_f64();
         let elapsed_s = (total_s - paused.as_secs_f64()).max(1e-3);
@@ -129,13 +122,11 @@ impl ViewChannel {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes the state, and tells the page.
     fn update(&self, change: impl FnOnce(&mut ViewState)) {
         change(&mut self.lock());
         self.version.send_modify(|version| *version += 1);
     }
 
-    /// Changes the orders, and wakes the session.
     pub(super) fn order(&self, change: impl FnOnce(&mut Orders)) {
         self.update(|state| change(&mut state.orders));
         self.changed.notify_all();
@@ -198,8 +189,7 @@ impl ViewChannel {
         });
     }
 
-    /// Publishes a coarse picture while the reader moves a slider or the camera. The slider may
-    /// have moved on, but the picture still shows its way.
+    /// Publishes a coarse picture while the reader moves a slider, also if it moved on.
     pub(super) fn publish_draft(&self, snapshot: Arc<Snapshot>) {
         self.update(|state| state.snapshot = Some(snapshot));
     }
@@ -235,7 +225,6 @@ impl ViewChannel {
         self.lock().reference.clone()
     }
 
-    /// Returns the scene that is rendered, with its number.
     pub(super) fn loaded(&self) -> Option<(Arc<LoadedScene>, u64)> {
         let state = self.lock();
         Some((state.loaded.clone()?, state.scene.as_ref()?.number))
@@ -245,12 +234,10 @@ impl ViewChannel {
         self.lock().scene.clone()
     }
 
-    /// Returns a receiver of the version of the state.
     pub(super) fn versions(&self) -> watch::Receiver<u64> {
         self.version.subscribe()
     }
 
-    /// Returns the state for the page.
     pub(super) fn to_json(&self) -> Value {
         // A change after this line has a newer version, so the page asks again.
         let version = *self.version.borrow();

@@ -6,27 +6,20 @@ use abbe_session::render::Job;
 use abbe_spectra::error::Result;
 use std::path::Path;
 
-/// A scene that is ready to render, with its text.
 #[derive(Debug)]
 pub struct LoadedScene {
     /// The text of the scene after all changes.
     pub source: JsonSource,
-    /// The planned scene.
     pub job: Job,
     /// The header entries that describe the scene.
     pub metadata: Metadata,
 }
 
-/// Loads the scene of a view.
 pub trait ViewHost: Sync {
-    /// The path of the scene file.
     fn scene_path(&self) -> &Path;
 
-    /// Loads the scene with its own settings and these changes. Each change has the form
-    /// `PATH=JSON`. The page has forbidden the effects in `forbidden`.
-    ///
-    /// # Errors
-    /// Returns an input error if the scene or a change is wrong.
+    /// Loads the scene with these changes in the form `PATH=JSON`, without the effects that the
+    /// page has forbidden. Returns an input error if the scene or a change is wrong.
     fn load(&self, changes: &[String], forbidden: &[String]) -> Result<LoadedScene>;
 
     /// A function that returns true if the user has interrupted the program.

@@ -39,8 +39,8 @@ impl Listener for LimitedListener {
             match self.listener.accept().await {
                 Ok((stream, address)) => {
                     if let Ok(permit) = Arc::clone(&self.permits).try_acquire_owned() {
-                        // Answers are short, and hovering needs short delays. If this fails, the
-                        // connection is only slower.
+                        // Answers are short, and hovering needs short delays. A failure is
+                        // harmless.
                         let _ = stream.set_nodelay(true);
                         return (PermittedStream { stream, _permit: permit }, address);
                     }

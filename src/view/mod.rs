@@ -1,9 +1,9 @@
 //! The live view: renders a scene, and shows the picture on a page in the browser.
 //!
-//! Several threads work together. The session loads the scene on the thread of the caller, and
-//! starts a thread for each render. The server answers requests on its own thread. The watch thread
-//! notices changes of the scene file and interruptions. They share a channel. A render replaces the
-//! published picture, and the server reads it. A render therefore never waits for a browser.
+//! The session loads the scene on the thread of the caller, and starts a thread for each render.
+//! The server answers requests on its own thread, and the watch thread notices changes of the scene
+//! file and interruptions. They share a channel: a render replaces the published picture, and the
+//! server reads it, so a render never waits for a browser.
 
 mod access;
 mod channel;
@@ -39,10 +39,7 @@ pub struct LiveView {
 }
 
 impl LiveView {
-    /// Starts the server. If `port` is 0, the system chooses a free port.
-    ///
-    /// # Errors
-    /// Returns a machine error if the address cannot be used.
+    /// Starts the server, on a free port for 0, or returns a machine error.
     pub fn listen(bind: IpAddr, port: u16) -> Result<Self> {
         let channel = Arc::new(ViewChannel::new());
         let token = access::random_token();
@@ -55,34 +52,25 @@ impl LiveView {
         Ok(Self { channel, address, token })
     }
 
-    /// Returns the address of the page.
     pub fn url(&self) -> String {
         format!("http://{}/{}/", self.address, self.token)
     }
 
     /// Reads a picture with which the page compares the render, or the picture in the file
-    /// `picture`.
-    ///
-    /// # Errors
-    /// Returns an error if a file cannot be read, or if the pictures in both files have different
+    /// `picture`. Returns an error if a file cannot be read, or if both pictures have different
     /// sizes.
     pub fn compare_with(&self, reference: &Path, picture: Option<&Path>) -> Result<()> {
         pictures::set_reference(&self.channel, reference, picture)
     }
 
-    /// Shows the picture in an EXR file until the user interrupts the program.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read at first, or if a thread cannot be started.
+    /// Shows the picture in an EXR file until the user interrupts the program. Returns an error if
+    /// the first read fails, or if a thread cannot be started.
     pub fn show(&self, picture: &Path, is_interrupted: fn() -> bool) -> Result<()> {
         pictures::run(&self.channel, picture, is_interrupted)
     }
 
-    /// Renders the scene until the host is interrupted. The page may pause the render and change
-    /// the scene.
-    ///
-    /// # Errors
-    /// Returns an error if the first load of the scene fails, or if a thread cannot be started.
+    /// Renders the scene until the host is interrupted; the page may pause the render and change
+    /// the scene. Returns an error if the first load fails, or if a thread cannot be started.
     pub fn run(&self, host: &dyn ViewHost, stop: StopRules) -> Result<SessionEnd> {
         watch::start(host.scene_path(), host.interruption(), Arc::clone(&self.channel))?;
         session::run(host, &self.channel, stop)

@@ -24,14 +24,12 @@ pub(super) struct PhotonQuery {
     count: usize,
     /// The number of the light. All lights if absent.
     light: Option<usize>,
-    /// The column and the row of a pixel. Only paths that reach the surface in this pixel are
-    /// shown.
+    /// The column of a pixel. Only paths that reach the surface in the pixel are shown.
     x: Option<u32>,
     y: Option<u32>,
 }
 
-/// Traces photons, and returns the visible parts of their paths as JSON. Returns `None` if the
-/// query is wrong.
+/// Returns the visible parts of photon paths as JSON, or `None` for a wrong query.
 pub(super) fn paths(loaded: &LoadedScene, scene: u64, query: PhotonQuery) -> Option<Value> {
     let PhotonQuery { count, light, x, y } = query;
     let job = &loaded.job;
@@ -93,7 +91,6 @@ fn colour(job: &Job, segment: &RecordedSegment) -> [f64; 3] {
     if most > 0.0 { xyz.map(|value| (value / most * 1e4).round() / 1e4) } else { [0.0; 3] }
 }
 
-/// Rounds a film position to hundredths of a pixel.
 fn hundredths(position: f64) -> f64 {
     (position * 100.0).round() / 100.0
 }

@@ -9,11 +9,9 @@ use abbe_spectra::error::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Publishes a picture until the user interrupts the program. Reads the picture again when its file
-/// changes, for example because a render refreshes it.
-///
-/// # Errors
-/// Returns an error if the first read fails, or if a thread cannot be started.
+/// Publishes a picture until the user interrupts the program, again when its file changes, for
+/// example during a render. Returns an error if the first read fails, or if a thread cannot be
+/// started.
 pub(super) fn run(channel: &Arc<ViewChannel>, path: &Path, is_interrupted: fn() -> bool) -> Result<()> {
     watch::start(path, is_interrupted, Arc::clone(channel))?;
     let mut number = 0;
@@ -41,10 +39,7 @@ pub(super) fn run(channel: &Arc<ViewChannel>, path: &Path, is_interrupted: fn() 
     }
 }
 
-/// Reads the reference, and checks that it has the size of the picture if this is a file too.
-///
-/// # Errors
-/// Returns an error if a file cannot be read, or an input error if the sizes differ.
+/// Reads the reference. Returns an error if it cannot be read, or the sizes differ.
 pub(super) fn set_reference(channel: &ViewChannel, path: &Path, picture: Option<&Path>) -> Result<()> {
     let reference = snapshot(path, 1)?;
     if let Some(picture) = picture.map(read).transpose()? {

@@ -15,10 +15,8 @@ pub(super) struct ProbeArea {
     pub(super) y1: usize,
 }
 
-/// The mean values of an area.
 #[derive(Debug, Serialize)]
 pub(super) struct AreaReport {
-    /// The number of the picture.
     picture: u64,
     passes: u64,
     area: [usize; 4],
@@ -40,10 +38,9 @@ pub(super) struct AreaReport {
     errors: Option<Vec<f64>>,
 }
 
-/// Returns the mean values of an area, or `None` if it is not inside the picture.
-///
-/// The noise of neighbouring pixels is correlated, because their estimates share photons. The noise
-/// of an area is therefore the mean noise of its pixels. This is an upper bound.
+/// Returns the mean values of an area, or `None` if it is not inside the picture. The noise of
+/// neighbouring pixels is correlated, because their estimates share photons, so the noise of an
+/// area is the upper bound: the mean noise of its pixels.
 pub(super) fn report(snapshot: &Snapshot, area: ProbeArea) -> Option<AreaReport> {
     let picture = &snapshot.picture;
     let ProbeArea { x0, y0, x1, y1 } = area;

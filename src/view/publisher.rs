@@ -12,8 +12,7 @@ use abbe_transport::sensor::Picture;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-/// The largest share of the render's time that published pictures take. The share of the first
-/// picture may be larger.
+/// The largest fraction of the render's time for published pictures. The first one may take more.
 const LARGEST_FRACTION: f64 = 0.03;
 
 /// The shortest time between two pictures of passes.
@@ -41,7 +40,6 @@ impl<'a> Publisher<'a> {
         Self { channel, loaded, scene, revision, last: None, schedule: PublicationSchedule::new() }
     }
 
-    /// Publishes a coarse picture.
     pub(super) fn coarse(&self, picture: &Picture) {
         self.channel.publish(self.revision, self.snapshot(picture.clone(), None));
     }
@@ -60,7 +58,6 @@ impl<'a> Publisher<'a> {
         }
     }
 
-    /// Publishes the picture of a run.
     pub(super) fn publish(&mut self, run: &Run, picture: Picture) {
         if self.last.as_ref().is_none_or(|last| last.passes < run.passes()) {
             let snapshot = self.snapshot(picture, Some(run));
@@ -131,8 +128,8 @@ impl PublicationSchedule {
         now >= self.next
     }
 
-    /// Notes a picture that took the time `cost`. The next picture is due when all pictures
-    /// together, and another one, take at most [`LARGEST_FRACTION`] of the time.
+    /// Notes a picture that took `cost`. The next one is due when all together, with another one,
+    /// take at most [`LARGEST_FRACTION`] of the time.
     fn published(&mut self, begin: Instant, cost: Duration) {
         self.spent += cost;
         let end = begin + cost;

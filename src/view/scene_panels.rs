@@ -10,10 +10,8 @@ use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum};
 use abbe_transport::sensor::{Development, Picture};
 use serde_json::{Value, json};
 
-/// A loaded scene as the page sees it.
 #[derive(Debug)]
 pub(super) struct ScenePanels {
-    /// Counts the loaded scenes of the view.
     pub(super) number: u64,
     pub(super) display: DisplaySettings,
     /// The content of the page's panels as JSON.
@@ -81,8 +79,7 @@ fn space_json(space: RgbSpace, development: &Development) -> Value {
     })
 }
 
-/// Returns the spectral power of all lights in each band, in W/nm, with the limits of the bands in
-/// nm.
+/// Returns the power of all lights in W/nm in each band, and the limits of the bands.
 fn light_spectrum(job: &Job) -> Value {
     let bands = job.scene.film.spectral_bands;
     let width_nm = (BAND_NM.1 - BAND_NM.0) / f64::from(bands.max(1));

@@ -59,10 +59,7 @@ struct ViewServer {
     tracing: tokio::sync::Mutex<()>,
 }
 
-/// Starts the thread of the server.
-///
-/// # Errors
-/// Returns an error if the thread or its event loop cannot be started.
+/// Starts the thread of the server, or returns an error if it or its event loop cannot be started.
 pub(super) fn start(listener: std::net::TcpListener, access: Access, channel: Arc<ViewChannel>) -> io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
@@ -142,7 +139,6 @@ fn json(text: String) -> Result<Response, StatusCode> {
     Ok(typed("application/json", text))
 }
 
-/// Reads the body of a request.
 async fn body_of(headers: &HeaderMap, body: Body) -> Result<axum::body::Bytes, StatusCode> {
     let declared = value_of(headers, header::CONTENT_LENGTH).and_then(|length| length.parse::<usize>().ok());
     if declared.is_some_and(|length| length > MAX_BODY_BYTES) {
@@ -186,7 +182,6 @@ fn plane(snapshot: &Snapshot, body: impl Into<Body>) -> Response {
     (headers, typed("application/octet-stream", body)).into_response()
 }
 
-/// Returns the mean values of an area.
 fn probed(snapshot: &Snapshot, query: &str) -> Result<Response, StatusCode> {
     let area: ProbeArea = numbers(query)?;
     let report = probe::report(snapshot, area).ok_or(StatusCode::BAD_REQUEST)?;
@@ -219,7 +214,6 @@ async fn compared(channel: &ViewChannel, path: &str, query: &str) -> Result<Resp
     work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?
 }
 
-/// Traces photon paths in the present scene.
 async fn traced(server: &ViewServer, query: PhotonQuery) -> Result<Response, StatusCode> {
     let _turn = server.tracing.lock().await;
     let (loaded, scene) = server.channel.loaded().ok_or(StatusCode::NOT_FOUND)?;
@@ -268,7 +262,6 @@ struct PageOrders {
     extend: bool,
     /// All changes of the scene, in the form `PATH=JSON`.
     changes: Option<Vec<String>>,
-    /// All forbidden effects.
     forbidden: Option<Vec<String>>,
     /// True while the reader moves a slider or the camera.
     #[serde(default)]

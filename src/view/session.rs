@@ -15,21 +15,15 @@ use std::time::{Duration, Instant};
 /// The session renders all passes again when a slider has not moved for this time.
 const DRAFT_END: Duration = Duration::from_millis(400);
 
-/// The state of a view at its end.
 #[derive(Debug)]
 pub struct SessionEnd {
-    /// The last scene and its render. `None` if the last scene has a fault, or if no pass of it is
-    /// done.
+    /// The last scene and its render, unless the scene has a fault, or no pass of it is done.
     pub last: Option<(Arc<LoadedScene>, Box<Rendered>)>,
 }
 
-/// Renders until the host is interrupted.
-///
-/// Each render has its own thread. If the scene changes, the session abandons the render, and
-/// starts the next one at once. The abandoned render ends after its pass.
-///
-/// # Errors
-/// Returns an error if the first load of the scene fails, or if a thread cannot be started.
+/// Renders until the host is interrupted, each render on its own thread. If the scene changes, the
+/// session starts the next render at once, and the abandoned one ends after its pass. Returns an
+/// error if the first load of the scene fails, or if a thread cannot be started.
 pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRules) -> Result<SessionEnd> {
     let mut number = 0;
     loop {
@@ -106,8 +100,7 @@ fn end_draft(channel: &ViewChannel, orders: &Orders) {
     }
 }
 
-/// Renders passes until the scene changes or the user interrupts. Returns the render if the user
-/// interrupts.
+/// Renders passes until the scene changes or the user interrupts, and then returns the render.
 fn render(
     loaded: &LoadedScene,
     channel: &ViewChannel,
@@ -158,7 +151,6 @@ struct ViewMonitor<'a, 'p> {
     publisher: &'a mut Publisher<'p>,
     /// The revision of the scene that is rendered.
     revision: u64,
-    /// The time of all pauses.
     paused: Duration,
     last: ViewProgress,
 }
@@ -191,8 +183,7 @@ impl Monitor for ViewMonitor<'_, '_> {
     }
 }
 
-/// Returns an error as text, with the lines of the scene file to which it refers. A caret marks the
-/// column.
+/// Returns an error as text, with the lines of the scene file to which it refers, and carets.
 fn with_carets(error: &Error, scene: &Path) -> String {
     let text = std::fs::read_to_string(scene).unwrap_or_default();
     let fault = |fault: Error| {

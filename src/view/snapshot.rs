@@ -13,7 +13,6 @@ use std::sync::{Arc, OnceLock};
 /// A picture that the page can show. It never changes.
 #[derive(Debug)]
 pub(super) struct Snapshot {
-    /// Counts the snapshots of the view.
     pub(super) number: u64,
     /// The name of the scene file or of the picture file.
     pub(super) name: String,
@@ -30,7 +29,6 @@ pub(super) struct Snapshot {
     pub(super) effort: Option<(StageSeconds, LedgerStats)>,
     /// The noise of the bands, if several pictures of the render were published.
     pub(super) band_noise: Option<BandNoise>,
-    /// The number of events of each effect.
     pub(super) events: BTreeMap<String, u64>,
     /// The header of the picture's file, or `None` for a coarse picture.
     pub(super) metadata: Option<Metadata>,
@@ -43,7 +41,6 @@ pub(super) struct Snapshot {
 }
 
 impl Snapshot {
-    /// Creates the snapshot of a saved picture.
     pub(super) fn of_file(
         number: u64,
         name: &str,
@@ -70,8 +67,7 @@ impl Snapshot {
         }
     }
 
-    /// Returns the numbers that the page needs if this is the reference of a comparison. The
-    /// exposure is that of `abbe compare`.
+    /// Returns the numbers of the page for a reference, at the exposure of `abbe compare`.
     pub(super) fn reference_summary(&self) -> Value {
         json!({
             "number": self.number,
@@ -118,8 +114,7 @@ impl Snapshot {
         layers::samples(&self.picture).map(|samples| float_bytes(samples.iter().copied()))
     }
 
-    /// Returns Y of each path class at all pixels in cd/m², class by class. Returns `None` if the
-    /// picture does not separate the path classes.
+    /// Returns Y of each path class at all pixels in cd/m², if the picture separates them.
     pub(super) fn classes(&self) -> Option<Vec<u8>> {
         layers::class_luminance(&self.picture).map(|classes| float_bytes(classes.into_iter().flatten()))
     }
@@ -136,8 +131,7 @@ impl Snapshot {
         float_bytes(pairs.flat_map(|(noise, bias)| [noise, bias].map(|value| value.unwrap_or(f32::NAN))))
     }
 
-    /// Returns the spectral radiance of a band at all pixels in W/m²/sr/nm. Returns `None` if the
-    /// picture does not have this band.
+    /// Returns the spectral radiance of a band at all pixels in W/m²/sr/nm, if the picture has it.
     pub(super) fn band(&self, band: usize) -> Option<Vec<u8>> {
         let bands = self.picture.bands.as_ref()?;
         let count = bands.centres_nm.len();
@@ -149,11 +143,9 @@ pub(super) fn float_bytes(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(f32::to_le_bytes).collect()
 }
 
-/// The noise of spectral bands, from the differences between the pictures of one render.
-///
-/// The passes between two pictures are a batch. The method of batch means estimates the variance of
-/// a pass: the weighted squared deviations of the batch means, divided by the number of batches
-/// minus 1. The weight of a batch is its number of passes.
+/// The noise of spectral bands, by the method of batch means: the passes between two pictures of a
+/// render are a batch, and the variance of a pass is the sum of the squared deviations of the batch
+/// means, weighted by their passes, divided by the number of batches minus 1.
 #[derive(Debug, Clone)]
 pub(super) struct BandNoise {
     batches: u32,
@@ -168,8 +160,7 @@ impl BandNoise {
         Self { batches: 1, passes, squares: vec![0.0; values] }
     }
 
-    /// Returns the noise after another picture. `before` and `after` are the means of the previous
-    /// and of the new picture.
+    /// Returns the noise after another picture, from the means before and after it.
     pub(super) fn next(&self, before: &[f32], after: &[f32], passes: u64) -> Self {
         let (first, second) = (self.passes as f32, (passes - self.passes) as f32);
         let weight = first * passes as f32 / second;
@@ -190,8 +181,8 @@ impl BandNoise {
 mod tests {
     use super::*;
 
-    /// Batches of 1, 2 and 3 passes with the means 1, 4 and 3 have the weighted mean 3. The squared
-    /// deviations, weighted with the passes, sum to 4 + 2 + 0 = 6.
+    /// Batches of 1, 2 and 3 passes with the means 1, 4 and 3 have the weighted mean 3 and the
+    /// weighted squared deviations 4 + 2 + 0 = 6.
     #[test]
     fn band_noise_is_the_noise_of_batch_means() {
         let means = [1.0, (1.0 + 2.0 * 4.0) / 3.0, (1.0 + 2.0 * 4.0 + 3.0 * 3.0) / 6.0];

@@ -17,10 +17,8 @@ fn stamp(path: &Path) -> FileStamp {
     Some((found.modified().ok()?, found.len()))
 }
 
-/// Starts the watch thread. It ends with the process, or after an interruption.
-///
-/// # Errors
-/// Returns a machine error if the thread cannot be started.
+/// Starts the watch thread, which ends with the process or after an interruption. Returns a machine
+/// error if it cannot be started.
 pub(super) fn start(path: &Path, is_interrupted: fn() -> bool, channel: Arc<ViewChannel>) -> Result<()> {
     let path = path.to_path_buf();
     let mut seen = stamp(&path);

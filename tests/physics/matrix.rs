@@ -58,7 +58,7 @@ fn blocks(rendered: &Rendered) -> Vec<f64> {
 
 fn picture(scene: &Value, first_seed: u64) -> Measured {
     let seeds = first_seed..first_seed + SEEDS.end;
-    Measured::new(scene, (Integrator::Photon, 4), seeds, blocks)
+    Measured::new(scene, (Integrator::Photon, 12), seeds, blocks)
 }
 
 fn meter(scene: &Value, first_seed: u64) -> Measured {
@@ -88,10 +88,14 @@ fn estimators_of_transmittance_agree_on_all_paths() {
 fn points_and_beams_aim_and_wavelengths_agree() {
     let exact = scene("exact");
     let known = picture(&exact, 0);
+    let forced = |effects: Value| with_setting(&exact, "force", effects);
     let variants = [
-        ("points in place of beams", with_setting(&exact, "forbid", json!(["photon-beams"]))),
+        (
+            "points in place of beams",
+            with_setting(&forced(json!(["volume-photons"])), "forbid", json!(["photon-beams"])),
+        ),
         ("no aim", with_setting(&exact, "forbid", json!(["aim"]))),
-        ("shared wavelengths", with_setting(&exact, "force", json!(["shared"]))),
+        ("shared wavelengths", forced(json!(["shared"]))),
         ("a map of direct light", with_setting(&exact, "light_map", json!({"resolution": 32}))),
     ];
     for (i, (name, scene)) in variants.iter().enumerate() {

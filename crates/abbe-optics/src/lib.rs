@@ -55,6 +55,8 @@
 //! The crate depends on [`abbe_spectra`], whose [`Spectrum`](abbe_spectra::Spectrum) and
 //! [`Error`](abbe_spectra::Error) appear in its interface.
 
+#![warn(missing_docs)]
+
 pub mod aperture;
 pub mod bsdf;
 pub mod donaldson;

@@ -42,6 +42,7 @@
 //! This crate depends on no other crate of Abbe. Its tables are in `data/`, and `data/SOURCES.md`
 //! names their sources.
 
+#![warn(missing_docs)]
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

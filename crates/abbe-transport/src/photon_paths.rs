@@ -1,7 +1,5 @@
-//! Photon paths with their vertices, for drawings.
-//!
-//! These paths have their own random streams, so they change no picture. They are traced by the
-//! code that traces the photons of a pass.
+//! Photon paths with their vertices, for drawings, traced by the code of a pass. They have their
+//! own random streams, so they change no picture.
 
 use crate::emit::{EmissionStrata, MediumCollision, PhotonState, PhotonVisitor, SurfaceArrival};
 use crate::emit::{WavelengthSampling, trace};
@@ -19,7 +17,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The number of paths that one task traces.
 const PATHS_PER_TASK: u64 = 256;
 
 /// The number of tasks that run before the paths are counted.
@@ -31,30 +28,24 @@ const MOST_SEGMENTS: usize = 64;
 /// Paths that arrive at a target are selected from this many times as many paths.
 const CANDIDATES: usize = 4;
 
-/// Describes the wanted paths.
 #[derive(Debug, Clone, Copy)]
 pub struct PathQuery {
     /// The number of the light, or `None` for all lights in proportion to their power.
     pub light: Option<usize>,
-    /// The largest number of paths.
     pub count: usize,
-    /// Only paths that arrive at a surface or collide with a medium in this sphere are wanted. They
-    /// end there.
+    /// Only paths that arrive at a surface or collide in this sphere are wanted, and end there.
     pub target: Option<BoundingSphere>,
     /// The search for such paths ends after this many photons.
     pub most_traced: u64,
 }
 
-/// Recorded paths.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PhotonPaths {
     /// The paths, in the order of their photons.
     pub paths: Vec<RecordedPath>,
-    /// The number of traced photons.
     pub traced: u64,
 }
 
-/// A photon path with its vertices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedPath {
     /// The origin in m, relative to the scene's centre.
@@ -63,21 +54,18 @@ pub struct RecordedPath {
     pub segments: Vec<RecordedSegment>,
 }
 
-/// A straight part of a photon path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordedSegment {
-    /// The end in m, relative to the scene's centre. If the photon leaves the scene, the segment
-    /// ends outside.
+    /// In m, relative to the scene's centre; outside if the photon leaves the scene.
     pub end: DVec3,
-    /// The wavelengths that the photon carries.
     pub wavelengths: Wavelengths,
     /// The power of each wavelength at the end, in W.
     pub power_w: Lanes,
 }
 
-/// Traces photons and records their paths on the current thread pool. The photons are aimed like
-/// those of a pass. The same query returns the same paths. If anything moves, the scene is that at
-/// the time when the shutter opens. Returns no paths if the light does not exist or emits no light.
+/// Records paths on the current thread pool, aimed like those of a pass, and the same for the same
+/// query. A moving scene is that when the shutter opens. Returns no paths if the light does not
+/// exist or emits nothing.
 pub fn photon_paths(context: &PassContext<'_>, query: &PathQuery) -> PhotonPaths {
     let aims = match context.plan.aim {
         AimPlan::Learned => learn_aims(context, &[Cow::Borrowed(context.scene)]),
@@ -125,10 +113,10 @@ fn of_light(strata: EmissionStrata, light: Option<usize>) -> Option<EmissionStra
     Some(EmissionStrata { choice, ..strata })
 }
 
-/// Selects paths in proportion to the power with which they arrive. Aimed photons have different
-/// powers, so the selected paths represent the light better than all paths. Paths with more than
-/// their share of the power are always selected (systematic sampling with unequal probabilities:
-/// Särndal, Swensson & Wretman 1992, "Model Assisted Survey Sampling", section 3.6).
+/// Selects paths in proportion to the power with which they arrive: aimed photons have different
+/// powers, so these represent the light better. Paths with more than their fraction of the power
+/// are always selected (systematic sampling with unequal probabilities: Särndal, Swensson & Wretman
+/// 1992, "Model Assisted Survey Sampling", section 3.6).
 fn selected_by_power(paths: Vec<RecordedPath>, count: usize) -> Vec<RecordedPath> {
     if paths.len() <= count {
         return paths;
@@ -139,7 +127,6 @@ fn selected_by_power(paths: Vec<RecordedPath>, count: usize) -> Vec<RecordedPath
     paths.into_iter().zip(is_selected).filter(|(_, is_selected)| *is_selected).map(|(path, _)| path).collect()
 }
 
-/// Returns which of the paths with these powers are selected.
 fn selection(powers: &[f64], count: usize) -> Vec<bool> {
     let mut selected = vec![false; powers.len()];
     let step = loop {
@@ -161,7 +148,6 @@ fn selection(powers: &[f64], count: usize) -> Vec<bool> {
     selected
 }
 
-/// Records the vertices of paths.
 #[derive(Debug)]
 struct PathRecorder<'a> {
     scene: &'a Scene,
@@ -222,7 +208,7 @@ impl PhotonVisitor for PathRecorder<'_> {
 mod tests {
     use super::*;
 
-    /// Some paths may have more than their share of the power.
+    /// Some paths may have more than their fraction of the power.
     #[test]
     fn as_many_paths_are_selected_as_are_wanted() {
         let uneven: Vec<f64> = (0..60).map(|i| 1.3_f64.powi(i)).collect();

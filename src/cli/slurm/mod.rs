@@ -97,13 +97,11 @@ pub(crate) fn run(arguments: &SlurmArgs) -> Result<Outcome> {
 }
 
 impl SlurmArgs {
-    /// The name of the scene without folder and extension.
     fn name(&self) -> String {
         self.scene.file_stem().unwrap_or("scene".as_ref()).to_string_lossy().into_owned()
     }
 
-    /// Checks the scene and the options of the render. Returns the number of passes, or `None` if
-    /// it is not limited.
+    /// Checks the scene and the options. Returns the number of passes, `None` without limit.
     fn check_render(&self) -> Result<Option<u64>> {
         let words = ["abbe".into(), "render".into(), self.scene.clone().into_os_string()];
         let options = self.render_options.iter().map(Into::into);
@@ -121,7 +119,6 @@ impl SlurmArgs {
         Ok(passes)
     }
 
-    /// Returns the file `settings.sh`.
     fn settings(&self, passes: Option<u64>) -> Result<String> {
         let absolute = |path: &Path| {
             path.canonicalize().map_err(|error| Error::input(format!("cannot be found: {error}")).in_file(path))
@@ -161,8 +158,8 @@ impl SlurmArgs {
         ))
     }
 
-    /// Returns the program that the jobs run. In the Python package, this process is Python, and
-    /// the jobs find `abbe` in their path.
+    /// Returns the program that the jobs run. From the Python package, whose process is Python,
+    /// they find `abbe` in their path.
     fn program(&self) -> Result<PathBuf> {
         if let Some(program) = &self.abbe {
             return Ok(program.clone());
@@ -174,7 +171,6 @@ impl SlurmArgs {
     }
 }
 
-/// Returns a text as one word of a shell.
 fn quoted(text: &str) -> String {
     format!("'{}'", text.replace('\'', r"'\''"))
 }
@@ -185,7 +181,6 @@ fn quoted_path(path: &Path) -> Result<String> {
     Ok(quoted(text))
 }
 
-/// Returns texts as words of a shell.
 fn words(texts: &[String]) -> String {
     texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(" ")
 }

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use super::model::{Bsdf, MixBsdf};
 use super::sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 use super::texels::Texels;
+use super::{Bsdf, MixBsdf};
 use super::{coated, dielectric, diffuse};
 use crate::texture::{LookupRandom, SurfaceSpectrum, TexturePoint};
 use abbe_spectra::spectrum::{LANES, Lanes};

@@ -1,6 +1,6 @@
 //! Tests of BSDFs and of their mixtures.
 
-use super::model::{Bsdf, MixBsdf};
+use super::{Bsdf, MixBsdf};
 use crate::glass::RefractiveIndex;
 use crate::texture::{
     Filter, ImagePattern, ImageSize, LookupRandom, ScalarTexture, SurfaceScalar, TexturePoint, UvTransform, Wrap,

@@ -30,7 +30,7 @@ pub enum GlassKind {
 }
 
 /// A least-squares fit of n = a + b/λ² + c/λ⁴, where λ is in µm.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct CauchyFit {
     /// Coefficient a, dimensionless.
     pub a: f64,
@@ -38,10 +38,10 @@ pub struct CauchyFit {
     pub b: f64,
     /// Coefficient c in µm⁴.
     pub c: f64,
-    /// The fitted wavelength range in nm.
-    pub range_nm: (f64, f64),
     /// The largest absolute difference between the fit and the formula within the fitted range.
     pub max_error: f64,
+    /// The fitted wavelength range in nm.
+    pub range_nm: (f64, f64),
 }
 
 impl CauchyFit {

@@ -19,11 +19,12 @@ const FIELD_FRACTIONS: [f64; 3] = [0.0, 0.7, 1.0];
 const DEFAULT_HALF_FIELD_DEG: f64 = 20.0;
 
 /// The focus at one spectral line.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct LineFocus {
     /// Name of the line.
     pub line: &'static str,
     /// Wavelength in nm.
+    #[serde(rename = "nm")]
     pub wavelength_nm: f64,
     /// Effective focal length in mm.
     pub efl_mm: f64,

@@ -25,9 +25,10 @@ pub const FREQUENCIES_PER_MM: [f64; 4] = [10.0, 20.0, 40.0, 80.0];
 pub const FAN_PUPIL: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// The MTF at one spatial frequency.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct MtfPoint {
     /// Spatial frequency on the sensor in cycles/mm.
+    #[serde(rename = "cycles_per_mm")]
     pub per_mm: f64,
     /// Contrast of lines perpendicular to the meridional plane.
     pub tangential: f64,

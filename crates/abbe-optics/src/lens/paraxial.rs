@@ -5,7 +5,7 @@ use super::trace::MonochromaticLens;
 use abbe_spectra::error::{Error, Result};
 
 /// An image of the stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Pupil {
     /// Position on the axis in mm from the first vertex.
     pub z_mm: f64,

@@ -1,6 +1,6 @@
 //! The mixture of a phase function over the wavelengths of a path.
 
-use super::function::PhaseFunction;
+use super::PhaseFunction;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;

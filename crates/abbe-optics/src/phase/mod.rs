@@ -4,7 +4,6 @@
 //! forward scattering has cos θ = +1. Every phase function is a density per steradian that
 //! integrates to 1 over the sphere.
 
-mod function;
 mod henyey_greenstein;
 pub mod mie;
 mod mixture;
@@ -15,8 +14,75 @@ mod table;
 #[cfg(test)]
 mod contract;
 
-pub use function::PhaseFunction;
 pub use henyey_greenstein::MAX_MEAN_COSINE;
 pub use mixture::PhaseMixture;
 pub use rainbow::rainbow;
 pub use table::{PhaseTable, parse as parse_table};
+
+use abbe_spectra::math::frame::Frame;
+use abbe_spectra::math::warp;
+use abbe_spectra::spectrum::Spectrum;
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// A phase function.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PhaseFunction {
+    /// Uniform scattering in all directions.
+    Isotropic,
+    /// Scattering by particles much smaller than the wavelength.
+    Rayleigh,
+    /// The Henyey–Greenstein phase function with |g| ≤ [`MAX_MEAN_COSINE`](super::MAX_MEAN_COSINE) at every wavelength.
+    HenyeyGreenstein {
+        /// Asymmetry parameter g(λ), the mean cosine of the scattering angle.
+        g: Spectrum,
+    },
+    /// A table over angles and wavelengths.
+    Table(Arc<PhaseTable>),
+}
+
+impl PhaseFunction {
+    /// Returns the pdf per steradian at a cosine of the scattering angle and a wavelength in nm.
+    pub fn eval(&self, cos_theta: f64, nm: f64) -> f64 {
+        match self {
+            Self::Isotropic => 0.25 / PI,
+            Self::Rayleigh => rayleigh::eval(cos_theta),
+            Self::HenyeyGreenstein { g } => henyey_greenstein::eval(g.at(nm), cos_theta),
+            Self::Table(table) => table.eval(cos_theta, nm),
+        }
+    }
+
+    /// Samples the direction of scattered light with exactly the pdf [`eval`](Self::eval), by `u`
+    /// in \[0, 1). `incoming`, the direction before scattering, and the result are unit vectors.
+    pub fn sample(&self, incoming: DVec3, nm: f64, u: [f64; 2]) -> DVec3 {
+        let (axis, one_minus_cos) = match self {
+            Self::Isotropic => return warp::sphere(u),
+            Self::Rayleigh => (incoming, rayleigh::quantile(u[0])),
+            Self::HenyeyGreenstein { g } => {
+                let g = g.at(nm);
+                (incoming * 1.0_f64.copysign(g), henyey_greenstein::quantile(g.abs(), u[0]))
+            }
+            Self::Table(table) => (incoming, table.quantile(nm, u[0])),
+        };
+        Frame::new(axis).to_world(warp::spherical_direction(one_minus_cos, u[1]))
+    }
+
+    /// Returns the mean of cos θ at a wavelength in nm.
+    pub fn mean_cosine(&self, nm: f64) -> f64 {
+        match self {
+            Self::Isotropic | Self::Rayleigh => 0.0,
+            Self::HenyeyGreenstein { g } => g.at(nm),
+            Self::Table(table) => table.mean_cosine(nm),
+        }
+    }
+
+    /// Returns true if the phase function varies with wavelength.
+    pub fn depends_on_wavelength(&self) -> bool {
+        match self {
+            Self::Isotropic | Self::Rayleigh => false,
+            Self::HenyeyGreenstein { g } => g.is_constant().is_none(),
+            Self::Table(table) => table.depends_on_wavelength(),
+        }
+    }
+}

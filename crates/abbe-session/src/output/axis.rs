@@ -5,34 +5,26 @@ use abbe_spectra::math::elementary::{log10, powf};
 /// A round number is one of these digits, multiplied by a power of ten.
 const ROUND_DIGITS: [f64; 3] = [1.0, 2.0, 5.0];
 
-/// A linear axis is divided into this number of intervals. The length of an interval is then
-/// rounded up to a round number.
+/// The intervals of a linear axis, each of whose lengths is then rounded up to a round number.
 const LINEAR_INTERVALS: f64 = 6.0;
 
 /// A logarithmic axis has a label at every tick if it covers fewer decades than this.
 const FEW_DECADES: f64 = 2.5;
 
-/// An axis of a plot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Axis {
     scale: AxisScale,
-    /// The ends of the axis. The ends of a linear axis are values. The ends of a logarithmic axis
-    /// are decimal logarithms of values.
+    /// The ends: values on a linear axis, and their decimal logarithms on a logarithmic axis.
     range: (f64, f64),
-    /// The positions of both ends on the page.
     page: (f64, f64),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum AxisScale {
-    /// The distance between ticks.
-    Linear {
-        step: f64,
-    },
+    Linear { step: f64 },
     Logarithmic,
 }
 
-/// A tick of an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tick {
     pub(super) value: f64,
@@ -41,16 +33,15 @@ pub(super) struct Tick {
 }
 
 impl Axis {
-    /// Returns a linear axis for the finite values. The axis begins and ends at ticks. `page`
-    /// contains the positions of both ends on the page.
+    /// Returns a linear axis for the finite values, which begins and ends at ticks. `page` holds
+    /// the positions of both ends.
     pub(super) fn linear(values: impl Iterator<Item = f64>, from_zero: bool, page: (f64, f64)) -> Self {
         let (mut least, mut most) = extremes(values.filter(|value| value.is_finite()));
         if from_zero || least > most {
             (least, most) = (least.min(0.0), most.max(0.0));
         }
         if most - least <= 1e-12 * most.abs().max(least.abs()) {
-            // A constant curve is drawn at half height. If all values are 0 and the axis begins at
-            // 0, the axis ends at 1.
+            // A constant curve is drawn at half height. If all values are 0, the axis ends at 1.
             let margin = if most == 0.0 { 1.0 } else { 0.1 * most.abs() };
             (least, most) = (if from_zero { least.min(0.0) } else { least - margin }, most + margin);
         }
@@ -59,8 +50,8 @@ impl Axis {
         Self { scale: AxisScale::Linear { step }, range, page }
     }
 
-    /// Returns a logarithmic axis for the positive finite values. The axis has a small margin and
-    /// covers at least one decade. `page` contains the positions of both ends on the page.
+    /// Returns a logarithmic axis for the positive finite values, with a small margin and at least
+    /// one decade. `page` holds the positions of both ends.
     pub(super) fn logarithmic(values: impl Iterator<Item = f64>, page: (f64, f64)) -> Self {
         let (least, most) = extremes(values.filter(|value| *value > 0.0 && value.is_finite()).map(log10));
         let (least, most) = if least <= most { (least, most) } else { (0.0, 0.0) };
@@ -68,7 +59,6 @@ impl Axis {
         Self { scale: AxisScale::Logarithmic, range: (least - margin, most + margin), page }
     }
 
-    /// Returns the position of a value on the page.
     pub(super) fn position(&self, value: f64) -> f64 {
         let value = match self.scale {
             AxisScale::Linear { .. } => value,
@@ -78,8 +68,8 @@ impl Axis {
         self.page.0 + (value - low) / (high - low) * (self.page.1 - self.page.0)
     }
 
-    /// Returns the ticks in ascending order. All ticks of a linear axis have labels. A logarithmic
-    /// axis over many decades has labels only at powers of ten.
+    /// Returns the ticks in ascending order, all with labels on a linear axis, but only at powers
+    /// of ten on a logarithmic axis over many decades.
     pub(super) fn ticks(&self) -> Vec<Tick> {
         let (low, high) = self.range;
         match self.scale {
@@ -104,13 +94,11 @@ fn extremes(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(value), most.max(value)))
 }
 
-/// Returns the round numbers in the given decades, in ascending order. Each entry is a pair of the
-/// first digit and the number.
+/// Returns pairs of the first digit and the round number in these decades, in ascending order.
 fn round_numbers(decades: std::ops::RangeInclusive<i32>) -> impl Iterator<Item = (f64, f64)> {
     decades.flat_map(|decade| ROUND_DIGITS.map(|digit| (digit, digit * 10.0_f64.powi(decade))))
 }
 
-/// Returns the smallest round number that is not below `step`.
 fn round_step(step: f64) -> f64 {
     let decade = log10(step).floor() as i32;
     let mut steps = round_numbers(decade..=decade + 1).map(|(_, round)| round);
@@ -122,9 +110,8 @@ fn is_plain(magnitude: f64) -> bool {
     (1e-2..1e5).contains(&magnitude)
 }
 
-/// Formats the label of a tick on a linear axis, with as many decimals as the distance between
-/// ticks needs. If the largest value of the axis is very large or small, the label contains a power
-/// of ten.
+/// Formats a label of a linear axis, with the decimals that the distance between ticks needs, and a
+/// power of ten if the largest value of the axis is very large or small.
 fn linear_label(value: f64, step: f64, largest: f64) -> String {
     let exponent = if is_plain(largest) { 0 } else { log10(largest).floor() as i32 };
     let unit = 10.0_f64.powi(exponent);
@@ -135,8 +122,7 @@ fn linear_label(value: f64, step: f64, largest: f64) -> String {
     if exponent == 0 || is_zero { number } else { format!("{number}·{}", power_of_ten(exponent)) }
 }
 
-/// Formats the label of a tick on a logarithmic axis. The label of a very large or very small
-/// number contains a power of ten.
+/// Formats a label of a logarithmic axis, with a power of ten if the number is very large or small.
 fn logarithmic_label(value: f64) -> String {
     if is_plain(value) {
         return format!("{}", (value * 1e6).round() / 1e6);

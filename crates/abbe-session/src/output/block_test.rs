@@ -8,13 +8,13 @@ use abbe_transport::sensor::Picture;
 const BLOCK: usize = 8;
 
 /// Returns the probability that the largest difference between the blocks of two pictures is at
-/// least as large as measured, if both pictures show the same scene without bias.
+/// least as large as measured, if both show the same scene without bias. `None` if no pixel's noise
+/// is known in both pictures.
 ///
 /// Each block of 8 × 8 pixels is tested with Student's t: the mean difference in Y, divided by the
-/// mean standard error of the difference. This divisor is an upper bound of the block's standard
-/// error for any correlation between its pixels. Šidák's correction combines the blocks. Therefore
-/// the result is too large rather than too small. Only pixels whose noise is known in both pictures
-/// count. Returns `None` if there are no such pixels.
+/// mean standard error of the difference, an upper bound of the block's standard error for any
+/// correlation between its pixels. Šidák's correction combines the blocks, so the result is too
+/// large rather than too small.
 pub(super) fn probability(picture: &Picture, reference: &Picture, selection: &Selection) -> Option<f64> {
     let (width, height) = (reference.width, reference.height);
     let corners = (0..height).step_by(BLOCK).flat_map(|y| (0..width).step_by(BLOCK).map(move |x| (x, y)));
@@ -38,9 +38,9 @@ pub(super) fn probability(picture: &Picture, reference: &Picture, selection: &Se
     (count > 0).then(|| -exp_m1(f64::from(count) * ln_1p(-least)))
 }
 
-/// Returns the probability that Student's t with 9 degrees of freedom is at least |t|, on either
-/// side. A pixel's noise estimate has 9 degrees of freedom. The closed form for odd numbers is in
-/// Abramowitz and Stegun, 26.7.3. Returns 0 if t is NaN.
+/// Returns the probability that Student's t with 9 degrees of freedom, those of a pixel's noise, is
+/// at least |t| on either side (the closed form for odd numbers in Abramowitz and Stegun, 26.7.3),
+/// or 0 for NaN.
 fn two_sided_p(t: f64) -> f64 {
     if t.is_nan() {
         return 0.0;
@@ -64,8 +64,8 @@ mod tests {
         }
     }
 
-    /// Returns a 32 × 32 picture of luminance 1 with Gaussian noise of standard error 0.03. All
-    /// pixels of a cell of `cell` × `cell` pixels have the same noise.
+    /// Returns a 32 × 32 picture of luminance 1 with Gaussian noise of standard error 0.03, which
+    /// all pixels of a cell of `cell` × `cell` pixels share.
     fn noisy(seed: u64, cell: usize) -> Picture {
         let mut picture = Picture::black(32, 32);
         picture.noise.fill(Some(0.03));

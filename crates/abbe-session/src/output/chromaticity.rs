@@ -13,12 +13,10 @@ use abbe_transport::sensor::DisplayImage;
 /// Two lights, and optionally the primaries of a match, in the x, y plane of an observer.
 #[derive(Debug, Clone)]
 pub struct ChromaticityDiagram<'a> {
-    /// The observer that defines the x, y plane.
     pub observer: &'a Observer,
     /// The chromaticities of light A (drawn as a ring) and light B (drawn as a cross).
     pub lights: [[f64; 2]; 2],
-    /// The chromaticities of the primaries, numbered from 1. The lines between them enclose all
-    /// mixtures of the primaries.
+    /// The primaries, numbered from 1, with lines around all their mixtures.
     pub primaries: Vec<[f64; 2]>,
 }
 
@@ -26,22 +24,19 @@ const DIAGRAM_SIZE: (f64, f64) = (510.0, 530.0);
 /// The position of x = y = 0 on the page, and the length of one unit of x or y.
 const DIAGRAM_ORIGIN: (f64, f64) = (80.0, 476.0);
 const DIAGRAM_UNIT: f64 = 530.0;
-/// The ranges of the axes. The left end is below 0 to leave room for the labels of the spectral
-/// locus.
+/// The ranges of the axes. The left end leaves room for the labels of the spectral locus.
 const DIAGRAM_LEFT: f64 = -0.06;
 const DIAGRAM_SPAN: (f64, f64) = (0.78, 0.86);
 /// The size of the coloured background in pixels. Each pixel covers 0.01 × 0.01 in the x, y plane.
 const BACKGROUND_PIXELS: (usize, usize) = (80, 86);
-/// The spectral locus is drawn for this range of wavelengths in nm. Outside this range, the locus
-/// turns back on itself.
+/// The wavelengths (nm) of the spectral locus, which turns back on itself outside.
 const LOCUS_NM: (u32, u32) = (390, 700);
 /// The Planckian locus has labels at these temperatures in K.
 const NAMED_K: [u32; 3] = [3000, 5000, 10_000];
 
 const DIAGRAM_INK: &str = "class=\"ink\" stroke=\"#222\" fill=\"none\"";
 const DIAGRAM_RULE: &str = "class=\"rule\" stroke=\"#ddd\" fill=\"none\"";
-/// The style of marks on the coloured background. The background is the same in light and dark
-/// mode.
+/// The style of marks on the coloured background, which is the same in light and dark mode.
 const DIAGRAM_MARK: &str = "stroke=\"#000\" fill=\"none\"";
 
 /// The style of the labels with the names of the lights. The text has a white outline.
@@ -49,10 +44,7 @@ const DIAGRAM_LABEL: &str =
     "fill=\"#000\" stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\" font-weight=\"700\" font-size=\"16\"";
 
 impl ChromaticityDiagram<'_> {
-    /// Returns the diagram as a self-contained SVG document.
-    ///
-    /// # Errors
-    /// Returns a machine error if the background cannot be encoded as PNG.
+    /// Returns a self-contained SVG document, or a machine error if the PNG encoder fails.
     pub fn svg(&self) -> Result<String> {
         let parts = [
             head("plot", DIAGRAM_SIZE, 13.0),
@@ -99,8 +91,7 @@ impl ChromaticityDiagram<'_> {
             let ((x, y), before, after) = (place(nm), place(nm - 1), place(nm + 1));
             let (along_x, along_y) = (after.0 - before.0, after.1 - before.1);
             let length = hypot(along_x, along_y);
-            // Seen along the locus in the direction of growing wavelength, the colours are on the
-            // right.
+            // Along the locus towards longer wavelengths, the colours are on the right.
             let (out_x, out_y) = (along_y / length, -along_x / length);
             let anchor = if out_x < -0.4 {
                 "end"
@@ -169,7 +160,6 @@ impl ChromaticityDiagram<'_> {
     }
 }
 
-/// Returns the position of a chromaticity on the page.
 fn position([x, y]: [f64; 2]) -> (f64, f64) {
     (DIAGRAM_ORIGIN.0 + DIAGRAM_UNIT * x, DIAGRAM_ORIGIN.1 - DIAGRAM_UNIT * y)
 }
@@ -180,7 +170,6 @@ fn lines(points: &[[f64; 2]], closed: bool, style: &str) -> String {
     format!("<path d=\"M{}{}\" {style}/>\n", path.join("L"), if closed { "Z" } else { "" })
 }
 
-/// Draws text beside a chromaticity.
 fn text(place: [f64; 2], shift: (f64, f64), style: &str, words: &str) -> String {
     let (x, y) = position(place);
     format!("<text x=\"{:.2}\" y=\"{:.2}\" {style}>{words}</text>\n", x + shift.0, y + shift.1)

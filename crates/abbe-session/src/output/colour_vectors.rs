@@ -1,6 +1,6 @@
 //! The colour vector graphic of TM-30 as SVG.
 
-use super::svg::{append, head};
+use super::svg::head;
 use abbe_spectra::colour::gamut::desaturate;
 use abbe_spectra::colour::{ColourRendition, RgbSpace, from_lab, srgb_hex, xyz_to_linear_srgb};
 use abbe_spectra::math::elementary::{hypot, sin_cos};
@@ -16,8 +16,8 @@ const RINGS: [f64; 2] = [0.8, 1.2];
 /// The lines between the hue bins end at this radius, and the numbers of the bins stand there.
 const EDGE: f64 = 1.45;
 
-/// Returns the colour vector graphic as a self-contained SVG document. The circle is the reference.
-/// The polygon contains the mean colours of the hue bins under the light. An arrow joins both.
+/// Returns the colour vector graphic as a self-contained SVG document. Arrows lead from the circle
+/// of the reference to the polygon of the mean colours of the hue bins under the light.
 pub fn colour_vector_graphic(rendition: &ColourRendition) -> String {
     let mut svg = head("plot", (GRAPHIC_SIZE, GRAPHIC_SIZE), 13.0);
     let circle = |radius: f64, style: &str| {
@@ -34,24 +34,18 @@ pub fn colour_vector_graphic(rendition: &ColourRendition) -> String {
             place([radius * cos, radius * sin])
         };
         let (border, (x, y)) = (at(bin as f64, EDGE), at(bin as f64 + 0.5, EDGE));
-        append(
-            &mut svg,
-            format_args!(
-                "<path class=\"rule\" stroke=\"#ddd\" d=\"M{GRAPHIC_CENTRE} {GRAPHIC_CENTRE}L{:.2} {:.2}\"/>\
+        svg += &format!(
+            "<path class=\"rule\" stroke=\"#ddd\" d=\"M{GRAPHIC_CENTRE} {GRAPHIC_CENTRE}L{:.2} {:.2}\"/>\
                  <text x=\"{x:.2}\" y=\"{:.2}\" text-anchor=\"middle\">{}</text>\n",
-                border.0,
-                border.1,
-                y + 4.0,
-                bin + 1
-            ),
+            border.0,
+            border.1,
+            y + 4.0,
+            bin + 1
         );
     }
     svg += &circle(1.0, "class=\"ink\" stroke=\"#222\" stroke-width=\"1.5\"");
     let tips: Vec<String> = rendition.arrows.iter().map(|arrow| point(place(arrow[1]))).collect();
-    append(
-        &mut svg,
-        format_args!("<path fill=\"none\" stroke=\"#c0392b\" stroke-width=\"2.5\" d=\"M{}Z\"/>\n", tips.join("L")),
-    );
+    svg += &format!("<path fill=\"none\" stroke=\"#c0392b\" stroke-width=\"2.5\" d=\"M{}Z\"/>\n", tips.join("L"));
     for arrow in &rendition.arrows {
         svg += &arrow_path(arrow);
     }
@@ -89,7 +83,6 @@ fn arrow_path(arrow: &[[f64; 2]; 2]) -> String {
     )
 }
 
-/// Returns the position of a′, b′ on the page.
 fn place([a, b]: [f64; 2]) -> (f64, f64) {
     (GRAPHIC_CENTRE + REFERENCE_RADIUS * a, GRAPHIC_CENTRE - REFERENCE_RADIUS * b)
 }

@@ -12,23 +12,19 @@ use abbe_transport::sensor::{Picture, exposure};
 /// Colour differences ΔE2000 over the selected pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DeltaE {
-    /// The mean.
     pub mean: f64,
-    /// The 95th percentile.
     pub p95: f64,
 }
 
-/// A test whether the differences agree with their standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ZTest {
-    /// The fraction of pixels with |z| < 1.96. z is the difference in Y divided by its standard
-    /// error. If two pictures show the same scene and their errors are normally distributed, the
-    /// expected fraction is 0.95. The expected fraction is slightly smaller if the standard errors
-    /// were estimated from few replicates.
+    /// The fraction of pixels with |z| < 1.96, for the difference z in Y divided by its standard
+    /// error. 0.95 are expected for the same scene and normally distributed errors, slightly fewer
+    /// if the standard errors come from few replicates.
     #[serde(rename = "share")]
     pub fraction: f64,
     /// The probability that noise alone causes a block of 8 × 8 pixels with a difference as large
-    /// as the largest measured one. Student's t-test of each block, with Šidák's correction.
+    /// as the largest one, by Student's t-test of each block with Šidák's correction.
     pub p: f64,
     /// The number of pixels whose standard error is known in both pictures.
     pub pixels: usize,
@@ -37,8 +33,7 @@ pub struct ZTest {
 /// A test of the error that picture A reports. The error consists of noise and bias.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct IntervalCoverage {
-    /// The fraction of pixels where the value of B lies in the 95 % interval of A. If the noise of
-    /// B is known, this noise widens the interval.
+    /// The fraction of pixels where B lies in the 95 % interval of A, with the noise of B if known.
     #[serde(rename = "share")]
     pub fraction: f64,
     /// The number of pixels whose error is known in A.
@@ -48,9 +43,8 @@ pub struct IntervalCoverage {
 /// The difference between a picture A and a reference B over the selected pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The relative mean square error: the mean of (a − b)² / (b² + 0.01 m²) over the channels X,
-    /// Y, Z and over all selected pixels. Here, a and b are the values of A and B, and m is the
-    /// mean of the channel over the whole reference.
+    /// The mean of (a − b)² / (b² + 0.01 m²) over the channels X, Y, Z and all selected pixels, for
+    /// the values a of A and b of B, and the mean m of the channel over the whole reference.
     pub relative_mse: f64,
     /// The relative mean square error without the 2 % of the pixels that have the largest errors.
     pub relative_mse_trimmed: f64,
@@ -66,32 +60,22 @@ pub struct Comparison {
     pub z: Option<ZTest>,
     /// The test of the 95 % intervals of A, if A contains error layers.
     pub covered: Option<IntervalCoverage>,
-    /// The number of pixels whose error is unknown in A, because no light reached them or the file
-    /// contains no error layers.
+    /// The pixels whose error is unknown in A, without light or without error layers.
     pub unknown_pixels: usize,
-    /// The number of selected pixels.
     pub pixels: usize,
-    /// The number of selected pixels whose value is not finite in A or in B. The error of such a
-    /// pixel is infinite.
+    /// The selected pixels whose value is not finite in A or B, and whose error is infinite.
     pub non_finite_pixels: usize,
 }
 
 /// The trimmed error leaves out this fraction of the pixels.
 const TRIMMED: f64 = 0.02;
 
-/// Compares a picture with a reference. The colour differences are measured at the automatic
-/// exposure of the reference.
-///
-/// # Errors
-/// Returns the errors of [`compare_at`].
+/// Compares at the automatic exposure of the reference; see [`compare_at`].
 pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) -> Result<Comparison> {
     compare_at(picture, reference, selection, exposure::automatic(reference))
 }
 
-/// Compares a picture with a reference. The colour differences are measured at an exposure in
-/// 1/(cd/m²).
-///
-/// # Errors
+/// Compares a picture with a reference, with the colour differences at an exposure in 1/(cd/m²).
 /// Returns an input error if the sizes differ, if a region is empty or extends beyond the picture,
 /// or if no pixel is selected.
 pub fn compare_at(picture: &Picture, reference: &Picture, selection: &Selection, exposure: f64) -> Result<Comparison> {
@@ -123,20 +107,18 @@ pub fn compare_at(picture: &Picture, reference: &Picture, selection: &Selection,
 pub struct ErrorScale([f64; 3]);
 
 impl ErrorScale {
-    /// Computes the means of a reference.
     pub fn of(reference: &Picture) -> Self {
         let count = reference.xyz.len() as f64;
         Self([0, 1, 2].map(|c| reference.xyz.iter().map(|xyz| xyz[c]).filter(|v| v.is_finite()).sum::<f64>() / count))
     }
 
-    /// Returns the mean over X, Y, Z of (a − b)² / (b² + 0.01 m²). The result is infinite if a
-    /// value is NaN.
+    /// Returns the mean over X, Y, Z of (a − b)² / (b² + 0.01 m²), or infinity for NaN.
     pub fn relative_square(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
         let one = |c: usize| {
             let difference = (a[c] - b[c]).powi(2);
             let square = difference / self.unit(b[c], c).powi(2);
             // A channel that is black in the whole reference has unit 0. Equal values give 0/0 and
-            // count as no difference. Any other difference is infinite.
+            // count as no difference; any other difference is infinite.
             if difference == 0.0 {
                 0.0
             } else if square.is_nan() {
@@ -154,16 +136,15 @@ impl ErrorScale {
     }
 }
 
-/// Returns the mean without the largest values. The omitted fraction is [`TRIMMED`], and the number
-/// of omitted values is rounded down.
+/// Returns the mean without the fraction [`TRIMMED`] of largest values, rounded down in number.
 fn trimmed_mean(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let kept = values.len() - (values.len() as f64 * TRIMMED) as usize;
     values[..kept].iter().sum::<f64>() / kept as f64
 }
 
-/// Returns CIEDE2000 for every pixel. The luminance of both pictures is multiplied by `exposure`.
-/// The white point has the chromaticity of D65 and the luminance 1.
+/// Returns CIEDE2000 for every pixel, with the luminances times `exposure` and a white point of the
+/// chromaticity of D65 and the luminance 1.
 pub fn delta_e_map(picture: &Picture, reference: &Picture, exposure: f64) -> Vec<f64> {
     let white = RgbSpace::Srgb.white();
     let seen = |xyz: &[f64; 3]| lab(xyz.map(|value| value * exposure), white);
@@ -206,7 +187,6 @@ mod tests {
     use super::*;
     use crate::output::selection::Region;
 
-    /// Returns a grey picture with the same luminance everywhere.
     fn grey(width: usize, height: usize, y: f64) -> Picture {
         let mut picture = Picture::black(width, height);
         picture.xyz.fill(RgbSpace::Srgb.white().map(|value| value * y));
@@ -233,9 +213,9 @@ mod tests {
         assert!((brighter.relative_mse_trimmed - 0.01 / 1.01).abs() < 1e-12);
         assert!((brighter.rmse - 0.2).abs() < 1e-12);
         assert!((brighter.mean_ratio - 1.1).abs() < 1e-12);
-        // The automatic exposure maps the grey of the reference to Y = 0.5. Its L* is 76.069 (CIE
-        // 15). The grey that is 10 % brighter has L* = 79.041. ΔE2000 is the difference of the two
-        // L* divided by S_L at the mean lightness (Sharma et al. 2005).
+        // The automatic exposure maps the grey of the reference to Y = 0.5 with L* = 76.069 (CIE
+        // 15), and the grey that is 10 % brighter has L* = 79.041. ΔE2000 is their difference
+        // divided by S_L at the mean lightness (Sharma et al. 2005).
         let (low, high) = (116.0 * 0.5_f64.cbrt() - 16.0, 116.0 * 0.55_f64.cbrt() - 16.0);
         let offset = (0.5 * (low + high) - 50.0).powi(2);
         let known = (high - low) / (1.0 + 0.015 * offset / (20.0 + offset).sqrt());
@@ -299,8 +279,7 @@ mod tests {
         assert_eq!((z.fraction, z.pixels), (2.0 / 3.0, 3));
     }
 
-    /// Checks that an interval includes noise and bias, and that pixels with unknown errors have no
-    /// interval.
+    /// An interval includes noise and bias, and pixels with unknown errors have none.
     #[test]
     fn an_interval_combines_noise_and_bias() {
         let (mut a, b) = (grey(2, 2, 1.0), grey(2, 2, 1.0));

@@ -1,5 +1,5 @@
-//! The HTML page that compares two pictures. It contains both pictures, maps of their differences,
-//! and the results of the comparison. The page needs no other file.
+//! The self-contained HTML page that compares two pictures: both pictures, maps of their
+//! differences, and the results.
 
 use maud::{Markup, html};
 
@@ -14,31 +14,23 @@ use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::exp2;
 use abbe_transport::sensor::{Development, DisplayImage, Picture, develop};
 
-/// Two pictures with their names.
 #[derive(Debug, Clone, Copy)]
 pub struct PicturePair<'a> {
-    /// The name of the picture, and the picture.
     pub picture: (&'a str, &'a Picture),
-    /// The name of the reference, and the reference.
     pub reference: (&'a str, &'a Picture),
     /// The tone curve with which both pictures are shown.
     pub tone: ToneCurve,
 }
 
-/// If the relative difference in Y is at least this value, its colour in the map has full
-/// saturation.
+/// From this relative difference in Y, the map has its full saturation.
 const SATURATED_DIFFERENCE: f64 = 0.5;
 
 /// If ΔE2000 is at least this value, its colour in the map is white.
 const WHITE_DELTA_E: f64 = 10.0;
 
-/// The description of the error maps.
 const ERROR_CAPTION: &str = "√(noise² + bias²) relative to Y, blue-green if it is unknown.";
 
-/// Returns the page.
-///
-/// # Errors
-/// Returns a machine error if a picture is too large for PNG.
+/// Returns the page. Returns a machine error if a picture is too large for PNG.
 pub fn page(pair: PicturePair<'_>, selection: &Selection, comparison: &Comparison) -> Result<String> {
     let PicturePair { picture: (name_a, a), reference: (name_b, b), tone } = pair;
     let development = Development { tone, ..Development::default() };
@@ -112,8 +104,7 @@ fn figure(screen: &DisplayImage, caption: &str, legend: &Markup) -> Result<Marku
     Ok(html! { figure { img src=(source) alt=(caption); (legend) figcaption { (caption) } } })
 }
 
-/// Returns the legend of a map: its colours, and the values at the left end, in the middle and at
-/// the right end.
+/// Returns the legend of a map, with the values at the left end, in the middle and at the right.
 fn legend(colours: &str, values: [&str; 3]) -> Markup {
     html! {
         div.legend style={ "background: linear-gradient(to right, " (colours) ")" } {}
@@ -137,11 +128,9 @@ fn slider(a: &DisplayImage, b: &DisplayImage, names: (&str, &str)) -> Result<Mar
     })
 }
 
-/// The colour of a pixel that is not selected.
 const UNSELECTED_COLOUR: [u8; 3] = [128, 128, 128];
 
-/// Builds a map. `colour` returns the colour of a selected pixel. Pixels that are not selected are
-/// grey.
+/// Builds a map. `colour` returns the colour of a selected pixel; all others are grey.
 fn pixel_map(of: &Picture, selection: &Selection, colour: impl Fn(usize) -> [u8; 3]) -> DisplayImage {
     let width = of.width;
     let pixel = |i: usize| if selection.selects(i % width, i / width, width) { colour(i) } else { UNSELECTED_COLOUR };
@@ -164,9 +153,8 @@ fn relative_error_map(of: &Picture, selection: &Selection) -> DisplayImage {
     pixel_map(of, selection, |i| errors[i].map_or(heat::UNKNOWN_COLOUR, |error| heat(error / heat::WHITE_ERROR)))
 }
 
-/// Builds a map of ΔE2000 of every selected pixel. Both pictures have the given exposure in
-/// 1/(cd/m²). A difference of 0 is black. With increasing difference, the colours change through
-/// violet and orange to white. A difference of 10 or more is white.
+/// Builds a map of ΔE2000 of every selected pixel, both pictures with an exposure in 1/(cd/m²):
+/// from black for 0 through violet and orange to white for 10 or more.
 pub fn colour_differences(a: &Picture, b: &Picture, selection: &Selection, exposure: f64) -> DisplayImage {
     let differences = delta_e_map(a, b, exposure);
     pixel_map(b, selection, |i| heat(differences[i] / WHITE_DELTA_E))

@@ -1,56 +1,42 @@
-//! The drawing of a lens in the meridional plane as SVG: glass, stop, sensor, rays, and magnified
-//! views of the foci.
+//! A lens in the meridional plane as SVG: glass, stop, sensor, rays, and magnified foci.
 
 use glam::DVec2;
 
-use super::svg::{append, escape_xml};
+use super::svg::escape_xml;
 
-/// A polyline with a colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayStroke {
     /// The index of the polyline's colour in [`LensDrawing::colours`].
     pub colour: usize,
-    /// The index of the window that magnifies the polyline. The index refers to
-    /// [`LensDrawing::windows`].
+    /// The index in [`LensDrawing::windows`] of the window that magnifies the polyline.
     pub window: usize,
-    /// The points. The coordinates of each point are its position along the axis and its height
-    /// above the axis.
+    /// Each point is a position along the axis and a height above the axis.
     pub points: Vec<DVec2>,
 }
 
 /// A magnified view. The horizontal and the vertical direction have different scales.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FocusInset {
-    /// The title of the window.
     pub title: String,
-    /// The centre.
     pub centre: DVec2,
     /// Half the width and half the height, both above 0.
     pub half_size: DVec2,
-    /// The slope of a line through the centre. The window shows this line as horizontal, so that
-    /// steep bundles of rays fill the window too.
+    /// The slope of a line through the centre, which the window shows as horizontal, so that steep
+    /// bundles of rays fill the window too.
     pub slope: f64,
 }
 
 /// The content of a drawing. All lengths are in mm; the optical axis has the height 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LensDrawing {
-    /// The title.
     pub title: String,
-    /// A description below the title.
     pub caption: String,
-    /// Closed outlines of the glass.
     pub glass: Vec<Vec<DVec2>>,
-    /// The two blades of the stop.
     pub stop: [[DVec2; 2]; 2],
-    /// The ends of the sensor.
     pub sensor: [DVec2; 2],
-    /// The rays.
     pub strokes: Vec<RayStroke>,
-    /// The colours of the rays. Each entry contains the meaning of the colour, and the colour in
-    /// SVG notation.
+    /// The meaning of each colour, and the colour in SVG notation.
     pub colours: Vec<(String, String)>,
-    /// The magnified views.
     pub windows: Vec<FocusInset>,
 }
 
@@ -59,7 +45,6 @@ const DRAWING_MARGIN: f64 = 28.0;
 const DRAWING_TOP: f64 = 76.0;
 /// The largest height of the lens on the page.
 const DRAWING_TALLEST: f64 = 460.0;
-/// The height of a window on the page.
 const WINDOW_HEIGHT: f64 = 190.0;
 const DRAWING_BELOW: f64 = 52.0;
 
@@ -79,7 +64,7 @@ impl DrawingScale {
         let mut path = String::new();
         for (i, point) in points.iter().enumerate() {
             let (command, place) = (if i == 0 { 'M' } else { 'L' }, self.position(*point));
-            append(&mut path, format_args!("{command}{:.2} {:.2}", place.x, place.y));
+            path += &format!("{command}{:.2} {:.2}", place.x, place.y);
         }
         path
     }
@@ -112,8 +97,7 @@ impl LensDrawing {
         for i in 0..self.windows.len() {
             svg += &self.window(i, foot);
         }
-        svg += "</svg>\n";
-        svg
+        svg + "</svg>\n"
     }
 
     /// Returns the lower and the upper corner of the bounding box of all points.
@@ -126,16 +110,11 @@ impl LensDrawing {
     }
 
     fn legend(&self) -> String {
-        let mut svg = String::new();
-        for (i, (name, colour)) in self.colours.iter().rev().enumerate() {
-            let x = DRAWING_WIDTH - DRAWING_MARGIN - 130.0 * i as f64;
-            let name = escape_xml(name);
-            append(
-                &mut svg,
-                format_args!("<text x=\"{x}\" y=\"32\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n"),
-            );
-        }
-        svg
+        let entry = |(i, (name, colour)): (usize, &(String, String))| {
+            let (x, name) = (DRAWING_WIDTH - DRAWING_MARGIN - 130.0 * i as f64, escape_xml(name));
+            format!("<text x=\"{x}\" y=\"32\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n")
+        };
+        self.colours.iter().rev().enumerate().map(entry).collect()
     }
 
     fn lens(&self, scale: &DrawingScale, (from, to): (f64, f64)) -> String {
@@ -143,25 +122,21 @@ impl LensDrawing {
         for outline in &self.glass {
             let path = scale.path(outline);
             let style = "fill=\"#cfe3f2\" fill-opacity=\"0.85\" stroke=\"#43627a\" stroke-width=\"1.2\" stroke-linejoin=\"round\"";
-            append(&mut svg, format_args!("<path class=\"glass\" d=\"{path}Z\" {style}/>\n"));
+            svg += &format!("<path class=\"glass\" d=\"{path}Z\" {style}/>\n");
         }
         let axis = scale.path(&[DVec2::new(from, 0.0), DVec2::new(to, 0.0)]);
-        append(
-            &mut svg,
-            format_args!("<path class=\"axis\" d=\"{axis}\" stroke=\"#888\" stroke-dasharray=\"14 4 2 4\"/>\n"),
-        );
+        svg += &format!("<path class=\"axis\" d=\"{axis}\" stroke=\"#888\" stroke-dasharray=\"14 4 2 4\"/>\n");
         svg += &self.rays(scale);
         for blade in &self.stop {
             let path = scale.path(blade);
-            append(&mut svg, format_args!("<path class=\"stop\" d=\"{path}\" stroke=\"#111\" stroke-width=\"5\"/>\n"));
+            svg += &format!("<path class=\"stop\" d=\"{path}\" stroke=\"#111\" stroke-width=\"5\"/>\n");
         }
         let path = scale.path(&self.sensor);
-        append(&mut svg, format_args!("<path class=\"sensor\" d=\"{path}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n"));
+        svg += &format!("<path class=\"sensor\" d=\"{path}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n");
         svg
     }
 
-    /// Draws the rays through the lens. The rays that are drawn first have wider lines. Therefore
-    /// all colours stay visible where rays coincide.
+    /// Draws the rays, the first ones wider, so that all colours stay visible where they coincide.
     fn rays(&self, scale: &DrawingScale) -> String {
         let mut svg = String::new();
         for (i, (_, colour)) in self.colours.iter().enumerate() {
@@ -173,7 +148,6 @@ impl LensDrawing {
         svg
     }
 
-    /// Draws the magnified view of a focus.
     fn window(&self, i: usize, top: f64) -> String {
         let FocusInset { title, centre, half_size, slope: _ } = &self.windows[i];
         let pitch = (DRAWING_WIDTH - DRAWING_MARGIN) / self.windows.len() as f64;
@@ -190,34 +164,25 @@ impl LensDrawing {
             ray(&mut svg, &scale.path(&across(&self.windows[i], &stroke.points)), colour, 1.4);
         }
         let sensor = format!("M{:.2} {top:.2}v{WINDOW_HEIGHT}", middle.x);
-        append(
-            &mut svg,
-            format_args!("<path class=\"sensor\" d=\"{sensor}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n</g>\n"),
-        );
-        append(&mut svg, format_args!("<rect {frame} fill=\"none\" stroke=\"#999\"/>\n"));
+        svg += &format!("<path class=\"sensor\" d=\"{sensor}\" stroke=\"#111\" stroke-width=\"2.5\"/>\n</g>\n");
+        svg += &format!("<rect {frame} fill=\"none\" stroke=\"#999\"/>\n");
         let (y, title) = (top + WINDOW_HEIGHT + 22.0, escape_xml(title));
-        append(
-            &mut svg,
-            format_args!("<text x=\"{:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{title}</text>\n", middle.x),
-        );
+        svg += &format!("<text x=\"{:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{title}</text>\n", middle.x);
         let size = format!("{:.3} mm along the axis, {:.4} mm across", 2.0 * half_size.x, 2.0 * half_size.y);
         let y = y + 19.0;
         let style = "text-anchor=\"middle\" font-size=\"12\" fill=\"#555\"";
-        append(&mut svg, format_args!("<text x=\"{:.2}\" y=\"{y:.2}\" {style}>{size}</text>\n", middle.x));
+        svg += &format!("<text x=\"{:.2}\" y=\"{y:.2}\" {style}>{size}</text>\n", middle.x);
         svg
     }
 }
 
 fn ray(svg: &mut String, path: &str, colour: &str, width: f64) {
     let style = "fill=\"none\" stroke-linejoin=\"round\"";
-    append(
-        svg,
-        format_args!("<path class=\"ray\" d=\"{path}\" {style} stroke=\"{colour}\" stroke-width=\"{width}\"/>\n"),
-    );
+    *svg += &format!("<path class=\"ray\" d=\"{path}\" {style} stroke=\"{colour}\" stroke-width=\"{width}\"/>\n");
 }
 
-/// Extends the last segment of a polyline to both sides of a window. The returned heights are
-/// measured from the sloped line that the window shows as horizontal.
+/// Extends the last segment of a polyline to both sides of a window. Heights are measured from the
+/// sloped line that the window shows as horizontal.
 fn across(window: &FocusInset, points: &[DVec2]) -> Vec<DVec2> {
     let [.., before, last] = points else { return Vec::new() };
     let slope = (last.y - before.y) / (last.x - before.x);
@@ -261,8 +226,7 @@ mod tests {
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
         assert!(svg.contains("a &lt;lens&gt; &amp; more") && !svg.contains("NaN") && !svg.contains("inf"));
         let count = |class: &str| svg.matches(&format!("class=\"{class}\"")).count();
-        // Each ray is drawn once in the lens and once in its window. The sensor is drawn in the
-        // lens and in both windows.
+        // Each ray is in the lens and in its window, and the sensor in the lens and both windows.
         assert_eq!([count("glass"), count("stop"), count("ray"), count("sensor")], [1, 2, 4, 3]);
     }
 

@@ -2,8 +2,8 @@
 
 use abbe_spectra::colour::{ColourReport, LightDifference};
 
-/// Returns the names and values of a colour report. Undefined values are given as "undefined".
-/// Colour temperature, colour rendering and efficacy are listed only for a light.
+/// Returns the figures of a colour report, or "undefined". Colour temperature, colour rendering and
+/// efficacy belong only to lights.
 pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
     let ColourReport { xyz, xy, linear_srgb, srgb_hex, dominant, temperature, .. } = report;
     let ColourReport { rendering, rendition, melanopic_ratio, efficacy_lm_per_w, .. } = report;
@@ -33,7 +33,6 @@ pub fn report_rows(report: &ColourReport) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// Formats the difference of two lights.
 pub fn difference_text(lights: LightDifference) -> String {
     format!("Δxy {:.5}, ΔE2000 {:.2}", lights.delta_xy, lights.delta_e_2000)
 }

@@ -11,23 +11,16 @@ pub trait WritableFile: Read + Write + Seek {}
 
 impl<T: Read + Write + Seek> WritableFile for T {}
 
-/// Writes a file atomically. The data is first written to a temporary file in the same folder. Then
-/// the temporary file is renamed. Readers never see a partial file, and a failure leaves the
-/// previous file in place. Pipes and devices are written directly. Symbolic links are followed.
-///
-/// # Errors
-/// Returns a machine error that names `path` if the folder is missing or not writable, or the disk
-/// is full.
+/// Writes a file atomically: to a temporary file in the same folder, which is then renamed, so that
+/// readers never see a partial file, and a failure leaves the previous file in place. Pipes and
+/// devices are written directly. Symbolic links are followed. Returns a machine error that names
+/// `path` if the folder is missing or not writable, or the disk is full.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     write_whole_with(path, |file| file.write_all(bytes))
 }
 
-/// Writes a file atomically, like [`write_whole`]. The function `fill` writes the data into the
-/// empty file, so that the memory need not hold all of it. Only the data of pipes and devices is
-/// collected first.
-///
-/// # Errors
-/// Returns the errors of [`write_whole`] and of `fill`.
+/// Writes a file like [`write_whole`]. `fill` writes the data into the empty file, so that the
+/// memory need not hold all of it, except that of pipes and devices.
 pub fn write_whole_with(path: &Path, fill: impl FnOnce(&mut dyn WritableFile) -> io::Result<()>) -> Result<()> {
     let target = followed(path);
     if is_special(&target) {
@@ -42,19 +35,13 @@ pub fn write_whole_with(path: &Path, fill: impl FnOnce(&mut dyn WritableFile) ->
         file.sync_all()
     });
     written.and_then(|()| fs::rename(&temporary_path, &target)).map_err(|error| {
-        // The temporary name belongs to this process. A failure to remove the file is ignored,
-        // because the write error is already reported.
+        // The temporary name belongs to this process. The write error is already reported.
         let _ = fs::remove_file(&temporary_path);
         unwritable(path, &error)
     })
 }
 
-/// Checks that [`write_whole`] will probably succeed. Call this function before a long computation
-/// of the data.
-///
-/// # Errors
-/// Returns those errors of [`write_whole`] that can be foreseen. Also returns an error if the file
-/// is write-protected.
+/// Checks that [`write_whole`] will probably succeed: the file is not write-protected, and so on.
 pub fn check_writable(path: &Path) -> Result<()> {
     let target = followed(path);
     let refused = |what: &str| Err(Error::machine(format!("cannot be written: {what}")).in_file(path));
@@ -73,11 +60,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
         .map_err(|error| unwritable(path, &error))
 }
 
-/// Removes a file if it exists. If the path is a symbolic link, the link is removed, and its target
-/// stays.
-///
-/// # Errors
-/// Returns a machine error if the file cannot be removed.
+/// Removes a file or a symbolic link if it exists, or returns a machine error.
 pub fn remove_if_present(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -87,14 +70,12 @@ pub fn remove_if_present(path: &Path) -> Result<()> {
     }
 }
 
-/// Follows all symbolic links and returns the absolute path. Returns the path itself if the file
-/// does not exist.
+/// Follows all symbolic links, or returns the path itself if the file does not exist.
 fn followed(path: &Path) -> PathBuf {
     fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// Returns true if the path exists but is neither a regular file nor a folder. Examples are pipes
-/// and devices.
+/// Returns true for a path that is neither a regular file nor a folder, such as a pipe or a device.
 fn is_special(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
@@ -102,8 +83,7 @@ fn is_special(path: &Path) -> bool {
 /// The name of a temporary file consists of the final name, this text and the process id.
 const TEMPORARY_MARK: &str = ".unfinished-";
 
-/// Removes the temporary files for `path` that killed processes left behind. The function works
-/// only on systems with a list of processes in `/proc` (Linux).
+/// Removes the temporary files for `path` of killed processes, by the list in `/proc` (Linux).
 pub fn remove_temporary_files(path: &Path) {
     let target = followed(path);
     let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned() + TEMPORARY_MARK;
@@ -122,8 +102,7 @@ pub fn remove_temporary_files(path: &Path) {
     }
 }
 
-/// Returns the path of a temporary file in the folder of `path`. The path contains the process id,
-/// so no other running process uses it.
+/// Returns a path in the folder of `path` that no other process uses: it contains the process id.
 fn temporary_path(path: &Path) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!("{TEMPORARY_MARK}{}", std::process::id()));
@@ -166,8 +145,6 @@ mod tests {
         assert!(names_in(folder.path()).is_empty());
     }
 
-    /// Checks that temporary files of ended processes are removed. Files of running processes are
-    /// kept.
     #[cfg(target_os = "linux")]
     #[test]
     fn only_temporary_files_of_dead_processes_are_removed() {

@@ -3,29 +3,22 @@
 use super::compare::Comparison;
 use abbe_spectra::error::{Error, Result};
 
-/// A limit on a figure of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gate {
-    /// The name of the figure.
     pub figure: String,
-    /// The limit.
     pub limit: f64,
-    /// The side of the limit on which the gate fails.
     pub fails: GateSide,
 }
 
-/// The side of a limit on which a gate fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GateSide {
-    /// The gate fails if the figure is larger than the limit.
     Above,
     /// The gate fails if the figure is smaller than the limit.
     Below,
 }
 
 impl Comparison {
-    /// Returns the names and values of all figures that a gate can limit. The value is `None` if
-    /// the pictures do not contain the error layers that the figure needs.
+    /// Returns all figures that a gate can limit, `None` without the error layers that one needs.
     pub fn figures(&self) -> [(&'static str, Option<f64>); 12] {
         let count = |pixels: usize| Some(pixels as f64);
         [
@@ -46,12 +39,9 @@ impl Comparison {
 }
 
 impl Gate {
-    /// Checks a comparison. Returns a sentence if the gate fails. A figure that is not a number
-    /// fails every gate.
-    ///
-    /// # Errors
-    /// Returns an input error if the figure is unknown, or if the pictures do not contain the error
-    /// layers that the figure needs.
+    /// Returns a sentence if the gate fails. A figure that is not a number fails every gate.
+    /// Returns an input error if the figure is unknown, or if the pictures lack the error layers
+    /// that it needs.
     pub fn failure(&self, comparison: &Comparison) -> Result<Option<String>> {
         let Self { figure, limit, fails } = self;
         let figures = comparison.figures();

@@ -1,21 +1,16 @@
 //! Plots with two logarithmic axes as SVG.
 
 use super::axis::Axis;
-use super::svg::{CURVE_COLOURS, append, escape_xml, head};
+use super::svg::{CURVE_COLOURS, escape_xml, head};
 
-/// The style of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SeriesStyle {
     /// A line through the points, and a dot at each point.
     Line,
-    /// A dashed line without dots.
     Dashed,
-    /// Small dots without a line.
     Dots,
-    /// A step function, for example for the best value so far. Between two points, the function
-    /// keeps the value of the first one.
+    /// A step function, such as the best value so far, which holds until the next point.
     Steps,
-    /// Rings around the points.
     Rings,
 }
 
@@ -24,20 +19,15 @@ pub enum SeriesStyle {
 pub struct PlotSeries {
     /// The name in the legend. A series with an empty name is not in the legend.
     pub name: String,
-    /// The style.
     pub style: SeriesStyle,
-    /// The index of the colour.
     pub colour: usize,
-    /// The points, as pairs of the horizontal and the vertical coordinate.
     pub points: Vec<(f64, f64)>,
 }
 
 /// A plot whose axes are both logarithmic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogLogPlot {
-    /// The title.
     pub title: String,
-    /// The quantity and unit of the horizontal axis.
     pub across: String,
     /// The quantity and unit of the vertical axis.
     pub up: String,
@@ -62,14 +52,12 @@ impl LogLogPlot {
         let up = Axis::logarithmic(points().map(|point| point.1), (height - GRAPH_BOTTOM, GRAPH_TOP));
         let mut svg = head("plot graph", (width, height), GRAPH_FONT);
         let title = escape_xml(&self.title);
-        append(&mut svg, format_args!("<text x=\"{GRAPH_LEFT}\" y=\"28\" font-size=\"18\">{title}</text>\n"));
+        svg += &format!("<text x=\"{GRAPH_LEFT}\" y=\"28\" font-size=\"18\">{title}</text>\n");
         svg += &self.axes(&across, &up);
         for series in &self.series {
             svg += &series.drawn(&across, &up);
         }
-        svg += &self.legend();
-        svg += "</svg>\n";
-        svg
+        svg + &self.legend() + "</svg>\n"
     }
 
     fn axes(&self, across: &Axis, up: &Axis) -> String {
@@ -77,52 +65,40 @@ impl LogLogPlot {
         let (right, foot) = (GRAPH_SIZE.0 - GRAPH_RIGHT, GRAPH_SIZE.1 - GRAPH_BOTTOM);
         for tick in up.ticks() {
             let y = up.position(tick.value);
-            append(
-                &mut svg,
-                format_args!("<path class=\"rule\" d=\"M{GRAPH_LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n"),
-            );
+            svg += &format!("<path class=\"rule\" d=\"M{GRAPH_LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n");
             if let Some(label) = tick.label {
                 let (x, y) = (GRAPH_LEFT - 8.0, y + 5.5);
-                append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y:.2}\" text-anchor=\"end\">{label}</text>\n"));
+                svg += &format!("<text x=\"{x}\" y=\"{y:.2}\" text-anchor=\"end\">{label}</text>\n");
             }
         }
         for tick in across.ticks() {
             let x = across.position(tick.value);
-            append(&mut svg, format_args!("<path class=\"rule\" d=\"M{x:.2} {GRAPH_TOP}V{foot}\" stroke=\"#ddd\"/>\n"));
+            svg += &format!("<path class=\"rule\" d=\"M{x:.2} {GRAPH_TOP}V{foot}\" stroke=\"#ddd\"/>\n");
             if let Some(label) = tick.label {
                 let y = foot + 21.0;
-                append(&mut svg, format_args!("<text x=\"{x:.2}\" y=\"{y}\" text-anchor=\"middle\">{label}</text>\n"));
+                svg += &format!("<text x=\"{x:.2}\" y=\"{y}\" text-anchor=\"middle\">{label}</text>\n");
             }
         }
-        append(
-            &mut svg,
-            format_args!(
-                "<path class=\"ink\" d=\"M{GRAPH_LEFT} {GRAPH_TOP}V{foot}H{right}\" fill=\"none\" stroke=\"#222\"/>\n"
-            ),
+        svg += &format!(
+            "<path class=\"ink\" d=\"M{GRAPH_LEFT} {GRAPH_TOP}V{foot}H{right}\" fill=\"none\" stroke=\"#222\"/>\n"
         );
         let (x, y, name) = (0.5 * (GRAPH_LEFT + right), GRAPH_SIZE.1 - 14.0, escape_xml(&self.across));
-        append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{name}</text>\n"));
+        svg += &format!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">{name}</text>\n");
         let (y, name) = (0.5 * (GRAPH_TOP + foot), escape_xml(&self.up));
         let turned = format!("transform=\"rotate(-90 17 {y})\"");
-        append(&mut svg, format_args!("<text x=\"17\" y=\"{y}\" text-anchor=\"middle\" {turned}>{name}</text>\n"));
+        svg += &format!("<text x=\"17\" y=\"{y}\" text-anchor=\"middle\" {turned}>{name}</text>\n");
         svg
     }
 
     /// Draws the names in the upper right corner. Falling curves leave this corner free.
     fn legend(&self) -> String {
-        let mut svg = String::new();
-        for (i, series) in self.series.iter().filter(|series| !series.name.is_empty()).enumerate() {
+        let entry = |(i, series): (usize, &PlotSeries)| {
             let (class, colour) = series.colour();
             let (x, y) = (GRAPH_SIZE.0 - GRAPH_RIGHT - 10.0, GRAPH_TOP + 20.0 + 20.0 * i as f64);
             let name = escape_xml(&series.name);
-            append(
-                &mut svg,
-                format_args!(
-                    "<text class=\"{class}\" x=\"{x}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n"
-                ),
-            );
-        }
-        svg
+            format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n")
+        };
+        self.series.iter().filter(|series| !series.name.is_empty()).enumerate().map(entry).collect()
     }
 }
 
@@ -145,7 +121,7 @@ impl PlotSeries {
         if let Some(style) = style {
             let path = path(&places, self.style == SeriesStyle::Steps);
             let style = format!("fill=\"none\" stroke-linejoin=\"round\" {style}");
-            append(&mut svg, format_args!("<path class=\"{class}\" d=\"{path}\" {style} stroke=\"{colour}\"/>\n"));
+            svg += &format!("<path class=\"{class}\" d=\"{path}\" {style} stroke=\"{colour}\"/>\n");
         }
         let (radius, style) = match self.style {
             SeriesStyle::Line => (3.5, format!("fill=\"{colour}\"")),
@@ -155,10 +131,7 @@ impl PlotSeries {
         };
         let kind = if self.style == SeriesStyle::Rings { " ring" } else { "" };
         for (x, y) in places {
-            append(
-                &mut svg,
-                format_args!("<circle class=\"{class}{kind}\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius}\" {style}/>\n"),
-            );
+            svg += &format!("<circle class=\"{class}{kind}\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius}\" {style}/>\n");
         }
         svg
     }
@@ -168,9 +141,9 @@ fn path(places: &[(f64, f64)], level: bool) -> String {
     let mut path = String::new();
     for (i, (x, y)) in places.iter().enumerate() {
         match (i, level) {
-            (0, _) => append(&mut path, format_args!("M{x:.2} {y:.2}")),
-            (_, true) => append(&mut path, format_args!("H{x:.2}V{y:.2}")),
-            (_, false) => append(&mut path, format_args!("L{x:.2} {y:.2}")),
+            (0, _) => path += &format!("M{x:.2} {y:.2}"),
+            (_, true) => path += &format!("H{x:.2}V{y:.2}"),
+            (_, false) => path += &format!("L{x:.2} {y:.2}"),
         }
     }
     path

@@ -1,12 +1,10 @@
 //! The hash that identifies scenes, saved runs and study steps.
 
-/// A BLAKE3 hash. The same data has the same hash on every machine and in every version of the
-/// program.
+/// BLAKE3: the same for the same data on every machine and in every version of the program.
 #[derive(Debug, Clone, Default)]
 pub struct IdentityHash(blake3::Hasher);
 
 impl IdentityHash {
-    /// Adds bytes.
     pub fn add(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
@@ -23,13 +21,11 @@ impl IdentityHash {
     }
 }
 
-/// The hash of the sums of a film. It is the sum of the hashes of all rows of all planes, so the
-/// rows may be added in any order.
+/// The sum of the hashes of all rows of all planes of a film, in any order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SumsHash(u128);
 
 impl SumsHash {
-    /// Adds a row of a plane. `words` contains the bits of the sums.
     pub fn add_row(&mut self, plane: &str, row: usize, words: &[u8]) {
         let mut hash = IdentityHash::default();
         hash.add_part(plane.as_bytes());
@@ -39,7 +35,6 @@ impl SumsHash {
         self.0 = self.0.wrapping_add(half);
     }
 
-    /// Returns the hash as bytes.
     pub fn bytes(self) -> [u8; 16] {
         self.0.to_le_bytes()
     }

@@ -16,9 +16,8 @@ pub fn css_colours() -> String {
     HEAT_COLOURS.map(|[r, g, b]| format!("rgb({r} {g} {b})")).join(", ")
 }
 
-/// Returns the colour that represents a fraction from 0 to 1. With an increasing fraction, the
-/// colours change from black through violet and orange to white. The brightness increases too. NaN
-/// is white.
+/// Returns the colour of a fraction from 0 to 1, from black through violet and orange to white with
+/// increasing brightness. NaN is white.
 pub fn heat(fraction: f64) -> [u8; 3] {
     let place = if fraction < 1.0 { fraction.max(0.0) * 3.0 } else { 3.0 };
     let stop = (place as usize).min(2);
@@ -26,10 +25,8 @@ pub fn heat(fraction: f64) -> [u8; 3] {
     [0, 1, 2].map(|c| (HEAT_COLOURS[stop][c] + t * (HEAT_COLOURS[stop + 1][c] - HEAT_COLOURS[stop][c])).round() as u8)
 }
 
-/// Returns a map of the relative error of a picture. If m is the mean Y of the picture, the
-/// relative error is √(noise² + bias²) / √(Y² + 0.01 m²). Error 0 is black. Errors of
-/// [`WHITE_ERROR`] and more are white. Pixels with unknown errors have the colour
-/// [`UNKNOWN_COLOUR`].
+/// Returns a map of the relative error √(noise² + bias²) / √(Y² + 0.01 m²) of a picture with the
+/// mean m of Y: black for 0, white from [`WHITE_ERROR`], and [`UNKNOWN_COLOUR`] if it is unknown.
 pub fn error_map(picture: &Picture) -> DisplayImage {
     let colours =
         picture.relative_errors().map(|error| error.map_or(UNKNOWN_COLOUR, |error| heat(error / WHITE_ERROR)));
@@ -47,8 +44,7 @@ mod tests {
         assert_eq!([0.0, 1.0, 7.0, f64::INFINITY, f64::NAN].map(brightness), [0, 765, 765, 765, 765]);
     }
 
-    /// Checks that an error map combines noise and bias, and that it shows which pixels have an
-    /// unknown error.
+    /// An error map combines noise and bias, and shows which pixels have an unknown error.
     #[test]
     fn an_error_map_combines_noise_and_bias() {
         let mut picture = Picture::black(4, 1);

@@ -2,18 +2,14 @@
 
 use std::fmt::Write as _;
 
-/// A test in a JUnit report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct JunitCase<'a> {
-    /// The name of the group.
     pub group: &'a str,
-    /// The name of the test.
     pub name: &'a str,
     /// The reason of the failure, or `None` if the test passed.
     pub failure: Option<&'a str>,
 }
 
-/// Returns the XML text of a report with one suite.
 pub fn junit(suite: &str, cases: &[JunitCase<'_>]) -> String {
     let failures = cases.iter().filter(|case| case.failure.is_some()).count();
     let (suite, count) = (escaped(suite), cases.len());
@@ -31,8 +27,7 @@ pub fn junit(suite: &str, cases: &[JunitCase<'_>]) -> String {
     text + "  </testsuite>\n</testsuites>\n"
 }
 
-/// Replaces the characters that have a meaning in XML. Control characters are not allowed in XML,
-/// and become spaces.
+/// Escapes a text for XML, where control characters are not allowed and become spaces.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

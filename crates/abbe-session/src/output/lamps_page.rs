@@ -1,5 +1,5 @@
-//! The HTML page that compares two lamps. It contains their spectra, their colours, and the colours
-//! of surfaces under both lamps. The page needs no other file.
+//! The self-contained HTML page that compares two lamps: their spectra, their colours, and the
+//! colours of surfaces under both.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -14,31 +14,22 @@ use abbe_spectra::colour::{ColourRendition, RgbSpace, Xyz, from_lab, report, srg
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer, Spectrum};
 
-/// A lamp with its name and its origin.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedLamp<'a> {
-    /// The name.
     pub name: &'a str,
-    /// A description and the source of the data.
     pub origin: &'a str,
     /// The spectrum of the lamp's light. The scale of the spectrum does not matter.
     pub spectrum: &'a Spectrum,
 }
 
-/// The content of the page.
 #[derive(Debug, Clone)]
 pub struct LampsPage<'a> {
-    /// The lamps A and B.
     pub lamps: [NamedLamp<'a>; 2],
-    /// The comparison of the lamps.
     pub comparison: &'a LampComparison,
-    /// Fluorescent surfaces under the lamps.
     pub fluorescent: &'a [PatchDifference],
-    /// The observer.
     pub observer: &'a Observer,
     /// The primaries that are mixed to match A, or an empty list if A is not matched.
     pub primaries: Vec<NamedLamp<'a>>,
-    /// A warning at the top of the page.
     pub warning: Option<&'a str>,
 }
 
@@ -48,10 +39,7 @@ pub const SHOWN_PAIRS: usize = 12;
 /// The maximum number of characters of a name in the title of a plot.
 const LONGEST_TITLE: usize = 70;
 
-/// Returns the page.
-///
-/// # Errors
-/// Returns a machine error if an image cannot be encoded as PNG.
+/// Returns the page. Returns a machine error if an image cannot be encoded as PNG.
 pub fn page(page: &LampsPage<'_>) -> Result<String> {
     let LampsPage { lamps: [a, b], comparison, fluorescent, observer, primaries: _, warning } = page;
     let title = format!("{} against {}", a.name, b.name);
@@ -81,7 +69,6 @@ pub fn page(page: &LampsPage<'_>) -> Result<String> {
     Ok(document(&title, include_str!("lamps_page.css"), &body))
 }
 
-/// Renders the section with the colours of the lamps: a table and a chromaticity diagram.
 fn lights(page: &LampsPage<'_>) -> Result<Markup> {
     let LampsPage { comparison, observer, primaries, .. } = page;
     let [a, b] = &comparison.reports;
@@ -116,7 +103,6 @@ fn lights(page: &LampsPage<'_>) -> Result<Markup> {
     })
 }
 
-/// Plots the spectral power of a lamp, scaled to one lumen.
 fn plot(badge: &str, lamp: &NamedLamp<'_>, observer: &Observer) -> SpectralPlot {
     let lumens = LUMENS_PER_WATT * report::xyz(lamp.spectrum, observer)[1];
     let mut name: String = lamp.name.chars().take(LONGEST_TITLE).collect();
@@ -131,7 +117,6 @@ fn plot(badge: &str, lamp: &NamedLamp<'_>, observer: &Observer) -> SpectralPlot 
     )
 }
 
-/// Renders the section with the colour rendition of both lamps.
 fn rendition(comparison: &LampComparison) -> Markup {
     let lamps = [0, 1].map(|i| (["A", "B"][i], comparison.reports[i].rendition.as_ref()));
     let bins = lamps.iter().find_map(|(_, found)| *found).map_or(0, |found| found.rf_bins.len());
@@ -271,8 +256,7 @@ fn table(patches: &[PatchDifference], largest: f64) -> Markup {
     }
 }
 
-/// Formats a number. A negative number has the minus sign (−) instead of a hyphen. Zero has no
-/// sign.
+/// Formats a number with a minus sign (−) instead of a hyphen, and zero without a sign.
 fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -295,8 +279,7 @@ fn notes(observer: &Observer) -> Markup {
     }
 }
 
-/// Returns the factor that scales XYZ for the display. Before scaling, both whites have Y = 100.
-/// After scaling, the largest RGB component of the two whites is 1.
+/// Returns the factor on XYZ that makes the largest RGB component of both whites 1.
 fn exposure(comparison: &LampComparison) -> f64 {
     let components = comparison.reports.iter().flat_map(|report| report.linear_srgb);
     0.01 / components.fold(1.0, f64::max)

@@ -1,5 +1,4 @@
-//! The HTML page of a luminaire: a polar diagram and a table of figures. The page needs no other
-//! file.
+//! The self-contained HTML page of a luminaire: a polar diagram and a table of figures.
 
 use maud::{PreEscaped, html};
 

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-/// An ordered list of named texts in the header of an EXR. Values are ASCII. Structured values are
-/// JSON.
+/// An ordered list of named ASCII texts in the header of an EXR. Structured values are JSON.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Metadata {
     entries: Vec<(String, String)>,
@@ -17,14 +16,12 @@ pub mod names {
     pub const SCENE_HASH: &str = "abbe.sceneHash";
     /// The plan, as the JSON that `abbe explain --json` prints.
     pub const PLAN: &str = "abbe.plan";
-    /// The settings of the PNG as JSON: exposure, white balance, colour space, tone curve and gamut
-    /// mapping.
+    /// The settings of the PNG as JSON: exposure, white, colour space, tone curve, gamut mapping.
     pub const DISPLAY: &str = "abbe.display";
     /// The seed of all random streams.
     pub const SEED: &str = "abbe.seed";
     /// The number of completed passes.
     pub const PASSES: &str = "abbe.passes";
-    /// The number of photon paths in a pass.
     pub const PHOTONS: &str = "abbe.photons";
     /// The integrator: `photon` or `path`.
     pub const INTEGRATOR: &str = "abbe.integrator";
@@ -32,25 +29,21 @@ pub mod names {
     pub const LEDGER: &str = "abbe.ledger";
     /// Wall-clock time in seconds.
     pub const SECONDS: &str = "abbe.seconds";
-    /// The version of the program.
     pub const VERSION: &str = "abbe.version";
     /// Present in the preview of a running render.
     pub const PREVIEW: &str = "abbe.preview";
     /// The gains of the light groups as JSON, in a picture that `abbe relight` wrote.
     pub const RELIGHT: &str = "abbe.relight";
-    /// Notes for the user as JSON, such as residuals of matched spectra, clamped indices and
-    /// forbidden effects.
+    /// Notes for the user as JSON: residuals of matched spectra, clamped indices and so on.
     pub const NOTES: &str = "abbe.notes";
 }
 
 impl Metadata {
-    /// Returns metadata without texts.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a text, or replaces the text of this name. Characters beyond ASCII are escaped as in a
-    /// JSON string.
+    /// Adds or replaces a text. Characters beyond ASCII are escaped as in a JSON string.
     #[must_use]
     pub fn with(mut self, name: &str, value: &str) -> Self {
         self.entries.retain(|(known, _)| known != name);
@@ -58,33 +51,29 @@ impl Metadata {
         self
     }
 
-    /// Removes the text of this name.
     #[must_use]
     pub fn without(mut self, name: &str) -> Self {
         self.entries.retain(|(known, _)| known != name);
         self
     }
 
-    /// Adds a value as JSON.
     #[must_use]
     pub fn with_json<T: Serialize + ?Sized>(self, name: &str, value: &T) -> Self {
         let text = serde_json::to_string(value).expect("reports have text keys and no fallible values");
         self.with(name, &text)
     }
 
-    /// Returns the text of the entry with this name.
     pub fn get(&self, name: &str) -> Option<&str> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// Returns all names and texts.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
         self.entries.iter().map(|(name, value)| (name.as_str(), value.as_str()))
     }
 }
 
-/// Replaces every character of a JSON text that is not ASCII with an escape sequence that begins
-/// with `\u`. Such characters occur only inside JSON strings.
+/// Replaces the characters of a JSON text that are not ASCII, which occur only inside strings, by
+/// escape sequences that begin with `\u`.
 pub fn escape_non_ascii(json: &str) -> String {
     let mut ascii = String::with_capacity(json.len());
     for character in json.chars() {

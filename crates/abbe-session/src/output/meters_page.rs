@@ -1,5 +1,5 @@
-//! The HTML page of a measurement: the readings of every meter in a table, and the plan of every
-//! grid in false colours with isolines. The page needs no other file.
+//! The self-contained HTML page of a measurement: the readings of every meter in a table, and the
+//! plan of every grid in false colours with isolines.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -7,14 +7,11 @@ use super::heat;
 use super::page::document;
 use super::plan_map::PlanMap;
 
-/// A meter on the page.
 #[derive(Debug, Clone)]
 pub struct MeterSection {
     /// The name and the quantity of the meter.
     pub title: String,
-    /// The plan, if the meter is a grid of numbers.
     pub plan: Option<PlanMap>,
-    /// The names of the columns of the table.
     pub columns: Vec<String>,
     /// The rows of the table. Numbers are aligned by their columns.
     pub rows: Vec<Vec<String>>,
@@ -54,7 +51,6 @@ pub fn page(title: &str, sections: &[MeterSection], notes: &[String]) -> String 
     document(title, STYLE, &body)
 }
 
-/// Renders a plan with the legend of its colours.
 fn map(plan: &PlanMap) -> Markup {
     let bar = format!("background: linear-gradient(to right, {})", heat::css_colours());
     html! {

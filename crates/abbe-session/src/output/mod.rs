@@ -1,7 +1,6 @@
-//! Output files: EXR and PNG pictures, comparisons of pictures, plots and reports.
-//!
-//! [`exr`] writes the measured picture: absolute XYZ, error bars, spectrum and metadata. [`png`]
-//! writes an image for a display. [`compare`] computes the difference of two pictures.
+//! Output files: [`exr`] for the measured picture with absolute XYZ, error bars, spectrum and
+//! metadata, [`png`] for an image on a display, comparisons of pictures ([`compare`]), plots and
+//! reports.
 
 pub mod axis;
 mod block_test;

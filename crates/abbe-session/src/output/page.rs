@@ -1,5 +1,4 @@
-//! HTML pages. A page uses light or dark mode, depending on the preference of the reader. A page
-//! needs no other file.
+//! Self-contained HTML pages, in light or dark mode as the reader prefers.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

@@ -4,35 +4,29 @@ use glam::{DVec2, DVec3};
 
 use super::axis::Axis;
 use super::heat::heat;
-use super::svg::{append, escape_xml, head};
+use super::svg::{escape_xml, head};
 
-/// A grid of readings.
 #[derive(Debug, Clone)]
 pub struct PlanMap {
-    /// The edges u and v of the parallelogram in the scene's unit, and the normal of the meter. The
-    /// plan is seen from the side of this normal, with u to the right.
+    /// The edges u and v of the parallelogram in the scene's unit, and the normal of the meter,
+    /// from whose side the plan is seen, with u to the right.
     pub frame: [DVec3; 3],
-    /// The numbers of cells along u and v.
     pub count: [usize; 2],
     /// One value for each cell. The index along u changes fastest.
     pub values: Vec<f64>,
-    /// The unit of the values.
     pub unit: &'static str,
-    /// Formats a value.
     pub number: fn(f64) -> String,
 }
 
 /// The width of the drawing of a plan, and its largest height.
 const SIZE: [f64; 2] = [900.0, 640.0];
 
-/// The space around the plan.
 const MARGIN: f64 = 34.0;
 
 /// The values are written into the cells if the cells are at least this wide and high.
 const LEAST_CELL_WITH_NUMBER: [f64; 2] = [54.0, 20.0];
 
 impl PlanMap {
-    /// Returns the plan as an SVG document.
     pub fn svg(&self) -> String {
         let (corners, scale) = self.layout();
         let [origin, along_u, along_v] = corners;
@@ -49,12 +43,9 @@ impl PlanMap {
             let corners = [at(column, row), at(column + 1.0, row), at(column + 1.0, row + 1.0), at(column, row + 1.0)];
             let [r, g, b] = heat(value / most);
             // A stroke of the same colour hides the gaps between cells.
-            append(
-                &mut svg,
-                format_args!(
-                    "<polygon points=\"{}\" fill=\"rgb({r} {g} {b})\" stroke=\"rgb({r} {g} {b})\" stroke-width=\"0.5\"/>\n",
-                    points(&corners)
-                ),
+            svg += &format!(
+                "<polygon points=\"{}\" fill=\"rgb({r} {g} {b})\" stroke=\"rgb({r} {g} {b})\" stroke-width=\"0.5\"/>\n",
+                points(&corners)
             );
         }
         for level in self.levels() {
@@ -63,14 +54,11 @@ impl PlanMap {
             let mut path = String::new();
             for [a, b] in &lines {
                 let [a, b] = [a, b].map(|point| at(point.x + 0.5, point.y + 0.5));
-                append(&mut path, format_args!("M{:.1} {:.1}L{:.1} {:.1}", a.x, a.y, b.x, b.y));
+                path += &format!("M{:.1} {:.1}L{:.1} {:.1}", a.x, a.y, b.x, b.y);
             }
             for (colour, width) in [("#000", 2.6), ("#fff", 1.2)] {
-                append(
-                    &mut svg,
-                    format_args!(
-                        "<path class=\"isoline\" d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"round\"/>\n"
-                    ),
+                svg += &format!(
+                    "<path class=\"isoline\" d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"round\"/>\n"
                 );
             }
             if !with_numbers {
@@ -90,7 +78,7 @@ impl PlanMap {
                 text_at(&mut svg, place, &style, &(self.number)(value));
             }
         }
-        append(&mut svg, format_args!("<polygon class=\"edge\" points=\"{}\" fill=\"none\"/>\n", points(&outline)));
+        svg += &format!("<polygon class=\"edge\" points=\"{}\" fill=\"none\"/>\n", points(&outline));
         // The length of each edge stands beside the edge, on the outer side.
         let middle = 0.5 * (outline[0] + outline[2]);
         for (ends, length) in [([outline[0], outline[1]], along_u), ([outline[0], outline[3]], along_v)] {
@@ -102,7 +90,6 @@ impl PlanMap {
         svg
     }
 
-    /// Returns the value of the brightest colour.
     fn most(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE)
     }
@@ -160,9 +147,8 @@ impl PlanMap {
         ([DVec2::splat(MARGIN) - low * scale, u * scale, v * scale], scale)
     }
 
-    /// Returns the segments of an isoline, in cells. The point (0, 0) is the middle of the first
-    /// cell. Between four readings, the values are interpolated linearly in the four triangles
-    /// around their mean.
+    /// Returns the segments of an isoline in cells, from the middle of the first one. Between four
+    /// readings, the values are interpolated linearly in the four triangles around their mean.
     fn isoline(&self, level: f64) -> Vec<[DVec2; 2]> {
         let [columns, rows] = self.count;
         let value = |column: usize, row: usize| self.values[row * columns + column];
@@ -199,10 +185,7 @@ fn points(corners: &[DVec2]) -> String {
 /// Writes a text that is centred at a place.
 fn text_at(svg: &mut String, place: DVec2, style: &str, text: &str) {
     let text = escape_xml(text);
-    append(
-        svg,
-        format_args!("<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" {style}>{text}</text>\n", place.x, place.y),
-    );
+    *svg += &format!("<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\" {style}>{text}</text>\n", place.x, place.y);
 }
 
 #[cfg(test)]
@@ -214,7 +197,6 @@ mod tests {
         PlanMap { frame: [u, v, DVec3::Y], count, values, unit: "lx", number: |value| format!("{value:.0}") }
     }
 
-    /// The isolines of a linear function are straight, and those of a cone are circles.
     #[test]
     fn isolines_lie_where_the_function_has_their_value() {
         let linear = plan(DVec3::X, DVec3::Z, [9, 7], |x, y| 10.0 * x + 3.0 * y);
@@ -234,8 +216,7 @@ mod tests {
         assert!(plan(DVec3::X, DVec3::Z, [3, 3], |_, _| 5.0).levels().is_empty());
     }
 
-    /// From above, x leads to the right and z leads down. The edges of a skew grid keep their
-    /// angle.
+    /// From above, x leads to the right and z down. A skew grid keeps its angles.
     #[test]
     fn plans_are_seen_from_the_side_of_the_normal() {
         let ([_, u, v], scale) = plan(4.0 * DVec3::X, 2.0 * DVec3::Z, [2, 2], |x, _| x).layout();

@@ -1,32 +1,26 @@
 //! Plots of functions of wavelength as SVG.
 
 use super::axis::Axis;
-use super::svg::{CURVE_COLOURS, append, escape_xml, head};
+use super::svg::{CURVE_COLOURS, escape_xml, head};
 use abbe_spectra::colour::{srgb_hex, xyz_to_linear_srgb};
 use abbe_spectra::math::elementary::powf;
 use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum};
 
-/// A curve over wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralCurve {
-    /// The name in the legend.
     pub name: String,
     /// Pairs of wavelength in nm and value, sorted by wavelength.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A plot of functions of wavelength. The colours of the spectrum are drawn along the horizontal
-/// axis.
+/// A plot of functions of wavelength, with the colours of the spectrum along the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralPlot {
-    /// The title.
     pub title: String,
-    /// Quantity and unit of the values.
     pub values: String,
     /// The curves. If the vertical axis begins at 0, the area under the first curve is coloured.
     pub curves: Vec<SpectralCurve>,
-    /// Spectral lines, as pairs of the wavelength in nm and the height of the stroke. The height is
-    /// a fraction of the height of the plot.
+    /// Pairs of the wavelength in nm and the height of the stroke, as a fraction of the plot's.
     pub lines: Vec<(f64, f64)>,
     /// True if the vertical axis always includes 0, even if all values are larger.
     pub from_zero: bool,
@@ -41,9 +35,8 @@ const PLOT_BOTTOM: f64 = 84.0;
 const PLOT_STRIP: f64 = 14.0;
 
 impl SpectralPlot {
-    /// Plots a spectrum over the band. The continuum is a curve. Spectral lines are vertical
-    /// strokes. The height of a stroke is proportional to the power of the line. `density` is the
-    /// quantity and unit of the continuum, and `power` is the unit of a line's power.
+    /// Plots a spectrum over the band: the continuum as a curve with the quantity and unit
+    /// `density`, and spectral lines as strokes in proportion to their power with the unit `power`.
     pub fn of_spectrum(title: &str, spectrum: &Spectrum, density: &str, power: Option<&str>) -> Self {
         let lines = spectrum.line_segments();
         let strongest = lines.iter().map(|line| line.power).fold(0.0, f64::max);
@@ -70,14 +63,13 @@ impl SpectralPlot {
         }
     }
 
-    /// Returns the plot as a self-contained SVG document. A curve has gaps at points that are not
-    /// finite.
+    /// Returns a self-contained SVG document. Curves have gaps at points that are not finite.
     pub fn svg(&self) -> String {
         let values = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
         let up = Axis::linear(values, self.from_zero, (PLOT_SIZE.1 - PLOT_BOTTOM, PLOT_TOP));
         let mut svg = head("plot", PLOT_SIZE, 14.0);
         let title = escape_xml(&self.title);
-        append(&mut svg, format_args!("<text x=\"{PLOT_LEFT}\" y=\"30\" font-size=\"18\">{title}</text>\n"));
+        svg += &format!("<text x=\"{PLOT_LEFT}\" y=\"30\" font-size=\"18\">{title}</text>\n");
         svg += &strip();
         svg += &axes(&up, &self.values);
         if let Some(curve) = self.curves.first().filter(|_| self.from_zero) {
@@ -87,42 +79,31 @@ impl SpectralPlot {
             let (x, foot) = (x(nm), PLOT_SIZE.1 - PLOT_BOTTOM);
             let top = foot - fraction * (foot - PLOT_TOP);
             let colour = spectral_colour(nm);
-            append(
-                &mut svg,
-                format_args!("<path d=\"M{x:.2} {foot}V{top:.2}\" stroke=\"{colour}\" stroke-width=\"2\"/>\n"),
-            );
+            svg += &format!("<path d=\"M{x:.2} {foot}V{top:.2}\" stroke=\"{colour}\" stroke-width=\"2\"/>\n");
         }
         for (i, curve) in self.curves.iter().enumerate().rev() {
             let colour = CURVE_COLOURS[i % CURVE_COLOURS.len()];
             let path = path(&up, &curve.points);
             let style = "fill=\"none\" stroke-width=\"2\" stroke-linejoin=\"round\"";
-            append(&mut svg, format_args!("<path class=\"curve{i}\" d=\"{path}\" {style} stroke=\"{colour}\"/>\n"));
+            svg += &format!("<path class=\"curve{i}\" d=\"{path}\" {style} stroke=\"{colour}\"/>\n");
         }
-        svg += &self.legend();
-        svg += "</svg>\n";
-        svg
+        svg + &self.legend() + "</svg>\n"
     }
 
-    /// Draws the names of the curves if there are several.
     fn legend(&self) -> String {
-        let mut svg = String::new();
         if self.curves.len() < 2 {
-            return svg;
+            return String::new();
         }
-        for (i, curve) in self.curves.iter().enumerate() {
+        let entry = |(i, curve): (usize, &SpectralCurve)| {
             let colour = CURVE_COLOURS[i % CURVE_COLOURS.len()];
             let (x, y) = (PLOT_SIZE.0 - PLOT_RIGHT - 12.0, PLOT_TOP + 20.0 + 20.0 * i as f64);
             let name = escape_xml(&curve.name);
-            append(
-                &mut svg,
-                format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n"),
-            );
-        }
-        svg
+            format!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n")
+        };
+        self.curves.iter().enumerate().map(entry).collect()
     }
 }
 
-/// Returns the horizontal position of a wavelength in nm on the page.
 fn x(nm: f64) -> f64 {
     PLOT_LEFT + (nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0) * (PLOT_SIZE.0 - PLOT_LEFT - PLOT_RIGHT)
 }
@@ -132,43 +113,42 @@ fn axes(up: &Axis, values: &str) -> String {
     let (right, foot) = (PLOT_SIZE.0 - PLOT_RIGHT, PLOT_SIZE.1 - PLOT_BOTTOM);
     for tick in up.ticks() {
         let y = up.position(tick.value);
-        append(&mut svg, format_args!("<path class=\"rule\" d=\"M{PLOT_LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n"));
+        svg += &format!("<path class=\"rule\" d=\"M{PLOT_LEFT} {y:.2}H{right}\" stroke=\"#ddd\"/>\n");
         let (x, y, label) = (PLOT_LEFT - 8.0, y + 5.0, tick.label.unwrap_or_default());
-        append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y:.2}\" text-anchor=\"end\">{label}</text>\n"));
+        svg += &format!("<text x=\"{x}\" y=\"{y:.2}\" text-anchor=\"end\">{label}</text>\n");
     }
     for nm in (400..=800).step_by(50) {
         let (x, top, y) = (x(f64::from(nm)), foot + PLOT_STRIP, foot + PLOT_STRIP + 22.0);
-        append(&mut svg, format_args!("<path class=\"ink\" d=\"M{x:.2} {top}v5\" stroke=\"#222\"/>\n"));
-        append(&mut svg, format_args!("<text x=\"{x:.2}\" y=\"{y}\" text-anchor=\"middle\">{nm}</text>\n"));
+        svg += &format!("<path class=\"ink\" d=\"M{x:.2} {top}v5\" stroke=\"#222\"/>\n");
+        svg += &format!("<text x=\"{x:.2}\" y=\"{y}\" text-anchor=\"middle\">{nm}</text>\n");
     }
     let frame = format!("d=\"M{PLOT_LEFT} {PLOT_TOP}V{foot}H{right}\" fill=\"none\"");
-    append(&mut svg, format_args!("<path class=\"ink\" {frame} stroke=\"#222\"/>\n"));
+    svg += &format!("<path class=\"ink\" {frame} stroke=\"#222\"/>\n");
     let (x, y) = (0.5 * (PLOT_LEFT + right), PLOT_SIZE.1 - 18.0);
-    append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">wavelength in nm</text>\n"));
+    svg += &format!("<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\">wavelength in nm</text>\n");
     let (y, label) = (0.5 * (PLOT_TOP + foot), escape_xml(values));
     let turned = format!("transform=\"rotate(-90 20 {y})\"");
-    append(&mut svg, format_args!("<text x=\"20\" y=\"{y}\" text-anchor=\"middle\" {turned}>{label}</text>\n"));
+    svg += &format!("<text x=\"20\" y=\"{y}\" text-anchor=\"middle\" {turned}>{label}</text>\n");
     svg
 }
 
-/// Draws the colours of the spectrum along the axis.
 fn strip() -> String {
     let (from, to) = (x(BAND_NM.0), x(BAND_NM.1));
     let place = format!("gradientUnits=\"userSpaceOnUse\" x1=\"{from}\" x2=\"{to}\"");
     let mut svg = format!("<defs><linearGradient id=\"spectrum\" {place}>\n");
     for nm in (BAND_NM.0 as u32..=BAND_NM.1 as u32).step_by(10).map(f64::from) {
         let (fraction, colour) = ((nm - BAND_NM.0) / (BAND_NM.1 - BAND_NM.0), spectral_colour(nm));
-        append(&mut svg, format_args!("<stop offset=\"{fraction:.4}\" stop-color=\"{colour}\"/>\n"));
+        svg += &format!("<stop offset=\"{fraction:.4}\" stop-color=\"{colour}\"/>\n");
     }
     let (y, width) = (PLOT_SIZE.1 - PLOT_BOTTOM, to - from);
     let place = format!("x=\"{from}\" y=\"{y}\" width=\"{width}\" height=\"{PLOT_STRIP}\"");
-    append(&mut svg, format_args!("</linearGradient></defs>\n<rect {place} fill=\"url(#spectrum)\"/>\n"));
+    svg += &format!("</linearGradient></defs>\n<rect {place} fill=\"url(#spectrum)\"/>\n");
     svg
 }
 
-/// Returns the display colour of a wavelength. The colour is mixed with white until it is within
-/// sRGB, and then scaled to the largest brightness. Towards the ends of the visible range, the
-/// colour is darker. (At the true luminance, violet would be almost black.)
+/// Returns the display colour of a wavelength: mixed with white until it is within sRGB, scaled to
+/// the largest brightness, and darker towards the ends of the visible range. (At the true
+/// luminance, violet would be almost black.)
 fn spectral_colour(nm: f64) -> String {
     let bar = Observer::cie1931().xyz_bar(nm);
     let linear = xyz_to_linear_srgb(bar);
@@ -181,13 +161,12 @@ fn spectral_colour(nm: f64) -> String {
     srgb_hex(linear.map(|component| (component + white) / brightest * seen))
 }
 
-/// Returns the path of a curve. The path has gaps at values that are not finite.
 fn path(up: &Axis, points: &[(f64, f64)]) -> String {
     let mut path = String::new();
     let mut command = 'M';
     for &(nm, value) in points {
         if value.is_finite() && nm.is_finite() {
-            append(&mut path, format_args!("{command}{:.2} {:.2}", x(nm), up.position(value)));
+            path += &format!("{command}{:.2} {:.2}", x(nm), up.position(value));
             command = 'L';
         } else {
             command = 'M';
@@ -196,8 +175,7 @@ fn path(up: &Axis, points: &[(f64, f64)]) -> String {
     path
 }
 
-/// Fills the area between a curve and zero with the colours of the spectrum. The result is empty if
-/// a point is not finite.
+/// Fills the area under a curve with the colours of the spectrum, unless a point is not finite.
 fn area(up: &Axis, points: &[(f64, f64)]) -> String {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return String::new() };
     if !points.iter().all(|(nm, value)| nm.is_finite() && value.is_finite()) {

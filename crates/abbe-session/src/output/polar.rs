@@ -1,25 +1,20 @@
 //! Polar diagrams of the intensity of luminaires as SVG.
 
 use super::axis::Axis;
-use super::svg::{CURVE_COLOURS, append, escape_xml, head};
+use super::svg::{CURVE_COLOURS, escape_xml, head};
 use abbe_spectra::math::elementary::sin_cos;
 
-/// The curve of one plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarCurve {
-    /// The name in the legend.
     pub name: String,
-    /// Pairs of an angle in degrees and a value of at least 0. The angle 0 points down, and
-    /// positive angles lie to the right.
+    /// Pairs of an angle in degrees, from below and positive to the right, and a value.
     pub points: Vec<(f64, f64)>,
 }
 
 /// A polar diagram. The angle 0 points down, as for a ceiling luminaire.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolarDiagram {
-    /// The title.
     pub title: String,
-    /// The unit of the values.
     pub unit: String,
     /// The curves. A later curve is drawn on top of an earlier curve.
     pub curves: Vec<PolarCurve>,
@@ -37,53 +32,42 @@ const SPOKE_DEG: u16 = 30;
 const LABEL_DEG: f64 = 15.0;
 
 impl PolarDiagram {
-    /// Returns the diagram as a self-contained SVG document.
     pub fn svg(&self) -> String {
         let values = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
         let radius = Axis::linear(values, true, (0.0, POLAR_RADIUS));
         let mut svg = head("plot polar", POLAR_SIZE, 15.0);
         let title = escape_xml(&self.title);
-        append(&mut svg, format_args!("<text x=\"20\" y=\"30\" font-size=\"18\">{title}</text>\n"));
+        svg += &format!("<text x=\"20\" y=\"30\" font-size=\"18\">{title}</text>\n");
         svg += &self.grid(&radius);
         for (number, curve) in self.curves.iter().enumerate() {
             let places: Vec<String> =
                 curve.points.iter().map(|&(angle, value)| place(angle, radius.position(value))).collect();
             let colour = colour(number);
             let path = places.join("L");
-            append(
-                &mut svg,
-                format_args!(
-                    "<path d=\"M{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\" stroke-linejoin=\"round\"/>\n"
-                ),
+            svg += &format!(
+                "<path d=\"M{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\" stroke-linejoin=\"round\"/>\n"
             );
         }
-        svg += &self.legend();
-        svg += "</svg>\n";
-        svg
+        svg + &self.legend() + "</svg>\n"
     }
 
-    /// Draws the circles, the spokes and their labels.
     fn grid(&self, radius: &Axis) -> String {
         let mut svg = String::new();
         let (x, y) = POLAR_CENTRE;
         let ticks = radius.ticks();
         for tick in ticks.iter().skip(1) {
             let r = radius.position(tick.value);
-            append(
-                &mut svg,
-                format_args!(
-                    "<circle class=\"rule\" cx=\"{x}\" cy=\"{y}\" r=\"{r:.2}\" fill=\"none\" stroke=\"#ddd\"/>\n"
-                ),
-            );
+            svg +=
+                &format!("<circle class=\"rule\" cx=\"{x}\" cy=\"{y}\" r=\"{r:.2}\" fill=\"none\" stroke=\"#ddd\"/>\n");
         }
         for spoke in (0..360).step_by(usize::from(SPOKE_DEG)) {
             let angle = f64::from(spoke);
             let end = place(angle, POLAR_RADIUS);
-            append(&mut svg, format_args!("<path class=\"rule\" d=\"M{x} {y}L{end}\" stroke=\"#ddd\"/>\n"));
+            svg += &format!("<path class=\"rule\" d=\"M{x} {y}L{end}\" stroke=\"#ddd\"/>\n");
             let shown = if spoke > 180 { 360 - spoke } else { spoke };
             let (sin, cos) = sin_cos(angle.to_radians());
             let (x, y) = (x + (POLAR_RADIUS + 22.0) * sin, y + (POLAR_RADIUS + 22.0) * cos + 5.0);
-            append(&mut svg, format_args!("<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{shown}°</text>\n"));
+            svg += &format!("<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"middle\">{shown}°</text>\n");
         }
         // Labels on every second circle leave room for the curves.
         let last = ticks.len().saturating_sub(1);
@@ -93,28 +77,23 @@ impl PolarDiagram {
             let r = radius.position(tick.value);
             let unit = if number == last { format!(" {}", escape_xml(&self.unit)) } else { String::new() };
             let (x, y) = (x + r * sin, y + r * cos + 5.0);
-            append(
-                &mut svg,
-                format_args!(
-                    "<text x=\"{x:.2}\" y=\"{y:.2}\" font-size=\"13\" text-anchor=\"middle\">{label}{unit}</text>\n"
-                ),
+            svg += &format!(
+                "<text x=\"{x:.2}\" y=\"{y:.2}\" font-size=\"13\" text-anchor=\"middle\">{label}{unit}</text>\n"
             );
         }
         svg
     }
 
     fn legend(&self) -> String {
-        let mut svg = String::new();
-        for (number, curve) in self.curves.iter().enumerate() {
+        let entry = |(number, curve): (usize, &PolarCurve)| {
             let (x, y, name) = (20.0, POLAR_SIZE.1 - 16.0 - 20.0 * number as f64, escape_xml(&curve.name));
-            append(&mut svg, format_args!("<text x=\"{x}\" y=\"{y}\" fill=\"{}\">{name}</text>\n", colour(number)));
-        }
-        svg
+            format!("<text x=\"{x}\" y=\"{y}\" fill=\"{}\">{name}</text>\n", colour(number))
+        };
+        self.curves.iter().enumerate().map(entry).collect()
     }
 }
 
-/// Returns the colour of a curve: red, blue and so on. Black is left out, because it does not show
-/// on a dark page.
+/// Returns red, blue and so on. Black does not show on a dark page.
 fn colour(number: usize) -> &'static str {
     CURVE_COLOURS[1 + number % (CURVE_COLOURS.len() - 1)]
 }

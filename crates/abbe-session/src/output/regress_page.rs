@@ -1,5 +1,4 @@
-//! The HTML page of a regression report: the worst cases with their expected and their converted
-//! colours. The page needs no other file.
+//! The HTML page of a regression report: the worst cases with their expected and converted colours.
 
 use maud::{Markup, html};
 
@@ -37,7 +36,6 @@ pub fn page(report: &RegressionReport, source: &str) -> String {
     document(&title, include_str!("lamps_page.css"), &body)
 }
 
-/// Renders the table of the groups.
 fn groups(report: &RegressionReport) -> Markup {
     let of_group =
         |group: CaseGroup| report.cases.iter().filter(|case| case.group == group).collect::<Vec<&CaseComparison>>();

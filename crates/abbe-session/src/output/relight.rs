@@ -1,17 +1,13 @@
-//! Mixes the light groups of a picture with other gains.
-//!
-//! Light is additive, so the picture is the sum of the layers of its light groups. A gain per group
-//! gives the picture of a scene in which the lights of the group have another power.
+//! Mixes the light groups of a picture with other gains. Light is additive, so the result is the
+//! picture of a scene in which the lights of a group have another power.
 
 use abbe_spectra::colour::linear_srgb_to_xyz;
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;
 use abbe_transport::sensor::layers::LayerChannel;
 
-/// The gain of a light group.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightGain {
-    /// The name of the group.
     pub group: String,
     /// The factors of red, green and blue (linear Rec. 709).
     pub rgb: [f64; 3],
@@ -20,21 +16,16 @@ pub struct LightGain {
 /// The names of the channels of light groups begin with this prefix.
 const PREFIX: &str = "light.";
 
-/// The ends of the names of channels.
 const COLOURS: [&str; 3] = [".R", ".G", ".B"];
 
-/// Returns the names of the light groups of a picture.
 pub fn light_groups(picture: &Picture) -> Vec<&str> {
     let names = picture.layers.channels.iter().map(|channel| channel.name.as_str());
     names.filter_map(|name| name.strip_prefix(PREFIX)?.strip_suffix(COLOURS[0])).collect()
 }
 
-/// Returns the picture in which each light group has the given gain. Groups without a gain keep
-/// their light. The errors of the new picture are unknown. The new picture has no layers of path
-/// classes and no spectral bands.
-///
-/// # Errors
-/// Returns an input error if the picture has no light groups, or if a gain names an unknown group.
+/// Returns the picture with these gains of its light groups, and 1 for all others. Its errors are
+/// unknown, and it has no layers of path classes and no spectral bands. Returns an input error if
+/// the picture has no light groups, or if a gain names an unknown one.
 pub fn relight(picture: &Picture, gains: &[LightGain]) -> Result<Picture> {
     let groups = light_groups(picture);
     if groups.is_empty() {

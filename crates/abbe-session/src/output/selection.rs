@@ -3,17 +3,13 @@
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;
 
-/// A rectangle of pixels: columns from `x0` to `x1`, and rows from `y0` to `y1`. Column `x1` and
-/// row `y1` are excluded. Columns are counted from the left, and rows from the top.
+/// A rectangle of pixels, with columns counted from the left and rows from the top. Column `x1` and
+/// row `y1` are excluded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
-    /// The first column.
     pub x0: usize,
-    /// The first row.
     pub y0: usize,
-    /// The first column to the right of the region.
     pub x1: usize,
-    /// The first row below the region.
     pub y1: usize,
 }
 
@@ -27,7 +23,6 @@ pub struct Selection {
 }
 
 impl Region {
-    /// Returns whether a pixel is in the region.
     pub fn contains(&self, x: usize, y: usize) -> bool {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
     }
@@ -43,7 +38,6 @@ impl Region {
 }
 
 impl Selection {
-    /// Returns the indices of the selected pixels.
     pub(super) fn selected(&self, picture: &Picture, reference: &Picture) -> Result<Vec<usize>> {
         let (width, height) = (reference.width, reference.height);
         if (picture.width, picture.height) != (width, height) {
@@ -58,8 +52,6 @@ impl Selection {
         Ok(selected)
     }
 
-    /// Returns whether the pixel in column `x` and row `y` is selected. `width` is the width of the
-    /// picture.
     pub fn selects(&self, x: usize, y: usize, width: usize) -> bool {
         let in_region = self.regions.is_empty() || self.regions.iter().any(|region| region.contains(x, y));
         in_region && self.mask.as_ref().is_none_or(|mask| mask[y * width + x])

@@ -1,18 +1,10 @@
 //! Helpers for SVG documents.
 
-use std::fmt::Write;
-
-/// The colours of curves: black, red, blue, green, violet and brown. A style sheet may replace the
-/// colours by means of the classes `s0` to `s5`.
+/// The colours of curves: black, red, blue, green, violet and brown. A style sheet may replace them
+/// by the classes `s0` to `s5`.
 pub(super) const CURVE_COLOURS: [&str; 6] = ["#1b1b1b", "#c0392b", "#2471a3", "#1e8449", "#8e44ad", "#a0690b"];
 
-/// Appends formatted text.
-pub(super) fn append(text: &mut String, arguments: std::fmt::Arguments<'_>) {
-    text.write_fmt(arguments).expect("writing to a string cannot fail");
-}
-
-/// Returns the start of a document: the opening tag and the background. The opening tag contains
-/// the classes, the size and the font size.
+/// Returns the opening tag, with the classes, the size and the font size, and the background.
 pub(super) fn head(classes: &str, (width, height): (f64, f64), font_size: f64) -> String {
     format!(
         "<svg class=\"{classes}\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
@@ -21,7 +13,6 @@ pub(super) fn head(classes: &str, (width, height): (f64, f64), font_size: f64) -
     )
 }
 
-/// Escapes text for XML.
 pub(super) fn escape_xml(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,13 +1,10 @@
-//! Packets of the image viewer tev, which shows the picture of a running render.
-//!
-//! The protocol is documented in tev's README and in its file `Ipc.cpp`
-//! (<https://github.com/Tom94/tev>). A packet begins with its length in bytes and a byte that
-//! selects the operation. All numbers are little-endian, and all texts end with a zero byte.
+//! Packets of the image viewer tev, as documented in its README and its file `Ipc.cpp`
+//! (<https://github.com/Tom94/tev>). A packet begins with its length in bytes and a byte for the
+//! operation. All numbers are little-endian, and all texts end with a zero byte.
 
 use abbe_spectra::colour::RgbSpace;
 use abbe_transport::sensor::{Development, Picture};
 
-/// The port on which tev listens.
 pub const DEFAULT_PORT: u16 = 14158;
 
 const CREATE_IMAGE: u8 = 4;
@@ -21,20 +18,17 @@ const PIXELS_PER_PACKET: usize = 1 << 16;
 /// A picture as tev shows it: linear sRGB components, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TevImage {
-    /// The name in tev's list of images.
     pub name: String,
-    /// Pixels per row.
     pub width: usize,
-    /// Number of rows.
     pub height: usize,
     /// Red, green and blue of each pixel. The exposure maps white to 1.
     pub rgb: Vec<f32>,
 }
 
 impl TevImage {
-    /// Converts a picture with an exposure in 1/(cd/m²) and the white balance of `development`. The
-    /// tone curve and the gamut mapping are ignored. The name cannot contain zero bytes, which end
-    /// a text, so spaces replace them.
+    /// Converts a picture with an exposure in 1/(cd/m²) and the white balance of `development`,
+    /// without tone curve and gamut mapping. A name cannot contain zero bytes, which end a text, so
+    /// spaces replace them.
     pub fn new(name: &str, picture: &Picture, exposure: f64, development: &Development) -> Self {
         let development = Development { space: RgbSpace::Srgb, ..*development };
         let matrix = development.matrix().map(|row| row.map(|entry| entry * exposure));
@@ -47,8 +41,7 @@ impl TevImage {
         }
     }
 
-    /// Returns the packet that creates the image, and selects it in tev. An image with the same
-    /// name is replaced.
+    /// Returns the packet that creates and selects the image, or replaces one of the same name.
     pub fn creation(&self) -> Vec<u8> {
         let mut packet = Packet::new(CREATE_IMAGE, true, &self.name);
         [self.width, self.height, CHANNELS.len()].into_iter().for_each(|number| packet.number(number));

@@ -17,12 +17,11 @@ pub struct DiffractionSetup {
     blades: Option<Blades>,
     /// The diffraction length λN in pixels, divided by the wavelength λ in nm. N is the f-number.
     spread_px_per_nm: f64,
-    /// Wavelengths in nm that represent equal shares of the lights' visible power.
+    /// Wavelengths in nm that represent equal fractions of the lights' visible power.
     light_nm: Vec<f64>,
 }
 
 impl DiffractionSetup {
-    /// Returns the diffraction of a camera, or `None` if the plan contains no diffraction.
     pub(super) fn of(camera: &Camera, plan: &Plan, lights: &LightSampler) -> Option<Self> {
         let ApertureDiffraction { blades, spread_px_per_nm } =
             ApertureDiffraction::of(camera).filter(|_| plan.aperture.diffracts())?;
@@ -31,12 +30,10 @@ impl DiffractionSetup {
         Some(Self { blades, spread_px_per_nm, light_nm })
     }
 
-    /// Returns the number of spectrum slices on the film.
     pub fn slices(&self) -> usize {
         DiffractionPsf::slices_of(&self.light_nm)
     }
 
-    /// Computes the diffraction patterns for a film of this width and height in pixels.
     pub(super) fn for_film(&self, (width, height): (usize, usize)) -> DiffractionPsf {
         let pattern = |place| fraunhofer(self.blades, place);
         DiffractionPsf::new(self.spread_px_per_nm, width.max(height), self.light_nm.clone(), pattern)

@@ -8,16 +8,12 @@ use abbe_spectra::math::elementary::exp2;
 use abbe_transport::sensor::{Development, DisplayImage, Picture, develop, exposure};
 use serde::{Deserialize, Serialize};
 
-/// The conversion of a picture's colours for a display or a PNG file.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DisplaySettings {
-    /// White balance, colour space, tone curve and gamut mapping.
     pub development: Development,
-    /// The exposure.
     pub exposure: Exposure,
-    /// The sum of the XYZ values of all lights of the scene, weighted by their power. `None` if the
-    /// picture has no scene. White balance may use this colour.
+    /// The XYZ of all lights of the scene together, for white balance. `None` without a scene.
     pub lights: Option<Xyz>,
 }
 
@@ -27,21 +23,17 @@ impl DisplaySettings {
         Self { development: Development::default(), exposure: Exposure::Auto, lights: None }
     }
 
-    /// Returns the settings of a job's film.
     pub fn of(job: &Job) -> Self {
         let film = &job.scene.film;
         let development = Development { space: film.space, white: film.white, gamut: film.gamut, tone: film.tone };
         Self { development, exposure: film.exposure, lights: Some(job.scene.xyz_of_lights()) }
     }
 
-    /// Returns the settings in the header of a picture's file. Returns `None` if the header has no
-    /// settings that this version of the program can read.
+    /// Returns the settings in the header of a picture, if this version can read them.
     pub fn of_header(header: &Metadata) -> Option<Self> {
         serde_json::from_str(header.get(names::DISPLAY)?).ok()
     }
 
-    /// Returns the settings for another colour space. The exposure, the white balance, the tone
-    /// curve and the gamut mapping do not change.
     #[must_use]
     pub fn in_space(self, space: RgbSpace) -> Self {
         Self { development: Development { space, ..self.development }, ..self }
@@ -57,7 +49,6 @@ impl DisplaySettings {
         }
     }
 
-    /// Converts a picture for a display.
     pub fn screen(&self, picture: &Picture) -> DisplayImage {
         self.screen_at(picture, self.factor(picture))
     }

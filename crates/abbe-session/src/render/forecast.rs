@@ -1,21 +1,19 @@
 //! Forecasts the error of a picture after additional passes.
 //!
-//! The squared error is a sum of three terms. Each term falls with the number of passes n at a
-//! different rate:
+//! The squared error is a sum of three terms, which fall at different rates with the number of
+//! passes n:
 //!
 //! - The variance of kernel estimates falls as n^(−2/3), because the kernel radius shrinks (Knaus &
 //!   Zwicker 2011).
-//! - The squared bias of kernel estimates falls as n^(−2/3) in smooth illumination. Near an edge,
-//!   only the width of the blurred strip shrinks, and the squared bias falls as n^(−1/6). Pictures
-//!   contain both smooth illumination and edges, and n^(−1/2) fits their squared bias.
-//! - The variance of all other samples falls as 1/n if the samples are independent (for example,
-//!   photons connected to the camera). If the samples are stratified, their variance falls as fast
-//!   as 1/n² (for example, in a pixel that contains the outline of a light). The error history of
-//!   the picture decides between the two rates.
+//! - The squared bias of kernel estimates falls as n^(−2/3) in smooth illumination, but only as
+//!   n^(−1/6) near an edge, where the width of the blurred strip shrinks. Pictures contain both, and
+//!   n^(−1/2) fits their squared bias.
+//! - The variance of all other samples falls as 1/n if they are independent (for example, photons
+//!   connected to the camera), and as fast as 1/n² if they are stratified (for example, in a pixel
+//!   that contains the edge of a light). The error history of the picture decides.
 //!
 //! Samples are stratified within a replicate, and the passes go to the eight replicates in turn.
-//! The ninth pass is the second pass of a replicate. The ninth pass therefore gives the first
-//! information about the rate.
+//! The ninth pass, the second of a replicate, therefore gives the first information about the rate.
 
 use abbe_spectra::math::elementary::{exp, ln, log10, powf};
 use abbe_spectra::math::random::REPLICATES;
@@ -23,39 +21,30 @@ use abbe_transport::pass::StageSeconds;
 use abbe_transport::sensor::ErrorSquares;
 use serde::{Deserialize, Serialize};
 
-/// The prior for the slope of a replicate's variance. The slope is −d ln(variance)/d ln(passes of
-/// the replicate).
+/// The prior of the slope −d ln(variance)/d ln(passes) of a replicate.
 const PRIOR_SLOPE: f64 = 1.36;
 
-/// The weight of the prior in the fit. Let x be the logarithm of the number of passes of a
-/// replicate. The weight of the history is the sum of (x − mean of x)² over its points. For a
-/// history from 8 to 10 passes, this weight is 0.015. After two doublings, its weight is about 2.
-/// For a small film, the slope from 8 to 10 passes is accurate only to ±0.3.
+/// The weight of the prior, where the history has the sum of (x − mean of x)² for the logarithm x
+/// of the passes of a replicate: 0.015 from 8 to 10 passes, and about 2 after two doublings. For a
+/// small film, the slope from 8 to 10 passes is accurate only to ±0.3.
 const PRIOR_WEIGHT: f64 = 0.03;
 
-/// The fit ignores the errors of the first passes. This constant is the ignored share of all
-/// passes.
+/// The fraction of the passes, at the beginning, whose errors the fit ignores.
 const FIT_START: f64 = 0.25;
 
-/// The measured errors of a picture, with their numbers of passes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ErrorHistory {
     points: Vec<(u64, ErrorSquares)>,
 }
 
-/// The number of passes of a run, and the time of the run.
 #[derive(Debug, Clone, Copy)]
 pub struct RunTimes {
-    /// The number of passes done.
     pub passes: u64,
-    /// The time of the whole run in s.
     pub total_s: f64,
-    /// The time before the first pass in s.
     pub before_first_pass_s: f64,
 }
 
 impl RunTimes {
-    /// Returns the times of a run with this many passes.
     pub(super) fn of(passes: u64, seconds: &StageSeconds) -> Self {
         Self { passes, total_s: seconds.total, before_first_pass_s: seconds.pilot }
     }
@@ -64,14 +53,11 @@ impl RunTimes {
 /// A model of the relative error as a function of passes and time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Forecast {
-    /// The number of passes at the last measurement.
     passes: f64,
-    /// The terms of the squared error at the last measurement. The sampling term comes from the
-    /// fit.
+    /// At the last measurement. The sampling term comes from the fit.
     squares: ErrorSquares,
     /// The slope of the sampling term within a replicate.
     slope: f64,
-    /// The relative error at the last measurement.
     error: f64,
     /// The time before the first pass in s.
     seconds_before: f64,
@@ -91,8 +77,7 @@ pub struct ErrorMilestone {
 }
 
 impl ErrorHistory {
-    /// Adds the error after this many passes. The new error replaces an earlier error at the same
-    /// number of passes.
+    /// Adds the error after this many passes, or replaces it.
     pub(super) fn add(&mut self, passes: u64, squares: ErrorSquares) {
         self.points.retain(|&(before, _)| before != passes);
         self.points.push((passes, squares));
@@ -119,12 +104,11 @@ impl ErrorHistory {
         })
     }
 
-    /// Returns the sampling term after this many passes, and its slope. Both come from a straight
-    /// line that is fitted to the logarithms of the history. The slope of the line has a prior.
+    /// Returns the sampling term after this many passes and its slope, from a straight line through
+    /// the logarithms of the history, whose slope has a prior.
     fn sampling_at(&self, passes: f64) -> (f64, f64) {
         let recent = |&&(n, squares): &&(u64, ErrorSquares)| n as f64 >= FIT_START * passes && squares.sampling > 0.0;
-        // x is the logarithm of the number of strata per replicate. y is the logarithm of the
-        // variance of a single pass.
+        // ln(strata per replicate), and ln(variance of a single pass).
         let logarithms = |&(n, squares): &(u64, ErrorSquares)| (ln_strata(n as f64), ln(squares.sampling * n as f64));
         let points = || self.points.iter().filter(recent).map(logarithms);
         let count = points().count() as f64;
@@ -140,8 +124,7 @@ impl ErrorHistory {
     }
 }
 
-/// Returns the mean of ln(strata) over the replicates. A replicate has as many strata as passes.
-/// `passes` is the number of passes of all replicates.
+/// Returns the mean of ln(strata) over the replicates, which have as many strata as passes.
 fn ln_strata(passes: f64) -> f64 {
     let each = (passes / REPLICATES as f64).max(1.0);
     let whole = each.floor();
@@ -150,8 +133,7 @@ fn ln_strata(passes: f64) -> f64 {
 }
 
 impl Forecast {
-    /// Returns the forecast of a run if only the last error is known. The forecast then uses the
-    /// slope of the prior.
+    /// Returns the forecast from the last error alone, with the slope of the prior.
     pub fn without_history(squares: ErrorSquares, times: RunTimes) -> Option<Self> {
         let mut history = ErrorHistory::default();
         history.add(times.passes, squares);
@@ -167,15 +149,13 @@ impl Forecast {
         (kernels + sampling / ratio * exp(-gain)).sqrt()
     }
 
-    /// Returns the relative error at the time `seconds`. The time is in s and starts at the
-    /// beginning of the run.
+    /// Returns the relative error at a time in s from the beginning of the run.
     pub fn error_after_seconds(&self, seconds: f64) -> f64 {
         self.error_after_passes((seconds - self.seconds_before) / self.seconds_per_pass)
     }
 
-    /// Returns the passes and the time after which the relative error falls to `error`. The result
-    /// is at least one pass after the last measurement. Returns `None` if more than 10¹⁵ passes are
-    /// needed.
+    /// Returns when the relative error falls to `error`, at least one pass after the last
+    /// measurement, or `None` after more than 10¹⁵ passes.
     pub fn milestone(&self, error: f64) -> Option<ErrorMilestone> {
         const FARTHEST: f64 = 1e15;
         const HALVINGS: usize = 60;
@@ -190,8 +170,7 @@ impl Forecast {
         Some(ErrorMilestone { error, passes: high, seconds: self.seconds_before + high * self.seconds_per_pass })
     }
 
-    /// Returns two milestones. They belong to the two largest round errors (50, 20, 10, 5, 2, 1,
-    /// 0.5 … %) that are below the present error.
+    /// Returns the two largest round errors (50, 20, 10, 5, 2, 1, 0.5 … %) below the present error.
     pub fn milestones(&self) -> impl Iterator<Item = ErrorMilestone> {
         let errors = (self.error > 0.0).then(|| round_errors_below(self.error));
         errors.into_iter().flatten().filter_map(|error| self.milestone(error))
@@ -213,8 +192,7 @@ fn round_errors_below(error: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Returns a history of errors. `parts` returns the three terms of the squared error after n
-    /// passes.
+    /// `parts` returns the three terms of the squared error after n passes.
     fn history(passes: &[u64], parts: impl Fn(f64) -> [f64; 3]) -> ErrorHistory {
         let mut history = ErrorHistory::default();
         for &n in passes {
@@ -230,8 +208,8 @@ mod tests {
 
     const DENSE: [u64; 8] = [8, 9, 10, 12, 14, 16, 18, 20];
 
-    /// Returns the variance of the mean of eight replicates. The n passes go to the replicates in
-    /// turn. The variance of a replicate with m passes is m^(−slope).
+    /// Returns the variance of the mean of eight replicates, to which the n passes go in turn, each
+    /// with the variance m^(−slope) after m passes.
     fn variance_of_mean(n: f64, slope: f64) -> f64 {
         let of_one = |r: u64| ((n as u64 + r) / 8).max(1) as f64;
         (0..8).map(|r| of_one(r).powf(1.0 - slope)).sum::<f64>() / 8.0 / n
@@ -254,7 +232,6 @@ mod tests {
         }
     }
 
-    /// The squared bias falls as n^(−1/2), and the variance of kernels as n^(−2/3).
     #[test]
     fn bias_and_kernel_noise_alone_fall_at_their_rates() {
         for (parts, exponent) in [([0.04, 0.0, 0.0], -0.5), ([0.0, 0.04, 0.0], -2.0 / 3.0)] {
@@ -264,7 +241,6 @@ mod tests {
         }
     }
 
-    /// The time of the pilot is not a time of passes.
     #[test]
     fn the_present_time_has_the_present_error() {
         let forecast = history(&[20], |_| [0.01, 0.02, 0.03]).forecast(times(20, 42.0, 22.0)).unwrap();

@@ -9,30 +9,25 @@ use abbe_transport::sensor::LayerSet;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// All inputs that affect a pass, except the index of the pass. Runs with equal identities can
-/// share passes.
+/// All inputs of a pass except its index. Runs with equal identities can share passes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderIdentity {
     integrator: String,
     seed: u64,
     photons: u64,
-    /// The width and height in pixels.
     size: (u32, u32),
     spectral_bands: u32,
     layers: LayerSet,
-    /// The name and state of each effect.
     effects: Vec<String>,
     scene_hash: String,
-    /// The text of the scene, to name a difference. The header of a saved run contains the scene,
-    /// so the record leaves it out.
+    /// The scene, to name a difference. The header of a saved run contains it, the record does not.
     #[serde(skip)]
     scene: String,
 }
 
 impl RenderIdentity {
-    /// Returns the identity of a job. `header` contains the effective scene, and the hash of this
-    /// scene and its files.
+    /// `header` contains the effective scene, and the hash of this scene and its files.
     pub fn of(job: &Job, integrator: Integrator, header: &Metadata) -> Self {
         let film = &job.scene.film;
         Self {
@@ -60,13 +55,11 @@ impl RenderIdentity {
         ([width as usize, height as usize], self.spectral_bands as usize)
     }
 
-    /// Returns the layers of the film.
     pub(super) fn layers(&self) -> &LayerSet {
         &self.layers
     }
 
-    /// Finds the first difference from the expected identity. Returns the actual value and the
-    /// expected value as text.
+    /// Finds the first difference. Returns the actual and the expected value as text.
     fn difference(&self, expected: &Self) -> Option<(String, String)> {
         let Self { integrator, seed, photons, size, spectral_bands, layers, effects, scene_hash, scene } = self;
         let effects = effects.iter().find(|effect| !expected.effects.contains(effect));
@@ -98,10 +91,7 @@ impl RenderIdentity {
         pairs.into_iter().flatten().next()
     }
 
-    /// Compares a file's identity with the expected one.
-    ///
-    /// # Errors
-    /// Returns an input error that names the first difference.
+    /// Returns an input error that names the first difference from the expected identity.
     pub(super) fn check(&self, expected: &Self) -> Result<()> {
         match self.difference(expected) {
             None => Ok(()),

@@ -13,37 +13,27 @@ use abbe_transport::plan::{Budget, EffectRow, IndirectPlan, Plan, WavelengthPlan
 use abbe_transport::sensor::{Film, LayerSet, ReadingLayout, ReadingOwner};
 use std::sync::Arc;
 
-/// A scene with its plan and its budget.
 #[derive(Debug)]
 pub struct Job {
     /// The scene without the omitted effects.
     pub scene: Scene,
-    /// The plan of the scene.
     pub plan: Plan,
-    /// The decision on each effect, with its reason.
     pub rows: Vec<EffectRow>,
-    /// The numbers of photons, passes and other quantities of the render.
     pub budget: Budget,
     /// The diffraction at the camera's aperture, if the plan contains it.
     pub diffraction: Option<DiffractionSetup>,
-    /// The layers of the film.
     pub layers: LayerSet,
     /// The readings of the film, if the scene has meters.
     pub readings: Option<Arc<ReadingLayout>>,
-    /// The lights of the scene, as one distribution.
     lights: LightSampler,
     /// Selects the lights that a point samples, when the shutter opens.
     selector: LightSelector,
-    /// The spectra of the lights.
     spectra: PhotonSpectra,
 }
 
 impl Job {
-    /// Plans a scene.
-    ///
-    /// # Errors
-    /// Returns an input error if the scene forces or forbids an unknown effect, forbids a necessary
-    /// effect, or has no light between 360 nm and 830 nm.
+    /// Plans a scene. Returns an input error if the scene forces or forbids an unknown effect,
+    /// forbids a necessary one, or has no light between 360 nm and 830 nm.
     pub fn new(mut scene: Scene) -> Result<Self> {
         let (plan, rows) = abbe_transport::plan::prepare(&mut scene)?;
         let lights = LightSampler::new(&scene)
@@ -67,15 +57,14 @@ impl Job {
         Ok(Self { scene, plan, rows, budget, diffraction, layers, readings, lights, selector, spectra })
     }
 
-    /// Returns the power of all lights between 360 nm and 830 nm in W. The power is computed in
-    /// closed form.
+    /// Returns the power of all lights between 360 nm and 830 nm in W, in closed form.
     pub fn light_power_w(&self) -> f64 {
         self.lights.power_w
     }
 
-    /// Returns how many wavelengths of camera paths behind dispersive glass correspond to one that
-    /// suits the light whose spectrum is sampled least. Returns 1 if no camera path is limited to
-    /// one wavelength.
+    /// Returns how many wavelengths of camera paths behind dispersive glass are worth one that
+    /// suits the light whose spectrum is sampled least, or 1 if no camera path is limited to one
+    /// wavelength.
     pub(super) fn wavelengths_per_useful_one(&self) -> f64 {
         match self.plan.wavelengths {
             WavelengthPlan::Free => 1.0,
@@ -83,20 +72,17 @@ impl Job {
         }
     }
 
-    /// Returns the responses of the sensor to photons at diffuse surfaces. Returns `None` if the
-    /// film needs the wavelengths, or if no photons are gathered.
+    /// Returns `None` if the film needs the wavelengths, or if no photons are gathered.
     pub(super) fn responses(&self, film: &Film) -> Option<SensorResponses> {
         let unused = film.needs_wavelengths() || self.plan.indirect == IndirectPlan::Absent;
         let observer = self.scene.film.observer;
         if unused { None } else { SensorResponses::new(&self.scene, &self.spectra, |nm| observer.xyz_bar(nm)) }
     }
 
-    /// Returns the selector of the lights when the shutter opens.
     pub(super) fn selector(&self) -> &LightSelector {
         &self.selector
     }
 
-    /// Returns the inputs of the job's passes.
     pub(super) fn pass_context(&self) -> PassContext<'_> {
         PassContext {
             scene: &self.scene,
@@ -111,20 +97,18 @@ impl Job {
     }
 }
 
-/// The memory of the convolution with the diffraction at the aperture, in bytes per pixel: five
-/// arrays with four complex numbers for each pixel.
+/// The convolution with the diffraction: five arrays with four complex numbers for each pixel.
 const CONVOLUTION_BYTES_PER_PIXEL: u64 = 5 * 64;
 
-/// The memory of the pilot in bytes per pixel: the kernel radii, the visible points, and the photons
-/// in media. It is free again when the film is allocated.
+/// The pilot: the kernel radii, the visible points, and the photons in media. They are free again
+/// when the film is allocated.
 const PILOT_BYTES_PER_PIXEL: u64 = 250;
 
-/// The memory of the results of the pilot and of a preview in bytes per pixel: the kernel radii, the
-/// outlines, the display codes, and free memory that the allocator keeps.
+/// The pilot's results and a preview: the kernel radii, the surface extents, the display codes, and
+/// free memory that the allocator keeps.
 const PASS_BYTES_PER_PIXEL: u64 = 64;
 
-/// Returns the largest memory of a render whose film has this number of pixels, in bytes. A picture
-/// has at most a quarter of the film's bytes.
+/// Returns the largest memory of a render. Its picture has at most a quarter of the film's bytes.
 fn memory_bytes(film_bytes: u64, pixels: u64, diffraction: bool) -> u64 {
     let convolution = if diffraction { CONVOLUTION_BYTES_PER_PIXEL } else { 0 };
     let others = pixels.saturating_mul(PASS_BYTES_PER_PIXEL + convolution);

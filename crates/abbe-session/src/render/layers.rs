@@ -6,10 +6,7 @@ use abbe_transport::plan::PathClass;
 use abbe_transport::sensor::LayerSet;
 use abbe_transport::sensor::layers::SurfaceLayer;
 
-/// Returns the layers that a scene requests, with the names of their channels.
-///
-/// # Errors
-/// Returns an input error if there are too many groups of lights.
+/// Returns the requested layers, or an input error if there are too many groups of lights.
 pub(super) fn layer_set(scene: &Scene) -> Result<LayerSet> {
     let wanted = |layer: Layer| scene.film.layers.contains(&layer);
     let names = |layer: Layer, names: Vec<String>| wanted(layer).then_some(names);
@@ -43,8 +40,7 @@ pub(super) fn layer_set(scene: &Scene) -> Result<LayerSet> {
     Ok(set)
 }
 
-/// Returns the name of a group in the names of channels. Characters other than ASCII letters,
-/// digits, `-` and `_` become `_`.
+/// Replaces characters of a group other than ASCII letters, digits, `-` and `_` by `_`.
 fn channel_name(group: &str) -> String {
     group.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }

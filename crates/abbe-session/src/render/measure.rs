@@ -20,65 +20,51 @@ use glam::DVec3;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
-/// The readings of all meters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasurementReport {
     /// The meters, in the order of the scene file.
     pub meters: Vec<MeterReport>,
     /// The integrator: `path` or `photon`.
     pub integrator: &'static str,
-    /// The number of passes.
     pub passes: u64,
     /// The time in s.
     pub seconds: f64,
-    /// Remarks, for example about light that is missing.
     pub notes: Vec<String>,
 }
 
-/// The readings of a meter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeterReport {
-    /// The name.
     pub name: String,
-    /// The name of the quantity.
     pub quantity: &'static str,
-    /// The unit of all values.
     pub unit: &'static str,
     /// The centres of the spectral bands in nm, if the quantity is a spectrum.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wavelength_nm: Option<Vec<f64>>,
-    /// The readings.
     pub points: Vec<PointReport>,
-    /// The grid of the readings, if the meter is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<MeterGrid>,
     /// The mean of the readings. `None` for spectra.
     pub mean: Option<f64>,
-    /// The uniformity U0: the least reading divided by the mean reading. `None` for spectra, for
-    /// glare ratings, and if the mean is 0.
+    /// The uniformity U0: the least reading divided by the mean. `None` for spectra, for glare
+    /// ratings, and if the mean is 0.
     pub uniformity: Option<f64>,
     /// The least reading divided by the largest reading. `None` if `uniformity` is `None`.
     pub least_to_largest: Option<f64>,
 }
 
-/// A reading.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PointReport {
     /// The position in the unit of the scene file.
     pub position: [f64; 3],
     /// The normal, the axis or the direction of view.
     pub normal: Option<[f64; 3]>,
-    /// The value.
     pub value: Value,
-    /// The standard error.
     pub noise: Option<Value>,
-    /// The magnitude of the estimated bias. For a function of the spectrum, it is the effect of the
-    /// spectral bands.
+    /// The magnitude of the bias, or the effect of the bands for a function of the spectrum.
     pub bias: Option<Value>,
     /// The interval that contains the true value with a probability of 95 %.
     pub interval_95: Option<[Value; 2]>,
-    /// The flux through the surface, if the meter is a surface: lm for illuminance, W for
-    /// irradiance.
+    /// For a surface: lm for illuminance, W for irradiance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flux: Option<f64>,
     /// The area of the surface in m².
@@ -86,22 +72,18 @@ pub struct PointReport {
     pub area_m2: Option<f64>,
 }
 
-/// A number, or one number for each spectral band.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// A number.
     Number(f64),
-    /// One number for each spectral band.
     Spectrum(Vec<f64>),
 }
 
-/// The relative error of every reading at which a measurement stops if the request has no stop
-/// rule.
+/// The relative error of every reading at which a measurement stops without a stop rule.
 const DEFAULT_ERROR: f64 = 0.003;
 
-/// Returns the stop rules of a measurement without stop rules of its own. A pass with photons takes
-/// much longer than a pass of the path tracer.
+/// Returns the stop rules of a measurement without its own. A pass with photons takes much longer
+/// than one of the path tracer.
 fn default_stop(integrator: Integrator) -> StopRules {
     let passes = match integrator {
         Integrator::Path => 2048,
@@ -111,11 +93,9 @@ fn default_stop(integrator: Integrator) -> StopRules {
 }
 
 impl Job {
-    /// Returns the integrator that suits the meters.
-    ///
-    /// The path tracer has no bias. It does not find the light of lamps without extent behind glass
-    /// or mirrors, and seldom finds the sun there. Its shadow rays pass through thin panes, so
-    /// panes alone need no photons.
+    /// Returns the integrator that suits the meters. The path tracer has no bias, but it does not
+    /// find the light of lamps without extent behind glass or mirrors, and seldom the sun there.
+    /// Its shadow rays pass through thin panes, so panes alone need no photons.
     pub fn integrator_for_meters(&self) -> Integrator {
         let caustics = self.plan.caustics != CausticPlan::Absent;
         let focuses = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
@@ -123,8 +103,7 @@ impl Job {
         if caustics && focusing && self.hidden_lamps().next().is_some() { Integrator::Photon } else { Integrator::Path }
     }
 
-    /// Returns the lamps whose light the path tracer does not find after a mirror: those without
-    /// extent, and the sun.
+    /// Returns the lamps that the path tracer misses after a mirror: without extent, and the sun.
     fn hidden_lamps(&self) -> impl Iterator<Item = &Light> {
         let hidden = |light: &&Light| light.is_delta() || matches!(light.emitter, Emitter::Directional(_));
         self.scene.lights.iter().filter(hidden)
@@ -142,13 +121,12 @@ impl Job {
         ))
     }
 
-    /// Returns a note if a point receptor lies in a hollow, where photons that pass through glass
-    /// may not reach the disk around it.
+    /// Notes a point sensor in a hollow, where photons through glass may not reach its disk.
     fn note_of_hollows(&self, integrator: Integrator) -> Option<String> {
-        /// The distance at which the surface below a receptor is found, divided by the radius of
-        /// the scene. It is larger than the shift of receptors above surfaces.
+        /// The distance at which the surface below a sensor is found, by the radius of the scene;
+        /// more than the shift of sensors above surfaces.
         const SEARCH_FRACTION: f64 = 1e-6;
-        /// In a hollow, the surface beside a receptor is nearly parallel to the surface below it.
+        /// In a hollow, the surface beside a sensor is nearly parallel to the surface below it.
         const PARALLEL: f64 = 0.5;
         if integrator == Integrator::Path || self.plan.caustics == CausticPlan::Absent {
             return None;
@@ -187,20 +165,16 @@ impl Job {
         }
     }
 
-    /// Returns the estimates of the glare at a receptor. A moving scene is at rest at the moment
-    /// when the shutter opens.
+    /// Estimates the glare at a sensor. A moving scene is as when the shutter opens.
     fn glare_at(&self, number: usize) -> [Glare; REPLICATES] {
         let scene = &self.scene;
         let eye = scene.sensor_point(&scene.camera.sensors()[number], [0.0; 4]);
         DirectLighting::tracked(scene, self.selector(), self.plan.media_plan).glare(scene, &eye, self.budget.seed)
     }
 
-    /// Measures with all meters of the scene, on the current thread pool. `integrator` is the
-    /// integrator, or `None` for the integrator that suits the meters. Also returns true if the
-    /// monitor ended the measurement before a stop rule was satisfied.
-    ///
-    /// # Errors
-    /// See [`Self::continue_run`].
+    /// Measures with all meters on the current thread pool, by default with the integrator that
+    /// suits them. Also returns true if the monitor ended the measurement before a stop rule was
+    /// satisfied.
     pub fn measure(
         &self,
         integrator: Option<Integrator>,
@@ -254,7 +228,6 @@ impl Job {
     }
 }
 
-/// Returns the report of a meter.
 fn report(meter: &Meter, points: Vec<PointReport>) -> MeterReport {
     let numbers: Option<Vec<f64>> = points
         .iter()
@@ -283,7 +256,6 @@ fn report(meter: &Meter, points: Vec<PointReport>) -> MeterReport {
     }
 }
 
-/// Returns the report of a reading.
 fn point(quantity: Quantity, known: &MeterReading, reading: &Reading, sky_lx: f64) -> PointReport {
     let (mean, flux) = (known.factor * quantity.scale(), known.area_m2);
     let per_value = if quantity.is_flux() {
@@ -338,7 +310,6 @@ fn with_glare(point: &mut PointReport, estimates: &[Glare; REPLICATES]) {
     point.value = Value::Number(rating);
 }
 
-/// Writes the spectrum of a reading into its report.
 fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f64, reading: &Reading) {
     let values: Vec<f64> = spectrum.mean.values.iter().map(|value| value * factor).collect();
     report.value = Value::Spectrum(values.clone());
@@ -380,8 +351,8 @@ fn with_function_of_spectrum(
             Some(temperature.cct_k)
         }
     };
-    // The bands approximate the spectrum, but the colour is known exactly. The error of the bands is
-    // estimated by its change when the bands become twice as wide.
+    // The bands approximate the spectrum, but the colour is exact. The error of the bands is
+    // estimated by its change when they become twice as wide.
     let value = of(&spectrum.mean, Some(reading.xyz));
     let wide_bands = spectrum.mean.merged(spectrum.mean.values.len() / 2);
     let of_wide_bands = of(&wide_bands, Some(reading.xyz));
@@ -395,11 +366,10 @@ fn with_function_of_spectrum(
     });
 }
 
-/// Returns the horizontal illuminance in lx of all lights that surround the scene, without
-/// obstacles: the integral of L cos θ over the upper hemisphere.
+/// Returns the horizontal illuminance in lx of all lights around the scene, without obstacles: the
+/// integral of L cos θ over the upper hemisphere.
 fn sky_illuminance_lx(lights: &[Light]) -> f64 {
-    /// The numbers of directions in elevation and in azimuth. The rule is exact to 10⁻⁵ for skies
-    /// without steps.
+    /// The steps in elevation and in azimuth: exact to 10⁻⁵ for skies without steps.
     const STEPS: [u32; 2] = [512, 512];
     let mut sum = 0.0;
     for light in lights.iter().filter(|light| light.surrounds()) {

@@ -1,5 +1,4 @@
-//! Merges the parts of a picture. The result equals the picture of a single run with the passes of
-//! all parts.
+//! Merges the parts of a picture to that of a single run with all their passes.
 
 use super::display::DisplaySettings;
 use super::identity::RenderIdentity;
@@ -16,31 +15,25 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct PartSet {
     parts: Vec<(PathBuf, SavedRun)>,
-    /// The header of the first part.
     header: Metadata,
     /// The missing passes, in words.
     gaps: Option<String>,
 }
 
-/// A merged picture.
 #[derive(Debug)]
 pub struct MergedPicture {
-    /// The picture with its error layers.
     pub picture: Picture,
     /// The statistics of all parts together.
     pub stats: Stats,
     /// The conversion of the picture's colours for a PNG file.
     pub display: DisplaySettings,
-    /// The header of the picture's file.
     pub metadata: Metadata,
 }
 
 impl PartSet {
-    /// Reads the records of the parts.
-    ///
-    /// # Errors
-    /// Returns an input error if a file has no exact sums, if the parts belong to different
-    /// renders, or if two parts contain the same pass. The error names the file and the difference.
+    /// Reads the records of the parts. Returns an input error that names the file and the
+    /// difference if a file has no exact sums, if the parts belong to different renders, or if two
+    /// contain the same pass.
     pub fn new(paths: &[PathBuf]) -> Result<Self> {
         let mut parts: Vec<(PathBuf, SavedRun)> = Vec::with_capacity(paths.len());
         let mut header = Metadata::new();
@@ -59,9 +52,8 @@ impl PartSet {
         Ok(Self { parts, header, gaps })
     }
 
-    /// Returns the files to merge while the parts grow. If several files contain the same part, the
-    /// file with the most passes is chosen. Files without exact sums are left out, such as
-    /// previews.
+    /// Returns the files to merge while the parts grow: for each part, that with the most passes.
+    /// Files without exact sums, such as previews, are left out.
     pub fn newest(paths: &[PathBuf]) -> Vec<PathBuf> {
         let mut newest: Vec<(&PathBuf, PassPart, u64)> = Vec::new();
         for path in paths {
@@ -85,16 +77,11 @@ impl PartSet {
         self.parts.iter().map(|(path, saved)| (path.as_path(), saved.part, saved.done))
     }
 
-    /// Adds the sums of all parts. Only the film and a few rows of a part are in memory.
-    ///
-    /// A job may have replaced a file by one with more passes of the same part. Then the new file
-    /// is merged.
-    ///
-    /// # Errors
-    /// Returns an input error if a file is damaged, or was replaced by another part.
+    /// Adds the sums of all parts, of which only a few rows are in memory. A file that a job has
+    /// replaced by one with more passes of the same part is merged. Returns an input error if a
+    /// file is damaged, or was replaced by another part.
     pub fn merge(mut self) -> Result<MergedPicture> {
-        // The sums already contain the observer's response, so developing them ignores the
-        // observer.
+        // The sums contain the observer's response, so developing them ignores the observer.
         let observer = Observer::cie1931();
         let mut sum: Option<Film> = None;
         for (path, saved) in &mut self.parts {
@@ -150,8 +137,7 @@ fn is_same(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Compares the identity of a part with the identity of the first part. `path` is the file of the
-/// first part.
+/// Compares the identity of a part with that of the first, in the file `path`.
 fn check(identity: &RenderIdentity, first: &RenderIdentity, path: &Path) -> Result<()> {
     identity.check(first).map_err(|error| {
         let expected = error.expected.clone().unwrap_or_default();
@@ -159,13 +145,10 @@ fn check(identity: &RenderIdentity, first: &RenderIdentity, path: &Path) -> Resu
     })
 }
 
-/// Returns the missing passes in words.
+/// Returns the missing passes in words, or an input error if two parts contain the same pass.
 ///
-/// The records are not checked yet, and may contain any number of passes. Therefore the time and
-/// the memory of this function do not grow with the number of passes.
-///
-/// # Errors
-/// Returns an input error if two parts contain the same pass.
+/// The records are not checked yet, and may contain any number of passes, so the time and the
+/// memory of this function do not grow with it.
 fn gaps(parts: &[(PathBuf, SavedRun)]) -> Result<Option<String>> {
     for (number, (path, saved)) in parts.iter().enumerate() {
         for (other_path, other) in &parts[..number] {

@@ -1,9 +1,6 @@
-//! The render session: the loop over passes, stop rules, progress, statistics, checkpoints and
-//! parts.
-//!
-//! A [`Job`] is a planned scene. [`Job::render`] runs the pilot, and then renders passes until a
-//! stop rule is satisfied. A [`Run`] contains the sums of the passes so far. A run can be saved,
-//! continued, and merged with the runs of other passes.
+//! The render session: a [`Job`] is a planned scene, and [`Job::render`] runs the pilot, and then
+//! passes until a stop rule is satisfied. A [`Run`] contains the sums of the passes so far, and can
+//! be saved, continued, and merged with the runs of other passes.
 
 mod diffraction;
 mod display;

@@ -10,11 +10,9 @@ use std::time::Duration;
 pub struct Progress {
     /// The number of passes done.
     pub passes: u64,
-    /// The number of passes at which the render stops, or `None` if the number of passes is not
-    /// limited.
+    /// The number of passes at which the render stops, or `None` without limit.
     pub passes_wanted: Option<u64>,
-    /// The time of the run so far. The time between an interruption and the continuation does not
-    /// count.
+    /// The time of the run so far, without that between an interruption and the continuation.
     pub elapsed: Duration,
     /// The time at which the render stops, or `None` if the time is not limited.
     pub time_wanted: Option<Duration>,
@@ -30,11 +28,9 @@ pub struct Progress {
 
 /// Observes a render, and may end it.
 pub trait Monitor {
-    /// Called once before the pilot, if the render has a pilot.
     fn before_pilot(&mut self) {}
 
-    /// Returns true if the monitor shows a coarse picture before pass 0. A coarse picture takes a
-    /// fraction of a pass.
+    /// Returns true if the monitor shows a coarse picture before pass 0, which costs little.
     fn wants_coarse_picture(&self) -> bool {
         false
     }

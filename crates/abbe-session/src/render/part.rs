@@ -4,8 +4,7 @@ use abbe_spectra::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// The passes of a part: all passes whose index is congruent to `index` modulo `of`. Part 0/1
-/// contains all passes.
+/// All passes whose index is congruent to `index` modulo `of`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PassPart {
@@ -14,13 +13,9 @@ pub struct PassPart {
 }
 
 impl PassPart {
-    /// All passes.
     pub const WHOLE: Self = Self { index: 0, of: 1 };
 
-    /// Creates part `index`, counted from 0, of `of` parts.
-    ///
-    /// # Errors
-    /// Returns an input error if `index` is not less than `of`.
+    /// Counts the part from 0. Returns an input error if `index` is not less than `of`.
     pub fn new(index: u32, of: u32) -> Result<Self> {
         if index < of {
             return Ok(Self { index, of });
@@ -37,8 +32,7 @@ impl PassPart {
         u64::from(self.index).saturating_add(nth.saturating_mul(u64::from(self.of)))
     }
 
-    /// Returns the position of a pass within this part, counted from 0. Returns `None` if the pass
-    /// belongs to another part. `pass` is the index of the pass in the picture.
+    /// Returns the position of pass number `pass` of the picture within this part, from 0.
     pub fn nth(self, pass: u64) -> Option<u64> {
         let of = u64::from(self.of);
         (pass.checked_rem(of)? == u64::from(self.index)).then(|| pass / of)
@@ -63,8 +57,7 @@ impl PassPart {
     }
 }
 
-/// Returns the greatest common divisor g of two positive numbers, and a number x with nx ≡ g modulo
-/// m. Returns `None` if a number is 0.
+/// Returns the greatest common divisor g of two positive numbers, and x with nx ≡ g modulo m.
 fn bezout(n: i64, m: i64) -> Option<(i64, i64)> {
     if n == 0 || m == 0 {
         return None;

@@ -13,10 +13,10 @@ use glam::{DVec2, DVec3};
 /// The lengths of visible parts are found to this number of pixels.
 const PIXELS_PER_STEP: f64 = 3.0;
 
-/// The number of steps along a segment.
 const STEPS: (f64, f64) = (4.0, 96.0);
 
-/// Surfaces hide points that are farther from the camera by more than this share of the distance.
+/// Surfaces hide points that are farther from the camera by more than this fraction of the
+/// distance.
 const HIDDEN_FRACTION: f64 = 1e-4;
 
 impl Job {
@@ -27,8 +27,7 @@ impl Job {
         photon_paths(&PassContext { portals: &portals, ..context }, query)
     }
 
-    /// Returns the first surface under a film position in pixels, and the width of a pixel there in
-    /// m. Returns `None` if the camera sees no surface there.
+    /// Returns the surface under a film position in pixels, and a pixel's width there in m.
     pub fn point_under(&self, film: DVec2) -> Option<(DVec3, f64)> {
         let camera = &self.scene.camera;
         let ray = camera.ray(film, [0.5; 2]);
@@ -36,8 +35,8 @@ impl Job {
         Some((hit.position, camera.pixel_width_m(hit.t)))
     }
 
-    /// Returns the parts of a segment that the camera sees, as film positions in pixels. Glass does
-    /// not hide the points behind it, and it does not move them in the drawing.
+    /// Returns the parts of a segment that the camera sees, as film positions in pixels. Glass
+    /// neither hides points behind it, nor moves them.
     pub fn visible_parts(&self, from: DVec3, to: DVec3) -> Vec<[DVec2; 2]> {
         let camera = &self.scene.camera;
         let size = DVec2::new(camera.width() as f64, (camera.pixel_count() / camera.width()) as f64);
@@ -67,8 +66,7 @@ impl Job {
     }
 }
 
-/// Returns the part of a segment that lies in front of the camera. It ends a little before the
-/// plane of the lens.
+/// Returns the part of a segment in front of the camera, a little before the lens plane.
 fn in_front(camera: &Camera, from: DVec3, to: DVec3) -> Option<[DVec3; 2]> {
     let is_seen = |point: DVec3| camera.project(point).is_some();
     let last_seen = |seen: DVec3, unseen: DVec3| {

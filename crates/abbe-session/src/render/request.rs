@@ -23,32 +23,25 @@ impl Integrator {
     }
 }
 
-/// The rules that stop a render. The render stops as soon as one rule is satisfied. Without any
-/// rule, the budget sets the number of passes.
+/// The render stops by the first rule, or by the passes of the budget without any rule.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StopRules {
-    /// Stop after this many passes.
     pub passes: Option<u64>,
-    /// Stop after this time.
     pub time: Option<Duration>,
     /// Stop if the relative error is at most this value.
     pub target_error: Option<f64>,
 }
 
 impl StopRules {
-    /// Returns the number of passes at which the render of the whole picture stops. Returns `None`
-    /// if the number of passes is not limited.
+    /// Returns the passes at which the whole picture stops, or `None` without limit.
     pub fn passes_wanted(&self, budget: &Budget) -> Option<u64> {
         let by_default = self.time.is_none() && self.target_error.is_none();
         self.passes.or(by_default.then_some(budget.passes))
     }
 }
 
-/// A request for a render.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Request {
-    /// The algorithm that solves the light transport.
     pub integrator: Integrator,
-    /// The rules that stop the render.
     pub stop: StopRules,
 }

@@ -8,25 +8,20 @@ use abbe_transport::plan::Tally;
 use abbe_transport::sensor::{ErrorSquares, Film, Picture, Reading, ReadingSpectrum};
 use abbe_transport::walk::ledger::Ledger;
 
-/// The state of a render between two passes. From this state, the render can continue later or
-/// elsewhere. The state can also be merged with other runs.
+/// The state of a render between two passes, which can continue elsewhere and be merged.
 #[derive(Debug)]
 pub struct Run {
-    /// The sums of the passes that are done.
     pub(super) sums: PassSums,
-    /// The passes that belong to the run.
     pub(super) part: PassPart,
     /// The number of completed passes of the part. These are the first passes of the part.
     pub(super) done: u64,
-    /// The number of passes at which the render of the whole picture stops, or `None` if the number
-    /// of passes is not limited.
+    /// The passes at which the whole picture stops, or `None` without limit.
     pub(super) wanted: Option<u64>,
     /// The spectra that the shared wavelengths of the completed passes have sampled.
     pub(super) coverage: SpectrumCoverage,
 }
 
 impl Run {
-    /// Creates a run without passes.
     pub fn new(job: &Job, part: PassPart) -> Self {
         let film = &job.scene.film;
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
@@ -45,12 +40,10 @@ impl Run {
         Self { sums, part, done: 0, wanted: None, coverage: SpectrumCoverage::default() }
     }
 
-    /// Develops the picture of the completed passes.
     pub fn picture(&self) -> Picture {
         self.sums.film.picture()
     }
 
-    /// Returns the readings of the meters, if the job has any.
     pub fn readings(&self) -> Vec<Reading> {
         self.sums.film.readings()
     }
@@ -60,7 +53,6 @@ impl Run {
         self.sums.film.reading_spectrum(number)
     }
 
-    /// Returns the number of passes that are done.
     pub fn passes(&self) -> u64 {
         self.done
     }
@@ -70,8 +62,8 @@ impl Run {
         self.error_squares().map(|squares| squares.relative())
     }
 
-    /// Returns the parts of the squared relative error of the picture. Returns `None` if the error is
-    /// unknown, or if the passes lack the light of a spectrum.
+    /// Returns the parts of the squared relative error, or `None` if it is unknown, or if the
+    /// passes lack the light of a spectrum.
     pub(super) fn error_squares(&self) -> Option<ErrorSquares> {
         self.coverage.is_complete().then(|| self.sums.film.error_squares()).flatten()
     }

@@ -1,7 +1,5 @@
-//! Saved runs: checkpoints and parts.
-//!
-//! A saved run is an EXR file. It contains the picture so far and the exact sums of the film. A
-//! record in the header contains everything else.
+//! Saved runs (checkpoints and parts): EXR files with the picture so far, the exact sums of the
+//! film, and a record of everything else in the header.
 
 use super::diffraction::DiffractionSetup;
 use super::display::DisplaySettings;
@@ -27,8 +25,7 @@ use std::path::Path;
 /// The name of the record in the file's header.
 const RECORD: &str = "abbe.run";
 
-/// The record of a saved run. The record contains everything except the sums of the film, because
-/// these sums may be large.
+/// The record of a saved run: everything except the sums of the film, which may be large.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedRun {
@@ -42,17 +39,13 @@ pub struct SavedRun {
     #[serde(rename = "showing")]
     pub(super) display: DisplaySettings,
     diffraction: Option<DiffractionSetup>,
-    /// The hash of the sums and of the record. While the hash is computed, this field is empty. The
-    /// hash reveals damage to the file.
+    /// Of the sums and of the record with this field empty. It reveals damage to the file.
     hash: String,
 }
 
 impl SavedRun {
-    /// Writes a run and its picture so far. The file is replaced as a whole or not at all.
-    /// `metadata` describes the scene.
-    ///
-    /// # Errors
-    /// Returns a machine error if the file cannot be written.
+    /// Writes a run and its picture so far, atomically. `metadata` describes the scene. Returns a
+    /// machine error if the file cannot be written.
     pub fn write(path: &Path, job: &Job, identity: &RenderIdentity, run: &Run, metadata: Metadata) -> Result<()> {
         let PassSums { film, ledger, tally, seconds } = &run.sums;
         let (picture, squares) = film.picture_and_error();
@@ -74,11 +67,9 @@ impl SavedRun {
         write_with_sums(path, film, &picture, &metadata.with_json(RECORD, &record))
     }
 
-    /// Reads the record of a saved run, and the header of its file.
-    ///
-    /// # Errors
-    /// Returns an input error if the file is missing, is not an EXR file, was written by another
-    /// version, is damaged, or has no exact sums.
+    /// Reads the record of a saved run, and the header of its file. Returns an input error if the
+    /// file is missing, is not an EXR file, was written by another version, is damaged, or has no
+    /// exact sums.
     pub fn read(path: &Path) -> Result<(Self, Metadata)> {
         let metadata = read_metadata(path)?;
         let fault = |what: &str| Error::input(what).in_file(path);
@@ -95,11 +86,8 @@ impl SavedRun {
         Ok((record, metadata))
     }
 
-    /// Reads a saved run, from which a render can continue.
-    ///
-    /// # Errors
-    /// Returns an input error if the file is damaged, or belongs to another render or another part.
-    /// The error names the difference.
+    /// Reads a saved run to continue it. Returns an input error that names the difference if the
+    /// file is damaged, or belongs to another render or another part.
     pub fn resume(path: &Path, job: &Job, identity: &RenderIdentity, part: PassPart) -> Result<Run> {
         let (saved, _) = Self::read(path)?;
         saved.identity.check(identity).map_err(|error| error.in_file(path))?;
@@ -118,22 +106,17 @@ impl SavedRun {
         self.part.nth(pass).is_some_and(|nth| nth < self.done)
     }
 
-    /// Reads the film with its sums.
     fn film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let mut film = self.blank_film(path, observer)?;
         self.add_to(path, &mut film)?;
         Ok(film)
     }
 
-    /// Returns an unexposed film for the sums of the file.
-    ///
-    /// # Errors
-    /// Returns an input error if the file is damaged.
+    /// Returns an unexposed film for the sums, or an input error if the file is damaged.
     pub(super) fn blank_film(&self, path: &Path, observer: &'static Observer) -> Result<Film> {
         let ([width, height], bands) = self.identity.film_size();
         let layers = self.identity.layers();
-        // The size comes from a record that is not verified yet. The film is allocated only if this
-        // size matches the file.
+        // The record is not verified yet, so the film is allocated only if the file has this size.
         if !holds_sums_of(path, (width, height), bands + layers.planes())? {
             return Err(Error::input("is damaged: its size differs from the size in its record").in_file(path));
         }
@@ -142,10 +125,8 @@ impl SavedRun {
         Ok(film.with_diffraction(diffraction).with_layers(layers))
     }
 
-    /// Adds the sums of the file to a film, and counts its passes.
-    ///
-    /// # Errors
-    /// Returns an input error if the file is damaged. The film is then useless.
+    /// Adds the sums of the file to a film, and counts its passes. Returns an input error if the
+    /// file is damaged; the film is then useless.
     pub(super) fn add_to(&self, path: &Path, film: &mut Film) -> Result<()> {
         let hash = add_sums(path, film)?;
         if self.hash_with(hash) != self.hash {

@@ -2,14 +2,13 @@
 
 use serde_json::Value;
 
-/// The keys of a scene that do not change the result of a pass, by section: the length of a render,
-/// its threads and checkpoints, and the conversion of the picture for a display.
+/// The keys, by section, that do not change a pass: the length of a render, its threads and
+/// checkpoints, and the display of the picture.
 const KEYS_WITHOUT_EFFECT_ON_A_PASS: [(&str, &[&str]); 2] = [
     ("render", &["passes", "threads", "checkpoint_seconds"]),
     ("film", &["exposure", "white_balance", "output_space", "tone", "gamut"]),
 ];
 
-/// The longest value that a difference contains, in characters.
 const LONGEST_VALUE: usize = 60;
 
 /// Returns whether an entry of a section of a scene can change the result of a pass.
@@ -29,8 +28,8 @@ fn scene_of_passes(scene: &Value) -> Value {
     scene
 }
 
-/// Finds the first value that differs between two scenes and affects their passes. Returns the path
-/// with the value in each scene, such as `film.width is 64`. Returns `None` if the values are equal.
+/// Finds the first difference of two scenes that affects their passes. Returns the path with the
+/// value in each scene, such as `film.width is 64`.
 pub(super) fn first_difference(found: &Value, expected: &Value) -> Option<[String; 2]> {
     difference(String::new(), Some(&scene_of_passes(found)), Some(&scene_of_passes(expected)))
 }

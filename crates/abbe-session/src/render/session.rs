@@ -19,14 +19,11 @@ use abbe_transport::walk::ledger::Ledger;
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// The result of a render.
 #[derive(Debug)]
 pub struct Rendered {
-    /// The picture with its error layers.
     pub picture: Picture,
     /// The mean energy balance of a pass, in W.
     pub ledger: Ledger,
-    /// The statistics of the render.
     pub stats: Stats,
     /// True if the monitor ended the render before a stop rule was satisfied.
     pub interrupted: bool,
@@ -36,15 +33,11 @@ pub struct Rendered {
 
 impl Job {
     /// Renders passes on the current thread pool until a stop rule is satisfied.
-    ///
-    /// # Errors
-    /// See [`Self::continue_run`].
     pub fn render(&self, request: Request, monitor: &mut dyn Monitor) -> Result<Rendered> {
         self.continue_run(request, Run::new(self, PassPart::WHOLE), monitor)
     }
 
-    /// Returns the spectra that the shared wavelengths of a run's passes have sampled. All spectra
-    /// count as sampled if no camera path has the shared wavelengths.
+    /// Returns the spectra that a run's shared wavelengths sampled: all if no path has them.
     fn coverage_of(&self, run: &Run, integrator: Integrator) -> SpectrumCoverage {
         if integrator == Integrator::Path || self.plan.wavelengths == WavelengthPlan::Free {
             return SpectrumCoverage::default();
@@ -58,25 +51,17 @@ impl Job {
     }
 
     /// Renders a coarse picture in the size of the film on the current thread pool, without bands
-    /// and without errors. Returns `None` if the film is small.
-    ///
-    /// # Errors
-    /// Returns an error if the scene cannot be posed.
+    /// and errors. `None` if the film is small. Returns an error if the scene cannot be posed.
     pub fn coarse_picture(&self) -> Result<Option<Picture>> {
         let context = self.pass_context();
         let portals = find_portals(&context, &mut StageSeconds::default());
         Pilot::coarse_picture(&PassContext { portals: &portals, ..context })
     }
 
-    /// Continues a run until a stop rule is satisfied. The run is either new or a saved run.
-    ///
-    /// The stop rules count from the beginning of the run. A resumed run stops at the same pass as
-    /// an uninterrupted run.
-    ///
-    /// # Errors
-    /// Returns an input error in these cases: the part of the run contains no passes, the run
-    /// already has more passes than wanted, the scene cannot be posed, or the radiance of a pixel
-    /// is too large.
+    /// Continues a new or saved run until a stop rule is satisfied. The rules count from the
+    /// beginning of the run, so a resumed run stops at the same pass as an uninterrupted one.
+    /// Returns an input error if the part contains no passes, the run already has more passes than
+    /// wanted, the scene cannot be posed, or the radiance of a pixel is too large.
     pub fn continue_run(&self, request: Request, mut run: Run, monitor: &mut dyn Monitor) -> Result<Rendered> {
         let clock = RunClock::start(&run);
         let mut conditions = StopConditions::new(self, request.stop, &mut run);
@@ -94,8 +79,7 @@ impl Job {
         let selector =
             if stopped { Cow::Borrowed(context.selector) } else { learn_lights(&context, &mut run.sums.seconds) };
         let context = PassContext { selector: &selector, ..context };
-        // The pilot depends only on the scene and the seed. The pilot of a resumed run therefore
-        // gives the same results.
+        // The pilot depends only on the scene and the seed, so that of a resumed run is the same.
         let wants_coarse_picture = run.done == 0 && monitor.wants_coarse_picture();
         let pilot = match request.integrator {
             Integrator::Photon if !stopped => {

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 pub struct LedgerStats {
     /// The emitted power.
     pub emitted: f64,
-    /// The part of `emitted` below 360 nm. `lamps` does not include it.
+    /// The part of `emitted` below 360 nm, which `lamps` does not include.
     #[serde(default)]
     pub ultraviolet: f64,
     /// The power gained (positive) or lost by random decisions, such as Russian roulette.
@@ -56,23 +56,23 @@ pub struct ErrorStats {
     pub bias: f64,
     /// The relative error: √mean(noise² + bias²) / mean Y. `None` means that the error is unknown.
     pub relative: Option<f64>,
-    /// The median of the pixels' relative errors. `None` means that no error is known.
+    /// The median of the pixels' relative errors, or `None` if no error is known.
     #[serde(default)]
     pub median: Option<f64>,
-    /// The 95th percentile of the pixels' relative errors. `None` means that no error is known.
+    /// The 95th percentile of the pixels' relative errors, or `None` if no error is known.
     #[serde(default)]
     pub p95: Option<f64>,
-    /// The block of pixels that contributes most to `relative`: the first column, the first row,
-    /// the first column to its right, and the first row below it.
+    /// The block of pixels that contributes most to `relative`: the first column and row, and the
+    /// column and row after the last.
     #[serde(default)]
     pub worst_region: Option<[usize; 4]>,
-    /// The share of the worst region in the sum of noise² + bias² over the picture.
+    /// The fraction of the worst region in the sum of noise² + bias² over the picture.
     #[serde(rename = "worst_share", default)]
     pub worst_fraction: Option<f64>,
     /// The number of pixels with unknown noise, such as pixels that no light has reached.
     pub unknown_pixels: usize,
-    /// The number of pixels near an edge of the illumination. The bias of these pixels is probably
-    /// larger than reported.
+    /// The number of pixels near an edge of the illumination, whose bias is probably larger than
+    /// reported.
     pub edge_pixels: usize,
 }
 
@@ -81,8 +81,7 @@ pub struct ErrorStats {
 pub struct ForecastStats {
     /// The relative error after four times the time of the run.
     pub error_after_four_times: f64,
-    /// The two largest round errors below the present error. Each entry contains the error, and the
-    /// number of passes and the time after which the render reaches this error.
+    /// When the render reaches the two largest round errors below the present one.
     pub milestones: Vec<ErrorMilestone>,
 }
 
@@ -126,13 +125,13 @@ pub struct Stats {
     pub effects: BTreeMap<String, EffectStats>,
     /// The wavelength plan: `free`, `shared` or `both`.
     pub wavelengths: String,
-    /// The number of samples that were NaN, infinite or negative and were discarded. A value other
-    /// than 0 means that the program has a bug.
+    /// The number of samples that were NaN, infinite or negative and were discarded: 0 unless the
+    /// program has a bug.
     pub rejected_samples: u64,
     /// The number of worker threads.
     pub threads: usize,
     /// The names of lights whose spectra the shared wavelengths of no pass have sampled. Behind
-    /// dispersive glass, the picture lacks the light of these lights, and its error is unknown.
+    /// dispersive glass, the picture lacks their light, and its error is unknown.
     #[serde(default)]
     pub unsampled_lights: Vec<String>,
     /// Notes on light that the picture lacks.
@@ -141,8 +140,7 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// Returns the statistics of a run and its picture. `unlit` contains the names of the specular
-    /// objects that no pilot photon reached.
+    /// `unlit` names the specular objects that no pilot photon reached.
     pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>, unlit: &[String]) -> Self {
         let PassSums { tally, seconds, .. } = &run.sums;
         let unsampled_lights: Vec<String> = run.coverage.missing().map(str::to_owned).collect();
@@ -167,11 +165,9 @@ impl Stats {
         }
     }
 
-    /// Merges the statistics of several runs of one scene.
-    ///
-    /// Counts and times are sums, and the energy balance is the mean over all passes. The error and
-    /// the forecast belong to the merged picture, as if one machine had rendered all passes.
-    /// `squares` is the squared error of that picture, if the error is known.
+    /// Merges the statistics of several runs of one scene: sums of counts and times, the mean
+    /// energy balance over all passes, and the error and the forecast of the merged picture, as if
+    /// one machine had rendered all passes. `squares` is its squared error, if known.
     pub(super) fn merged(runs: &[&Self], picture: &Picture, squares: Option<ErrorSquares>) -> Self {
         let count = |of: fn(&Self) -> u64| runs.iter().map(|run| of(run)).sum::<u64>();
         let mut effects: BTreeMap<String, EffectStats> = BTreeMap::new();
@@ -217,7 +213,6 @@ impl Run {
         ledger_stats(job, &ledger)
     }
 
-    /// Returns the states of all effects with their numbers of events so far.
     pub fn effect_stats(&self, job: &Job) -> BTreeMap<String, EffectStats> {
         effect_stats(job, &self.sums.tally)
     }
@@ -233,8 +228,8 @@ impl Run {
     }
 }
 
-/// A note names the different spectra of the lights if only one in so many wavelengths suits one of
-/// them. A pass has four wavelengths, so four passes may lack its light.
+/// If only one in so many wavelengths suits a spectrum of the lights, a note names it. A pass has
+/// four wavelengths, so four passes may lack its light.
 const MANY_WAVELENGTHS: f64 = 16.0;
 
 /// Returns the names of objects or lights for a note.
@@ -247,8 +242,7 @@ fn named(all: &[String]) -> String {
     format!("{}{more}", names.join(", "))
 }
 
-/// Returns notes on light that the picture lacks. A note contains no measured number, so that the
-/// parts of a picture have the same notes.
+/// Returns notes on missing light without numbers, so that all parts of a picture have the same.
 fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
     let PassSums { ledger, tally, .. } = &run.sums;
     let limited = job.scene.settings.max_depth.map(|depth| {
@@ -281,8 +275,7 @@ fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
     limited.into_iter().chain(capped).chain(open).chain(unlit).chain(rare).collect()
 }
 
-/// Returns a note that names lights whose spectra no pass has sampled. Returns `None` if there are
-/// none.
+/// Names lights whose spectra no pass has sampled, if there are any.
 fn unsampled_note(lights: &[String]) -> Option<String> {
     (!lights.is_empty()).then(|| {
         format!(
@@ -351,8 +344,7 @@ impl LedgerStats {
             escaped: mean(&|ledger| ledger.escaped),
             escaped_inside: mean(&|ledger| ledger.escaped_inside),
             depth_limit: mean(&|ledger| ledger.depth_limit),
-            // The balance is relative to the emitted power, which is the same in all runs apart
-            // from noise.
+            // Relative to the emitted power, which is the same in all runs apart from noise.
             balance: mean(&|ledger| ledger.balance),
             lights: mean(&|ledger| ledger.lights),
             by_material: by_material.collect(),
@@ -413,8 +405,7 @@ fn effect_stats(job: &Job, tally: &Tally) -> BTreeMap<String, EffectStats> {
     stats.collect()
 }
 
-/// Returns the largest resident memory of this process so far. Only Linux reports this number.
-/// Returns 0 on other systems.
+/// Returns the largest resident memory of this process so far on Linux, and 0 elsewhere.
 fn peak_memory_bytes() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

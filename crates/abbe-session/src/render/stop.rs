@@ -9,8 +9,7 @@ use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::ErrorSquares;
 use std::time::{Duration, Instant};
 
-/// Measures the time of a run. The time between an interruption and the continuation does not
-/// count.
+/// The time of a run, without that between an interruption and the continuation.
 #[derive(Debug)]
 pub(super) struct RunClock {
     start: Instant,
@@ -19,12 +18,10 @@ pub(super) struct RunClock {
 }
 
 impl RunClock {
-    /// Starts to measure.
     pub(super) fn start(run: &Run) -> Self {
         Self { start: Instant::now(), before_s: run.sums.seconds.total }
     }
 
-    /// Writes the total time into the run.
     pub(super) fn update(&self, run: &mut Run) {
         run.sums.seconds.total = self.before_s + self.start.elapsed().as_secs_f64();
     }
@@ -34,8 +31,7 @@ impl RunClock {
 #[derive(Debug)]
 pub(super) struct StopConditions {
     rules: StopRules,
-    /// The number of passes of this run's part at which the render stops, or `None` if the number
-    /// of passes is not limited.
+    /// The passes of this run's part at which the render stops, or `None` without limit.
     wanted: Option<u64>,
     error: ErrorTracker,
 }
@@ -48,11 +44,7 @@ impl StopConditions {
         Self { rules, wanted, error: ErrorTracker::default() }
     }
 
-    /// Checks the number of wanted passes.
-    ///
-    /// # Errors
-    /// Returns an input error if the run's part has no passes, or if the run has more passes than
-    /// wanted.
+    /// Returns an input error if the part has no passes, or if the run has too many.
     pub(super) fn check(&self, run: &Run) -> Result<()> {
         let (part, wanted) = (run.part, self.wanted.unwrap_or(u64::MAX));
         if wanted == 0 {
@@ -67,8 +59,7 @@ impl StopConditions {
         Ok(())
     }
 
-    /// Returns true if a stop rule is satisfied after a pass. Measures the error if a measurement
-    /// is due.
+    /// Returns true if a stop rule is satisfied, and measures the error if that is due.
     pub(super) fn hold(&mut self, run: &Run) -> bool {
         let elapsed = elapsed(run);
         let target = self.rules.target_error.filter(|_| ErrorTracker::decides_after(run.done));
@@ -78,7 +69,6 @@ impl StopConditions {
             || target.zip(self.error.history.latest()).is_some_and(|(target, error)| error <= target)
     }
 
-    /// Returns the progress of the run for a monitor.
     pub(super) fn progress(&self, run: &Run) -> Progress {
         Progress {
             passes: run.done,
@@ -92,8 +82,7 @@ impl StopConditions {
         }
     }
 
-    /// Returns the forecast at the end of the run. `squares` is the final squared error, if the
-    /// error is known.
+    /// `squares` is the final squared error, if it is known.
     pub(super) fn forecast_at_end(&mut self, run: &Run, squares: Option<ErrorSquares>) -> Option<Forecast> {
         self.error.history.add(run.done, squares?);
         self.error.forecast(run)
@@ -104,33 +93,28 @@ fn elapsed(run: &Run) -> Duration {
     Duration::try_from_secs_f64(run.sums.seconds.total).unwrap_or_default()
 }
 
-/// Measures the error of the picture from time to time.
-///
-/// A measurement takes time, because it develops the picture. Therefore all measurements together
-/// may take only a limited share of the run's time. The limit is higher for the first measurements,
-/// so that a forecast is soon available.
+/// Measures the error of the picture from time to time. This develops the picture, so all
+/// measurements together may take only a fraction of the run's time, more at first, so that a
+/// forecast is soon available.
 #[derive(Debug, Default)]
 struct ErrorTracker {
     history: ErrorHistory,
-    /// The next measurement is due after this many passes or later.
     next_pass: u64,
     /// The next measurement is due at this time or later.
     next_time: Duration,
 }
 
 impl ErrorTracker {
-    /// Returns true if the error may stop the run after this many passes.
-    ///
-    /// The numbers of passes are fixed, so that the result does not depend on the speed of the
-    /// machine. Each replicate needs at least two passes to estimate the noise.
+    /// Returns true if the error may stop the run after this many passes: fixed numbers, so that
+    /// the result does not depend on the speed of the machine, with at least two passes per
+    /// replicate to estimate the noise.
     fn decides_after(passes: u64) -> bool {
         passes >= 16 && passes.is_multiple_of(8)
     }
 
     /// Measures the error if a stop rule needs the error, or if a measurement is due.
     fn update(&mut self, run: &Run, elapsed: Duration, needed: bool) {
-        /// The first measurement is due after one pass per replicate. With fewer passes, the noise
-        /// of stratified samples would be underestimated.
+        /// One pass per replicate. Fewer would underestimate the noise of stratified samples.
         const FIRST: u64 = 8;
         let due = run.done >= self.next_pass.max(FIRST) && elapsed >= self.next_time;
         if needed || due {
@@ -152,7 +136,6 @@ impl ErrorTracker {
 mod tests {
     use super::*;
 
-    /// All replicates have the same number of passes, and at least two.
     #[test]
     fn an_error_decides_after_whole_rounds_of_the_replicates() {
         let deciding: Vec<u64> = (0..48).filter(|&passes| ErrorTracker::decides_after(passes)).collect();

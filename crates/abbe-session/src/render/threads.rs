@@ -2,18 +2,14 @@
 
 use abbe_spectra::error::{Error, Result};
 
-/// Runs a function in a pool of this many worker threads. Without a number, the pool has one thread
-/// per logical processor.
-///
-/// # Errors
-/// Returns a machine error if the threads cannot be started.
+/// Runs a function in a pool of this many threads, by default one per logical processor. Returns a
+/// machine error if they cannot be started.
 pub fn on_threads<R: Send>(threads: Option<u32>, run: impl FnOnce() -> R + Send) -> Result<R> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
     let pool = builder.build().map_err(|error| Error::machine(format!("threads cannot be started: {error}")))?;
     Ok(pool.install(run))
 }
 
-/// Returns the number of worker threads of the current pool.
 pub fn current_threads() -> usize {
     rayon::current_num_threads()
 }

@@ -43,7 +43,7 @@ pub fn delta_e_2000(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// The colour difference of two lights seen side by side.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct LightDifference {
     /// The distance of the chromaticities x, y.
     pub delta_xy: f64,

@@ -116,16 +116,17 @@ fn surfaces(beginnings: &[&str]) -> Vec<(&'static str, Spectrum)> {
 }
 
 /// A surface under two lights, each of which is its own white point.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct PatchDifference {
     /// The name of the surface.
     pub name: String,
+    /// ΔE2000 between the colour of the surface under the first light and its colour under the
+    /// second light.
+    pub delta_e_2000: f64,
     /// XYZ under the first and under the second light. The perfect diffuser has Y = 100.
     pub xyz: [Xyz; 2],
     /// L*, a*, b* under the first and under the second light.
     pub lab: [[f64; 3]; 2],
-    /// ΔE2000 between the colours of the surface under the two lights.
-    pub delta_e_2000: f64,
 }
 
 impl PatchDifference {

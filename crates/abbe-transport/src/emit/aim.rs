@@ -1,12 +1,11 @@
 //! Importance-driven photon emission.
 //!
-//! Two random numbers select the direction of a ray that a light emits. For a beam or a distant
-//! light, they select the position of the ray. A grid divides the unit square of these two numbers
-//! into cells. The pilot fills the grid once, before pass 0. The weight of a cell is the root mean
-//! square of its photons' contributions to the picture. This weight minimises the variance. A
-//! fraction of the photons ignores the grid, so that every direction keeps a positive density and
-//! the estimate stays unbiased. Sources: Jensen 1995 (projection maps); Peter & Pietrek 1998,
-//! "Importance Driven Construction of Photon Maps".
+//! Two random numbers select the direction of a ray that a light emits, or its position for a beam
+//! or a distant light. A grid divides their unit square into cells, whose weights the pilot learns
+//! before pass 0: the root mean square of the contributions of a cell's photons to the picture,
+//! which minimises the variance. A fraction of the photons ignores the grid, so that every
+//! direction keeps a positive density and the estimate stays unbiased. Sources: Jensen 1995
+//! (projection maps); Peter & Pietrek 1998, "Importance Driven Construction of Photon Maps".
 
 use abbe_spectra::math::distribution::PiecewiseConstant2d;
 
@@ -21,28 +20,22 @@ const DEFENSIVE: f64 = 0.25;
 pub struct Aim(Option<PiecewiseConstant2d>);
 
 impl Aim {
-    /// Creates an aim that changes nothing.
     pub fn plain() -> Self {
         Self(None)
     }
 
-    /// Creates an aim from the weights of the cells. The weights are root-mean-square
-    /// contributions. They are ordered row by row, with `side` weights per row.
+    /// Takes the weights of the cells row by row, with `side` per row.
     pub fn learned(side: usize, scores: &[f64]) -> Self {
         Self(PiecewiseConstant2d::new(side, scores))
     }
 
-    /// Returns true if the aim changes nothing.
     pub fn is_plain(&self) -> bool {
         self.0.is_none()
     }
 
-    /// Maps `u` in [0, 1)² to a point of the grid. Returns the point, and the ratio of its
-    /// probability density to the density of uniform sampling.
+    /// Maps `u` in [0, 1)² to a point of the grid. Returns the point and its relative pdf.
     pub fn sample(&self, u: [f64; 2]) -> ([f64; 2], f64) {
-        let Some(grid) = &self.0 else {
-            return (u, 1.0);
-        };
+        let Some(grid) = &self.0 else { return (u, 1.0) };
         let point = if u[0] < DEFENSIVE {
             [u[0] / DEFENSIVE, u[1]]
         } else {
@@ -51,8 +44,7 @@ impl Aim {
         (point, self.relative_pdf(point))
     }
 
-    /// Returns the ratio of the probability density at a point of the grid to the density of
-    /// uniform sampling.
+    /// Returns the pdf at a point of the grid, relative to uniform sampling.
     pub fn relative_pdf(&self, point: [f64; 2]) -> f64 {
         self.0.as_ref().map_or(1.0, |grid| DEFENSIVE + (1.0 - DEFENSIVE) * grid.pdf(point))
     }
@@ -77,8 +69,7 @@ mod tests {
     use super::*;
     use abbe_spectra::math::sobol::Sobol;
 
-    /// Checks that the mean of 1/density is 1, and that the cell with the largest weight receives
-    /// the expected share of the samples.
+    /// The mean of 1/density is 1, and the best cell receives its fraction of the samples.
     #[test]
     fn aiming_preserves_the_mean_power() {
         let mut scores = vec![0.0; CELLS * CELLS];

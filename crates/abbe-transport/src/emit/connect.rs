@@ -1,5 +1,4 @@
-//! Connection of photons to the camera (light tracing). A connection needs no kernel and has no
-//! bias.
+//! Connection of photons to the camera (light tracing), without kernel and bias.
 
 use super::photon_path::PhotonState;
 use super::visitor::SurfaceArrival;
@@ -12,41 +11,34 @@ use abbe_spectra::math::random::Seed;
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
 use std::f64::consts::FRAC_1_PI;
 
-/// The contribution of a connected photon to one pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Splat {
-    /// The pixel.
     pub pixel: u32,
-    /// The wavelengths in nm, and the radiance at each of them in W/m²/sr. This radiance is already
-    /// divided by all probability densities. The first entries are for the wavelengths of the
-    /// photon. At a fluorescent surface, the other entries are for wavelengths of the emission.
+    /// The wavelengths in nm, and the radiance at each in W/m²/sr, already divided by all
+    /// densities: first at the photon's wavelengths, then, at a fluorescent surface, at those of
+    /// its emission.
     lanes: [(f64, f64); 2 * LANES],
-    /// The number of entries in use.
     count: usize,
 }
 
 impl Splat {
-    /// Iterates over the wavelengths (nm) and the radiance at each of them.
     pub fn lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.lanes[..self.count].iter().copied()
     }
 }
 
-/// Connects photons to the camera.
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonConnector<'a> {
-    /// The scene.
     pub scene: &'a Scene,
-    /// The plan for bodies and media.
     pub media_plan: MediumPlan,
     /// The number of photon paths in the photon's set.
     pub photons_per_sample: f64,
 }
 
 impl PhotonConnector<'_> {
-    /// Connects a photon at a surface to the camera. `lens` in [0, 1)² selects the point of the
-    /// aperture. At a fluorescent surface, `emission` in [0, 1) selects the wavelengths of the
-    /// emission. Returns `None` if the camera does not see the photon.
+    /// Connects a photon at a surface to the camera, or returns `None` if the camera does not see
+    /// it. `lens` in [0, 1)² selects the point of the aperture, and `emission` in [0, 1) the
+    /// wavelengths of the emission at a fluorescent surface.
     pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2], emission: f64) -> Option<Splat> {
         let Self { scene, media_plan, photons_per_sample } = *self;
         let SurfaceArrival { interaction, photon, .. } = arrival;
@@ -94,8 +86,8 @@ impl PhotonConnector<'_> {
     }
 }
 
-/// Returns wavelengths (nm) of the emission that a photon excites, and the emitted radiance per
-/// unit of area, divided by the density of the wavelengths. `u` in [0, 1) selects the wavelengths.
+/// Returns wavelengths (nm) of the emission that a photon excites, selected by `u` in [0, 1), and
+/// the emitted radiance per unit of area, divided by their density.
 fn emission_into_camera(fluorophore: &Fluorophore, photon: &PhotonState, u: f64) -> [(f64, f64); LANES] {
     std::array::from_fn(|k| {
         let (to_nm, pdf) = fluorophore.wavelengths().sample((u + k as f64) / LANES as f64);

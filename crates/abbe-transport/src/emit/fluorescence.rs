@@ -2,16 +2,16 @@
 //! other wavelengths, or absorption.
 //!
 //! A photon that a fluorophore absorbs excites an emission by the power × a(λ) × λ, summed over the
-//! photon's wavelengths. The excitation fixes the emitted power at every wavelength. An emitted
-//! photon samples new wavelengths from the emission spectrum. A measured matrix has several
-//! emissions: the photon selects one of them in proportion to its power.
+//! photon's wavelengths. The excitation fixes the emitted power at every wavelength, and the
+//! emitted photon samples new wavelengths from the emission spectrum. A measured matrix has several
+//! emissions, of which the photon selects one in proportion to its power.
 //!
-//! A photon on the shared wavelengths of a pass cannot excite a fluorophore: the same four
-//! wavelengths would be the wavelengths of the absorbed and of the emitted light, and the estimate
-//! would be biased. In a scene with fluorophores, a part of the photons of the shared set are
-//! therefore *excitation photons*. They sample wavelengths of their own and are not recorded. When
-//! a fluorophore absorbs one of them, the emitted photon either gets the shared wavelengths and is
-//! recorded from then on, or it gets wavelengths of its own and can excite the next fluorophore.
+//! A photon on the shared wavelengths of a pass cannot excite a fluorophore: the absorbed and the
+//! emitted light would have the same four wavelengths, and the estimate would be biased. In a scene
+//! with fluorophores, a part of the shared photons are therefore *excitation photons*, which sample
+//! wavelengths of their own and are not recorded. When a fluorophore absorbs one of them, the
+//! emitted photon either gets the shared wavelengths and is recorded from then on, or it gets
+//! wavelengths of its own and can excite the next fluorophore.
 
 use super::photon_path::PhotonPath;
 use super::source::{PhotonSource, WavelengthSampling};
@@ -28,15 +28,12 @@ use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Wavelengths};
 
-/// The probability with which the emitted photon of an excitation photon gets the shared
-/// wavelengths.
+/// The probability with which an excitation photon is emitted at the shared wavelengths.
 const SHARED_EMISSION: f64 = 0.5;
 
-/// Scatters a photon at a fluorescent surface. `depth` is the number of the surface event. Returns
-/// whether the photon survives.
-///
-/// The photon is reflected or emitted with probabilities in proportion to the power of the outcome,
-/// so the power of a surviving photon does not grow. The ledger gets the expected absorbed power.
+/// Scatters a photon at a fluorescent surface, as the surface event number `depth`. Returns whether
+/// the photon survives. It is reflected or emitted in proportion to the power of the outcome, so
+/// its power does not grow. The ledger gets the expected absorbed power.
 #[inline(never)]
 pub(super) fn scatter_at_fluorescent_surface(
     source: &PhotonSource<'_>,
@@ -83,7 +80,7 @@ pub(super) fn scatter_at_fluorescent_surface(
         }
     } else {
         let (emission, excitation) = excited.sample(stream);
-        emit_again(source, path, fluorophore, (emission, excitation * factor), stream);
+        emit_again(source, path, fluorophore, emission, excitation * factor, stream);
     }
     ledger.sampling += path.total_w() + booked - before;
     path.ray_state = interaction.spawn_ray(direction, interaction.here);
@@ -91,20 +88,21 @@ pub(super) fn scatter_at_fluorescent_surface(
     true
 }
 
-/// Scatters a photon in a medium with a dye, or lets the dye emit it again. The collision is at the
-/// distance `distance` (m) on the segment. Returns whether the photon survives.
-///
-/// As at a surface, the outcomes have probabilities in proportion to their power.
+/// Scatters a photon at `distance` (m) on a segment in a medium with a dye, or lets the dye emit it
+/// again. Returns whether the photon survives. The outcomes have probabilities in proportion to
+/// their power.
 #[inline(never)]
 pub(super) fn scatter_in_fluorescent_medium<V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     path: &mut PhotonPath,
-    (segment, dye, distance): (&MediumSegment<'_>, &Fluorophore, f64),
+    segment: &MediumSegment<'_>,
+    distance: f64,
     stream: &mut Stream,
     visitor: &mut V,
     ledger: &mut Ledger,
 ) -> bool {
     let Some(numbered @ NumberedMedium { medium, .. }) = segment.medium else { return false };
+    let Some(dye) = medium.fluorophore.as_deref() else { return false };
     let before = path.total_w();
     let (mut scattered, mut booked) = (0.0, 0.0);
     let mut excited = ExcitedEmissions::default();
@@ -142,7 +140,7 @@ pub(super) fn scatter_in_fluorescent_medium<V: PhotonVisitor>(
         path.sample_phase_function(medium, incoming, stream)
     } else {
         let (emission, excitation) = excited.sample(stream);
-        emit_again(source, path, dye, (emission, excitation * either / survival), stream);
+        emit_again(source, path, dye, emission, excitation * either / survival, stream);
         PhaseFunction::Isotropic.sample(incoming, path.photon.wavelengths.hero(), stream.pair())
     };
     ledger.sampling += path.total_w() + booked - before;
@@ -152,27 +150,22 @@ pub(super) fn scatter_in_fluorescent_medium<V: PhotonVisitor>(
     true
 }
 
-/// The emissions that a photon excites.
 #[derive(Debug, Default)]
 struct ExcitedEmissions {
     list: [ExcitedEmission; 2 * LANES],
     count: usize,
 }
 
-/// An emission that a photon excites.
 #[derive(Debug, Clone, Copy, Default)]
 struct ExcitedEmission {
-    /// The index of the emission in its fluorophore.
     index: usize,
     /// The excitation in W·nm.
     excitation: f64,
-    /// The emitted power in W.
     power_w: f64,
 }
 
 impl ExcitedEmissions {
-    /// Adds the excitation by one wavelength of a photon. `watts` converts the unit of `power` to
-    /// W.
+    /// Adds the excitation by one wavelength of a photon. `watts` converts `power` to W.
     #[inline]
     fn add(&mut self, fluorophore: &Fluorophore, nm: f64, power: f64, watts: f64) {
         for index in fluorophore.excited_by(nm) {
@@ -189,13 +182,12 @@ impl ExcitedEmissions {
         }
     }
 
-    /// Returns the emitted power in W.
     fn power_w(&self) -> f64 {
         self.list.iter().map(|emission| emission.power_w).sum()
     }
 
-    /// Selects an emission in proportion to its power. Returns its index, and its excitation for an
-    /// emitted power of 1 W.
+    /// Selects an emission by its power. Returns its index, and its excitation for an emission of 1
+    /// W.
     fn sample(&self, stream: &mut Stream) -> (usize, f64) {
         let emission = if self.count == 1 {
             self.list[0]
@@ -212,13 +204,14 @@ impl ExcitedEmissions {
     }
 }
 
-/// Replaces the wavelengths of an absorbed photon by wavelengths of an emission. `index` is the
-/// number of the emission in the fluorophore. `excitation` is its excitation in W·nm.
+/// Replaces the wavelengths of an absorbed photon by those of the emission `index` of the
+/// fluorophore with this excitation in W·nm.
 fn emit_again(
     source: &PhotonSource<'_>,
     path: &mut PhotonPath,
     fluorophore: &Fluorophore,
-    (index, mut excitation): (usize, f64),
+    index: usize,
+    mut excitation: f64,
     stream: &mut Stream,
 ) {
     let PhotonPath { photon, watts, .. } = path;

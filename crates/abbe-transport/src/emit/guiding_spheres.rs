@@ -1,11 +1,11 @@
-//! Scattering towards distant destinations.
+//! Scattering towards distant guiding spheres.
 //!
 //! In a large world, most photons arrive far from the spheres of [`EmissionStrata`], and a surface
-//! scatters few of them to the spheres. Rare, heavy photons then carry the light that arrives
-//! there. Therefore a small share of the photons is scattered towards a sphere on purpose. The
-//! directions of the BSDF and the directions to the spheres form a mixture, and a photon is
-//! weighted by the density of the mixture (one-sample multiple importance sampling: Veach 1997,
-//! "Robust Monte Carlo Methods for Light Transport Simulation", section 9.2.4).
+//! scatters few of them there, so that rare, heavy photons carry the light. Therefore a small
+//! fraction of the photons is scattered towards a sphere on purpose. The directions of the BSDF and
+//! to the spheres form a mixture, by whose density a photon is weighted (one-sample multiple
+//! importance sampling: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation",
+//! section 9.2.4).
 //!
 //! [`EmissionStrata`]: super::EmissionStrata
 
@@ -18,14 +18,14 @@ use abbe_spectra::math::sphere::BoundingSphere;
 use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 
-/// The share of the photons that a surface scatters towards spheres.
+/// The fraction of the photons that a surface scatters towards spheres.
 const GUIDED_FRACTION: f64 = 0.1;
 
 /// A sphere is distant if its distance is at least this multiple of its radius.
 const LEAST_DISTANCE: f64 = 2.0;
 
-/// Scatters a photon at a surface. A share of the photons is scattered towards a distant sphere.
-/// Returns `None` if the surface absorbs the photon.
+/// Scatters a photon at a surface, a fraction of the photons towards a distant sphere. Returns
+/// `None` if the surface absorbs the photon.
 #[inline(never)]
 pub(super) fn scatter_with_guiding<M: BodyMode>(
     spheres: &[BoundingSphere],
@@ -48,7 +48,6 @@ pub(super) fn scatter_with_guiding<M: BodyMode>(
     scattered
 }
 
-/// The distant spheres of a point.
 struct DistantSpheres<'a> {
     spheres: &'a [BoundingSphere],
     position: DVec3,
@@ -56,8 +55,7 @@ struct DistantSpheres<'a> {
 }
 
 impl<'a> DistantSpheres<'a> {
-    /// Finds the distant spheres of a point on an opaque surface without shading normals. Points on
-    /// other surfaces have none.
+    /// Finds the distant spheres of a point on an opaque surface without shading normals.
     fn new(spheres: &'a [BoundingSphere], interaction: &SurfaceInteraction<'_>) -> Self {
         let position = interaction.hit.position;
         let model = interaction.bsdf.model;
@@ -84,9 +82,9 @@ impl<'a> DistantSpheres<'a> {
         (1.0 - GUIDED_FRACTION) * pdf_bsdf + GUIDED_FRACTION * self.pdf(direction)
     }
 
-    /// Scatters the photon towards a sphere. The photon's power becomes the power after the event,
-    /// and the weights of the event are 1. Roulette must not end a photon for its small weight.
-    /// Returns `None` if the surface scatters no light to the sphere.
+    /// Scatters the photon towards a sphere, or returns `None` if the surface scatters no light
+    /// there. The photon's power becomes the power after the event, and the weights are 1, because
+    /// roulette must not end a photon for its small weight.
     fn scatter(
         &self,
         path: &mut PhotonPath,
@@ -115,8 +113,7 @@ impl<'a> DistantSpheres<'a> {
         })
     }
 
-    /// Scatters the photon by the BSDF. The photon's power becomes the power before the event that
-    /// the mixture requires.
+    /// Scatters the photon by the BSDF. Its power becomes that which the mixture requires.
     fn scatter_by_bsdf<M: BodyMode>(
         &self,
         path: &mut PhotonPath,
@@ -151,8 +148,8 @@ mod tests {
     use abbe_spectra::spectrum::Wavelengths;
 
     /// A sphere of radius r at the distance d from a Lambertian surface, at the angle θ from the
-    /// normal, receives the share (r/d)² cos θ of the scattered light. The rest is scattered
-    /// elsewhere, and the ledger is balanced. The light arrives at the front or at the back.
+    /// normal, receives the fraction (r/d)² cos θ of the scattered light and the rest goes
+    /// elsewhere, with a balanced ledger. The light arrives at the front or at the back.
     #[test]
     fn guiding_keeps_the_scattered_light() {
         const ALBEDO: f64 = 0.8;

@@ -5,30 +5,27 @@ use abbe_scene::light::Light;
 use abbe_spectra::math::distribution::DiscreteDistribution;
 use abbe_spectra::spectrum::{Spectrum, WavelengthDistribution};
 
-/// The distributions that select a light and wavelengths.
 #[derive(Debug, Clone)]
 pub struct LightSampler {
-    /// Selects a light. The probability of a light is a weighted mean of two shares: the light's
-    /// share of the visual importance (X + Y + Z), and the light's share of the radiant power.
+    /// Selects a light by its fractions of the visual importance (X + Y + Z) and the radiant power.
     pub lights: DiscreteDistribution,
-    /// Samples wavelengths for all lights together: the pass's shared wavelengths, and the
-    /// wavelengths of the path tracer. The distribution is a mixture. Half of the wavelengths are
-    /// sampled from the power of all lights together. The other half is divided equally among the
-    /// different spectra, so that a dim light with a line spectrum is sampled beside a bright
-    /// light. The emission spectra of fluorophores count among the different spectra.
+    /// Samples wavelengths for all lights together: the shared ones of a pass, and those of the
+    /// path tracer. Half of them are sampled from the power of all lights; the other half is
+    /// divided equally among the different spectra, also the emissions of fluorophores, so that a
+    /// dim light with a line spectrum is sampled beside a bright light.
     pub wavelengths: WavelengthDistribution,
-    /// For each fluorophore, the distribution of the wavelengths that excite it. `None` if it
-    /// absorbs no light of the scene. The path tracer samples excitation wavelengths from it.
+    /// For each fluorophore, the wavelengths that excite it, for the path tracer. `None` if it
+    /// absorbs no light of the scene.
     pub excitation: Vec<Option<WavelengthDistribution>>,
     /// The power of all lights together, in W over the band.
     pub power_w: f64,
 }
 
 /// The fraction of the photons that lights receive in proportion to their radiant power. Without
-/// this fraction, lights that emit only at the ends of the band would receive almost no photons.
+/// it, lights that emit only at the ends of the band would receive almost no photons.
 const RADIANT_FRACTION: f64 = 0.15;
 
-/// The share of the wavelengths that the different spectra receive in equal parts.
+/// The fraction of the wavelengths that the different spectra receive in equal parts.
 const EQUAL_FRACTION: f64 = 0.5;
 
 impl LightSampler {
@@ -53,18 +50,17 @@ impl LightSampler {
     }
 }
 
-/// The number of wavelengths of a spectrum at which [`LightSampler::wavelengths_per_useful_one`]
-/// compares densities.
+/// The number of wavelengths of a spectrum at which densities are compared.
 const COMPARED_WAVELENGTHS: u32 = 64;
 
 impl LightSampler {
-    /// Returns how many sampled wavelengths correspond to one wavelength that is sampled from a
-    /// single spectrum, for the spectrum with the largest number. It is 1 if all lights have the
-    /// same spectrum. It is large if many lights have different lines.
+    /// Returns how many sampled wavelengths are worth one that is sampled from a single spectrum,
+    /// for the worst spectrum: 1 if all lights have the same spectrum, large if many lights have
+    /// different lines.
     ///
-    /// The number is the relative second moment ∫ p²/q of the estimate of the spectrum's light: p
-    /// is the density of wavelengths for the spectrum alone, and q is the density for all lights
-    /// (Kong 1992, "A note on importance sampling using standardized weights").
+    /// It is the relative second moment ∫ p²/q of the estimate of the spectrum's light, for the
+    /// density p of wavelengths for the spectrum alone and q for all lights (Kong 1992, "A note on
+    /// importance sampling using standardized weights").
     pub fn wavelengths_per_useful_one(&self, scene: &Scene) -> f64 {
         let powers: Vec<f64> = scene.lights.iter().map(|light| light.power_w(scene.extent())).collect();
         let groups = spectrum_groups(&scene.lights, &powers);
@@ -80,9 +76,9 @@ impl LightSampler {
     }
 }
 
-/// Returns the different spectra of the lights, and their weights in the mixture from which
-/// wavelengths are sampled. `visible_sum` is the visual importance of all lights together.
-/// `emissions` contains the emission spectra of fluorophores, each with its visual importance.
+/// Returns the different spectra of the lights and of the emissions of fluorophores, with their
+/// weights in the mixture of [`LightSampler::wavelengths`]. `visible_sum` is the visual importance
+/// of all lights, and `emissions` holds that of each emission.
 fn defensive_mixture<'a>(
     lights: &'a [Light],
     powers: &[f64],
@@ -99,8 +95,7 @@ fn defensive_mixture<'a>(
     groups.iter().map(|group| (weight(group), &group.1.spectrum)).chain(of_emissions).collect()
 }
 
-/// Returns one light of each different spectrum, with the power in W of all lights of this
-/// spectrum.
+/// Returns one light of each different spectrum, with the power in W of all such lights.
 pub(super) fn spectrum_groups<'a>(lights: &'a [Light], powers: &[f64]) -> Vec<(f64, &'a Light)> {
     let mut groups: Vec<(f64, &Light)> = Vec::new();
     for (light, &power_w) in lights.iter().zip(powers) {
@@ -117,8 +112,7 @@ pub(super) fn is_visible((power_w, light): &&(f64, &Light)) -> bool {
     *power_w > 0.0 && light.importance_per_watt > 0.0
 }
 
-/// Returns the emission spectra of the fluorophores of a scene that the observer can see, each with
-/// its visual importance X + Y + Z.
+/// Returns the visible emission spectra of fluorophores with their importance X + Y + Z.
 fn emission_spectra(scene: &Scene) -> Vec<(f64, Spectrum)> {
     let spectra = scene.fluorophores().map(|fluorophore| fluorophore.emitted_power().clone());
     let weighed = spectra.map(|spectrum| (scene.film.observer.xyz(&spectrum).iter().sum::<f64>(), spectrum));

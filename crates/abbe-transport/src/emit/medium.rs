@@ -1,11 +1,11 @@
 //! Photon tracing through media that absorb and scatter.
 //!
 //! All wavelengths of a photon share one path. The free-flight distance and the scattered direction
-//! are sampled for one wavelength, the hero. The hero is selected in proportion to its power. The
-//! balance heuristic weights each wavelength, because each wavelength could have been the hero
-//! (spectral multiple importance sampling: Wilkie, Nawaz, Droske, Weidlich & Hanika 2014, "Hero
-//! Wavelength Spectral Sampling"). Let f be the fraction of the photon's power at a wavelength. The
-//! weight of this wavelength is at most 1/f, even if the extinction varies strongly over the band.
+//! are sampled for the hero, a wavelength that is selected in proportion to its power. Each
+//! wavelength could have been the hero, so the balance heuristic weights it (spectral multiple
+//! importance sampling: Wilkie, Nawaz, Droske, Weidlich & Hanika 2014, "Hero Wavelength Spectral
+//! Sampling"). The weight of a wavelength with the fraction f of the photon's power is at most 1/f,
+//! even if the extinction varies strongly over the band.
 
 use super::fluorescence::scatter_in_fluorescent_medium;
 use super::photon_path::PhotonPath;
@@ -25,8 +25,7 @@ use abbe_spectra::spectrum::{LANES, Spectrum};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// Advances the photon through media to the next surface. Returns `None` if the photon path ends
-/// before a surface.
+/// Advances the photon through media to the next surface, unless its path ends before.
 pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
     source: &PhotonSource<'a>,
     path: &mut PhotonPath,
@@ -55,12 +54,10 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
             ControlFlow::Break(()) => {}
         }
         let (segment, distance) = collision?;
-        let fluorophore = segment.medium.and_then(|filling| filling.medium.fluorophore.as_deref());
-        let survives = match fluorophore {
-            None => path.scatter_in_medium(&segment, distance, stream, visitor, ledger),
-            Some(dye) => {
-                scatter_in_fluorescent_medium(source, path, (&segment, dye, distance), stream, visitor, ledger)
-            }
+        let survives = if segment.medium.is_some_and(|filling| filling.medium.fluorophore.is_some()) {
+            scatter_in_fluorescent_medium(source, path, &segment, distance, stream, visitor, ledger)
+        } else {
+            path.scatter_in_medium(&segment, distance, stream, visitor, ledger)
         };
         if !survives {
             return None;
@@ -72,9 +69,8 @@ pub(super) fn advance_through_media<'a, V: PhotonVisitor>(
 }
 
 impl PhotonPath {
-    /// Advances the photon along a segment. Returns the free-flight distance in m if the photon
-    /// collides with the medium before the end of the segment. On return, the photon's power is the
-    /// power at the collision or at the end of the segment.
+    /// Advances the photon along a segment, and its power to that at the end or at a collision.
+    /// Returns the free-flight distance in m if the photon collides with the medium.
     fn sample_segment<V: PhotonVisitor>(
         &mut self,
         segment: &MediumSegment<'_>,
@@ -106,8 +102,7 @@ impl PhotonPath {
         }
     }
 
-    /// Samples the free-flight distance in m, or `None` if the photon passes the segment without a
-    /// collision. The photon's power changes in both cases.
+    /// Samples the free-flight distance in m, `None` beyond the segment, and changes the power.
     fn sample_free_flight(
         &mut self,
         medium: &Medium,
@@ -122,9 +117,9 @@ impl PhotonPath {
         let column = -ln_1p(-stream.uniform()) / sigma_hero;
         let collision =
             if sigma_hero > 0.0 { medium.distance_at(&segment.ray, segment.length_m, column) } else { None };
-        // The density of the outcome for each wavelength. For a collision at this column density,
-        // it is σ_t e^−τ. If the photon passes the whole segment, it is e^−τ. All densities get the
-        // same factor, so that e^−τ does not underflow.
+        // The density of the outcome for each wavelength: σ_t e^−τ for a collision at this column
+        // density, or e^−τ for the whole segment. All get the same factor, so that e^−τ does not
+        // underflow.
         let column = if collision.is_some() { column } else { medium.column_m(&segment.ray, segment.length_m) };
         let depth = |sigma: f64| if sigma > 0.0 { sigma * column } else { 0.0 };
         let least = (0..LANES).filter(|&k| fractions[k] > 0.0).map(|k| depth(sigma_t[k])).fold(f64::INFINITY, f64::min);
@@ -176,8 +171,7 @@ impl PhotonPath {
         true
     }
 
-    /// Samples a direction from the phase function of the hero, and weights all wavelengths by the
-    /// balance heuristic.
+    /// Samples a direction from the hero's phase function, and weights by the balance heuristic.
     pub(super) fn sample_phase_function(&mut self, medium: &Medium, incoming: DVec3, stream: &mut Stream) -> DVec3 {
         let fractions = self.power_fractions();
         let hero = self.sample_hero(&fractions, stream);

@@ -6,33 +6,26 @@ use crate::walk::{RayDensity, RayState};
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
 
-/// The state of a photon at one vertex of its path.
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonState {
-    /// The class of the path so far.
     pub light_path: LightPath,
-    /// True if the path is beyond the depth limit of the scene. The photon then contributes only to
-    /// the estimated bias.
+    /// True beyond the depth limit, where the photon contributes only to the estimated bias.
     pub truncated: bool,
-    /// The wavelengths.
     pub wavelengths: Wavelengths,
     /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
     pub power: Lanes,
-    /// The code with which the map stores the wavelengths. It does not change along the path.
-    /// Shared photons do not use it.
+    /// The code with which the map stores the wavelengths of a free photon, the same all along.
     pub wavelength_code: WavelengthCode,
-    /// The only remaining lane after a dispersive refraction, or `None` while the photon carries
-    /// all its wavelengths. For shared photons, the lane is the index of the shared wavelength.
+    /// The lane that a dispersive refraction left: the index of the wavelength for shared photons.
     pub lane: Option<usize>,
-    /// True if the photon belongs to the shared set, has wavelengths of its own, and serves only to
-    /// excite fluorophores. Such a photon is not recorded.
+    /// True for a photon of the shared set with wavelengths of its own, which serves only to excite
+    /// fluorophores and is not recorded.
     pub excitation: bool,
-    /// The density of the light's rays around the photon's first ray. It is 0 if the plan does not
+    /// The density of the light's rays around the photon's first ray, or 0 if the plan does not
     /// compare photons with camera paths (see [`crate::walk::CausticWeights`]).
     pub ray_density: RayDensity,
 }
 
-/// The state of a photon path during tracing.
 pub(super) struct PhotonPath {
     pub(super) ray_state: RayState,
     pub(super) photon: PhotonState,
@@ -61,19 +54,16 @@ impl PhotonPath {
         self.multiply_power(factor);
     }
 
-    /// Multiplies the power of all wavelengths by a number.
     #[inline]
     pub(super) fn multiply_power(&mut self, factor: f64) {
         self.photon.power.iter_mut().for_each(|power| *power *= factor);
     }
 
-    /// Divides the power of all wavelengths by a number.
     #[inline]
     pub(super) fn divide_power(&mut self, divisor: f64) {
         self.photon.power.iter_mut().for_each(|power| *power /= divisor);
     }
 
-    /// Discards all wavelengths except the wavelength of one lane.
     pub(super) fn keep_lane(&mut self, lane: usize) {
         self.photon.lane = Some(lane);
         self.photon.wavelengths = Wavelengths::single(self.photon.wavelengths.nm[lane]);
@@ -82,7 +72,6 @@ impl PhotonPath {
         self.watts = only(self.watts);
     }
 
-    /// Returns each wavelength's fraction of the power in W.
     pub(super) fn power_fractions(&self) -> Lanes {
         let total = self.total_w();
         std::array::from_fn(|k| if total > 0.0 { self.photon.power[k] * self.watts[k] / total } else { 0.0 })
@@ -100,10 +89,9 @@ impl PhotonPath {
             .unwrap_or_else(|| (0..=last).rev().find(|&k| fractions[k] > 0.0).unwrap_or(last))
     }
 
-    /// Weights each wavelength by the balance heuristic. The sampled event has one density per
-    /// wavelength. The weight of a wavelength is its density divided by the mean density. The
-    /// weights of this mean are `fractions`, because they are the probabilities with which the
-    /// wavelengths become the hero.
+    /// Weights each wavelength by its density of the sampled event, divided by the mean density.
+    /// The weights of this mean are `fractions`, the probabilities with which the wavelengths
+    /// become the hero.
     pub(super) fn weight_by_balance_heuristic(&mut self, fractions: &Lanes, pdf: &Lanes) {
         let mean: f64 = fractions.iter().zip(pdf).map(|(fraction, pdf)| fraction * pdf).sum();
         for k in 0..LANES {

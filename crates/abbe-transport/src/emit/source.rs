@@ -14,18 +14,14 @@ use abbe_spectra::math::random::{Stream, StreamKey};
 use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 
-/// The share of the photons of the shared set that are excitation photons.
+/// The fraction of the photons of the shared set that are excitation photons.
 const EXCITATION_FRACTION: f64 = 0.5;
 
-/// The wavelengths of the photons of a set.
 #[derive(Debug, Clone, Copy)]
 pub enum WavelengthSampling {
-    /// Each photon samples its own wavelengths. Their distribution depends on the spectrum of the
-    /// photon's light and on the sensitivity of the observer.
+    /// Each photon samples its own, by the spectrum of its light and the observer's sensitivity.
     Free,
-    /// All photons carry the pass's shared wavelengths.
     Shared {
-        /// The wavelengths in nm.
         nm: Lanes,
         /// The density of each wavelength, per nm.
         pdf: Lanes,
@@ -35,23 +31,16 @@ pub enum WavelengthSampling {
 /// The inputs common to all photons of one set.
 #[derive(Debug)]
 pub struct PhotonSource<'a> {
-    /// The scene.
     pub scene: &'a Scene,
-    /// The strata of the emitted rays.
     pub strata: &'a EmissionStrata,
-    /// The spectra of the lights.
     pub spectra: &'a PhotonSpectra,
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub ray_densities: Option<&'a RayDensities>,
-    /// The wavelengths of the photons.
     pub wavelengths: WavelengthSampling,
-    /// True if the scene has fluorophores.
     pub fluorescent: bool,
-    /// The number of photon paths in the set.
     pub count: u64,
     /// The streams of the set in a pass, one per path.
     pub streams: StreamKey,
-    /// The plan for bodies and media. If the scene contains any, paths need a medium stack.
     pub media_plan: MediumPlan,
 }
 
@@ -61,7 +50,6 @@ impl PhotonSource<'_> {
         Sobol::of(self.streams)
     }
 
-    /// Returns the random stream of the photon with this index.
     pub(super) fn stream(&self, index: u64) -> Stream {
         self.streams.path(index)
     }
@@ -112,8 +100,8 @@ impl PhotonSource<'_> {
     }
 
     /// Samples the wavelengths of a photon from this light. Also returns the power of each lane for
-    /// a photon with a total power of 1 W. For free photons, this power is S(λ)/(n p(λ)) in W,
-    /// where n is the number of lanes. For shared photons, it is S(λ) in W/nm.
+    /// a total power of 1 W: S(λ)/(n p(λ)) in W for free photons with n lanes, and S(λ) in W/nm for
+    /// shared photons.
     #[inline(always)]
     fn sample_wavelengths(&self, light: &Light, emission: &LeSample, excitation: bool, u: f64) -> (Wavelengths, Lanes) {
         match self.wavelengths {
@@ -133,21 +121,19 @@ impl PhotonSource<'_> {
         }
     }
 
-    /// Returns true if the photon can excite a fluorophore.
     #[inline]
     pub(super) fn excites(&self, photon: &PhotonState) -> bool {
         photon.excitation || matches!(self.wavelengths, WavelengthSampling::Free)
     }
 
-    /// Returns true if a part of the photons are excitation photons.
     #[inline]
     fn has_excitation_photons(&self) -> bool {
         self.fluorescent && matches!(self.wavelengths, WavelengthSampling::Shared { .. })
     }
 
-    /// Returns the factor that converts the power of a lane to W. The energy ledger needs this
-    /// factor. If a part of the photons are excitation photons, both parts represent the whole
-    /// emission. Each part then counts in the ledger by its share of the photons.
+    /// Returns the factor that converts the power of a lane to W, for the energy ledger. If a part
+    /// of the photons are excitation photons, both parts represent the whole emission, and each
+    /// counts by its fraction of the photons.
     #[inline]
     pub(super) fn watts(&self, excitation: bool) -> Lanes {
         match self.wavelengths {

@@ -5,14 +5,13 @@ use abbe_scene::Scene;
 use abbe_scene::light::Light;
 use abbe_spectra::spectrum::{Lanes, WavelengthDistribution};
 
-/// A pass samples a spectrum if the mean of p/q over its wavelengths is at least this number. p is
-/// the density of wavelengths for the spectrum alone, and q is the density for all lights. Over
-/// many passes, the mean of p/q is 1. The tail of a line is therefore not sufficient.
+/// A pass samples a spectrum if the mean of p/q over its wavelengths is at least this number, for
+/// the density p of wavelengths for the spectrum alone and q for all lights. Over many passes, the
+/// mean of p/q is 1, so the tail of a line does not suffice.
 const LEAST_FRACTION: f64 = 0.1;
 
 /// The different spectra of the lights that no pass has sampled so far. Behind dispersive glass,
-/// the picture then lacks the light of these lights, and the differences between the replicates do
-/// not show it.
+/// the picture lacks the light of these lights, and the replicates do not show it.
 #[derive(Debug, Default)]
 pub struct SpectrumCoverage {
     /// The spectra that no pass has sampled: the name of a light, and its wavelengths.
@@ -20,7 +19,6 @@ pub struct SpectrumCoverage {
 }
 
 impl SpectrumCoverage {
-    /// Returns the spectra of a scene before the first pass.
     pub fn before_first_pass(scene: &Scene) -> Self {
         let powers: Vec<f64> = scene.lights.iter().map(|light| light.power_w(scene.extent())).collect();
         let groups = spectrum_groups(&scene.lights, &powers);
@@ -30,8 +28,7 @@ impl SpectrumCoverage {
         Self { missing: groups.iter().filter(is_visible).filter_map(|(_, light)| alone(light)).collect() }
     }
 
-    /// Removes the spectra that a pass with these wavelengths in nm samples. `pdf` is the density
-    /// of each wavelength.
+    /// Removes the spectra that a pass with these wavelengths (nm) samples.
     pub fn add_pass(&mut self, nm: &Lanes, pdf: &Lanes) {
         self.missing.retain(|(_, alone)| {
             let fractions = nm.iter().zip(pdf).map(|(&nm, &pdf)| alone.pdf(nm) / pdf);
@@ -39,7 +36,6 @@ impl SpectrumCoverage {
         });
     }
 
-    /// Returns true if the passes have sampled all spectra.
     pub fn is_complete(&self) -> bool {
         self.missing.is_empty()
     }

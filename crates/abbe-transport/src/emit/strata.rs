@@ -1,12 +1,11 @@
 //! The strata of emitted rays.
 //!
 //! A small object in a large world receives few of the photons that the lights emit, and a grid of
-//! cells over all emitted rays is too coarse to aim at the object. The rays of each light are
-//! therefore divided into strata. A *target* is a sphere around a small part of the scene. One
-//! stratum contains the rays through a target. The last stratum contains all other rays. Each
-//! stratum has its own probability and its own aim, so a ray through a target has a high density at
-//! any ratio of scales, and the estimate stays unbiased (stratified sampling: Cochran 1977,
-//! "Sampling Techniques", chapter 5).
+//! cells over all emitted rays is too coarse to aim at it. The rays of each light are therefore
+//! divided into strata: one for each guiding sphere around a small part of the scene, and a last
+//! one for all other rays. Each stratum has its own probability and its own aim, so a ray through a
+//! sphere has a high density at any ratio of scales, and the estimate stays unbiased (stratified
+//! sampling: Cochran 1977, "Sampling Techniques", chapter 5).
 
 use super::aim::Aim;
 use crate::walk::{RayDensities, StratumDensity};
@@ -16,54 +15,47 @@ use abbe_spectra::math::sort::sort_by_number;
 use abbe_spectra::math::sphere::BoundingSphere;
 use std::ops::Range;
 
-/// The number of rays from which the share of a stratum is computed.
+/// The number of rays from which the fraction of a stratum is computed.
 const FRACTION_RAYS: u32 = 64;
 
-/// A target is used only if a smaller share of the light's power passes through it.
+/// A sphere is used only if a smaller fraction of the light's power passes through it.
 const LARGEST_FRACTION: f64 = 1.0 / 256.0;
 
-/// A surrounding sphere is used only if a smaller share of the light's power passes through it.
+/// A surrounding sphere is used only if a smaller fraction of the light's power passes through it.
 const LARGEST_OUTER_FRACTION: f64 = 1.0 / 4.0;
 
-/// The strata of all lights.
 #[derive(Debug, Clone)]
 pub struct EmissionStrata {
     /// The strata, light by light.
     pub list: Vec<Stratum>,
-    /// Selects the stratum of each photon.
     pub choice: DiscreteDistribution,
-    /// The spheres of the strata, if the world is much larger than the targets. Surfaces far from a
-    /// sphere scatter some photons towards it on purpose.
+    /// The spheres of the strata, if the world is much larger than they are. Distant surfaces
+    /// scatter some photons towards them on purpose.
     pub guiding_spheres: Vec<BoundingSphere>,
 }
 
-/// A part of the rays that a light emits.
 #[derive(Debug, Clone)]
 pub struct Stratum {
-    /// The number of the light.
     pub light: usize,
     /// The target of the rays. `None` for the stratum of all other rays.
     sphere: Option<BoundingSphere>,
-    /// The strata of the same light whose rays do not belong to this stratum, even if they pass
-    /// through this stratum's target.
+    /// The strata of the same light whose rays do not belong to this one, even through its sphere.
     excluded: Range<usize>,
-    /// The share of the light's power in this stratum. Rays in excluded strata are included.
+    /// The fraction of the light's power in this stratum. Rays in excluded strata are included.
     pub fraction: f64,
-    /// The emission distribution.
     pub aim: Aim,
 }
 
 impl EmissionStrata {
-    /// Creates one stratum per light. `lights` selects a light.
     pub fn plain(lights: &DiscreteDistribution) -> Self {
         let list = (0..lights.len()).map(|light| Stratum::whole(light, 0..0)).collect();
         Self { list, choice: lights.clone(), guiding_spheres: Vec::new() }
     }
 
-    /// Creates the strata of all lights. A light has a stratum for each target that only a small
-    /// share of its power reaches. If a light has such a stratum, it has more strata for the
-    /// spheres `outer`, which lie between the targets and the world. The smaller spheres
-    /// come first, and they exclude the larger ones. The strata of a light share its probability.
+    /// Creates the strata of all lights: one for each inner sphere that only a small fraction of
+    /// the light's power reaches and, if there is such a sphere, for the spheres `outer`, which lie
+    /// between them and the world. Smaller spheres come first and exclude the larger ones. The
+    /// strata of a light divide its probability.
     pub fn new(
         lights: &[Light],
         extent: SceneExtent<'_>,
@@ -102,8 +94,7 @@ impl EmissionStrata {
         Some(Self { choice: DiscreteDistribution::new(weights)?, list, guiding_spheres })
     }
 
-    /// Returns the densities of the rays that the strata emit. The density within a stratum is the
-    /// mean density that its photons have.
+    /// Returns the densities of the emitted rays: in each stratum, the mean density of its photons.
     pub fn ray_densities(&self, lights: &[Light], extent: SceneExtent<'_>) -> RayDensities {
         let density = |(number, stratum): (usize, &Stratum)| {
             let (light, power_w) = (stratum.light, stratum.fraction * lights[stratum.light].power_w(extent));
@@ -113,8 +104,8 @@ impl EmissionStrata {
         RayDensities::new(self.list.iter().enumerate().map(density).collect())
     }
 
-    /// Samples a ray of a stratum. The flux is divided by the density within the stratum, and it is
-    /// 0 if the ray belongs to another stratum.
+    /// Samples a ray of a stratum. The flux is divided by the density within the stratum, and is 0
+    /// if the ray belongs to another one.
     #[inline]
     pub(super) fn sample_le(
         &self,
@@ -140,7 +131,7 @@ impl Stratum {
     }
 }
 
-/// Returns the share of a light's power that passes through a target.
+/// Returns the fraction of a light's power that passes through a sphere.
 fn fraction_through(light: &Light, extent: SceneExtent<'_>, sphere: &BoundingSphere) -> f64 {
     let sobol = abbe_spectra::math::sobol::Sobol::new(0);
     let flux = |i: u32| {

@@ -19,8 +19,7 @@ use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{BAND_NM, LANES};
 use std::ops::Range;
 
-/// Emits the photons with these indices and traces each of them to its end. Only this function
-/// chooses the [`BodyMode`] of photon paths.
+/// Traces the photons with these indices. Only this function chooses their [`BodyMode`].
 pub fn trace<V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     points: &Sobol,
@@ -28,29 +27,28 @@ pub fn trace<V: PhotonVisitor>(
     visitor: &mut V,
     ledger: &mut Ledger,
 ) {
-    let limit = DepthLimit::of(source.scene);
-    // The energy balance does not contain lost paths.
-    let mut truncated = limit.is_explicit().then(|| Ledger::new(ledger.absorbed.len()));
+    // The energy balance does not contain truncated paths.
+    let mut truncated = DepthLimit::of(source.scene).is_explicit().then(|| Ledger::new(ledger.absorbed.len()));
     match source.media_plan {
         MediumPlan::Air => indices.for_each(|index| {
-            trace_one::<WithoutBodies, V>(source, points, (index, limit), visitor, ledger, truncated.as_mut())
+            trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger, truncated.as_mut())
         }),
-        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => indices.for_each(|index| {
-            trace_one::<WithBodies, V>(source, points, (index, limit), visitor, ledger, truncated.as_mut())
-        }),
+        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => indices
+            .for_each(|index| trace_one::<WithBodies, V>(source, points, index, visitor, ledger, truncated.as_mut())),
     }
 }
 
-/// Traces one photon. If the scene states a depth limit, `truncated` is the ledger of lost paths.
+/// Traces one photon. `truncated` is the ledger of truncated paths.
 #[inline(always)]
 fn trace_one<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     points: &Sobol,
-    (index, limit): (u64, DepthLimit),
+    index: u64,
     visitor: &mut V,
     ledger: &mut Ledger,
     truncated: Option<&mut Ledger>,
 ) {
+    let limit = DepthLimit::of(source.scene);
     let mut stream = source.stream(index);
     let mut path = source.emit::<M>(points, index as u32, &mut stream, visitor);
     let emitted = path.total_w();
@@ -75,8 +73,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
     }
 }
 
-/// Follows some of the photons that reach the depth limit of the scene. These photons contribute
-/// only to the estimated bias.
+/// Follows some photons that reach the depth limit and contribute only to the estimated bias.
 #[inline(never)]
 fn follow_truncated<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
@@ -91,8 +88,7 @@ fn follow_truncated<M: BodyMode, V: PhotonVisitor>(
     follow::<M, V>(source, path, limit.events() + 1..MAX_EVENTS + 1, stream, visitor, ledger);
 }
 
-/// Follows a photon through surface events with these numbers. The number of a path's first event
-/// is 1. Returns true if the photon survives all of these events.
+/// Follows a photon through these surface events, from 1. Returns true if it survives.
 #[inline(always)]
 fn follow<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
@@ -105,9 +101,7 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
     let scene = source.scene;
     for depth in events {
         let next = advance::<M, V>(source, path, stream, visitor, ledger);
-        let Some(interaction) = &next else {
-            return false;
-        };
+        let Some(interaction) = &next else { return false };
         visitor.on_arrival(&SurfaceArrival { interaction, photon: &path.photon, depth });
         if M::HAS_BODIES && scene.body_of(interaction.hit.object).is_some() {
             visitor.on_body_face();
@@ -116,8 +110,8 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
             path.photon.light_path = LightPath::Caustic;
         }
         // A photon at a mixed material is reported for any selected component, because camera paths
-        // select a component independently. Photons straight from a light are not reported, because
-        // direct lighting already includes their light.
+        // select a component independently. Direct lighting already includes photons straight from
+        // a light.
         if path.photon.light_path != LightPath::Direct
             && !path.photon.excitation
             && scene.materials[interaction.material].surface.class() >= BsdfClass::Glossy
@@ -147,8 +141,6 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
     true
 }
 
-/// Advances the photon to the next surface. Returns `None` if the photon path ends before a
-/// surface.
 #[inline(always)]
 fn advance<'a, M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'a>,
@@ -186,8 +178,8 @@ fn apply_scattering<M: BodyMode>(
     let correction =
         if scattered.delta { 1.0 } else { interaction.adjoint_correction(-interaction.incoming, scattered.direction) };
     let mut absorbed = 0.0;
-    // Russian roulette keeps the power of all photons similar. The survival probability is the mean
-    // weight of the photon's wavelengths, at most 1. On long paths, it is smaller.
+    // Russian roulette keeps the power of all photons similar: the survival probability is the mean
+    // weight of the photon's wavelengths, at most 1, and smaller on long paths.
     let (mut weights, count) = (0.0, M::wavelength_count(&path.photon.wavelengths));
     for k in 0..count {
         absorbed += path.photon.power[k] * path.watts[k] * scattered.absorbed[k];

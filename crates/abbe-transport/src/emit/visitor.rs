@@ -6,10 +6,8 @@ use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::{Seed, Stream};
 use glam::DVec3;
 
-/// A photon that arrives at a surface.
 #[derive(Debug)]
 pub struct SurfaceArrival<'a> {
-    /// The surface.
     pub interaction: &'a SurfaceInteraction<'a>,
     /// The photon before the surface scatters it.
     pub photon: &'a PhotonState,
@@ -17,14 +15,12 @@ pub struct SurfaceArrival<'a> {
     pub depth: u32,
 }
 
-/// A straight part of a photon path. No surface interrupts it.
+/// A straight part of a photon path, uninterrupted by surfaces.
 #[derive(Debug)]
 pub struct PhotonFlight<'a> {
-    /// The ray.
     pub ray: Ray,
     /// The length in m. It is infinite if the photon leaves the scene.
     pub length_m: f64,
-    /// The photon at the start.
     pub photon: &'a PhotonState,
     /// The media along the flight. `None` if nothing absorbs or scatters.
     pub(super) segment: Option<&'a MediumSegment<'a>>,
@@ -43,63 +39,48 @@ impl<'a> PhotonFlight<'a> {
 /// A photon that enters a path segment in a medium.
 #[derive(Debug)]
 pub struct MediumCrossing<'a> {
-    /// The segment. The segment ends where the medium ends, or at the next surface. The photon may
-    /// collide with the medium before the end of the segment.
+    /// Ends with the medium or at a surface. The photon may collide before.
     pub segment: &'a MediumSegment<'a>,
-    /// The medium that fills the segment.
     pub medium: NumberedMedium<'a>,
     /// The photon at the start of the segment.
     pub photon: &'a PhotonState,
 }
 
-/// A photon that collides with a medium.
 #[derive(Debug)]
 pub struct MediumCollision<'a> {
-    /// The position of the collision.
     pub position: DVec3,
     /// The photon's direction before the collision, as a unit vector.
     pub incoming: DVec3,
-    /// The medium.
     pub medium: NumberedMedium<'a>,
-    /// The photon. Its power is the total power that the medium scatters at this point into all
-    /// directions. In a fluorescent medium, it includes the power that the dye absorbs.
+    /// The photon. Its power is all that the medium scatters here, or that a dye absorbs.
     pub photon: &'a PhotonState,
 }
 
-/// Receives the events of photon paths.
 pub trait PhotonVisitor {
-    /// Called at the start of a photon path. `stratum` is the number of the stratum of the path's
-    /// first ray. `aim` is the path's point in the aiming grid of the stratum.
+    /// Called with the stratum of the path's first ray, and `aim` its point in the aiming grid.
     fn on_emission(&mut self, stratum: usize, aim: [f64; 2]);
 
-    /// A photon with power starts along this ray.
     #[inline]
     fn on_start(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 
-    /// A photon arrives at a surface.
     #[inline]
     fn on_arrival(&mut self, _arrival: &SurfaceArrival<'_>) {}
 
-    /// A photon leaves the scene along this ray.
     #[inline]
     fn on_escape(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 
-    /// A photon flies along a straight line to a surface or to the end of a medium. In a medium,
-    /// the photon may collide before the end.
+    /// A photon flies straight to a surface or the end of a medium, in which it may collide.
     #[inline]
     fn on_flight(&mut self, _flight: &PhotonFlight<'_>) {}
 
-    /// A photon arrives at a diffuse or glossy surface. Photons straight from a light are not
-    /// reported, because direct lighting already includes their light.
+    /// A photon arrives at a diffuse or glossy surface, but not straight from a light, because
+    /// direct lighting includes this.
     fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, stream: &mut Stream);
 
-    /// A photon arrives at the face of a body.
     fn on_body_face(&mut self) {}
 
-    /// A photon enters a segment of a medium.
     fn on_medium_crossing(&mut self, _crossing: &MediumCrossing<'_>, _stream: &mut Stream) {}
 
-    /// A photon collides with a medium.
     fn on_medium_collision(&mut self, _collision: &MediumCollision<'_>, _stream: &mut Stream) {}
 }
 

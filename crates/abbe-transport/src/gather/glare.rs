@@ -1,9 +1,9 @@
 //! The glare of luminaires for the unified glare rating (UGR, CIE 117:1995).
 //!
-//! UGR = 8 log₁₀(0.25/L_b Σ L²ω/p²). The sum runs over the luminaires, where L is the luminance of
-//! a luminaire, ω is the solid angle of its luminous parts, and p is its position index. L_b is the
-//! background luminance: the illuminance at the eye without the direct light of the luminaires,
-//! divided by π. All luminaires in front of the eye count. Parts behind other objects do not.
+//! UGR = 8 log₁₀(0.25/L_b Σ L²ω/p²), over the luminaires in front of the eye with the luminance L,
+//! the solid angle ω of the luminous parts and the position index p. L_b is the background
+//! luminance: the illuminance at the eye without the direct light of the luminaires, divided by π.
+//! Parts behind other objects do not count.
 
 use super::direct::lighting::DirectLighting;
 use super::direct::selection::SelectedLight;
@@ -19,7 +19,6 @@ use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use glam::DVec3;
 use std::f64::consts::{LN_10, PI};
 
-/// The glare of all luminaires at an eye.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Glare {
     /// The sum of L²ω/p² over the luminaires, in cd²/m⁴.
@@ -29,8 +28,8 @@ pub struct Glare {
 }
 
 impl Glare {
-    /// Returns the rating. `illuminance_lx` is the illuminance of all light on the plane at right
-    /// angles to the view. Returns `None` without visible luminaires or without background.
+    /// Returns the rating, or `None` without visible luminaires or background. `illuminance_lx` is
+    /// that of all light on the plane at right angles to the view.
     pub fn rating(self, illuminance_lx: f64) -> Option<f64> {
         let background = (illuminance_lx - self.direct_lx) / PI;
         (self.sum > 0.0 && background > 0.0).then(|| 8.0 * log10(0.25 * self.sum / background))
@@ -43,8 +42,8 @@ impl Glare {
 }
 
 impl DirectLighting<'_> {
-    /// Estimates the glare of the luminaires for an eye at a point. The view is the normal of the
-    /// point's response. Each replicate is an independent estimate.
+    /// Estimates the glare for an eye that looks along the normal of the point's response,
+    /// independently for each replicate.
     pub fn glare(&self, scene: &Scene, eye: &SensorPoint, seed: Seed) -> [Glare; REPLICATES] {
         std::array::from_fn(|replicate| {
             let key = seed.streams(Purpose::Glare).pass(replicate as u64);
@@ -71,8 +70,8 @@ impl DirectLighting<'_> {
         let photometric = LUMENS_PER_WATT * Observer::cie1931().xyz(&light.spectrum)[1];
         let sobol = Sobol::of(key);
         let mut tally = Tally::default();
-        // Integrals over the luminous parts: of the solid angle, of the luminance, of the luminance
-        // divided by p², and of the luminance times the cosine.
+        // Integrals over the luminous parts: of the solid angle, the luminance, the luminance
+        // divided by p², and the luminance times the cosine.
         let [mut solid_angle, mut flux, mut weighted, mut direct_lx] = [0.0; 4];
         for i in 0..SAMPLES {
             let [a, b, c, wavelength, ..] = sobol.point(i);
@@ -103,12 +102,11 @@ impl DirectLighting<'_> {
     }
 }
 
-/// Returns the position index of a luminaire. `view` is the direction of view, and `to_light` leads
-/// to the luminaire. Vertical is +y.
+/// Returns the position index of a luminaire in the direction `to_light`. Vertical is +y.
 ///
-/// Above the line of sight, the formula is that of Guth's index in the IES Lighting Handbook. Below
-/// it, the formula is that of Iwata and Tokura (1997). Both are quoted by Wienold and
-/// Christoffersen (Energy and Buildings 38, 2006).
+/// Above the line of sight, this is the formula of Guth's index in the IES Lighting Handbook, and
+/// below it that of Iwata and Tokura (1997), as quoted by Wienold and Christoffersen (Energy and
+/// Buildings 38, 2006).
 fn position_index(view: DVec3, to_light: DVec3) -> f64 {
     let right = view.cross(DVec3::Y);
     // In a vertical view, north is up.
@@ -131,8 +129,7 @@ fn position_index(view: DVec3, to_light: DVec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// Values of the table of CIE 117 at T/R (aside) and H/R (above), to the accuracy of the
-    /// formula.
+    /// The table of CIE 117 at T/R (aside) and H/R (above), to the accuracy of the formula.
     #[test]
     fn the_position_index_agrees_with_the_table_of_cie_117() {
         let table = [

@@ -17,8 +17,8 @@ const MAX_SURFACES: usize = 6;
 const MAX_TRIALS: usize = 3;
 
 impl DirectLighting<'_> {
-    /// Traces camera paths with these numbers, and makes trials at the surfaces that they reach.
-    /// The numbers are distributed evenly over the pixels. `paths` is the number of all paths.
+    /// Makes trials at the surfaces that camera paths with these numbers reach. They are
+    /// distributed evenly over the pixels by the number of all `paths`.
     pub fn light_trials(&self, streams: Streams, range: Range<u64>, paths: u64) -> Vec<LightTrial> {
         let (scene, wavelengths) = (self.scene, Wavelengths::single(REFERENCE_NM));
         let pixels = scene.camera.pixel_count() as u64;

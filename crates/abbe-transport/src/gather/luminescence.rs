@@ -1,9 +1,9 @@
 //! Light that fluorophores emit into camera paths.
 //!
 //! The excitation of an emission at a point is the sum of irradiance × a(λ) × λ over all
-//! wavelengths of the arriving light. The emitted radiance at a wavelength is the excitation times
-//! a function of this wavelength alone. The wavelengths of the arriving light and of the camera
-//! path therefore need no relation.
+//! wavelengths of the arriving light. The emitted radiance is the excitation times a function of
+//! its own wavelength alone, so the wavelengths of the arriving light and of the camera path need
+//! no relation.
 
 use super::camera::path::CameraPath;
 use super::camera::throughput::{SpectralMode, product};
@@ -19,44 +19,36 @@ use abbe_scene::medium::Medium;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 use std::f64::consts::FRAC_1_PI;
 
-/// The emission of a fluorophore into a camera path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Luminescence<'a> {
     fluorophore: &'a Fluorophore,
-    /// The emitted wavelengths in nm.
     wavelengths: Wavelengths,
     /// The wavelengths at which the camera sees these wavelengths, in nm.
     observed: Lanes,
-    /// The throughput divided by the density of the wavelengths and by π. In a medium, the divisor
-    /// is 4π.
+    /// The throughput divided by the density of the wavelengths and by π, or 4π in a medium.
     weights: Lanes,
     /// The radiance of the first emission for an excitation of 1 W·nm/m².
     first: Lanes,
 }
 
-/// A sample of light that excites a fluorophore.
 pub(super) struct ExcitingLight<'s> {
-    /// The number of the light.
     pub(super) number: usize,
     pub(super) light: &'s Light,
     pub(super) spd: EmittedSpd,
-    /// The irradiance divided by the spectrum of the light, without attenuation. In a medium, the
-    /// fluence takes the place of the irradiance.
+    /// Irradiance (fluence in a medium) divided by the light's spectrum, without attenuation.
     pub(super) irradiance: f64,
-    /// The transmittance between the light and the fluorophore.
     pub(super) along: &'s [SegmentTransmittance<'s>],
 }
 
 impl<'s> ExcitingLight<'s> {
-    /// Returns the light of a sample of the light with the number `number`.
     pub(super) fn of_sample(number: usize, sample: &LightSample<'s>, along: &'s [SegmentTransmittance<'s>]) -> Self {
         Self { number, light: sample.light, spd: sample.spd, irradiance: sample.strength, along }
     }
 }
 
 impl<'a> Luminescence<'a> {
-    /// Returns the emission of a surface into a path that sees the wavelengths `wavelengths` with
-    /// these weights. The weights contain the throughput and the density of the wavelengths.
+    /// Returns the emission of a surface at these wavelengths. The weights contain the throughput
+    /// and the density of the wavelengths.
     pub(super) fn of_surface(surface: &'a Fluorescent, wavelengths: &Wavelengths, weights: &Lanes) -> Self {
         Self::new(&surface.fluorophore, wavelengths, &weights.map(|weight| weight * FRAC_1_PI))
     }
@@ -67,15 +59,13 @@ impl<'a> Luminescence<'a> {
         Self { fluorophore, wavelengths: *wavelengths, observed: wavelengths.nm, weights: *weights, first }
     }
 
-    /// Returns the same emission, seen at other wavelengths (nm): those at which the camera sees
-    /// the light.
+    /// Returns the same emission, seen at other wavelengths (nm).
     pub(super) fn observed_at(self, observed: &Lanes) -> Self {
         Self { observed: *observed, ..self }
     }
 
-    /// Returns the radiance that a sample of light excites, for each wavelength of the path. The
-    /// excitation is estimated at stratified wavelengths that the fluorophore absorbs. `u` in [0,
-    /// 1) shifts these wavelengths.
+    /// Returns the radiance that a sample of light excites at each wavelength of the path, by
+    /// stratified wavelengths that the fluorophore absorbs, shifted by `u` in [0, 1).
     pub(super) fn excited_radiance(&self, sample: &ExcitingLight<'_>, spectra: &PhotonSpectra, u: f64) -> Lanes {
         let ExcitingLight { number, light, spd, irradiance, along } = *sample;
         let mut radiance = [0.0; LANES];
@@ -102,7 +92,6 @@ impl<'a> Luminescence<'a> {
         }
     }
 
-    /// Attenuates radiance along segments between the fluorophore and the camera.
     pub(super) fn attenuate(&self, along: &[SegmentTransmittance<'_>], radiance: &mut Lanes) {
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
             radiance[k] *= transmittance(along, nm);
@@ -124,9 +113,8 @@ impl<'a> Luminescence<'a> {
 }
 
 impl<'a> CameraPass<'a> {
-    /// Returns the emission of the surface into a path. Returns `None` if the surface is not
-    /// fluorescent. A free path samples wavelengths from the emission. A shared path sees its own
-    /// wavelength.
+    /// Returns the emission of a fluorescent surface into a path: at wavelengths from the emission
+    /// for a free path, and at its own wavelength for a shared path.
     #[inline(always)]
     pub(super) fn luminescence<S: Sink>(
         &self,
@@ -138,8 +126,7 @@ impl<'a> CameraPass<'a> {
         Some(luminescence_of(&surface.fluorophore, FRAC_1_PI, *path, context))
     }
 
-    /// Returns the emission of a medium into a path, per unit of length. Returns `None` if the
-    /// medium is not fluorescent.
+    /// Returns the emission of a fluorescent medium into a path, per unit of length.
     #[inline(always)]
     pub(super) fn luminescence_of_medium<S: Sink>(
         &self,
@@ -151,8 +138,7 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Returns the emission of a fluorophore into a path. `per_sr` is the fraction of the emitted power
-/// per unit of projected solid angle, or per unit of solid angle in a medium.
+/// `per_sr` is the fraction of the emission per projected solid angle, or solid angle in media.
 #[inline(never)]
 fn luminescence_of<'a, S: Sink>(
     fluorophore: &'a Fluorophore,

@@ -1,13 +1,8 @@
-//! From camera paths to spectral radiance.
-//!
-//! - `camera`: the camera walk over mirrors, glass and glossy surfaces to the first diffuse
-//!   surface.
-//! - `direct`: light straight from the lights, by next-event estimation.
-//! - `density`: light that photons brought to surfaces, by density estimation.
-//! - `glare`: the glare of luminaires at an eye.
-//! - `luminescence`: light that fluorophores emit into camera paths.
-//! - `media`: emission, scattering and attenuation along the path.
-//! - `path_tracer`: the reference path tracer, which uses no photons.
+//! From camera paths to spectral radiance: the camera walk over mirrors, glass and glossy surfaces
+//! (`camera`), light straight from the lights by next-event estimation (`direct`), light of photons
+//! on surfaces by density estimation (`density`), emission, scattering and attenuation along the
+//! path (`media`), the glare of luminaires, the light of fluorophores (`luminescence`), and the
+//! reference path tracer, which uses no photons (`path_tracer`).
 
 mod camera;
 mod camera_pass;

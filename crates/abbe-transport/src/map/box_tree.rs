@@ -1,10 +1,8 @@
-//! A spatial index of boxes, for searches along rays. A query finds all boxes touched by a narrow
-//! cone around a ray.
+//! A spatial index of boxes: a query finds all boxes touched by a narrow cone around a ray.
 //!
-//! The index is a bounding volume hierarchy built by parallel locally-ordered clustering (PLOC,
-//! Meister & Bittner 2018). Its leaves hold up to eight boxes, so that SIMD instructions can test
-//! their contents. A query widens the boxes by the cone's radius, so that each pixel can use its
-//! own radius.
+//! It is a bounding volume hierarchy built by parallel locally-ordered clustering (PLOC, Meister &
+//! Bittner 2018), with up to eight boxes in a leaf for SIMD tests. A query widens the boxes by the
+//! cone's radius, so that each pixel can use its own radius.
 
 use super::query_cone::QueryCone;
 use glam::{DVec3, Vec3, Vec3A};
@@ -12,26 +10,22 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
-/// The largest number of boxes in a leaf.
 pub(super) const LEAF: usize = 8;
 
 /// A bounding volume hierarchy over boxes.
 ///
-/// The nodes are in preorder, so the first child follows its parent. Queries need no stack: each
-/// node knows the node at which the query continues after the node's subtree (a skip link; Smits
-/// 1998, "Efficiency Issues for Ray Tracing"). Therefore the depth of the tree has no limit, and a
-/// query allocates nothing.
+/// The nodes are in preorder, so the first child follows its parent. Each node knows where the
+/// query continues after its subtree (a skip link; Smits 1998, "Efficiency Issues for Ray
+/// Tracing"), so queries need no stack, allocate nothing, and the depth has no limit.
 #[derive(Debug, Default)]
 pub(super) struct BoxTree {
     nodes: Vec<BoxNode>,
 }
 
-/// A box of the tree.
 #[derive(Debug, Clone, Copy)]
 struct BoxNode {
     /// The centre, in m relative to the scene's centre.
     centre: Vec3,
-    /// Half of the size, in m.
     half: Vec3,
     /// The number of the first node after this node's subtree.
     next: u32,
@@ -39,10 +33,8 @@ struct BoxNode {
     leaf: u32,
 }
 
-/// The leaf number of an inner node.
 const INNER: u32 = u32::MAX;
 
-/// The boxes in the leaves of a tree.
 #[derive(Debug, Default)]
 pub(super) struct Leaves {
     /// The numbers of the boxes, in the order of the leaves.
@@ -52,15 +44,13 @@ pub(super) struct Leaves {
 }
 
 impl Leaves {
-    /// Returns the numbers of the boxes in each leaf.
     pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|range| &self.boxes[range[0] as usize..range[1] as usize])
     }
 }
 
 impl BoxTree {
-    /// Builds the index. A box is a pair of corners: the least and the largest coordinates in m,
-    /// relative to the scene's centre. Box number i is `boxes[i]`.
+    /// Takes boxes as pairs of corners, in m relative to the scene's centre.
     pub(super) fn build(boxes: &[(Vec3, Vec3)]) -> (Self, Leaves) {
         if boxes.is_empty() {
             return Default::default();
@@ -72,14 +62,12 @@ impl BoxTree {
         Self::new(&tree)
     }
 
-    /// Creates the index from a binary tree whose leaves hold one box. The largest subtrees of at
-    /// most [`LEAF`] boxes become leaves.
+    /// Converts a binary tree: the largest subtrees of at most [`LEAF`] boxes become leaves.
     fn new(Bvh2 { nodes: binary, primitive_indices, .. }: &Bvh2) -> (Self, Leaves) {
         let counts = box_counts(binary);
         let mut nodes: Vec<BoxNode> = Vec::with_capacity(binary.len() / 4);
         let mut leaves = Leaves { boxes: Vec::with_capacity(primitive_indices.len()), starts: vec![0] };
-        // The subtrees that are not in the index yet. A number in `Err` belongs to a node of the
-        // index whose subtree is complete.
+        // The subtrees that are not in the index yet. `Err` holds a node whose subtree is complete.
         let mut open = vec![Ok(0)];
         while let Some(next) = open.pop() {
             let number = match next {
@@ -130,7 +118,6 @@ impl BoxTree {
     }
 }
 
-/// Returns the number of boxes in each subtree.
 fn box_counts(nodes: &[Bvh2Node]) -> Vec<u32> {
     let mut parents_first = Vec::with_capacity(nodes.len());
     let mut open = vec![0];
@@ -150,8 +137,7 @@ fn box_counts(nodes: &[Bvh2Node]) -> Vec<u32> {
     counts
 }
 
-/// Adds the places of the boxes below a node. The node has at most [`LEAF`] boxes, so the recursion
-/// is shallow.
+/// Adds the places of the at most [`LEAF`] boxes below a node, so the recursion is shallow.
 fn add_boxes_below(nodes: &[Bvh2Node], number: usize, places: &mut Vec<u32>) {
     let Bvh2Node { prim_count, first_index, .. } = nodes[number];
     if prim_count > 0 {
@@ -186,8 +172,8 @@ impl Slabs {
         }
     }
 
-    /// Returns true if the cone may touch the box. Because of rounding, the test may accept a box
-    /// that the cone misses, but it never rejects a box that the cone touches.
+    /// Returns true if the cone may touch the box. Rounding may accept a box that the cone misses,
+    /// but never reject one that it touches.
     #[inline]
     fn touch(&self, node: &BoxNode) -> bool {
         let (centre, half) = (Vec3A::from(node.centre), Vec3A::from(node.half));
@@ -211,7 +197,6 @@ mod tests {
     use abbe_spectra::math::random::{Purpose, Seed, Stream};
     use abbe_spectra::math::warp;
 
-    /// Compares the result of a query with a brute-force search.
     #[test]
     fn cone_query_finds_every_touched_box() {
         let mut stream = Stream::new(Seed::new(3), Purpose::SurveyPhoton, 0, 0);
@@ -249,8 +234,7 @@ mod tests {
         DVec3::new(stream.uniform(), stream.uniform(), stream.uniform()) - 0.5
     }
 
-    /// A query finds all boxes, even in a tree where every inner node has a leaf as one of its
-    /// children.
+    /// A query finds all boxes, even if every inner node has a leaf as a child.
     #[test]
     fn a_very_deep_tree_loses_no_box() {
         const INNER_NODES: u32 = 1000;

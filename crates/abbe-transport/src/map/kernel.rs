@@ -2,26 +2,23 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-/// The values of two kernels at one distance. Both kernels have the same radius. The Epanechnikov
-/// kernel gives the estimate. The uniform kernel is needed only to estimate the bias. Both kernels
-/// integrate to 1 over the disk or over the line.
+/// The values at one distance of two kernels of the same radius, which integrate to 1 over the disk
+/// or the line. The Epanechnikov kernel gives the estimate; the uniform kernel only estimates the
+/// bias.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KernelValues {
-    /// The value of the Epanechnikov kernel at the distance d. With the radius r, the value is
-    /// 2/(πr²)·(1 − d²/r²) on the disk, and 3/(4r)·(1 − d²/r²) on the line.
+    /// Epanechnikov, at the distance d for the radius r: 2/(πr²)·(1 − d²/r²) on the disk, and
+    /// 3/(4r)·(1 − d²/r²) on the line.
     pub estimate: f64,
-    /// The value of the uniform kernel. With the radius r, the value is 1/(πr²) on the disk, and
-    /// 1/(2r) on the line.
+    /// Uniform: 1/(πr²) on the disk, and 1/(2r) on the line.
     pub uniform: f64,
     /// The value that a limit removed from `estimate`, in the same unit. See [`Self::limited`].
     clamped: f64,
-    /// The ratio μ_e/(μ_u − μ_e). Here μ_e and μ_u are the second moments of the Epanechnikov
-    /// kernel and of the uniform kernel.
+    /// μ_e/(μ_u − μ_e), for the second moments of the Epanechnikov and of the uniform kernel.
     moment_ratio: f64,
 }
 
-/// The two kernels on a disk. The fields hold the factors that do not depend on the photon's
-/// distance.
+/// The two kernels on a disk, without the factors that depend on the photon's distance.
 #[derive(Debug, Clone, Copy)]
 pub struct DiskKernel {
     per_r2: f64,
@@ -38,15 +35,13 @@ impl DiskKernel {
         Self { per_r2, peak: 2.0 * FRAC_1_PI * per_r2, uniform: FRAC_1_PI * per_r2 }
     }
 
-    /// Divides each kernel by the fraction of the kernel that lies on the surface. Each kernel then
-    /// integrates to 1 over the part of the disk that lies on the surface.
+    /// Divides each kernel by its fraction on the surface, so that it integrates to 1 there.
     #[inline]
     pub fn corrected(self, correction: BoundaryCorrection) -> Self {
         Self { peak: self.peak / correction.estimate, uniform: self.uniform / correction.uniform, ..self }
     }
 
-    /// Returns the kernel values (1/m²) at the squared distance `d2` (m²). `d2` must not exceed the
-    /// squared radius.
+    /// Returns the values (1/m²) at the squared distance `d2` (m²), at most the squared radius.
     #[inline]
     pub fn at(&self, d2: f64) -> KernelValues {
         KernelValues {
@@ -58,37 +53,30 @@ impl DiskKernel {
     }
 }
 
-/// Returns the kernel values (1/m) on a line at the distance `d`. The kernel radius is `r`. Both
-/// lengths are in m, and `d` must not exceed `r`. The second moments are μ_u = r²/3 and μ_e = r²/5.
+/// Returns the kernel values (1/m) on a line at the distance `d` for the radius `r`, in m with `d`
+/// ≤ `r`. The second moments are μ_u = r²/3 and μ_e = r²/5.
 pub fn on_line(d: f64, r: f64) -> KernelValues {
     let (uniform, relative) = (0.5 / r, d / r);
     KernelValues { estimate: 1.5 * uniform * (1.0 - relative * relative), uniform, clamped: 0.0, moment_ratio: 1.5 }
 }
 
-/// The space on which a kernel is defined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KernelDomain {
-    /// A line: the kernel of photon beams.
     Line,
-    /// A disk: the kernel of photon points.
     Disk,
 }
 
 /// The fraction of each kernel that lies on the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundaryCorrection {
-    /// The fraction of the Epanechnikov kernel.
     pub estimate: f64,
-    /// The fraction of the uniform kernel.
     pub uniform: f64,
 }
 
 impl BoundaryCorrection {
-    /// Both kernels lie completely on the surface.
     pub const WHOLE: Self = Self { estimate: 1.0, uniform: 1.0 };
 
-    /// Returns the fraction of each kernel within the distance `t` of its centre. `t` is in units
-    /// of the kernel radius.
+    /// Returns the fractions within the distance `t` of the centre, in kernel radii.
     pub fn within(t: f64) -> Self {
         let t2 = (t * t).min(1.0);
         Self { estimate: t2 * (2.0 - t2), uniform: t2 }
@@ -96,7 +84,6 @@ impl BoundaryCorrection {
 }
 
 impl KernelValues {
-    /// Multiplies both kernels by a factor.
     #[inline]
     pub fn times(self, factor: f64) -> Self {
         let Self { estimate, uniform, clamped, moment_ratio } = self;
@@ -104,7 +91,7 @@ impl KernelValues {
     }
 
     /// Multiplies both kernels by `factor`, which replaces the larger factor `exact` to limit the
-    /// noise. The difference between the factors counts as bias.
+    /// noise. The difference counts as bias.
     pub fn limited(self, factor: f64, exact: f64) -> Self {
         let clamped = self.estimate * (exact - factor);
         Self { clamped, ..self.times(factor) }
@@ -112,15 +99,15 @@ impl KernelValues {
 
     /// Corrects the kernels of a photon in a medium beside faces.
     ///
-    /// The line through the kernel's centre and the photon meets faces on both sides of the centre.
-    /// `extents` contains the distances to these faces, first on the photon's side. They are in
-    /// units of the kernel radius. No photon arrives beyond the faces. Each kernel is therefore
-    /// divided by its mass on the line between the faces. On the disk, the mass is that of two
-    /// opposite, infinitely narrow sectors. If the density is constant, the estimate has no bias.
+    /// The line through the kernel's centre and the photon meets faces on both sides of the centre,
+    /// at the distances `extents` in kernel radii, first on the photon's side. No photon arrives
+    /// beyond the faces, so each kernel is divided by its mass between them; on the disk, this is
+    /// the mass of two opposite, infinitely narrow sectors. The estimate of a constant density then
+    /// has no bias.
     ///
-    /// If the faces are not at equal distances, the bias contains a term that is proportional to
-    /// the gradient of the density and to the first moment m of the kernel. The ratio m_e/(m_u −
-    /// m_e) then replaces the ratio of the second moments, if it is larger.
+    /// If the faces are not at equal distances, the bias contains a term proportional to the
+    /// gradient of the density and to the first moment m of the kernel. The ratio m_e/(m_u − m_e)
+    /// then replaces the ratio of the second moments, if it is larger.
     #[must_use]
     pub fn between_faces(self, domain: KernelDomain, extents: [f64; 2]) -> Self {
         if extents.iter().all(|&extent| extent >= 1.0) {
@@ -144,17 +131,15 @@ impl KernelValues {
     /// Returns the photon's contribution to the estimated bias, per unit of power.
     ///
     /// The bias of a second-order kernel is proportional to its second moment μ (Silverman 1986,
-    /// "Density Estimation", section 3.3). The two kernels give the estimates L_e and L_u. The bias
-    /// of L_e is therefore b = μ_e/(μ_u − μ_e)·(L_u − L_e). The second moments on the disk are μ_u
-    /// = r²/2 and μ_e = r²/3. The value that a limit removed is subtracted.
+    /// "Density Estimation", section 3.3), so the bias of L_e is μ_e/(μ_u − μ_e)·(L_u − L_e), with
+    /// μ_u = r²/2 and μ_e = r²/3 on the disk. The value that a limit removed is subtracted.
     #[inline]
     pub fn bias(&self) -> f64 {
         self.moment_ratio * (self.uniform - self.estimate) - self.clamped
     }
 }
 
-/// The moments of order 0 and 1 of each kernel on one side of its centre. The moments of order 0 of
-/// the whole side are 1.
+/// The moments of order 0 (1 for the whole side) and 1 of each kernel on one side of its centre.
 struct KernelSideMoments {
     estimate: [f64; 2],
     uniform: [f64; 2],
@@ -191,8 +176,7 @@ mod tests {
             .sum()
     }
 
-    /// Checks that the kernels on the disk integrate to 1. Also checks the second moments from
-    /// which `bias` is derived.
+    /// The kernels on the disk integrate to 1, and have the second moments of `bias`.
     #[test]
     fn disk_kernels_have_unit_mass_and_their_moments() {
         let r = 0.3_f64;
@@ -223,8 +207,7 @@ mod tests {
         assert!((over_disk(0.5, |d2| kernel.at(d2).uniform) - 1.0).abs() < 1e-8);
     }
 
-    /// The kernels on the line integrate to 1. Their bias estimate is exact for a parabolic
-    /// density.
+    /// The kernels on the line integrate to 1, and their bias is exact for a parabola.
     #[test]
     fn line_kernels_have_unit_mass_and_measure_bias() {
         let (r, c, n) = (0.4_f64, 0.7, 100_000);

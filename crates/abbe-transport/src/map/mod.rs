@@ -1,5 +1,4 @@
-//! Photon maps and kernels for density estimation: photons on surfaces, photons and beams in media,
-//! kernel radii, and maps of direct light in media.
+//! Photon maps, kernels for density estimation, their radii, and maps of direct light in media.
 
 mod box_tree;
 pub mod kernel;

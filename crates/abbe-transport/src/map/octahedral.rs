@@ -12,7 +12,6 @@ impl<const BITS: u32> Octahedral<BITS> {
     /// The largest value of a coordinate. The smallest value is its negative.
     const LARGEST: i32 = (1 << (BITS - 1)) - 1;
 
-    /// The bits of one coordinate.
     const MASK: u32 = (1 << BITS) - 1;
 
     pub(super) fn encode(v: DVec3) -> Self {
@@ -27,7 +26,6 @@ impl<const BITS: u32> Octahedral<BITS> {
         Self(quantise(x) | quantise(y) << BITS)
     }
 
-    /// Returns the unit vector.
     #[inline]
     pub(super) fn decode(self) -> DVec3 {
         self.direction().normalize()

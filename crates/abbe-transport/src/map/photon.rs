@@ -8,9 +8,8 @@ use glam::DVec3;
 
 /// The wavelengths and powers of a stored photon, in 12 bytes.
 ///
-/// A power has 8 bits for the exponent and 8 bits for the fraction. Powers are rounded up or down
-/// at random, with probabilities that preserve their mean. A rounding error is at most 1/256 of the
-/// power.
+/// A power has 8 bits for the exponent and 8 for the fraction. It is rounded at random, so that the
+/// mean is exact, with an error of at most 1/256.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PhotonPower {
     /// The upper halves of the powers in single precision, without the sign.
@@ -18,15 +17,13 @@ pub struct PhotonPower {
     wavelengths: WavelengthCode,
 }
 
-/// The number of bits of a number in single precision that a stored power lacks. The sign is not
-/// one of them, because it is 0.
+/// The low bits of a single-precision number that a stored power lacks. The sign bit is always 0.
 const DROPPED_BITS: u32 = 15;
 
 impl PhotonPower {
-    /// Stores powers. The powers of free photons are in W. The powers of shared photons are in
-    /// W/nm, and their `wavelengths` are not used. If the photon keeps a single wavelength, `lane`
-    /// is the lane of this wavelength, and `power[0]` is its power. If the photon carries all its
-    /// wavelengths, `lane` is `None`. The random number `u` in [0, 1) rounds the powers.
+    /// Stores powers, in W for free photons, and in W/nm for shared photons, whose `wavelengths`
+    /// are not used. If the photon keeps a single wavelength, `lane` is its lane and `power[0]` its
+    /// power. The random number `u` in [0, 1) rounds the powers.
     #[inline]
     pub fn new(wavelengths: WavelengthCode, power: Lanes, lane: Option<usize>, u: f64) -> Self {
         let dither = (u * f64::from(1 << DROPPED_BITS)) as u32;
@@ -38,21 +35,18 @@ impl PhotonPower {
         Self { power, wavelengths }
     }
 
-    /// Returns the power of each lane, in single precision. Lanes that the photon no longer carries
-    /// have no power.
+    /// Returns the power of each lane, 0 if the photon no longer carries it.
     #[inline]
     pub fn powers(&self) -> [f32; LANES] {
         self.power.map(|bits| f32::from_bits(u32::from(bits) << DROPPED_BITS))
     }
 
-    /// Returns the code of the wavelengths of a free photon.
     #[inline]
     pub fn wavelength_code(&self) -> WavelengthCode {
         self.wavelengths
     }
 
-    /// Returns each wavelength (nm) of a free photon, and its power. Wavelengths without power are
-    /// left out.
+    /// Returns each wavelength (nm) of a free photon that has power, and its power.
     #[inline]
     pub fn lanes<'s>(&self, spectra: &'s PhotonSpectra) -> impl Iterator<Item = (f64, f64)> + use<'s> {
         let (powers, code) = (self.powers(), self.wavelengths);
@@ -60,8 +54,7 @@ impl PhotonPower {
         carried.map(move |lane| (spectra.wavelength(code, lane), f64::from(powers[lane])))
     }
 
-    /// Returns the power at the shared wavelength with the number `lane`. Returns `None` if the
-    /// photon has no power at that wavelength.
+    /// Returns the power at the shared wavelength number `lane`, or `None` without power.
     #[inline]
     pub fn at_lane(&self, lane: usize) -> Option<f64> {
         let power = f64::from(self.powers()[lane]);
@@ -72,11 +65,10 @@ impl PhotonPower {
 /// A photon stored on a surface, in 20 bytes. The map adds 12 bytes for the position.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Photon {
-    /// The photon's wavelengths and powers.
     pub power: PhotonPower,
     /// The direction to the light, and the four lower bits of the ray density.
     to_light: u32,
-    /// The normal, and the other bits of the ray density.
+    /// The encoded normal, and the other bits of the ray density.
     normal: u32,
 }
 
@@ -87,9 +79,7 @@ type EncodedDirection = Octahedral<14>;
 type Normal = Octahedral<12>;
 
 impl Photon {
-    /// Creates a photon at a surface. The unit direction `to_light` points back along the photon's
-    /// path. `normal` is the unit normal of the surface. The normal points to the side from which
-    /// the photon arrived.
+    /// Takes the unit vectors back along the path, and of the normal on the side of arrival.
     #[inline]
     pub fn new(power: PhotonPower, to_light: DVec3, normal: DVec3) -> Self {
         Self { power, to_light: EncodedDirection::encode(to_light).0, normal: Normal::encode(normal).0 }
@@ -102,7 +92,6 @@ impl Photon {
         Self { to_light: self.to_light | (bits & 0xf) << 28, normal: self.normal | (bits >> 4) << 24, ..self }
     }
 
-    /// Returns the density of the rays of the photon's light.
     #[inline]
     pub fn ray_density(&self) -> RayDensity {
         RayDensity::from_bits(self.to_light >> 28 | (self.normal >> 24) << 4)
@@ -114,8 +103,7 @@ impl Photon {
         Octahedral::<14>(self.to_light & 0x0fff_ffff).decode()
     }
 
-    /// Returns the unit normal of the surface. The normal points to the side from which the photon
-    /// arrived.
+    /// Returns the unit normal on the side from which the photon arrived.
     #[inline]
     pub fn normal(&self) -> DVec3 {
         self.normal_direction().normalize()
@@ -133,7 +121,6 @@ mod tests {
     use super::*;
     use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
-    /// A photon with its position takes 32 bytes.
     #[test]
     fn a_stored_photon_takes_32_bytes() {
         assert_eq!(size_of::<Photon>() + 3 * size_of::<f32>(), 32);

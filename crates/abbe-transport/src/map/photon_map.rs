@@ -1,23 +1,18 @@
-//! The photon map of surfaces: an immutable kd-tree over the photons of a pass. The tree accepts
-//! any number of coplanar or coincident photons.
+//! The photon map of surfaces: a kd-tree for any number of coplanar or coincident photons.
 
 use super::photon::Photon;
 use super::point_tree::PointTree;
 use std::num::NonZero;
 
-/// A spatial index that finds photons by their position. Positions are in m, relative to the
-/// scene's centre.
+/// Finds photons by their position in m, relative to the scene's centre.
 #[derive(Debug, Default)]
 pub struct PhotonMap {
-    /// The photons in the order of the tree.
     photons: Vec<Photon>,
     tree: Option<PointTree>,
 }
 
-/// A photon found by a query.
 #[derive(Debug, Clone, Copy)]
 pub struct NearbyPhoton<'m> {
-    /// The photon.
     pub photon: &'m Photon,
     /// The photon's position in m, relative to the scene's centre.
     pub position: [f32; 3],
@@ -26,8 +21,7 @@ pub struct NearbyPhoton<'m> {
 }
 
 impl PhotonMap {
-    /// Builds the map from photons and their positions. The threads of the current thread pool
-    /// share the work. The result does not depend on the number of threads.
+    /// Builds the map on the current thread pool, with the same result for any number of threads.
     pub fn build(photons: &[(Photon, [f32; 3])]) -> Self {
         if photons.is_empty() {
             return Self::default();
@@ -36,12 +30,10 @@ impl PhotonMap {
         Self { photons: order.iter().map(|&number| photons[number as usize].0).collect(), tree: Some(tree) }
     }
 
-    /// Returns the number of photons.
     pub fn len(&self) -> usize {
         self.photons.len()
     }
 
-    /// Returns true if the map has no photons.
     pub fn is_empty(&self) -> bool {
         self.photons.is_empty()
     }
@@ -56,8 +48,8 @@ impl PhotonMap {
         }
     }
 
-    /// Returns the distance (m) from `centre` to the `k`-th nearest photon. Returns `None` if fewer
-    /// than `k` photons are within `farthest` (m). The search ends at this distance.
+    /// Returns the distance (m) from `centre` to the `k`-th nearest photon, or `None` if it is
+    /// beyond `farthest` (m), where the search ends.
     pub fn kth_distance(&self, centre: [f32; 3], k: NonZero<usize>, farthest: f32) -> Option<f32> {
         self.tree.as_ref()?.kth_distance2(centre, k, farthest * farthest).map(f32::sqrt)
     }
@@ -90,7 +82,7 @@ mod tests {
     }
 
     /// Queries find the same photons as a kd-tree of another library: among photons on a plane, in
-    /// a cube, on a line, and around one point, and for all sizes of a map.
+    /// a cube, on a line, and around one point, for all sizes of a map.
     #[test]
     fn queries_find_the_photons_that_another_tree_finds() {
         let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
@@ -124,7 +116,6 @@ mod tests {
         }
     }
 
-    /// Each photon keeps its own position.
     #[test]
     fn photons_and_positions_stay_together() {
         let position = |i: usize| [(i * 37 % 101) as f32, 0.0, i as f32];
@@ -137,7 +128,6 @@ mod tests {
         assert_eq!(seen, 200);
     }
 
-    /// If 10,000 photons are at one position, a query finds all of them.
     #[test]
     fn coincident_photons_are_all_found() {
         let photons: Vec<_> = (0..10_000).map(|_| (numbered(1), [0.25, -1.0, 3.0])).collect();
@@ -147,7 +137,6 @@ mod tests {
         assert_eq!(index.kth_distance([0.25, -1.0, 3.0], NonZero::new(50).unwrap(), 1e-3), Some(0.0));
     }
 
-    /// A map with one photon and a map without photons answer all queries.
     #[test]
     fn maps_of_one_photon_and_of_none() {
         let one = PhotonMap::build(&[(numbered(7), [1.0, 2.0, 3.0])]);

@@ -5,9 +5,8 @@ use abbe_scene::Scene;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::{LANES, WavelengthDistribution};
 
-/// The wavelengths of a free photon. The photon's light sampled all of them from one random number.
-/// The code consists of this number and of the number of the light's spectrum. If a fluorophore
-/// emitted the photon, its spectrum takes the place of the light's spectrum.
+/// The wavelengths of a free photon, all sampled from one random number: this number, and the
+/// number of the spectrum of its light, or of the fluorophore that emitted it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WavelengthCode {
     /// The random number, rounded down to 16 bits.
@@ -17,33 +16,30 @@ pub struct WavelengthCode {
 }
 
 /// The spectra from which free photons sample their wavelengths. Lights of equal spectra have the
-/// same number. If the picture separates the lights, lights of different groups have different
-/// numbers, so that a stored photon knows the group of its light. The spectra of the fluorophores
-/// follow: each emission has a number for each group.
+/// same number. If the picture separates the lights, the number also tells the group of the light.
+/// The spectra of the fluorophores follow: each emission has a number for each group.
 #[derive(Debug, Clone)]
 pub struct PhotonSpectra {
     distributions: Vec<WavelengthDistribution>,
     of_light: Vec<u16>,
-    /// For each number, the first light that has it. For a fluorophore, a light of the group.
+    /// For each number, the first light that has it, or for a fluorophore a light of the group.
     first_lights: Vec<usize>,
     /// For each number of a light's spectrum, the group of the light.
     groups: Vec<usize>,
     /// The number of groups, and the number of spectra of the lights.
     group_count: usize,
     light_spectra: usize,
-    /// For each fluorophore and each number of a light's spectrum, the distribution of the photons
-    /// that the fluorophore absorbs. `None` if it absorbs nothing.
+    /// For each fluorophore and each number of a light's spectrum, the wavelengths that the
+    /// fluorophore absorbs. `None` if it absorbs nothing.
     excitation: Vec<Option<WavelengthDistribution>>,
-    /// The number of different spectra.
     different: usize,
 }
 
 impl WavelengthCode {
-    /// The number of quantiles.
     pub const QUANTILES: usize = 1 << u16::BITS;
 
-    /// Returns the position of the code in a table that has a row of `cells` cells for each
-    /// spectrum. The cells divide the quantiles into equal parts.
+    /// Returns the position of the code in a table with a row of `cells` cells for each spectrum,
+    /// which divide the quantiles into equal parts.
     #[inline]
     pub fn cell(self, cells: usize) -> usize {
         usize::from(self.spectrum) * cells + usize::from(self.quantile) / (Self::QUANTILES / cells)
@@ -51,11 +47,8 @@ impl WavelengthCode {
 }
 
 impl PhotonSpectra {
-    /// Numbers the spectra of the lights and of the fluorophores. If `by_group` is true, lights of
-    /// different groups have different numbers.
-    ///
-    /// # Errors
-    /// Returns an input error if the scene has more different spectra than the numbers can
+    /// Numbers the spectra of the lights and of the fluorophores, with other numbers for each group
+    /// if `by_group` is true. Returns an input error if there are more than the numbers can
     /// distinguish.
     pub fn new(scene: &Scene, by_group: bool) -> Result<Self> {
         let lights = &scene.lights;
@@ -110,15 +103,13 @@ impl PhotonSpectra {
         })
     }
 
-    /// Returns the distribution of the photons that a fluorophore absorbs in the light with the
-    /// number `light`. Returns `None` if it absorbs nothing.
+    /// Returns the wavelengths that a fluorophore absorbs in the light with the number `light`.
     pub fn excitation(&self, light: usize, fluorophore: usize) -> Option<&WavelengthDistribution> {
         self.excitation[fluorophore * self.light_spectra + usize::from(self.of_light[light])].as_ref()
     }
 
-    /// Returns the code of the wavelengths that a fluorophore samples from the number `u` in
-    /// [0, 1). `excited_by` is the code of the absorbed photon. `emission` is the number of the
-    /// emission in the scene.
+    /// Returns the code of the wavelengths that emission number `emission` of the scene samples
+    /// from `u` in [0, 1). `excited_by` is the code of the absorbed photon.
     #[inline]
     pub fn code_of_emission(&self, emission: usize, excited_by: WavelengthCode, u: f64) -> WavelengthCode {
         let spectrum = usize::from(excited_by.spectrum);
@@ -135,19 +126,17 @@ impl PhotonSpectra {
         self.different
     }
 
-    /// Returns the number of a light that has the spectrum of a code. If the picture separates the
-    /// lights, it also has the group of the photon's light.
+    /// Returns a light that has the spectrum of a code and, if the picture separates the lights,
+    /// the group of the photon's light.
     #[inline]
     pub fn light_of(&self, code: WavelengthCode) -> usize {
         self.first_lights[usize::from(code.spectrum)]
     }
 
-    /// Returns the number of numbered spectra.
     pub fn len(&self) -> usize {
         self.distributions.len()
     }
 
-    /// Returns true if there are no lights.
     pub fn is_empty(&self) -> bool {
         self.distributions.is_empty()
     }
@@ -158,29 +147,25 @@ impl PhotonSpectra {
         WavelengthCode { quantile: quantile(u), spectrum: self.of_light[light] }
     }
 
-    /// Returns the wavelength (nm) of one lane. The wavelength belongs to the middle of the
-    /// quantile.
+    /// Returns the wavelength (nm) of one lane, in the middle of the quantile.
     #[inline]
     pub fn wavelength(&self, code: WavelengthCode, lane: usize) -> f64 {
         let u = (f64::from(code.quantile) + 0.5) / WavelengthCode::QUANTILES as f64;
         self.wavelength_at(usize::from(code.spectrum), u, lane)
     }
 
-    /// Returns the wavelength (nm) of one lane that a light of a spectrum samples from the number
-    /// `u` in [0, 1).
+    /// Returns the wavelength (nm) of one lane that a spectrum samples from `u` in [0, 1).
     #[inline]
     pub fn wavelength_at(&self, spectrum: usize, u: f64, lane: usize) -> f64 {
         self.distributions[spectrum].sample((u + lane as f64) / LANES as f64).0
     }
 }
 
-/// Rounds a random number in [0, 1) down to a quantile.
 #[inline]
 fn quantile(u: f64) -> u16 {
     (u * WavelengthCode::QUANTILES as f64) as u16
 }
 
-/// Returns the number of a spectrum in a code.
 fn code_number(number: usize) -> Result<u16> {
     u16::try_from(number).map_err(|_| {
         Error::input("the lights and fluorophores have too many different spectra")

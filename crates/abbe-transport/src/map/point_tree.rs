@@ -1,8 +1,8 @@
 //! A kd-tree over points with large leaves.
 //!
 //! A balanced tree needs no pointers: the numbers of points and leaves determine its shape. A leaf
-//! holds its coordinates in groups of four, so that one SIMD instruction tests four points. Such
-//! leaves make queries faster than leaves of a few points, because a kernel contains many photons.
+//! holds groups of four points, which one SIMD instruction tests. A kernel contains many photons,
+//! so queries are faster than with leaves of a few points.
 
 use rayon::join;
 use std::cmp::Ordering;
@@ -10,10 +10,8 @@ use std::collections::BinaryHeap;
 use std::num::NonZero;
 use wide::f32x4;
 
-/// The largest number of points in a leaf.
 const LEAF: usize = 32;
 
-/// The number of points in a group.
 const GROUP: usize = 4;
 
 /// Parts of the tree with fewer points are built by one thread.
@@ -22,14 +20,13 @@ const POINTS_PER_TASK: usize = 8192;
 /// A bound for the depth of the tree. The number of points has 32 bits.
 const MAX_DEPTH: usize = 32;
 
-/// A balanced kd-tree over points in single precision. The tree accepts any number of coplanar or
-/// coincident points.
+/// A balanced kd-tree over points in single precision, which may be coplanar or coincident.
 #[derive(Debug, Default)]
 pub(super) struct PointTree {
     /// The inner nodes in preorder. A subtree of n leaves has n − 1 inner nodes.
     splits: Vec<PlaneSplit>,
-    /// The coordinates. Each leaf has the same number of groups. Coordinates without a point are
-    /// NaN, so they are at no distance from any place.
+    /// Each leaf has the same number of groups. Empty places are NaN, at no distance from any
+    /// place.
     groups: Vec<Group>,
     /// The number of the first point of each leaf, and the number of points.
     starts: Vec<u32>,
@@ -38,8 +35,7 @@ pub(super) struct PointTree {
 /// A plane that divides the points of a node.
 #[derive(Debug, Clone, Copy, Default)]
 struct PlaneSplit {
-    /// No point of the first child is above this coordinate, and no point of the second child is
-    /// below it.
+    /// No point of the first child is above this coordinate, and none of the second is below it.
     at: f32,
     axis: u32,
 }
@@ -47,15 +43,12 @@ struct PlaneSplit {
 /// The coordinates of four points: x of all points, then y, then z.
 type Group = [[f32; GROUP]; 3];
 
-/// A point during the building of the tree.
 #[derive(Debug, Clone, Copy)]
 struct Key {
     position: [f32; 3],
-    /// The point's number in the order of the caller.
     number: u32,
 }
 
-/// A subtree: its first node, its first leaf, and its number of leaves.
 #[derive(Debug, Clone, Copy, Default)]
 struct Subtree {
     node: u32,
@@ -66,9 +59,8 @@ struct Subtree {
 }
 
 impl PointTree {
-    /// Builds the tree. Also returns the order of the points in the tree, as numbers of
-    /// `positions`. The threads of the current thread pool share the work. The result does not
-    /// depend on the number of threads.
+    /// Builds the tree on the current thread pool, with the same result for any number of threads.
+    /// Also returns the order of the points in the tree, as numbers of `positions`.
     pub(super) fn build(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> (Self, Vec<u32>) {
         let count = positions.len();
         let mut keys: Vec<Key> = positions.zip(0..).map(|(position, number)| Key { position, number }).collect();
@@ -86,8 +78,8 @@ impl PointTree {
         (Self { splits, groups, starts }, keys.iter().map(|key| key.number).collect())
     }
 
-    /// Calls `visit` for each point whose squared distance from `centre` is at most `radius2`. The
-    /// arguments are the point's number in the tree, its position, and its squared distance.
+    /// Calls `visit` with the number in the tree, the position and the squared distance of each
+    /// point whose squared distance from `centre` is at most `radius2`.
     #[inline(always)]
     pub(super) fn within(&self, centre: [f32; 3], radius2: f32, mut visit: impl FnMut(usize, [f32; 3], f32)) {
         self.search(centre, radius2, |first, groups| {
@@ -99,8 +91,7 @@ impl PointTree {
         });
     }
 
-    /// Returns the squared distance from `centre` to the `k`-th nearest point. Returns `None` if
-    /// the squared distances of fewer than `k` points are at most `farthest2`.
+    /// Returns the squared distance to the `k`-th nearest point, or `None` above `farthest2`.
     pub(super) fn kth_distance2(&self, centre: [f32; 3], k: NonZero<usize>, farthest2: f32) -> Option<f32> {
         // The bits of numbers that are not negative have the order of the numbers.
         let mut nearest: BinaryHeap<u32> = BinaryHeap::with_capacity(k.get() + 1);
@@ -123,9 +114,8 @@ impl PointTree {
         (nearest.len() == k.get()).then_some(bound2)
     }
 
-    /// Calls `scan` for the leaves near `centre`, nearer leaves first. The arguments are the number
-    /// of the leaf's first point, and the leaf's coordinates. `scan` returns the squared distance
-    /// at which the search ends from then on.
+    /// Calls `scan` with the first point and the coordinates of the leaves near `centre`, nearer
+    /// leaves first. `scan` returns the squared distance at which the search ends from then on.
     #[inline(always)]
     fn search(&self, centre: [f32; 3], mut bound2: f32, mut scan: impl FnMut(usize, &[Group]) -> f32) {
         let mut stack = [Subtree::default(); MAX_DEPTH];
@@ -169,8 +159,7 @@ impl PointTree {
     }
 }
 
-/// Calls `visit` for each point of the groups whose squared distance from `centre` is at most
-/// `radius2`. The arguments are the point's place in the groups and its squared distance.
+/// Calls `visit` with the place and the squared distance of each point within `radius2`.
 #[inline(always)]
 fn for_each_near(groups: &[Group], centre: [f32; 3], radius2: f32, mut visit: impl FnMut(usize, f32)) {
     let [x, y, z] = centre.map(f32x4::splat);
@@ -200,8 +189,7 @@ fn divide(keys: &mut [Key], starts: &[u32], splits: &mut [PlaneSplit]) {
     }
     let (half, axis) = (leaves / 2, widest_axis(keys));
     let middle = (starts[half] - starts[0]) as usize;
-    // Points at equal coordinates keep the order of their numbers, so that the tree depends only on
-    // the points.
+    // Points at equal coordinates keep their order, so that the tree depends only on the points.
     let order = |a: &Key, b: &Key| match a.position[axis].total_cmp(&b.position[axis]) {
         Ordering::Equal => a.number.cmp(&b.number),
         unequal @ (Ordering::Less | Ordering::Greater) => unequal,

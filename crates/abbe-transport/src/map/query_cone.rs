@@ -5,9 +5,7 @@ use abbe_scene::geometry::Ray;
 /// A part of a ray, and a radius around this part. The radius may grow linearly along the ray.
 #[derive(Debug, Clone, Copy)]
 pub struct QueryCone {
-    /// The ray.
     pub ray: Ray,
-    /// The length in m.
     pub length_m: f64,
     /// The radius at the ray's origin, in m.
     pub radius_m: f64,
@@ -15,19 +13,16 @@ pub struct QueryCone {
     pub slope: f64,
 }
 
-/// The width of the kernels along a camera path.
 #[derive(Debug, Clone, Copy)]
 pub enum KernelWidth {
     /// The radius is constant along the path. This number is the radius in m.
     Constant(f64),
-    /// The radius is proportional to the distance from the camera. This number is the ratio of the
-    /// radius to the distance.
+    /// In proportion to the distance from the camera.
     PerDistance(f64),
 }
 
 impl QueryCone {
-    /// Creates the cone around the first `length_m` metres of a ray of a camera path. `behind_m` is
-    /// the length of the path from the camera to the ray's origin, in m.
+    /// Takes the first `length_m` metres of a ray, `behind_m` (m) from the camera along the path.
     pub fn of_camera(ray: Ray, length_m: f64, behind_m: f64, width: KernelWidth) -> Self {
         let (radius_m, slope) = match width {
             KernelWidth::Constant(radius_m) => (radius_m, 0.0),

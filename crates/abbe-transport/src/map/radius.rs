@@ -1,13 +1,10 @@
-//! Kernel radii: the pilot fixes the first radius of each pixel, and the radius shrinks from pass
-//! to pass.
+//! Kernel radii: the pilot fixes the first radius of each pixel, and it shrinks from pass to pass.
 
 use crate::plan::partition::{PerClass, PerSet};
 use abbe_spectra::math::elementary::powf;
 use glam::DVec3;
 
-/// The first radii of a pixel: one radius for each photon set and each photon class.
-///
-/// `T` is `f32`, or `Option<f32>` while the pilot does not know all radii.
+/// The first radii of a pixel: `f32`, or `Option<f32>` while the pilot does not know all.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PixelRadii<T = f32> {
     /// Radii on surfaces, in m.
@@ -16,19 +13,15 @@ pub struct PixelRadii<T = f32> {
     pub volume: PerSet<PerClass<T>>,
 }
 
-/// The first radii of all pixels.
 #[derive(Debug, Default)]
 pub struct FirstRadii {
     /// The radii of each kind, in the order of [`PixelRadii::all`].
     kinds: [RadiiOfKind; 8],
 }
 
-/// The first radii of one kind.
 #[derive(Debug)]
 enum RadiiOfKind {
-    /// One radius for all pixels.
     Same(f32),
-    /// A radius for each pixel.
     Each(Vec<f32>),
 }
 
@@ -39,9 +32,8 @@ impl Default for RadiiOfKind {
 }
 
 impl FirstRadii {
-    /// Completes radii that are known in some of the pixels. An unknown radius becomes the median
-    /// of the radii that have the same kind and are known in other pixels. If `all` is true, all
-    /// radii become the median.
+    /// Replaces unknown radii, or all of them if `all` is true, by the median of those of the same
+    /// kind that are known in other pixels.
     pub fn with_medians(radii: &[PixelRadii<Option<f32>>], all: bool) -> Self {
         let of_kind = |kind: usize| {
             let radius = |radii: &PixelRadii<Option<f32>>| radii.all()[kind];
@@ -59,7 +51,6 @@ impl FirstRadii {
         Self { kinds: std::array::from_fn(of_kind) }
     }
 
-    /// Returns the radii of a pixel.
     #[inline]
     pub fn of(&self, pixel: usize) -> PixelRadii {
         let mut radii = PixelRadii::default();
@@ -73,19 +64,14 @@ impl FirstRadii {
     }
 }
 
-/// A value for each kind of kernel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PerKernel<T> {
-    /// The values on surfaces.
     pub surface: PerClass<T>,
-    /// The values for photon points in media.
     pub points: PerClass<T>,
-    /// The values for photon beams in media.
     pub beams: PerClass<T>,
 }
 
 impl<T: Copy> PerKernel<T> {
-    /// Returns equal values.
     pub fn splat(value: T) -> Self {
         let of_all = PerClass::from_fn(|_| value);
         Self { surface: of_all, points: of_all, beams: of_all }
@@ -93,7 +79,6 @@ impl<T: Copy> PerKernel<T> {
 }
 
 impl<T: Copy> PixelRadii<T> {
-    /// Sets all radii to the same value.
     pub fn splat(radius: T) -> Self {
         let of_all = PerSet::from_fn(|_| PerClass::from_fn(|_| radius));
         Self { surface: of_all, volume: of_all }
@@ -107,7 +92,6 @@ impl<T: Copy> PixelRadii<T> {
         PixelRadii { surface: of_sets(self.surface, other.surface), volume: of_sets(self.volume, other.volume) }
     }
 
-    /// Returns all radii, always in the same order.
     pub fn all(&self) -> [T; 8] {
         let mut copy = *self;
         copy.all_mut().map(|radius| *radius)
@@ -129,9 +113,8 @@ impl<T: Copy> PixelRadii<T> {
     }
 }
 
-/// Returns the factors by which pass number `pass` scales the first radii. `photons` contains the
-/// number of photons that a pass stores, divided by the number for which the first radii are
-/// chosen.
+/// Returns the factors by which pass number `pass` scales the first radii. `photons` is the number
+/// of photons that a pass stores, divided by the number for which the first radii are chosen.
 pub fn scales(pass: u64, photons: PerKernel<f64>) -> PerKernel<f64> {
     let of_class = |photons: PerClass<f64>, dimensions: u32| {
         PerClass::from_fn(|class| scale_for_photons(photons[class], dimensions) * scale(pass, dimensions))
@@ -143,30 +126,27 @@ pub fn scales(pass: u64, photons: PerKernel<f64>) -> PerKernel<f64> {
     }
 }
 
-/// Returns the factor on a kernel radius if a pass stores `photons` times as many photons. The
-/// kernel has d = `dimensions` dimensions.
+/// Returns the factor on the radius of a kernel of d = `dimensions` dimensions if a pass stores
+/// `photons` times as many photons.
 ///
-/// The variance is proportional to 1/(N rᵈ) for N photons, and the squared bias to r⁴. Their sum is
-/// least if r is proportional to N^(−1/(d + 4)) (Silverman 1986, "Density Estimation for Statistics
-/// and Data Analysis", section 4.3).
+/// The variance is proportional to 1/(N rᵈ) for N photons, and the squared bias to r⁴, so the best
+/// r is proportional to N^(−1/(d + 4)) (Silverman 1986, "Density Estimation for Statistics and Data
+/// Analysis", section 4.3).
 fn scale_for_photons(photons: f64, dimensions: u32) -> f64 {
     powf(photons, -1.0 / (f64::from(dimensions) + 4.0))
 }
 
-/// Returns the kernel radius after some passes, divided by the first radius. The kernel has d =
-/// `dimensions` dimensions.
+/// Returns the ratio of the radius after some passes and the first one, in d = `dimensions`.
 ///
-/// The radii follow the rule rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1). Here i is the number of the pass,
-/// counted from 1, and α is 4/(d + 4). The rule is equation 15 of "Progressive Photon Mapping – A
-/// Probabilistic Approach" (Knaus & Zwicker 2011). Kernels on surfaces and kernels for photon
-/// points have two dimensions. Their mean square error falls as N^(−2/3). Kernels for photon beams
-/// have one dimension. Their mean square error falls as N^(−4/5). The factor depends only on the
-/// number of the pass, so that passes can run in any order.
+/// By equation 15 of "Progressive Photon Mapping – A Probabilistic Approach" (Knaus & Zwicker
+/// 2011), rᵈ_{i+1} = rᵈ_i (i + α)/(i + 1) after pass i, counted from 1, with α = 4/(d + 4). The
+/// mean square error falls as N^(−2/3) for kernels on surfaces and for photon points (d = 2), and
+/// as N^(−4/5) for photon beams (d = 1). The factor depends only on the number of the pass, so that
+/// passes can run in any order.
 pub fn scale(passes: u64, dimensions: u32) -> f64 {
     let alpha = 4.0 / (f64::from(dimensions) + 4.0);
-    // The product of (i + α)/(i + 1) for i = 1…`passes` is computed factor by factor up to i =
-    // `EXACT`. For larger i, the product uses the asymptotic series Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 +
-    // (α−1)α/2n).
+    // The product of (i + α)/(i + 1) is computed factor by factor up to i = `EXACT`, and from the
+    // asymptotic series Γ(n + α)/Γ(n + 1) ~ n^(α−1)(1 + (α−1)α/2n) beyond.
     const EXACT: u64 = 4096;
     let product: f64 = (1..=passes.min(EXACT)).map(|i| (i as f64 + alpha) / (i as f64 + 1.0)).product();
     let tail = if passes > EXACT {
@@ -178,17 +158,16 @@ pub fn scale(passes: u64, dimensions: u32) -> f64 {
     powf(product * tail, 1.0 / f64::from(dimensions))
 }
 
-/// Returns the first radius (m) of a pixel. The radius is the distance to the k-th nearest photon,
-/// but at least the pixel's footprint, and at most `largest_m`. A kernel smaller than the footprint
-/// only adds noise. If the photons coincide (distance 0), the radius is the footprint. Without
-/// photons, the radius is `largest_m`.
+/// Returns the first radius (m) of a pixel: the distance to the k-th nearest photon, but at least
+/// the pixel's footprint, because a smaller kernel only adds noise, and at most `largest_m`, also
+/// without photons.
 pub fn first(kth_distance_m: Option<f64>, footprint_m: f64, largest_m: f64) -> f64 {
     kth_distance_m.unwrap_or(largest_m).clamp(footprint_m.min(largest_m), largest_m)
 }
 
-/// Returns the smallest useful radius (m) of a kernel at `position`. This radius is about 16 times
-/// the spacing of single-precision numbers at the position. `position` is in m, relative to the
-/// scene's centre. With a smaller kernel, the rounding of the photons' positions would be visible.
+/// Returns the smallest useful radius (m) of a kernel at `position` (m, relative to the scene's
+/// centre): about 16 times the spacing of single-precision numbers there. With a smaller kernel,
+/// the rounding of the photons' positions would be visible.
 pub fn least(position: DVec3) -> f64 {
     const SIXTEEN_STEPS: f64 = 16.0 * (f32::EPSILON as f64);
     SIXTEEN_STEPS * position.abs().max_element()
@@ -216,8 +195,7 @@ mod tests {
         assert_eq!(caustic(true), [2.0; 4]);
     }
 
-    /// The factors satisfy the recurrence of the radii, even in passes for which they are computed
-    /// approximately.
+    /// The factors satisfy the recurrence, also where they are computed approximately.
     #[test]
     fn radii_follow_the_recurrence() {
         for (dimensions, alpha) in [(1, 4.0 / 5.0), (2, 2.0 / 3.0)] {
@@ -230,9 +208,7 @@ mod tests {
         }
     }
 
-    /// For d dimensions, the mean square error is least if the radius falls as n^(−1/(d + 4)).
-    /// Kernels on surfaces and for points have two dimensions. Kernels for beams have one
-    /// dimension.
+    /// The mean square error is least if the radius falls as n^(−1/(d + 4)).
     #[test]
     fn each_kind_of_radius_falls_at_its_own_rate() {
         let [early, late] = [1 << 20, 1 << 26].map(|pass| scales(pass, PerKernel::splat(1.0)));
@@ -242,8 +218,8 @@ mod tests {
         assert!((exponent(|scales| scales.beams.indirect) + 1.0 / 5.0).abs() < 1e-5);
     }
 
-    /// If a pass stores eight times as many beams of caustics, their radii are those after eight
-    /// times as many passes. The other radii do not change.
+    /// With eight times as many beams of caustics, their radii are those after eight times as many
+    /// passes. The other radii do not change.
     #[test]
     fn each_kind_of_radius_follows_the_photons_of_its_kind() {
         let plain = PerKernel::splat(0.5);
@@ -256,7 +232,6 @@ mod tests {
         assert_eq!(scales(0, PerKernel::splat(1.0)), PerKernel::splat(1.0));
     }
 
-    /// First radii lie between the footprint and the largest radius.
     #[test]
     fn a_first_radius_stays_within_its_bounds() {
         assert_eq!(first(Some(0.0), 0.01, 1.0), 0.01);

@@ -24,8 +24,7 @@ impl SphereTree {
         Self { tree, leaves }
     }
 
-    /// Calls `visit` with the number of each sphere that the first `length_m` metres of the ray may
-    /// touch.
+    /// Calls `visit` with each sphere that the first `length_m` metres of the ray may touch.
     pub fn visit(&self, ray: Ray, length_m: f64, mut visit: impl FnMut(usize)) {
         let line = QueryCone { ray, length_m, radius_m: 0.0, slope: 0.0 };
         self.tree.visit(&line, |leaf| {

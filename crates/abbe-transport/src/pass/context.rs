@@ -15,39 +15,29 @@ use abbe_spectra::spectrum::{LANES, Lanes};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// The inputs common to all passes of a render.
 #[derive(Debug, Clone, Copy)]
 pub struct PassContext<'a> {
     /// The scene at the time when the shutter opens.
     pub scene: &'a Scene,
-    /// The plan of the scene.
     pub plan: &'a Plan,
-    /// The numbers that fix the render.
     pub budget: &'a Budget,
-    /// The lights of the scene, as one distribution.
     pub lights: &'a LightSampler,
     /// Selects the lights that a point samples, in the scene at this time.
     pub selector: &'a LightSelector,
-    /// The spectra of the lights.
     pub spectra: &'a PhotonSpectra,
-    /// The responses of the sensor to photons at diffuse surfaces. `None` if the sensor needs the
-    /// wavelengths.
+    /// `None` if the sensor needs the wavelengths.
     pub responses: Option<&'a SensorResponses>,
-    /// The openings of the scene.
     pub portals: &'a Portals,
 }
 
-/// The shared wavelengths of a pass, and their densities.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SharedWavelengths {
-    /// The wavelengths in nm.
     pub(crate) nm: Lanes,
     /// The probability densities of the wavelengths, per nm.
     pub(crate) pdf: Lanes,
 }
 
 impl SharedWavelengths {
-    /// Returns how the photons of a set sample their wavelengths.
     pub(crate) fn sampling(self, set: PhotonSet) -> WavelengthSampling {
         let Self { nm, pdf } = self;
         match set {
@@ -61,16 +51,13 @@ impl SharedWavelengths {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EmissionRequest {
     pub(crate) wavelengths: WavelengthSampling,
-    /// The number of photon paths.
     pub(crate) count: u64,
     pub(crate) purpose: Purpose,
-    /// The pass of the random streams.
     pub(crate) pass: u64,
 }
 
 impl<'a> PassContext<'a> {
-    /// Returns a source of photons in `scene`. `scene` is the scene of this context, or a posed
-    /// copy of this scene.
+    /// Returns a source of photons in the scene of this context or a posed copy of it.
     pub(crate) fn photon_source<'s>(
         &self,
         scene: &'s Scene,
@@ -94,10 +81,9 @@ impl<'a> PassContext<'a> {
         }
     }
 
-    /// Returns the inputs of camera paths in `scene` with the first kernel radii. No light is
-    /// missing, and no photon competes with camera paths. `scene` is the scene of this context, or
-    /// a posed copy of this scene. `photons_per_sample` is the number of photon paths of each set,
-    /// divided by the number of camera samples per pixel.
+    /// Returns the inputs of camera paths in the scene of this context or a posed copy of it, with
+    /// the first radii, no missing light and no photon that competes with camera paths.
+    /// `photons_per_sample` is the number of photon paths of each set per camera sample of a pixel.
     pub(crate) fn camera_pass<'s>(
         &self,
         (scene, selector): (&'s Scene, &'s LightSelector),
@@ -128,11 +114,9 @@ impl<'a> PassContext<'a> {
         }
     }
 
-    /// Samples the shared wavelengths of a pass.
-    ///
-    /// The wavelength distribution of the lights is divided into four strata of equal probability.
-    /// Each stratum gives one wavelength. A golden-ratio sequence shifts the samples from pass to
-    /// pass. Each replicate has a sequence of its own.
+    /// Samples the shared wavelengths of a pass, one in each of four strata of equal probability of
+    /// the lights' wavelengths. A golden-ratio sequence of each replicate shifts them from pass to
+    /// pass.
     pub(crate) fn shared_wavelengths(&self, pass: u64) -> SharedWavelengths {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64);
         let shift = golden_ratio(index as u32, self.budget.seed.streams(Purpose::Pass).pass(replicate).hash());
@@ -147,8 +131,7 @@ impl<'a> PassContext<'a> {
         coverage.add_pass(&nm, &pdf);
     }
 
-    /// Returns the selector of the lights in `scene`. `scene` is the scene of this context, or a
-    /// posed copy of this scene.
+    /// Returns the selector of the lights in the scene of this context or a posed copy of it.
     pub(crate) fn light_selector(&self, scene: &Scene) -> Cow<'a, LightSelector> {
         match self.plan.motion {
             MotionPlan::Still => Cow::Borrowed(self.selector),
@@ -158,14 +141,10 @@ impl<'a> PassContext<'a> {
         }
     }
 
-    /// Poses the scene at the shutter time of a pass. Adds the duration of this step to `sums`.
+    /// Poses the scene at the shutter time of a pass, and adds the time for this to `sums`.
     ///
-    /// A low-discrepancy sequence samples the shutter times in proportion to the shutter's
-    /// transmission. Each replicate has a sequence of its own. This sequence is independent of the
-    /// wavelengths.
-    ///
-    /// # Errors
-    /// Returns an error if the scene cannot be posed at this time.
+    /// The shutter times follow the shutter's transmission, by a low-discrepancy sequence of each
+    /// replicate, independent of the wavelengths. Returns an error if the scene cannot be posed.
     pub(super) fn scene_of_pass(&self, pass: u64, sums: &mut PassSums) -> Result<Cow<'a, Scene>> {
         if self.plan.motion == MotionPlan::Still {
             return Ok(Cow::Borrowed(self.scene));

@@ -28,15 +28,13 @@ impl VolumeDeposits {
         self.beams.extend_from_slice(&other.beams);
     }
 
-    /// Moves the photons into maps.
     fn into_maps(self) -> VolumeMaps {
         VolumeMaps { points: VolumeMap::of_points(self.points), beams: VolumeMap::of_beams(self.beams) }
     }
 }
 
 impl PhotonDeposits {
-    /// Appends photons. The order of the photons decides the layout of the maps, so callers append
-    /// the parts of a set in a fixed order.
+    /// Appends photons. Their order decides the layout of the maps, so it must not vary.
     pub(crate) fn append(&mut self, other: &Self) {
         for class in PhotonClass::ALL {
             self.surface[class].extend_from_slice(&other.surface[class]);
@@ -44,7 +42,6 @@ impl PhotonDeposits {
         }
     }
 
-    /// Moves the photons into maps.
     pub(crate) fn into_maps(self) -> SetMaps {
         self.surface.zip_with(self.volume, |surface, volume| ClassMaps {
             surface: PhotonMap::build(&surface),

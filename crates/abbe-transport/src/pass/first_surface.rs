@@ -6,10 +6,8 @@ use crate::walk::{SurfaceInteraction, SurfaceLookup, next_interaction};
 use abbe_scene::Scene;
 use abbe_spectra::spectrum::REFERENCE_NM;
 
-/// The first surface on the camera ray of a sample. Returns `None` if the ray hits nothing.
-///
-/// The ray is the ray of the camera path with the same random numbers. If the camera has a lens
-/// system, it is the ray at the reference wavelength.
+/// Finds the first surface on the camera ray of a sample: the ray of the camera path with the same
+/// random numbers or, for a lens system, that at the reference wavelength.
 pub(super) fn first_surface(scene: &Scene, pixel: u64, mut sampler: PixelSampler) -> Option<FirstSurface> {
     let (ray_state, _) = sampler.ray_at(scene, pixel, REFERENCE_NM)?;
     let lookup = SurfaceLookup::of_camera(&scene.camera, 0.0, sampler.stream.uniform());
@@ -26,8 +24,8 @@ pub(super) fn first_surface(scene: &Scene, pixel: u64, mut sampler: PixelSampler
     })
 }
 
-/// Returns the share of light that a surface reflects or transmits, at the wavelengths of the
-/// albedo. At rough metals, it depends on the sampled direction: its mean over `u` is the albedo.
+/// Returns the fraction of light that a surface reflects or transmits, at the wavelengths of the
+/// albedo. At rough metals, only its mean over `u` is the albedo.
 fn albedo(interaction: &SurfaceInteraction<'_>, u: [f64; 3]) -> [f64; ALBEDO_NM.len()] {
     let SurfaceInteraction { bsdf, wo, sides, .. } = *interaction;
     match bsdf.sample(wo, sides, REFERENCE_NM, u) {

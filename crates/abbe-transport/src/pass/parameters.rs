@@ -11,52 +11,41 @@ use crate::plan::partition::{PerClass, PerSet, PhotonSet};
 use crate::walk::RayDensities;
 use abbe_scene::Scene;
 
-/// The numbers and distributions that are the same in all passes. A pass must not learn them from
-/// another pass, so the pilot chooses them before pass 0.
+/// The same in all passes. They must not learn from each other, so the pilot chooses it.
 #[derive(Debug)]
 pub struct PassParameters {
-    /// The strata of the emitted rays, with their emission distributions.
     pub(crate) strata: EmissionStrata,
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub(crate) ray_densities: Option<RayDensities>,
-    /// The first kernel radii of each pixel.
     pub(crate) radii: FirstRadii,
-    /// The first kernel radius of each receptor in m. Empty if there are no receptors or caustics.
+    /// The first kernel radius of each sensor in m. Empty if there are no sensors or caustics.
     pub(crate) sensor_radii: Vec<f64>,
-    /// The outlines of directly visible surfaces.
     pub(crate) surface_extents: SurfaceExtents,
-    /// The number of photon paths of each set.
     pub(crate) photons: PerSet<u64>,
     pub(crate) camera_samples: CameraSamples,
     /// The number of photons that a pass stores, divided by the number for which the first radii
-    /// are chosen. Always 1 if the scene states the first radius.
+    /// are chosen. Always 1 if the scene sets the first radius.
     pub(crate) stored_photons: PerKernel<f64>,
-    /// The probabilities of storing photons.
     pub(crate) keep: PerClass<KeepProbability>,
 }
 
-/// The number of camera samples of each pixel in a pass.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum CameraSamples {
-    /// The same number in all pixels.
     Same(u64),
     /// A number for each pixel, and the mean over the pixels.
     Each(Vec<u8>, f64),
 }
 
 impl PassParameters {
-    /// Returns the number of photon paths of each set, divided by the mean number of camera
-    /// samples per pixel.
+    /// Returns the photon paths of each set per camera sample of a pixel.
     pub(crate) fn photons_per_sample(&self) -> PerSet<f64> {
         PerSet::from_fn(|set| self.photons[set] as f64 / self.camera_samples.mean())
     }
 
-    /// Returns how the photons of a set are recorded.
     pub(crate) fn recording(&self, set: PhotonSet) -> RecordingOptions<'static> {
         RecordingOptions { keep: self.keep, photons_per_sample: self.photons_per_sample()[set], sensors: None }
     }
 
-    /// Returns a source of the photons of a pass.
     pub(crate) fn photon_source<'s>(
         &'s self,
         context: &PassContext<'s>,
@@ -69,8 +58,7 @@ impl PassParameters {
         }
     }
 
-    /// Returns the inputs of the camera paths of a pass with the first kernel radii, in which no
-    /// light is missing.
+    /// Returns the inputs of the camera paths with the first radii and without missing light.
     pub(crate) fn camera_pass<'s>(
         &'s self,
         context: &PassContext<'s>,
@@ -85,7 +73,6 @@ impl PassParameters {
 }
 
 impl CameraSamples {
-    /// Returns the number of samples of a pixel.
     #[inline]
     pub(crate) fn of(&self, pixel: usize) -> u64 {
         match self {
@@ -94,7 +81,6 @@ impl CameraSamples {
         }
     }
 
-    /// Returns the mean number of samples per pixel.
     pub(crate) fn mean(&self) -> f64 {
         match self {
             Self::Same(count) => *count as f64,

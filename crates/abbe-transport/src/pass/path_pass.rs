@@ -9,10 +9,7 @@ use abbe_spectra::error::Result;
 use abbe_spectra::math::random::Purpose;
 use std::time::Instant;
 
-/// Traces one pass with the path tracer and adds it to `sums`.
-///
-/// # Errors
-/// Returns an error if the scene cannot be posed at the pass's time.
+/// Traces one pass and adds it to `sums`. Returns an error if the scene cannot be posed.
 pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Result<()> {
     let PassContext { plan, budget, lights, .. } = context;
     let scene = context.scene_of_pass(pass, sums)?;

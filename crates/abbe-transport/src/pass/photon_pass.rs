@@ -20,13 +20,8 @@ use abbe_spectra::math::random::Purpose;
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// Traces one pass of photon mapping and adds it to `sums`.
-///
-/// `light_maps` holds the light maps of earlier passes. If the scene is still, the pass reuses or
-/// updates them.
-///
-/// # Errors
-/// Returns an error if the scene cannot be posed at the pass's time.
+/// Traces one pass of photon mapping and adds it to `sums`. `light_maps` holds those of earlier
+/// passes, which a still scene reuses or updates. Returns an error if the scene cannot be posed.
 pub fn photon_pass<'a>(
     context: PassContext<'a>,
     parameters: &PassParameters,
@@ -51,8 +46,7 @@ pub fn photon_pass<'a>(
         let request =
             EmissionRequest { wavelengths: shared.sampling(set), count: parameters.photons[set], purpose, pass };
         let source = parameters.photon_source(&context, &scene, request);
-        // Only free photons have wavelengths of their own, which are all the wavelengths of the
-        // lights.
+        // Only free photons have wavelengths of their own: all those of the lights.
         let received = sensors.as_ref().filter(|_| set == PhotonSet::Free);
         let recording = RecordingOptions { sensors: received, ..parameters.recording(set) };
         trace_photons(&source, plan, set, recording, || film.splat_sink())
@@ -106,8 +100,8 @@ pub fn photon_pass<'a>(
     sums.film.count_pass(pass);
     sums.seconds.gather += start.elapsed().as_secs_f64();
 
-    // Each photon set alone represents the whole emission. The ledger of the pass is the mean of
-    // both sets, weighted by their numbers of photons.
+    // Each set alone represents the whole emission, so the ledger of the pass is their mean,
+    // weighted by the numbers of photons.
     let total = (parameters.photons.free + parameters.photons.shared) as f64;
     for (mut ledger, count) in [(free.ledger, parameters.photons.free), (on_shared.ledger, parameters.photons.shared)] {
         ledger.scale(count as f64 / total);
@@ -116,14 +110,14 @@ pub fn photon_pass<'a>(
     Ok(())
 }
 
-/// Returns the light that is missing because photon paths ended at a limit. `maps` contains the
-/// photons within the limit, and `truncated` contains the photons beyond a limit that the scene states.
+/// Returns the light that is missing because photon paths ended at a limit, from the photons within
+/// the limit and those `truncated` by an explicit limit.
 ///
 /// At the cap, scattered photons have been in the same cavity for thousands of events, so their
 /// power falls by the same ratio from event to event. The power of the missing photons, divided by
-/// the power of the stored photons, is then c/(1 − c), where c is the share of the emitted power
-/// that reaches the cap. Photons that were never scattered are trapped in glass by total
-/// reflection, and do not leave it.
+/// that of the stored ones, is then c/(1 − c) for the fraction c of the emitted power that reaches
+/// the cap. Photons that were never scattered are trapped in glass by total reflection, and do not
+/// leave it.
 fn truncated_maps<'m>(
     context: &PassContext<'_>,
     ledgers: [&Ledger; 2],
@@ -138,15 +132,13 @@ fn truncated_maps<'m>(
     (capped > 0.0).then(|| TruncatedMaps { maps: maps.as_ref(), factor: ratio_beyond_cap(capped, emitted) })
 }
 
-/// Returns the power of the photons beyond the cap, divided by the power of the photons before the
-/// cap. `capped` is the part of the power `emitted` that reaches the cap.
+/// Returns the ratio of the power beyond the cap and before. `capped` of `emitted` reaches it.
 fn ratio_beyond_cap(capped: f64, emitted: f64) -> f64 {
     /// The largest ratio. In a lossless cavity, the ratio would be infinite.
     const LARGEST: f64 = 1e6;
     (capped / (emitted - capped)).clamp(0.0, LARGEST)
 }
 
-/// Updates the light maps for a pass, if the plan has any.
 fn updated<'m, 'a>(
     maps: &'m mut LightMaps<'a>,
     context: &PassContext<'_>,
@@ -163,8 +155,7 @@ fn updated<'m, 'a>(
 mod tests {
     use super::*;
 
-    /// If the share c reaches the cap, the light beyond the cap is c + c² + c³ + … times the light
-    /// before the cap.
+    /// If the fraction c reaches the cap, the light beyond is c + c² + c³ + … times that before.
     #[test]
     fn light_beyond_the_cap_is_a_geometric_series() {
         for fraction in [0.01_f64, 0.3, 0.9] {

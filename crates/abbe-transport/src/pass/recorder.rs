@@ -16,22 +16,18 @@ use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::BAND_NM;
 
-/// The number of surface events of a photon path after which only some of its photons are recorded.
-/// The photons of one path are alike, so a long path needs only some of them.
+/// After this many surface events, only some photons of a path are recorded: they are alike.
 const EVENTS_RECORDED_ALWAYS: u32 = 8;
 
-/// How the photons of a set are recorded.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RecordingOptions<'r> {
-    /// The probabilities of storing photons.
     pub(crate) keep: PerClass<KeepProbability>,
     /// The number of photon paths in the set, divided by the number of camera samples per pixel.
     pub(crate) photons_per_sample: f64,
-    /// The kernels of the receptors of meters. `None` if the set has no receptors.
+    /// The kernels of the sensors of meters. `None` if the set has no sensors.
     pub(crate) sensors: Option<&'r SensorKernels<'r>>,
 }
 
-/// Records the photons of one parallel task.
 #[derive(Debug)]
 pub(crate) struct PhotonRecorder<'a> {
     scene: &'a Scene,
@@ -39,20 +35,18 @@ pub(crate) struct PhotonRecorder<'a> {
     plan: &'a Plan,
     set: PhotonSet,
     options: RecordingOptions<'a>,
-    /// The photons for the maps.
     pub(crate) deposits: PhotonDeposits,
-    /// The contributions of connections to the camera.
     pub(crate) splats: SplatSink,
     /// The photons beyond the depth limit of the scene.
     pub(crate) truncated: PhotonDeposits,
-    /// The connections of photons beyond the depth limit of the scene.
     pub(crate) truncated_splats: SplatSink,
     pub(crate) tally: Tally,
 }
 
 impl<'a> PhotonRecorder<'a> {
     pub(crate) fn new(
-        (scene, spectra): (&'a Scene, &'a PhotonSpectra),
+        scene: &'a Scene,
+        spectra: &'a PhotonSpectra,
         plan: &'a Plan,
         set: PhotonSet,
         options: RecordingOptions<'a>,
@@ -72,19 +66,17 @@ impl<'a> PhotonRecorder<'a> {
         }
     }
 
-    /// Returns the store for a photon.
     #[inline]
     fn deposits_for(&mut self, photon: &PhotonState) -> &mut PhotonDeposits {
         if photon.truncated { &mut self.truncated } else { &mut self.deposits }
     }
 
-    /// Connects the photon to the camera if the plan uses connections for the class of the photon's
-    /// path. The power of the photon is multiplied by `factor`.
+    /// Connects the photon, with its power times `factor`, if the plan connects its class.
     fn connect(&mut self, arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) {
         let class = arrival.interaction.bsdf.class();
         let connects = estimator(arrival.photon.light_path, class, CameraView::Direct) == Estimator::Connection;
-        // If camera paths carry shared wavelengths from the camera on, all views count as indirect.
-        // Camera paths then read the photon map, and no photon is connected.
+        // If camera paths carry shared wavelengths from the camera on, all views count as indirect:
+        // camera paths read the photon map, and no photon is connected.
         let free = self.set == PhotonSet::Free && self.plan.wavelengths != WavelengthPlan::Shared;
         if !(free && connects) {
             return;
@@ -119,8 +111,7 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             return;
         }
         let Some(factor) = recorded_factor(arrival.depth, stream) else { return };
-        // A photon starts with several wavelengths. After a dispersive refraction it keeps only
-        // one.
+        // A photon starts with several wavelengths, and keeps one after a dispersive refraction.
         self.tally.dispersions += u64::from(arrival.photon.wavelengths.count == 1);
         self.connect(arrival, factor, stream);
         let mut components = self.scene.materials[arrival.interaction.material].surface.components();
@@ -195,17 +186,16 @@ impl PhotonVisitor for PhotonRecorder<'_> {
     }
 }
 
-/// Returns the power of a photon that is stored in a medium. `probability` is the probability that
-/// the medium stores this photon.
+/// Returns the power of a photon that a medium stores with this probability.
 fn kept_power(photon: &PhotonState, probability: f64, stream: &mut Stream) -> PhotonPower {
     let power = photon.power.map(|power| power / probability);
     PhotonPower::new(photon.wavelength_code, power, photon.lane, stream.uniform())
 }
 
-/// Decides whether the photon at surface event number `depth` is recorded. Returns the factor for
-/// its power, or `None` if the photon is not recorded. The probability of recording falls as
-/// 1/depth. On long paths it is constant, because the number of these paths falls as 1/depth. A
-/// path of n events without loss leaves only about 8 + 8 ln(n/8) photons.
+/// Decides whether the photon at surface event number `depth` is recorded, and returns the factor
+/// for its power. The probability falls as 1/depth, so that a path of n events without loss leaves
+/// only about 8 + 8 ln(n/8) photons. On long paths it is constant, because the number of these
+/// paths falls as 1/depth.
 #[inline]
 fn recorded_factor(depth: u32, stream: &mut Stream) -> Option<f64> {
     if depth <= EVENTS_RECORDED_ALWAYS {
@@ -215,8 +205,7 @@ fn recorded_factor(depth: u32, stream: &mut Stream) -> Option<f64> {
     (stream.uniform() * factor < 1.0).then_some(factor)
 }
 
-/// Converts the arrival of a photon at a surface to the photon that the map stores. The power of
-/// the photon is multiplied by `factor`.
+/// Returns the photon that the map stores, with its power times `factor`.
 fn surface_photon(arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) -> Photon {
     let hit = &arrival.interaction.hit;
     let to_light = arrival.to_light();

@@ -1,13 +1,13 @@
-//! Light that reaches the receptors of meters through glass or from mirrors.
+//! Light that reaches the sensors of meters through glass or from mirrors.
 //!
-//! A path from a receptor finds a lamp behind glass only if the lamp has an extent. Photons find
-//! the light of every lamp, but no photon hits a point. At a point receptor, a kernel therefore
-//! averages over a small disk; this is the only biased estimate of a meter. A receptor that is a
-//! surface needs no kernel, because photons arrive at the surface itself. Both techniques are
-//! combined by multiple importance sampling ([`CausticWeights`]).
+//! A path from a sensor finds a light behind glass only if the light has an extent. Photons find
+//! the light of every light, but no photon hits a point, so at a point sensor a kernel averages
+//! over a small disk; this is the only biased estimate of a meter. Photons arrive at sensors that
+//! are surfaces without a kernel. Both techniques are combined by multiple importance sampling
+//! ([`CausticWeights`]).
 //!
 //! No photon crosses the part of a disk behind a wall. Beside walls, each kernel is therefore
-//! divided by its mass on the line through the photon and the receptor, between the walls.
+//! divided by its mass on the line through the photon and the sensor, between the walls.
 
 use super::context::PassContext;
 use crate::emit::{PhotonFlight, PhotonState, SurfaceArrival};
@@ -25,34 +25,29 @@ use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// The kernels of the receptors in one pass.
 #[derive(Debug)]
 pub(crate) struct SensorKernels<'a> {
     scene: &'a Scene,
     portals: &'a Portals,
-    /// The radius of each receptor in this pass, in m.
+    /// The radius of each sensor in this pass, in m.
     radii_m: Vec<f64>,
-    /// The weights of photons and of paths at each receptor.
+    /// The weights of photons and of paths at each sensor.
     weights: Vec<CausticWeights>,
-    /// The number of rows of each receptor.
     rows: usize,
-    /// The index of the disks of point receptors.
     disks: PointDisks,
-    /// The receptors that are surfaces, as pairs of the object and the number of the receptor. They
-    /// are sorted.
+    /// The sensors that are surfaces: the object and the sensor, sorted.
     surfaces: Vec<(u32, u32)>,
 }
 
-/// An index of the disks of point receptors.
 #[derive(Debug)]
 pub(crate) struct PointDisks {
     tree: SphereTree,
-    /// The numbers of the receptors, in the order of the spheres of the tree.
+    /// The numbers of the sensors, in the order of the spheres of the tree.
     sensors: Vec<u32>,
 }
 
 impl PointDisks {
-    /// Creates the index. `radius_m` returns the radius of the disk of a receptor in m.
+    /// Creates the index. `radius_m` returns the radius of the disk of a sensor in m.
     pub(crate) fn new(sensors: &[Sensor], radius_m: impl Fn(usize) -> f64) -> Self {
         let points = || {
             let numbered = sensors.iter().enumerate();
@@ -62,15 +57,14 @@ impl PointDisks {
         Self { tree, sensors: points().map(|(number, _)| number as u32).collect() }
     }
 
-    /// Calls `visit` with the number of each receptor whose disk the flight may cross.
+    /// Calls `visit` with the number of each sensor whose disk the flight may cross.
     pub(crate) fn visit(&self, flight: &PhotonFlight<'_>, mut visit: impl FnMut(usize)) {
         self.tree.visit(flight.ray, flight.length_m, |sphere| visit(self.sensors[sphere] as usize));
     }
 }
 
-/// The part of a photon's power that a receptor receives.
 struct Received {
-    /// The factor from the photon's power to the mean radiance of the receptor.
+    /// The factor from the photon's power to the mean radiance of the sensor.
     estimate: f64,
     /// The factor from the photon's power to the bias of the mean radiance.
     bias: f64,
@@ -108,12 +102,11 @@ impl<'a> SensorKernels<'a> {
         Some(Self { scene, portals: context.portals, radii_m, weights, rows, disks, surfaces })
     }
 
-    /// Returns the weights of photons and of paths at each receptor.
     pub(super) fn weights(&self) -> &[CausticWeights] {
         &self.weights
     }
 
-    /// Adds the light that a photon brings to the point receptors along a straight line.
+    /// Adds the light that a photon brings to the point sensors along a straight line.
     pub(super) fn add_flight(&self, flight: &PhotonFlight<'_>, light: usize, splats: &mut SplatSink) {
         if flight.photon.light_path != LightPath::Caustic {
             return;
@@ -126,8 +119,8 @@ impl<'a> SensorKernels<'a> {
             let offset = flight.ray.at(t) - position;
             let Some(kernels) = self.between_walls(kernels, position, offset, self.radii_m[number]) else { return };
             let to_light = -flight.ray.direction;
-            // The disk of a plane lies in the plane, so it catches the flux through the plane. The
-            // other disks are perpendicular to the ray, so they catch the fluence.
+            // The disk of a plane catches the flux through the plane. The other disks are
+            // perpendicular to the ray, so they catch the fluence.
             let per_flux = match response {
                 Response::Plane(_) => FRAC_1_PI,
                 Response::Sphere | Response::Cylinder(_) | Response::Cone(..) => response.pdf(to_light),
@@ -138,8 +131,7 @@ impl<'a> SensorKernels<'a> {
         });
     }
 
-    /// Corrects the kernels of a photon beside walls. `offset` leads from the receptor to the
-    /// photon. Returns `None` if a wall is between them.
+    /// Corrects the kernels beside walls, or `None` if a wall is between photon and sensor.
     fn between_walls(
         &self,
         kernels: KernelValues,
@@ -161,7 +153,7 @@ impl<'a> SensorKernels<'a> {
         Some(kernels.between_faces(KernelDomain::Disk, extents))
     }
 
-    /// Adds the light that a photon brings to the receptors on the surface where it arrives.
+    /// Adds the light that a photon brings to the sensors on the surface where it arrives.
     pub(super) fn add_arrival(&self, arrival: &SurfaceArrival<'_>, light: usize, splats: &mut SplatSink) {
         if arrival.photon.light_path != LightPath::Caustic {
             return;
@@ -219,8 +211,8 @@ impl<'a> SensorKernels<'a> {
     }
 }
 
-/// Returns the distance along the flight at which the photon crosses the disk of a receptor, and
-/// the squared distance from the middle of the disk in m². `None` if the photon misses the disk.
+/// Returns the distance along the flight to the disk of a sensor, and the squared distance (m²)
+/// from its middle, or `None` if the photon misses the disk.
 pub(crate) fn crossing(
     flight: &PhotonFlight<'_>,
     position: DVec3,

@@ -5,16 +5,12 @@ use crate::sensor::Film;
 use crate::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 
-/// The sums over all passes so far.
 #[derive(Debug)]
 pub struct PassSums {
-    /// The film.
     pub film: Film,
     /// The energy balance in W, summed over passes.
     pub ledger: Ledger,
-    /// The event counters.
     pub tally: Tally,
-    /// The duration of each stage.
     pub seconds: StageSeconds,
 }
 

@@ -9,31 +9,25 @@ use crate::sensor::SplatSink;
 use crate::walk::ledger::Ledger;
 use rayon::prelude::*;
 
-/// The number of photon paths in one parallel task. The photons of a task are recorded together, so
-/// this number fixes the order of the stored photons.
+/// The photon paths of one parallel task. They are recorded together, so this number fixes the
+/// order of the stored photons.
 const PHOTONS_PER_TASK: u64 = 2048;
 
-/// The photons of one set, traced and recorded.
 #[derive(Debug, Default)]
 pub(crate) struct TracedPhotons {
-    /// The photons for the maps.
     pub(crate) deposits: PhotonDeposits,
     /// The contributions of connections to the camera, one sink per task.
     pub(crate) splats: Vec<SplatSink>,
     /// The photons beyond the depth limit of the scene, for the estimated bias.
     pub(crate) truncated: PhotonDeposits,
-    /// The connections of the photons beyond the depth limit of the scene.
     pub(crate) truncated_splats: Vec<SplatSink>,
     /// The energy balance in W.
     pub(crate) ledger: Ledger,
-    /// The event counters.
     pub(crate) tally: Tally,
 }
 
-/// Traces all photons of a source on the current thread pool. The result does not depend on the
-/// number of threads.
-///
-/// `splat_sink` creates an empty sink for connections to the camera.
+/// Traces all photons of a source on the current thread pool, with the same result for any number
+/// of threads. `splat_sink` creates an empty sink for connections to the camera.
 pub(crate) fn trace_photons(
     source: &PhotonSource<'_>,
     plan: &Plan,
@@ -45,7 +39,7 @@ pub(crate) fn trace_photons(
     let tasks = (0..source.count.div_ceil(PHOTONS_PER_TASK))
         .into_par_iter()
         .map(|task: u64| {
-            let mut recorder = PhotonRecorder::new((source.scene, source.spectra), plan, set, options, &splat_sink);
+            let mut recorder = PhotonRecorder::new(source.scene, source.spectra, plan, set, options, &splat_sink);
             let mut ledger = Ledger::new(source.scene.materials.len());
             let indices = task * PHOTONS_PER_TASK..((task + 1) * PHOTONS_PER_TASK).min(source.count);
             trace(source, &points, indices, &mut recorder, &mut ledger);

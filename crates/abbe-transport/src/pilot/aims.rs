@@ -1,5 +1,4 @@
-//! Learns the emission distributions of the lights. These distributions send more photons in
-//! directions that contribute to the picture.
+//! Learns emission distributions, which send more photons where they contribute.
 
 use super::guiding_spheres::GuidingSpheres;
 use super::importance::{GridLayout, Importance};
@@ -13,32 +12,28 @@ use abbe_spectra::math::random::Purpose;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The number of pilot paths per stratum in each round. Each round except the first emits photons
-/// according to the distributions that the preceding round learned. If it learned none, the rounds
-/// end.
+/// The pilot paths per stratum in each round, which emits photons as the preceding round learned.
+/// If that learned nothing, the rounds end.
 const PATHS_PER_STRATUM: [u64; 2] = [1 << 14, 1 << 15];
 
 /// The number of paths per round grows with the number of strata, up to this many strata.
 const MAX_STRATA: u64 = 4;
 
-/// The number of paths per round, divided by the number of photon paths of a pass, is at most this
-/// value. Both rounds together then take at most a tenth of the time of eight passes.
+/// The largest number of paths per round, as a fraction of a pass. Both rounds together then take
+/// at most a tenth of the time of eight passes.
 const LARGEST_ROUND: f64 = 0.4;
 
-/// The number of photon paths in one parallel task. This number fixes the order in which the
-/// results of the paths are added.
+/// The photon paths of one parallel task, which fix the order in which results are added.
 const PATHS_PER_TASK: u64 = 4096;
 
-/// The share of the photons that strata receive in proportion to their contributions.
+/// The fraction of the photons that strata receive in proportion to their contributions.
 const BY_CONTRIBUTION: f64 = 0.5;
 
-/// The share of the photons that all contributing strata receive in equal parts. A small caustic
+/// The fraction of the photons that all contributing strata receive in equal parts. A small caustic
 /// contributes little to the whole picture, but it is bright.
 const BY_STRATUM: f64 = 0.3;
 
-/// The results of the aiming rounds.
 pub(crate) struct LearnedAims {
-    /// The strata of the emitted rays, with their emission distributions.
     pub(crate) strata: EmissionStrata,
     /// The names of the specular objects that no photon reached.
     pub(crate) unlit: Vec<String>,
@@ -51,8 +46,7 @@ impl LearnedAims {
     }
 }
 
-/// Learns the emission distribution of each light from photons traced in the scene at several
-/// times.
+/// Learns from photons traced in the scene at several times.
 pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
     let (spheres, lights) = (GuidingSpheres::new(scenes, &context.portals.all()), &context.lights.lights);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
@@ -95,7 +89,6 @@ pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
     LearnedAims { strata, unlit: unlit_objects(context.scene, &reached) }
 }
 
-/// Returns the names of the specular objects that no photon reached.
 fn unlit_objects(scene: &Scene, reached: &[bool]) -> Vec<String> {
     let enclosures = scene.enclosures();
     let objects = (0..).zip(&scene.objects).zip(reached);
@@ -122,7 +115,6 @@ fn trace_round<'a>(
     let parts = (0..tasks)
         .into_par_iter()
         .map(|task: u64| {
-            // Each shutter time gets an equal share of the tasks.
             let scene = &scenes[(task * scenes.len() as u64 / tasks) as usize];
             let source = context.photon_source(scene, strata, request);
             let points = source.points();

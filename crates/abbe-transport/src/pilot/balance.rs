@@ -2,18 +2,16 @@
 //!
 //! A pass traces N photon paths and S camera samples per pixel. It stores the fraction q of the
 //! indirect photons on surfaces, and m times as many photons of each path in media as the pilot
-//! measured. The variance of a pixel in a pass is
+//! measured. The variance V of a pixel and the work W of a pass are
 //!
-//! > V = `traced`/N + `surfaces`/(q N) + `media`/(m N) + `camera`/S.
+//! > V = `traced`/N + `surfaces`/(q N) + `media`/(m N) + `camera`/S,
 //!
-//! The work of a pass is
+//! > W = `pass` + (`trace` + q `store_on_surfaces` + m `store_in_media`) N + (`sample` + (q
+//! `gather_on_surfaces` + m `gather_in_media`) N) S,
 //!
-//! > W = `pass` + (`trace` + q `store_on_surfaces` + m `store_in_media`) N
-//! >   + (`sample` + (q `gather_on_surfaces` + m `gather_in_media`) N) S,
-//!
-//! because the kernels of a camera sample contain more photons if a pass stores more of them. After
-//! n passes, the variance is V/n and the work is n W. The error at equal time is therefore least
-//! where V W is least.
+//! because the kernels of a camera sample contain more photons if a pass stores more. After n
+//! passes, the variance is V/n and the work n W, so the error at equal time is least where V W is
+//! least.
 
 use super::camera_samples::SampleChoice;
 use super::work::Work;
@@ -23,63 +21,54 @@ use abbe_spectra::math::elementary::powf;
 /// The division of the work of a pass between photons and camera samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Balance {
-    /// The number of photon paths.
     pub(super) photons: u64,
     /// The fraction of the indirect photons that the pass stores on surfaces.
     pub(super) stored_fraction: f64,
     /// The factor on the number of photons that a path stores in media.
     pub(super) medium_factor: f64,
-    /// The number of camera samples per pixel.
     pub(super) camera_samples: u64,
 }
 
-/// The numbers from which the pilot chooses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BalanceLimits {
-    /// The number of photon paths, if the scene states it, or the number of the plain division.
+    /// The number of photon paths, if the scene sets it, or the number of the plain division.
     pub(super) photons: u64,
-    /// True if the scene states the number of photon paths.
     pub(super) photons_are_explicit: bool,
-    /// The number of camera samples per pixel, if the scene states it.
+    /// The number of camera samples per pixel, if the scene sets it.
     pub(super) camera_samples: Option<u64>,
     /// The largest factor that has an effect on the number of photons that a path stores in media.
     pub(super) largest_medium_factor: f64,
 }
 
-/// The relative variance of the picture if a pass has one photon path, stores all photons, and has
-/// one camera sample per pixel.
+/// The relative variance for one photon path, all stored, and one camera sample per pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Variances {
     /// The variance of the photons that are connected to the camera.
     pub(super) traced: f64,
-    /// The variance of the photons that are stored on surfaces.
     pub(super) surfaces: f64,
     /// The variance of the photons that are stored in media.
     pub(super) media: f64,
-    /// The variance of the camera samples.
     pub(super) camera: f64,
 }
 
-/// The number of photon paths may be halved this many times. The number of stored photons may fall
-/// to the same fraction.
+/// The photon paths, and the stored photons, may be halved this many times.
 const HALVINGS: i32 = PHOTON_HALVINGS as i32;
 
-/// The most camera samples per pixel are this power of two.
+/// The binary logarithm of the most camera samples per pixel.
 const DOUBLINGS_OF_SAMPLES: i32 = 4;
 
 /// The work of a pass is at most this multiple of the work of the plain division.
 const LONGEST_PASS: f64 = 4.0;
 
-/// A longer pass shows its picture later. The error at equal time of a pass with more work than the
-/// plain division must be lower by this power of the ratio of the work.
+/// A longer pass shows its picture later, so its error at equal time must be lower by this power of
+/// the ratio of the work to the plain division.
 const IMPATIENCE: f64 = 0.25;
 
-/// Numbers of camera samples that depend on the noise are used only if they reduce the variance at
-/// equal time to this fraction.
+/// Camera samples follow the noise only if they reduce the variance at equal time to this fraction.
 const WORTHWHILE: f64 = 0.9;
 
-/// Of the choices whose variance at equal time is at most this multiple of the least, the choice
-/// with the least variance per pass is taken.
+/// Of the choices whose variance at equal time is at most this multiple of the least, that with the
+/// least variance per pass is taken.
 const TOLERANCE: f64 = 1.05;
 
 impl BalanceLimits {
@@ -89,13 +78,11 @@ impl BalanceLimits {
         Balance { photons, stored_fraction: 1.0, medium_factor: 1.0, camera_samples: camera_samples.unwrap_or(1) }
     }
 
-    /// Returns true if the limits leave no choice.
     pub(super) fn is_fixed(self) -> bool {
         self.photons_are_explicit && self.camera_samples.is_some()
     }
 
-    /// Returns the division with the least variance at equal time. Each entry of `variances` is a
-    /// measure of the variance of the picture. The choice minimises the product of all measures.
+    /// Returns the least variance at equal time: the least product of all `variances`.
     pub(super) fn choose<const MEASURES: usize>(self, variances: [Variances; MEASURES], work: Work) -> Balance {
         let of_plain = self.plain().work(work);
         let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
@@ -137,17 +124,15 @@ impl BalanceLimits {
     }
 }
 
-/// Returns the cost of a pass: its variance at equal time, with the share of [`IMPATIENCE`].
-/// `variance` is the product of several measures. `work` is the ratio of the work and the work of
-/// the plain division.
+/// Returns the variance at equal time with [`IMPATIENCE`]. `variance` is the product of several
+/// measures, and `work` is relative to the plain division.
 fn cost(variance: f64, work: f64, measures: usize) -> f64 {
     variance * (work * powf(work.max(1.0), IMPATIENCE)).powi(measures as i32)
 }
 
 impl Balance {
-    /// Returns the choice of camera samples with the least variance at equal time, for these
-    /// numbers of photons. Each entry of `variances` is a measure of the variance of the picture.
-    /// The choice minimises the product of all measures. It is the first choice unless another one
+    /// Returns the camera samples with the least variance at equal time for these photons: the
+    /// least product of all measures in `variances`. It is the first choice unless another one
     /// gains something.
     pub(super) fn choose_samples(
         self,
@@ -166,8 +151,7 @@ impl Balance {
         if cost_of(best) < WORTHWHILE.powi(3) * cost_of(first) { best } else { first }
     }
 
-    /// Returns true if camera samples without noise would reduce the variance enough for
-    /// [`Self::choose_samples`] to gain something.
+    /// Returns true if samples without noise would gain something in [`Self::choose_samples`].
     pub(super) fn has_noisy_samples(self, variances: [Variances; 3]) -> bool {
         let noisy: f64 = variances.iter().map(|&of_one| self.variance(of_one)).product();
         let exact: f64 = variances.iter().map(|of_one| self.variance_of_photons(of_one)).product();
@@ -247,7 +231,6 @@ mod tests {
         assert!(stored_fraction <= 0.25, "{stored_fraction}");
     }
 
-    /// For a grid of variances and works, no other division within the limits is much better.
     #[test]
     fn the_choice_has_almost_the_least_variance_at_equal_time() {
         for traced in [0.0, 100.0, 10_000.0] {
@@ -276,8 +259,7 @@ mod tests {
         assert!(!explicit.is_fixed() && !samples.is_fixed());
     }
 
-    /// Each path stores more photons in media if they are noisy and cheap to gather, but not if all
-    /// photons are stored already.
+    /// Media store more photons of each path if they are noisy and cheap to gather.
     #[test]
     fn noisy_media_store_more_photons_of_each_path() {
         let work = Work { gather_in_media: 100.0, ..SMALL_FILM };
@@ -295,8 +277,7 @@ mod tests {
         assert!(photons >= 25_000 && camera_samples >= 1);
     }
 
-    /// More samples where they are noisy are worth more than samples everywhere, but not if photons
-    /// cause the noise.
+    /// Samples follow the noise rather than grow everywhere, unless photons cause it.
     #[test]
     fn samples_follow_the_noise_only_if_this_gains_something() {
         let probe = |&pixel: &usize| {

@@ -1,12 +1,11 @@
 //! The numbers of camera samples of the pixels.
 //!
-//! Some pixels are noisier than others: pixels at edges, in penumbras, and behind glass. The
-//! variance of the picture at equal time is least if the number of samples of each pixel is
-//! proportional to σ/√c. Here σ is the standard deviation of one sample, and c is the work of one
-//! sample (Neyman 1934, "On the Two Different Aspects of the Representative Method"). The pilot
-//! estimates both from samples that are not part of the picture. Numbers that depended on the
-//! picture's own samples would bias the picture (Kirk & Arvo 1991, "Unbiased Sampling Techniques
-//! for Image Synthesis").
+//! Pixels at edges, in penumbras and behind glass are noisier than others. The variance of the
+//! picture at equal time is least if the samples of each pixel are proportional to σ/√c, for the
+//! standard deviation σ and the work c of one sample (Neyman 1934, "On the Two Different Aspects of
+//! the Representative Method"). The pilot estimates both from samples that are not part of the
+//! picture, because numbers that depended on the picture's own samples would bias it (Kirk & Arvo
+//! 1991, "Unbiased Sampling Techniques for Image Synthesis").
 
 use super::small_pass::{TILE, mean_of_components};
 use crate::pass::CameraSamples;
@@ -16,31 +15,28 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// The most camera samples of a pixel in a pass, if the scene does not state the number.
 pub(super) const MOST_SAMPLES: f64 = 16.0;
 
-/// The film is divided into squares of this many pixels in each direction. The pixels of a square
-/// have the same number of samples.
+/// The side in pixels of the squares of the film whose pixels have the same number of samples.
 const SQUARE: usize = 2;
 
-/// The noise is measured only on a film of at least this many squares. On a smaller film, the
+/// The least number of squares of a film on which the noise is measured. On a smaller film, the
 /// surroundings of a square are a large part of the film.
 const LEAST_SQUARES: usize = 100;
 
 /// The noise of a square is estimated from the squares up to this distance in each direction.
 const RADIUS: usize = 1;
 
-/// The share of the mean over the film in the relative variance of a square.
+/// The fraction of the mean over the film in the relative variance of a square.
 const FRACTION_OF_MEAN: f64 = 0.2;
 
 /// The largest threshold. The others differ by factors of √2.
 const LARGEST_THRESHOLD: f64 = 2.0;
 
-/// The number of thresholds.
 const THRESHOLDS: i32 = 16;
 
-/// The largest variance of a square relative to the mean of the picture, as a multiple of the mean
-/// over the film. A rare bright sample would otherwise decide alone.
+/// The largest variance of a square relative to the mean of the picture, as a multiple of the
+/// film's mean, because a rare bright sample would otherwise decide alone.
 const LARGEST_SQUARE: f64 = 64.0;
 
-/// A choice of the numbers of camera samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SampleChoice {
     /// The mean number of samples per pixel.
@@ -52,17 +48,16 @@ pub(super) struct SampleChoice {
     number: SampleNumber,
 }
 
-/// How the number of camera samples of a pixel is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum SampleNumber {
-    /// The same number in all pixels.
     Same(u64),
-    /// A pixel has as many samples as σ/√c contains the threshold. σ is the relative standard
-    /// deviation of a sample, and c is its work divided by the mean work of a sample.
-    ByNoise { threshold: f64 },
+    /// As many as σ/√c contains the threshold, for the relative standard deviation σ of a sample,
+    /// and its work c divided by the mean.
+    ByNoise {
+        threshold: f64,
+    },
 }
 
-/// A camera sample of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ProbedPixel {
     /// X, Y and Z of the sample in W/m²/sr.
@@ -73,16 +68,13 @@ pub(super) struct ProbedPixel {
     pub(super) work: f64,
 }
 
-/// The noise of camera samples on the film.
 #[derive(Debug)]
 pub(super) struct FilmNoise {
-    /// The width and the height of the film in pixels.
     size: (usize, usize),
     /// The squares of the film, row by row.
     squares: Vec<SampleNoise>,
 }
 
-/// The noise of one camera sample in a square.
 #[derive(Debug, Clone, Copy)]
 struct SampleNoise {
     /// The variance relative to the light around the square.
@@ -96,8 +88,7 @@ struct SampleNoise {
 }
 
 impl FilmNoise {
-    /// Measures the noise with a sample in each square. `probe` takes a sample of each of some
-    /// pixels. Returns `None` if the film has few pixels.
+    /// Measures the noise with a sample in each square, by `probe`. `None` for few pixels.
     pub(super) fn measure(
         (width, height): (usize, usize),
         probe: impl Fn(&[usize]) -> Vec<ProbedPixel> + Sync,
@@ -135,9 +126,8 @@ impl FilmNoise {
         &self.squares[pixel / width / SQUARE * width.div_ceil(SQUARE) + pixel % width / SQUARE]
     }
 
-    /// Compares variances of a sample of X, Y and Z with the measured noise. `variances` contains
-    /// pixels and their variances. Returns the ratio of the means over these pixels of the relative
-    /// variances.
+    /// Compares pixels and their variances of a sample of X, Y and Z with the measured noise.
+    /// Returns the ratio of the means over these pixels of the relative variances.
     pub(super) fn ratio_of(&self, variances: impl Iterator<Item = (usize, [f64; 3])>) -> f64 {
         let (sum, of_all) = variances.fold((0.0, 0.0), |(sum, of_all), (pixel, variance)| {
             let square = self.square_of(pixel);
@@ -146,7 +136,6 @@ impl FilmNoise {
         sum / of_all
     }
 
-    /// Multiplies all variances by a factor.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
         for square in &mut self.squares {
             square.relative *= factor;
@@ -155,8 +144,8 @@ impl FilmNoise {
         self
     }
 
-    /// Replaces a share of each relative variance by the mean over the film. Few samples around a
-    /// square may not show that bright samples are possible but rare.
+    /// Mixes the film's mean into each relative variance. Few samples around a square may not show
+    /// that bright samples are possible but rare.
     fn with_fraction_of_mean(mut self) -> Self {
         let sum: f64 = self.squares.iter().map(|square| square.relative).sum();
         let mean = sum / self.squares.len() as f64;
@@ -166,8 +155,7 @@ impl FilmNoise {
         self
     }
 
-    /// Returns the choice of equal numbers of samples, followed by the choices of numbers that
-    /// depend on the noise.
+    /// Returns equal numbers of samples first, followed by numbers that depend on the noise.
     pub(super) fn choices(&self, same: u64) -> Vec<SampleChoice> {
         let sum: f64 = self.squares.iter().map(|square| square.of_picture).sum();
         let limit = LARGEST_SQUARE * sum / self.squares.len() as f64;
@@ -180,10 +168,9 @@ impl FilmNoise {
         choices
     }
 
-    /// Returns a choice with three measures of its variance: the mean of the relative variances of
-    /// the pixels, their variance relative to the mean of the picture, and the mean of the relative
-    /// variances of the means of square blocks. `limit` is the largest variance of a square
-    /// relative to the mean of the picture.
+    /// Measures the variance of a choice: the mean of the relative variances of the pixels, their
+    /// variance relative to the mean of the picture (at most `limit` in a square), and the mean of
+    /// the relative variances of the means of square blocks.
     #[inline(never)]
     fn choice(&self, limit: f64, number: SampleNumber) -> SampleChoice {
         let (mut samples, mut work, mut relative, mut of_picture) = (0.0, 0.0, 0.0, 0.0);
@@ -199,7 +186,6 @@ impl FilmNoise {
         SampleChoice { mean, work, variances: [relative, of_picture, relative / (TILE * TILE) as f64], number }
     }
 
-    /// Returns the numbers of samples of a choice.
     pub(super) fn samples(&self, choice: &SampleChoice) -> CameraSamples {
         if let SampleNumber::Same(count) = choice.number {
             return CameraSamples::Same(count);
@@ -211,7 +197,6 @@ impl FilmNoise {
 }
 
 impl SampleNumber {
-    /// Returns the number of samples of each pixel of a square.
     fn of(self, square: &SampleNoise) -> u64 {
         match self {
             Self::Same(count) => count,
@@ -222,7 +207,6 @@ impl SampleNumber {
     }
 }
 
-/// Sums over the samples of some pixels.
 #[derive(Debug, Clone, Copy, Default)]
 struct ProbeSums {
     count: f64,
@@ -249,8 +233,7 @@ impl ProbeSums {
         (self.samples[c] + self.splats[c]) / self.count
     }
 
-    /// Returns the noise of a sample in the middle of these pixels. `picture` contains the sums
-    /// over the film.
+    /// Returns the noise in the middle of these pixels. `picture` sums over the film.
     fn noise(&self, picture: &Self) -> SampleNoise {
         let of_picture: [f64; 3] = std::array::from_fn(|c| picture.mean(c).powi(2).max(f64::MIN_POSITIVE));
         // The mean of the picture limits the weight of dark pixels.

@@ -29,7 +29,6 @@ const CAMERA_SAMPLES: u64 = 2;
 /// The number of light map cells along the longest side of a medium's box.
 const LIGHT_MAP_CELLS: u32 = 12;
 
-/// A scene with a film of few pixels.
 #[derive(Debug)]
 pub(super) struct CoarseScene {
     scene: Scene,
@@ -40,9 +39,6 @@ pub(super) struct CoarseScene {
 }
 
 /// Renders a coarse picture by path tracing. Returns `None` if the film has few pixels.
-///
-/// # Errors
-/// See [`path_pass`].
 pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
     let Some(coarse) = CoarseScene::of(context, context.scene) else { return Ok(None) };
     let passes = |context: PassContext<'_>, sums: &mut PassSums| {
@@ -51,12 +47,8 @@ pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>>
     coarse.picture(context, passes).map(Some)
 }
 
-/// Renders a coarse picture with the emission distributions of a pilot. `scene` is the scene at one
-/// of the pilot's times. Returns `None` if the film has few pixels. Afterwards, the pilot must
-/// measure the scene.
-///
-/// # Errors
-/// See [`photon_pass`].
+/// Renders with the emission distributions of a pilot, in the scene at one of its times. `None` if
+/// the film has few pixels. Afterwards, the pilot must measure the scene.
 pub(super) fn coarse_photon_picture(
     context: &PassContext<'_>,
     scene: &Scene,
@@ -73,8 +65,7 @@ pub(super) fn coarse_photon_picture(
 }
 
 impl CoarseScene {
-    /// Reduces the film of a scene. Returns `None` if the film has few pixels. `scene` is the scene
-    /// of the context, or a posed copy of this scene.
+    /// Reduces the film of the scene or a posed copy. `None` if the film has few pixels.
     fn of(context: &PassContext<'_>, scene: &Scene) -> Option<Self> {
         let factor = (scene.camera.pixel_count() as f64 / PIXELS).sqrt() as u32;
         let few_pixels = || {

@@ -1,4 +1,4 @@
-//! The targets of photon aiming: spheres around the parts of a scene that need many photons.
+//! The guiding spheres: spheres around the parts of a scene that need many photons.
 
 use abbe_optics::bsdf::{Bsdf, BsdfClass};
 use abbe_scene::Scene;
@@ -8,30 +8,28 @@ use abbe_spectra::math::sphere::BoundingSphere;
 use std::borrow::Cow;
 use std::iter;
 
-/// The largest number of targets around objects. If a scene has more objects, neighbouring objects
-/// share a target.
+/// The largest number of spheres around objects. More objects share them with their neighbours.
 const MAX_INNER_SPHERES: usize = 16;
 
-/// The largest number of spheres around the targets.
+/// The largest number of spheres around these spheres.
 const MAX_OUTER_SPHERES: usize = 24;
 
-/// The ratio of the radii of successive spheres around a target.
+/// The ratio of the radii of successive spheres around a guiding sphere.
 const OUTER_RATIO: f64 = 4.0;
 
 /// The spheres through which lights aim photons, each list with the smallest sphere first.
 pub(super) struct GuidingSpheres {
-    /// One kind of target contains the objects that can focus light or that are filled with a
-    /// medium. Another kind contains the openings. The last target contains most of the visible
-    /// points. Lights use only the targets that receive a small share of their power.
+    /// Around the objects that can focus light or are filled with a medium, around the portals, and
+    /// around most of the visible points. Lights use only spheres that receive a small fraction of
+    /// their power.
     pub(super) inner: Vec<BoundingSphere>,
-    /// Spheres around the targets that are smaller than the scene. Neighbouring targets share
-    /// spheres.
+    /// Larger spheres around these, up to the scene, shared by neighbours.
     ///
     /// Surfaces around the view and around a body of fog scatter light into it. In a large world,
-    /// most photons arrive far away, and few of them are scattered into the view or the body. A
-    /// photon of a target is lighter than a photon of the whole world by many orders of magnitude,
-    /// so the few heavy photons would dominate the noise. With the spheres as further strata, the
-    /// power of a photon increases in steps with the distance.
+    /// most photons arrive far away, and few of them are scattered there. A photon of a small
+    /// sphere is lighter than one of the whole world by many orders of magnitude, so the few heavy
+    /// photons would dominate the noise. With these spheres as further strata, the power of a
+    /// photon increases in steps with the distance.
     pub(super) outer: Vec<BoundingSphere>,
 }
 
@@ -60,7 +58,6 @@ impl GuidingSpheres {
     }
 }
 
-/// Returns spheres around targets that are smaller than the world.
 fn outer(inner: &[BoundingSphere], world_m: f64) -> Vec<BoundingSphere> {
     let mut spheres = Vec::new();
     for inner_sphere in inner {
@@ -80,7 +77,6 @@ fn outer(inner: &[BoundingSphere], world_m: f64) -> Vec<BoundingSphere> {
     spheres
 }
 
-/// Returns true if an object can focus light or is filled with a medium.
 fn needs_photons(scene: &Scene, object: u32) -> bool {
     let material = scene.material_of(object);
     let focuses = |class| matches!(class, BsdfClass::Specular | BsdfClass::Glossy);
@@ -111,7 +107,6 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// Every box lies in one of the targets, and the number of targets is limited.
     #[test]
     fn inner_spheres_cover_all_objects() {
         let at = |i: u32| DVec3::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100)) * 100.0;
@@ -130,8 +125,8 @@ mod tests {
         }
     }
 
-    /// A small target in a large world has spheres in steps of the ratio. A second target beside it
-    /// shares them, and a distant target has its own until they contain both.
+    /// A small sphere in a large world has outer spheres in steps of the ratio. A second one beside
+    /// it shares them, and a distant one has its own until they contain both.
     #[test]
     fn neighbouring_inner_spheres_share_outer_spheres() {
         let sphere = |x: f64| BoundingSphere { centre: DVec3::new(x, 0.0, 0.0), radius_m: 1.0 };

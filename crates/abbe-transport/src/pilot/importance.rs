@@ -1,5 +1,4 @@
-//! The importance of photons: how much the photons of each part of a light contribute to the
-//! picture.
+//! The importance of photons: how much each part of a light contributes to the picture.
 
 use crate::emit::{Aim, CELLS, EmissionStrata, MediumCrossing, PhotonState, PhotonVisitor, SurfaceArrival};
 use crate::plan::partition::{LightPath, PhotonClass};
@@ -9,14 +8,12 @@ use abbe_spectra::math::random::Stream;
 use std::iter;
 use std::ops::Range;
 
-/// The number of pilot paths per cell of a grid.
 const PATHS_PER_CELL: u64 = 16;
 
 /// The smallest number of cells along each side of a grid.
 const MIN_CELLS: usize = 4;
 
-/// A distribution is used only if it reduces the mean square of the photons' contributions to this
-/// fraction.
+/// A distribution is used only if it reduces the mean square of the contributions to this fraction.
 const WORTHWHILE: f64 = 0.9;
 
 /// The positions of the grids of all strata in one list of cells.
@@ -25,13 +22,11 @@ pub(super) struct GridLayout {
     sides: Vec<usize>,
     /// For each stratum, the index of its first cell.
     first_cells: Vec<usize>,
-    /// The number of cells of all strata.
     cells: usize,
 }
 
 impl GridLayout {
-    /// Creates grids whose cells receive [`PATHS_PER_CELL`] of the paths, if the grids stay within
-    /// their limits.
+    /// Creates grids with [`PATHS_PER_CELL`] of the paths per cell, within their limits.
     pub(super) fn new(strata: &EmissionStrata, paths: u64) -> Self {
         let side = |stratum: usize| {
             let paths = paths as f64 * strata.choice.probability(stratum);
@@ -52,35 +47,28 @@ impl GridLayout {
     }
 }
 
-/// The importance of photons, per stratum and per cell of the stratum's emission grid.
+/// The importance of photons, per stratum and cell of its grid.
 ///
-/// The score of a path estimates its contribution to the picture. The paths are divided into two
-/// halves. A distribution that was learned from one half is tested with the other half.
+/// The score of a path estimates its contribution to the picture. A distribution that was learned
+/// from one half of the paths is tested with the other half.
 pub(super) struct Importance<'a> {
     scene: &'a Scene,
     layout: &'a GridLayout,
     halves: [CellSums; 2],
-    /// The half to which the current path belongs.
     half: usize,
     /// For each object: true if a path reached the object.
     pub(super) reached: Vec<bool>,
-    /// The index of the current path's cell.
     current: usize,
-    /// The power of the current path's photon at its start.
     start_power: f64,
-    /// The score of the current path's arrivals at surfaces.
     surface_score: f64,
-    /// The largest score of the current path's segments in media. Only one segment counts, because
-    /// a path in a dense medium has many segments with nearly the same information.
+    /// Of the current path's segments in media: the largest, because those in a dense medium have
+    /// nearly the same information.
     volume_score: f64,
 }
 
-/// The scores of one half of the paths.
 #[derive(Clone)]
 struct CellSums {
-    /// The number of paths per cell.
     paths: Vec<f64>,
-    /// The sum of squared scores per cell.
     squares: Vec<f64>,
 }
 
@@ -103,7 +91,6 @@ impl<'a> Importance<'a> {
         }
     }
 
-    /// Adds the score of the current path to its cell.
     pub(super) fn end_path(&mut self) {
         self.halves[self.half].squares[self.current] += (self.surface_score + self.volume_score).powi(2);
         (self.surface_score, self.volume_score) = (0.0, 0.0);
@@ -122,8 +109,7 @@ impl<'a> Importance<'a> {
         self.reached.iter_mut().zip(&other.reached).for_each(|(a, b)| *a |= b);
     }
 
-    /// Returns the mean squared scores of a stratum's cells, from some of the halves. A cell
-    /// without paths has none.
+    /// Returns the mean squared scores of a stratum's cells in some halves, `None` without paths.
     fn mean_squares(&self, stratum: usize, halves: &[usize]) -> Vec<Option<f64>> {
         let sum = |values: fn(&CellSums) -> &[f64], cell: usize| -> f64 {
             halves.iter().map(|&half| values(&self.halves[half])[cell]).sum()
@@ -137,10 +123,9 @@ impl<'a> Importance<'a> {
 
     /// Returns the emission distribution of a stratum, and its mean score.
     ///
-    /// If few paths of a cell contribute to the picture, the score of the cell is mostly noise.
-    /// Therefore the scores are averaged over square blocks of cells. The size of the blocks is the
-    /// size at which a distribution that was learned from one half of the paths suits the other
-    /// half best.
+    /// If few paths of a cell contribute, its score is mostly noise. The scores are therefore
+    /// averaged over square blocks of cells, of the size at which the distribution from one half of
+    /// the paths suits the other half best.
     pub(super) fn aim(&self, stratum: usize) -> (Aim, f64) {
         let side = self.layout.sides[stratum];
         let [even, odd] = [0, 1].map(|half| self.mean_squares(stratum, &[half]));
@@ -150,9 +135,8 @@ impl<'a> Importance<'a> {
     }
 }
 
-/// Returns the side length of the blocks in which scores are averaged, in cells. `halves` contains
-/// the mean squared scores of each half of the paths. If no distribution is worthwhile, one block
-/// contains the whole grid.
+/// Returns the side in cells of the blocks in which scores are averaged, by the mean squared scores
+/// of each half. If no distribution is worthwhile, one block contains the whole grid.
 fn block_size(halves: [&[Option<f64>]; 2], side: usize) -> usize {
     let moment = |block: usize| -> f64 {
         let learned = halves.map(|half| learned_aim(&scores(half, side, block), side));
@@ -164,8 +148,7 @@ fn block_size(halves: [&[Option<f64>]; 2], side: usize) -> usize {
     best.filter(|&(_, moment)| moment < WORTHWHILE * plain).map_or(side, |(size, _)| size)
 }
 
-/// Returns the root-mean-square scores of cells. `squares` contains the mean squares of the cells.
-/// They are averaged over square blocks of `block` × `block` cells.
+/// Returns the root of the mean `squares` over square blocks of `block` × `block` cells.
 fn scores(squares: &[Option<f64>], side: usize, block: usize) -> Vec<f64> {
     let blocks = side.div_ceil(block);
     let block_of = |cell: usize| (cell / side / block) * blocks + cell % side / block;
@@ -184,8 +167,8 @@ fn scores(squares: &[Option<f64>], side: usize, block: usize) -> Vec<f64> {
     (0..squares.len()).map(score).collect()
 }
 
-/// Returns the emission distribution whose density is proportional to the scores of the cells. The
-/// scores are smoothed over neighbouring cells, so that a small feature is not missed.
+/// Returns the emission distribution in proportion to the scores, smoothed over neighbouring cells,
+/// so that a small feature is not missed.
 fn learned_aim(scores: &[f64], side: usize) -> Aim {
     if scores.iter().all(|&score| score == scores[0]) {
         return Aim::plain();
@@ -194,16 +177,15 @@ fn learned_aim(scores: &[f64], side: usize) -> Aim {
     Aim::learned(side, &smooth)
 }
 
-/// Returns the sum of the mean squared contributions of the cells if photons follow a distribution.
-/// The contribution of a path is its score divided by its density.
+/// Returns the sum of the mean squared contributions of the cells under a distribution. A
+/// contribution is the score of a path divided by its density.
 fn second_moment(aim: &Aim, squares: &[Option<f64>], side: usize) -> f64 {
     let centre = |cell: usize| [cell % side, cell / side].map(|place| (place as f64 + 0.5) / side as f64);
     let of_cell = |(cell, square): (usize, &Option<f64>)| square.map(|square| square / aim.relative_pdf(centre(cell)));
     squares.iter().enumerate().filter_map(of_cell).sum()
 }
 
-/// Returns the average of two scores: the score of a cell, and the highest score among this cell
-/// and its neighbours.
+/// Returns the mean of the score of a cell and of the highest score among it and its neighbours.
 fn smoothed(raw: &[f64], side: usize, cell: usize) -> f64 {
     let (x, y) = (cell % side, cell / side);
     let mut highest = 0.0_f64;
@@ -238,7 +220,7 @@ impl PhotonVisitor for Importance<'_> {
         if photon.truncated || !medium.medium.scatters() || !segment.length_m.is_finite() {
             return;
         }
-        // Estimates the visible share of the segment from five points.
+        // Estimates the visible fraction of the segment from five points.
         let points = [0.1, 0.3, 0.5, 0.7, 0.9].map(|fraction| segment.ray.at(fraction * segment.length_m));
         let in_view = points.iter().filter(|&&point| self.scene.camera.connect(point, [0.5; 2]).is_some()).count();
         let weight = match class {
@@ -270,8 +252,8 @@ mod tests {
 
     const SIDE: usize = 64;
 
-    /// Returns the two halves of the mean squared scores of a grid whose cells have 16 paths each.
-    /// `probability` is the probability that a path of a cell contributes to the picture.
+    /// Returns both halves of the mean squared scores of a grid with 16 paths per cell, which
+    /// contribute with this probability.
     fn halves(probability: impl Fn(usize) -> f64) -> [Vec<Option<f64>>; 2] {
         let mut stream = Stream::new(Seed::new(3), Purpose::SurveyPhoton, 0, 0);
         let mut half = || {
@@ -286,8 +268,8 @@ mod tests {
         block_size([&even, &odd], SIDE)
     }
 
-    /// One path in a thousand contributes, wherever it starts. A distribution that follows the few
-    /// cells with such a path would send most photons astray.
+    /// One path in a thousand contributes, wherever it starts. Following the few cells with such a
+    /// path would send most photons astray.
     #[test]
     fn rare_contributions_from_everywhere_teach_no_aim() {
         assert_eq!(chosen(|_| 1e-3), SIDE);

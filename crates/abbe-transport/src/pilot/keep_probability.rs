@@ -1,12 +1,10 @@
-//! Limits of the numbers of photons that media store.
-//!
-//! A few photons near each camera ray are enough. More photons would make every pass slower. If the
-//! same time is spent on additional passes, the noise decreases more.
+//! Limits of the photons that media store. A few photons near each camera ray are enough: more
+//! would slow down every pass, and the noise falls more if this time is spent on passes.
 
 use crate::pass::{KeepProbability, VolumeDeposits};
 
-/// The largest number of photon points of one class that a photon set stores in a pass. A photon in
-/// a dense medium leaves hundreds of points. Most of these points add little information.
+/// The most photon points of one class that a set stores in a pass. A photon in a dense medium
+/// leaves hundreds, most of which add little information.
 const MAX_POINTS: f64 = 50_000.0;
 
 /// The largest number of photon beams of one class that a photon set stores in a pass.
@@ -20,23 +18,21 @@ pub(super) struct DepositCounts {
 }
 
 impl DepositCounts {
-    /// Counts the photons that the pilot stored. `pass_per_pilot` is the number of photon paths in
-    /// a pass, divided by the number of photon paths in the pilot.
+    /// Counts the photons that the pilot stored. `pass_per_pilot` is the ratio of the photon paths
+    /// of a pass and of the pilot.
     pub(super) fn of(deposits: &VolumeDeposits, pass_per_pilot: f64) -> Self {
         let scaled = |count: usize| count as f64 * pass_per_pilot;
         Self { points: scaled(deposits.points.len()), beams: scaled(deposits.beams.len()) }
     }
 
-    /// Compares the counts of two sets or two shutter times. Returns the larger value of each
-    /// count.
+    /// Returns the larger of each count, of two sets or shutter times.
     pub(super) fn max(self, other: Self) -> Self {
         Self { points: self.points.max(other.points), beams: self.beams.max(other.beams) }
     }
 }
 
 impl KeepProbability {
-    /// Returns the probabilities with which a photon set stores at most [`MAX_POINTS`] points and
-    /// [`MAX_BEAMS`] beams in a pass. `stored` is the number of photons if all were stored.
+    /// Stores at most [`MAX_POINTS`] and [`MAX_BEAMS`] in a pass that would store these.
     pub(super) fn within_limits(stored: DepositCounts) -> Self {
         let at_most = |count: f64, most: f64| most / count.max(most);
         Self { surface: 1.0, points: at_most(stored.points, MAX_POINTS), beams: at_most(stored.beams, MAX_BEAMS) }

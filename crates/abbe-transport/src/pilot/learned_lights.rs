@@ -13,12 +13,11 @@ const MOST_PATHS: u64 = 1 << 17;
 /// The number of camera paths of a small film.
 const FEWEST_PATHS: u64 = 1 << 12;
 
-/// The number of paths in one parallel task.
 const TASK: u64 = 256;
 
-/// Returns the selector of the lights with learned weights, if the scene has many local
-/// lights. The number of camera paths is half the number of pixels, so that the trials take a small
-/// part of the time of the first eight passes. Adds the duration to `seconds`.
+/// Returns the selector with learned weights, if the scene has many local lights, and adds the
+/// duration to `seconds`. The camera paths are half as many as the pixels, so that the trials take
+/// a small part of the time of the first eight passes.
 pub fn learn_lights<'a>(context: &PassContext<'a>, seconds: &mut StageSeconds) -> Cow<'a, LightSelector> {
     let PassContext { scene, selector, plan, .. } = *context;
     if !selector.learns() || plan.direct.is_absent() {

@@ -1,4 +1,4 @@
-//! The measurements of the pilot: radii, probabilities of storing photons, and outlines.
+//! The measurements of the pilot: radii, probabilities of storing photons, and surface extents.
 
 use super::surface_extents::surface_extents;
 use super::survey::PixelSurvey;
@@ -12,12 +12,12 @@ use crate::plan::partition::PerSet;
 use abbe_scene::Scene;
 use std::borrow::Cow;
 
-/// If both sets are in use, each set receives at least this share of the photons.
+/// If both sets are in use, each set receives at least this fraction of the photons.
 const MIN_SET_FRACTION: f64 = 0.08;
 
 /// Measures the radii, the probabilities of storing photons in media, and the division of the
-/// photons between the sets. Returns the visible point of each pixel. There are no outlines
-/// until [`measure_surface_extents`].
+/// photons between the sets. Returns the visible point of each pixel. Surface extents follow in
+/// [`measure_surface_extents`].
 pub(super) fn measure(
     parameters: &mut PassParameters,
     context: &PassContext<'_>,
@@ -37,8 +37,7 @@ pub(super) fn measure(
     for (radii, counts) in radii.iter_mut().zip(volume) {
         counts.set_radii(radii, parameters.keep, &widths);
     }
-    // The paths of a receptor reach surfaces everywhere, so the radius of one of its paths does
-    // not suit the others.
+    // The paths of a sensor reach surfaces everywhere, so no radius suits the others.
     parameters.radii = FirstRadii::with_medians(&radii, context.scene.measures());
     if context.plan.photon_sets() == (PerSet { free: true, shared: true }) {
         parameters.photons = divided(context.budget.photons, readers);
@@ -46,16 +45,14 @@ pub(super) fn measure(
     visible
 }
 
-/// Measures the outlines of the surfaces around the visible points, up to the kernel radii of
-/// pass 0.
+/// Measures the surface extents around the visible points, up to the kernel radii of pass 0.
 pub(super) fn measure_surface_extents(
     parameters: &mut PassParameters,
     context: &PassContext<'_>,
     scene: &Scene,
     visible: &[Option<VisiblePoint>],
 ) {
-    // If the camera moves, the visible point of a pixel changes from pass to pass, so no
-    // outlines are stored.
+    // A moving camera changes the visible point of a pixel from pass to pass, so nothing is stored.
     if context.plan.indirect != IndirectPlan::Absent && context.scene.motions.camera.is_none() {
         let scale = scales(0, parameters.stored_photons).surface.indirect;
         let swept = context.scene.swept_boxes();

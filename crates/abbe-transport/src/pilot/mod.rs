@@ -1,17 +1,13 @@
-//! The pilot: everything that runs once before pass 0.
+//! The pilot: everything that runs once before pass 0, with its own random streams. It fixes all
+//! data that passes must not learn from each other, the
+//! [`PassParameters`](crate::pass::PassParameters).
 //!
-//! The pilot has its own random streams. It fixes all data that passes must not learn from each
-//! other, the [`PassParameters`](crate::pass::PassParameters). The pilot uses `pass`, and no pass
-//! uses the pilot.
-//!
-//! - `portals` and `learned_lights`: where shadow rays go, found before [`Pilot::run`].
-//! - `aims`, `importance` and `guiding_spheres`: the emission distributions.
-//! - `survey`, `volume_radii`, `volume_samples`, `keep_probability`, `surface_extents` and
-//!   `sensor_radii`: the first kernel radii and what belongs to them. `measure` calls them.
-//! - `trial`, `small_pass`, `work`, `balance` and `camera_samples`: how many photons and how many
-//!   camera samples a pass has.
-//! - `coarse`: a picture to look at before the first pass.
-//! - `run`: all of this, in order.
+//! `portals` and `learned_lights` find where shadow rays go, before [`Pilot::run`]. `aims`,
+//! `importance` and `guiding_spheres` learn the emission distributions. `measure` calls `survey`,
+//! `volume_radii`, `volume_samples`, `keep_probability`, `surface_extents` and `sensor_radii` for
+//! the first kernel radii and what belongs to them. `trial`, `small_pass`, `work`, `balance` and
+//! `camera_samples` decide how many photons and camera samples a pass has. `coarse` renders a
+//! picture before the first pass.
 
 mod aims;
 mod balance;

@@ -1,11 +1,11 @@
-//! The search for openings: windows and other holes through which the light of the surroundings
+//! The search for portals: windows and other holes through which the light of the surroundings
 //! reaches the visible part of the scene.
 //!
-//! Paths from the camera leave a room only through its openings. Each escaping path gives a line
-//! from its last surface to the surroundings. Lines from different surfaces through one opening
-//! meet near this opening. The search therefore looks for small spheres that many lines pass
-//! through. It maximises the likelihood of the lines: a line that a sphere explains has the density
-//! 1/Ω, where Ω is the solid angle of the sphere seen from the surface.
+//! Paths from the camera leave a room only through its portals, and each escaping path gives a line
+//! from its last surface to the surroundings. Lines from different surfaces meet near a portal, so
+//! the search looks for small spheres that many lines pass through. It maximises the likelihood of
+//! the lines: a line that a sphere explains has the density 1/Ω, for the solid angle Ω of the
+//! sphere seen from the surface.
 
 use crate::gather::{PORTAL_FRACTION, PixelSampler, PortalSpheres, Portals};
 use crate::pass::{PassContext, StageSeconds};
@@ -29,19 +29,17 @@ const BATCH: u64 = 4096;
 /// The largest number of batches. The search traces batches until it has enough lines.
 const MAX_BATCHES: u64 = 16;
 
-/// The largest number of batches of a measurement that finds few lines. Without openings, the sky
-/// behind a tiny hole would need far more samples than the search.
+/// The same for a measurement that finds few lines. Without portals, the sky behind a tiny hole
+/// would need far more samples than the search.
 const MAX_BATCHES_OF_MEASUREMENT: u64 = 256;
 
 /// A measurement stops the longer search when it has this number of lines.
 const FEW_LINES: usize = 8 * MIN_LINES;
 
-/// The radii of the spheres of a measurement are multiplied by this factor if the search has fewer
-/// than [`MAX_LINES`] lines. Few lines do not reach the edges of an opening, and the light beyond a
-/// sphere would be rare and bright.
+/// The factor on the radii for a measurement with fewer than [`MAX_LINES`] lines. Few lines do not
+/// reach the edges of a portal, and the light beyond a sphere would be rare and bright.
 const MARGIN_OF_FEW_LINES: f64 = 1.5;
 
-/// The number of paths in one parallel task.
 const TASK: u64 = 256;
 
 /// The largest number of surface events of these paths.
@@ -53,7 +51,6 @@ const MAX_LINES: usize = 512;
 /// With fewer lines, the search finds nothing.
 const MIN_LINES: usize = 24;
 
-/// The largest number of openings.
 const MAX_PORTALS: usize = 8;
 
 /// The number of pairs of lines whose nearest points are tried as the centre of a sphere.
@@ -62,27 +59,24 @@ const PAIRS: u64 = 256;
 /// The fractions of the lines that a sphere of the search contains.
 const INSIDE: [f64; 7] = [0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.0];
 
-/// A sphere is added to the openings if it raises the mean logarithm of the likelihood by this
-/// value.
+/// The rise of the mean logarithm of the likelihood for which a sphere is added.
 const MIN_GAIN: f64 = 0.15;
 
-/// The openings are used only if they raise the mean logarithm of the likelihood by this value, so
-/// that a typical line is three times as likely.
+/// The total rise for which the portals are used: a typical line is three times as likely.
 const MIN_TOTAL_GAIN: f64 = 1.1;
 
 /// The end of a path that left the scene.
 #[derive(Debug, Clone, Copy)]
 struct EscapedLine {
-    /// The ray from the path's last surface.
     ray: Ray,
-    /// The density (1/sr) with which next-event estimation without openings finds this ray.
+    /// The density (1/sr) with which next-event estimation without portals finds this ray.
     pdf_solid_angle: f64,
     /// True if the line passes through glass that does not bend it.
     glazed: bool,
 }
 
-/// Finds the openings of the scene. The result is empty if no light surrounds the scene, or if most
-/// paths leave the scene. Adds the duration to `seconds`.
+/// Finds the portals, and adds the duration to `seconds`. There are none if no light surrounds the
+/// scene, or if most paths leave it.
 pub fn find_portals(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Portals {
     let start = Instant::now();
     let (scene, seed) = (context.scene, context.budget.seed);
@@ -101,13 +95,12 @@ pub fn find_portals(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Po
     portals
 }
 
-/// Returns at most [`MAX_LINES`] of the lines.
 fn thinned(lines: &[EscapedLine]) -> Vec<EscapedLine> {
     lines.iter().copied().step_by(lines.len().div_ceil(MAX_LINES).max(1)).collect()
 }
 
-/// Traces paths from the camera, and returns the lines along which they leave the scene. `pdf_solid_angle`
-/// is the density with which shadow rays find a direction.
+/// Returns the lines along which camera paths leave the scene. `pdf_solid_angle` is the density
+/// with which shadow rays find a direction.
 fn escaped_lines(scene: &Scene, streams: Streams, pdf_solid_angle: impl Fn(DVec3) -> f64 + Sync) -> Vec<EscapedLine> {
     let mut lines: Vec<EscapedLine> = Vec::new();
     let batches = if scene.measures() { MAX_BATCHES_OF_MEASUREMENT } else { MAX_BATCHES };
@@ -122,27 +115,23 @@ fn escaped_lines(scene: &Scene, streams: Streams, pdf_solid_angle: impl Fn(DVec3
     lines
 }
 
-/// Traces the paths with these indices, and returns the lines along which they leave the scene.
 fn trace_lines(
     scene: &Scene,
     streams: Streams,
     paths: Range<u64>,
     pdf_solid_angle: impl Fn(DVec3) -> f64,
 ) -> Vec<EscapedLine> {
-    /// The largest squared distance of the directions before and after glass that does not bend a
-    /// ray.
+    /// The largest squared distance of the directions before and after unbending glass.
     const UNBENT: f64 = 1e-20;
     let measures = scene.measures();
     let pixels = scene.camera.pixel_count() as u64;
     let wavelengths = Wavelengths::single(REFERENCE_NM);
     let mut lines = Vec::new();
     for path in paths {
-        // The paths of a batch are distributed evenly over the pixels.
         let pixel = if pixels < BATCH { path % pixels } else { path % BATCH * pixels / BATCH };
         let mut sampler = PixelSampler::new(streams, path, pixel);
         let Some((mut ray_state, pdf)) = sampler.ray_at(scene, pixel, REFERENCE_NM) else { continue };
-        // The last vertex that scatters into many directions, and the density of the direction
-        // there. A receptor is such a vertex.
+        // The last vertex that scatters into many directions, and the density there.
         let mut last = pdf.map(|pdf| (ray_state.ray, pdf));
         let mut glazed = false;
         for _ in 0..MAX_SURFACES {
@@ -246,14 +235,13 @@ fn spheres_around(lines: &[EscapedLine], centre: DVec3) -> impl Iterator<Item = 
     })
 }
 
-/// Returns the distance of a point from a ray.
 fn distance(ray: &Ray, point: DVec3) -> f64 {
     let offset = point - ray.origin;
     offset.distance(offset.dot(ray.direction).max(0.0) * ray.direction)
 }
 
-/// Returns the point halfway between two rays where they are nearest to each other. `None` if the
-/// rays are nearly parallel, or if they are nearest at their origins.
+/// Returns the point halfway between two rays where they are nearest. `None` if they are nearly
+/// parallel, or nearest at their origins.
 fn nearest_point(a: &Ray, b: &Ray) -> Option<DVec3> {
     let (cosine, offset) = (a.direction.dot(b.direction), b.origin - a.origin);
     let sine2 = 1.0 - cosine * cosine;
@@ -265,8 +253,7 @@ fn nearest_point(a: &Ray, b: &Ray) -> Option<DVec3> {
     (along_a > 0.0 && along_b > 0.0).then(|| 0.5 * (a.at(along_a) + b.at(along_b)))
 }
 
-/// Returns the point with the least sum of squared distances from the lines. `None` if the lines
-/// are parallel.
+/// Returns the point with the least sum of squared distances, `None` for parallel lines.
 fn point_nearest_to<'r>(rays: impl Iterator<Item = &'r Ray>) -> Option<DVec3> {
     let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for ray in rays {
@@ -279,8 +266,7 @@ fn point_nearest_to<'r>(rays: impl Iterator<Item = &'r Ray>) -> Option<DVec3> {
 }
 
 impl EscapedLine {
-    /// Returns the density with which next-event estimation finds the line. `sum` is the sum of the
-    /// densities through `count` openings.
+    /// Returns the density of next-event estimation. `sum` is that through all `count` portals.
     fn mixture_pdf(&self, sum: f64, count: f64) -> f64 {
         self.pdf_solid_angle.max(sum / count)
     }

@@ -1,14 +1,14 @@
-//! The pilot: a small render before pass 0. It has its own random streams.
+//! The pilot: a small render before pass 0, with its own random streams.
 //!
-//! The pilot fixes all data that passes must not learn from each other: the emission distributions
-//! of the lights, the first kernel radii and the number of camera samples of each pixel, and the
-//! division of the photons between the two sets.
+//! It fixes all data that passes must not learn from each other: the emission distributions, the
+//! first kernel radii and the camera samples of each pixel, and the division of the photons between
+//! the two sets.
 //!
-//! If anything in the scene moves, the pilot surveys the scene at several times. The pilot learns
-//! the emission distributions from the photons of all these times. Each pixel gets the smallest of
-//! its radii at these times. This radius suits the time with the highest photon density, which
-//! needs the sharpest kernel. At the other times, the radius adds noise, but these times contribute
-//! less light. Outlines are stored only where nothing moves.
+//! If anything moves, the pilot surveys the scene at several times and learns the emission
+//! distributions from the photons of all of them. Each pixel gets the smallest of its radii, that
+//! of the time with the highest photon density, which needs the sharpest kernel. At the other times
+//! it adds noise, but these contribute less light. Surface extents are stored only where nothing
+//! moves.
 
 use super::aims::{LearnedAims, learn_aims};
 use super::balance::{Balance, BalanceLimits};
@@ -29,25 +29,21 @@ use abbe_spectra::error::Result;
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// The emission distributions of a single coarse picture are learned as if a pass had this number
-/// of photon paths.
+/// The photon paths of a pass for which a single coarse picture learns its emission distributions.
 const COARSE_AIM_PHOTONS: u64 = 40_000;
 
 /// The number of shutter times in the pilot's survey of a moving scene.
 const MOMENTS: usize = 4;
 
-/// The results of the pilot.
 #[derive(Debug)]
 pub struct Pilot {
-    /// What all passes use.
     pub parameters: PassParameters,
     /// The names of the specular objects that no pilot photon reached.
     pub unlit: Vec<String>,
 }
 
-/// Returns the scene at the pilot's times. The open time of the shutter is divided into intervals
-/// that transmit equal amounts of light. Each interval gives one time: half of the interval's light
-/// passes before this time.
+/// Returns the scene at the pilot's times: the middles, by transmitted light, of intervals that
+/// transmit equal amounts of light.
 fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
     let scene = context.scene;
     match context.plan.motion {
@@ -60,12 +56,8 @@ fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
 }
 
 impl Pilot {
-    /// Runs the pilot. Adds the duration of the pilot to `seconds`. If `show` is given and the film
-    /// is not small, the function calls `show` with a coarse picture of the scene as soon as
-    /// possible.
-    ///
-    /// # Errors
-    /// Returns an error if the scene cannot be posed at one of the pilot's times.
+    /// Runs the pilot, and adds its duration to `seconds`. Calls `show` with a coarse picture as
+    /// soon as possible, unless the film is small. Returns an error if the scene cannot be posed.
     pub fn run(
         context: &PassContext<'_>,
         seconds: &mut StageSeconds,
@@ -91,11 +83,7 @@ impl Pilot {
         Ok(pilot)
     }
 
-    /// Renders only the coarse picture of a pilot, with fewer photons for the emission
-    /// distributions. Returns `None` if the film is small.
-    ///
-    /// # Errors
-    /// See [`Self::run`].
+    /// Renders only the coarse picture, with fewer photons for the aims. `None` if small.
     pub fn coarse_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
         let photons = context.budget.photons.min(COARSE_AIM_PHOTONS);
         let budget = Budget { photons, ..context.budget.clone() };
@@ -138,7 +126,6 @@ impl Pilot {
         parameters.ray_densities = has_competition(context).then(densities);
     }
 
-    /// Calls `show` with a coarse picture, unless the film is small.
     fn show_coarse_picture(
         &mut self,
         context: &PassContext<'_>,
@@ -188,8 +175,8 @@ fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &S
     });
 }
 
-/// Returns true if photons and camera paths find the same light: the light of lamps that glossy
-/// surfaces or meters receive through mirrors or glass.
+/// Returns true if photons and camera paths find the same light: of lights that glossy surfaces or
+/// meters receive through mirrors or glass.
 fn has_competition(context: &PassContext<'_>) -> bool {
     let PassContext { scene, plan, .. } = context;
     let glossy = scene

@@ -1,4 +1,4 @@
-//! The first kernel radii of the receptors of meters.
+//! The first kernel radii of the sensors of meters.
 
 use crate::emit::{EmissionStrata, PhotonFlight, PhotonVisitor, SurfaceArrival, WavelengthSampling, trace};
 use crate::pass::{EmissionRequest, PassContext, PointDisks, crossing};
@@ -13,14 +13,12 @@ use abbe_spectra::math::random::{Purpose, Stream};
 use abbe_spectra::math::sphere::BoundingSphere;
 use glam::DVec3;
 
-/// The number of photon paths that measure the first radii.
 const PILOT_PATHS: u64 = 1 << 16;
 
 /// The largest first radius, as a fraction of the radius of the largest specular object.
 const LARGEST_RADIUS: f64 = 0.5;
 
-/// Returns the first kernel radii of all receptors in m. Returns no radii if there are no
-/// receptors, or if the plan has no caustics.
+/// Returns the first radii in m, none without sensors or caustics.
 pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &EmissionStrata, photons: u64) -> Vec<f64> {
     let sensors = scene.camera.sensors();
     if sensors.is_empty() || context.plan.caustics == CausticPlan::Absent {
@@ -54,16 +52,15 @@ pub(super) fn first_radii(context: &PassContext<'_>, scene: &Scene, strata: &Emi
     sensors.iter().zip(survey.distances2).map(radius_m).collect()
 }
 
-/// Returns the largest radius of the kernel of a receptor at a position, in m. `view` is the sphere
-/// around the receptors. Photons are denser inside of it, and a kernel lies on one side of its
-/// edge.
+/// Returns the largest radius (m) of a sensor at a position. Photons are denser inside of `view`,
+/// the sphere around the sensors, and a kernel lies on one side of its edge.
 fn largest_radius_m(view: Option<BoundingSphere>, position: DVec3) -> f64 {
     let Some(view) = view else { return f64::INFINITY };
     let inner_m = view.radius_m / SENSOR_MARGIN;
     if position.distance(view.centre) <= inner_m { view.radius_m - inner_m } else { f64::INFINITY }
 }
 
-/// Collects the distances of caustic photons from the receptors.
+/// Collects the distances of caustic photons from the sensors.
 struct SensorSurvey<'a> {
     sensors: &'a [Sensor],
     disks: PointDisks,

@@ -17,39 +17,29 @@ pub(super) const TRIALS: usize = 2;
 /// The trial samples square tiles of this many pixels in each direction.
 pub(super) const TILE: usize = 4;
 
-/// The largest number of tiles.
 const MOST_TILES: usize = 128;
 
 /// X, Y and Z of a pixel in one pass of the trial, in W/m²/sr.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TrialPixel {
-    /// All light of each camera sample.
     pub(super) samples: [[f64; 3]; TRIALS],
     /// The part of the samples that media scatter.
     pub(super) media: [[f64; 3]; TRIALS],
     pub(super) splats: [f64; 3],
 }
 
-/// The camera samples of one pass of the trial.
 pub(super) struct SmallPass {
-    /// The light of the pixels of each tile.
     pub(super) tiles: Vec<Vec<TrialPixel>>,
-    /// The events of the camera paths.
     pub(super) tally: Tally,
 }
 
-/// The photons of one pass of the trial.
 pub(super) struct TrialPhotons {
-    /// The number of the pass.
     number: u64,
     pub(super) maps: PerSet<SetMaps>,
-    /// The splats of all pixels.
     pub(super) splats: Vec<[f64; 3]>,
-    /// The events of the photon paths.
     pub(super) tally: Tally,
 }
 
-/// Returns the mean of a value over X, Y and Z.
 pub(super) fn mean_of_components(value: impl Fn(usize) -> f64) -> f64 {
     (0..3).map(value).sum::<f64>() / 3.0
 }
@@ -72,8 +62,7 @@ impl TrialPixel {
 }
 
 impl TrialPhotons {
-    /// Traces few photons. `number` is the number of the pass, and `counts` contains the number of
-    /// photon paths of each set.
+    /// Traces few photons in the pass `number`, with these `counts` of paths of each set.
     pub(super) fn trace(
         context: &PassContext<'_>,
         scene: &Scene,
@@ -118,12 +107,12 @@ pub(super) fn sample_light<'a>(
 }
 
 impl SmallPass {
-    /// Renders the tiles with the photons of a pass.
     #[inline(never)]
     pub(super) fn run(
         context: &PassContext<'_>,
         parameters: &PassParameters,
-        (traced, camera_pass): (&TrialPhotons, &CameraPass<'_>),
+        traced: &TrialPhotons,
+        camera_pass: &CameraPass<'_>,
         tiles: &[Vec<usize>],
     ) -> Self {
         let measured: Vec<(Vec<TrialPixel>, Tally)> = tiles

@@ -1,4 +1,4 @@
-//! The outlines of surfaces around directly visible points.
+//! The surface extents of surfaces around directly visible points.
 
 use super::survey::MAX_SURFACE_RADIUS_PX;
 use crate::gather::{SurfaceExtent, SurfaceExtentSurvey, SurfaceExtents, VisiblePoint};
@@ -12,26 +12,22 @@ use abbe_scene::sweep::Bounds;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// If a kernel's radius is below this number of pixels, its outline varies within a pixel.
+/// If a kernel's radius is below this number of pixels, its surface extent varies within a pixel.
 const PIXELS_PER_EXTENT: f64 = 3.0;
 
 /// The test for edges looks at pixels at these fractions of the kernel radius.
 const EDGE_DISTANCES: [f64; 3] = [0.25, 0.5, 1.0];
 
-/// The side length of a block of pixels, in pixels. The pixels of a block that see the same plane
-/// share a measurement.
+/// The side in pixels of blocks of pixels, which share a measurement of the same plane.
 const BLOCK: usize = 4;
 
-/// Neighbouring pixels of the same plane share a measurement if it reaches at most this number of
-/// times as far as the measurement of one pixel.
+/// A shared measurement reaches at most this many times as far as that of one pixel.
 const WIDEST_SHARED: f64 = 1.5;
 
-/// Returns the outlines around visible points. A visible point has an outline if its kernel for
-/// indirect light may extend over an edge of the surface.
+/// Returns the extents around visible points whose kernel may extend over an edge.
 ///
-/// `visible` and `radii` contain one entry per pixel. `scale` is the factor on the radii. `swept`
-/// contains the bounding boxes of moving objects. A point near such a box gets no outline, because
-/// the edges near this point may move.
+/// `visible` and `radii` have one entry per pixel, and `scale` is the factor on the radii. A point
+/// near `swept`, the bounding boxes of moving objects, gets none, because the edges there may move.
 pub(super) fn surface_extents(
     context: &PassContext<'_>,
     scene: &Scene,
@@ -71,19 +67,16 @@ pub(super) fn surface_extents(
     SurfaceExtents::of_bands(width, rows.into_par_iter().map(of_band).collect::<Vec<_>>())
 }
 
-/// The outline that a pixel needs for the correction of its kernel.
+/// The surface extent that a pixel needs for the correction of its kernel.
 #[derive(Clone, Copy)]
 enum Need<'v> {
-    /// No outline.
     Nothing,
-    /// An outline for each camera sample.
     PerSample,
-    /// An outline around this point, with this reach in m.
+    /// An surface extent around this point, with this reach in m.
     SurfaceExtent(&'v VisiblePoint, f64),
 }
 
-/// Measures the outlines of a block of pixels. Pixels that see the same plane share a measurement.
-/// `needs` contains the place of each pixel in `of_pixels`.
+/// Measures a block of pixels, which share planes. `needs` tells their places.
 fn measure_block(geometry: &Geometry, needs: &[(usize, Need<'_>)], of_pixels: &mut [SurfaceExtentSurvey]) {
     let mut measured: Vec<SurfaceExtent> = Vec::new();
     for (nth, &(place, need)) in needs.iter().enumerate() {
@@ -109,8 +102,7 @@ fn measure_block(geometry: &Geometry, needs: &[(usize, Need<'_>)], of_pixels: &m
     }
 }
 
-/// Returns the reach (m) of a measurement that other pixels of a block share, or the reach of this
-/// pixel alone if no other pixel can share it.
+/// Returns the reach (m) that other pixels share, or of this pixel alone.
 fn shared_search_m(point: &VisiblePoint, radius_m: f64, others: &[(usize, Need<'_>)]) -> f64 {
     let search_for = |&(_, need): &(usize, Need<'_>)| match need {
         Need::SurfaceExtent(other, radius_m) if other.facing == point.facing => {
@@ -122,17 +114,14 @@ fn shared_search_m(point: &VisiblePoint, radius_m: f64, others: &[(usize, Need<'
     near.reduce(f64::max).map_or(radius_m, |search_m| search_m.max(SurfaceExtent::search_to_move(radius_m)))
 }
 
-/// Returns the distance of a point from a box, or 0 inside the box.
 fn distance_to_box(point: DVec3, (low, high): &Bounds) -> f64 {
     point.distance(point.clamp(*low, *high))
 }
 
-/// Returns true if the kernel of a pixel's visible point may cross an edge of the visible surface.
-///
-/// The function tests pixels in eight directions around this pixel, at several distances up to the
-/// kernel radius, but at most `farthest_px` pixels away. The kernel may cross an edge if one of
-/// these pixels is outside the picture, sees no surface, or sees a surface that does not continue
-/// the surface of this pixel.
+/// Returns true if the kernel of a pixel's visible point may cross an edge of the visible surface:
+/// if a pixel in one of eight directions, at several distances up to the kernel radius and at most
+/// `farthest_px` away, is outside the picture, sees no surface, or sees one that does not continue
+/// this one.
 fn may_cross_edge(
     visible: &[Option<VisiblePoint>],
     pixel: usize,

@@ -18,66 +18,57 @@ use rayon::prelude::*;
 use std::f64::consts::SQRT_2;
 use std::num::NonZero;
 
-/// The upper limit of the first kernel radius on surfaces, in pixels.
+/// The largest first kernel radius on surfaces, in pixels.
 ///
-/// Caustics have sharp edges. Near a caustic, a wide kernel would spread the light of the caustic
-/// into the dark region for many passes. For indirect light, a narrow kernel is noisier, but this
-/// noise vanishes after a few passes. The bias of a wider kernel would remain visible.
+/// A wide kernel would spread the light of a sharp caustic into the dark region for many passes.
+/// For indirect light, a narrow kernel is noisier, but this noise vanishes after a few passes, and
+/// the bias of a wider kernel would remain visible.
 pub(super) const MAX_SURFACE_RADIUS_PX: PerClass<f64> = PerClass { caustic: 3.0, indirect: 24.0 };
 
-/// The upper limit of the first kernel radius of indirect light on surfaces, as a fraction of the
-/// picture's shorter side. On a small film, a kernel of 24 pixels would be wider than the view.
+/// The same for indirect light, as a fraction of the picture's shorter side. On a small film, 24
+/// pixels would be wider than the view.
 const MAX_SURFACE_RADIUS_OF_PICTURE: f64 = 0.25;
 
-/// The share of a pass's photon paths that the survey traces, over all shutter times.
+/// The fraction of a pass's photon paths that the survey traces, over all shutter times.
 const PHOTON_FRACTION: f64 = 0.25;
 
-/// The survey traces at least this number of photon paths of each set at each shutter time, or all
-/// photon paths of a pass if there are fewer.
+/// The least number of photon paths of each set at each shutter time, unless a pass has fewer.
 const MIN_PHOTONS: f64 = 10_000.0;
 
-/// The lower limit of the first kernel radius on surfaces is a pixel, but at most this fraction of
-/// the object. A wider kernel would reach over the edges of an object that is as large as a pixel.
+/// The smallest first radius on surfaces is a pixel, but at most this fraction of the object: a
+/// wider kernel would reach over the edges of an object as large as a pixel.
 const LEAST_RADIUS_OF_OBJECT: f64 = 1.0 / 16.0;
 
-/// The upper limit of the first kernel radius on surfaces, as a fraction of the object. A kernel
-/// that is much larger than the object contains few of the photons that it is normalised for.
+/// The largest first radius on surfaces, as a fraction of the object. A much larger kernel contains
+/// few of the photons that it is normalised for.
 const LARGEST_RADIUS_OF_OBJECT: f64 = 0.5;
 
-/// The least number of indirect photons of a pass within the first kernel radius. Close to a wall
-/// in a large world, a pixel covers such a small part of the wall that 24 pixels contain no
-/// photons.
+/// The least number of indirect photons of a pass within the first radius. Close to a wall in a
+/// large world, 24 pixels cover so little of the wall that they contain no photons.
 const FEWEST_PHOTONS: f64 = 8.0;
 
-/// The survey divides the film into square blocks of this many pixels in each direction. In a
-/// block, it searches the nearest photons once for each surface.
+/// The side in pixels of blocks, which search the nearest photons once for each surface.
 const BLOCK: usize = 2;
 
-/// Two camera segments in a medium share a count of photons only if the ratio of their lengths is
-/// at least this value. Beside the edge of a body, segments are short and few photons are near
-/// them.
+/// The least ratio of the lengths of two camera segments that share a count of photons. Beside the
+/// edge of a body, segments are short and few photons are near them.
 const SIMILAR_LENGTH: f64 = 0.9;
 
 /// The measurements of the pilot in all pixels, or in some of them.
 #[derive(Default)]
 pub(super) struct PixelSurvey {
-    /// The first kernel radii of each pixel on surfaces. A radius is `None` if the pixel's camera
-    /// path did not read the corresponding photon set on a surface.
+    /// The first radii on surfaces, `None` for a set that the pixel's path did not read there.
     pub(super) radii: Vec<PixelRadii<Option<f32>>>,
-    /// The directly visible surface point of each pixel.
     pub(super) visible: Vec<Option<VisiblePoint>>,
-    /// The photons in media near the camera rays of each pixel. This list is empty if the scene has
-    /// no media.
+    /// The photons near the camera rays of each pixel. Empty without media.
     pub(super) volume: Vec<PixelVolumeCounts>,
-    /// The number of photons stored in media.
     pub(super) stored: PerClass<DepositCounts>,
     /// For each photon set, the number of pixels whose camera paths read this set.
     pub(super) readers: PerSet<u64>,
 }
 
 impl PixelSurvey {
-    /// Surveys all pixels at one of `moments` shutter times. `moment` is the index of the time, and
-    /// `scene` is the scene at that time. `photons` is the number of photon paths in a pass.
+    /// Surveys all pixels at time `moment` of `moments`. A pass has `photons` paths.
     pub(super) fn of_moment(
         context: &PassContext<'_>,
         scene: &Scene,
@@ -128,7 +119,6 @@ impl PixelSurvey {
         all
     }
 
-    /// Returns a survey without measurements.
     fn blank(scene: &Scene) -> Self {
         let count = scene.camera.pixel_count();
         let crosses_media = !scene.media.is_empty();
@@ -176,7 +166,6 @@ impl PixelSurvey {
     }
 }
 
-/// The measurements in a band of [`BLOCK`] rows.
 struct BandSurvey<'s> {
     first_pixel: usize,
     radii: &'s mut [PixelRadii<Option<f32>>],
@@ -187,7 +176,6 @@ struct BandSurvey<'s> {
 }
 
 impl BandSurvey<'_> {
-    /// Measures the pixels, block by block.
     fn measure<'a>(
         &mut self,
         context: &PassContext<'_>,
@@ -231,19 +219,17 @@ impl BandSurvey<'_> {
     }
 }
 
-/// The measurements of a block of pixels. Pixels of the same block share them where they see the
-/// same surface or cross the same media.
+/// Pixels of a block share measurements where they see the same surface or cross the same media.
 #[derive(Default)]
 struct BlockSurvey {
     /// For each photon set, a visible point and the first radii there.
     surface: PerSet<Option<(VisiblePoint, PerClass<f64>)>>,
-    /// The photons near these segments.
     volume: Option<(Vec<CameraSegment>, PixelVolumeCounts)>,
 }
 
 impl BlockSurvey {
-    /// Returns the first radii at the visible points of a pixel. `extents` contains the extent of
-    /// each object in m, and `largest_px` contains the upper limits of the radii in pixels.
+    /// Returns the first radii at the visible points of a pixel. `extents` is that of each object
+    /// in m, and `largest_px` limits the radii in pixels.
     fn surface_radii(
         &mut self,
         context: &PassContext<'_>,
@@ -321,10 +307,9 @@ fn is_alike(one: &VisiblePoint, other: &VisiblePoint) -> bool {
         && one.continues_to(other.position, other.facing)
 }
 
-/// Returns the extent (m) of each object, by object number: the diagonal of a square whose sides
-/// have the middle one of the three side lengths of the object's bounding box. For a square plate
-/// and for a cube, this is the diagonal of a face. For a thin rod, it is about the diameter. The
-/// extent is infinite if the object has no surface.
+/// Returns the extent (m) of each object: the diagonal of a square with the middle side length of
+/// the bounding box. For a square plate and a cube, this is the diagonal of a face, for a thin rod
+/// about the diameter. It is infinite without surface.
 fn object_extents(scene: &Scene) -> Vec<f64> {
     let mut extents = vec![f64::INFINITY; scene.objects.len()];
     for (object, (low, high)) in scene.geometry.object_bounds() {
@@ -335,8 +320,7 @@ fn object_extents(scene: &Scene) -> Vec<f64> {
     extents
 }
 
-/// Returns the share of a pass's photon paths that the survey traces at one of `moments` shutter
-/// times. `photons` is the number of photon paths in a pass.
+/// Returns the fraction of a pass's `photons` paths at one of `moments` shutter times.
 fn photon_fraction(photons: u64, moments: usize) -> f64 {
     (PHOTON_FRACTION / moments as f64).max(MIN_PHOTONS / photons.max(1) as f64).min(1.0)
 }
@@ -356,16 +340,14 @@ struct RadiusLimits {
 struct SurveyMaps {
     surface: PerClass<PhotonMap>,
     volume: PerClass<VolumeSamples>,
-    /// The number of photons of the survey within the first radius on a surface. A pass has as many
-    /// photons there as the budget specifies.
+    /// The survey's photons in the first radius, where a pass has as many as the budget.
     nearest: NonZero<usize>,
     /// The least number of indirect photons of the survey within the first radius on a surface.
     fewest: NonZero<usize>,
 }
 
 impl SurveyMaps {
-    /// Indexes the survey's photons. `fraction` is the number of photon paths in the survey, divided
-    /// by the number of photon paths in a pass.
+    /// Indexes the photons of a survey of the `fraction` of a pass's paths.
     fn new(deposits: &PhotonDeposits, context: &PassContext<'_>, fraction: f64) -> Self {
         let of_pass = |count: f64| NonZero::new((fraction * count).round() as usize).unwrap_or(NonZero::<usize>::MIN);
         let volume = context.plan.volume;
@@ -377,9 +359,9 @@ impl SurveyMaps {
         }
     }
 
-    /// Returns the first kernel radius in m at a visible point. If the scene does not fix the
-    /// radius, the kernel contains as many photons as the budget specifies, within the limits. If a
-    /// kernel of the largest radius contained almost no indirect photons, the radius is larger.
+    /// Returns the first radius in m at a visible point. Unless the scene fixes it, the kernel
+    /// contains as many photons as the budget specifies, within the limits. It is larger if a
+    /// kernel of the largest radius contained almost no indirect photons.
     fn first_radius_m(
         &self,
         context: &PassContext<'_>,
@@ -403,7 +385,6 @@ impl SurveyMaps {
     }
 }
 
-/// A sink that discards all light.
 struct NullSink;
 
 impl Sink for NullSink {

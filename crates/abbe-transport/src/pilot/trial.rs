@@ -1,10 +1,8 @@
 //! The pilot's trial: small passes that measure the variance and the work of photons and of camera
-//! samples.
-//!
-//! The trial traces the photons of two small passes, and two camera samples per pixel in each of
-//! them. The samples of a pixel in one pass differ by the noise of the camera samples. The passes
-//! differ by the noise of the photons (analysis of variance with nested groups). The means of tiles
-//! tell how much of the noise neighbouring pixels have in common.
+//! samples. The trial traces the photons of two small passes, and two camera samples per pixel in
+//! each. The samples of a pixel in one pass differ by the noise of the camera samples, and the
+//! passes by that of the photons (analysis of variance with nested groups). The means of tiles tell
+//! how much of the noise neighbouring pixels have in common.
 
 use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{FilmNoise, ProbedPixel};
@@ -17,7 +15,7 @@ use crate::plan::Tally;
 use crate::plan::partition::PerSet;
 use abbe_scene::Scene;
 
-/// The share of a pass's photon paths that one pass of the trial traces.
+/// The fraction of a pass's photon paths that one pass of the trial traces.
 const PHOTON_FRACTION: f64 = 1.0 / 16.0;
 
 /// The least number of photon paths in one pass of the trial.
@@ -26,15 +24,13 @@ const MIN_PHOTONS: f64 = 4_000.0;
 /// The largest contribution of one tile to the variance, as a multiple of the mean over the tiles.
 const LARGEST_TILE: f64 = 8.0;
 
-/// The number of light map cells along the longest side of a medium's box. The cells are coarser
-/// than those of a pass.
+/// The cells along the longest side of a medium's box; coarser than in a pass.
 const LIGHT_MAP_CELLS: u32 = 8;
 
-/// The least share of noise in the variance of neighbouring pixels.
+/// The least fraction of noise in the variance of neighbouring pixels.
 const LEAST_FRACTION_OF_NOISE: f64 = 0.1;
 
-/// If the noise in the tiles is more than this multiple of the variance around their pixels, rare
-/// bright samples cause it.
+/// Noise in tiles beyond this multiple of the variance around comes from rare bright samples.
 const RARE_SAMPLES: f64 = 4.0;
 
 /// The pass number of the camera samples that measure the noise of the pixels.
@@ -49,7 +45,6 @@ struct TileVariance {
     surfaces: [f64; 3],
     /// The variance of the light that the photons of a pass in media give.
     media: [f64; 3],
-    /// The variance of a camera sample.
     camera: [f64; 3],
 }
 
@@ -58,13 +53,11 @@ struct SampleVariance {
     mean: [f64; 3],
     /// The variance of the light that the maps of a pass give.
     gathered: [f64; 3],
-    /// The variance of a camera sample.
     camera: [f64; 3],
 }
 
 impl TileVariance {
-    /// Computes the variances of the pixels of each tile, and the variances of the mean of each
-    /// tile.
+    /// Returns the variances of the pixels of each tile, and of its mean.
     fn of_tiles([first, second]: [&[Vec<TrialPixel>]; 2]) -> [Vec<Self>; 2] {
         let pairs = || first.iter().zip(second);
         let of_pixels = pairs().map(|(first, second)| Self::of(first, second));
@@ -88,7 +81,6 @@ impl TileVariance {
 }
 
 impl SampleVariance {
-    /// Computes the variances of a part of the samples from the same pixels in both passes.
     fn of(first: &[TrialPixel], second: &[TrialPixel], part: fn(&TrialPixel) -> [[f64; 3]; TRIALS]) -> Self {
         let mean = |[one, other]: [[f64; 3]; TRIALS], c: usize| 0.5 * (one[c] + other[c]);
         let camera = mean_of_pixels(first, second, |a, b, c| variance_of_sample([part(a), part(b)], c));
@@ -107,8 +99,7 @@ fn half_square(one: f64, other: f64) -> f64 {
     0.5 * (one - other).powi(2)
 }
 
-/// Returns the variance of a camera sample of a pixel in X, Y or Z. `passes` contains the samples of
-/// both passes.
+/// Returns the variance of X, Y or Z, from the samples of both passes.
 fn variance_of_sample(passes: [[[f64; 3]; TRIALS]; 2], c: usize) -> f64 {
     let [first, second] = passes.map(|[one, other]| half_square(one[c], other[c]));
     0.5 * (first + second)
@@ -124,9 +115,8 @@ fn mean_of_pixels(
     std::array::from_fn(|c| sum(c) / first.len() as f64)
 }
 
-/// Divides the work of a pass between photons and camera samples. Returns the division, and the
-/// number of camera samples of each pixel. All pixels get the same number if different numbers
-/// would gain little.
+/// Divides the work of a pass between photons and camera samples, and chooses the camera samples of
+/// each pixel: all the same if different numbers would gain little.
 pub(super) fn balanced(
     context: &PassContext<'_>,
     scene: &Scene,
@@ -148,7 +138,7 @@ pub(super) fn balanced(
         let maps = (&traced.maps, &light_maps);
         parameters.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
     });
-    let passes = [0, 1].map(|n| SmallPass::run(context, parameters, (&traced[n], &camera_passes[n]), &tiles));
+    let passes = [0, 1].map(|n| SmallPass::run(context, parameters, &traced[n], &camera_passes[n], &tiles));
     let of_tiles = TileVariance::of_tiles(passes.each_ref().map(|pass| pass.tiles.as_slice()));
     let splats = traced.each_ref().map(|traced| traced.splats.as_slice());
     let photons = traced.iter().map(|traced| traced.tally).sum();
@@ -180,13 +170,13 @@ pub(super) fn balanced(
     (balance, samples)
 }
 
-/// Measures the noise of camera samples on the film. `probe` takes a sample of each of some pixels,
-/// and `passes` contains the light of `tiles`.
+/// Measures the noise of camera samples on the film by `probe`, which samples some pixels, and
+/// `passes`, the light of `tiles`.
 ///
 /// The samples of neighbouring pixels differ by noise and by details of the picture. The tiles have
-/// several samples of the same pixel, so they tell which share of the variance is noise. If this
-/// share is much more than 1, rare bright samples cause most of the noise. The few samples around a
-/// pixel do not show them, so the result is `None`. It is also `None` if the film has few pixels.
+/// several samples of the same pixel, so they tell which fraction of the variance is noise. If this
+/// is much more than 1, rare bright samples, which the few samples around a pixel do not show,
+/// cause most of the noise. The result is then `None`, as for a film of few pixels.
 fn film_noise(
     size: (usize, usize),
     probe: impl Fn(&[usize]) -> Vec<ProbedPixel> + Sync,
@@ -203,7 +193,6 @@ struct SplatBlock {
     pixels: f64,
     /// The sums over the pixels, for each pass.
     sums: [[f64; 3]; TRIALS],
-    /// The sum of the variances of the pixels.
     variances: [f64; 3],
 }
 
@@ -224,7 +213,6 @@ impl SplatBlock {
         blocks
     }
 
-    /// Returns the mean of the pixels in a pass.
     fn mean(&self, pass: usize, c: usize) -> f64 {
         self.sums[pass][c] / self.pixels
     }
@@ -235,12 +223,10 @@ impl SplatBlock {
 enum Reference {
     /// The mean of the block of pixels. The mean of the picture limits the weight of dark blocks.
     Block,
-    /// The mean of the picture.
     Picture,
 }
 
 impl Reference {
-    /// Returns the square by which a variance is divided.
     fn square(self, of_block: f64, of_picture: f64) -> f64 {
         let square = match self {
             Self::Block => of_block.powi(2) + 0.01 * of_picture.powi(2),
@@ -250,11 +236,10 @@ impl Reference {
     }
 }
 
-/// Returns three measures of the variance of the picture for one photon path and one camera sample:
-/// the mean of the relative variances of the pixels, their variance relative to the mean of the
-/// picture, and the mean of the relative variances of the means of square blocks. Camera samples
-/// are known in some blocks, and splats are known in all of them. `photons` is the number of photon
-/// paths in a pass of the trial.
+/// Measures the variance of the picture for one photon path and one camera sample: the mean of the
+/// relative variances of the pixels, their variance relative to the mean of the picture, and the
+/// mean of the relative variances of the means of square blocks. Camera samples are known in some
+/// blocks, splats in all. `photons` is the number of paths in a pass of the trial.
 fn variances(
     [of_pixels, of_means]: &[Vec<TileVariance>; 2],
     splats: [&[[f64; 3]]; 2],
@@ -317,7 +302,6 @@ mod tests {
     use super::*;
     use abbe_spectra::math::random::{Purpose, Seed, Stream};
 
-    /// Two passes with noise of known variance give these variances.
     #[test]
     fn nested_samples_separate_photon_noise_from_camera_noise() {
         const TILES: usize = 1000;

@@ -1,6 +1,4 @@
-//! First kernel radii in media, and probabilities of storing photons in media.
-//!
-//! Both follow from the number of pilot photons near each camera ray.
+//! First kernel radii and probabilities in media, from the photons near each camera ray.
 
 use super::keep_probability::DepositCounts;
 use super::volume_samples::{NearbyPhotons, VolumeSamples};
@@ -12,40 +10,33 @@ use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::powf;
 use std::iter;
 
-/// The desired number of photons of one class within the first radius around a camera ray. This
-/// number is smaller than the number for a surface point, because a ray collects photons along its
-/// whole length.
+/// The photons of one class within the first radius around a camera ray: fewer than at a surface
+/// point, because a ray collects along its whole length.
 const PHOTONS_PER_RAY: f64 = 10.0;
 
 /// The lower limit of the first kernel radius in media, in pixels.
 const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
 
-/// The upper limit of the first kernel radius in media, in pixels. The limit for caustics is
-/// smaller because caustics have sharp edges.
+/// The largest, in pixels. Caustics have sharp edges.
 const MAX_VOLUME_RADIUS_PX: PerClass<f64> = PerClass { caustic: 4.0, indirect: 24.0 };
 
-/// The upper limit of the first kernel radius in media, as a fraction of the picture's shorter
-/// side. On a small film, a kernel of 24 pixels would blur whole bodies.
+/// The largest, as a fraction of the shorter side: 24 pixels blur bodies on a small film.
 const MAX_VOLUME_RADIUS_OF_PICTURE: f64 = 0.1;
 
-/// The upper limit of the first kernel radius of indirect light in media, divided by the distance
-/// from the camera. It applies if the other limits of the radius leave almost no photons near a
-/// ray, and if the camera is in the medium or close to it. In fog of a large world, 24 pixels may
-/// contain one photon in a thousand passes.
+/// The largest for indirect light, divided by the distance from the camera, if the other limits
+/// leave almost no photons near a ray and the camera is in or near the medium. In fog of a large
+/// world, 24 pixels may contain one photon in a thousand passes.
 const WIDEST_KERNEL: f64 = 1.0;
 
-/// The upper limit of the first kernel radius for photon points, in mean free paths.
-///
-/// Most light that leaves a dense medium comes from points near its boundary. A kernel near the
-/// boundary finds no photons outside the medium, so the estimate loses light in proportion to the
-/// radius.
+/// The largest for photon points, in mean free paths. Most light leaves a dense medium near its
+/// boundary, where a kernel finds no photons outside, so the estimate loses light in proportion to
+/// the radius.
 const MAX_RADIUS_FREE_PATHS: f64 = 0.5;
 
-/// The largest number of camera segments of a pixel at which the pilot counts photons. Reflections
-/// inside glass can leave many segments, but the light along the later ones is faint.
+/// The camera segments of a pixel at which the pilot counts photons. Reflections inside glass can
+/// leave many, but the light of later ones is faint.
 const MAX_SEGMENTS: usize = 8;
 
-/// The pilot's first kernel widths in media.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VolumeKernelWidths {
     /// The angle that a pixel subtends, in rad.
@@ -56,8 +47,7 @@ pub(super) struct VolumeKernelWidths {
     radius_m: Option<f64>,
 }
 
-/// The photons near the camera rays of a pixel, per set. The entry of a set is `None` if no camera
-/// path that carries the set's wavelengths crosses a medium.
+/// The photons near a ray, per set; `None` if no camera path with its wavelengths crosses a medium.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelVolumeCounts(PerSet<Option<PerClass<NearbyPhotons>>>);
 
@@ -73,9 +63,8 @@ impl VolumeKernelWidths {
         Self { pixel_angle, largest_px, radius_m: context.budget.radius_m }
     }
 
-    /// Returns the upper limits of the first kernel width for a class along a camera segment. The
-    /// first limit applies if a kernel of this width contains photons. Otherwise, the next limit
-    /// applies. If the scene fixes the radius, returns this radius.
+    /// Returns the upper limits of the first width: each applies if a kernel of this width contains
+    /// photons, or else the next. If the scene fixes the radius, it is the only one.
     fn largest(&self, class: PhotonClass, segment: &CameraSegment) -> impl Iterator<Item = KernelWidth> {
         let first = self.largest_px[class] * self.pixel_angle;
         let is_close = segment.behind_m < segment.length_m;
@@ -93,8 +82,7 @@ impl VolumeKernelWidths {
 }
 
 impl PixelVolumeCounts {
-    /// Counts the photons near the camera segments of a pixel. The result is that of the segment
-    /// with the most photons.
+    /// Counts along the segment with the most photons.
     pub(super) fn along(
         camera_segments: &[CameraSegment],
         media: &[Medium],
@@ -123,8 +111,7 @@ impl PixelVolumeCounts {
         }))
     }
 
-    /// Sets the pixel's first radii in media. `keep` contains the probabilities of storing photons
-    /// in a pass.
+    /// Sets the first radii in media, for the `keep` of a pass.
     pub(super) fn set_radii(
         &self,
         radii: &mut PixelRadii<Option<f32>>,
@@ -143,8 +130,7 @@ impl PixelVolumeCounts {
 }
 
 impl NearbyPhotons {
-    /// Returns the ratio of the first radius to the distance from the camera. `keep` contains the
-    /// probabilities of storing photons in a pass.
+    /// Returns the ratio of radius and distance from the camera. `keep` is that of a pass.
     fn first_radius(&self, keep: KeepProbability) -> f64 {
         let within = |found: f64, dimensions: f64| powf(PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY), 1.0 / dimensions);
         let [points, beams, free_paths, width] = [self.points, self.beams, self.free_paths, self.width].map(f64::from);
@@ -153,14 +139,12 @@ impl NearbyPhotons {
     }
 }
 
-/// Returns probabilities of storing photons in media, chosen so that each pass stores enough
-/// photons.
+/// Returns probabilities for which each pass stores enough photons.
 ///
-/// For each set and class, the number of points and the number of beams are limited. A second limit
-/// applies to beams. Among the camera rays with beams around them, the mean number of beams per ray
-/// is at most [`PHOTONS_PER_RAY`]. For caustics, the beams are counted within the lower limit of
-/// the first radius. For indirect light, which is smooth, they are counted within the upper limit.
-/// If the scene fixes the radius, all beams are counted within that radius.
+/// For each set and class, the points and the beams are limited. Among the camera rays with beams
+/// around them, the mean number of beams per ray is also at most [`PHOTONS_PER_RAY`]: counted
+/// within the lower limit of the first radius for caustics, within the upper limit for smooth
+/// indirect light, or within the radius that the scene fixes.
 pub(super) fn keep_probabilities(
     pixels: &[PixelVolumeCounts],
     stored: PerClass<DepositCounts>,

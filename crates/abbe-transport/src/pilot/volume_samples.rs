@@ -1,7 +1,5 @@
-//! Samples of the pilot's photons in media, in which camera segments count nearby photons.
-//!
-//! The cost of a count must not depend on the number of photons. Therefore a segment counts in
-//! small samples, and it stops when it has found enough photons.
+//! Samples of the pilot's photons in media. The cost of a count must not depend on the number of
+//! photons, so a camera segment counts in small samples, until it has found enough.
 
 use super::keep_probability::DepositCounts;
 use crate::gather::CameraSegment;
@@ -12,40 +10,34 @@ use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::exp;
 use abbe_spectra::spectrum::REFERENCE_NM;
 
-/// The numbers of photon points in the samples. A camera segment searches the samples in this
-/// order.
+/// The points in the samples, in the order of the search.
 const POINT_SAMPLES: [usize; 4] = [256, 1024, 4096, 16_384];
 
-/// The number of photon beams in the sample.
 const BEAM_SAMPLE: usize = 256;
 
-/// A camera segment stops counting when it has found this number of photons. More photons would
-/// take time and hardly change the radius, because the radius depends on a root of the number.
+/// The number of photons at which a segment stops counting. More would hardly change the radius,
+/// which depends on a root of the number.
 const ENOUGH: f64 = 16.0;
 
 /// A kernel width contains enough photons if a pass stores at least this number within it.
 const FEWEST: f64 = 8.0;
 
-/// A camera segment stops counting points when it has found this number of points, even if most of
-/// them are invisible behind the medium.
+/// The points at which a segment stops counting, even if most are hidden by the medium.
 const ENOUGH_HIDDEN: u32 = 256;
 
-/// The photons of one set and class near a camera ray. A photon is near if its distance from the
-/// ray is within the upper limit of the first radius. The counts are scaled as if the media stored
-/// all photons of a pass. The values have single precision, because the pilot keeps them for each
-/// pixel.
+/// The photons of one set and class near a camera ray, within the upper limit of the first radius,
+/// as if the media stored all photons of a pass. In single precision, because the pilot keeps them
+/// for each pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct NearbyPhotons {
-    /// The weighted number of points. The weight of a point is the transmittance of the medium
-    /// between the point and the start of the camera segment.
+    /// Weighted by the transmittance between each point and the start of the segment.
     pub(super) points: f32,
-    /// The number of beams.
     pub(super) beams: f32,
-    /// The mean optical depth around the points, with the same weights as `points`. It is measured
-    /// at each point, along a length that appears one radian wide from the camera.
+    /// The mean optical depth around the points with these weights, along a length that appears one
+    /// radian wide from the camera.
     pub(super) free_paths: f32,
-    /// The kernel width within which the photons were counted. If the scene does not fix the
-    /// radius, this is the ratio of the radius to the distance from the camera.
+    /// The kernel width of the count: the ratio of the radius to the distance from the camera,
+    /// unless the scene fixes the radius.
     pub(super) width: f32,
 }
 
@@ -56,23 +48,19 @@ pub(super) struct VolumeSamples {
     points: Vec<PointSample>,
     /// Beams in the order of emission.
     beams: Vec<PhotonBeam>,
-    /// The number of beams in a pass for each beam of the sample.
     pass_per_beam: f64,
     /// The probabilities of storing photons, as far as the limits of a pass determine them.
     keep: KeepProbability,
 }
 
-/// A sample of photon points.
 #[derive(Debug)]
 struct PointSample {
     map: VolumeMap,
-    /// The number of points in a pass for each point of the sample.
     pass_per_point: f64,
 }
 
 impl VolumeSamples {
-    /// Takes samples of the pilot's photons. `pass_per_pilot` is the number of photon paths in a
-    /// pass, divided by the number of photon paths in the pilot.
+    /// `pass_per_pilot` is the ratio of the photon paths of a pass and of the pilot.
     pub(super) fn new(deposits: &VolumeDeposits, plan: VolumePlan, pass_per_pilot: f64) -> Self {
         let sample = |number: usize| {
             let points = evenly_spaced(&deposits.points, number);
@@ -92,8 +80,7 @@ impl VolumeSamples {
         }
     }
 
-    /// Counts the photons around a camera segment in a medium. Counts them within the first of the
-    /// kernel widths that contains enough photons, or within the last one.
+    /// Counts the photons within the first width that contains enough, or the last.
     pub(super) fn count(
         &self,
         segment: &CameraSegment,
@@ -111,7 +98,6 @@ impl VolumeSamples {
         nearby
     }
 
-    /// Counts the photons within a kernel width around a camera segment in a medium.
     fn count_within(&self, segment: &CameraSegment, medium: &Medium, width: KernelWidth) -> NearbyPhotons {
         let cone = QueryCone::of_camera(segment.ray, segment.length_m, segment.behind_m, width);
         let (KernelWidth::Constant(number) | KernelWidth::PerDistance(number)) = width;
@@ -125,7 +111,6 @@ impl VolumeSamples {
         nearby
     }
 
-    /// Returns the number of beams near a camera segment.
     fn count_beams(&self, cone: &QueryCone, medium: usize) -> f64 {
         let (mut tested, mut found) = (0.0, 0.0);
         for beam in &self.beams {
@@ -168,8 +153,7 @@ impl VolumeSamples {
 }
 
 impl NearbyPhotons {
-    /// Compares the counts at two camera segments. Returns the counts within the narrower kernels.
-    /// If the kernels have the same width, returns the larger value of each count.
+    /// Returns the counts within the narrower kernels, or the larger of each count.
     pub(super) fn denser(self, other: Self) -> Self {
         if self.width < other.width {
             return self;
@@ -243,7 +227,6 @@ mod tests {
         assert!(samples.beams.len() <= BEAM_SAMPLE && samples.points.len() == POINT_SAMPLES.len());
     }
 
-    /// The first kernel contains hundreds of the many photons, but almost none of the few photons.
     #[test]
     fn kernels_become_wider_until_they_contain_photons() {
         let clear = Spectrum::constant(0.0);

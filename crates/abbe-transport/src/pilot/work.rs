@@ -1,14 +1,12 @@
-//! The work of a pass, in instructions.
-//!
-//! The pilot estimates the work from the events of the trial, never from times, so that it is the
-//! same on all machines.
+//! The work of a pass in instructions, which the pilot estimates from the events of the trial and
+//! never from times, so that it is the same on all machines.
 
 use super::small_pass::TRIALS;
 use crate::plan::Tally;
 
-/// The average numbers of instructions of the events of a pass. Callgrind measured them in
-/// benches/scenes. The numbers for emission and for photons in media are times of these scenes and
-/// of bodies of fog, in instructions of the average time.
+/// The average instructions of each event, which Callgrind measured in benches/scenes. Those of
+/// emission and of photons in media are times in these scenes and in bodies of fog, in instructions
+/// of the average time.
 mod instructions {
     pub(super) const EMITTED_PHOTON: f64 = 2_500.0;
     pub(super) const RAY: f64 = 2_700.0;
@@ -26,36 +24,28 @@ mod instructions {
 pub(super) struct Work {
     /// The work that depends neither on the photons nor on the camera samples.
     pub(super) pass: f64,
-    /// The work to trace one photon path.
     pub(super) trace: f64,
     /// The work to store the indirect photons of one path on surfaces.
     pub(super) store_on_surfaces: f64,
-    /// The work to store the photons of one path in media.
     pub(super) store_in_media: f64,
     /// The work of one camera sample in every pixel, without the photons in the kernels.
     pub(super) sample: f64,
-    /// The work of the photons in the kernels at surfaces during these camera samples, per photon
-    /// path.
+    /// Of the photons in the kernels during these samples, per photon path.
     pub(super) gather_on_surfaces: f64,
-    /// The same in media.
     pub(super) gather_in_media: f64,
 }
 
 /// The work of camera samples, in instructions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SampleWork {
-    /// The work without the photons in the kernels.
     sample: f64,
-    /// The work of the photons in the kernels at surfaces.
     gather_on_surfaces: f64,
-    /// The work of the photons in the kernels in media.
     gather_in_media: f64,
 }
 
 impl Work {
-    /// Estimates the work of a pass. `photons` and `samples` contain the events of the photon paths
-    /// and of the camera samples in all passes of the trial. `paths` is the number of photon paths
-    /// in one of these passes, and `pixels` is the number of pixels of the film.
+    /// Estimates the work from the events of the photon paths and of the camera samples in all
+    /// passes of the trial, with `paths` photon paths each, on a film of `pixels` pixels.
     pub(super) fn of_trial(photons: &Tally, samples: &Tally, paths: f64, pixels: f64) -> Self {
         use instructions::*;
         let stored_in_media = (photons.volume_points + photons.volume_beams) as f64;
@@ -78,7 +68,6 @@ impl Work {
 }
 
 impl SampleWork {
-    /// Estimates the work of the camera samples of a tally.
     pub(super) fn of(tally: &Tally) -> Self {
         use instructions::*;
         let rays = (tally.camera_segments + tally.shadow_rays) as f64;
@@ -90,7 +79,6 @@ impl SampleWork {
         }
     }
 
-    /// Returns the work if the kernels contain this multiple of the photons.
     pub(super) fn with_photons(&self, multiple: f64) -> f64 {
         self.sample + multiple * (self.gather_on_surfaces + self.gather_in_media)
     }

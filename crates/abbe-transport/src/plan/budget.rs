@@ -8,17 +8,16 @@ use abbe_spectra::math::random::{REPLICATES, Seed};
 /// The number of passes if the request contains no stop rule.
 pub const DEFAULT_PASSES: u64 = 64;
 
-/// The smallest default number of photon paths per pass. The number is large enough for small first
-/// kernel radii. It is small enough that a render consists of many short passes. Many passes sample
-/// many wavelengths.
+/// The least default number of photon paths per pass: enough for small first radii, and few enough
+/// for many short passes, which sample many wavelengths.
 pub const DEFAULT_PHOTONS: u64 = 200_000;
 
 /// The largest default number of photon paths per pass. It limits the memory of the photons.
 const MOST_DEFAULT_PHOTONS: u64 = 1_000_000;
 
-/// Returns the default number of photon paths per pass for a film: one path per pixel, so that the
-/// kernels of a large film cover no more pixels than the kernels of a small film, and that the time
-/// of the photons stays in proportion to the time of the camera paths.
+/// Returns the default number of photon paths per pass for a film: one per pixel, so that kernels
+/// cover no more pixels on a large film, and the time of photons and camera paths stays in
+/// proportion.
 fn photons_for_film(pixels: u64) -> u64 {
     pixels.clamp(DEFAULT_PHOTONS, MOST_DEFAULT_PHOTONS)
 }
@@ -32,20 +31,18 @@ pub const DEFAULT_LIGHT_MAP_CELLS: u32 = 32;
 /// Bytes per light map node for its visibility flag.
 const LIGHT_MAP_NODE_BYTES: u64 = 1;
 
-/// Bytes for the mean density of one absorbing medium at one light map node. One step removes the
-/// media that no path from the light to a node crosses. During this step, the map needs the memory
-/// twice.
+/// The mean density of one absorbing medium at one node, twice while the map removes the media that
+/// no path from the light crosses.
 const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 
-/// Bytes per stored photon: its data and its position. While the map sorts the photons, it needs
-/// this memory twice, and 4 bytes for the order of the photons.
+/// A photon and its position, twice while the map sorts, with 4 bytes for the order.
 const PHOTON_BYTES: u64 = 2 * 32 + 4;
 
 /// Bytes per photon path. A path stores two photons on average.
 const PATH_BYTES: u64 = 2 * PHOTON_BYTES;
 
-/// Bytes per pixel for the results of the pilot: eight radii, the index of the pixel's outline, and
-/// a third of an outline. An outline has 44 bytes and is stored near edges only.
+/// The pilot's results: eight radii, the index of the surface extent, and a third of an extent of
+/// 44 bytes, stored near edges only.
 const PILOT_PIXEL_BYTES: u64 = 8 * 4 + 4 + 44 / 3;
 
 /// The pilot may halve the default number of photon paths this many times.
@@ -59,13 +56,11 @@ pub const PHOTON_DOUBLINGS: u32 = 2;
 pub struct Budget {
     /// The number of passes if the request contains no stop rule.
     pub passes: u64,
-    /// The number of photon paths per pass. If the scene does not state it, the pilot may halve or
-    /// double it several times ([`PHOTON_HALVINGS`], [`PHOTON_DOUBLINGS`]).
+    /// The paths per pass. Unless explicit, the pilot may halve or double them
+    /// ([`PHOTON_HALVINGS`], [`PHOTON_DOUBLINGS`]).
     pub photons: u64,
-    /// True if the scene states the number of photon paths.
     pub photons_are_explicit: bool,
-    /// The number of camera samples per pixel and pass, if the scene states it. Otherwise, the
-    /// pilot chooses the number.
+    /// Per pixel and pass, if explicit. Otherwise, the pilot chooses them.
     pub camera_samples: Option<u64>,
     /// The number of photons within the first kernel radius.
     pub nearest: u32,
@@ -73,41 +68,34 @@ pub struct Budget {
     pub radius_m: Option<f64>,
     /// The number of light map cells in the first pass, along the longest side of a medium's box.
     pub light_map_cells: u32,
-    /// The seed of all random streams.
     pub seed: Seed,
     /// The estimated memory of the film, the photons, the geometry and the light maps, in bytes.
     pub memory_bytes: u64,
-    /// The largest distance (pixels) that an object moves over the picture while the shutter is
-    /// open.
+    /// The largest distance (pixels) that an object moves while the shutter is open.
     pub motion_px: f64,
 }
 
-/// Returns the smallest number of passes with which a moving object does not appear as separate
-/// images. The object moves over `motion_px` pixels. The number is two passes per pixel, rounded up
-/// to a multiple of the replicates.
+/// Returns the least number of passes with which an object that moves over `motion_px` pixels does
+/// not appear as separate images: two per pixel, up to a multiple of the replicates.
 fn passes_without_strobing(motion_px: f64) -> u64 {
     ((2.0 * motion_px).ceil() as u64).next_multiple_of(REPLICATES as u64)
 }
 
-/// Returns the default number of photon paths per pass. `passes` is the number of passes, and
-/// `pixels` is the number of pixels of the film.
-///
-/// The total number of paths is the same as for the default number of passes. Each pass has at
-/// least 20 000 paths, so that the estimates of a pass stay usable.
+/// Returns the default photon paths per pass for these passes and pixels: as many in total as for
+/// the default passes, but at least 20 000 per pass, so that its estimates stay usable.
 fn photons_per_pass(passes: u64, pixels: u64) -> u64 {
     const MIN_PHOTONS: u64 = 20_000;
     (photons_for_film(pixels) * DEFAULT_PASSES / passes).max(MIN_PHOTONS)
 }
 
-/// Returns the number of samples of each row of receptors in a pass of a measurement. A pass takes
-/// some milliseconds, so that the stop rules are checked often.
+/// Returns the samples of each row of sensors in a pass, which takes some milliseconds, so that the
+/// stop rules are checked often.
 fn sensor_samples(rows: u64) -> u64 {
     const SAMPLES_PER_PASS: u64 = 1 << 15;
     (SAMPLES_PER_PASS / rows.max(1)).clamp(16, 1 << 12).next_power_of_two()
 }
 
-/// Returns an upper bound for the memory in bytes that the light maps need in any pass. The bound
-/// assumes that each medium's box is a cube.
+/// Returns an upper bound of the light maps' bytes in any pass, for media in cubes.
 fn light_map_bytes(scene: &Scene, cells: u32, passes: u64) -> u64 {
     let lights = scene.lights.iter().filter(|light| light.has_virtual_lights()).count() as u64;
     let scattering = scene.media.iter().filter(|medium| medium.scatters()).count() as u64;
@@ -117,8 +105,7 @@ fn light_map_bytes(scene: &Scene, cells: u32, passes: u64) -> u64 {
     nodes.saturating_mul((LIGHT_MAP_NODE_BYTES + media * LIGHT_MAP_MEDIUM_BYTES) * lights * scattering)
 }
 
-/// Returns the number of light map cells in a pass. `cells` is the number of cells in the first
-/// pass.
+/// Returns the cells of a pass, from those of the first pass.
 fn cells_in_pass(cells: u32, pass: u64) -> u32 {
     (f64::from(cells) * exp2(f64::from((pass + 1).ilog2()) / 6.0)).round() as u32
 }
@@ -129,10 +116,7 @@ impl Budget {
         (self.passes as f64) < 2.0 * self.motion_px
     }
 
-    /// Returns the budget of a scene.
-    ///
-    /// `film_bytes` is the memory of the film. The caller computes this number, because the plan
-    /// does not depend on the sensor.
+    /// `film_bytes` is the memory of the film, which the plan does not know.
     pub fn of(scene: &Scene, plan: &Plan, film_bytes: u64) -> Self {
         let settings = &scene.settings;
         let motion_px = scene.image_motion_px();
@@ -171,18 +155,15 @@ impl Budget {
         self.memory_without_photons().saturating_add(photons.saturating_mul(PHOTON_BYTES))
     }
 
-    /// Returns the number of light map cells in a pass, along the longest side of a medium's box.
-    ///
-    /// The cells shrink as pass^(−1/6), like the kernel radii on surfaces. The size of the cells
-    /// changes only when the number of passes has doubled. Therefore, in a still scene, most passes
-    /// reuse the maps of earlier passes.
+    /// Returns the light map cells in a pass, along the longest side of a medium's box. They shrink
+    /// as pass^(−1/6), like the kernel radii on surfaces, but only when the number of passes has
+    /// doubled, so that most passes of a still scene reuse maps.
     pub fn light_map_cells(&self, pass: u64) -> u32 {
         cells_in_pass(self.light_map_cells, pass)
     }
 
-    /// Returns the largest number of photon paths per pass that fits into `bytes` of memory. The
-    /// number is rounded down to two digits. Returns 0 if the memory is too small even for a pass
-    /// without photons.
+    /// Returns the most photon paths per pass that fit into `bytes`, rounded down to two digits, 0
+    /// if even a pass without photons is too large.
     pub fn photons_within(&self, bytes: u64) -> u64 {
         let photons = bytes.saturating_sub(self.memory_without_photons()) / PATH_BYTES;
         let digit = 10_u64.pow(photons.checked_ilog10().unwrap_or(0).saturating_sub(1));

@@ -7,23 +7,19 @@ use super::negligible::NegligibleEffect;
 use abbe_scene::facts::Facts;
 use abbe_spectra::error::{Error, Result};
 
-/// The decision about an effect, and the reason for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EffectState {
     /// The effect is simulated, because the scene needs it.
     On,
-    /// The effect is not simulated, because no part of the scene needs it or because it is
-    /// negligible.
+    /// Not simulated, because nothing needs it or it is negligible.
     Off,
-    /// The effect is simulated only because the user requests it. No part of the scene needs the
-    /// effect, or the effect is negligible.
+    /// Simulated only because the user requests it.
     Forced,
     /// The effect is not simulated, because the user forbids it. The scene needs the effect.
     Forbidden,
 }
 
 impl EffectState {
-    /// Returns true if the effect is simulated.
     pub fn is_on(self) -> bool {
         matches!(self, Self::On | Self::Forced)
     }
@@ -39,23 +35,16 @@ impl EffectState {
     }
 }
 
-/// The decision on one effect.
 #[derive(Debug, Clone)]
 pub struct EffectRow {
-    /// The effect.
     pub effect: &'static Effect,
-    /// Its state.
     pub state: EffectState,
     /// The reason, in words.
     pub because: String,
 }
 
-/// Decides all effects in the order of [`EFFECTS`]. Returns the plan and one row per effect.
-///
-/// A negligible effect is on only if it is forced. `force` and `forbid` contain names of effects.
-///
-/// # Errors
-/// Returns an input error if a name is not an effect, or is both forced and forbidden.
+/// Decides all effects in the order of [`EFFECTS`]. A negligible effect is on only if it is forced.
+/// Returns an input error if a name in `force` or `forbid` is not an effect, or is in both.
 pub(super) fn decide(
     facts: &Facts,
     negligible: &[NegligibleEffect],

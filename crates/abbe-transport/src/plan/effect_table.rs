@@ -1,6 +1,5 @@
-//! The table of effects. Each entry contains the facts that make the effect necessary, the plan
-//! field that switches the effect on or off, the event counter, the method of removal, and the
-//! texts of `abbe explain`.
+//! The table of effects: the facts that require each effect, its field of the plan, its event
+//! counter, its removal, and the texts of `abbe explain`.
 
 use super::effects::{Effect, EffectId, Removal};
 use super::fields::{
@@ -14,7 +13,6 @@ use abbe_scene::light::{Emitter, Light};
 use abbe_scene::{Body, Scene};
 
 impl EffectId {
-    /// Returns the row of the effect in [`EFFECTS`].
     pub fn effect(self) -> &'static Effect {
         &EFFECTS[self as usize]
     }
@@ -32,8 +30,7 @@ pub static EFFECTS: [Effect; EffectId::ALL.len()] = {
     rows
 };
 
-/// Returns the properties of an effect. The match is exhaustive: the code does not compile if a
-/// variant has no row, or if a row lacks a part.
+/// Matches exhaustively, so that no variant lacks a row and no row a part.
 const fn row(id: EffectId) -> Effect {
     match id {
         EffectId::Dispersion => Effect {
@@ -85,7 +82,7 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "caustics",
             field: "caustics",
-            cost: "per photon: a path through the glass, a shadow ray to the camera and 56 bytes in the map",
+            cost: "per photon: a path through the glass, a shadow ray to the camera and a record in the map",
             absent: "photons that come from mirrors or through glass are neither stored nor connected to the camera",
             required_by: "mirrors or glass",
             not_required: "there is no mirror or glass, or no surface or meter that could receive its light",
@@ -98,7 +95,7 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "indirect",
             field: "indirect",
-            cost: "56 bytes per stored photon, the search tree, and one query per camera path",
+            cost: "a record per stored photon, the search tree, and one query per camera path",
             absent: "photons that were scattered are not stored",
             required_by: "surfaces that scatter light",
             not_required: "no surface scatters light",
@@ -159,8 +156,7 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "diffraction",
             field: "aperture",
-            cost: "48 bytes per pixel for each slice of the spectrum, up to 16 slices; one convolution per slice when \
-                   the picture is developed",
+            cost: "three sums per pixel and one convolution of the developed picture for each slice of the spectrum",
             absent: "no slices of the spectrum are stored, and nothing is convolved",
             required_by: "diffraction at the camera's aperture",
             not_required: "the scene does not enable diffraction at the camera's aperture",
@@ -382,7 +378,7 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "volume-photons",
             field: "volume",
-            cost: "52 bytes per stored scattering event, a tree of boxes, and one query per segment of a camera ray",
+            cost: "a record per stored scattering event, a tree of boxes, and one query per segment of a camera ray",
             absent: "no photon is stored where it scatters in a medium",
             required_by: "dense media, in which light scatters many times",
             not_required: "there is no dense medium that scatters",
@@ -395,7 +391,7 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "photon-beams",
             field: "volume",
-            cost: "64 bytes per segment of a photon path, a tree of boxes, and one query per segment of a camera ray",
+            cost: "a record per segment of a photon path, a tree of boxes, and one query per segment of a camera ray",
             absent: "no segment of a photon path is stored",
             required_by: "thin media that scatter light",
             not_required: "there is no thin medium that scatters",

@@ -6,11 +6,9 @@ use abbe_scene::Scene;
 use abbe_scene::facts::Facts;
 use abbe_spectra::error::Result;
 
-/// An effect that a scene may need.
-///
-/// The order of the variants is the order in which effects are decided and reported. A setter may
-/// read or refine values written by the setters of earlier effects. For example, `Absorption`
-/// refines the field that `Bodies` writes, and `LightMap` reads the fields of `Direct` and `Media`.
+/// An effect that a scene may need, in the order of decision and of reports. A setter may read or
+/// refine values of earlier setters: `Absorption` refines the field that `Bodies` writes, and
+/// `LightMap` reads those of `Direct` and `Media`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EffectId {
     /// Glass refracts each wavelength in its own direction.
@@ -29,7 +27,6 @@ pub enum EffectId {
     Diffraction,
     /// The surfaces of the camera's lens reflect light to the sensor.
     Ghosts,
-    /// Lights at infinity shine on the scene.
     Environment,
     /// Properties of materials vary over surfaces.
     Textures,
@@ -41,47 +38,35 @@ pub enum EffectId {
     Ultraviolet,
     /// Camera paths continue at rough and coated surfaces.
     Roughness,
-    /// Objects have interiors.
     Bodies,
-    /// Glass and liquids absorb light.
     Absorption,
-    /// Media absorb, scatter or emit light.
     Media,
     /// Direct light in media comes from light maps.
     LightMap,
-    /// Media store photon points.
     VolumePhotons,
-    /// Media store photon beams.
     PhotonBeams,
     /// The directions of emitted photons follow learned distributions.
     Aim,
-    /// Objects, lights or the camera move.
     Motion,
-    /// Meters take the place of the camera.
     Meters,
 }
 
-/// The properties of one effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
-    /// The effect.
     pub id: EffectId,
     /// The name in scene files, command lines and reports.
     pub name: &'static str,
     /// The switch of the effect: a field of the plan, or a part of the scene.
     pub field: &'static str,
-    /// The cost if the effect is on.
     pub cost: &'static str,
     /// The consequence if the effect is off.
     pub absent: &'static str,
-    /// Returns the number of events of the effect.
     pub events: fn(&Tally, &Plan) -> u64,
     /// A plural noun for the parts of the scene that need the effect.
     pub(super) required_by: &'static str,
     /// Reports show this reason if the effect is off because no part of the scene needs it.
     pub(super) not_required: &'static str,
-    /// Reads the facts of a scene. Returns the names of the objects, lights, media or settings that
-    /// need the effect.
+    /// Returns the objects, lights, media or settings that need the effect.
     pub(super) requires: fn(&Facts) -> Vec<String>,
     /// Switches the effect on or off in a plan.
     pub(super) set: fn(&mut Plan, &Facts, bool),
@@ -89,20 +74,15 @@ pub struct Effect {
     pub(super) removal: Removal,
 }
 
-/// How an effect is removed from a scene and its plan.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Removal {
     /// The plan's field switches the effect off. The scene does not change.
     FromPlan,
-    /// The function removes the effect from the scene too. The function's second argument is a
-    /// wavelength in nm. If dispersion is removed, each index of refraction becomes its value at
-    /// this wavelength.
+    /// From the scene too. The second argument is a wavelength in nm, at which a forbidden
+    /// dispersion leaves the refractive indices.
     FromScene(fn(&mut Scene, f64) -> Result<()>),
     /// The effect is a property of the scene and cannot be forbidden.
-    Refused {
-        /// What the user can do instead.
-        alternative: &'static str,
-    },
+    Refused { alternative: &'static str },
 }
 
 impl EffectId {

@@ -15,9 +15,8 @@ pub fn wavelengths_word(plan: &Plan) -> &'static str {
     }
 }
 
-/// Returns the plan as text. Each effect has two lines. The first line gives the state and its
-/// reason, and the second line gives the consequence. The text ends with the wavelengths, the film,
-/// the camera, the budget and the notes.
+/// Returns the plan as text: two lines per effect (the state with its reason, and the consequence),
+/// then the wavelengths, the film, the camera, the budget and the notes.
 pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget) -> String {
     let mut lines = vec![format!("{}", scene.title), String::new(), "Effects:".to_string()];
     for row in rows {
@@ -56,8 +55,7 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget) -> 
     lines.join("\n") + "\n"
 }
 
-/// Describes how far objects move over the picture, and whether a moving object may appear as
-/// separate images.
+/// Tells how far objects move over the picture, and whether they may appear as separate images.
 fn motion_text(scene: &Scene, budget: &Budget) -> Option<String> {
     let Shutter { open_s, close_s, .. } = scene.shutter;
     scene.moves().then(|| {

@@ -2,39 +2,29 @@
 
 use super::partition::PerSet;
 
-/// The choices that fix how a scene is simulated.
-///
-/// [`EFFECTS`](super::EFFECTS) lists the effects. Each entry names three things: the fact that
-/// makes the effect necessary; the switch of the effect (a field of this struct, or a part of the
-/// scene); and the consequence if the effect is off.
+/// The choices that fix how a scene is simulated. [`EFFECTS`](super::EFFECTS) names, for each
+/// effect, the fact that requires it, its switch (a field of this struct, or a part of the scene),
+/// and the consequence if it is off.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Plan {
-    /// The sharing of wavelengths between photons and camera paths.
     pub wavelengths: WavelengthPlan,
     /// Light arriving at a surface through glass or from mirrors.
     pub caustics: CausticPlan,
     /// Light scattered from surface to surface.
     pub indirect: IndirectPlan,
-    /// Light straight from its source.
     pub direct: DirectPlan,
-    /// The camera's aperture.
     pub aperture: AperturePlan,
-    /// The media between surfaces.
     pub media_plan: MediumPlan,
     /// Caustic and indirect light scattered in a medium.
     pub volume: VolumePlan,
-    /// The directions in which lights emit photons.
     pub aim: AimPlan,
-    /// Objects, lights and cameras that move.
     pub motion: MotionPlan,
-    /// True if surfaces or media are fluorescent.
     pub fluorescence: bool,
     /// True if light from 300 to 360 nm excites fluorophores.
     pub ultraviolet: bool,
 }
 
 impl Plan {
-    /// The plan without any effect.
     pub(super) const EMPTY: Self = Self {
         wavelengths: WavelengthPlan::Free,
         caustics: CausticPlan::Absent,
@@ -49,8 +39,7 @@ impl Plan {
         ultraviolet: false,
     };
 
-    /// Returns the photon sets of a pass. Free photons excite fluorophores, also if all camera paths
-    /// carry shared wavelengths.
+    /// Free photons excite fluorophores, also if all camera paths carry shared wavelengths.
     pub(crate) fn photon_sets(&self) -> PerSet<bool> {
         PerSet {
             free: self.wavelengths != WavelengthPlan::Shared || self.fluorescence,
@@ -59,32 +48,27 @@ impl Plan {
     }
 }
 
-/// The sharing of wavelengths between photons and camera paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WavelengthPlan {
     /// Every photon has its own wavelengths. No camera path reaches dispersive glass.
     Free,
     /// Every camera path starts with one of the pass's shared wavelengths.
     Shared,
-    /// Camera paths carry all wavelengths until they refract dispersively. After this refraction,
-    /// each path carries one of the pass's shared wavelengths.
+    /// Camera paths carry all wavelengths until they refract dispersively, and then one.
     Both,
 }
 
 /// The method of computing light that arrives through glass or from mirrors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CausticPlan {
-    /// This light is not computed.
     Absent,
-    /// If the camera sees the surface directly, photons are connected to the camera. Otherwise,
-    /// camera paths read the photon map.
+    /// Photons are connected to a camera that sees the surface. Other paths read the photon map.
     Photons,
 }
 
 /// The method of computing light scattered from surface to surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IndirectPlan {
-    /// This light is not computed.
     Absent,
     /// Density estimation in a photon map computes this light.
     Photons,
@@ -93,17 +77,14 @@ pub enum IndirectPlan {
 /// The method of computing direct light (light straight from its source).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DirectPlan {
-    /// This light is not computed.
     Absent,
     /// Shadow rays alone compute this light, because no scattered ray can hit a light source.
     ShadowRays,
-    /// Both shadow rays and scattered rays compute this light. Multiple importance sampling
-    /// combines them.
+    /// Combined by multiple importance sampling.
     ShadowAndScatteredRays,
 }
 
 impl DirectPlan {
-    /// Returns true if direct light is not computed.
     pub fn is_absent(self) -> bool {
         self == Self::Absent
     }
@@ -114,25 +95,20 @@ impl DirectPlan {
     }
 }
 
-/// The camera's aperture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AperturePlan {
     /// A point.
     Pinhole,
-    /// A thin lens with depth of field.
     ThinLens(Rim),
-    /// A lens system of real glass. Each wavelength has its own camera ray, traced through the lens
-    /// elements.
+    /// Of real glass. Each wavelength has its own camera ray.
     LensSystem(Rim),
 }
 
-/// The effect of the aperture's rim on light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rim {
     /// The rim only blocks rays.
     Stops,
-    /// The rim blocks rays and diffracts light. The film stores slices of the spectrum, and each
-    /// slice is convolved with its diffraction pattern.
+    /// Also diffracts light: each slice of the film's spectrum is convolved with its pattern.
     Diffracts,
 }
 
@@ -142,7 +118,6 @@ impl AperturePlan {
         self != Self::Pinhole
     }
 
-    /// Returns true if the aperture's rim diffracts light.
     pub fn diffracts(self) -> bool {
         match self {
             Self::Pinhole => false,
@@ -151,7 +126,6 @@ impl AperturePlan {
     }
 }
 
-/// The media between surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MediumPlan {
     /// No object has an interior: all space is air.
@@ -160,7 +134,6 @@ pub enum MediumPlan {
     Clear,
     /// Bodies absorb light by the Beer–Lambert law.
     Absorbing,
-    /// Media absorb, scatter or emit light.
     Scattering(VolumeDirectLighting),
 }
 
@@ -169,8 +142,7 @@ pub enum MediumPlan {
 pub enum VolumeDirectLighting {
     /// A shadow ray computes this light. It starts at a sampled distance along the camera ray.
     ShadowRays,
-    /// Lookups in light maps compute this light. Lights that have no map are sampled by shadow
-    /// rays.
+    /// Lights without a map are sampled by shadow rays.
     LightMaps,
 }
 
@@ -180,7 +152,6 @@ impl MediumPlan {
         matches!(self, Self::Air | Self::Clear)
     }
 
-    /// Returns true if light maps are built.
     pub fn has_light_maps(self) -> bool {
         self == Self::Scattering(VolumeDirectLighting::LightMaps)
     }
@@ -189,18 +160,14 @@ impl MediumPlan {
 /// The storage of caustic and indirect light in media.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumePlan {
-    /// Caustic and indirect light in media is not stored.
     Absent,
-    /// All media store photon points.
     Points,
-    /// All media store photon beams.
     Beams,
     /// Dense media store photon points, and thin media store photon beams.
     ByDensity,
 }
 
 impl VolumePlan {
-    /// Returns the plan that stores points, beams, both or neither.
     pub(super) fn of(points: bool, beams: bool) -> Self {
         match (points, beams) {
             (false, false) => Self::Absent,
@@ -221,16 +188,13 @@ impl VolumePlan {
     }
 }
 
-/// The directions in which lights emit photons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AimPlan {
     /// Photons follow the emission distribution of their light.
     Plain,
-    /// Photons follow distributions learned by the pilot.
     Learned,
 }
 
-/// The method of simulating motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionPlan {
     /// All passes use the scene at the time when the shutter opens.

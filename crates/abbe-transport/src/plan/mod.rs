@@ -1,8 +1,6 @@
-//! The plan of a render: which effects the scene needs, and how each effect is computed.
-//!
-//! [`prepare()`] turns the facts of a scene into a [`Plan`]. [`EFFECTS`] is the table of effects,
-//! [`partition`] assigns each class of light paths to an estimator, and [`budget`] sets the number
-//! of passes, the number of photons and the memory.
+//! The plan of a render: which effects the scene needs, and how each is computed. [`prepare()`]
+//! turns the facts of a scene into a [`Plan`] by the table [`EFFECTS`], [`partition`] assigns each
+//! class of light paths to an estimator, and [`budget`] sets passes, photons and memory.
 
 pub mod budget;
 mod decide;

@@ -1,9 +1,6 @@
-//! Finds negligible effects. A negligible effect is present in the scene, but it cannot be seen in
-//! the picture.
-//!
-//! There are two cases. In the first case, no light reaches the object that causes the effect. In
-//! the second case, a bound shows that the effect changes the picture by less than a given
-//! tolerance. Such an effect is removed before planning, unless the user forces the effect.
+//! Finds effects that are present in the scene but cannot be seen in the picture: because no light
+//! reaches the object that causes the effect, or because a bound shows that the picture changes by
+//! less than a tolerance. They are removed before planning, unless the user forces them.
 
 use super::effect_table::EFFECTS;
 use super::effects::{EffectId, listed};
@@ -17,27 +14,21 @@ use abbe_spectra::math::elementary::tan;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::WavelengthDistribution;
 
-/// An effect that cannot be seen.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct NegligibleEffect {
-    /// The effect.
     pub(super) effect: EffectId,
     /// The reason, with the bound and the tolerance.
     pub(super) because: String,
 }
 
-/// The tolerance for dispersion, in pixels: the largest distance between the images of one point at
-/// two wavelengths of the light.
+/// The tolerance for dispersion, in pixels between the images of one point at two wavelengths.
 const MAX_SEPARATION_PX: f64 = 0.01;
 
-/// The tangent of 80°. The bound for dispersion covers angles of incidence up to 80°.
-///
-/// If the index n of a medium denser than air changes by dn, the refracted ray turns by an angle
-/// dθ. This angle is tan θ dn/n, which is at most tan 80° × dn.
+/// The tangent of 80°, the largest angle of incidence of the bound for dispersion. If the index n >
+/// 1 changes by dn, the refracted ray turns by tan θ dn/n, at most tan 80° × dn.
 const TAN_MAX_INCIDENCE: f64 = 5.671;
 
-/// The magnification that the bound for dispersion covers. Curved surfaces and repeated refraction
-/// magnify the angle between two wavelengths.
+/// The magnification that this bound covers, by curved surfaces and repeated refraction.
 const MAX_MAGNIFICATION: f64 = 100.0;
 
 /// The tolerance for depth of field: the largest width in pixels of a point's image.
@@ -78,8 +69,7 @@ pub(super) fn negligible(scene: &Scene) -> Vec<NegligibleEffect> {
     all
 }
 
-/// Returns the effects that are caused only by objects inside closed opaque bodies. No light
-/// reaches objects inside such bodies.
+/// Returns the effects only of objects inside closed opaque bodies, which no light reaches.
 fn unreachable(scene: &Scene, facts: &Facts) -> Vec<NegligibleEffect> {
     let enclosures = scene.enclosures();
     if enclosures.is_empty() {
@@ -100,8 +90,7 @@ fn unreachable(scene: &Scene, facts: &Facts) -> Vec<NegligibleEffect> {
     inside.collect()
 }
 
-/// Returns the reason if indirect light is absent. Indirect light is absent if only one flat object
-/// scatters light, and no mirror, glass or medium sends the light back to this object.
+/// Indirect light is absent if only one flat object scatters, and nothing sends light back.
 fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
     if !(facts.specular.is_empty() && facts.media.is_empty()) {
         return None;
@@ -121,19 +110,16 @@ fn indirect(scene: &Scene, facts: &Facts) -> Option<String> {
     })
 }
 
-/// Returns the reason if dispersion is negligible: the lights and fluorophores emit at nearly one
-/// wavelength, or the glass has nearly the same refractive index at all their wavelengths.
+/// Dispersion is negligible if the lights and fluorophores emit at nearly one wavelength, or if the
+/// glass has nearly the same index at all of them.
 ///
 /// The distance between two wavelengths grows along the path after the refraction. The bound
-/// assumes the longest path in the scene, to a surface as near to the camera as the nearest
-/// surface.
+/// assumes the longest path in the scene, to a surface as near to the camera as the nearest one.
 fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
-    /// The number of wavelength intervals. Refractive indices are compared at the ends of the
-    /// intervals. Within an interval, a refractive index is assumed to be monotonic.
+    /// The wavelength intervals. Indices are assumed to be monotonic within each.
     const INTERVALS: u32 = 64;
     let (from, to) = light_range_nm(scene);
-    // The bound is an angle in pixels. A meter has no pixels, and a pixel of an orthographic camera
-    // has no angle.
+    // The bound is an angle in pixels, which a meter or an orthographic camera lacks.
     let has_angles = scene.camera.pixel_angle() > 0.0;
     let bounded = facts.lens_system.is_none() && facts.meters.is_empty() && has_angles;
     if facts.dispersive.is_empty() || !bounded || from > to {
@@ -145,8 +131,8 @@ fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
         high - low
     };
     let indices = scene.materials.iter().filter_map(|material| material.body.as_ref()?.index.as_ref());
-    // In any order of a grating, the component of the direction across the grooves is at most 1 in
-    // each medium. Between two wavelengths, it differs by at most twice their relative difference.
+    // In any order of a grating, the component across the grooves is at most 1 in each medium, and
+    // differs between two wavelengths by at most twice their relative difference.
     let diffracts = |material: &Material| material.surface.components().any(|part| part.grating().is_some());
     let by_gratings = if scene.materials.iter().any(diffracts) { 2.0 * (to - from) / from } else { 0.0 };
     let spread = indices.map(spread).fold(by_gratings, f64::max);
@@ -162,10 +148,9 @@ fn dispersion(scene: &Scene, facts: &Facts) -> Option<String> {
     })
 }
 
-/// Returns the reason if depth of field is negligible: all surfaces are in focus.
-///
-/// The bound does not hold in scenes with mirrors, glass, glossy surfaces or media. An image in a
-/// mirror or in a polished coat, or light scattered in a medium, may be nearer than any surface.
+/// Depth of field is negligible if all surfaces are in focus. The bound does not hold with mirrors,
+/// glass, glossy surfaces or media: an image in a mirror or in a polished coat, or light in a
+/// medium, may be nearer than any surface.
 fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
     let Aperture::ThinLens { .. } = scene.camera.aperture() else { return None };
     let images = !(facts.specular.is_empty() && facts.glossy.is_empty() && facts.media.is_empty());
@@ -174,8 +159,7 @@ fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
     }
     let depth = DepthOfField::of(&scene.camera)?;
     let [across, down] = scene.camera.field_of_view().map(|angle| tan(0.5 * angle));
-    // A lower bound of all depths along the optical axis: the depth of the nearest point, if this
-    // point is in a corner of the picture.
+    // A lower bound of all depths along the axis: the nearest point, in a corner of the picture.
     let near_m = scene.geometry.clearance_m(scene.camera.origin()) / (1.0 + across * across + down * down).sqrt();
     let blur_px = depth.blur_at_infinity_px * (depth.focus_m / near_m - 1.0).abs().max(1.0);
     (blur_px < MAX_BLUR_PX).then(|| {
@@ -185,8 +169,7 @@ fn depth_of_field(scene: &Scene, facts: &Facts) -> Option<String> {
     })
 }
 
-/// Returns the reason if absorption is negligible: all straight paths through absorbing bodies have
-/// a negligible optical depth. A path of many segments may cross the bodies in each segment.
+/// Absorption is negligible if all straight paths are, each of whose segments may cross the bodies.
 fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
     if facts.absorbing_bodies.is_empty() || scene.moves() {
         return None;
@@ -202,9 +185,8 @@ fn absorption(scene: &Scene, facts: &Facts) -> Option<String> {
     if_thin(scene, bodies.sum())
 }
 
-/// Returns the reason if media are negligible: no medium emits or scatters light, and all straight
-/// paths through media have a negligible optical depth. A medium that scatters is never negligible,
-/// because even a thin one is visible in front of a black background.
+/// Media are negligible if they only absorb, and too little along all straight paths. Even a thin
+/// medium that scatters is visible in front of a black background.
 fn media(scene: &Scene, facts: &Facts) -> Option<String> {
     let visible = scene.media.iter().any(|medium| medium.emission.is_some() || medium.scatters());
     if facts.media.is_empty() || scene.moves() || visible {
@@ -214,7 +196,6 @@ fn media(scene: &Scene, facts: &Facts) -> Option<String> {
         let medium = &scene.media[scene.materials[material].body.as_ref()?.medium?];
         Some(medium.largest_extinction() * medium.max_column_m(diagonal_m))
     });
-    // A segment may cross all bodies.
     if_thin(scene, bodies.sum())
 }
 
@@ -229,8 +210,7 @@ fn if_thin(scene: &Scene, depth: f64) -> Option<String> {
     })
 }
 
-/// Returns the material of each object, and the diagonal of the object's bounding box in m. No
-/// straight path inside the object is longer than the diagonal.
+/// Returns the material and the diagonal (m) of each object, its longest straight path.
 fn diagonals(scene: &Scene) -> impl Iterator<Item = (usize, f64)> + '_ {
     let boxes = [&scene.geometry, &scene.boundaries].map(|geometry| geometry.object_bounds());
     let all = boxes.into_iter().flatten();

@@ -1,12 +1,12 @@
 //! The partition of light paths: which estimator computes which class of paths.
 //!
 //! Each path from a light to the camera belongs to exactly one class, so no light is counted twice.
-//! The path is divided at the first diffuse or rough surface on the way from the camera. Three
-//! facts select the estimator: the class of that surface ([`BsdfClass`]), the events between the
-//! light and that surface ([`LightPath`]), and the events between that surface and the camera
-//! ([`CameraView`]). The photon recorder (`pass`) and the camera paths (`gather`) read this table.
+//! It is divided at the first diffuse or rough surface from the camera. The class of that surface
+//! ([`BsdfClass`]), the events between it and the light ([`LightPath`]) and those between it and
+//! the camera ([`CameraView`]) select the estimator, for the photon recorder (`pass`) and for the
+//! camera paths (`gather`).
 //!
-//! Caustics have sharp edges. A connection to the camera needs no kernel, so it keeps these edges.
+//! Caustics have sharp edges, which a connection to the camera keeps, because it needs no kernel.
 //! Indirect light is smooth, so a kernel estimate has little bias.
 
 use abbe_optics::bsdf::BsdfClass;
@@ -17,16 +17,14 @@ use std::ops::{Index, IndexMut};
 pub enum LightPath {
     /// No event: the light comes straight from its source.
     Direct,
-    /// One or more specular reflections or refractions, and nothing else. Heckbert's notation for
-    /// these paths is L S+.
+    /// Specular reflections or refractions only: L S+ in Heckbert's notation.
     Caustic,
     /// At least one scattering event at a rough or diffuse surface or in a medium.
     Indirect,
 }
 
 impl LightPath {
-    /// Returns the class of the photons that such paths store. Returns `None` for direct light,
-    /// because direct light is never stored.
+    /// Returns the class of stored photons. Direct light is never stored.
     pub fn photon_class(self) -> Option<PhotonClass> {
         match self {
             Self::Direct => None,
@@ -36,7 +34,6 @@ impl LightPath {
     }
 }
 
-/// The class of a stored photon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhotonClass {
     /// The photon interacted only with mirrors and clear glass.
@@ -49,7 +46,6 @@ impl PhotonClass {
     /// All classes, in the order in which they are gathered.
     pub const ALL: [Self; 2] = [Self::Caustic, Self::Indirect];
 
-    /// Returns the path class of these photons.
     pub fn light_path(self) -> LightPath {
         match self {
             Self::Caustic => LightPath::Caustic,
@@ -58,12 +54,9 @@ impl PhotonClass {
     }
 }
 
-/// One value for each class of stored photons.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PerClass<T> {
-    /// The value for caustic photons.
     pub caustic: T,
-    /// The value for indirect photons.
     pub indirect: T,
 }
 
@@ -101,7 +94,6 @@ impl<T> IndexMut<PhotonClass> for PerClass<T> {
     }
 }
 
-/// The two photon sets of a pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhotonSet {
     /// Each photon has wavelengths of its own.
@@ -111,19 +103,15 @@ pub enum PhotonSet {
 }
 
 impl PhotonSet {
-    /// Returns the photon set that a camera path reads. `shared` is true for a path on a shared
-    /// wavelength.
+    /// Returns the set that a camera path reads, on a `shared` wavelength or not.
     pub fn of_path(shared: bool) -> Self {
         if shared { Self::Shared } else { Self::Free }
     }
 }
 
-/// One value for each photon set.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct PerSet<T> {
-    /// The value for free photons.
     pub free: T,
-    /// The value for photons on the shared wavelengths.
     pub shared: T,
 }
 
@@ -133,7 +121,6 @@ impl<T> PerSet<T> {
         Self { free: value(PhotonSet::Free), shared: value(PhotonSet::Shared) }
     }
 
-    /// Borrows the value of each set.
     pub fn as_ref(&self) -> PerSet<&T> {
         PerSet { free: &self.free, shared: &self.shared }
     }
@@ -178,13 +165,10 @@ pub enum CameraView {
 /// The estimator of a class of paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Estimator {
-    /// Shadow rays from the surface to the light, and scattered rays that hit the light. Multiple
-    /// importance sampling combines both.
+    /// With scattered rays that hit the light, by multiple importance sampling.
     ShadowRays,
-    /// A connection from the photon's position on the surface to the camera. A connection needs no
-    /// kernel.
+    /// From the photon to the camera, without a kernel.
     Connection,
-    /// Density estimation in the photon map.
     PhotonMap,
     /// The camera path continues in a scattered direction, and the next surface is evaluated.
     Continuation,
@@ -192,8 +176,7 @@ pub enum Estimator {
     None,
 }
 
-/// Selects the estimator for a surface of this class. The light arrives at the surface by `path`,
-/// and the camera sees the surface by `view`.
+/// Selects the estimator of light that arrives by `path` at a surface seen by `view`.
 #[inline]
 pub fn estimator(path: LightPath, class: BsdfClass, view: CameraView) -> Estimator {
     match (class, path, view) {
@@ -207,8 +190,7 @@ pub fn estimator(path: LightPath, class: BsdfClass, view: CameraView) -> Estimat
     }
 }
 
-/// Returns true if surfaces of this class store the photons that arrive by `path`. The photons are
-/// stored if at least one view reads them.
+/// Returns true if surfaces of this class store photons by `path`, because a view reads them.
 #[inline]
 pub fn kept_in_map(path: LightPath, class: BsdfClass) -> bool {
     [CameraView::Direct, CameraView::Indirect]
@@ -227,7 +209,6 @@ mod tests {
         }
     }
 
-    /// Caustics on directly visible surfaces are connected to the camera. Other views read the map.
     #[test]
     fn caustics_are_connected_or_mapped() {
         assert!(kept_in_map(LightPath::Caustic, BsdfClass::Diffuse));

@@ -1,25 +1,20 @@
 //! The classes of paths that a picture may show as separate layers.
 //!
-//! Each path from a light to the camera belongs to exactly one class, so the classes sum to the
-//! picture. The class depends on the first scattering event on the way from the camera that is not
-//! specular, and on the events between the light and that event. Both integrators use the same
-//! classes.
+//! Each path belongs to exactly one class, by its first scattering event from the camera that is
+//! not specular, and the events between it and the light, so the classes sum to the picture. Both
+//! integrators use the same classes.
 
 use super::partition::LightPath;
 
-/// The class of a path from a light to the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathClass {
     /// The camera sees the light directly, or by specular events only (L S* E).
     Emission,
-    /// The first scattering event is at a diffuse or glossy surface, which the light reaches
-    /// straight from its source.
+    /// The first scattering event is at a surface that the light reaches straight.
     Direct,
-    /// The first scattering event is at a diffuse or glossy surface, which the light reaches by one
-    /// or more specular events.
+    /// The first scattering event is at a surface that the light reaches by specular events.
     Caustic,
-    /// The first scattering event is at a diffuse or glossy surface, and the light was scattered
-    /// before.
+    /// The first scattering event is at a surface, and the light was scattered before.
     Indirect,
     /// The first scattering event is in a medium.
     Volume,
@@ -36,13 +31,10 @@ impl PathClass {
     }
 }
 
-/// The origin of a contribution to a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LightOrigin {
-    /// The class of the path.
     pub class: PathClass,
-    /// The number of the light. For light from photons, it may be the number of another light of
-    /// the same group and the same spectrum.
+    /// For light from photons, another light of the same group and spectrum may stand here.
     pub light: usize,
 }
 
@@ -73,7 +65,6 @@ impl CameraEvents {
         }
     }
 
-    /// Returns the events after the path was scattered at a diffuse or glossy surface.
     #[inline]
     #[must_use]
     pub fn after_surface(self) -> Self {
@@ -84,7 +75,6 @@ impl CameraEvents {
         }
     }
 
-    /// Returns the events after the path was scattered in a medium.
     #[inline]
     #[must_use]
     pub fn after_medium(self) -> Self {
@@ -106,8 +96,7 @@ impl CameraEvents {
         }
     }
 
-    /// Returns the class of the light that a diffuse or glossy surface scatters into the path. The
-    /// light arrives at the surface by `light_path`.
+    /// Returns the class of light that arrives by `light_path` at a diffuse or glossy surface.
     #[inline]
     pub fn class_at_surface(self, light_path: LightPath) -> PathClass {
         match (self, light_path) {
@@ -119,7 +108,6 @@ impl CameraEvents {
         }
     }
 
-    /// Returns the class of the light that a medium scatters into the path.
     #[inline]
     pub fn class_in_medium(self) -> PathClass {
         match self {
@@ -133,8 +121,7 @@ impl CameraEvents {
 mod tests {
     use super::*;
 
-    /// A light that a path hits after a scattering event has the class that the event gives to
-    /// direct light.
+    /// A light that a path hits after a scattering event has the class of direct light there.
     #[test]
     fn hits_and_shadow_rays_agree_on_the_class() {
         use CameraEvents::{Medium, Scattered, Specular, Surface, SurfaceThenSpecular};

@@ -1,7 +1,5 @@
-//! Plans a scene, and removes the parts that the plan does not simulate.
-//!
-//! The removal happens once, before rendering. The tracing of rays and photons then needs no checks
-//! for absent effects.
+//! Plans a scene, and removes what the plan does not simulate, once before rendering, so that rays
+//! and photons need no checks for absent effects.
 
 use super::decide::{EffectRow, EffectState, decide};
 use super::effects::{EffectId, Removal, listed};
@@ -11,18 +9,13 @@ use abbe_scene::Scene;
 use abbe_scene::facts::Facts;
 use abbe_spectra::error::{Error, Result};
 
-/// The wavelength of Fraunhofer's d line. If dispersion is forbidden, glass keeps its index at this
-/// wavelength for all wavelengths.
+/// Fraunhofer's d line, at which glass keeps its index if dispersion is forbidden.
 const D_LINE_NM: f64 = 587.5618;
 
-/// Plans the scene according to its settings. Removes negligible and forbidden effects from the
-/// scene.
-///
-/// Returns the plan and one row per effect. Adds notes to the scene.
-///
-/// # Errors
-/// Returns an input error in three cases: the name of an effect is unknown, the scene forbids an
-/// effect that cannot be forbidden, or the plan contains diffraction without an aperture.
+/// Plans the scene by its settings, removes negligible and forbidden effects from it, and adds
+/// notes to it. Returns the plan and one row per effect, or an input error if the name of an effect
+/// is unknown, a forbidden effect cannot be forbidden, or the plan contains diffraction without an
+/// aperture.
 pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     let negligible = negligible(scene);
     let light_nm = light_centre_nm(scene);
@@ -60,11 +53,8 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     Ok((plan, rows))
 }
 
-/// Returns a warning if the scene contains both lights with spectral lines and spectra that come
-/// from RGB colours.
-///
-/// A spectrum from RGB is a smooth estimate. The estimate predicts little about the few wavelengths
-/// of spectral lines.
+/// Warns if the scene has lights with spectral lines and spectra from RGB colours: a smooth
+/// estimate, which predicts little about few wavelengths.
 fn upsampled_colours_note(facts: &Facts) -> Option<String> {
     let Facts { upsampled, line_lights, .. } = facts;
     if upsampled.is_empty() || line_lights.is_empty() {

@@ -7,19 +7,14 @@ use std::iter::Sum;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tally {
-    /// Photon paths emitted.
     pub photons: u64,
     /// Photon paths emitted at the pass's shared wavelengths. `photons` includes these paths.
     pub shared_photons: u64,
-    /// Photons stored in maps.
     pub stored: u64,
     /// Photon arrivals connected to the camera.
     pub connections: u64,
-    /// Camera samples.
     pub camera_samples: u64,
-    /// Segments of photon paths.
     pub photon_segments: u64,
-    /// Segments of camera paths.
     pub camera_segments: u64,
     /// Photons within the kernels of camera paths at surfaces, evaluated at each wavelength.
     pub gathered: u64,
@@ -27,31 +22,24 @@ pub struct Tally {
     pub tabulated: u64,
     /// Photons within the kernels of camera paths in media.
     pub volume_gathered: u64,
-    /// Queries of photon maps.
     pub map_queries: u64,
-    /// The sum of two counts. The first counts dispersive refractions that split a camera path. The
-    /// second counts surface arrivals of photons that carry only one wavelength after a dispersive
-    /// refraction.
+    /// Dispersive refractions that split a camera path, plus surface arrivals of photons that carry
+    /// one wavelength after a dispersive refraction.
     pub dispersions: u64,
     /// Camera paths that continued at one of the pass's shared wavelengths.
     pub shared_paths: u64,
-    /// Shadow rays.
     pub shadow_rays: u64,
     /// Rays that left the scene and evaluated the lights at infinity.
     pub environment_rays: u64,
     /// Rays through a lens of finite aperture.
     pub lens_rays: u64,
-    /// Samples of the receptors of meters.
     #[serde(rename = "receptor_samples", default)]
     pub sensor_samples: u64,
-    /// Arrivals of camera paths at surfaces with textures.
     #[serde(default)]
     pub texture_lookups: u64,
-    /// Camera paths that start with a ghost of the camera's lens.
     #[serde(default)]
     pub ghost_rays: u64,
-    /// Scattering events of camera paths at surfaces with thin films, and camera paths through a
-    /// lens with coatings.
+    /// Scattering of camera paths at thin films, and camera paths through a coated lens.
     #[serde(default)]
     pub film_events: u64,
     /// Arrivals of camera paths at fluorescent surfaces and in fluorescent media.
@@ -60,7 +48,6 @@ pub struct Tally {
     /// Emitted photon paths with at least one wavelength below 360 nm.
     #[serde(default)]
     pub ultraviolet_photons: u64,
-    /// Scattering events at rough or coated surfaces.
     pub rough_events: u64,
     /// Arrivals at the faces of bodies and at gratings, and segments of camera paths inside bodies.
     pub body_events: u64,
@@ -69,22 +56,17 @@ pub struct Tally {
     /// Segments of camera paths in participating media.
     #[serde(rename = "media_stretches")]
     pub medium_segments: u64,
-    /// Photons stored in media as points.
     pub volume_points: u64,
-    /// Photons stored in media as beams.
     pub volume_beams: u64,
-    /// Lookups in light maps.
     #[serde(rename = "light_map_looks")]
     pub light_map_lookups: u64,
-    /// Photons emitted with a learned aim.
     pub aimed: u64,
     /// Passes for which the scene was posed at a sampled shutter time.
     pub moments: u64,
     /// Camera paths that ended at the cap of the number of events.
     #[serde(default)]
     pub capped_paths: u64,
-    /// Discarded contributions: NaN, infinite or negative values. The number is 0 unless the
-    /// program has an error.
+    /// Discarded contributions (NaN, infinite or negative): 0 unless the program has an error.
     pub rejected: u64,
 }
 
@@ -98,7 +80,6 @@ impl Sum for Tally {
 }
 
 impl Tally {
-    /// Adds the counts of another tally.
     pub fn add(&mut self, other: &Self) {
         self.photons += other.photons;
         self.shared_photons += other.shared_photons;

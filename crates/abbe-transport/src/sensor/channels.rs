@@ -1,22 +1,20 @@
-//! The additional channels of a film: spectral bands, slices of the spectrum, and layers. The
-//! slices have different diffraction patterns.
+//! The additional channels of a film: spectral bands, slices of the spectrum with different
+//! diffraction patterns, and layers.
 
 use super::diffraction::DiffractionPsf;
 use super::layers::{COMPONENTS, LayerSet};
 use abbe_spectra::spectrum::BAND_NM;
 use std::sync::Arc;
 
-/// The number of components of a slice: X, Y and Z.
 const COMPONENTS_OF_SLICE: usize = 3;
 
-/// The additional channels of a pixel: radiance in each spectral band, then the first moment of
-/// each band if the film needs it, then X, Y and Z of each slice, then X, Y and Z of each path
-/// class and of each light group, and then the sums over first surfaces.
+/// The additional channels of a pixel: radiance in each band, the first moments of the bands if
+/// needed, X, Y and Z of each slice, of each path class and of each light group, and the sums over
+/// first surfaces.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Channels {
     pub(super) bands: usize,
-    /// True if each band also has the sum of its radiance times the distance from the band's centre
-    /// in nm. The bands then know where their light lies.
+    /// Each band also sums its radiance times the distance (nm) of the light from its centre.
     pub(super) moments: bool,
     pub(super) diffraction: Option<Arc<DiffractionPsf>>,
     /// The layers. `None` if the film records no layers.
@@ -24,13 +22,11 @@ pub(super) struct Channels {
 }
 
 impl Channels {
-    /// Returns X, Y and Z of each path class.
     pub(super) fn of_path_classes(count: usize) -> Self {
         let paths = vec![String::new(); count];
         Self { layers: Some(Arc::new(LayerSet { paths, ..LayerSet::default() })), ..Self::default() }
     }
 
-    /// Returns the number of channels.
     pub(super) fn count(&self) -> usize {
         self.first_surface_channel() + self.layers.as_ref().map_or(0, |layers| layers.surface_channels().len())
     }
@@ -40,7 +36,6 @@ impl Channels {
         self.band_channels() + COMPONENTS_OF_SLICE * self.slices()
     }
 
-    /// Returns the number of channels of the spectral bands.
     pub(super) fn band_channels(&self) -> usize {
         if self.moments { 2 * self.bands } else { self.bands }
     }
@@ -54,7 +49,6 @@ impl Channels {
         self.diffraction.as_ref().map_or(0, |diffraction| diffraction.slices())
     }
 
-    /// Returns the index of the channel that stores one component of a slice.
     pub(super) fn of_slice(&self, slice: usize, component: usize) -> usize {
         self.band_channels() + COMPONENTS_OF_SLICE * slice + component
     }
@@ -74,14 +68,12 @@ impl Channels {
         bands.chain(moments).chain(slices).chain(xyz("path", paths)).chain(xyz("light", groups)).chain(surfaces)
     }
 
-    /// Returns true if the film separates the lights.
     pub(super) fn separates_lights(&self) -> bool {
         self.layers.as_ref().is_some_and(|layers| !layers.light_groups.is_empty())
     }
 
-    /// Distributes light to the channels of its path class and of its light group: calls
-    /// `add(channel, value)` for each channel. `xyz` is the radiance times the colour-matching
-    /// functions. A class or a light that is `None` is left out.
+    /// Calls `add(channel, value)` for the channels of a path class and a light group, unless
+    /// `None`. `xyz` is radiance times the colour-matching functions.
     pub(super) fn distribute_to_layers(
         &self,
         (class, light): (Option<usize>, Option<usize>),
@@ -96,9 +88,8 @@ impl Channels {
         }
     }
 
-    /// Distributes light of one wavelength to its spectral channels: calls `add(channel, value)`
-    /// for each channel. `weight` is the radiance. `xyz` is the radiance times the colour-matching
-    /// functions.
+    /// Calls `add(channel, value)` for the spectral channels of light of one wavelength, with the
+    /// radiance `weight`, which `xyz` multiplies by the colour-matching functions.
     pub(super) fn distribute(&self, nm: f64, weight: f64, xyz: [f64; 3], mut add: impl FnMut(usize, f64)) {
         // Light below the band only excites fluorophores.
         if self.bands > 0 && nm >= BAND_NM.0 {
@@ -127,8 +118,7 @@ pub(super) fn band_centre_nm(band: usize, count: usize) -> f64 {
     0.5 * (from + to)
 }
 
-/// Returns the lower and the upper wavelength of a band, in nm. The simulated range is divided into
-/// `count` equal bands.
+/// Returns the lower and the upper end in nm of one of `count` equal bands.
 pub(super) fn band_nm(band: usize, count: usize) -> (f64, f64) {
     let width_nm = (BAND_NM.1 - BAND_NM.0) / count as f64;
     (BAND_NM.0 + band as f64 * width_nm, BAND_NM.0 + (band + 1) as f64 * width_nm)

@@ -1,8 +1,6 @@
-//! Cryptomatte: the share of each pixel that each named object covers (Friedman & Jones 2015,
+//! Cryptomatte: the fraction of each pixel that each named object covers (Friedman & Jones 2015,
 //! "Fully Automatic ID Mattes with Support for Motion Blur and Transparency"; specification 1.2.0).
-//!
-//! A name is identified by its hash. The hash is written as a floating-point number with the same
-//! bits.
+//! The hash of a name is written as a floating-point number with the same bits.
 
 use abbe_spectra::math::sum::ExactSum;
 
@@ -26,8 +24,8 @@ pub fn hash_name(name: &str) -> u32 {
     hash ^ hash >> 16
 }
 
-/// Returns a hash whose floating-point number is normal. If the exponent of the number has only
-/// zeros or only ones, one bit of the exponent is flipped, as the specification requires.
+/// Makes the floating-point number normal: if its exponent has only zeros or only ones, one bit of
+/// it is flipped, as the specification requires.
 pub fn normal_hash(hash: u32) -> u32 {
     match hash >> 23 & 0xff {
         0 | 0xff => hash ^ 1 << 23,
@@ -35,8 +33,7 @@ pub fn normal_hash(hash: u32) -> u32 {
     }
 }
 
-/// For each name that camera samples of a pixel hit: the hash, and the number of these samples. The
-/// list is ordered by hash.
+/// The hash of each name in a pixel and the number of its samples, ordered by hash.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct NameCounts(Vec<(u32, u32)>);
 
@@ -49,19 +46,16 @@ impl NameCounts {
         }
     }
 
-    /// Returns the number of names.
     pub(super) fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Returns the entry at a place as bits for a saved run: the hash in the lower word, and the
-    /// number of samples in the next word. The bits are 0 if there is no entry.
+    /// Returns an entry for a saved run, or 0: the hash in the lower word, the samples in the next.
     pub(super) fn to_sum(&self, place: usize) -> ExactSum {
         let bits = self.0.get(place).map_or(0, |&(hash, samples)| i128::from(samples) << 32 | i128::from(hash));
         ExactSum::from_bits(bits)
     }
 
-    /// Adds an entry of a saved run.
     pub(super) fn add_sum(&mut self, sum: ExactSum) {
         let (hash, samples) = (sum.bits() as u32, (sum.bits() >> 32) as u32);
         if samples > 0 {

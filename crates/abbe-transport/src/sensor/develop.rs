@@ -1,5 +1,4 @@
-//! Conversion of a picture to an image for a display: white balance, colour space, tone curve,
-//! gamut mapping and encoding.
+//! Development for a display: white balance, colour space, tone curve, gamut, encoding.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -14,13 +13,10 @@ use abbe_spectra::colour::{Rgb, RgbSpace, Xyz};
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Development {
-    /// The colour space of the display.
     pub space: RgbSpace,
-    /// The XYZ of the light that is shown as white. The scale of this colour has no effect. `None`
-    /// means that colours are not balanced.
+    /// The XYZ of light that is shown as white, at any scale. `None` balances nothing.
     pub white: Option<Xyz>,
-    /// The method of gamut mapping. It moves colours that are outside the colour space into the
-    /// colour space.
+    /// How colours outside the colour space move into it.
     pub gamut: GamutMapping,
     /// The tone curve. It is applied before the gamut mapping.
     pub tone: ToneCurve,
@@ -39,9 +35,7 @@ impl Development {
 /// Encoded colours for a display, row by row from the top.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DisplayImage {
-    /// Pixels per row.
     pub width: usize,
-    /// Number of rows.
     pub height: usize,
     /// The colour space, which defines the primaries and the encoding.
     pub space: RgbSpace,
@@ -54,8 +48,7 @@ pub struct DisplayImage {
 pub enum Codes {
     /// 8 bits per component: sRGB and Display P3.
     Eight(Vec<[u8; 3]>),
-    /// 16 bits per component: Rec. 2020 and ACEScg. The standard of Rec. 2020 requires at least 10
-    /// bits, and the codes of ACEScg are linear.
+    /// Rec. 2020, whose standard requires at least 10 bits, and ACEScg, whose codes are linear.
     Sixteen(Vec<[u16; 3]>),
 }
 
@@ -66,12 +59,10 @@ impl DisplayImage {
     }
 }
 
-/// The number of pixels that one task converts.
 const PIXELS_PER_TASK: usize = 1 << 14;
 
-/// Converts a picture to display codes. `exposure` is in 1/(cd/m²). It maps the luminance
-/// 1/`exposure` to 1, which is white if the tone curve clips. NaN becomes black. The work is
-/// divided among the threads of the current pool.
+/// Converts a picture on the threads of the current pool. `exposure`, in 1/(cd/m²), maps the
+/// luminance 1/`exposure` to 1, which is white if the tone curve clips. NaN becomes black.
 pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> DisplayImage {
     let &Development { space, white: _, gamut, tone } = development;
     let matrix = development.matrix().map(|row| row.map(|entry| entry * exposure));
@@ -93,7 +84,6 @@ pub fn develop(picture: &Picture, exposure: f64, development: &Development) -> D
     DisplayImage { width: picture.width, height: picture.height, space, codes }
 }
 
-/// Encodes all pixels in parallel.
 fn coded<T: Copy + Default + Send + Sync>(xyz: &[Xyz], code: impl Fn(&Xyz) -> [T; 3] + Sync) -> Vec<[T; 3]> {
     let mut codes = vec![[T::default(); 3]; xyz.len()];
     codes.par_chunks_mut(PIXELS_PER_TASK).zip(xyz.par_chunks(PIXELS_PER_TASK)).for_each(|(codes, xyz)| {
@@ -107,7 +97,6 @@ mod tests {
     use super::*;
     use abbe_spectra::colour::linear_srgb_to_xyz;
 
-    /// No tone curve.
     const LINEAR: Development =
         Development { space: RgbSpace::Srgb, white: None, gamut: GamutMapping::Desaturate, tone: ToneCurve::Clip };
 
@@ -143,8 +132,7 @@ mod tests {
         assert!(oklab != desaturated && oklab != clipped, "{oklab:?}");
     }
 
-    /// Checks that every colour space encodes white as white, and that colours inside a space stay
-    /// unchanged.
+    /// Every colour space encodes white as white, and keeps its own colours.
     #[test]
     fn every_space_encodes_white_and_its_own_colours() {
         for space in RgbSpace::ALL {
@@ -152,8 +140,7 @@ mod tests {
             assert_eq!(shown(&[[1.0; 3]], 1.0, &development), [[1.0; 3]], "{space:?}");
             let own = [0.25, 0.5, 0.75];
             let mut picture = picture(&[[0.0; 3]]);
-            // A colour relative to the white of the space, adapted to D65. Only the white of ACEScg
-            // is not D65.
+            // Adapted from the white of the space to D65. Only ACEScg has another white.
             let adapted = abbe_spectra::colour::adapt(
                 space.to_xyz(own),
                 space.white(),

@@ -1,10 +1,10 @@
 //! Diffraction at the aperture stop: the picture of each slice of the spectrum is convolved with
 //! the point spread function of its wavelengths.
 //!
-//! The point spread function is the Fraunhofer pattern of the stop, integrated over the pixel
-//! squares. All light of a pixel is assumed to be at the pixel's centre. Reflection extends the
-//! picture beyond the edges of the film. Therefore, no light is lost at the edges, and a uniform
-//! picture stays uniform. Kernels are normalised to 1, so energy is conserved.
+//! This is the Fraunhofer pattern of the stop, integrated over the pixel squares, as if all light
+//! of a pixel were at its centre. Reflection extends the picture beyond the film, so that no light
+//! is lost at the edges and a uniform picture stays uniform. Kernels are normalised to 1, so energy
+//! is conserved.
 
 use abbe_spectra::math::elementary::{exp, ln};
 use abbe_spectra::math::fourier::{self, Complex, Direction, FourierBuffers, FourierTransform};
@@ -12,25 +12,20 @@ use abbe_spectra::spectrum::BAND_NM;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// The number of slices of the whole band. The upper wavelength of a slice is about 5 % longer than
-/// its lower wavelength. The size of the pattern therefore hardly changes within a slice.
+/// The slices of the whole band, each about 5 % wide, so the pattern hardly changes in size.
 const SLICES_OF_BAND: usize = 16;
 
-/// The largest number of wavelengths in the kernel of a slice. Each wavelength contributes a
-/// pattern.
+/// The most wavelengths in the kernel of a slice, each with a pattern.
 const WAVELENGTHS_PER_KERNEL: usize = 8;
 
-/// The largest radius of the pattern, in units of λN. The radius is smaller than this constant if
-/// the film is smaller. If the stop is round, 1/600 of the light is outside this radius. This light
-/// is distributed inside the radius, in proportion to the pattern.
+/// The largest radius of the pattern, in λN, unless the film is smaller. Beyond it is 1/600 of the
+/// light of a round stop, which is distributed inside in proportion to the pattern.
 const PATTERN_RADIUS: f64 = 128.0;
 
-/// The largest number of samples of the pattern per λN. Patterns with a small radius have exactly
-/// this number of samples per λN.
+/// The most samples of the pattern per λN, as for small radii.
 const MAX_SAMPLES_PER_UNIT: f64 = 24.0;
 
-/// The largest number of samples from the centre to an edge of the pattern. A pattern with the
-/// largest radius has 8 samples per λN.
+/// The most samples from the centre to an edge: 8 per λN for the largest radius.
 const MAX_SAMPLES_PER_RADIUS: f64 = 1024.0;
 
 /// The point spread function of the film as a function of wavelength.
@@ -38,8 +33,7 @@ const MAX_SAMPLES_PER_RADIUS: f64 = 1024.0;
 pub struct DiffractionPsf {
     /// The diffraction length λN in pixels, divided by the wavelength λ in nm. N is the f-number.
     spread_px_per_nm: f64,
-    /// The wavelengths of the light in nm, ascending. Each wavelength represents an equal share of
-    /// the light.
+    /// In ascending order. Each represents an equal fraction of the light.
     light_nm: Vec<f64>,
     /// The lower ends of the slices in nm.
     edges_nm: Vec<f64>,
@@ -54,10 +48,9 @@ pub struct DiffractionPsf {
 impl DiffractionPsf {
     /// Samples the pattern.
     ///
-    /// `light_nm` contains at least one wavelength in nm, in ascending order. Each wavelength
-    /// represents an equal share of the light. The arguments of `pattern` are the positions to the
-    /// right and upwards in units of λN. For a wavelength of λ nm, the length λN is λ ×
-    /// `spread_px_per_nm` pixels. The longer side of the film has `longest_px` pixels.
+    /// `light_nm` are wavelengths (at least one, ascending) that represent equal fractions of the
+    /// light. `pattern` takes positions to the right and upwards in λN, which is λ ×
+    /// `spread_px_per_nm` pixels for λ in nm. The longer side of the film has `longest_px` pixels.
     pub fn new(
         spread_px_per_nm: f64,
         longest_px: usize,
@@ -71,8 +64,7 @@ impl DiffractionPsf {
         let across = 2 * half as usize + 1;
         let place = |sample: usize| (sample as f64 - half) / steps;
         let sample = |i: usize| pattern(DVec2::new(place(i % across), place(i / across))) as f32;
-        // The Fraunhofer pattern of a stop is point-symmetric, so half of the samples are
-        // sufficient.
+        // A Fraunhofer pattern is point-symmetric, so half of the samples suffice.
         let middle = across * across / 2;
         let mut pattern: Vec<_> = (0..middle + 1).into_par_iter().with_min_len(across).map(sample).collect();
         pattern.extend_from_within(..middle);
@@ -81,18 +73,15 @@ impl DiffractionPsf {
         Self { spread_px_per_nm, light_nm, edges_nm, steps, across, pattern }
     }
 
-    /// Returns the number of slices that contain light of these wavelengths. `light_nm` is in nm
-    /// and in ascending order.
+    /// Returns the number of slices that contain light of these ascending wavelengths (nm).
     pub fn slices_of(light_nm: &[f64]) -> usize {
         edges_nm(light_nm).len()
     }
 
-    /// Returns the number of slices.
     pub(super) fn slices(&self) -> usize {
         self.edges_nm.len()
     }
 
-    /// Returns the slice of a wavelength.
     pub(super) fn slice_of(&self, nm: f64) -> usize {
         self.edges_nm.partition_point(|&edge| edge <= nm).saturating_sub(1)
     }
@@ -102,8 +91,7 @@ impl DiffractionPsf {
         (self.edges_nm[slice], self.edges_nm.get(slice + 1).copied().unwrap_or(f64::INFINITY))
     }
 
-    /// Returns wavelengths that represent the light in a wavelength interval. The list is empty if
-    /// the light has no power in the interval.
+    /// Returns wavelengths that represent the light in an interval. Empty without power.
     fn between(&self, (from_nm, to_nm): (f64, f64)) -> Vec<f64> {
         let [first, end] = [from_nm, to_nm].map(|nm| self.light_nm.partition_point(|&light| light < nm));
         let light = &self.light_nm[first..end];
@@ -112,8 +100,8 @@ impl DiffractionPsf {
     }
 }
 
-/// Returns the lower ends of the slices that contain light. If there is a gap between two slices,
-/// light in the gap belongs to the lower slice. Light below all slices belongs to the first slice.
+/// Returns the lower ends of the slices that contain light. Light in a gap belongs to the slice
+/// below it, and light below all slices to the first.
 fn edges_nm(light_nm: &[f64]) -> Vec<f64> {
     let ratio = ln(BAND_NM.1 / BAND_NM.0) / SLICES_OF_BAND as f64;
     let mut cells: Vec<i64> = light_nm.iter().map(|nm| (ln(nm / BAND_NM.0) / ratio) as i64).collect();
@@ -139,8 +127,7 @@ impl<'a> Convolution<'a> {
         Self { diffraction, width, height, rows, columns }
     }
 
-    /// Transforms two real planes together. One plane is the real part, and the other plane is the
-    /// imaginary part.
+    /// Transforms two real planes together, as the real and the imaginary part.
     pub(super) fn transform(&self, plane: impl Fn(usize) -> [f64; 2] + Sync) -> PlaneTransform {
         let mirrored = |i: usize, length: usize| if i < length { i } else { 2 * length - 1 - i };
         let value = |place: usize| {
@@ -208,12 +195,10 @@ impl<'a> Convolution<'a> {
     }
 }
 
-/// Adds the product of two transforms to a sum.
 pub(super) fn add_product(sum: &mut PlaneTransform, a: &PlaneTransform, b: &PlaneTransform) {
     sum.par_iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += *a * *b);
 }
 
-/// Transforms each line of a plane.
 fn each_line(transform: &FourierTransform, plane: &mut PlaneTransform, direction: Direction) {
     let lines = plane.par_chunks_mut(fourier::LINES * transform.line_length());
     lines.for_each_init(FourierBuffers::default, |buffers, lines| transform.transform(lines, direction, buffers));
@@ -225,14 +210,13 @@ fn transposed(lines: &PlaneTransform, length: usize) -> PlaneTransform {
     (0..lines.len()).into_par_iter().map(|i| lines[i % count * length + i / count]).collect()
 }
 
-/// The pixels that overlap a sample of the pattern, and the share of the sample in each pixel.
+/// The pixels that overlap a sample of the pattern, and the fraction of the sample in each pixel.
 type SampleOverlaps = Vec<(usize, f64)>;
 
-/// Returns the overlaps of each sample along a line of the pattern. `step_px` is the distance
-/// between samples in pixels. It is negative if the order of the samples is opposite to the order
-/// of the pixels. The pattern is linear between samples. The index of a pixel counts from the
-/// centre, and is taken modulo `period`. Overlaps at a distance of more than half a period are
-/// ignored. Half a period is the width or height of the film, so no light moves farther than that.
+/// Returns the overlaps of each sample along a line of the pattern, which is linear between
+/// samples. `step_px` is the distance of samples in pixels, negative for the opposite order. Pixels
+/// count from the centre modulo `period`. Overlaps farther than half a period, the width or height
+/// of the film, are ignored: no light moves farther.
 fn overlaps(step_px: f64, samples: usize, period: usize) -> Vec<SampleOverlaps> {
     let half = step_px.abs();
     // The integral of a triangle function from −∞ to x. The triangle has half-width 1 and area 1.

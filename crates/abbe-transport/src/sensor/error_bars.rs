@@ -1,20 +1,17 @@
-//! Error bars of a film: noise and bias of each pixel, and their dependence on the number of
-//! passes.
+//! Error bars of a film: noise and bias of each pixel, by the number of passes.
 //!
-//! *Noise* is the standard error of Y, computed from the means of the replicates. Eight replicates
-//! give an uncertain estimate for pixels with rare bright samples. Therefore the seven degrees of
-//! freedom of a pixel are combined with two degrees of freedom of its neighbours (empirical Bayes:
-//! Smyth, "Linear models and empirical Bayes methods", 2004). This combination preserves the mean
-//! variance over the picture.
+//! *Noise* is the standard error of Y, from the means of the replicates. Eight replicates give an
+//! uncertain estimate for pixels with rare bright samples, so the seven degrees of freedom of a
+//! pixel are combined with two of its neighbours (empirical Bayes: Smyth, "Linear models and
+//! empirical Bayes methods", 2004), which preserves the mean variance over the picture.
 //!
-//! *Bias* is the bias of the kernel density estimates, measured with two kernels in the same query.
-//! A single estimate of the bias is as noisy as the pixel value. The even and the odd replicates
-//! give two estimates with independent noise. The product of these two estimates is averaged over
-//! the neighbourhood of a pixel. This mean estimates the mean square bias, without a contribution
-//! of the noise. Where a kernel crosses an edge of the illumination, the bias changes its sign from
-//! pixel to pixel. At an edge, the estimate of the mean square bias is above zero, but lower than
-//! the true value. The two kernels have the same radius, so they measure only the curvature of the
-//! illumination. The true bias at an edge is larger. Pixels near an edge are marked.
+//! *Bias* is that of the kernel density estimates, measured with two kernels in the same query. A
+//! single estimate is as noisy as the pixel, but the even and the odd replicates give two with
+//! independent noise. The mean of their product over the neighbourhood of a pixel estimates the
+//! mean square bias without noise. Where a kernel crosses an edge of the illumination, the bias
+//! changes its sign from pixel to pixel, and the estimate is above zero but too low: the two
+//! kernels have the same radius, so they measure only the curvature of the illumination. Pixels
+//! near an edge are marked.
 
 use abbe_spectra::math::random::REPLICATES;
 
@@ -23,41 +20,34 @@ use abbe_spectra::math::random::REPLICATES;
 pub(super) struct PixelMeans {
     /// Y of each replicate. The value is meaningless for replicates without passes.
     pub(super) y: [f64; REPLICATES],
-    /// The bias of Y: the mean over the even replicates, and the mean over the odd replicates. A
-    /// mean is meaningless if its replicates have no passes.
+    /// The mean bias of Y over the even and the odd replicates, meaningless without passes.
     pub(super) bias: [f64; 2],
 }
 
-/// The error bars of a picture, pixel by pixel. The unit is cd/m². Pixels without light have no
-/// error bars.
+/// Pixel by pixel, in cd/m². Pixels without light have none.
 #[derive(Debug)]
 pub(super) struct ErrorBars {
-    /// The standard error of Y, if it is known.
     pub(super) noise: Vec<Option<f32>>,
     /// The magnitude of the estimated bias of Y, if it is known.
     pub(super) bias: Vec<Option<f32>>,
-    /// True if an edge of the illumination is within the reach of a kernel. In this case, the bias
-    /// is probably larger than estimated.
+    /// An edge is within reach of a kernel, so the bias is probably larger than estimated.
     pub(super) edge: Vec<Option<bool>>,
     /// The mean variance of the kernel estimates in (cd/m²)².
     kernel_noise: f64,
 }
 
-/// The squared relative error of a picture. Each part depends in its own way on the number of
-/// passes n.
+/// The parts of the squared relative error of a picture, by their dependence on the passes n.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorSquares {
     /// The squared bias. It falls as n^(−2/3) in smooth illumination, and more slowly at edges.
     pub bias: f64,
     /// The variance of the kernel estimates. It falls as n^(−2/3), because the kernels shrink.
     pub kernel_noise: f64,
-    /// The variance of all other contributions. It falls as n⁻¹ for independent samples, and as
-    /// fast as n⁻² for stratified samples.
+    /// The variance of all else: n⁻¹ for independent samples, and up to n⁻² for stratified ones.
     pub sampling: f64,
 }
 
-/// The number of degrees of freedom that the neighbours of a pixel contribute to its noise
-/// estimate.
+/// The degrees of freedom of the neighbours in the noise of a pixel.
 const NEIGHBOUR_DEGREES: f64 = 2.0;
 
 /// The largest distance (pixels) at which a neighbour contributes to a pixel's noise estimate.
@@ -66,25 +56,21 @@ const NOISE_RADIUS_PX: usize = 1;
 /// The largest distance (pixels) at which a neighbour contributes to a pixel's bias estimate.
 const BIAS_RADIUS_PX: usize = 2;
 
-/// A pixel can be marked as an edge if its squared bias exceeds the threshold. The threshold is
-/// this factor times the variance of the kernel estimates. Under uniform light the squared bias
-/// seldom exceeds this threshold.
+/// A pixel can be an edge if its squared bias exceeds this factor times the variance of the kernel
+/// estimates, which it seldom does under uniform light.
 const EDGE_THRESHOLD: f64 = 3.0;
 
 /// The largest distance (pixels) at which a neighbour contributes to any estimate.
 const RADIUS_PX: usize = if NOISE_RADIUS_PX > BIAS_RADIUS_PX { NOISE_RADIUS_PX } else { BIAS_RADIUS_PX };
 
-/// Error bars are computed for this number of rows at a time, so that the estimates of single
-/// pixels need little memory.
+/// The rows that are computed at a time, so that single estimates need little memory.
 const ROWS_PER_BLOCK: usize = 64;
 
-/// The bias changes its sign at an edge. Therefore a pixel is marked as an edge only if the mean
-/// bias around the pixel is below this share of the root mean square bias.
+/// The bias changes its sign at an edge: its mean must be below this fraction of its RMS.
 const EDGE_MEAN_FRACTION: f64 = 0.5;
 
 impl ErrorBars {
-    /// Computes the error bars of a picture with a given width and number of pixels. `measured`
-    /// returns the means of a lit pixel. `passes` contains the number of passes of each replicate.
+    /// `measured` returns the means of a lit pixel, and `passes` counts each replicate.
     pub(super) fn new(
         (width, count): (usize, usize),
         measured: impl Fn(usize) -> Option<PixelMeans>,
@@ -120,8 +106,7 @@ impl ErrorBars {
         bars
     }
 
-    /// Returns the parts of the picture's squared relative error. `mean_y` is the mean of Y over
-    /// the picture. Returns `None` if the error is unknown.
+    /// `mean_y` is that of the picture. `None` if the error is unknown.
     pub(super) fn squares(&self, mean_y: f64) -> Option<ErrorSquares> {
         let known = self.noise.iter().flatten().count();
         if known == 0 || mean_y <= 0.0 {
@@ -133,38 +118,33 @@ impl ErrorBars {
         let noise = mean_square(&self.noise);
         let kernel_noise = (self.kernel_noise / (mean_y * mean_y)).min(noise);
         let squares = ErrorSquares { bias: mean_square(&self.bias), kernel_noise, sampling: noise - kernel_noise };
-        // If all lit pixels have the error 0, they do not represent the pixels that no light has
-        // reached yet.
+        // Lit pixels that all have the error 0 do not represent those without light yet.
         (squares.relative() > 0.0 || known == self.noise.len()).then_some(squares)
     }
 }
 
 impl ErrorSquares {
-    /// Returns the relative error.
     pub fn relative(&self) -> f64 {
         (self.bias + self.kernel_noise + self.sampling).sqrt()
     }
 }
 
 impl PixelMeans {
-    /// Returns the variance of the mean of Y. The variance is computed from the means of all
-    /// replicates that have at least one pass. Returns `None` if there are fewer than two such
-    /// replicates. The weight of a mean is its number of passes.
+    /// Returns the variance of the mean of Y, from the means of all replicates with passes,
+    /// weighted by these. `None` for fewer than two replicates.
     pub(super) fn variance(&self, passes: [u64; REPLICATES]) -> Option<f64> {
         let means = || passes.into_iter().zip(self.y).filter(|(n, _)| *n > 0).map(|(n, mean)| (n as f64, mean));
         let degrees = means().count().checked_sub(1).filter(|&degrees| degrees > 0)?;
         let total: f64 = means().map(|(n, _)| n).sum();
         let mean = means().map(|(n, m)| n * m).sum::<f64>() / total;
         let spread: f64 = means().map(|(n, m)| n * (m - mean) * (m - mean)).sum();
-        // σ² is the variance of one pass. The mean m of a replicate with n passes has the variance
-        // σ²/n. For R replicates, the sum Σ n (m − mean)² estimates (R − 1) σ². The mean of all
-        // passes has the variance σ²/Σn.
+        // With the variance σ² of one pass, the mean m of a replicate with n passes has σ²/n. For R
+        // replicates, Σ n (m − mean)² estimates (R − 1) σ². The mean of all passes has σ²/Σn.
         Some(spread / degrees as f64 / total)
     }
 
-    /// Returns an estimate of the squared bias. The estimate is unbiased if both halves have
-    /// passes. If only one half has passes (as in some parts of a picture), the estimate also
-    /// contains the variance of the measured bias.
+    /// Returns the squared bias, unbiased if both halves have passes. Otherwise (in some parts of a
+    /// picture), it contains the variance of the measured bias.
     pub(super) fn squared_bias(&self, halves: [bool; 2]) -> Option<f64> {
         let [even, odd] = self.bias;
         match halves {
@@ -175,11 +155,10 @@ impl PixelMeans {
         }
     }
 
-    /// Returns the variance of the kernel estimates of the pixel. The result is the variance of the
-    /// measured bias. In two dimensions, both variances are equal, because the integral ∫k² has the
-    /// same value 4/(3πr²) for the Epanechnikov kernel kₑ and for the bias kernel 2(kᵤ − kₑ). Here,
-    /// kᵤ is the uniform kernel. In one dimension, the variance of the bias is 3/8 of the variance
-    /// of the kernel estimate.
+    /// Returns the variance of the kernel estimates: that of the measured bias. In two dimensions,
+    /// they are equal, because ∫k² is 4/(3πr²) both for the Epanechnikov kernel kₑ and for the bias
+    /// kernel 2(kᵤ − kₑ), with the uniform kernel kᵤ. In one dimension, the variance of the bias is
+    /// 3/8 of that of the kernel estimate.
     fn kernel_variance(&self, halves: [bool; 2]) -> f64 {
         let [even, odd] = self.bias;
         if halves == [true; 2] { (0.5 * (even - odd)).powi(2) } else { 0.0 }
@@ -189,19 +168,14 @@ impl PixelMeans {
 /// The estimates of single pixels in some rows. Pixels without light have none.
 struct PixelEstimates {
     width: usize,
-    /// The variance of the mean of Y.
     variances: Vec<Option<f64>>,
-    /// The squared bias.
     squares: Vec<Option<f64>>,
-    /// The bias with its sign.
     signed: Vec<Option<f64>>,
-    /// The variance of the kernel estimates.
     noise_of_bias: Vec<Option<f64>>,
 }
 
 impl PixelEstimates {
-    /// Collects the estimates of pixels. `estimates` returns the variance of the mean, the squared
-    /// bias and the variance of the kernel estimates.
+    /// `estimates` returns the variances of the mean and of the kernels, and the squared bias.
     fn new(
         width: usize,
         pixels: impl Iterator<Item = Option<PixelMeans>>,
@@ -226,13 +200,11 @@ impl PixelEstimates {
             .map(|variance| (degrees * variance + NEIGHBOUR_DEGREES * around) / (degrees + NEIGHBOUR_DEGREES))
     }
 
-    /// Returns the mean squared bias around a pixel.
     fn smooth_square(&self, pixel: usize) -> Option<f64> {
         self.squares[pixel].map(|_| mean_around(&self.squares, self.width, pixel, BIAS_RADIUS_PX))
     }
 
-    /// Returns true if an edge of the illumination is within the reach of a kernel. `square` is the
-    /// mean squared bias around the pixel.
+    /// Tells whether a pixel with this mean squared bias around it is an edge.
     fn is_edge(&self, pixel: usize, square: f64) -> bool {
         let around = |values: &[Option<f64>]| mean_around(values, self.width, pixel, BIAS_RADIUS_PX);
         square > EDGE_THRESHOLD * around(&self.noise_of_bias)
@@ -240,8 +212,7 @@ impl PixelEstimates {
     }
 }
 
-/// Returns the mean of the known values around a pixel, up to `radius` pixels away in each
-/// direction. Returns 0 if no value is known.
+/// Returns the mean of the known values up to `radius` pixels away, 0 without any.
 fn mean_around(values: &[Option<f64>], width: usize, pixel: usize, radius: usize) -> f64 {
     let (x, y) = (pixel % width, pixel / width);
     let (mut sum, mut count) = (0.0, 0.0_f64);
@@ -265,8 +236,7 @@ mod tests {
         PixelMeans { y: [y; REPLICATES], bias }
     }
 
-    /// Returns replicate means that alternate between `y` + `spread` and `y` − `spread`. The
-    /// standard error is `spread`/√7.
+    /// Returns means that alternate between `y` ± `spread`: the standard error is `spread`/√7.
     fn noisy(y: f64, spread: f64) -> PixelMeans {
         let sign = |r: usize| if r.is_multiple_of(2) { 1.0 } else { -1.0 };
         PixelMeans { y: std::array::from_fn(|r| y + sign(r) * spread), bias: [0.0; 2] }
@@ -283,7 +253,6 @@ mod tests {
         assert!(flat.noise.iter().flatten().all(|&noise| (f64::from(noise) - own(0.2).sqrt()).abs() < 1e-7));
     }
 
-    /// The bars of a pixel do not depend on the block of rows that contains it.
     #[test]
     fn blocks_of_rows_have_no_seams() {
         const WIDTH: usize = 3;
@@ -304,8 +273,7 @@ mod tests {
         assert_eq!(whole.noise.len(), WIDTH * rows);
     }
 
-    /// Checks that a measured bias is reported as bias if the even and the odd replicates agree. If
-    /// they do not agree, it is treated as noise.
+    /// A bias counts as bias only if the even and the odd replicates agree, and else as noise.
     #[test]
     fn only_a_bias_whose_halves_agree_counts() {
         let agree = ErrorBars::new((5, 25), |_| Some(steady(1.0, [0.03, 0.03])), EVEN);
@@ -326,7 +294,6 @@ mod tests {
         assert!(beside(2) && beside(3) && !beside(0) && !beside(5), "{:?}", bars.edge);
     }
 
-    /// Checks that pixels without light have unknown errors and do not influence their neighbours.
     #[test]
     fn unlit_pixels_are_unknown_and_do_not_influence_neighbours() {
         let pixel = |i: usize| (i != 4).then(|| PixelMeans { bias: [0.05; 2], ..noisy(1.0, 0.1) });
@@ -340,8 +307,7 @@ mod tests {
         assert_eq!(ErrorBars::new((3, 9), |_| None, EVEN).squares(1.0), None);
     }
 
-    /// Checks that the noise is unknown if only one replicate has passes, and that the bias is
-    /// still known if only the even replicates have passes.
+    /// One replicate has no noise, and the even replicates alone have a bias.
     #[test]
     fn one_replicate_gives_no_noise_and_one_half_gives_bias() {
         let first = |n: [usize; 2]| std::array::from_fn(|r| u64::from(n.contains(&r)));

@@ -2,11 +2,9 @@
 
 use super::picture::Picture;
 
-/// The relative errors of a picture's pixels.
-///
-/// A few glints with large errors dominate the mean square error of a picture. The median and the
-/// 95th percentile describe the other pixels. The relative error of a pixel is
-/// √(noise² + bias²) / √(Y² + 0.01 m²), where m is the mean of Y over the picture.
+/// The relative errors √(noise² + bias²) / √(Y² + 0.01 m²) of a picture's pixels, for the mean m of
+/// Y. A few glints dominate the mean square error, so the median and the 95th percentile describe
+/// the other pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorDistribution {
     /// The median over the pixels with known errors.
@@ -17,14 +15,12 @@ pub struct ErrorDistribution {
     pub worst: WorstRegion,
 }
 
-/// The block of pixels with the largest errors. The side of a block is a sixteenth of the longer
-/// side of the picture.
+/// The block with the largest errors. Its side is a sixteenth of the longer side of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorstRegion {
-    /// The first column, the first row, the first column to the right of the block, and the first
-    /// row below the block.
+    /// The first column and row, and the column and row after the last.
     pub corners: [usize; 4],
-    /// The share of the block in the sum of noise² + bias² over the picture.
+    /// The fraction of the block in the sum of noise² + bias² over the picture.
     pub fraction: f64,
 }
 

@@ -12,28 +12,25 @@ const LEAST_HIGHLIGHT: f64 = 0.5;
 /// The fraction of the pixels that are brighter than the highlights.
 const ABOVE_HIGHLIGHT: f64 = 0.005;
 
-/// The contrast of a display. Pixels that are darker than the highlights by more than this factor
-/// count less.
+/// The contrast of a display. Pixels darker than the highlights by more than this factor count
+/// less.
 const CONTRAST: f64 = 1000.0;
 
 /// The largest influence of a pixel on the metered luminance, as a natural logarithm: two stops.
 const LARGEST_INFLUENCE: f64 = 2.0 * std::f64::consts::LN_2;
 
-/// The log-average is computed from at most this number of pixels. They are evenly spaced in the
-/// order of luminance.
+/// The most pixels of the log-average, evenly spaced by luminance.
 const MOST_METERED: usize = 1 << 16;
 
-/// Returns the exposure of a picture. The exposure is a factor that multiplies the luminance, and
-/// its unit is 1/(cd/m²). With this factor, the developed picture has a suitable brightness.
+/// Returns the exposure in 1/(cd/m²) for a suitable brightness of the developed picture.
 ///
 /// The log-average of the lit pixels becomes middle grey (0.18; Reinhard et al. 2002). Caustics,
-/// glints and the sky may be thousands of times brighter than the rest of the picture. Therefore
-/// the log-average is Huber's robust estimate of location (Huber 1964): a pixel that differs from
-/// the average by more than two stops counts as if it differed by two stops. Pixels that are darker
-/// than a thousandth of the highlights count in proportion to their squared luminance, because a display
-/// cannot show them together with the highlights. If the picture has little contrast, the exposure
-/// is raised until its highlights reach half of the range of the display. Visible light sources do
-/// not influence the exposure, because any suitable exposure shows them as white.
+/// glints and the sky may be thousands of times brighter than the rest, so it is Huber's robust
+/// estimate of location (Huber 1964): a pixel that differs by more than two stops counts as if it
+/// differed by two stops. Pixels darker than a thousandth of the highlights count in proportion to
+/// their squared luminance, because a display cannot show both. With little contrast, the exposure
+/// is raised until the highlights reach half of the range of the display. Visible light sources do
+/// not count, because any suitable exposure shows them as white.
 pub fn automatic(picture: &Picture) -> f64 {
     let luminances = picture.xyz.iter().map(|xyz| xyz[1] as f32);
     let mut luminances: Vec<f32> = luminances.filter(|y| *y > 0.0 && y.is_finite()).collect();
@@ -50,10 +47,8 @@ pub fn automatic(picture: &Picture) -> f64 {
 }
 
 /// Returns Huber's estimate of location for sorted pairs of a value and a weight: the value m for
-/// which the weighted differences from m, each limited to ±[`LARGEST_INFLUENCE`], sum to 0.
-///
-/// The sum falls monotonically with m. Therefore m is found by bisection between the smallest and
-/// the largest value.
+/// which the weighted differences from m, each limited to ±[`LARGEST_INFLUENCE`], sum to 0. The sum
+/// falls monotonically with m, so bisection finds it.
 fn robust_mean(values: &[(f64, f64)]) -> f64 {
     let pull = |m: f64| -> f64 {
         values.iter().map(|(value, weight)| weight * (value - m).clamp(-LARGEST_INFLUENCE, LARGEST_INFLUENCE)).sum()
@@ -67,16 +62,14 @@ fn robust_mean(values: &[(f64, f64)]) -> f64 {
     0.5 * (low + high)
 }
 
-/// Removes the pixels of light sources from sorted brightnesses. Light sources are the brightest
-/// pixels. They are at most a tenth of all pixels. A gap in brightness separates light sources from
-/// the other pixels. The ends of the gap differ by a factor of eight, and few pixels are inside the
-/// gap. Illuminated surfaces and caustics become gradually darker towards their surroundings, so
-/// they leave no such gap. A spectrum on a black wall leaves a gap, but its own brightness varies.
+/// Removes light sources from sorted brightnesses: the brightest pixels, at most a tenth of all,
+/// above a gap of a factor of eight with few pixels inside. Illuminated surfaces and caustics
+/// darken gradually towards their surroundings, so they leave no such gap. A spectrum on a black
+/// wall leaves one, but its own brightness varies.
 fn without_light_sources(sorted: &[f32]) -> &[f32] {
     const GAP: f32 = 8.0;
     const LARGEST_FRACTION: f64 = 0.1;
-    /// The largest ratio of the number of pixels in the gap to the number of pixels of light
-    /// sources. The pixels in the gap are at the edges of light sources.
+    /// The pixels in the gap, at the edges of light sources, relative to those of the sources.
     const EDGES: f64 = 0.25;
     let below = |y: f32| sorted.partition_point(|&other| other < y);
     let mut top = sorted[sorted.len() - 1];
@@ -92,8 +85,7 @@ fn without_light_sources(sorted: &[f32]) -> &[f32] {
     sorted
 }
 
-/// Returns true if half of the brightnesses differ from their median by at most a tenth, as the
-/// brightness of a lamp does.
+/// Returns true if half of the brightnesses are within a tenth of their median, as for a lamp.
 fn is_uniform(sorted: &[f32]) -> bool {
     let median = sorted[sorted.len() / 2];
     let near = sorted.partition_point(|&y| y <= 1.1 * median) - sorted.partition_point(|&y| y < 0.9 * median);

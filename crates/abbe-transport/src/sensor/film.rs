@@ -15,10 +15,10 @@ use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The sums of all pixels. Adding passes in any order gives the same bits.
+/// The sums of all pixels. Passes in any order give the same bits.
 ///
-/// A film allocates the memory of its sums when light is added first. The pilot of a render runs
-/// before this, so the memory of the pilot and that of the film are not needed at the same time.
+/// The memory is allocated when light is added first, after the pilot of a render, so that the
+/// memory of the pilot and that of the film are not needed at the same time.
 #[derive(Debug)]
 pub struct Film {
     width: usize,
@@ -39,10 +39,8 @@ pub struct Film {
 /// The index of the first plane of the bias, after X and Z.
 const FIRST_BIAS: usize = 2;
 
-/// The index of the first plane of Y.
 const FIRST_Y: usize = FIRST_BIAS + 2;
 
-/// The index of the first plane of a channel.
 const FIRST_CHANNEL: usize = FIRST_Y + REPLICATES;
 
 impl Film {
@@ -61,14 +59,14 @@ impl Film {
         }
     }
 
-    /// Adds this diffraction to the film. The film must still be unexposed.
+    /// Adds diffraction to a film that is still unexposed.
     #[must_use]
     pub fn with_diffraction(mut self, diffraction: Option<Arc<DiffractionPsf>>) -> Self {
         self.channels.diffraction = diffraction;
         self
     }
 
-    /// Adds these layers to the film. The film must still be unexposed.
+    /// Adds layers to a film that is still unexposed.
     #[must_use]
     pub fn with_layers(mut self, layers: &LayerSet) -> Self {
         let pixels = self.pixel_count();
@@ -77,8 +75,7 @@ impl Film {
         self
     }
 
-    /// Turns the film into the film of a measurement. The film must still be unexposed. Its width
-    /// must be 1, and the layout must cover all its rows.
+    /// Turns the unexposed film of the width 1 into a measurement. The layout covers its rows.
     #[must_use]
     pub fn with_readings(mut self, layout: Arc<ReadingLayout>) -> Self {
         self.channels.moments = layout.moments;
@@ -87,7 +84,6 @@ impl Film {
         self
     }
 
-    /// Allocates the sums of an unexposed film.
     fn allocate(&mut self) {
         if self.pixels.is_empty() {
             self.pixels = vec![PixelSums::default(); self.pixel_count()];
@@ -99,18 +95,15 @@ impl Film {
         self.width * self.height
     }
 
-    /// Returns the number of pixels per row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Returns the number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Returns true if the film has spectral bands, slices for diffraction or readings. They need
-    /// the wavelength of each contribution.
+    /// Returns true if bands, slices or readings need the wavelength of each contribution.
     pub fn needs_wavelengths(&self) -> bool {
         self.channels.spectral_count() > 0 || self.measurement.is_some()
     }
@@ -125,13 +118,11 @@ impl Film {
         self.measurement.is_some()
     }
 
-    /// Returns the number of passes that the film has counted.
     pub fn passes(&self) -> u64 {
         self.passes.iter().sum()
     }
 
-    /// Returns the memory of the sums of a film of `pixels` pixels in bytes, including spectral
-    /// bands, slices for diffraction, and layers.
+    /// Counts also spectral bands, slices for diffraction, and layers.
     pub fn memory_bytes(pixels: usize, bands: usize, slices: usize, layers: &LayerSet) -> usize {
         let channels = bands + 3 * slices + layers.planes();
         let names = layers.name_tables().count() * NameLayer::BYTES_PER_PIXEL;
@@ -143,8 +134,7 @@ impl Film {
         self.passes[replicate(pass)] += 1;
     }
 
-    /// Returns the rows of the film. Each row can be exposed by a different thread with
-    /// [`FilmRow::expose`].
+    /// Returns rows that different threads can expose with [`FilmRow::expose`].
     pub fn rows(&mut self) -> impl Iterator<Item = FilmRow<'_>> {
         self.allocate();
         let (observer, width, channels) = (self.observer, self.width, &self.channels);
@@ -172,8 +162,7 @@ impl Film {
         SplatSink::new(self.observer, self.channels.clone()).with_layout(layout)
     }
 
-    /// Adds the light of a sink. Returns the number of samples that were NaN, infinite or negative
-    /// and were discarded.
+    /// Returns the number of samples that were NaN, infinite or negative and were discarded.
     pub fn add_splats(&mut self, pass: u64, sink: &SplatSink) -> u64 {
         self.allocate();
         let replicate = replicate(pass);
@@ -198,8 +187,7 @@ impl Film {
         sink.rejected
     }
 
-    /// Adds the light of a sink to the estimated bias. The light is not part of the picture, so the
-    /// bias is negative.
+    /// Adds the light of a sink to the bias, negative because the light is not part of the picture.
     pub fn add_truncated_splats(&mut self, pass: u64, sink: &SplatSink) {
         self.allocate();
         let half = replicate(pass) % 2;
@@ -208,29 +196,26 @@ impl Film {
         }
     }
 
-    /// Returns the names of the planes of sums: `X`, `Z`, the bias of both halves, Y of the
-    /// replicates, the channels, and the entries of the lists of names.
+    /// Returns `X`, `Z`, the bias of both halves, Y of the replicates, the channels, and the
+    /// entries of the lists of names.
     pub fn plane_names(&self) -> Vec<String> {
         let names = self.names.iter().flat_map(|layer| (0..layer.ranks()).map(|place| layer.kind.plane_name(place)));
         self.light_plane_names().into_iter().chain(names).collect()
     }
 
-    /// Returns the names of the planes of sums without the entries of the lists of names. These
-    /// planes come first in [`Self::plane_names`], and they do not depend on the passes.
+    /// Returns the first of [`Self::plane_names`], without names; they do not depend on the passes.
     pub fn light_plane_names(&self) -> Vec<String> {
         let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
         let first = ["X", "Z", "bias0", "bias1"].map(String::from);
         first.into_iter().chain(replicates).chain(self.channels.names()).collect()
     }
 
-    /// Returns the sums of one plane, pixel by pixel. `plane` is an index into
-    /// [`Self::plane_names`].
+    /// Yields the sums pixel by pixel, for an index into [`Self::plane_names`].
     pub fn plane(&self, plane: usize) -> impl Iterator<Item = ExactSum> {
         (0..self.pixel_count()).map(self.plane_sums(plane))
     }
 
-    /// Returns a function that returns the sum of one plane at a pixel. `plane` is an index into
-    /// [`Self::plane_names`].
+    /// Returns a function of the pixel, for an index into [`Self::plane_names`].
     pub fn plane_sums(&self, plane: usize) -> impl Fn(usize) -> ExactSum {
         let count = self.channels.count();
         let names = plane.checked_sub(FIRST_CHANNEL + count).and_then(|plane| self.list_of_names(plane));
@@ -244,8 +229,7 @@ impl Film {
         }
     }
 
-    /// Returns the list of names of a plane, and the place of the plane's entries in the lists of
-    /// the pixels. `plane` counts the planes of names.
+    /// Returns the list of a plane of names, and the place of its entries in the pixels' lists.
     fn list_of_names(&self, mut plane: usize) -> Option<(&NameLayer, usize)> {
         self.names.iter().find_map(|layer| {
             let ranks = layer.ranks();
@@ -257,7 +241,6 @@ impl Film {
         })
     }
 
-    /// Returns the kinds of the lists of names.
     pub fn name_kinds(&self) -> Vec<NameKind> {
         self.names.iter().map(|layer| layer.kind).collect()
     }
@@ -269,8 +252,8 @@ impl Film {
         }
     }
 
-    /// Adds sums to one plane, pixel by pixel from the pixel `first`. `plane` is an index into
-    /// [`Self::light_plane_names`]. [`Self::add_names`] adds the planes of names.
+    /// Adds sums from the pixel `first` to a plane of [`Self::light_plane_names`].
+    /// [`Self::add_names`] adds the others.
     pub fn add_plane(&mut self, plane: usize, first: usize, sums: impl Iterator<Item = ExactSum>) {
         self.allocate();
         let count = self.channels.count();
@@ -290,15 +273,13 @@ impl Film {
         self.picture_and_error().0
     }
 
-    /// Returns the picture so far, and the parts of the squared relative error of the picture. The
-    /// parts are `None` if the error is unknown.
+    /// Returns also the parts of the squared relative error, `None` if it is unknown.
     pub fn picture_and_error(&self) -> (Picture, Option<ErrorSquares>) {
         let (picture, squares) = self.picture_without_layers();
         (Picture { layers: self.layers(), ..picture }, squares)
     }
 
-    /// Returns the parts of the squared relative error of the picture so far, or `None` if the
-    /// error is unknown.
+    /// Returns `None` if the error is unknown.
     pub fn error_squares(&self) -> Option<ErrorSquares> {
         match &self.measurement {
             Some(measurement) => measurement.layout.largest_error(&self.readings()),
@@ -335,17 +316,14 @@ impl Film {
         (picture, squares)
     }
 
-    /// Returns the value of a channel at a pixel.
     fn channel(&self, pixel: usize, channel: usize) -> f64 {
         self.channel_sum(pixel, channel).value()
     }
 
-    /// Returns the sum of a channel at a pixel.
     fn channel_sum(&self, pixel: usize, channel: usize) -> ExactSum {
         self.by_channel.get(pixel * self.channels.count() + channel).copied().unwrap_or_default()
     }
 
-    /// Returns the layers of the picture so far.
     fn layers(&self) -> PictureLayers {
         let mut layers = PictureLayers::default();
         let Some(set) = self.channels.layers.as_deref() else { return layers };
@@ -378,7 +356,8 @@ impl Film {
         (0..measurement.layout.readings.len()).map(of_reading).collect()
     }
 
-    /// States that the rows of a reading share no random numbers. A film without meters ignores it.
+    /// Declares that the rows of a reading share no random numbers. A film without meters ignores
+    /// it.
     pub fn assume_independent_rows(&mut self) {
         self.measurement.iter_mut().for_each(|measurement| measurement.independent_rows = true);
     }
@@ -406,10 +385,9 @@ impl Film {
         ErrorBars::new((self.width, self.pixel_count()), measured, self.passes)
     }
 
-    /// Returns the light of all pixels and their spectral bands after diffraction. Each slice and
-    /// each band has its own kernel. The film stores the replicates and the bias only as sums of Y
-    /// over all wavelengths. The function convolves these sums with a mean kernel: the mean of the
-    /// kernels of all slices, weighted by the Y of each slice.
+    /// Returns the light of all pixels and their bands after diffraction. Each slice and each band
+    /// has its own kernel. The replicates and the bias, stored only as Y over all wavelengths, are
+    /// convolved with the mean kernel of all slices, weighted by their Y.
     fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelMean>, Vec<f64>) {
         let convolution = Convolution::new(diffraction, (self.width, self.height));
         let value = |pixel: usize, channel: usize| self.channel(pixel, channel);
@@ -458,7 +436,6 @@ impl Film {
         (light, values)
     }
 
-    /// Returns whether any sum of light has overflowed its range.
     pub fn overflowed(&self) -> bool {
         let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
         self.pixels.iter().any(pixel) || self.by_channel.iter().any(|sum| sum.overflowed())

@@ -1,15 +1,14 @@
 //! The layers of a film: quantities by pixel that are recorded on request.
 //!
-//! The light of path classes and of light groups is recorded as X, Y and Z, like the picture. The
-//! quantities of first surfaces are sums over camera samples. All sums are exact, so layers do not
-//! depend on the order of the passes.
+//! The light of path classes and of light groups is X, Y and Z, like the picture. Those of first
+//! surfaces are sums over camera samples. All sums are exact, so the order of the passes does not
+//! matter.
 
 use super::cryptomatte::{NameCounts, hash_name, normal_hash};
 use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum, library};
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
-/// The layers that a film records.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayerSet {
@@ -19,8 +18,7 @@ pub struct LayerSet {
     pub objects: Option<Vec<String>>,
     /// The names of the materials in the order of their numbers, if the film records materials.
     pub materials: Option<Vec<String>>,
-    /// The names of the path classes in the order of their numbers. Empty if the film does not
-    /// separate path classes.
+    /// In the order of their numbers. Empty if the film does not separate path classes.
     pub paths: Vec<String>,
     /// The names of the light groups. Empty if the film does not separate lights.
     pub light_groups: Vec<String>,
@@ -32,33 +30,25 @@ pub struct LayerSet {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceLayer {
-    /// The share of light that the surface reflects or transmits.
+    /// The fraction of light that the surface reflects or transmits.
     Albedo,
-    /// The normal.
     Normal,
-    /// The distance.
     Depth,
-    /// The texture coordinates.
     Uv,
     /// The number of camera samples, also of those that hit no surface.
     Samples,
 }
 
-/// The first surface on a camera ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstSurface {
-    /// The share of light that the surface reflects or transmits, at each wavelength of
-    /// [`ALBEDO_NM`].
+    /// The light that the surface reflects or transmits, at each of [`ALBEDO_NM`].
     pub albedo: [f64; ALBEDO_NM.len()],
     /// The unit normal in world space, on the visible side.
     pub normal: [f64; 3],
     /// The distance along the ray in m.
     pub depth_m: f64,
-    /// The texture coordinates.
     pub uv: [f64; 2],
-    /// The number of the object.
     pub object: usize,
-    /// The number of the material.
     pub material: usize,
 }
 
@@ -73,8 +63,7 @@ pub const ALBEDO_NM: [f64; 32] = {
     nm
 };
 
-/// For each wavelength of [`ALBEDO_NM`]: the contribution of an albedo of 1 to linear sRGB under
-/// D65. The sum over all wavelengths is white, (1, 1, 1).
+/// The linear sRGB (D65) of an albedo of 1 at each of [`ALBEDO_NM`], in sum (1, 1, 1).
 static ALBEDO_RGB: LazyLock<[[f64; 3]; ALBEDO_NM.len()]> = LazyLock::new(|| {
     let (observer, d65) = (Observer::cie1931(), d65());
     let mut rgb = [[0.0; 3]; ALBEDO_NM.len()];
@@ -94,11 +83,9 @@ fn d65() -> Spectrum {
     library::find("D65").map_or_else(|_| constant(), |found| found.spectrum)
 }
 
-/// The number of components of a colour.
 pub(super) const COMPONENTS: usize = 3;
 
 impl LayerSet {
-    /// Returns true if the film records no layers.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -112,7 +99,6 @@ impl LayerSet {
         self.surfaces.contains(&layer)
     }
 
-    /// Returns true if the film separates path classes or lights.
     pub fn separates_light(&self) -> bool {
         !(self.paths.is_empty() && self.light_groups.is_empty())
     }
@@ -134,8 +120,7 @@ impl LayerSet {
         if words.is_empty() { "no layers".to_string() } else { format!("the layers {}", words.join(", ")) }
     }
 
-    /// Returns the number of planes of sums that the film has in any case. Lists of names may need
-    /// more.
+    /// Returns the planes of sums in any case. Lists of names may need more.
     pub fn planes(&self) -> usize {
         self.light_channels() + self.surface_channels().len()
     }
@@ -156,8 +141,7 @@ impl LayerSet {
         Some(COMPONENTS * (self.paths.len() + usize::from(*group)))
     }
 
-    /// Returns the names of the sums over first surfaces, in the order in which
-    /// [`Self::add_surface`] fills them.
+    /// Returns the names of the sums over first surfaces, in the order of [`Self::add_surface`].
     pub(super) fn surface_channels(&self) -> Vec<&'static str> {
         if !self.has_surfaces() {
             return Vec::new();
@@ -171,8 +155,7 @@ impl LayerSet {
         names
     }
 
-    /// Adds a camera sample to the sums over first surfaces. `surface` is `None` if the camera ray
-    /// hits nothing.
+    /// `surface` is `None` if the camera ray hits nothing.
     pub(super) fn add_surface(&self, sums: &mut [f64], surface: Option<&FirstSurface>) {
         let mut slots = sums.iter_mut();
         let mut add = |values: &[f64]| values.iter().zip(&mut slots).for_each(|(value, slot)| *slot += value);
@@ -200,17 +183,13 @@ impl LayerSet {
     }
 }
 
-/// The kinds of names that a film counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NameKind {
-    /// Objects.
     Object,
-    /// Materials.
     Material,
 }
 
 impl NameKind {
-    /// Returns the name of the Cryptomatte layer.
     pub fn layer_name(self) -> &'static str {
         match self {
             Self::Object => "CryptoObject",
@@ -232,7 +211,6 @@ impl NameKind {
 pub(super) struct NameLayer {
     pub(super) kind: NameKind,
     names: Vec<String>,
-    /// The hash of each name.
     hashes: Vec<u32>,
     pub(super) pixels: Vec<NameCounts>,
 }
@@ -251,44 +229,33 @@ impl NameLayer {
         self.pixels.iter().map(NameCounts::len).max().unwrap_or(0)
     }
 
-    /// Returns the rows of the layer.
     pub(super) fn rows(&mut self, width: usize) -> impl Iterator<Item = NameRow<'_>> {
         let Self { kind, hashes, pixels, .. } = self;
         pixels.chunks_mut(width).map(|pixels| NameRow { kind: *kind, hashes, pixels })
     }
 }
 
-/// The names of one kind in a row of the film.
 #[derive(Debug)]
 pub(super) struct NameRow<'f> {
     pub(super) kind: NameKind,
-    /// The hash of each name.
     pub(super) hashes: &'f [u32],
     pub(super) pixels: &'f mut [NameCounts],
 }
 
-/// The layers of a picture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PictureLayers {
-    /// The channels of all layers.
     pub channels: Vec<LayerChannel>,
-    /// The names of the Cryptomatte layers.
     pub mattes: Vec<MatteNames>,
 }
 
-/// One channel of a layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerChannel {
-    /// The name of the channel.
     pub name: String,
-    /// The value of each pixel.
     pub values: Vec<f32>,
 }
 
-/// The names of a Cryptomatte layer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MatteNames {
-    /// The name of the layer.
     pub layer: String,
     /// The names of the objects or materials, with their hashes.
     pub names: Vec<(String, u32)>,
@@ -309,8 +276,7 @@ impl PictureLayers {
         self.channels.push(LayerChannel { name, values: values.collect() });
     }
 
-    /// Adds the layers of first surfaces. `sums` returns the sum of a channel of
-    /// [`LayerSet::surface_channels`] at a pixel.
+    /// `sums` returns the sum of a channel of [`LayerSet::surface_channels`] at a pixel.
     pub(super) fn add_surfaces(&mut self, set: &LayerSet, pixels: usize, sums: impl Fn(usize, usize) -> f64) {
         let mean = |channel: usize, by: usize, without: f64| {
             let sums = &sums;
@@ -338,8 +304,7 @@ impl PictureLayers {
         }
     }
 
-    /// Adds a Cryptomatte layer: pairs of identity and coverage, the largest coverage first.
-    /// `samples` returns the number of samples of a pixel.
+    /// Adds identity and coverage, the largest first. `samples` is that of a pixel.
     pub(super) fn add_names(&mut self, layer: &NameLayer, samples: impl Fn(usize) -> f64) {
         let levels = layer.ranks().clamp(1, MOST_RANKS).div_ceil(2);
         let name = layer.kind.layer_name();

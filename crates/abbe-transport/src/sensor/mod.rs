@@ -1,7 +1,6 @@
-//! The sensor: film sums, noise, bias, diffraction, exposure and display encoding.
-//!
-//! Each input sample consists of a pixel, a wavelength and a weight. The results are XYZ pictures
-//! with error bars, images for a display, and the readings of meters.
+//! The sensor: film sums, noise, bias, diffraction, exposure and display encoding. Samples of a
+//! pixel, a wavelength and a weight become XYZ pictures with error bars, display images, and the
+//! readings of meters.
 
 mod channels;
 pub mod cryptomatte;

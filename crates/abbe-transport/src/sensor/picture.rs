@@ -7,9 +7,7 @@ use abbe_spectra::math::elementary::hypot;
 /// The observer's XYZ of every pixel, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// Pixels per row.
     pub width: usize,
-    /// Number of rows.
     pub height: usize,
     /// X, Y and Z of each pixel. Y is in cd/m².
     pub xyz: Vec<[f64; 3]>,
@@ -17,19 +15,15 @@ pub struct Picture {
     pub noise: Vec<Option<f32>>,
     /// The magnitude of the estimated bias of Y in cd/m², if it is known.
     pub bias: Vec<Option<f32>>,
-    /// True if kernels blur an edge of the illumination at the pixel. In this case, the bias is
-    /// probably larger than the estimate. `None` means that the edges are unknown.
+    /// Kernels blur an edge of the illumination, so the bias is probably larger than the estimate.
     pub edge: Vec<Option<bool>>,
-    /// Spectral radiance, if it was recorded.
     pub bands: Option<SpectralBands>,
-    /// The layers that were recorded on request.
     pub layers: PictureLayers,
 }
 
 /// Spectral radiance in bands of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralBands {
-    /// The centres of the bands in nm.
     pub centres_nm: Vec<f64>,
     /// Radiance in W/m²/sr/nm, pixel by pixel and band by band.
     pub values: Vec<f32>,
@@ -50,23 +44,19 @@ pub struct ErrorMeans {
     pub noise: f64,
     /// The mean bias of Y in cd/m².
     pub bias: f64,
-    /// The square root of the mean of noise² + bias², divided by the mean of Y. The value is `None`
-    /// if the noise is unknown in all pixels. A value of 0 is replaced by `None` if some pixels
-    /// have received no light.
+    /// The root of the mean of noise² + bias², divided by the mean of Y. `None` if the noise is
+    /// unknown in all pixels, or if it is 0 and some pixels have no light.
     pub relative: Option<f64>,
-    /// The number of pixels with unknown noise.
     pub unknown_pixels: usize,
-    /// The number of pixels at an edge of the illumination, where the bias is probably larger than
-    /// estimated.
+    /// At an edge of the illumination, where the bias is probably larger than estimated.
     pub edge_pixels: usize,
 }
 
-/// Returns half the width of the 95 % interval around a value. `noise` is the standard error of the
-/// value. `bias` is the magnitude of its bias.
+/// Returns half the width of the 95 % interval, for a standard error and a magnitude of bias.
 ///
-/// The interval is two-sided if the bias is negligible and one-sided otherwise. The factors are
-/// quantiles of Student's t with 9 degrees of freedom: 7 from the eight replicates of a pixel and 2
-/// from its neighbours. Therefore the factors are valid only after at least eight passes.
+/// It is two-sided if the bias is negligible and one-sided otherwise. The factors are quantiles of
+/// Student's t with 9 degrees of freedom (7 from the eight replicates of a pixel and 2 from its
+/// neighbours), so they are valid only after at least eight passes.
 pub fn half_interval_95(noise: f64, bias: f64) -> f64 {
     const TWO_SIDED: f64 = 2.262;
     const ONE_SIDED: f64 = 1.833;
@@ -89,12 +79,11 @@ impl Picture {
         }
     }
 
-    /// Enlarges a picture by bilinear interpolation of X, Y and Z. A pixel of this picture becomes
-    /// `factor` × `factor` pixels. The centres of both pictures coincide. The errors are unknown.
+    /// Enlarges a picture by bilinear interpolation of X, Y and Z. A pixel becomes `factor` ×
+    /// `factor` pixels, with the same centre of the picture and unknown errors.
     #[must_use]
     pub fn enlarged(&self, factor: usize, (width, height): (usize, usize)) -> Self {
-        // The two pixels of a row or column whose centres enclose a position, and the share of the
-        // second pixel.
+        // The two pixels of a row or column around a position, and the fraction of the second.
         let between = |position: usize, large: usize, small: usize| {
             let centred = (position as f64 + 0.5 - 0.5 * large as f64) / factor as f64;
             let position = (centred + 0.5 * small as f64 - 0.5).clamp(0.0, (small - 1) as f64);
@@ -118,15 +107,13 @@ impl Picture {
         self.xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / self.xyz.len() as f64
     }
 
-    /// Returns the error of a pixel in cd/m²: √(noise² + bias²). Returns `None` if the noise or the
-    /// bias is unknown.
+    /// Returns √(noise² + bias²) in cd/m², `None` if one is unknown.
     pub fn error(&self, pixel: usize) -> Option<f64> {
         self.bars(pixel).map(|(noise, bias)| hypot(noise, bias))
     }
 
-    /// Returns half the width of a pixel's 95 % interval in cd/m², for a comparison with another
-    /// value. `other_noise` is the standard error of the other value. Returns `None` if the error
-    /// of the pixel is unknown.
+    /// Returns half the width of a pixel's 95 % interval in cd/m², for a value with the standard
+    /// error `other_noise`. `None` if the error of the pixel is unknown.
     pub fn half_interval_95(&self, pixel: usize, other_noise: f64) -> Option<f64> {
         self.bars(pixel).map(|(noise, bias)| half_interval_95(hypot(noise, other_noise), bias))
     }
@@ -136,7 +123,6 @@ impl Picture {
         self.noise[pixel].zip(self.bias[pixel]).map(|(noise, bias)| (f64::from(noise), f64::from(bias)))
     }
 
-    /// Returns the means of the error layers.
     pub fn error_means(&self) -> ErrorMeans {
         let (mut noise, mut bias, mut square, mut known) = (0.0, 0.0, 0.0, 0_usize);
         for (&n, &b) in self.noise.iter().zip(&self.bias) {
@@ -150,8 +136,7 @@ impl Picture {
         }
         let count = known.max(1) as f64;
         let mean_y = self.mean_y();
-        // If all lit pixels have the error 0, they do not represent the pixels that no light has
-        // reached yet.
+        // Lit pixels that all have the error 0 do not represent those without light yet.
         let is_known = known > 0 && mean_y > 0.0 && (square > 0.0 || known == self.xyz.len());
         let relative = is_known.then(|| (square / count).sqrt() / mean_y);
         ErrorMeans {
@@ -168,7 +153,6 @@ impl Picture {
 mod tests {
     use super::*;
 
-    /// A linear gradient stays the same gradient, also if the size is not a multiple of the factor.
     #[test]
     fn an_enlarged_gradient_keeps_its_values() {
         let (small, factor, (width, height)) = ((5, 4), 3, (13, 11));

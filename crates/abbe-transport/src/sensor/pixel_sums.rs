@@ -8,15 +8,12 @@ use abbe_spectra::math::sum::ExactSum;
 pub(super) struct PixelSums {
     pub(super) x: ExactSum,
     pub(super) z: ExactSum,
-    /// Y of each replicate. The sum of the replicates is Y.
     pub(super) y: [ExactSum; REPLICATES],
-    /// The bias of Y as two sums: over the even replicates, and over the odd replicates. The two
-    /// estimates have independent noise.
+    /// Over the even and over the odd replicates, with independent noise.
     pub(super) bias: [ExactSum; 2],
 }
 
-/// The light of a pixel summed over all passes, in W/m²/sr. Each value is radiance times a
-/// colour-matching function. Y is also given for each replicate.
+/// The sums of radiance times a colour-matching function in W/m²/sr, and Y by replicate.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelMean {
     pub(super) xyz: [f64; 3],
@@ -31,7 +28,6 @@ impl PixelSums {
     }
 }
 
-/// Returns the replicate to which a pass belongs.
 pub(super) fn replicate(pass: u64) -> usize {
     (pass % REPLICATES as u64) as usize
 }

@@ -5,10 +5,9 @@ use super::film::Film;
 use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::spectrum::{LineSegment, Spectrum};
 
-/// The mean spectral radiance at a receptor, in bands of equal width.
+/// The mean spectral radiance at a sensor, in bands of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadingSpectrum {
-    /// The mean of all passes.
     pub mean: ReadingBands,
     /// The means of the replicates. Only replicates with passes are listed.
     pub by_replicate: Vec<ReadingBands>,
@@ -19,17 +18,16 @@ pub struct ReadingSpectrum {
 pub struct ReadingBands {
     /// The spectral radiance of each band in W/m²/sr/nm.
     pub values: Vec<f64>,
-    /// For each band, the spectral radiance times the mean distance of the light from the centre of
-    /// the band, in W/m²/sr. Empty if the layout has no moments.
+    /// The spectral radiance times the mean distance of the light from the centre of the band, in
+    /// W/m²/sr. Empty if the layout has no moments.
     moments: Vec<f64>,
 }
 
-/// The least width of a line of [`ReadingBands::light`], as a share of the width of its band.
+/// The least width of a line of [`ReadingBands::light`], as a fraction of the width of its band.
 const NARROWEST_LINE: f64 = 0.01;
 
 impl Film {
-    /// Returns the spectrum of a reading so far. Returns `None` if the film has no bands or records
-    /// a picture.
+    /// Returns `None` without bands or for a picture.
     pub fn reading_spectrum(&self, number: usize) -> Option<ReadingSpectrum> {
         let ((bands, channels), measurement) = (self.bands(), self.measurement.as_ref()?);
         if bands == 0 {
@@ -65,7 +63,7 @@ impl Film {
 }
 
 impl ReadingBands {
-    /// Returns the radiance in `count` bands. The number of bands must be a multiple of `count`.
+    /// Returns `count` bands, a divisor of their number.
     #[must_use]
     pub fn merged(&self, count: usize) -> Self {
         let all = self.values.len();
@@ -78,8 +76,7 @@ impl ReadingBands {
         Self { values, moments: moments.chunks_exact(group).map(mean).collect() }
     }
 
-    /// Returns the light as a spectrum of lines: one line for each band, at the mean wavelength of
-    /// its light. Without moments, this is the centre of the band.
+    /// Returns a spectral line for each band, at the mean wavelength, or at the centre.
     pub fn light(&self) -> Spectrum {
         let count = self.values.len();
         let line = |(band, &value): (usize, &f64)| {
@@ -96,7 +93,7 @@ impl ReadingBands {
 }
 
 impl ReadingSpectrum {
-    /// Returns the spectrum in `count` bands. The number of bands must be a multiple of `count`.
+    /// Returns `count` bands, a divisor of their number.
     #[must_use]
     pub fn merged(&self, count: usize) -> Self {
         Self {
@@ -110,9 +107,8 @@ impl ReadingSpectrum {
         self.by_replicate.len().saturating_sub(1) as f64
     }
 
-    /// Returns the standard error of a function of the spectrum, from its values at the replicates.
-    /// `None` if fewer than two replicates have passes, or if the function has no value for one of
-    /// them.
+    /// Returns the standard error of a function of the spectrum, from the replicates. `None` for
+    /// fewer than two replicates with passes, or if the function has no value for one of them.
     pub fn noise_of(&self, of: impl Fn(&ReadingBands) -> Option<f64>) -> Option<f64> {
         let values: Vec<f64> = self.by_replicate.iter().map(of).collect::<Option<_>>()?;
         let count = values.len() as f64;

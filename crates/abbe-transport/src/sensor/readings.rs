@@ -1,14 +1,13 @@
 //! The readings of meters.
 //!
 //! The film of a measurement has one column. Each reading has the same number of rows, so that few
-//! readings keep all threads busy. The noise of a reading is the standard error of the mean over
-//! the replicates. It uses no neighbours, because these are other readings.
+//! readings keep all threads busy. Its noise is the standard error of the mean over the replicates,
+//! without neighbours, which are other readings.
 //!
-//! If the rows of a reading share no random numbers, each row gives its own estimate of the noise,
-//! with seven degrees of freedom. The variance of the reading is the sum over the rows, so it has
-//! more degrees of freedom, and the intervals are narrower. A stop rule for the error needs this:
-//! it stops at the first small estimate of the noise, and with few degrees of freedom this estimate
-//! would often be too small.
+//! If the rows of a reading share no random numbers, each gives its own estimate with seven degrees
+//! of freedom, and the variance of the reading is their sum, so the intervals are narrower. A stop
+//! rule for the error needs this: it stops at the first small estimate, which few degrees of
+//! freedom often make too small.
 
 use super::error_bars::{ErrorSquares, PixelMeans};
 use super::pixel_sums::{PixelSums, passes_by_half};
@@ -16,22 +15,17 @@ use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
 
-/// The readings of a film.
 #[derive(Debug, Clone)]
 pub struct ReadingLayout {
-    /// The number of rows of each reading.
     pub rows: usize,
     /// The owners of the readings, in the order of their rows.
     pub readings: Vec<ReadingOwner>,
-    /// True if the bands of a spectrum have first moments, so that the wavelengths of lines are
-    /// known.
+    /// The bands of a spectrum have first moments, so that the wavelengths of lines are known.
     pub moments: bool,
 }
 
-/// The meter to which a reading belongs.
 #[derive(Debug, Clone, Copy)]
 pub struct ReadingOwner {
-    /// The number of the meter.
     pub meter: usize,
     /// The observer whose function ȳ weights the wavelengths of the reading.
     pub observer: &'static Observer,
@@ -39,19 +33,16 @@ pub struct ReadingOwner {
     pub decides_stop: bool,
 }
 
-/// The data of a measurement in the film.
 #[derive(Debug)]
 pub(super) struct Measurement {
     pub(super) layout: Arc<ReadingLayout>,
-    /// The sums of the spectral bands: for each row, for each replicate, one sum for each band, and
-    /// then one moment for each band if the layout has moments.
+    /// For each row and replicate, a sum for each band, and then a moment if the layout has them.
     pub(super) by_replicate: Vec<f64>,
     /// True if the rows of a reading share no random numbers.
     pub(super) independent_rows: bool,
 }
 
-/// A reading: the mean radiance at a receptor over the directions of its response, weighted by an
-/// observer.
+/// The mean radiance at a sensor over the directions of its response, weighted by an observer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
     /// The weighted mean radiance times 683 lm/W: cd/m² for the observer of the luminance.
@@ -60,8 +51,7 @@ pub struct Reading {
     pub noise: Option<f64>,
     /// The magnitude of the estimated bias of the value, if it is known.
     pub bias: Option<f64>,
-    /// X, Y and Z of the mean radiance, in W/m²/sr. Y is meaningless unless the observer is one of
-    /// the colour-matching observers.
+    /// The mean radiance in W/m²/sr. Y needs one of the colour-matching observers.
     pub xyz: [f64; 3],
     /// The number of degrees of freedom of the noise.
     pub degrees: f64,
@@ -76,13 +66,12 @@ const ONE_SIDED: [f64; REPLICATES - 2] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.9
 /// The 97.5 % and the 95 % quantile of the normal distribution.
 const NORMAL: [f64; 2] = [1.959_964, 1.644_854];
 
-/// A reading is judged relative to its value, or relative to this share of the largest reading of
-/// its meter, if this is more.
+/// The least divisor of a reading's relative error, by the largest reading of its meter.
 const LEAST_FRACTION: f64 = 0.1;
 
 impl ReadingLayout {
-    /// Returns the number of channels of a film that need the memory of `bands` bands of readings:
-    /// the sums over all passes, and sums for each replicate in half the precision.
+    /// Returns the channels of a film that need the memory of `bands` bands: sums over all passes,
+    /// and of each replicate in half the precision.
     pub fn equivalent_channels(&self, bands: usize) -> usize {
         let channels = if self.moments { 2 * bands } else { bands };
         channels * (1 + REPLICATES / 2)
@@ -92,9 +81,8 @@ impl ReadingLayout {
         self.readings[row / self.rows].observer
     }
 
-    /// Returns the squared relative error of the reading with the largest relative error, among the
-    /// readings that decide when a measurement stops. Returns `None` if an error is unknown or if
-    /// all of these readings are 0.
+    /// Returns the largest squared relative error among the readings that decide when a measurement
+    /// stops. `None` if an error is unknown or all of them are 0.
     pub(super) fn largest_error(&self, readings: &[Reading]) -> Option<ErrorSquares> {
         let meters = self.readings.last()?.meter + 1;
         let mut largest = vec![0.0_f64; meters];
@@ -124,8 +112,7 @@ impl Reading {
         Some(half_interval_with_degrees(self.noise?, self.bias.unwrap_or(0.0), self.degrees))
     }
 
-    /// Computes the reading from the sums of its rows. `passes` is the number of passes of each
-    /// replicate. `independent` is true if the rows share no random numbers.
+    /// `passes` counts each replicate, and the rows may be `independent`.
     pub(super) fn of_rows(
         rows: impl ExactSizeIterator<Item = PixelSums>,
         passes: [u64; REPLICATES],
@@ -168,11 +155,9 @@ impl Reading {
     }
 }
 
-/// Returns half the width of a 95 % interval. `noise` is the standard error, and `degrees` is the
-/// number of its degrees of freedom.
-///
-/// The bias is a magnitude, so the interval covers both signs of it. If the bias exceeds the noise,
-/// only one end of the noise matters.
+/// Returns half the width of a 95 % interval, from the standard error `noise` with these degrees of
+/// freedom. The bias is a magnitude, so the interval covers both signs of it. If the bias exceeds
+/// the noise, only one end of the noise matters.
 pub fn half_interval_with_degrees(noise: f64, bias: f64, degrees: f64) -> f64 {
     let [two, one] = [(TWO_SIDED, NORMAL[0]), (ONE_SIDED, NORMAL[1])]
         .map(|(table, z)| table.get((degrees as usize).max(1) - 1).copied().unwrap_or_else(|| student(z, degrees)));
@@ -180,7 +165,7 @@ pub fn half_interval_with_degrees(noise: f64, bias: f64, degrees: f64) -> f64 {
 }
 
 /// Returns the quantile of Student's t from the quantile `z` of the normal distribution (Fisher &
-/// Cornish 1960). The error is below 0.001 from 7 degrees of freedom.
+/// Cornish 1960), to 0.001 from 7 degrees of freedom.
 fn student(z: f64, degrees: f64) -> f64 {
     let z2 = z * z;
     let terms = [

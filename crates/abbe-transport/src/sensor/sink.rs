@@ -35,10 +35,8 @@ pub struct SplatSink {
     pub(super) rejected: u64,
 }
 
-/// One row of the film.
 #[derive(Debug)]
 pub struct FilmRow<'f> {
-    /// The index of the first pixel of the row.
     pub first_pixel: usize,
     pub(super) observer: &'static Observer,
     pub(super) pixels: &'f mut [PixelSums],
@@ -49,8 +47,7 @@ pub struct FilmRow<'f> {
     pub(super) names: Vec<NameRow<'f>>,
 }
 
-/// Returns whether a sample is finite and not negative. Other values indicate a bug. The caller
-/// counts and discards them.
+/// Returns whether a sample is finite and not negative. Others are bugs, and discarded.
 #[inline]
 fn is_valid_radiance(weight: f64) -> bool {
     let is_valid_radiance = (0.0..f64::INFINITY).contains(&weight);
@@ -59,10 +56,9 @@ fn is_valid_radiance(weight: f64) -> bool {
 }
 
 impl FilmRow<'_> {
-    /// Exposes every pixel of the row in this pass: calls `expose(pixel, sink)` for each pixel,
-    /// which returns the number of camera samples of the pixel. The light of the pixel is the light
-    /// in the sink, divided by this number. Returns the number of samples that were NaN, infinite
-    /// or negative and were discarded.
+    /// Calls `expose(pixel, sink)`, which returns the camera samples of the pixel, for every pixel
+    /// of the row in this pass. The light in the sink is divided by that number. Returns the number
+    /// of samples that were NaN, infinite or negative and were discarded.
     pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>) -> u64) -> u64 {
         let replicate = replicate(pass);
         let count = self.channels.count();
@@ -87,8 +83,7 @@ impl FilmRow<'_> {
             if let Some(sums) = self.by_replicate.get_mut(replicate * bands..(replicate + 1) * bands) {
                 sums.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
             }
-            // The means over camera samples divide by the number of samples, so these sums have no
-            // weight.
+            // The means divide by the number of samples, so these sums have no weight.
             of_surfaces.iter_mut().zip(&values[surfaces..]).for_each(|(sum, &value)| *sum += value);
             for NameRow { kind, hashes, pixels } in &mut self.names {
                 for [object, material] in &hits {
@@ -109,8 +104,7 @@ impl<'f> PixelSink<'f> {
         Self { observer, xyz: [0.0; 3], bias_y: 0.0, channels, by_channel, hits: Vec::new(), rejected: 0 }
     }
 
-    /// Returns X, Y and Z (W/m²/sr) of the light of each path class that `expose` adds to a pixel.
-    /// The classes have the numbers from 0 to `CLASSES` − 1.
+    /// Returns X, Y and Z (W/m²/sr) of each path class that `expose` adds to a pixel.
     pub fn measure_classes<const CLASSES: usize>(
         observer: &'static Observer,
         expose: impl FnOnce(&mut PixelSink<'_>),
@@ -135,7 +129,6 @@ impl<'f> PixelSink<'f> {
         bar
     }
 
-    /// Adds light to the additional channels.
     #[inline(never)]
     fn add_to_channels(&mut self, (class, light): (usize, usize), nm: f64, weight: f64, bar: [f64; 3]) {
         let (by_channel, xyz) = (&mut *self.by_channel, bar.map(|bar| weight * bar));
@@ -144,14 +137,12 @@ impl<'f> PixelSink<'f> {
         self.channels.distribute_to_layers(origin, xyz, |channel, value| by_channel[channel] += value);
     }
 
-    /// Adds radiance (W/m²/sr) at a wavelength in nm. `origin` consists of the number of the path
-    /// class and the number of the light.
+    /// Adds radiance (W/m²/sr) at a wavelength in nm. `origin` is the path class and the light.
     pub fn radiance(&mut self, origin: (usize, usize), nm: f64, weight: f64) {
         self.add(origin, nm, weight);
     }
 
-    /// Adds a biased estimate of radiance at a wavelength (nm), and an estimate of the bias. Both
-    /// estimates are in W/m²/sr. See [`Self::radiance`] for `origin`.
+    /// Adds radiance and its bias at a wavelength (nm), in W/m²/sr. See [`Self::radiance`].
     pub fn biased(&mut self, origin: (usize, usize), nm: f64, weight: f64, bias: f64) {
         let bar = self.add(origin, nm, weight);
         if bias.is_finite() {
@@ -159,9 +150,8 @@ impl<'f> PixelSink<'f> {
         }
     }
 
-    /// Adds the sum of many biased estimates of one path class. Each estimate of radiance (W/m²/sr)
-    /// and of its bias is already multiplied by x̄, ȳ and z̄. The film must not have spectral
-    /// channels, because these would need the wavelengths.
+    /// Adds the sum of many biased estimates of one path class, in W/m²/sr times x̄, ȳ and z̄, to a
+    /// film without spectral channels, which would need the wavelengths.
     pub fn respond(&mut self, class: usize, xyz: [f64; 3], bias_xyz: [f64; 3]) {
         debug_assert!(self.channels.spectral_count() == 0, "spectral channels need wavelengths");
         if !xyz.into_iter().all(is_valid_radiance) {
@@ -177,7 +167,6 @@ impl<'f> PixelSink<'f> {
         }
     }
 
-    /// Returns true if the film separates the lights.
     #[inline]
     pub fn separates_lights(&self) -> bool {
         !self.by_channel.is_empty() && self.channels.separates_lights()
@@ -210,7 +199,6 @@ impl SplatSink {
         Self { observer, channels, splats, channel_splats, bias_splats, layout: None, rejected: 0 }
     }
 
-    /// Sets the readings of the film.
     pub(super) fn with_layout(self, layout: Option<Arc<ReadingLayout>>) -> Self {
         Self { layout, ..self }
     }
@@ -219,8 +207,7 @@ impl SplatSink {
         self.layout.as_ref().map_or(self.observer, |layout| layout.observer(pixel as usize))
     }
 
-    /// Adds the bias of a splat to a pixel. The iterator yields pairs of a wavelength (nm) and the
-    /// bias (W/m²/sr) at that wavelength.
+    /// Adds pairs of a wavelength (nm) and the bias (W/m²/sr) there.
     pub fn bias(&mut self, pixel: u32, bias: impl Iterator<Item = (f64, f64)>) {
         let observer = self.observer_of(pixel);
         let sum: f64 = bias.map(|(nm, bias)| bias * observer.xyz_bar(nm)[1]).sum();
@@ -229,9 +216,7 @@ impl SplatSink {
         }
     }
 
-    /// Adds radiance (W/m²/sr) at several wavelengths to a pixel. `origin` consists of the number
-    /// of the path class and the number of the light. The iterator yields pairs of a wavelength
-    /// (nm) and the radiance at that wavelength.
+    /// Adds pairs of wavelength (nm) and radiance (W/m²/sr). `origin` is path class and light.
     pub fn splat(&mut self, origin: (usize, usize), pixel: u32, light: impl Iterator<Item = (f64, f64)>) {
         let mut xyz = [0.0; 3];
         let observer = self.observer_of(pixel);
@@ -259,12 +244,10 @@ impl SplatSink {
         self.splats.iter().map(|&(xyz, pixel)| (pixel, xyz))
     }
 
-    /// Returns the number of collected splats.
     pub fn len(&self) -> usize {
         self.splats.len()
     }
 
-    /// Returns whether no splats were collected.
     pub fn is_empty(&self) -> bool {
         self.splats.is_empty()
     }

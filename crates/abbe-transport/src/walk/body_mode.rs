@@ -1,12 +1,9 @@
-//! The inner loops exist in two versions: one for scenes with bodies, and one for scenes without
-//! bodies.
+//! The inner loops exist twice: for scenes with bodies (objects with an inside: glass, a liquid,
+//! fog), and for scenes that have air on both sides of every surface. Without bodies, paths need no
+//! medium stack and keep all their wavelengths, because no glass disperses the light.
 //!
-//! A *body* is an object with an inside: glass, a liquid, or a region of fog. A scene without
-//! bodies has air on both sides of every surface. In such a scene, paths need no medium stack, and
-//! they keep all their wavelengths because no glass disperses the light. The loops of photons and
-//! of camera paths take a [`BodyMode`] as a type parameter, so that the compiler removes the unused
-//! half of the code. All functions called by one loop carry the same type parameter. Therefore a
-//! loop cannot mix the two modes.
+//! The loops of photons and of camera paths take a [`BodyMode`] as a type parameter, so that the
+//! compiler removes the unused half of the code and no loop can mix the two modes.
 
 use super::next_interaction::{next_interaction, next_interaction_in_air};
 use super::ray_state::RayState;
@@ -19,119 +16,74 @@ use abbe_scene::medium_stack::MediumStack;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Wavelengths};
 
-/// Tells whether the scene has bodies. The decision is made once for each loop over photons or
-/// camera paths.
+/// Tells whether the scene has bodies, once for each loop over photons or camera paths.
 pub trait BodyMode {
-    /// True if the scene has bodies.
     const HAS_BODIES: bool;
 
     /// Returns the medium stack at the start of a path. Calls `find` only if the scene has bodies.
-    fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack;
+    #[inline(always)]
+    fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack {
+        if Self::HAS_BODIES { find() } else { MediumStack::AIR }
+    }
 
     /// Finds the next visible surface along the ray and ignores media on the way.
+    #[inline(always)]
     fn next_interaction<'a>(
         scene: &'a Scene,
         ray_state: RayState,
         lookup: SurfaceLookup,
-    ) -> Option<SurfaceInteraction<'a>>;
+    ) -> Option<SurfaceInteraction<'a>> {
+        if Self::HAS_BODIES {
+            next_interaction(scene, ray_state, lookup)
+        } else {
+            next_interaction_in_air(scene, ray_state, lookup)
+        }
+    }
 
     /// Scatters a path. Returns `None` if the surface absorbs the path.
+    #[inline(always)]
     fn scatter(
         interaction: &SurfaceInteraction<'_>,
         wavelengths: &Wavelengths,
         transport: TransportMode,
         stream: &mut Stream,
-    ) -> Option<ScatteredRay>;
+    ) -> Option<ScatteredRay> {
+        if Self::HAS_BODIES {
+            scatter(interaction, wavelengths, transport, stream)
+        } else {
+            // The constant count lets the compiler unroll the loops over wavelengths.
+            scatter_all_wavelengths(interaction, &Wavelengths::new(wavelengths.nm), transport, stream)
+        }
+    }
 
     /// Returns the number of wavelengths that a path carries.
-    fn wavelength_count(wavelengths: &Wavelengths) -> usize;
+    #[inline(always)]
+    fn wavelength_count(wavelengths: &Wavelengths) -> usize {
+        if Self::HAS_BODIES { wavelengths.count } else { LANES }
+    }
 
     /// Returns the ray that leaves the surface after scattering.
-    fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState;
+    #[inline(always)]
+    fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState {
+        if Self::HAS_BODIES {
+            interaction.spawn_scattered(scattered)
+        } else {
+            interaction.spawn_ray(scattered.direction, MediumStack::AIR)
+        }
+    }
 }
 
-/// The scene has bodies.
 #[derive(Debug)]
 pub enum WithBodies {}
 
-/// The scene has no bodies: air is on both sides of every surface, and paths keep all their
-/// wavelengths.
+/// Paths have air on both sides of every surface and keep all wavelengths.
 #[derive(Debug)]
 pub enum WithoutBodies {}
 
 impl BodyMode for WithBodies {
     const HAS_BODIES: bool = true;
-
-    #[inline(always)]
-    fn initial_medium_stack(find: impl FnOnce() -> MediumStack) -> MediumStack {
-        find()
-    }
-
-    #[inline(always)]
-    fn next_interaction<'a>(
-        scene: &'a Scene,
-        ray_state: RayState,
-        lookup: SurfaceLookup,
-    ) -> Option<SurfaceInteraction<'a>> {
-        next_interaction(scene, ray_state, lookup)
-    }
-
-    #[inline(always)]
-    fn scatter(
-        interaction: &SurfaceInteraction<'_>,
-        wavelengths: &Wavelengths,
-        transport: TransportMode,
-        stream: &mut Stream,
-    ) -> Option<ScatteredRay> {
-        scatter(interaction, wavelengths, transport, stream)
-    }
-
-    #[inline(always)]
-    fn wavelength_count(wavelengths: &Wavelengths) -> usize {
-        wavelengths.count
-    }
-
-    #[inline(always)]
-    fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState {
-        interaction.spawn_scattered(scattered)
-    }
 }
 
 impl BodyMode for WithoutBodies {
     const HAS_BODIES: bool = false;
-
-    #[inline(always)]
-    fn initial_medium_stack(_: impl FnOnce() -> MediumStack) -> MediumStack {
-        MediumStack::AIR
-    }
-
-    #[inline(always)]
-    fn next_interaction<'a>(
-        scene: &'a Scene,
-        ray_state: RayState,
-        lookup: SurfaceLookup,
-    ) -> Option<SurfaceInteraction<'a>> {
-        next_interaction_in_air(scene, ray_state, lookup)
-    }
-
-    #[inline(always)]
-    fn scatter(
-        interaction: &SurfaceInteraction<'_>,
-        wavelengths: &Wavelengths,
-        transport: TransportMode,
-        stream: &mut Stream,
-    ) -> Option<ScatteredRay> {
-        // The constant count lets the compiler unroll the loops over wavelengths.
-        scatter_all_wavelengths(interaction, &Wavelengths::new(wavelengths.nm), transport, stream)
-    }
-
-    #[inline(always)]
-    fn wavelength_count(_: &Wavelengths) -> usize {
-        LANES
-    }
-
-    #[inline(always)]
-    fn spawn_scattered(interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay) -> RayState {
-        interaction.spawn_ray(scattered.direction, MediumStack::AIR)
-    }
 }

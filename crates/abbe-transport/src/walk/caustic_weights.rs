@@ -1,44 +1,38 @@
 //! Multiple importance sampling of caustic light at glossy surfaces.
 //!
-//! Two techniques find the light that reaches a glossy surface through mirrors or clear glass. A
-//! photon arrives there, or a camera path continues from there by the BSDF and hits the light. The
-//! photons are the better technique for small lights and wide lobes. The camera paths are the
-//! better technique for large lights and narrow lobes. Each technique is weighted by the balance
-//! heuristic (Veach & Guibas 1995; Georgiev et al. 2012, "Light Transport Simulation with Vertex
-//! Connection and Merging").
+//! Two techniques find the light that reaches a glossy surface through mirrors or clear glass: a
+//! photon arrives there, or a camera path continues from there by the BSDF and hits the light.
+//! Photons are better for small lights and wide lobes, camera paths for large lights and narrow
+//! lobes, so the balance heuristic weights both (Veach & Guibas 1995; Georgiev et al. 2012, "Light
+//! Transport Simulation with Vertex Connection and Merging").
 //!
-//! Both densities refer to the same measure. Specular events conserve the density of rays per area
-//! and solid angle (étendue). The density of photons around a surface point and a direction is
-//! therefore the density with which the light emits them. The weights sum to 1 for any densities,
-//! so the densities may be approximate: they do not contain the Fresnel factors, the refractive
-//! indices or the variation of the aim within a stratum.
+//! Both densities refer to the same measure: specular events conserve the density of rays per area
+//! and solid angle (étendue), so the density of photons around a surface point and a direction is
+//! that with which the light emits them. The weights sum to 1 for any densities, which may
+//! therefore be approximate: they lack the Fresnel factors, the refractive indices and the
+//! variation of the aim within a stratum.
 
 use abbe_spectra::math::sphere::BoundingSphere;
 use glam::DVec3;
 use std::ops::Range;
 
-/// The density of emitted rays, per m² and sr, for one photon path. The value 0 means that no
-/// camera path can hit the light.
-///
-/// The value has 12 bits, of which 8 are the exponent. It is rounded when it is created, so that a
-/// stored photon and a camera path have the same value.
+/// The density of emitted rays, per m² and sr, for one photon path; 0 if no camera path can hit the
+/// light. It is rounded at once to 12 bits, of which 8 are the exponent, so that a stored photon
+/// and a camera path have the same value.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RayDensity(u16);
 
-/// The number of bits of a number in single precision that a density lacks. The sign is not one of
-/// them, because it is 0.
+/// The low bits of a single-precision number that a density lacks. The sign bit is always 0.
 const DROPPED_BITS: u32 = 19;
 
 impl RayDensity {
     /// The density of lights that no camera path can hit.
     pub const NONE: Self = Self(0);
 
-    /// Rounds a density.
     pub fn new(per_m2_sr: f64) -> Self {
         Self(((per_m2_sr as f32).to_bits() >> DROPPED_BITS) as u16)
     }
 
-    /// Returns the 12 bits of the value.
     #[inline]
     pub fn to_bits(self) -> u32 {
         u32::from(self.0)
@@ -55,30 +49,25 @@ impl RayDensity {
     }
 }
 
-/// The densities of the emitted rays of all lights.
 #[derive(Debug, Clone, Default)]
 pub struct RayDensities {
     strata: Vec<StratumDensity>,
-    /// For each light, its strata.
     lights: Vec<Range<usize>>,
 }
 
 /// The mean density of the emitted rays in one stratum.
 #[derive(Debug, Clone, Copy)]
 pub struct StratumDensity {
-    /// The number of the light.
     pub light: usize,
     /// The stratum contains the rays through this sphere. `None` for the stratum of all other rays.
     pub sphere: Option<BoundingSphere>,
-    /// The fraction of the photon paths in the stratum, divided by the power of the stratum, in
-    /// 1/W.
+    /// The fraction of the photon paths, divided by the power of the stratum, in 1/W.
     pub per_watt: f64,
 }
 
 impl RayDensities {
-    /// Creates the densities from those of the strata. The strata are ordered light by light. The
-    /// strata of a light are ordered by priority: a ray belongs to the first stratum that contains
-    /// it.
+    /// Takes the strata light by light. Those of a light are ordered by priority: a ray belongs to
+    /// the first stratum that contains it.
     pub fn new(strata: Vec<StratumDensity>) -> Self {
         let count = strata.last().map_or(0, |last| last.light + 1);
         let first = |light: usize| strata.partition_point(|stratum| stratum.light < light);
@@ -86,8 +75,7 @@ impl RayDensities {
         Self { strata, lights }
     }
 
-    /// Returns the density of a light's rays in a stratum. `radiance` is the radiance of the ray in
-    /// W/m²/sr.
+    /// Returns the density of rays with this radiance (W/m²/sr) in a stratum.
     pub fn of_stratum(&self, number: usize, radiance: f64) -> RayDensity {
         RayDensity::new(self.strata[number].per_watt * radiance)
     }
@@ -111,9 +99,7 @@ pub struct CausticWeights {
 }
 
 impl CausticWeights {
-    /// Returns the weight of a photon. `density` is the density of its light's rays. `pdf` is the
-    /// density per steradian with which the camera path would have continued along the photon's
-    /// path.
+    /// Returns a photon's weight. `pdf` (1/sr) is that of continuing the camera path along it.
     #[inline]
     pub fn of_photon(self, density: RayDensity, pdf: f64) -> f64 {
         if density == RayDensity::NONE {

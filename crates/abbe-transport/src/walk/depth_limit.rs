@@ -1,37 +1,34 @@
 //! The end of long paths.
 //!
-//! Russian roulette ends photon paths and camera paths. Roulette by weight alone would not end the
-//! paths of light that glass traps without loss, so a second factor of the survival probability
-//! falls with the length of the path. A scene may state a smaller number of
-//! surface events, and paths in almost lossless cavities end at a cap. The light that a stated
-//! limit removes from the picture is measured: a few paths continue beyond the limit, and their
-//! light becomes a part of the estimated bias.
+//! Russian roulette by weight alone would not end the paths of light that glass traps without loss,
+//! so a second factor of the survival probability falls with the length of the path, and paths in
+//! almost lossless cavities end at a cap. A scene may set a smaller limit. The light that such an
+//! explicit limit removes from the picture is measured: a few truncated paths continue beyond the
+//! limit, and their light becomes a part of the estimated bias.
 
 use super::sink::{SensorResponse, Sink};
 use crate::plan::{LightOrigin, PathClass};
 use abbe_scene::Scene;
 use abbe_spectra::math::random::Stream;
 
-/// The cap: the largest number of surface events on a path, and the largest number of collisions
-/// with media between two surfaces. Only paths in almost lossless cavities and media are so long.
+/// The cap: the largest number of surface events on a path, and of collisions with media between
+/// two surfaces. Only paths in almost lossless cavities and media are so long.
 pub const MAX_EVENTS: u32 = 10_000;
 
-/// The number of surface events after which the survival probability falls with the length of the
-/// path.
+/// The number of surface events after which the survival probability falls with the path's length.
 pub const LONG_PATH: u32 = 32;
 
-/// One of this many paths continues beyond a stated limit.
+/// One of this many paths continues beyond an explicit limit.
 const PATHS_PER_TRUNCATED_PATH: f64 = 8.0;
 
 /// The number of surface events after which a path ends.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct DepthLimit {
-    /// The limit that the scene states, or `None` if only the cap ends paths.
+    /// The limit that the scene sets, or `None` if only the cap ends paths.
     explicit: Option<u32>,
 }
 
 impl DepthLimit {
-    /// Returns the limit of the paths of a scene.
     #[inline]
     pub fn of(scene: &Scene) -> Self {
         Self { explicit: scene.settings.max_depth }
@@ -43,14 +40,13 @@ impl DepthLimit {
         self.explicit.unwrap_or(MAX_EVENTS).min(MAX_EVENTS)
     }
 
-    /// Returns true if the scene states a limit below the cap.
+    /// Returns true if the scene sets a limit below the cap.
     #[inline]
     pub fn is_explicit(self) -> bool {
         self.events() < MAX_EVENTS
     }
 
-    /// Decides whether a path at the limit continues as a lost path. Returns the factor for the
-    /// weight of the lost path, or `None` if the path ends.
+    /// Decides whether a path at the limit continues as truncated, and returns its factor.
     pub fn sample_truncated_path(self, stream: &mut Stream) -> Option<f64> {
         let continues = self.is_explicit() && stream.uniform() * PATHS_PER_TRUNCATED_PATH < 1.0;
         continues.then_some(PATHS_PER_TRUNCATED_PATH)
@@ -58,19 +54,17 @@ impl DepthLimit {
 }
 
 /// Returns the factor of the survival probability of a path after surface event number `depth`.
-/// Without other losses, the share of the paths that survive event d is 32/d. The mean number of
-/// events is therefore only about 32 (1 + ln(d/32)), and no weight exceeds d/32.
+/// Without other losses, the fraction 32/d of the paths survives event d, so the mean number of
+/// events is only about 32 (1 + ln(d/32)), and no weight exceeds d/32.
 #[inline]
 pub fn long_path_survival(depth: u32) -> f64 {
     if depth <= LONG_PATH { 1.0 } else { f64::from(depth - 1) / f64::from(depth) }
 }
 
-/// A sink for light that a limit removes from the picture. The light changes only the estimated
-/// bias. The bias is the estimate minus the exact value, so it is negative.
+/// A sink for light that a limit removes from the picture. It changes only the estimated bias
+/// (estimate minus exact value), which is therefore negative.
 pub struct TruncatedLight<'s> {
-    /// The sink of the picture.
     pub sink: &'s mut dyn Sink,
-    /// The factor for the light.
     pub factor: f64,
 }
 

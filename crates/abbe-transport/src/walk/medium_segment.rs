@@ -15,35 +15,30 @@ pub struct MediumSegment<'a> {
     pub ray: Ray,
     /// The length in m. It is infinite if the ray leaves the scene.
     pub length_m: f64,
-    /// The bodies that contain the segment.
     pub medium_stack: MediumStack,
-    /// The participating medium that fills the segment.
     pub medium: Option<NumberedMedium<'a>>,
     /// The absorption coefficient (1/m) of the clear body that fills the segment.
     pub absorption: Option<&'a Spectrum>,
 }
 
-/// A medium and its number in the scene.
 #[derive(Debug, Clone, Copy)]
 pub struct NumberedMedium<'a> {
     /// The index into `Scene::media`.
     pub number: usize,
-    /// The medium.
     pub medium: &'a Medium,
 }
 
-/// A boundary face coincides with a surface if their distance is at most this fraction of the
-/// scene's radius.
+/// A boundary face coincides with a surface within this fraction of the scene's radius.
 const COINCIDENT: f64 = 1e-9;
 
-/// Calls `visit` for each segment of the ray's first `length_m` metres. No surface may interrupt
-/// this part of the ray. Returns the medium stack at the end. Adjacent segments join at the faces
-/// of medium boundaries.
+/// Calls `visit` for each segment of the ray's first `length_m` metres, which no surface may
+/// interrupt. Adjacent segments join at the faces of medium boundaries. Returns the medium stack at
+/// the end.
 ///
-/// A boundary may coincide with a surface, for example if a box of fog stands on a floor. Rounding
-/// must not decide whether the ray crosses such a boundary. Therefore faces are ignored if they
-/// coincide with the surface at the end of the ray. If faces coincide with the surface at the start
-/// of the ray, the direction of the ray decides on which side of these faces the ray continues.
+/// A boundary may coincide with a surface, for example if a box of fog stands on a floor, and
+/// rounding must not decide whether the ray crosses it. Faces that coincide with the surface at the
+/// end of the ray are therefore ignored, and for faces at its start the direction of the ray
+/// decides on which side it continues.
 pub fn for_each_segment<'a>(
     scene: &'a Scene,
     ray_state: RayState,

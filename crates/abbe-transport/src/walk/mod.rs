@@ -1,5 +1,5 @@
 //! Path segments of photons and of camera paths: the search for the next surface along a ray, the
-//! media before this surface, and the scattering at the surface.
+//! media before it, and the scattering there.
 
 mod body_mode;
 mod caustic_weights;

@@ -13,8 +13,7 @@ use std::ops::ControlFlow;
 /// `Continue(Some)`: a visible surface. `Continue(None)`: the ray left the scene.
 pub type SegmentEnd<'a> = ControlFlow<(), Option<SurfaceInteraction<'a>>>;
 
-/// Finds the next visible surface along the ray. Returns `None` if the ray leaves the scene.
-/// Media between surfaces are ignored.
+/// Finds the next visible surface along the ray, if there is one, and ignores media.
 #[inline]
 pub fn next_interaction<'a>(
     scene: &'a Scene,
@@ -30,8 +29,7 @@ pub fn next_interaction<'a>(
     }
 }
 
-/// Does the same as [`next_interaction`] in a scene without bodies: every face is visible, and air
-/// is on both sides.
+/// Like [`next_interaction`], without bodies: all faces are visible, between air.
 #[inline(always)]
 pub fn next_interaction_in_air<'a>(
     scene: &'a Scene,
@@ -44,8 +42,8 @@ pub fn next_interaction_in_air<'a>(
     Some(SurfaceInteraction::new(scene, ray.direction, hit, [MediumStack::AIR; 2], sides, lookup))
 }
 
-/// Does the same as [`next_interaction`], and also calls `visit` for each medium segment on the
-/// way. If `visit` returns `Break`, the search ends at that segment.
+/// Like [`next_interaction`], but calls `visit` for each medium segment on the way. If `visit`
+/// returns `Break`, the search ends at that segment.
 pub fn next_interaction_through_media<'a>(
     scene: &'a Scene,
     ray_state: RayState,
@@ -57,9 +55,7 @@ pub fn next_interaction_through_media<'a>(
         let hit = scene.geometry.intersect(&search.ray_state.ray, search.ray_state.from, f64::INFINITY);
         let length_m = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
         search.ray_state.medium_stack = for_each_segment(scene, search.ray_state, length_m, &mut visit)?;
-        let Some(hit) = hit else {
-            return ControlFlow::Continue(None);
-        };
+        let Some(hit) = hit else { return ControlFlow::Continue(None) };
         if let Some(interaction) = search.process_hit(scene, hit, lookup) {
             return ControlFlow::Continue(Some(interaction));
         }
@@ -74,8 +70,7 @@ struct InteractionSearch {
 }
 
 impl InteractionSearch {
-    /// Advances to a hit. Returns the interaction there, or `None` if the face is hidden (inside a
-    /// body of higher priority).
+    /// Advances to a hit. Returns `None` if the face is hidden.
     #[inline]
     fn process_hit<'a>(&mut self, scene: &'a Scene, hit: Hit, lookup: SurfaceLookup) -> Option<SurfaceInteraction<'a>> {
         self.distance_m += hit.t;

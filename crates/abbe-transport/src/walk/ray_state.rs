@@ -3,14 +3,11 @@
 use abbe_scene::geometry::{Ray, SurfaceId};
 use abbe_scene::medium_stack::MediumStack;
 
-/// The start of a path segment: the ray, the surface that it leaves, and the bodies around its
-/// origin.
+/// The start of a path segment: the ray, the surface it leaves, and the bodies around.
 #[derive(Debug, Clone, Copy)]
 pub struct RayState {
-    /// The ray.
     pub ray: Ray,
     /// The surface that the ray leaves. The ray cannot hit this surface again at distance 0.
     pub from: Option<SurfaceId>,
-    /// The bodies that contain the ray's origin.
     pub medium_stack: MediumStack,
 }

@@ -1,7 +1,5 @@
-//! Scattering of a path that carries several wavelengths.
-//!
-//! All wavelengths of a path share one direction until a dispersive refraction. At a dispersive
-//! refraction, the path keeps one wavelength.
+//! Scattering of a path that carries several wavelengths. They share one direction until a
+//! dispersive refraction, where the path keeps one of them.
 
 use super::scatter_coated::scatter_at_coated_interface;
 use super::scattered_ray::{ScatteredRay, scatter_consistently, single_lane, transmitted_scale};
@@ -47,9 +45,8 @@ pub fn scatter(
     scatter_all_wavelengths(interaction, wavelengths, transport, stream)
 }
 
-/// Scatters all wavelengths of a path into one direction. The direction is sampled for the hero
-/// wavelength. Returns `None` if the surface absorbs the path. The interaction must not be
-/// dispersive.
+/// Scatters all wavelengths of a path into one direction, which is sampled for the hero. Returns
+/// `None` if the surface absorbs the path. The interaction must not be dispersive.
 #[inline(always)]
 pub fn scatter_all_wavelengths(
     interaction: &SurfaceInteraction<'_>,
@@ -73,9 +70,8 @@ pub fn scatter_all_wavelengths(
     })
 }
 
-/// Scatters at a rough interface of dispersive media, or at a grating. Each wavelength is scattered
-/// into a different direction. The path therefore first selects one wavelength, and then samples a
-/// direction.
+/// Scatters at a rough interface of dispersive media, or at a grating. Each wavelength has other
+/// directions, so the path first selects one wavelength and then samples a direction.
 #[inline(never)]
 fn split_at_dispersive_facets(
     interaction: &SurfaceInteraction<'_>,
@@ -95,8 +91,8 @@ fn split_at_dispersive_facets(
     })
 }
 
-/// Scatters one wavelength (nm) at a smooth interface. The interface reflects or refracts the path
-/// with the probabilities of Fresnel's equations, so the weight of power is 1.
+/// Scatters one wavelength (nm) at a smooth interface, which reflects or refracts with the
+/// probabilities of Fresnel's equations, so the weight of power is 1.
 fn scatter_at_smooth_interface(
     interaction: &SurfaceInteraction<'_>,
     nm: f64,
@@ -114,26 +110,17 @@ fn scatter_at_smooth_interface(
             let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
             (refracted, ScatterEvent::Transmission, transmitted_scale(transport, n_here, n_there))
         };
-        Some(ScatteredRay {
-            direction: interaction.frame.to_world(wi),
-            weight: single_lane(0, scale),
-            absorbed: [0.0; LANES],
-            kept: None,
-            delta: true,
-            pdf: 0.0,
-            event,
-        })
+        Some(ScatteredRay::specular(interaction.frame.to_world(wi), single_lane(0, scale), event))
     })
 }
 
 /// Scatters at a smooth interface of dispersive media.
 ///
-/// Reflection keeps all wavelengths. The probability of reflection is the mean reflectance F̄ of
-/// the wavelengths. The weights F/F̄ are therefore at most the number of wavelengths, even if only
-/// some wavelengths are totally reflected. Refraction keeps one wavelength, which is selected in
-/// proportion to its transmittance. The weight of this wavelength is therefore exactly the number
-/// of wavelengths. If the path transports radiance, refraction also multiplies the weight by
-/// (n_here/n_there)².
+/// Reflection keeps all wavelengths. Its probability is the mean reflectance F̄, so the weights
+/// F/F̄ are at most the number of wavelengths, even if only some of them are totally reflected.
+/// Refraction keeps one wavelength, selected in proportion to its transmittance, so its weight is
+/// exactly the number of wavelengths. If the path transports radiance, refraction also multiplies
+/// the weight by (n_here/n_there)².
 fn split_at_dispersive_interface(
     interaction: &SurfaceInteraction<'_>,
     wavelengths: &Wavelengths,
@@ -151,15 +138,8 @@ fn split_at_dispersive_interface(
             reflectance[k] = fresnel::dielectric(wo.z.abs(), n_here[k], n_there[k]);
         }
         let mean = reflectance.iter().sum::<f64>() / count;
-        let base = ScatteredRay {
-            direction: interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z)),
-            weight: reflectance.map(|f| f / mean),
-            absorbed: [0.0; LANES],
-            kept: None,
-            delta: true,
-            pdf: 0.0,
-            event: ScatterEvent::Reflection,
-        };
+        let reflected = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
+        let base = ScatteredRay::specular(reflected, reflectance.map(|f| f / mean), ScatterEvent::Reflection);
         if u < mean {
             return Some(base);
         }
@@ -177,8 +157,7 @@ fn split_at_dispersive_interface(
     })
 }
 
-/// Selects a lane in proportion to its transmittance 1 − F. `rest` is a random number, uniform
-/// between 0 and the sum of the transmittances.
+/// Selects a lane by its transmittance 1 − F. `rest` is uniform below their sum.
 fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> {
     let lane = reflectance.iter().position(|f| {
         rest -= 1.0 - f;
@@ -187,19 +166,16 @@ fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> 
     lane.or_else(|| reflectance.iter().rposition(|&f| f < 1.0))
 }
 
-/// A BSDF sample with the frame in which it was drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct ConsistentBsdfSample {
     /// The shading frame, or the frame of the geometric normal.
     pub frame: Frame,
-    /// The direction back along the path, in the coordinates of the frame.
     pub wo: DVec3,
-    /// The sample. The sampled direction is in the coordinates of the frame.
     pub sample: BsdfSample,
 }
 
-/// Samples a BSDF in the shading frame. If the sampled direction is on the wrong side of the
-/// geometric surface, samples again in the frame of the geometric normal.
+/// Samples a BSDF in the shading frame, or in the frame of the geometric normal if the sampled
+/// direction is on the wrong side of the geometric surface.
 #[inline(always)]
 pub fn sample_consistently(
     interaction: &SurfaceInteraction<'_>,
@@ -238,7 +214,6 @@ mod tests {
         0.5 * (s * s + p * p)
     }
 
-    /// Returns a box of flint glass.
     fn flint_box() -> Scene {
         let text = r#"{
   "camera": {"from": [0, 0, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
@@ -251,8 +226,7 @@ mod tests {
         resolve(&written, &source).unwrap()
     }
 
-    /// Returns the interaction of a ray that arrives from inside the box. `angle` is the angle of
-    /// incidence in degrees.
+    /// Returns the interaction of a ray that arrives from inside the box at an angle in degrees.
     fn at_top_of_box(scene: &Scene, angle: f64) -> SurfaceInteraction<'_> {
         let (sin, cos) = angle.to_radians().sin_cos();
         let ray = Ray::new(DVec3::new(0.1, 0.2, 0.0) - scene.centre, DVec3::new(sin, 0.0, cos));

@@ -10,10 +10,10 @@ use glam::DVec3;
 
 /// Scatters a path at an interface under thin films.
 ///
-/// The probability of reflection is ΣR / Σ(R + T) over the wavelengths. Therefore no weight exceeds
-/// the number of wavelengths, even if the films reflect only some of them. If a medium disperses,
-/// refraction keeps one wavelength, which is selected in proportion to its transmittance. The films
-/// absorb the fraction 1 − R − T of each wavelength. Returns `None` if they absorb all power.
+/// The probability of reflection is ΣR / Σ(R + T) over the wavelengths, so no weight exceeds the
+/// number of wavelengths, even if the films reflect only some of them. If a medium disperses,
+/// refraction keeps one wavelength, selected in proportion to its transmittance. The films absorb
+/// the fraction 1 − R − T of each wavelength; `None` if they absorb all power.
 #[inline(never)]
 pub(super) fn scatter_at_coated_interface(
     interaction: &SurfaceInteraction<'_>,
@@ -38,15 +38,9 @@ pub(super) fn scatter_at_coated_interface(
             return None;
         }
         let probability = reflected_sum / both;
-        let base = ScatteredRay {
-            direction: interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z)),
-            weight: reflected.map(|fraction| fraction / probability),
-            absorbed,
-            kept: None,
-            delta: true,
-            pdf: 0.0,
-            event: ScatterEvent::Reflection,
-        };
+        let direction = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
+        let weight = reflected.map(|fraction| fraction / probability);
+        let base = ScatteredRay { absorbed, ..ScatteredRay::specular(direction, weight, ScatterEvent::Reflection) };
         if u < probability {
             return Some(base);
         }
@@ -70,8 +64,7 @@ pub(super) fn scatter_at_coated_interface(
     })
 }
 
-/// Selects a lane in proportion to its weight. `rest` is a random number, uniform between 0 and the
-/// sum of the weights.
+/// Selects a lane in proportion to its weight. `rest` is uniform below the sum.
 fn sample_lane(weights: &Lanes, mut rest: f64) -> Option<usize> {
     let lane = weights.iter().position(|weight| {
         rest -= weight;

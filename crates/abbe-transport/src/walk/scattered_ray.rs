@@ -6,13 +6,10 @@ use abbe_optics::bsdf::{ScatterEvent, TransportMode};
 use abbe_spectra::spectrum::{LANES, Lanes};
 use glam::DVec3;
 
-/// The result of scattering a path at a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct ScatteredRay {
-    /// The new unit direction in world space.
     pub direction: DVec3,
-    /// The factor by which the event changes the power or radiance of each wavelength. The factor
-    /// is 0 if the path no longer carries the wavelength.
+    /// The factor of the power or radiance of each wavelength, 0 if the path no longer carries it.
     pub weight: Lanes,
     /// For each wavelength, the fraction of the power that the surface absorbs.
     pub absorbed: Lanes,
@@ -20,15 +17,19 @@ pub struct ScatteredRay {
     pub kept: Option<usize>,
     /// True if the BSDF is a delta distribution in this direction.
     pub delta: bool,
-    /// The probability density (1/sr) of the direction at the hero wavelength. It is 0 for a delta
-    /// distribution.
+    /// The density (1/sr) of the direction at the hero wavelength, 0 for a delta distribution.
     pub pdf: f64,
-    /// Reflection or transmission.
     pub event: ScatterEvent,
 }
 
+impl ScatteredRay {
+    /// Creates an event of a delta distribution that absorbs nothing and keeps all wavelengths.
+    pub(super) fn specular(direction: DVec3, weight: Lanes, event: ScatterEvent) -> Self {
+        Self { direction, weight, absorbed: [0.0; LANES], kept: None, delta: true, pdf: 0.0, event }
+    }
+}
+
 impl SurfaceInteraction<'_> {
-    /// Returns the ray that leaves the surface after scattering.
     #[inline]
     pub fn spawn_scattered(&self, scattered: &ScatteredRay) -> RayState {
         self.spawn_ray(scattered.direction, self.medium_stack_after(scattered.event))
@@ -44,8 +45,8 @@ pub(super) fn transmitted_scale(transport: TransportMode, n_here: f64, n_there: 
     }
 }
 
-/// Scatters all wavelengths in the shading frame. If the direction is on the wrong side of the
-/// geometric surface, scatters again in the frame of the geometric normal.
+/// Scatters all wavelengths in the shading frame, or in the frame of the geometric normal if the
+/// direction is on the wrong side of the geometric surface.
 #[inline]
 pub(super) fn scatter_consistently<'a>(
     interaction: &SurfaceInteraction<'a>,
@@ -60,7 +61,6 @@ pub(super) fn scatter_consistently<'a>(
     }
 }
 
-/// Returns lanes with `value` in one lane and 0 in the others.
 #[inline]
 pub(super) fn single_lane(lane: usize, value: f64) -> Lanes {
     let mut lanes = [0.0; LANES];

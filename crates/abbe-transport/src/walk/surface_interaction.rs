@@ -14,12 +14,11 @@ use glam::DVec3;
 /// How a path looks up the material of the next surface.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceLookup {
-    /// A random number in [0, 1). It selects the component of a mixed material and the texels.
+    /// A random number in [0, 1) that selects the component of a mixed material and the texels.
     pub u: f64,
-    /// The diameter of the ray at its origin in m.
+    /// The diameter (m) of the ray at its origin; 0 for photons.
     pub width_m: f64,
-    /// The angle (rad) by which the diameter of the ray grows with the distance. Photons have the
-    /// diameter 0 and the angle 0.
+    /// The angle (rad) by which the diameter grows with the distance; 0 for photons.
     pub spread: f64,
 }
 
@@ -31,7 +30,7 @@ impl SurfaceLookup {
     }
 
     /// Returns the lookup of a camera path of this length in m. The footprint is smaller than the
-    /// pixel, because the samples of a pixel already average over the pixel.
+    /// pixel, because the samples of a pixel already average over it.
     #[inline(always)]
     pub fn of_camera(camera: &Camera, path_m: f64, u: f64) -> Self {
         const FRACTION_OF_PIXEL: f64 = 0.5;
@@ -43,19 +42,15 @@ impl SurfaceLookup {
 /// A path vertex on a surface, and all data for scattering (`SurfaceInteraction` in pbrt-v4).
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceInteraction<'a> {
-    /// The intersection.
     pub hit: Hit,
     /// The distance from the previous path vertex, in m.
     pub distance_m: f64,
-    /// The unit direction in which the path arrived.
     pub incoming: DVec3,
-    /// The material's number.
     pub material: usize,
     /// The BSDF at this point. The component of a mixed material and the texels are selected.
     pub bsdf: LocalBsdf<'a>,
     /// True if a property of the material varies over the surface.
     pub textured: bool,
-    /// The shading frame ([`Hit::frame`]).
     pub frame: Frame,
     /// The direction back along the path, in the shading frame.
     pub wo: DVec3,
@@ -63,17 +58,14 @@ pub struct SurfaceInteraction<'a> {
     pub here: MediumStack,
     /// The bodies on the other side.
     pub there: MediumStack,
-    /// The refractive indices on both sides.
     pub sides: InterfaceIors<'a>,
-    /// True if the path crossed hidden faces since its previous vertex. A face is hidden if it is
-    /// inside a body of higher priority. Shadow rays stop at hidden faces, so next-event estimation
-    /// does not count such a path.
+    /// True if the path crossed hidden faces, inside a body of higher priority, since its previous
+    /// vertex. Shadow rays stop there, so next-event estimation does not count such a path.
     pub crossed_hidden_face: bool,
 }
 
 impl<'a> SurfaceInteraction<'a> {
-    /// Creates the interaction at a hit. The two medium stacks contain the bodies on the side of
-    /// arrival and on the other side. `sides` contains the refractive indices there.
+    /// Takes the bodies and the refractive indices on the side of arrival and on the other side.
     #[inline(always)]
     pub(super) fn new(
         scene: &'a Scene,
@@ -114,17 +106,16 @@ impl<'a> SurfaceInteraction<'a> {
         }
     }
 
-    /// Returns the frame of the geometric normal, and the direction back along the path in that
-    /// frame. This frame replaces the shading frame if an interpolated normal sends a scattered
-    /// direction to the wrong side of the surface.
+    /// Returns the frame of the geometric normal, and the direction back along the path in it. It
+    /// replaces the shading frame if an interpolated normal sends a scattered direction to the
+    /// wrong side of the surface.
     #[inline(always)]
     pub(super) fn geometric_frame(&self) -> (Frame, DVec3) {
         let frame = Frame::new(self.hit.normal);
         (frame, frame.to_local(-self.incoming))
     }
 
-    /// Returns a ray that starts on the surface. `direction` is in world space. `medium_stack`
-    /// contains the bodies around the ray's origin.
+    /// Returns a ray that starts on the surface in this direction of world space.
     #[inline]
     pub fn spawn_ray(&self, direction: DVec3, medium_stack: MediumStack) -> RayState {
         RayState { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), medium_stack }
@@ -136,15 +127,13 @@ impl<'a> SurfaceInteraction<'a> {
         self.hit.leads_back(self.incoming, direction)
     }
 
-    /// Returns true if a scattered direction is on the correct side of the geometric surface. For
-    /// reflection, the correct side is the side from which the path arrived. For transmission, it
-    /// is the other side.
+    /// Returns true if a scattered direction is on the side of arrival for reflection, or on the
+    /// other side for transmission.
     #[inline]
     pub fn is_consistent(&self, direction: DVec3, event: ScatterEvent) -> bool {
         self.leads_back(direction) == (event == ScatterEvent::Reflection)
     }
 
-    /// Returns the bodies around the ray after a scattering event.
     #[inline]
     pub fn medium_stack_after(&self, event: ScatterEvent) -> MediumStack {
         match event {
@@ -162,30 +151,27 @@ impl<'a> SurfaceInteraction<'a> {
         }
     }
 
-    /// Returns the bodies on the side of `direction`.
     pub fn medium_stack_towards(&self, direction: DVec3) -> MediumStack {
         if self.leads_back(direction) { self.here } else { self.there }
     }
 
-    /// Casts a shadow ray. Returns true if no surface lies between this point and a light at
-    /// `distance` (m) along `direction`. `target` is the surface of the light. This surface does
-    /// not count as an obstacle.
+    /// Casts a shadow ray. Returns true if no surface except `target`, that of the light, lies
+    /// within `distance` (m) along `direction`.
     #[inline(always)]
     pub fn is_unoccluded(&self, scene: &Scene, direction: DVec3, distance: f64, target: Option<SurfaceId>) -> bool {
         let ray = Ray { origin: self.hit.position, direction };
         !scene.geometry.occluded(&ray, Some(self.hit.surface), target, distance)
     }
 
-    /// Returns the correction for shading normals in particle tracing; see
-    /// [`Hit::adjoint_correction`].
+    /// See [`Hit::adjoint_correction`].
     #[inline]
     pub fn adjoint_correction(&self, to_light: DVec3, to_camera: DVec3) -> f64 {
         self.hit.adjoint_correction(&self.frame, to_light, to_camera)
     }
 }
 
-/// Returns the BSDF of a grating with the direction of its grooves at a hit. If the texture
-/// coordinates do not determine the direction, it is that of the frame.
+/// Returns the BSDF of a grating with the direction of its grooves: that of the frame if the
+/// texture coordinates do not determine one.
 #[inline(never)]
 fn with_grooves<'a>(
     scene: &Scene,
@@ -209,12 +195,12 @@ fn with_grooves<'a>(
     LocalBsdf { texels: Texels { groove_angle, ..bsdf.texels }, ..bsdf }
 }
 
-/// The smallest cosine of incidence for which the footprint of a ray is computed exactly. At
-/// smaller cosines, the footprint is limited, because the surface is seen at grazing incidence.
+/// The smallest cosine of incidence for which the footprint of a ray is computed exactly. It is
+/// limited at grazing incidence.
 const LEAST_FOOTPRINT_COSINE: f64 = 0.01;
 
-/// Separates the random numbers of normal maps from the random numbers of the other textures. If
-/// they were equal, the component of a mixture would depend on the texel of its normal.
+/// Separates the random numbers of normal maps from those of the other textures, so that the
+/// component of a mixture does not depend on the texel of its normal.
 const NORMAL_MAP_SEED: u64 = 0x006e_6f72_6d61_6c00;
 
 /// Returns the BSDF and the shading normal at a hit of a surface with textures.
@@ -230,8 +216,7 @@ fn textured_bsdf<'a>(
     let mut point = TexturePoint::new(scene.geometry.uv(hit));
     let width_m = lookup.width_m + hit.t * lookup.spread;
     if width_m > 0.0 {
-        // The ray is a cone. Its section with the tangent plane is an ellipse, which is long in the
-        // plane of incidence.
+        // The ray is a cone, whose section with the tangent plane is an ellipse.
         let cosine = incoming.dot(hit.normal);
         let along = (incoming - cosine * hit.normal).normalize_or(Frame::new(hit.normal).to_world(DVec3::X));
         let across = hit.normal.cross(along);

@@ -20,39 +20,25 @@ pub enum SegmentTransmittance<'a> {
     Clear {
         /// The absorption coefficient in 1/m.
         absorption: &'a Spectrum,
-        /// The length in m.
         length_m: f64,
     },
     /// Beer's law from the column density of a medium.
     Column {
-        /// The medium.
         medium: &'a Medium,
         /// The column density: the integral of the relative density, in m.
         column_m: f64,
-        /// The error that ray marching causes in the column density. The value is (estimate −
-        /// exact), in m.
+        /// The error of ray marching in the column density (estimate minus exact), in m.
         excess_m: f64,
     },
     /// Ratio tracking (Novák, Selle & Jarosz 2014, "Residual Ratio Tracking for Estimating
-    /// Attenuation in Participating Media"). The estimate is unbiased at every wavelength. All
-    /// wavelengths use the same random positions.
-    Tracked {
-        /// The medium.
-        medium: &'a Medium,
-        /// The ray.
-        ray: Ray,
-        /// The length in m.
-        length_m: f64,
-        /// The seed of the random positions.
-        seed: Seed,
-    },
+    /// Attenuation in Participating Media"): unbiased at every wavelength, with the same random
+    /// positions for all.
+    Tracked { medium: &'a Medium, ray: Ray, length_m: f64, seed: Seed },
     /// A thin pane that the path crosses in a straight line.
     Pane {
-        /// The pane.
         pane: &'a ThinDielectric,
         /// The cosine of the angle of incidence.
         cosine: f64,
-        /// The refractive index around the pane.
         outside: &'a RefractiveIndex,
     },
 }
@@ -61,8 +47,8 @@ pub enum SegmentTransmittance<'a> {
 pub type PathTransmittance<'a> = SmallVec<[SegmentTransmittance<'a>; 3]>;
 
 impl<'a> SegmentTransmittance<'a> {
-    /// Creates the transmittance of `medium` along the first `length_m` metres of the ray. The
-    /// medium determines the method. Only ratio tracking uses `seed`.
+    /// Takes the first `length_m` metres of the ray in `medium`, which determines the method. Only
+    /// ratio tracking uses `seed`.
     pub fn new(medium: &'a Medium, ray: Ray, length_m: f64, seed: Seed) -> Self {
         match medium.transmittance {
             TransmittanceEstimator::Exact => {
@@ -76,7 +62,6 @@ impl<'a> SegmentTransmittance<'a> {
         }
     }
 
-    /// Returns the transmittance at the wavelength `nm`.
     pub fn at(&self, nm: f64) -> f64 {
         match *self {
             Self::Clear { absorption, length_m } => {
@@ -92,8 +77,7 @@ impl<'a> SegmentTransmittance<'a> {
     }
 }
 
-/// Returns the error of the path's optical depth at the wavelength `nm`. The error is the estimate
-/// minus the exact value. Ray marching causes this error.
+/// Returns the error (estimate minus exact) of ray marching in the path's optical depth.
 #[inline]
 pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {
     let of_segment = |segment: &SegmentTransmittance<'_>| match *segment {
@@ -107,9 +91,8 @@ pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm:
     path_transmittance.iter().map(of_segment).sum()
 }
 
-/// Returns the relative bias of a transmittance. `excess` is the error δ of the optical depth. If τ
-/// is the exact optical depth, the estimate is e^−(τ + δ), and the exact value is e^−τ. The bias
-/// relative to the estimate is therefore 1 − e^δ.
+/// Returns the bias of a transmittance relative to the estimate, for the error δ of the optical
+/// depth τ: the estimate is e^−(τ + δ) and the exact value e^−τ, so the bias is 1 − e^δ.
 #[inline]
 pub fn bias_of_excess(excess: f64) -> f64 {
     if excess == 0.0 { 0.0 } else { -exp_m1(excess) }
@@ -122,14 +105,12 @@ pub fn transmittance(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -
 }
 
 impl<'a> MediumSegment<'a> {
-    /// Returns the transmittances along the first `length_m` metres of the segment. Only ratio
-    /// tracking uses `seed`.
+    /// Returns the transmittances along `length_m` metres. Only ratio tracking uses `seed`.
     pub fn path_transmittance(&self, length_m: f64, seed: Seed) -> PathTransmittance<'a> {
         self.transmittance_by(length_m, |medium| SegmentTransmittance::new(medium, self.ray, length_m, seed))
     }
 
-    /// Returns the transmittances along the first `length_m` metres by ratio tracking. The
-    /// reference path tracer uses this function, because it must not depend on column densities.
+    /// Returns them by ratio tracking, for the path tracer, which needs no column densities.
     pub fn path_transmittance_tracked(&self, length_m: f64, seed: Seed) -> PathTransmittance<'a> {
         self.transmittance_by(length_m, |medium| SegmentTransmittance::Tracked {
             medium,
@@ -150,8 +131,8 @@ impl<'a> MediumSegment<'a> {
     }
 }
 
-/// Returns the transmittances along the first `length_m` metres of a ray. No surface may interrupt
-/// this part of the ray. Only ratio tracking uses `seed`.
+/// Returns the transmittances along the first `length_m` metres of a ray, which no surface may
+/// interrupt. Only ratio tracking uses `seed`.
 pub fn path_transmittance<'a>(
     scene: &'a Scene,
     ray_state: RayState,
@@ -171,11 +152,9 @@ pub fn path_transmittance_tracked<'a>(
     collect_segments(scene, ray_state, length_m, seed, MediumSegment::path_transmittance_tracked)
 }
 
-/// Collects the transmittances of all segments. `of_segment` takes a segment, its length and a
-/// seed.
-///
-/// Each segment has its own seed. With equal random positions, the estimates of two segments would
-/// be correlated, and their product would be too large on average.
+/// Collects the transmittances of all segments. Each segment has its own seed: with equal random
+/// positions, the estimates of two segments would be correlated, and their product too large on
+/// average.
 fn collect_segments<'a>(
     scene: &'a Scene,
     ray_state: RayState,
@@ -194,14 +173,11 @@ fn collect_segments<'a>(
     path_transmittance
 }
 
-/// Estimates the transmittance as the product of the factors 1 − σ_t ρ(x_j)/σ̄. A Poisson process
-/// along the ray gives the positions x_j. The rate of the process is σ̄. This rate is the product
-/// of two numbers: the largest extinction coefficient over the band, and the upper bound of the
-/// density.
+/// Estimates the transmittance as the product of 1 − σ_t ρ(x_j)/σ̄ over the positions x_j of a
+/// Poisson process along the ray. Its rate σ̄ is the largest extinction coefficient over the band
+/// times the upper bound of the density.
 fn ratio_tracked(medium: &Medium, ray: &Ray, length_m: f64, sigma_t: f64, seed: Seed) -> f64 {
-    let Some((begin, end)) = medium.interval(ray, length_m) else {
-        return 1.0;
-    };
+    let Some((begin, end)) = medium.interval(ray, length_m) else { return 1.0 };
     let bound = medium.majorant(ray, length_m);
     let rate = medium.largest_extinction() * bound;
     if rate <= 0.0 {
@@ -225,8 +201,7 @@ mod tests {
     use abbe_scene::medium_stack::MediumStack;
     use glam::DVec3;
 
-    /// A ray crosses two adjacent bodies of fog. The mean of the tracked transmittance is the
-    /// product of the transmittances of both bodies.
+    /// The mean of the tracked transmittance through two fogs is the product of both.
     #[test]
     fn tracking_is_unbiased_across_several_bodies() {
         let text = r#"{

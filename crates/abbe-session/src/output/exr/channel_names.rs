@@ -1,12 +1,9 @@
 //! Names of channels.
 
-/// The channels of XYZ.
 pub(super) const XYZ: [&str; 3] = ["xyz.X", "xyz.Y", "xyz.Z"];
 
-/// The channel of the standard error.
 pub(super) const NOISE: &str = "error.noise";
 
-/// The channel of the bias.
 pub(super) const BIAS: &str = "error.bias";
 
 /// The channel that marks pixels near an edge of the illumination.

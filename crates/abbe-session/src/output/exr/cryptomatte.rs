@@ -6,8 +6,7 @@ use abbe_transport::sensor::cryptomatte::hash_name;
 use abbe_transport::sensor::layers::MatteNames;
 use serde_json::{Map, Value};
 
-/// Returns the names and values of the attributes of a layer. The manifest lists the hash of each
-/// name, as JSON.
+/// Returns the attributes of a layer. The manifest lists the hash of each name, as JSON.
 pub(super) fn attributes(matte: &MatteNames) -> [(String, String); 4] {
     let hex = |hash: u32| format!("{hash:08x}");
     let key = &hex(hash_name(&matte.layer))[..7];
@@ -22,7 +21,6 @@ pub(super) fn attributes(matte: &MatteNames) -> [(String, String); 4] {
     ]
 }
 
-/// Returns the Cryptomatte layers that a header describes.
 pub(super) fn mattes(header: &Metadata) -> Vec<MatteNames> {
     let layer = |(attribute, layer): (&str, &str)| {
         let key = attribute.strip_prefix("cryptomatte/")?.strip_suffix("/name")?;

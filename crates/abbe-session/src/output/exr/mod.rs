@@ -70,8 +70,7 @@ mod tests {
         assert_eq!(file.metadata.get("spectralLayoutVersion"), Some("1.0"));
     }
 
-    /// Checks that writing and reading a picture preserves its pixels, and that errors are unknown
-    /// if the file has no error layers.
+    /// Writing and reading a picture preserves its pixels. Errors are unknown without error layers.
     #[test]
     fn pixels_survive_a_round_trip() {
         let mut picture = sample();

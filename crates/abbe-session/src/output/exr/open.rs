@@ -1,5 +1,4 @@
-//! Opens EXR files. The module checks their size, and reads their layers and the texts of their
-//! headers.
+//! Opens EXR files: checks their size, and reads their layers and the texts of their headers.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -19,7 +18,6 @@ pub(super) fn read_layers(path: &Path) -> Result<FlatImage> {
     reader.all_layers().all_attributes().from_file(path).map_err(unreadable)
 }
 
-/// Converts an error of the crate.
 pub(super) fn unreadable(error: ::exr::error::Error) -> Error {
     match error {
         ::exr::error::Error::Io(error) => Error::input(format!("cannot be read: {error}")),
@@ -38,15 +36,12 @@ pub(super) fn open_blocks(path: &Path) -> Result<Reader<BufReader<File>>> {
     ::exr::block::read(BufReader::new(file), false).map_err(unreadable)
 }
 
-/// Reads the headers. Returns an error if the pixels that the headers describe need far more memory
-/// than a file of this size can contain.
+/// Reads the headers. An error means that their pixels need far more memory than the file holds.
 pub(super) fn read_headers(path: &Path) -> Result<MetaData> {
-    /// The largest allowed ratio of the memory for the pixels to the size of the file. The largest
-    /// compression ratio in an EXR file is 1032, the limit of deflate. Reading also copies the data
-    /// once.
+    /// The largest ratio of the memory for the pixels to the size of the file: 1032 by the limit of
+    /// deflate, the strongest compression in an EXR file, and reading copies the data once.
     const MAX_EXPANSION: u64 = 4000;
-    /// The memory limit in bytes for small files. The pixels of any file, even of a very small one,
-    /// may need this amount of memory.
+    /// The memory in bytes that the pixels of any file, even of a very small one, may need.
     const SMALL_FILE_LIMIT: u64 = 3 << 28;
     /// The number of bytes that one pixel needs for XYZ and for the error layers.
     const PIXEL_BYTES: u64 = 41;

@@ -18,16 +18,13 @@ use abbe_spectra::spectrum::emissive_wavelength_nm;
 use abbe_transport::sensor::layers::{LayerChannel, PictureLayers};
 use abbe_transport::sensor::{Picture, SpectralBands};
 
-/// The content of an EXR file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExrFile {
     /// The picture. Noise, bias and edges are unknown if the file has no channels for them.
     pub picture: Picture,
-    /// The texts of the header.
     pub metadata: Metadata,
 }
 
-/// The expected colour channels, for error messages.
 const COLOUR_CHANNELS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or `Y`";
 
 /// Reads a picture. The XYZ values come from the first set of channels in this list that the file
@@ -39,7 +36,6 @@ const COLOUR_CHANNELS: &str = "channels `xyz.X xyz.Y xyz.Z`, `R G B`, `X Y Z` or
 /// - `NAME.R NAME.G NAME.B` for the first such NAME in alphabetical order
 /// - `Y`, as grey
 ///
-/// # Errors
 /// Returns an input error if the file is missing or not an EXR, contains no colours, or contains
 /// layers of different sizes.
 pub fn read(path: &Path) -> Result<ExrFile> {
@@ -77,8 +73,7 @@ fn known(sample: f32) -> Option<f32> {
     (sample >= 0.0).then_some(sample)
 }
 
-/// Adds the channels of a layer under their full names. Exact sums and subsampled channels are
-/// skipped.
+/// Adds the channels of a layer under their full names, without exact sums and subsampled channels.
 fn collect(
     layer: &Layer<AnyChannels<FlatSamples>>,
     size: Vec2<usize>,
@@ -99,8 +94,7 @@ fn collect(
         }
         let full = prefix.as_ref().map_or(name.clone(), |prefix| format!("{prefix}.{name}"));
         let samples: Vec<f32> = channel.sample_data.values_as_f32().collect();
-        // A channel is also available without the layer's name. If several layers have a channel of
-        // this name, the first layer is used.
+        // A channel is also available without the layer's name, of the first layer that has it.
         if prefix.is_some() {
             channels.entry(name).or_insert_with(|| samples.clone());
         }
@@ -168,8 +162,7 @@ fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &RgbToXyz) -> Result<Vec<
     Ok(grey.iter().map(|&y| white.map(|value| value * f64::from(y))).collect())
 }
 
-/// Returns the layers of a picture that Abbe wrote. `header` contains the names of Cryptomatte
-/// layers.
+/// Returns the layers of a picture of Abbe, whose `header` names the Cryptomatte layers.
 fn layers(channels: &BTreeMap<String, Vec<f32>>, header: &Metadata) -> PictureLayers {
     let is_layer = |name: &str| LAYER_PREFIXES.iter().any(|prefix| name.starts_with(prefix));
     let own = channels.iter().filter(|(name, _)| is_layer(name));

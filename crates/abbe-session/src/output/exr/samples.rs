@@ -25,10 +25,8 @@ impl<'a> ChannelSamples<'a> {
     }
 }
 
-/// Writes the lines of a channel.
 pub(super) struct LineWriter<'s, 'a> {
     samples: &'s ChannelSamples<'a>,
-    /// The number of pixels of a row of the picture.
     width: usize,
 }
 

@@ -1,8 +1,6 @@
-//! The exact sums of a film as channels of an EXR. A 128-bit sum is split into four 32-bit words.
-//! The lowest word comes first. Each word has its own channel.
-//!
-//! The channels are named `sums.<plane>.<word>`. The upper words are almost always 0, and the lower
-//! words of splats are often 0. Therefore ZIP compresses the channels well.
+//! The exact sums of a film as channels of an EXR. A 128-bit sum is four 32-bit words, the lowest
+//! first, each in its own channel `sums.<plane>.<word>`. The upper words are almost always 0, and
+//! the lower words of splats often, so ZIP compresses the channels well.
 
 use std::path::Path;
 
@@ -22,14 +20,12 @@ use abbe_spectra::math::sum::ExactSum;
 use abbe_transport::sensor::Film;
 use abbe_transport::sensor::layers::NameKind;
 
-/// The number of 32-bit words of a sum.
 const WORDS_PER_SUM: usize = 4;
 
 fn name(plane: &str, word: usize) -> String {
     format!("{SUMS_PREFIX}{plane}.{word}")
 }
 
-/// Returns the channels of a film's sums.
 pub(super) fn channels(film: &Film) -> impl Iterator<Item = AnyChannel<ChannelSamples<'_>>> {
     film.plane_names().into_iter().enumerate().flat_map(move |(plane, plane_name)| {
         (0..WORDS_PER_SUM).map(move |word| {
@@ -40,10 +36,7 @@ pub(super) fn channels(film: &Film) -> impl Iterator<Item = AnyChannel<ChannelSa
     })
 }
 
-/// Reads the texts of the header without the pixels.
-///
-/// # Errors
-/// Returns an input error if the file is missing or not an EXR.
+/// Reads the texts of the header. Returns an input error if the file is missing or not an EXR.
 pub fn read_metadata(path: &Path) -> Result<Metadata> {
     let read = || {
         let meta = read_headers(path)?;
@@ -55,10 +48,8 @@ pub fn read_metadata(path: &Path) -> Result<Metadata> {
 }
 
 /// Returns true if the header can belong to a film of this width, height and number of planes of
-/// bands and layers. Call this function before you allocate the film.
-///
-/// # Errors
-/// Returns an input error if the file is missing or not an EXR.
+/// bands and layers, before the film is allocated. Returns an input error if the file is missing or
+/// not an EXR.
 pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), planes: usize) -> Result<bool> {
     let meta = read_headers(path).map_err(|error| error.in_file(path))?;
     let fits = |header: &Header| {
@@ -67,7 +58,6 @@ pub fn holds_sums_of(path: &Path, (width, height): (usize, usize), planes: usize
     Ok(meta.headers.first().is_some_and(fits))
 }
 
-/// Returns the hash of a film's sums.
 pub fn hash_sums(film: &Film) -> SumsHash {
     let mut hash = SumsHash::default();
     for (plane, plane_name) in film.plane_names().iter().enumerate() {
@@ -80,19 +70,16 @@ pub fn hash_sums(film: &Film) -> SumsHash {
     hash
 }
 
-/// Adds the exact sums in a file to a film. The file and the film must have the same size, the same
-/// spectral bands and the same layers. Returns the hash of the sums in the file.
+/// Adds the exact sums in a file to a film, and returns their hash. The film must have the same
+/// size, spectral bands and layers.
 ///
 /// The file is decoded in blocks of rows, so it needs little memory in addition to the film.
-///
-/// # Errors
-/// Returns an input error if the file is missing or not an EXR, or if its sums do not fit the size
-/// and the bands of the film. The film may then contain a part of the file.
+/// Returns an input error if the file is missing or not an EXR, or if its sums do not fit the film,
+/// which may then contain a part of them.
 pub fn add_sums(path: &Path, film: &mut Film) -> Result<SumsHash> {
     decode(path, film).map_err(|error| error.in_file(path))
 }
 
-/// The target of a plane in a film.
 #[derive(Debug, Clone, Copy)]
 enum PlaneTarget {
     Light(usize),
@@ -138,8 +125,7 @@ fn decode(path: &Path, film: &mut Film) -> Result<SumsHash> {
     Ok(hash)
 }
 
-/// Returns the planes of a file: those of the film's light, and those of names as far as the file
-/// has them.
+/// Returns the planes of the film's light, and those of names as far as the file has them.
 fn planes(channels: &ChannelList, film: &Film) -> Result<Vec<FilePlane>> {
     if channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
         return Err(Error::input("is damaged: it has subsampled channels"));

@@ -19,41 +19,29 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::emissive_channel;
 use abbe_transport::sensor::{Film, Picture, SpectralBands};
 
-/// The compression of pictures. On noisy numbers, ZIP needs five times as long as RLE, and the
-/// files are only 6 to 11 % smaller.
+/// On noisy numbers, ZIP needs five times as long as RLE, and the files are only 6 to 11 % smaller.
 const PICTURE_ENCODING: Encoding =
     Encoding { compression: Compression::RLE, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
 
-/// Writes a picture atomically.
-///
-/// # Errors
-/// Returns a machine error if the folder is missing or not writable, or the disk is full.
+/// Writes a picture atomically. Returns a machine error if the folder is missing or not writable,
+/// or the disk is full.
 pub fn write(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
     write_whole_with(path, |file| write_channels(file, channels(picture), picture, metadata, PICTURE_ENCODING))
 }
 
-/// Atomically writes a picture that another picture will soon replace. The file is not compressed,
-/// because compression takes longer than writing.
-///
-/// # Errors
-/// Returns the errors of [`write()`].
+/// Atomically writes a picture that another one will soon replace, uncompressed, because
+/// compression takes longer than writing.
 pub fn write_uncompressed(path: &Path, picture: &Picture, metadata: &Metadata) -> Result<()> {
     write_whole_with(path, |file| write_channels(file, channels(picture), picture, metadata, Encoding::UNCOMPRESSED))
 }
 
 /// Atomically writes a file that contains the exact sums of a film and the film's current picture.
-///
-/// # Errors
-/// Returns the errors of [`write()`].
 pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &Metadata) -> Result<()> {
     let channels = channels(picture).into_iter().chain(sums::channels(film)).collect();
     write_whole_with(path, |file| write_channels(file, channels, picture, metadata, Encoding::SMALL_LOSSLESS))
 }
 
-/// Returns the bytes of a picture's file.
-///
-/// # Errors
-/// Returns a machine error if the picture cannot be encoded.
+/// Returns the bytes of a picture's file. Returns a machine error if the picture cannot be encoded.
 pub fn encode(picture: &Picture, metadata: &Metadata) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     write_channels(&mut bytes, channels(picture), picture, metadata, PICTURE_ENCODING)
@@ -96,8 +84,8 @@ fn write_channels(
 /// The length of the magic number and of the version field.
 const PREAMBLE: u64 = 8;
 
-/// Sorts the attributes in the header of a file with a single part. The crate writes them in a
-/// random order, but equal pictures must be equal files. The length of the header does not change.
+/// Sorts the attributes in the header of a file with a single part, whose length stays. The crate
+/// writes them in a random order, but equal pictures must be equal files.
 fn sort_attributes(file: &mut dyn WritableFile) -> io::Result<()> {
     file.seek(SeekFrom::Start(PREAMBLE))?;
     let mut reader = BufReader::new(&mut *file);
@@ -110,8 +98,8 @@ fn sort_attributes(file: &mut dyn WritableFile) -> io::Result<()> {
     file.write_all(&attributes.concat())
 }
 
-/// Reads an attribute: a name, a type, the size of its value (four bytes), and the value. Returns
-/// `None` for the empty name that ends the header.
+/// Reads the name, the type, the size (four bytes) and the value of an attribute. The empty name
+/// that ends the header is `None`.
 fn read_attribute(reader: &mut impl BufRead) -> io::Result<Option<Vec<u8>>> {
     let mut attribute = Vec::new();
     reader.read_until(0, &mut attribute)?;
@@ -154,12 +142,11 @@ fn channels<'a>(picture: &'a Picture) -> Vec<AnyChannel<ChannelSamples<'a>>> {
     channels
 }
 
-/// The value of an unknown error in an error channel.
 const UNKNOWN_ERROR: f32 = -1.0;
 
-/// Returns the attributes required by the spectral layout. The layout defines the values as
-/// radiance per nm, although its attribute `emissiveUnits` does not mention nm. `abbe.bandUnits`
-/// states the full unit.
+/// Returns the attributes of the spectral layout, which defines the values as radiance per nm,
+/// although its attribute `emissiveUnits` does not mention nm. `abbe.bandUnits` states the full
+/// unit.
 fn spectral_attributes<'a>(picture: &Picture) -> impl Iterator<Item = (&'a str, &'a str)> + use<'a> {
     let attributes =
         [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1"), ("abbe.bandUnits", "W.m^-2.sr^-1.nm^-1")];
@@ -173,8 +160,7 @@ fn chromaticities() -> Chromaticities {
     Chromaticities { red, green, blue, white: vector(RgbSpace::Srgb.white_xy()) }
 }
 
-/// Converts a text for the header. Metadata is already ASCII. In other texts, characters outside
-/// Latin-1 become question marks.
+/// Converts a text for the header, with question marks for characters outside Latin-1.
 fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.chars().map(|c| u8::try_from(c).unwrap_or(b'?')).collect::<Vec<u8>>().as_slice())
 }

@@ -14,8 +14,7 @@ use abbe_scene::geometry::{Hit, Ray};
 use glam::DVec3;
 
 impl<'a> CameraPass<'a> {
-    /// Adds the radiance of the lights at the end of a path segment. These lights are on a surface
-    /// or at infinity.
+    /// Adds the radiance of the lights on the surface or at infinity at the end of a path segment.
     #[inline(always)]
     pub(super) fn add_emitters_hit<S: Sink>(
         &self,
@@ -33,7 +32,6 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Gathers direct light by shadow rays.
     #[inline(always)]
     pub(super) fn gather_direct<M: BodyMode, S: Sink>(
         &self,
@@ -80,9 +78,7 @@ impl<'a> CameraPass<'a> {
         let nm = path.reference_nm();
         let u = context.sampler.stream.triple();
         let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
-        let Some(sample) = bsdf.sample(wo, sides, nm, u) else {
-            return;
-        };
+        let Some(sample) = bsdf.sample(wo, sides, nm, u) else { return };
         let direction = interaction.frame.to_world(sample.wi);
         let ray = Ray { origin: interaction.hit.position, direction };
         let hit = self.scene.geometry.intersect(&ray, Some(interaction.hit.surface), f64::INFINITY);
@@ -118,8 +114,7 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Adds the radiance of a light that a path hit. The function takes a copy of the path, so that the
-/// path of the calling loop stays in registers.
+/// Adds a light that a path hit. The copy lets the calling loop keep its path in registers.
 fn add_emitter<S: Sink>(
     path: CameraPath,
     number: usize,

@@ -1,5 +1,4 @@
-//! The camera walk: follows camera paths over mirrors, glass and glossy surfaces to the first
-//! diffuse surface.
+//! The camera walk over mirrors, glass and glossy surfaces to the first diffuse surface.
 
 mod direct;
 pub(super) mod path;

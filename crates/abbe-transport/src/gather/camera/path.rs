@@ -14,13 +14,11 @@ use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
 /// Buffers of one worker, reused from path to path.
 #[derive(Debug, Default)]
 pub struct PathBuffers<'a> {
-    /// The factors of the current path's throughput.
     pub(in crate::gather) factors: Vec<Factor<'a>>,
     /// The extinction coefficients of all media and bodies that attenuate the light in a light map.
     pub(in crate::gather) coefficients: Vec<Lanes>,
     /// True if the camera walk fills `visible_points` and `camera_segments`.
     pub(in crate::gather) records: bool,
-    /// The visible points of the last sample.
     pub visible_points: Vec<VisiblePoint>,
     /// The path segments of the last sample that lie in scattering media.
     pub camera_segments: Vec<CameraSegment>,
@@ -36,7 +34,6 @@ impl PathBuffers<'_> {
 /// The data of a camera path that arrives at a glossy surface.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct GlossyEvent {
-    /// The weights of caustic photons and of the camera path.
     pub(in crate::gather) caustic: Option<CausticWeights>,
     /// The wavelength (nm) of [`CameraPath::reference_nm`] before the event.
     pub(in crate::gather) reference_nm: f64,
@@ -47,7 +44,6 @@ impl GlossyEvent {
     pub(in crate::gather) const NONE: Self = Self { caustic: None, reference_nm: REFERENCE_NM };
 }
 
-/// The state of a camera path during the walk.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) ray_state: RayState,
@@ -60,7 +56,6 @@ pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) reference_throughput: f64,
     /// The length of the path so far, in m.
     pub(in crate::gather) distance_m: f64,
-    /// The number of surface events so far.
     pub(in crate::gather) depth: u32,
     /// The error that ray marching causes in the path's optical depth.
     pub(in crate::gather) excess_depth: f64,
@@ -82,9 +77,8 @@ impl CameraPath {
         }
     }
 
-    /// Returns the wavelength (nm) at which the path samples directions. A free path samples
-    /// directions at the reference wavelength. At all other wavelengths, the path's factors correct
-    /// the throughput.
+    /// Returns the wavelength (nm) at which the path samples directions. For a free path, its
+    /// factors correct the throughput at all other wavelengths.
     pub(in crate::gather) fn reference_nm(&self) -> f64 {
         match self.spectral_mode {
             SpectralMode::Free => REFERENCE_NM,
@@ -92,7 +86,6 @@ impl CameraPath {
         }
     }
 
-    /// Multiplies the throughput by a factor.
     pub(in crate::gather) fn multiply<'a>(&mut self, factor: Factor<'a>, buffers: &mut PathBuffers<'a>) {
         let at_reference = factor.at(self.reference_nm());
         self.reference_throughput *= at_reference;
@@ -102,8 +95,7 @@ impl CameraPath {
         }
     }
 
-    /// Continues the path along a sampled direction. Returns false if the direction is on the wrong
-    /// side of the geometric surface.
+    /// Continues the path along a sampled direction, unless it is on the wrong side of the surface.
     pub(in crate::gather) fn continue_along<'a>(
         &mut self,
         interaction: &SurfaceInteraction<'a>,
@@ -120,7 +112,7 @@ impl CameraPath {
         let factor = Factor::Scattering { bsdf, wo: *wo, sample: *sample, sides, probability: sample.probability };
         self.multiply(factor, buffers);
         // Shadow rays and photons at the surface use the wavelength of the arriving path, so their
-        // weights refer to the density at this wavelength.
+        // weights refer to the density there.
         let pdf = if sample.delta || glossy.reference_nm == self.reference_nm() {
             sample.probability
         } else {

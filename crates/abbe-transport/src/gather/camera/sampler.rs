@@ -11,26 +11,24 @@ use abbe_spectra::math::random::{Purpose, REPLICATES, Seed, Stream, Streams};
 use abbe_spectra::math::sobol::{DIMENSIONS, Sobol};
 use glam::{DVec2, DVec3};
 
-/// The start of a path at a receptor.
 pub(in crate::gather) struct SensorSample {
     pub(in crate::gather) point: SensorPoint,
-    /// The ray from the point.
     pub(in crate::gather) ray_state: RayState,
     /// The density with which the direction was sampled, per steradian.
     pub(in crate::gather) pdf: f64,
-    /// The density of the receptor's response, divided by `pdf`.
+    /// The density of the sensor's response, divided by `pdf`.
     pub(in crate::gather) weight: f64,
 }
 
-/// The random numbers of one camera sample. Within one replicate, the samples of a pixel form a
-/// low-discrepancy sequence over all passes. Each replicate has its own scrambling.
+/// The random numbers of one camera sample. Within a replicate, which has its own scrambling, the
+/// samples of a pixel form a low-discrepancy sequence over all passes.
 #[derive(Debug)]
 pub struct PixelSampler {
     point: [f64; DIMENSIONS],
     /// Gives the random numbers for all dimensions beyond those of the low-discrepancy point.
     pub stream: Stream,
-    /// The number in [0, 1) that selects the sample's wavelengths. The number comes from a separate
-    /// sequence, so that the wavelength does not correlate with any other random number.
+    /// The number in [0, 1) that selects the wavelengths, from a separate sequence so that they do
+    /// not correlate with any other number.
     pub wavelength: f64,
 }
 
@@ -40,8 +38,7 @@ impl PixelSampler {
         Self::nth(streams, pass, pixel, (0, 1))
     }
 
-    /// Creates the sampler of one camera sample of `pixel` in `pass`. `nth` is the index of the
-    /// sample in the pass, and `samples` is the number of samples of the pixel in each pass.
+    /// Creates the sampler of the camera sample number `nth` of the `samples` of `pixel` in `pass`.
     pub fn nth(streams: Streams, pass: u64, pixel: u64, (nth, samples): (u64, u64)) -> Self {
         let (replicate, index) = (pass % REPLICATES as u64, pass / REPLICATES as u64 * samples + nth);
         let key = streams.pass(replicate).part(pixel);
@@ -67,9 +64,8 @@ impl PixelSampler {
         [self.point[4], self.point[5], self.point[6]]
     }
 
-    /// Samples a point of a receptor, and a direction from which it receives light. Some directions
-    /// lead through the glazed openings of `portals`, because shadow rays do not pass through
-    /// glass.
+    /// Samples a point of a sensor and a direction from which it receives light, sometimes through
+    /// the glazed `portals`, because shadow rays do not pass through glass.
     pub(in crate::gather) fn sensor_sample(&self, scene: &Scene, sensor: &Sensor, portals: &Portals) -> SensorSample {
         let streams = Seed::of_numbers(self.point).streams(Purpose::Sensor);
         let more = |number: u64| streams.pass(number).uniform();
@@ -92,7 +88,6 @@ impl PixelSampler {
         }
     }
 
-    /// Returns the camera ray through a pixel.
     pub fn ray(&self, camera: &Camera, pixel: u64) -> Ray {
         let lens = match camera.aperture() {
             Aperture::Pinhole | Aperture::Orthographic | Aperture::System(_) => [0.5; 2],
@@ -101,9 +96,9 @@ impl PixelSampler {
         camera.ray(corner(camera, pixel) + DVec2::from(self.film()), lens)
     }
 
-    /// Returns a ray from the camera, or from a receptor of a measurement, at one wavelength (nm),
-    /// with the bodies around its origin. At a receptor, also returns the density of the direction,
-    /// per steradian. Returns `None` if a lens system stops the ray.
+    /// Returns a ray at one wavelength (nm) from the camera, or from a sensor with the density of
+    /// the direction per steradian, and the bodies around its origin. Returns `None` if a lens
+    /// system stops the ray.
     pub fn ray_at(&self, scene: &Scene, pixel: u64, nm: f64) -> Option<(RayState, Option<f64>)> {
         let camera = &scene.camera;
         if let Some((_, sensor)) = camera.sensor(pixel) {
@@ -117,9 +112,9 @@ impl PixelSampler {
         Some((RayState { ray, from: None, medium_stack: camera.medium_stack }, None))
     }
 
-    /// Returns a camera ray and its weight. The ray passes through a pixel and a lens system at one
-    /// wavelength. Returns `None` if the lens stops the ray. The number `ghost` in [0, 1) selects a
-    /// ghost of the lens; `None` stands for the image.
+    /// Returns the camera ray through a pixel and a lens system at one wavelength, with its weight,
+    /// or `None` if the lens stops it. `ghost` in [0, 1) selects a ghost of the lens; `None` is the
+    /// image.
     pub(in crate::gather) fn ray_through_lens(
         &self,
         system: &SystemAt<'_>,
@@ -131,7 +126,7 @@ impl PixelSampler {
     }
 }
 
-/// Returns the density with which paths from a receptor start in a direction, per steradian.
+/// Returns the density with which paths from a sensor start in a direction, per steradian.
 pub fn sensor_pdf((position, response): (DVec3, Response), portals: &Portals, direction: DVec3) -> f64 {
     let pdf = response.pdf(direction);
     if portals.glazed.count() == 0 {
@@ -140,7 +135,6 @@ pub fn sensor_pdf((position, response): (DVec3, Response), portals: &Portals, di
     PORTAL_FRACTION * portals.glazed.pdf(position, direction) + (1.0 - PORTAL_FRACTION) * pdf
 }
 
-/// Returns the top left corner of a pixel.
 fn corner(camera: &Camera, pixel: u64) -> DVec2 {
     let width = camera.width() as u64;
     DVec2::new((pixel % width) as f64, (pixel / width) as f64)
@@ -156,8 +150,7 @@ mod tests {
         12.0 * sum / count
     }
 
-    /// The samples of different pixels, of different passes and of different purposes are
-    /// independent.
+    /// The samples of different pixels, passes and purposes are independent.
     #[test]
     fn samples_of_pixels_and_passes_are_uncorrelated() {
         let numbers = |seed: u64, pass: u64, pixel: u64| {

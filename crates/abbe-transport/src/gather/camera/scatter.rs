@@ -12,16 +12,14 @@ use abbe_scene::Scene;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::LANES;
 
-/// At a smooth interface, the walk follows both the reflected and the refracted path if both have
-/// at least this weight.
+/// The walk follows both paths at a smooth interface if both have at least this weight.
 const LEAST_BRANCH_WEIGHT: f64 = 0.01;
 
 /// The number of surface events after which Russian roulette may end a camera path.
 const CAMERA_DEPTH_BEFORE_ROULETTE: u32 = 8;
 
 impl<'a> CameraPass<'a> {
-    /// Scatters a path at a mirror, at glass or at a rough surface. Returns `None` if the path
-    /// ends.
+    /// Scatters a path at a mirror, glass or rough surface. Returns `None` if the path ends.
     pub(super) fn scatter<S: Sink>(
         &self,
         path: &CameraPath,
@@ -43,7 +41,6 @@ impl<'a> CameraPass<'a> {
         (continues && survives(self.scene, &mut path, context)).then_some(path)
     }
 
-    /// Returns the data of a path that arrives at a surface.
     fn glossy_event<S: Sink>(
         &self,
         path: &CameraPath,
@@ -59,26 +56,14 @@ impl<'a> CameraPass<'a> {
         if self.plan.wavelengths == WavelengthPlan::Free {
             return false;
         }
-        match interaction.bsdf.model {
-            Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => {
-                interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive()
-            }
-            Bsdf::Grating(_) => true,
-            Bsdf::Absorber
-            | Bsdf::Diffuse(_)
-            | Bsdf::Fluorescent(_)
-            | Bsdf::Translucent(_)
-            | Bsdf::Mirror(_)
-            | Bsdf::Conductor(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_)
-            | Bsdf::Glossy(_)
-            | Bsdf::Mix(_) => false,
-        }
+        let model = interaction.bsdf.model;
+        let refracts = matches!(model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_));
+        let is_dispersive = interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
+        (refracts && is_dispersive) || matches!(model, Bsdf::Grating(_))
     }
 
-    /// Scatters a free path at dispersive glass. The reflected path stays free. The refracted path
-    /// is followed once for each shared wavelength. Returns whether the free path continues.
+    /// Scatters a free path at dispersive glass: the reflected path stays free, and the refracted
+    /// path is followed once for each shared wavelength. Returns whether the free path continues.
     fn scatter_free_at_dispersive<S: Sink>(
         &self,
         path: &mut CameraPath,
@@ -88,8 +73,7 @@ impl<'a> CameraPass<'a> {
     ) -> bool {
         let bsdf = interaction.bsdf;
         if bsdf.class() == BsdfClass::Glossy || matches!(bsdf.model, Bsdf::Grating(_)) {
-            // At rough dispersive glass and at a grating, each wavelength samples its own
-            // direction, also for reflection.
+            // Here, each wavelength samples its own direction, also for reflection.
             context.tally.dispersions += 1;
             self.split(*path, interaction, SplitEvent::Glossy(glossy), context);
             return false;
@@ -110,9 +94,8 @@ impl<'a> CameraPass<'a> {
         self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
     }
 
-    /// Returns the reflectance of a smooth interface at the path's reference wavelength. The films
-    /// of a coated interface may reflect other wavelengths only, so a free path uses the mean over
-    /// the band.
+    /// Returns the reflectance of a smooth interface at the reference wavelength, or the mean over
+    /// the band for a free path, because films may reflect other wavelengths only.
     fn reflectance(&self, path: &CameraPath, interaction: &SurfaceInteraction<'a>) -> f64 {
         let sides = interaction.sides;
         let nm = match path.spectral_mode {
@@ -126,9 +109,8 @@ impl<'a> CameraPass<'a> {
         fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(nm), sides.there.n(nm))
     }
 
-    /// Returns true if the walk follows both the reflected and the refracted path at a smooth
-    /// interface with this reflectance, because both paths have enough weight. Otherwise, the walk
-    /// selects one of them.
+    /// Returns true if the walk follows both paths at a smooth interface with this reflectance.
+    /// Otherwise, it selects one of them.
     fn splits(&self, path: &CameraPath, reflectance: f64) -> bool {
         let weight = path.reference_throughput * relative_n2(self.scene, &path.ray_state, path.reference_nm());
         weight * reflectance.min(1.0 - reflectance) > LEAST_BRANCH_WEIGHT
@@ -149,7 +131,6 @@ impl<'a> CameraPass<'a> {
         context.buffers.factors.truncate(factors);
     }
 
-    /// Follows the path once for each shared wavelength.
     fn split<S: Sink>(
         &self,
         path: CameraPath,
@@ -159,9 +140,7 @@ impl<'a> CameraPass<'a> {
     ) {
         let u = context.sampler.stream.triple();
         for lane in 0..LANES {
-            let Some(mut single) = self.to_shared_wavelength(path, lane, context) else {
-                continue;
-            };
+            let Some(mut single) = self.to_shared_wavelength(path, lane, context) else { continue };
             let continues = match event {
                 SplitEvent::Refraction(probability) => {
                     self.scatter_forced(&mut single, interaction, ScatterEvent::Transmission, probability, context)
@@ -174,8 +153,7 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Reflects or refracts the path at a smooth interface. `event` selects one of the two. Returns
-    /// false if that event is impossible (total reflection).
+    /// Reflects or refracts at a smooth interface. Returns false for total reflection.
     fn scatter_forced<S: Sink>(
         &self,
         path: &mut CameraPath,
@@ -213,9 +191,8 @@ impl<'a> CameraPass<'a> {
         match sample_consistently(interaction, draw) {
             Some(consistent) => {
                 let continues = path.continue_along(interaction, &consistent, glossy, context.buffers);
-                // If the path hits a light after this rough surface, the light is direct light at
-                // the surface. If the plan contains no direct light, the path ignores the light
-                // that it hits.
+                // A light behind this rough surface is direct light at the surface. If the plan
+                // contains no direct light, the path ignores the light that it hits.
                 if self.plan.direct.is_absent() && matches!(path.hit_weighting, HitWeighting::Mis { .. }) {
                     path.hit_weighting = HitWeighting::Ignored;
                 }
@@ -235,16 +212,15 @@ fn is_smooth_interface(interaction: &SurfaceInteraction<'_>) -> bool {
 /// How a free path continues at dispersive glass, once for each shared wavelength.
 #[derive(Clone, Copy)]
 enum SplitEvent {
-    /// The path is refracted. The value is the probability with which the caller selected this
-    /// event.
+    /// Holds the probability with which the caller selected this event.
     Refraction(f64),
     /// Each wavelength samples the BSDF of rough glass or of a grating.
     Glossy(GlossyEvent),
 }
 
-/// Applies Russian roulette to paths of low throughput. Returns false if the path ends. Inside
-/// glass, the throughput contains a factor 1/n², which cancels when the path leaves the glass. The
-/// survival probability therefore excludes this factor.
+/// Applies Russian roulette to paths of low throughput. Returns false if the path ends. The
+/// survival probability excludes the factor 1/n² inside glass, which cancels when the path leaves
+/// the glass.
 fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathContext<'_, '_, S>) -> bool {
     if path.reference_throughput <= 0.0 && matches!(path.spectral_mode, SpectralMode::Shared { .. }) {
         return false;
@@ -269,9 +245,9 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathCon
     true
 }
 
-/// Returns the largest throughput of a free path over the band. The throughput at the reference
-/// wavelength alone would not do: a mirror may reflect only light of other wavelengths. Paths of
-/// such light would then end too often, and the surviving paths would become too bright.
+/// Returns the largest throughput of a free path over the band. At the reference wavelength alone,
+/// paths whose mirrors reflect only light of other wavelengths would end too often, and the
+/// surviving ones would become too bright.
 fn largest_throughput(factors: &[Factor<'_>]) -> f64 {
     /// Wavelengths (nm) over the visible part of the band.
     const PROBES_NM: [f64; 6] = [420.0, 470.0, 520.0, 570.0, 620.0, 670.0];

@@ -1,7 +1,6 @@
-//! The start of camera paths at the receptors of meters.
-//!
-//! A receptor is the first scattering event of its paths. Shadow rays from the receptor find direct
-//! light. A path from the receptor finds all other light, and the lights that it hits by chance.
+//! The start of camera paths at the sensors of meters. A sensor is the first scattering event of
+//! its paths: shadow rays find direct light, and a path all other light, and the lights that it
+//! hits by chance.
 
 use super::path::CameraPath;
 use super::sampler::sensor_pdf;
@@ -16,7 +15,7 @@ use abbe_scene::meter::Sensor;
 use abbe_spectra::spectrum::REFERENCE_NM;
 
 impl<'a> CameraPass<'a> {
-    /// Estimates the mean radiance of one sample of a receptor and adds it to the sink.
+    /// Estimates the mean radiance of one sample of a sensor and adds it to the sink.
     pub(super) fn sample_sensor<S: Sink>(
         &self,
         (number, sensor): (usize, &Sensor),

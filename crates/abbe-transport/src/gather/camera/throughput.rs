@@ -12,7 +12,6 @@ use glam::DVec3;
 /// The factor by which one event changes the radiance of a camera path.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum Factor<'a> {
-    /// Scattering at a surface.
     Scattering {
         bsdf: LocalBsdf<'a>,
         wo: DVec3,
@@ -23,12 +22,10 @@ pub(in crate::gather) enum Factor<'a> {
     },
     /// Transmittance of glass, liquid or fog.
     SegmentTransmittance(SegmentTransmittance<'a>),
-    /// The same factor for all wavelengths.
     Grey(f64),
 }
 
 impl Factor<'_> {
-    /// Returns the factor at the wavelength `nm`.
     pub(in crate::gather) fn at(&self, nm: f64) -> f64 {
         match self {
             Factor::Scattering { bsdf, wo, sample, sides, probability } => {
@@ -40,31 +37,25 @@ impl Factor<'_> {
     }
 }
 
-/// Returns the product of the factors at the wavelength `nm`.
 #[inline]
 pub(in crate::gather) fn product(factors: &[Factor<'_>], nm: f64) -> f64 {
     factors.iter().map(|factor| factor.at(nm)).product()
 }
 
-/// Returns (n/n₀)². n is the refractive index at the path's current position, and n₀ is the
-/// refractive index at the camera. Refraction multiplies radiance by this factor, so the ratio of
-/// radiance to n² stays constant.
+/// Returns (n/n₀)² for the refractive indices at the path's position and at the camera, by which
+/// refraction multiplies radiance: radiance/n² stays constant.
 pub(in crate::gather) fn relative_n2(scene: &Scene, ray_state: &RayState, nm: f64) -> f64 {
     let n = |medium_stack: &MediumStack| scene.index_in(medium_stack).n(nm);
     (n(&ray_state.medium_stack) / n(&scene.camera.medium_stack)).powi(2)
 }
 
-/// The wavelengths of a camera path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::gather) enum SpectralMode {
-    /// The path has no fixed wavelength. The throughput is a function of wavelength, and is the
-    /// product of the path's factors.
+    /// Without a fixed wavelength: the throughput is the product of the path's factors.
     Free,
     /// The path carries one of the pass's shared wavelengths.
     Shared {
-        /// The number of the shared wavelength.
         lane: usize,
-        /// The wavelength in nm.
         nm: f64,
         /// The throughput, divided by the probability density of the wavelength.
         throughput: f64,
@@ -72,7 +63,6 @@ pub(in crate::gather) enum SpectralMode {
 }
 
 impl SpectralMode {
-    /// Returns the photon set that the path gathers.
     pub(in crate::gather) fn photon_set(self) -> PhotonSet {
         match self {
             SpectralMode::Free => PhotonSet::Free,
@@ -81,10 +71,9 @@ impl SpectralMode {
     }
 }
 
-/// Calls `f` for each wavelength. The first argument is the wavelength in nm. The second argument
-/// is the throughput, divided by the density of the wavelength. A free path samples stratified
-/// wavelengths from the light's spectrum. `u` in [0, 1) shifts these wavelengths. A shared path has
-/// one wavelength.
+/// Calls `f` with each wavelength (nm) and the throughput, divided by the density of the
+/// wavelength. A free path samples stratified wavelengths from the light's spectrum, shifted by `u`
+/// in [0, 1). A shared path has one.
 #[inline(always)]
 pub(in crate::gather) fn each_wavelength(
     spectral_mode: SpectralMode,

@@ -1,10 +1,9 @@
 //! The camera walk: follows a camera path over mirrors, glass and glossy surfaces to the first
-//! diffuse surface, and gathers light along the path.
+//! diffuse surface, and gathers light along the way.
 //!
-//! The loop is compiled twice: for scenes with bodies, and for scenes without bodies (see
-//! [`BodyMode`]). The code that every path runs is inlined, so that the path and the interaction
-//! stay in registers. Rare code (for mirrors and visible lights) receives copies of the path and of
-//! the interaction.
+//! The loop is compiled twice (see [`BodyMode`]). The code that every path runs is inlined, so that
+//! the path and the interaction stay in registers; rare code (for mirrors and visible lights)
+//! receives copies.
 
 use super::path::{CameraPath, PathBuffers};
 use super::sampler::PixelSampler;
@@ -73,7 +72,6 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Follows a path once for each shared wavelength.
     pub(super) fn follow_each_shared<S: Sink>(&self, path: CameraPath, context: &mut PathContext<'_, 'a, S>) {
         for lane in 0..LANES {
             if let Some(single) = self.to_shared_wavelength(path, lane, context) {
@@ -82,8 +80,7 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Restricts a free path to one of the shared wavelengths. Returns `None` if the lights have no
-    /// power at this wavelength.
+    /// Restricts a free path to a shared wavelength, unless the lights have no power there.
     pub(in crate::gather) fn to_shared_wavelength<S: Sink>(
         &self,
         path: CameraPath,
@@ -99,13 +96,11 @@ impl<'a> CameraPass<'a> {
         Some(CameraPath { spectral_mode: SpectralMode::Shared { lane, nm, throughput }, ..path })
     }
 
-    /// Follows a path to its end, at one shared wavelength. This function is called from several
-    /// places and compiled once for all of them.
+    /// Follows a path to its end, at one shared wavelength. Compiled once for several callers.
     pub(in crate::gather) fn follow_shared<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         self.follow(path, context);
     }
 
-    /// Follows a free path from a receptor to its end.
     #[inline(never)]
     pub(super) fn follow_free<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         self.follow(path, context);
@@ -124,7 +119,6 @@ impl<'a> CameraPass<'a> {
         context.buffers.factors.truncate(factors_before);
     }
 
-    /// Follows a path to its end. `M` tells whether the scene has bodies.
     #[inline(always)]
     fn follow_in_mode<M: BodyMode, S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         let mut path = *path;
@@ -170,14 +164,13 @@ impl<'a> CameraPass<'a> {
         self.end_at_limit(&path, context);
     }
 
-    /// Returns the lookup of the material of the next surface.
     #[inline(always)]
     pub(in crate::gather) fn lookup(&self, path: &CameraPath, u: f64) -> SurfaceLookup {
         SurfaceLookup::of_camera(&self.scene.camera, path.distance_m, u)
     }
 
-    /// Ends a path at the limit of its number of events. If the scene states the limit, some of the
-    /// paths continue, and their light changes only the estimated bias.
+    /// Ends a path at the limit of its number of events. If the limit is explicit, some paths
+    /// continue as truncated paths.
     #[inline(never)]
     fn end_at_limit<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         if context.events >= MAX_EVENTS {
@@ -191,8 +184,7 @@ impl<'a> CameraPass<'a> {
         context.with_truncated_light(1.0, |truncated| self.follow_shared(&path, truncated));
     }
 
-    /// Gathers direct light and light from photons at a diffuse or glossy surface. The path ends at
-    /// diffuse surfaces.
+    /// Gathers direct light and light from photons. The path ends at diffuse surfaces.
     #[inline(always)]
     fn gather_at_surface<M: BodyMode, S: Sink>(
         &self,
@@ -210,8 +202,7 @@ impl<'a> CameraPass<'a> {
         if !self.plan.direct.is_absent() {
             self.gather_direct::<M, S>(path, interaction, luminescence.as_ref(), context);
         }
-        // At a glossy surface, no extra ray is needed, because the continued path itself can hit a
-        // light.
+        // At a glossy surface, the continued path itself can hit a light.
         if ends && self.plan.direct.traces_scattered_rays() {
             self.gather_direct_by_bsdf::<M, S>(path, interaction, luminescence.as_ref(), context);
         }
@@ -221,7 +212,6 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Returns the visible point of a path at the interaction.
     #[inline]
     pub(in crate::gather) fn visible_point(
         &self,

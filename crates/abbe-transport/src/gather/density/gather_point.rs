@@ -13,24 +13,21 @@ use abbe_spectra::math::frame::Frame;
 use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 
-/// The lower limit of the cosine of the angle between two normals: the normal at the gather point
-/// and the normal at a photon. If the cosine is below this limit, the photon is on another surface
-/// and is ignored.
+/// The least cosine between the normals at the gather point and at a photon. Below it, the photon
+/// is on another surface and is ignored.
 pub const NORMAL_TOLERANCE: f64 = 0.7;
 
-/// The largest distance of a photon from the tangent plane, as a fraction of the kernel radius.
-/// Photons farther from the tangent plane are ignored.
+/// Photons farther from the tangent plane, as a fraction of the kernel radius, are ignored.
 pub const PLANE_TOLERANCE: f64 = 0.3;
 
-/// The data of a gather point, without the data of its photons.
+/// A gather point without its photons.
 ///
-/// The cosine of the incident direction is computed with the surface normal at the position of the
-/// photon. On a curved surface, the normal at the gather point would give a wrong cosine. Some
-/// light at grazing angles would then seem to come from below the surface. If the shading normal
-/// n_s is interpolated, it differs from the geometric normal n_g. The flux of the photon arrived
-/// through the geometric surface, but the BSDF is defined for the shading normal. The power of the
-/// photon is therefore multiplied by |ω·n_s| / |ω·n_g|, where ω is the incident direction (Veach
-/// 1997, section 5.3).
+/// The cosine of the incident direction is computed with the surface normal at the photon: on a
+/// curved surface, the normal at the gather point would give a wrong cosine, and some light at
+/// grazing angles would seem to come from below. If the shading normal n_s is interpolated, it
+/// differs from the geometric normal n_g. The flux of the photon arrived through the geometric
+/// surface, but the BSDF is defined for the shading normal, so the power is multiplied by |ω·n_s| /
+/// |ω·n_g| for the incident direction ω (Veach 1997, section 5.3).
 pub(in crate::gather) struct GatherPoint<'e> {
     bsdf: LocalBsdf<'e>,
     sides: InterfaceIors<'e>,
@@ -38,7 +35,6 @@ pub(in crate::gather) struct GatherPoint<'e> {
     wo: DVec3,
     position: DVec3,
     normal: DVec3,
-    /// The normal on the visible side.
     facing: DVec3,
     /// Photons count only up to this distance (m) from the tangent plane.
     height_m: f64,
@@ -87,15 +83,13 @@ impl<'e> GatherPoint<'e> {
         }
     }
 
-    /// Returns the gather point with weights for photons that compete with camera paths.
     #[inline(always)]
     pub(in crate::gather) fn competing_by(self, weights: Option<CausticWeights>) -> Self {
         Self { weights, ..self }
     }
 
-    /// Returns the side of the surface to which a photon contributes: 1 for the visible side, and
-    /// −1 for the other side. Returns `None` if the photon belongs to another surface. `normal` is
-    /// the photon's normal. Its length is arbitrary.
+    /// Returns the side to which a photon contributes, 1 for the visible side and −1 for the other,
+    /// or `None` if it belongs to another surface. The photon's `normal` may have any length.
     #[inline(always)]
     fn side_of(&self, normal: DVec3, position: [f32; 3]) -> Option<f64> {
         let alignment = normal.dot(self.facing);
@@ -106,12 +100,12 @@ impl<'e> GatherPoint<'e> {
         (aligned && offset.dot(self.normal).abs() <= self.height_m).then_some(side)
     }
 
-    /// Adds the contribution of a nearby photon to the path.
     #[inline(always)]
     pub(in crate::gather) fn add<S: Sink>(
         &self,
         nearby: &NearbyPhoton<'_>,
-        (spectra, class): (&PhotonSpectra, PathClass),
+        spectra: &PhotonSpectra,
+        class: PathClass,
         sink: &mut S,
     ) {
         let photon = nearby.photon;
@@ -119,8 +113,7 @@ impl<'e> GatherPoint<'e> {
         let Some(side) = self.side_of(photon_normal, nearby.position) else { return };
         let to_light = photon.to_light();
         let kernels = self.kernel.at(f64::from(nearby.distance2));
-        // The cosine at the position of the photon. If the surface is curved, its normal there
-        // differs from the normal at the gather point.
+        // On a curved surface, the normal at the photon differs from that at the gather point.
         let own_cosine = to_light.dot(photon_normal) * side;
         let (wi, kernels) = if self.interpolated {
             (to_light, self.kernels_of_interpolated(kernels, to_light, own_cosine))
@@ -152,7 +145,8 @@ impl<'e> GatherPoint<'e> {
     pub(in crate::gather) fn add_excitation<S: Sink>(
         &self,
         nearby: &NearbyPhoton<'_>,
-        (spectra, class): (&PhotonSpectra, PathClass),
+        spectra: &PhotonSpectra,
+        class: PathClass,
         luminescence: &Luminescence<'_>,
         sink: &mut S,
     ) {
@@ -172,17 +166,16 @@ impl<'e> GatherPoint<'e> {
         luminescence.add(origin, &radiance, (kernels.estimate, biased_by(kernels, self.bias)), sink);
     }
 
-    /// Returns true if the responses of the sensor to photons are independent of the camera path
-    /// and of the directions of the photons, provided that the surface is diffuse and its normal is
-    /// not interpolated.
+    /// Returns true if the responses of the sensor are independent of the camera path and of the
+    /// directions of the photons, on a diffuse surface whose normal is not interpolated.
     #[inline(always)]
     pub(in crate::gather) fn is_plain(&self) -> bool {
         self.spectral_mode == SpectralMode::Free && self.factors.is_empty()
     }
 
-    /// Does the same as [`Self::add`] at a diffuse surface, but adds the contribution as responses
-    /// of the sensor. Photons at a diffuse surface arrive on the side of their normal, so their
-    /// directions have no influence. Returns the response to the photon's radiance.
+    /// Like [`Self::add`], adds a photon to the responses of the sensor, and returns that to its
+    /// radiance. At a diffuse surface, photons arrive on the side of their normal, so their
+    /// directions have no influence.
     #[inline(always)]
     pub(in crate::gather) fn add_response(
         &self,
@@ -202,9 +195,7 @@ impl<'e> GatherPoint<'e> {
 /// The sums of the responses to all photons around a gather point.
 #[derive(Debug, Default)]
 pub(in crate::gather) struct ResponseSums {
-    /// The response to the estimated radiance.
     pub(in crate::gather) estimate: SensorResponse,
-    /// The response to the bias of the estimate.
     pub(in crate::gather) bias: SensorResponse,
 }
 
@@ -213,20 +204,18 @@ pub(in crate::gather) struct ResponseSums {
 pub(in crate::gather) struct PhotonLight<'p> {
     pub(in crate::gather) power: &'p PhotonPower,
     pub(in crate::gather) spectra: &'p PhotonSpectra,
-    /// The class of the path from the light to the camera.
     pub(in crate::gather) class: PathClass,
 }
 
-/// Returns the bias of a photon's contribution, per unit of power. `path_bias` is the relative bias
-/// of all factors except the kernel.
+/// Returns the bias per unit of power. `path_bias` is that of all factors except the kernel.
 #[inline(always)]
 pub(in crate::gather) fn biased_by(kernels: KernelValues, path_bias: f64) -> f64 {
     kernels.bias() + kernels.estimate * path_bias
 }
 
-/// Adds the contribution of a photon to the radiance of a camera path. `response` takes a
-/// wavelength (nm). It returns the fraction of the photon's power that is scattered into the path,
-/// per steradian. `path_bias` is the relative bias of all factors except the kernel.
+/// Adds a photon to the radiance of a camera path. `response` returns the fraction of the power at
+/// a wavelength (nm) that is scattered into the path, per steradian. `path_bias` is the relative
+/// bias of all factors except the kernel.
 #[inline(always)]
 pub(in crate::gather) fn add_photon<S: Sink>(
     PhotonLight { power, spectra, class }: PhotonLight<'_>,

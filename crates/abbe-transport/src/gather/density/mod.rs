@@ -1,5 +1,4 @@
-//! Density estimation on surfaces: computes the radiance that leaves a point from the photons
-//! around this point.
+//! Density estimation: the radiance that leaves a surface point, from the photons around it.
 
 pub(super) mod gather_point;
 pub(super) mod responses;

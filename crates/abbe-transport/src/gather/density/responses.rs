@@ -2,12 +2,12 @@
 //!
 //! A camera path without wavelength-dependent factors sees a diffuse surface directly. The response
 //! of the sensor to a photon there is the sum over the photon's wavelengths of power × reflectance
-//! / π × sensitivity. All factors except the power depend only on the surface, on the spectrum of
-//! the light and on the random number that selected the wavelengths. They are tabulated once, so
-//! that a gathered photon costs a few multiplications.
+//! / π × sensitivity. All factors except the power depend only on the surface, the spectrum of the
+//! light and the random number that selected the wavelengths, so they are tabulated once and a
+//! gathered photon costs a few multiplications.
 //!
-//! At a fluorescent surface, the response also contains the emission that the photon excites. The
-//! response of the sensor to the emission is a single integral over the emission spectrum.
+//! At a fluorescent surface, the response also contains the emission that the photon excites, by a
+//! single integral over the emission spectrum.
 
 use crate::map::{PhotonPower, PhotonSpectra, WavelengthCode};
 use crate::walk::SurfaceInteraction;
@@ -17,8 +17,8 @@ use abbe_spectra::spectrum::{BAND_NM, LANES, Spectrum};
 use std::f64::consts::FRAC_1_PI;
 use wide::f32x4;
 
-/// The number of cells into which the random numbers are divided. A response is constant within a
-/// cell: it is the mean over the cell. A table then fits in the first-level cache.
+/// The number of cells of the random numbers. A response is the mean over its cell. A table then
+/// fits in the first-level cache.
 const CELLS: usize = 256;
 
 /// The number of wavelengths of each lane over which the response of a cell is averaged.
@@ -39,29 +39,18 @@ pub struct SensorResponses {
     cells_per_material: usize,
 }
 
-/// The responses at one diffuse surface.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct SurfaceResponses<'r>(&'r [Cell]);
 
 impl SensorResponses {
-    /// Tabulates the responses of a scene. `sensitivity` returns the response of the sensor to
-    /// light of a wavelength (nm). Returns `None` if no material is diffuse and uniform, or if the
-    /// tables would need too much memory.
+    /// Tabulates the responses of a scene, by the `sensitivity` of the sensor to a wavelength (nm).
+    /// Returns `None` if no material is diffuse and uniform, or if the tables need too much memory.
     pub fn new(scene: &Scene, spectra: &PhotonSpectra, sensitivity: impl Fn(f64) -> [f64; 3]) -> Option<Self> {
-        let diffuse = |surface: &Bsdf| match surface {
-            Bsdf::Diffuse(diffuse) => diffuse.reflectance().uniform().cloned().map(TabulatedSurface::Diffuse),
-            Bsdf::Fluorescent(surface) => Some(TabulatedSurface::fluorescent(surface, &sensitivity)),
-            Bsdf::Absorber
-            | Bsdf::Translucent(_)
-            | Bsdf::Mirror(_)
-            | Bsdf::Conductor(_)
-            | Bsdf::Dielectric(_)
-            | Bsdf::CoatedDielectric(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ThinFilm(_)
-            | Bsdf::Grating(_)
-            | Bsdf::Glossy(_)
-            | Bsdf::Mix(_) => None,
+        let diffuse = |surface: &Bsdf| {
+            if let Bsdf::Diffuse(diffuse) = surface {
+                return diffuse.reflectance().uniform().cloned().map(TabulatedSurface::Diffuse);
+            }
+            surface.as_fluorescent().map(|surface| TabulatedSurface::fluorescent(surface, &sensitivity))
         };
         let materials: Vec<Option<TabulatedSurface>> =
             scene.materials.iter().map(|material| diffuse(&material.surface)).collect();
@@ -82,8 +71,7 @@ impl SensorResponses {
         Some(Self { first_cells: first_cells.collect(), cells_per_material: sampled.len(), cells })
     }
 
-    /// Returns the responses at a surface. Returns `None` if the surface is not diffuse and
-    /// uniform, or if its normal is interpolated.
+    /// Returns `None` if the surface is not diffuse and uniform, or if its normal is interpolated.
     #[inline]
     pub(in crate::gather) fn of_surface(&self, interaction: &SurfaceInteraction<'_>) -> Option<SurfaceResponses<'_>> {
         let first = self.first_cells[interaction.material]?;
@@ -117,7 +105,6 @@ impl CellSamples {
         Self(std::array::from_fn(|lane| std::array::from_fn(|sample| sampled(lane, sample))))
     }
 
-    /// Returns the mean responses to the light that a surface returns.
     fn returned_by(&self, surface: &TabulatedSurface) -> Cell {
         self.0.each_ref().map(|samples| {
             let mut mean = [0.0; 4];
@@ -130,11 +117,8 @@ impl CellSamples {
     }
 }
 
-/// A uniform diffuse surface whose responses are tabulated.
 enum TabulatedSurface {
-    /// A surface with this reflectance.
     Diffuse(Spectrum),
-    /// A fluorescent surface.
     Fluorescent {
         surface: Box<Fluorescent>,
         /// For each emission, the response of the sensor for an excitation of 1 W·nm/m².
@@ -158,8 +142,7 @@ impl TabulatedSurface {
         Self::Fluorescent { surface: Box::new(surface.clone()), emissions }
     }
 
-    /// Returns the response of the sensor to the light that the surface returns, for a power of 1
-    /// at the wavelength `nm`. `sensitivity` is the response to light of this wavelength.
+    /// Returns the response for a power of 1 at the wavelength `nm`, with its `sensitivity`.
     fn response(&self, nm: f64, sensitivity: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Diffuse(reflectance) => {

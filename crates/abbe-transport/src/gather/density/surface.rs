@@ -16,8 +16,7 @@ use abbe_optics::bsdf::BsdfClass;
 use std::f64::consts::PI;
 
 /// Returns the view that selects the estimator of photons. Only free photons are connected to the
-/// camera. Therefore, even if a shared camera path sees the surface directly, it uses the photon
-/// map.
+/// camera, so a shared path uses the photon map even if it sees the surface directly.
 #[inline(always)]
 fn photon_view(path: &CameraPath) -> CameraView {
     match path.spectral_mode {
@@ -35,8 +34,7 @@ struct Gathered<'l, 'a> {
 }
 
 impl<'a> CameraPass<'a> {
-    /// Gathers the photons around a surface point. Only photons of some path classes are gathered:
-    /// the partition assigns these classes to the photon map.
+    /// Gathers the photons of the path classes that the partition assigns to the photon map.
     #[inline(always)]
     pub(in crate::gather) fn gather_photons<S: Sink>(
         &self,
@@ -55,8 +53,8 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Adds the light that photons excite at a fluorescent surface. Free photons excite it, because
-    /// their wavelengths represent the whole light, also if the path carries a shared wavelength.
+    /// Adds the light that free photons excite, also if the path carries a shared wavelength,
+    /// because their wavelengths represent the whole light.
     #[inline(never)]
     pub(in crate::gather) fn gather_excitation<S: Sink>(
         &self,
@@ -87,8 +85,7 @@ impl<'a> CameraPass<'a> {
         radius.max(radius::least(interaction.hit.position))
     }
 
-    /// Returns the weights of caustic photons and of camera paths at a surface point. `None` if the
-    /// two do not compete there.
+    /// Returns the weights of caustic photons and of camera paths, if the two compete.
     #[inline(always)]
     pub(in crate::gather) fn caustic_weights<S: Sink>(
         &self,
@@ -102,7 +99,6 @@ impl<'a> CameraPass<'a> {
         }
         let set = path.spectral_mode.photon_set();
         let area_m2 = if estimator(LightPath::Caustic, bsdf_class, photon_view(path)) == Estimator::Connection {
-            // Each camera sample covers one pixel.
             self.scene.camera.pixel_width_m(path.distance_m).powi(2)
         } else {
             PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
@@ -120,29 +116,28 @@ impl<'a> CameraPass<'a> {
         planned && estimator(class.light_path(), bsdf_class, view) == Estimator::PhotonMap
     }
 
-    /// Returns the outline of the surface within the kernel radius (m) around a surface point.
+    /// Returns the extent within the kernel radius (m) around a surface point.
     #[inline(always)]
-    fn outline_around(
+    fn surface_extent_around(
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
         radius: f64,
         pixel: u64,
-    ) -> KernelOutline<'_> {
+    ) -> KernelExtent<'_> {
         if self.surface_extents.is_empty() || path.view == CameraView::Indirect {
-            return KernelOutline::Absent;
+            return KernelExtent::Absent;
         }
         let point = self.visible_point(path, interaction);
         match self.surface_extents.find(pixel as usize, &point) {
-            PixelSurfaceExtent::Absent => KernelOutline::Absent,
-            PixelSurfaceExtent::Stored(surface_extent) => KernelOutline::Stored(surface_extent),
+            PixelSurfaceExtent::Absent => KernelExtent::Absent,
+            PixelSurfaceExtent::Stored(surface_extent) => KernelExtent::Stored(surface_extent),
             PixelSurfaceExtent::Varies => {
-                KernelOutline::Measured(SurfaceExtent::around(&self.scene.geometry, &point, radius))
+                KernelExtent::Measured(SurfaceExtent::around(&self.scene.geometry, &point, radius))
             }
         }
     }
 
-    /// Gathers the photons of one set around a surface point.
     #[inline(always)]
     fn gather_set<S: Sink>(
         &self,
@@ -161,7 +156,7 @@ impl<'a> CameraPass<'a> {
             }
             context.tally.map_queries += 1;
             let radius = self.kernel_radius(set, class, interaction, context);
-            let surface_extent = self.outline_around(path, interaction, radius, context.pixel);
+            let surface_extent = self.surface_extent_around(path, interaction, radius, context.pixel);
             let surface_extent = surface_extent.limiting();
             let correction =
                 surface_extent.map_or(BoundaryCorrection::WHOLE, |surface_extent| surface_extent.correction(radius));
@@ -173,38 +168,37 @@ impl<'a> CameraPass<'a> {
                 GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
             let centre = interaction.hit.position.as_vec3().to_array();
             let photons = PhotonsAround { map, centre, radius: radius as f32, surface_extent };
-            let light = (self.spectra, path.events.class_at_surface(class.light_path()));
+            let (spectra, path_class) = (self.spectra, path.events.class_at_surface(class.light_path()));
             let responses = if gather_point.is_plain() { self.responses } else { None };
             let sink = &mut *context.sink;
             match (responses.and_then(|responses| responses.of_surface(interaction)), luminescence) {
                 // The tabulated responses contain the emission.
                 (Some(_), Some(_)) => {}
                 (None, Some(luminescence)) => {
-                    context.tally.gathered +=
-                        photons.visit(|nearby| gather_point.add_excitation(nearby, light, luminescence, sink));
+                    context.tally.gathered += photons
+                        .visit(|nearby| gather_point.add_excitation(nearby, spectra, path_class, luminescence, sink));
                 }
                 (Some(surface), None) => {
-                    context.tally.tabulated += add_responses(&photons, &gather_point, surface, light, sink);
+                    context.tally.tabulated +=
+                        add_responses(&photons, &gather_point, surface, spectra, path_class, sink);
                 }
                 (None, None) => {
-                    context.tally.gathered += photons.visit(|nearby| gather_point.add(nearby, light, sink));
+                    context.tally.gathered +=
+                        photons.visit(|nearby| gather_point.add(nearby, spectra, path_class, sink));
                 }
             }
         }
     }
 }
 
-/// The outline of the surface around a gather point.
-enum KernelOutline<'o> {
+enum KernelExtent<'o> {
     /// The kernel does not reach over an edge.
     Absent,
     Stored(&'o SurfaceExtent),
-    /// Measured for this gather point.
     Measured(SurfaceExtent),
 }
 
-impl KernelOutline<'_> {
-    /// Returns the outline if it may limit the kernel.
+impl KernelExtent<'_> {
     #[inline(always)]
     fn limiting(&self) -> Option<&SurfaceExtent> {
         match self {
@@ -215,7 +209,6 @@ impl KernelOutline<'_> {
     }
 }
 
-/// The photons around a gather point.
 struct PhotonsAround<'m> {
     map: &'m PhotonMap,
     centre: [f32; 3],
@@ -226,8 +219,7 @@ struct PhotonsAround<'m> {
 }
 
 impl PhotonsAround<'_> {
-    /// Calls `add` for each photon within the outline. Returns the number of photons within the
-    /// radius.
+    /// Calls `add` for each photon within the surface extent. Returns the number within the radius.
     #[inline(always)]
     fn visit(&self, mut add: impl FnMut(&NearbyPhoton<'_>)) -> u64 {
         let mut count = 0;
@@ -241,14 +233,14 @@ impl PhotonsAround<'_> {
     }
 }
 
-/// Adds the responses of the sensor to the photons around a gather point. Returns the number of
-/// photons within the radius.
+/// Adds the responses to the photons around a gather point. Returns their number within the radius.
 #[inline(always)]
 fn add_responses<S: Sink>(
     photons: &PhotonsAround<'_>,
     gather_point: &GatherPoint<'_>,
     surface: SurfaceResponses<'_>,
-    (spectra, class): (&PhotonSpectra, PathClass),
+    spectra: &PhotonSpectra,
+    class: PathClass,
     sink: &mut S,
 ) -> u64 {
     let mut sums = ResponseSums::default();

@@ -1,10 +1,9 @@
 //! Boundary correction of kernels beside edges.
 //!
-//! Near an edge, a part of the kernel is beyond the surface or behind a wall. Photons there belong
-//! to another surface, or to another room, so they are ignored. Without a correction, the estimate
-//! near the edge would then be too dark. The estimate is therefore divided by the fraction of the
-//! kernel on the surface (Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", section
-//! 7.2.4).
+//! Near an edge, a part of the kernel is beyond the surface or behind a wall, where photons belong
+//! to another surface or another room and are ignored. The estimate is therefore divided by the
+//! fraction of the kernel on the surface, because it would be too dark otherwise (Jensen 2001,
+//! "Realistic Image Synthesis Using Photon Mapping", section 7.2.4).
 
 use crate::gather::camera::visible_point::VisiblePoint;
 use crate::map::kernel::BoundaryCorrection;
@@ -15,27 +14,24 @@ use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::TAU;
 use std::num::NonZeroU32;
 
-/// The number of directions in which an outline stores the extent of the surface.
+/// The number of directions in which a surface extent is stored.
 const DIRECTIONS: usize = 16;
 
-/// The search rays find the end of the surface. This constant is their height above the surface, as
-/// a fraction of the search distance.
+/// The height of the rays that search for the end, as a fraction of the search distance.
 const LIFT: f64 = 0.25;
 
-/// The least cosine of the angle between the normal of a surface and the normal of its
-/// continuation.
+/// The least cosine between the normals of a surface and its continuation.
 const CONTINUATION_COSINE: f64 = 0.7;
 
-/// The lower limit of the fraction of a kernel on the surface. The estimate is divided by this
-/// fraction. A smaller divisor would amplify the noise of a small number of photons.
+/// The least fraction of a kernel on the surface by which the estimate is divided. Smaller divisors
+/// would amplify the noise of few photons.
 const LEAST_FRACTION: f64 = 0.1;
 
-/// Two points lie on the same plane if the second is at most this fraction of the search distance
-/// above or below the plane of the first.
+/// Points this near to a plane, as a fraction of the search distance, lie on it.
 const COPLANAR: f64 = 1e-3;
 
-/// The extent of the surface around a visible point. Each pixel near an edge has an outline. To
-/// save memory, an outline stores positions in single precision and extents as 8-bit integers.
+/// The extent of the surface around a visible point. Each pixel near an edge has one, so it saves
+/// memory by single precision and 8-bit integers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceExtent {
     position: Vec3,
@@ -60,9 +56,8 @@ impl SurfaceExtent {
         })
     }
 
-    /// Returns the outline around another point of the same plane, computed from this outline.
-    /// Returns `None` if the point is not on the plane, or if this outline does not contain
-    /// everything within the distance `search_m` (m) of the point.
+    /// Returns the extent around another point of the same plane, or `None` if the point is not on
+    /// the plane, or if this extent does not contain everything within `search_m` (m) of it.
     pub fn moved_to(&self, visible_point: &VisiblePoint, search_m: f64) -> Option<Self> {
         let offset = visible_point.position - self.position.as_dvec3();
         let (up, own_search_m) = (visible_point.facing, f64::from(self.search_m));
@@ -77,8 +72,8 @@ impl SurfaceExtent {
         Some(Self::new(visible_point, search_m, |i| distance_to_polygon(&corners, directions[i]).min(search_m)))
     }
 
-    /// Returns the reach (m) that an outline needs to contain a circle of this radius (m). The
-    /// corners of an unlimited outline lie on a circle, and its sides are chords.
+    /// Returns the reach (m) of an extent that contains a circle of this radius (m). The corners of
+    /// an unlimited extent lie on a circle, and its sides are chords.
     pub fn search_to_move(radius_m: f64) -> f64 {
         radius_m * (1.0 + 1e-6) / cos(TAU / 2.0 / DIRECTIONS as f64)
     }
@@ -102,9 +97,8 @@ impl SurfaceExtent {
         }
     }
 
-    /// Returns true if a photon at `position` lies on the surface within its extent. Between the
-    /// measured directions, the reciprocal of the extent is interpolated, because this is nearly
-    /// exact for a straight edge.
+    /// Returns true if a photon at `position` lies on the surface. Between the measured directions,
+    /// the reciprocal of the extent is interpolated, which is nearly exact for a straight edge.
     #[inline]
     pub fn contains(&self, position: [f32; 3]) -> bool {
         let offset = Vec3::from(position) - self.position;
@@ -117,8 +111,7 @@ impl SurfaceExtent {
         along.length() * per_extent * f32::from(u8::MAX) <= self.search_m
     }
 
-    /// Returns the fraction of each kernel that lies on the surface. The kernel radius `radius` (m)
-    /// must not exceed the largest distance of the search.
+    /// Returns the fraction of each kernel of this radius (m, at most the search) on the surface.
     pub fn correction(&self, radius: f64) -> BoundaryCorrection {
         let per_step = f64::from(self.search_m) / f64::from(u8::MAX) / radius;
         let (mut estimate, mut uniform) = (0.0, 0.0);
@@ -132,13 +125,13 @@ impl SurfaceExtent {
     }
 }
 
-/// Returns one of the directions of an outline, in the coordinates `right` and `ahead`.
+/// Returns one of the directions of a surface extent, in the coordinates `right` and `ahead`.
 fn direction(i: usize) -> DVec2 {
     unit_vector(i as f64 / DIRECTIONS as f64 * TAU)
 }
 
-/// Returns the distance from the origin to the side of a polygon in a direction. The corners are
-/// listed counterclockwise. Returns 0 if the origin is outside.
+/// Returns the distance from the origin along a direction to the side of a polygon with
+/// counterclockwise corners, 0 from outside.
 fn distance_to_polygon(corners: &[DVec2; DIRECTIONS], direction: DVec2) -> f64 {
     let left = corners.map(|corner| direction.perp_dot(corner));
     let sides = (0..DIRECTIONS).map(|i| (i, (i + 1) % DIRECTIONS));
@@ -148,8 +141,7 @@ fn distance_to_polygon(corners: &[DVec2; DIRECTIONS], direction: DVec2) -> f64 {
     crossed.map(distance).filter(|&distance| distance >= 0.0).reduce(f64::min).unwrap_or(0.0)
 }
 
-/// Returns how far (m) the surface extends from a visible point in one direction. The result is at
-/// most `search_m`.
+/// Returns how far (m) the surface extends in one direction, at most `search_m`.
 fn extent_along(geometry: &Geometry, visible_point: &VisiblePoint, direction: DVec3, search_m: f64) -> f64 {
     const BISECTIONS: usize = 6;
     let up = visible_point.facing;
@@ -173,40 +165,34 @@ fn extent_along(geometry: &Geometry, visible_point: &VisiblePoint, direction: DV
     0.5 * (on + off)
 }
 
-/// The outline of the surface at a visible point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PixelSurfaceExtent<'o> {
     /// The kernel does not reach over an edge.
     Absent,
-    /// The pilot has measured the outline.
     Stored(&'o SurfaceExtent),
-    /// The outline varies within the pixel, so each gather point measures its own.
+    /// The surface extent varies within the pixel, so each gather point measures its own.
     Varies,
 }
 
-/// An outline that the pilot measured, or the reason why it did not.
+/// A surface extent that the pilot measured, or the reason why it did not.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SurfaceExtentSurvey {
     /// The kernel does not reach over an edge.
     Absent,
-    /// The outline.
     Measured(SurfaceExtent),
-    /// The pixel is not small, compared with its kernel, so the outline varies within the pixel.
+    /// The pixel is not small compared with its kernel, so the extent varies within it.
     Varies,
 }
 
-/// The outlines of directly visible surfaces. A pixel has an outline if its kernel reaches over an
-/// edge.
+/// The extents of directly visible surfaces, for the pixels whose kernels reach over an edge.
 #[derive(Debug, Default)]
 pub struct SurfaceExtents {
     width: usize,
-    /// For each pixel, the number of its outline in the list. The numbers start at 1, and
-    /// [`VARIES`] stands for an outline that varies.
+    /// For each pixel, the number of its extent in the list from 1, or [`VARIES`].
     numbers: Vec<Option<NonZeroU32>>,
     list: Vec<SurfaceExtent>,
 }
 
-/// The number of an outline that varies within its pixel.
 const VARIES: NonZeroU32 = NonZeroU32::MAX;
 
 impl SurfaceExtents {
@@ -216,8 +202,7 @@ impl SurfaceExtents {
         self.numbers.is_empty()
     }
 
-    /// Collects the outlines of pixels. The pixels are listed row by row, from the top of the
-    /// image.
+    /// Takes the extents of pixels row by row, from the top of the image.
     pub fn new(width: usize, of_pixels: Vec<SurfaceExtentSurvey>) -> Self {
         let mut list = Vec::new();
         let number = |surface_extent| match surface_extent {
@@ -232,8 +217,7 @@ impl SurfaceExtents {
         Self { width, numbers, list }
     }
 
-    /// Collects the outlines of all pixels from bands of rows. The bands are listed from the top of
-    /// the image.
+    /// Joins bands of rows, from the top of the image.
     pub fn of_bands(width: usize, bands: Vec<Self>) -> Self {
         let pixels = bands.iter().map(|band| band.numbers.len()).sum();
         let mut all = Self { width, numbers: Vec::with_capacity(pixels), list: Vec::new() };
@@ -247,9 +231,8 @@ impl SurfaceExtents {
         if all.numbers.iter().all(Option::is_none) { Self::default() } else { all }
     }
 
-    /// Returns the outline of the surface at a visible point of this pixel. The pixel may see
-    /// several surfaces. If the pixel's own outline belongs to a different surface, a neighbouring
-    /// pixel may have an outline of the right surface.
+    /// Returns the extent at a visible point of this pixel. The pixel may see several surfaces, so
+    /// a neighbour may have the extent of the right one.
     pub fn find(&self, pixel: usize, visible_point: &VisiblePoint) -> PixelSurfaceExtent<'_> {
         if self.numbers[pixel] == Some(VARIES) {
             return PixelSurfaceExtent::Varies;
@@ -293,15 +276,13 @@ mod tests {
         }
     }
 
-    /// Creates an outline. `extent` is the extent of the surface (at most 1) as a function of
-    /// direction.
+    /// Takes the extent (at most 1) as a function of direction.
     fn surface_extent(extent: impl Fn(f64) -> f64) -> SurfaceExtent {
         SurfaceExtent::new(&visible_point(), 1.0, |i| extent(i as f64 / DIRECTIONS as f64 * TAU))
     }
 
-    /// Compares two fractions at an edge and in a corner: the fraction of the kernel on the
-    /// surface, and the fraction of the directions in which the surface continues. The two
-    /// fractions must be equal.
+    /// At an edge and in a corner, the fraction of the kernel on the surface equals the fraction of
+    /// the directions in which the surface continues.
     #[test]
     fn edge_and_corner_corrections_count_directions() {
         let half = surface_extent(|angle| if angle.cos() > 1e-9 { 0.0 } else { 1.0 });
@@ -310,8 +291,7 @@ mod tests {
         assert!((corner.correction(1.0).estimate - 3.0 / 16.0).abs() < 1e-9);
     }
 
-    /// A straight edge cuts the kernel at half the radius. The computed mass of the remaining
-    /// kernel agrees with the exact formula.
+    /// A straight edge cuts the kernel at half the radius, and leaves the mass of the formula.
     #[test]
     fn cut_kernel_has_the_mass_of_the_closed_form() {
         let cut = surface_extent(|angle| if angle.cos() > 0.5 { 0.5 / angle.cos() } else { 1.0 });
@@ -328,14 +308,13 @@ mod tests {
         );
     }
 
-    /// A kernel that does not reach the edge needs no correction.
     #[test]
     fn kernel_far_from_the_edge_is_not_corrected() {
         assert_eq!(surface_extent(|_| 0.51).correction(0.5), BoundaryCorrection::WHOLE);
     }
 
-    /// An outline that moves along the surface becomes the outline of the other point. The chord
-    /// between the edge and the end of the search cuts off a few percent.
+    /// An extent that moves along the surface becomes that of the other point. The chord between
+    /// the edge and the end of the search cuts off a few percent.
     #[test]
     fn extent_of_a_neighbour_is_moved_along_the_surface() {
         let edge = |distance: f64, search_m: f64| {
@@ -359,7 +338,6 @@ mod tests {
         assert_eq!(wide.moved_to(&tilted, 0.6), None);
     }
 
-    /// A pixel that sees two surfaces uses the outline of the matching surface.
     #[test]
     fn pixel_with_two_surfaces_takes_the_fitting_extent() {
         let edge = surface_extent(|angle| if angle.cos() > 0.0 { 0.0 } else { 1.0 });
@@ -370,7 +348,6 @@ mod tests {
         assert_eq!(surface_extents.find(1, &wall), PixelSurfaceExtent::Absent, "another surface");
     }
 
-    /// A photon behind a straight wall does not count, and a photon in front of the wall does.
     #[test]
     fn photons_behind_a_wall_are_outside_the_extent() {
         let wall = surface_extent(|angle| if angle.cos() > 0.4 { 0.4 / angle.cos() } else { 1.0 });

@@ -3,66 +3,57 @@
 //! Illumination Sampling").
 //!
 //! A light tree does not know that a wall hides a light. Before pass 0, trials from camera paths
-//! measure the light that reaches surfaces. The surfaces are divided into cells: by the axis that
-//! is nearest to the normal, and then at the medians of the positions. Each cell keeps the emitters
-//! that brought most light, with the ratio between this light and their importance. The trials of
-//! the cells around it also count, with a small weight. The product of the ratio and of the
-//! importance at a point is the weight with which the point samples the emitter. Other samples
-//! follow the tree, so the estimate is unbiased for any trials.
+//! measure the light that reaches surfaces. The surfaces are divided into cells: by the axis
+//! nearest to the normal, and then at the medians of the positions. Each cell keeps the emitters
+//! that brought most light, with the ratio between this light and their importance; the trials of
+//! the cells around it also count, with a small weight. A point samples an emitter by the product
+//! of the ratio and of the importance at the point. Other samples follow the tree, so the estimate
+//! is unbiased for any trials.
 
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::math::sort::sort_by_number;
 use glam::DVec3;
 
-/// The largest share of the samples that follow the learned weights. The other samples follow the
-/// tree. The variance is therefore at most ten times that of the tree.
+/// The largest fraction of the samples that follow the learned weights. The others follow the tree,
+/// so the variance is at most ten times that of the tree.
 const LEARNED_FRACTION: f64 = 0.9;
 
 /// A cell with twice this number of trials is divided.
 const TRIALS_OF_CELL: usize = 256;
 
-/// The number of trials in a group of cells is between this number and twice this number, unless
-/// the group is a whole direction.
+/// A group has between this number and twice this number of trials, or is a whole direction.
 const TRIALS_OF_GROUP: usize = 2048;
 
 /// The trials of the group count as much as this number of trials of an emitter in the cell. They
 /// find emitters that no trial in the cell selected.
 const GROUP_WEIGHT: f64 = 4.0;
 
-/// The importance of an emitter in a cell is measured at this number of points.
+/// The number of points at which the importance of an emitter in a cell is measured.
 const IMPORTANCE_POINTS: usize = 32;
 
-/// The largest number of emitters that a cell keeps.
 const MOST_EMITTERS: usize = 24;
 
-/// The light of one emitter at one point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightTrial {
     /// The position of the point in m.
     pub position: DVec3,
     /// The unit normal of the surface, on the side of the path.
     pub normal: DVec3,
-    /// The number of the emitter.
     pub(super) emitter: u32,
-    /// The ratio between the light and the importance of the emitter. It is 0 if a surface hides
-    /// the emitter.
+    /// The light divided by the importance of the emitter, 0 if a surface hides it.
     pub(super) light_per_importance: f64,
 }
 
 /// The trials of one emitter in a part of the scene.
 #[derive(Debug, Clone, Copy)]
 struct EmitterTrials {
-    /// The number of the emitter.
     emitter: u32,
-    /// The number of trials.
     count: f64,
-    /// The number of trials that found light.
     lit: f64,
     /// The sum of the squares of [`LightTrial::light_per_importance`].
     squares: f64,
 }
 
-/// The emitters of each cell.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct LearnedLights {
     /// For each direction of an axis, the root of a tree of cells in `nodes`.
@@ -76,14 +67,12 @@ pub(super) struct LearnedLights {
 enum CellNode {
     /// Positions below `middle_m` on the axis belong to the first child.
     Divided { axis: usize, middle_m: f64, second: u32 },
-    /// The emitters of the cell are `emitters[from..to]`. This share of the samples follows them.
+    /// The emitters `emitters[from..to]`, and the fraction of the samples that follows them.
     Cell { from: u32, to: u32, fraction: f64 },
 }
 
-/// An emitter that lights a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LearnedEmitter {
-    /// The number of the emitter.
     number: u32,
     /// The root mean square of [`LightTrial::light_per_importance`].
     light_per_importance: f64,
@@ -95,13 +84,12 @@ pub(super) struct LearnedWeights<'a> {
     emitters: &'a [LearnedEmitter],
     weights: [f64; MOST_EMITTERS],
     sum: f64,
-    /// The share of the samples that follow the weights.
+    /// The fraction of the samples that follow the weights.
     pub(super) fraction: f64,
 }
 
 impl LearnedLights {
-    /// Learns from trials. `importance` returns the importance of an emitter at the point of a
-    /// trial.
+    /// Learns from trials. `importance` is that of an emitter at the point of a trial.
     pub(super) fn new(trials: &[LightTrial], importance: &impl Fn(u32, &LightTrial) -> f64) -> Self {
         let mut learned = Self::default();
         for direction in 0..6 {
@@ -115,8 +103,8 @@ impl LearnedLights {
         learned
     }
 
-    /// Appends the node of a part of the scene, and all nodes below. `around` holds the emitters of
-    /// the group that contains the part, if the group is larger.
+    /// Appends the node of a part of the scene and all nodes below. `around` holds the emitters of
+    /// the group around it, if the group is larger.
     fn divide(
         &mut self,
         trials: &mut [LightTrial],
@@ -180,8 +168,8 @@ impl LearnedLights {
         self.nodes.push(CellNode::Cell { from, to: self.emitters.len() as u32, fraction });
     }
 
-    /// Returns the weights at a point. `importance` returns the importance of an emitter there.
-    /// Returns `None` if no trial in the cell found light, or if no weight is above 0.
+    /// Returns the weights at a point, or `None` if no trial in the cell found light or no weight
+    /// is above 0. `importance` is that of an emitter there.
     pub(super) fn weights(
         &self,
         (position, normal): (DVec3, DVec3),
@@ -229,14 +217,12 @@ impl LearnedWeights<'_> {
         known.map_or(0.0, |number| self.weights[number] / self.sum)
     }
 
-    /// Returns the probability of an emitter if the samples that do not follow the weights follow a
-    /// tree. `in_tree` is the probability of the emitter in the tree.
+    /// Mixes in the samples that follow the tree, where the emitter has the probability `in_tree`.
     pub(super) fn mixed(&self, emitter: usize, in_tree: f64) -> f64 {
         self.fraction * self.probability(emitter) + (1.0 - self.fraction) * in_tree
     }
 }
 
-/// Returns the emitters of trials, in the order of their numbers.
 fn emitters_of(trials: &[LightTrial]) -> Vec<EmitterTrials> {
     let mut sorted = trials.to_vec();
     sort_by_number(&mut sorted, |trial| f64::from(trial.emitter));
@@ -251,7 +237,6 @@ fn emitters_of(trials: &[LightTrial]) -> Vec<EmitterTrials> {
         .collect()
 }
 
-/// Returns the number of the direction of an axis that is nearest to a normal.
 fn direction_of(normal: DVec3) -> usize {
     let axis = normal.abs().max_position();
     2 * axis + usize::from(normal[axis] < 0.0)
@@ -267,8 +252,7 @@ mod tests {
         if emitter == 5 { 1.0 + x } else { 1.0 }
     }
 
-    /// Trials on a floor. Emitter 3 lights the half below x = 0, and emitters 5 and 8 light the
-    /// other half.
+    /// Trials on a floor. Emitter 3 lights x < 0, and emitters 5 and 8 light the other half.
     fn learned() -> LearnedLights {
         let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
         let trials: Vec<LightTrial> = (0..8192)
@@ -291,7 +275,6 @@ mod tests {
         learned.weights((DVec3::new(x, 0.1, 0.3), normal), |emitter| importance(emitter as u32, x))
     }
 
-    /// The two emitters of a cell are sampled in proportion to their light at the point.
     #[test]
     fn each_part_samples_the_emitters_that_light_it() {
         let learned = learned();
@@ -306,8 +289,7 @@ mod tests {
         assert!(weights(&learned, 0.2, DVec3::NEG_Y).is_none());
     }
 
-    /// The shares of uniform numbers that sample each emitter are the probabilities, and the
-    /// remaining numbers are uniform.
+    /// Uniform numbers sample emitters with their probabilities, and stay uniform.
     #[test]
     fn samples_have_their_probability() {
         let learned = learned();

@@ -7,7 +7,7 @@ use abbe_scene::geometry::{Ray, SurfaceId};
 
 impl DirectLighting<'_> {
     /// Samples an emitter of the tree for one side of a surface, and measures its irradiance.
-    /// Returns `None` if there is no such side, or if the tree has no light for it.
+    /// Returns `None` if there is no such side or no light.
     pub(in crate::gather) fn light_trial(
         &self,
         receiver: ReceivingPoint,

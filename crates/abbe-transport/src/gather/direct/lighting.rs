@@ -1,7 +1,6 @@
-//! Next-event estimation combines two techniques: shadow rays to sampled points of lights, and
-//! scattered rays that happen to hit a light. The two techniques are combined by multiple
-//! importance sampling with the power heuristic (Veach & Guibas 1995, "Optimally Combining Sampling
-//! Techniques for Monte Carlo Rendering").
+//! Next-event estimation: shadow rays to sampled points of lights, and scattered rays that happen
+//! to hit a light, combined by multiple importance sampling with the power heuristic (Veach &
+//! Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
 use super::light_tree::{Receiver, ReceivingPoint};
 use super::portals::{PORTAL_FRACTION, Portals};
@@ -20,55 +19,48 @@ use abbe_scene::meter::SensorPoint;
 use abbe_spectra::math::random::Seed;
 use glam::DVec3;
 
-/// Next-event estimation in one scene.
 #[derive(Debug)]
 pub struct DirectLighting<'a> {
     pub(in crate::gather) scene: &'a Scene,
     pub(super) selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
-    /// The openings of the scene.
     pub(in crate::gather) portals: &'a Portals,
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub(in crate::gather) ray_densities: Option<&'a RayDensities>,
 }
 
-/// The attenuation along shadow rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ShadowAttenuation {
     /// Nothing in the scene absorbs or scatters between surfaces.
     Absent,
-    /// Each medium uses its own transmittance estimator.
     PerMedium,
-    /// Ratio tracking in all media. Shadow rays pass through thin panes.
-    Tracked { panes: bool },
+    /// By ratio tracking in all media. Shadow rays may pass through thin panes.
+    Tracked {
+        panes: bool,
+    },
 }
 
 /// The straight line of a shadow ray that reaches its light.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum ShadowLine {
-    /// No surface is on the line.
     Clear,
-    /// Thin panes are on the line, and no other surface. The value is the surface of the light, if
-    /// the light has a surface.
+    /// Only thin panes are on the line. Holds the surface of the light, if it has one.
     ThroughPanes(Option<SurfaceId>),
 }
 
-/// A surface point where direct light is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct LightSampleContext<'e, 'a> {
     pub(in crate::gather) interaction: &'e SurfaceInteraction<'a>,
-    /// The wavelength (nm) at which the path samples directions. Multiple importance sampling uses
-    /// the BSDF's density at this wavelength.
+    /// The wavelength (nm) at which the path samples directions, for the BSDF's density.
     pub(in crate::gather) nm: f64,
 }
 
-/// A point in a medium where direct light is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct VolumeLightSampleContext<'a> {
     /// The path's ray. The origin of this ray is the point in the medium.
     pub(in crate::gather) ray_state: RayState,
-    /// The density from which the path samples its next direction. `None` if the estimator ignores
-    /// lights that scattered rays hit. The shadow ray then has the weight 1.
+    /// The density of the path's next direction. `None` if the estimator ignores lights that
+    /// scattered rays hit; the shadow ray then has the weight 1.
     pub(in crate::gather) phase: Option<PhaseMixture<'a>>,
 }
 
@@ -77,67 +69,54 @@ pub(in crate::gather) struct LightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The unit direction towards the light, in the interaction's frame.
     pub(in crate::gather) wi: DVec3,
-    /// The reflected radiance at a wavelength is `strength` × S(λ) × f(λ), where S is the light's
-    /// spectrum and f is the BSDF. The strength includes the cosine, the density and the weight of
-    /// multiple importance sampling.
+    /// The reflected radiance is `strength` × S(λ) × f(λ), for the light's spectrum S and the BSDF
+    /// f. It includes the cosine, the density and the weight of multiple importance sampling.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
     /// The unit direction towards the light, in world space.
     pub(in crate::gather) direction: DVec3,
-    /// The straight line to the light.
     pub(in crate::gather) line: ShadowLine,
     /// The distance to the light in m.
     pub(in crate::gather) distance_m: f64,
 }
 
-/// Direct light at a point in a medium.
 pub(in crate::gather) struct VolumeLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
     /// The unit direction in which the light travels, in world space.
     pub(in crate::gather) incoming: DVec3,
-    /// Without attenuation, the scattered radiance at a wavelength is `strength` × S(λ) × σ_s(λ) ×
-    /// p(cos θ, λ). S is the light's spectrum, σ_s is the scattering coefficient, and p is the
-    /// phase function.
+    /// The scattered radiance without attenuation is `strength` × S(λ) × σ_s(λ) × p(cos θ, λ), for
+    /// the light's spectrum S, the scattering coefficient σ_s and the phase function p.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
-    /// The transmittance between the light and the point.
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 
-/// Direct light at a receptor of a meter.
 pub(in crate::gather) struct SensorLightSample<'a> {
     pub(in crate::gather) light: &'a Light,
-    /// Without attenuation, the mean radiance at a wavelength is `strength` × S(λ), where S is the
-    /// light's spectrum.
+    /// The mean radiance without attenuation is `strength` × S(λ), for the light's spectrum S.
     pub(in crate::gather) strength: f64,
     pub(in crate::gather) spd: EmittedSpd,
-    /// The transmittance between the light and the receptor.
     pub(in crate::gather) transmittance: PathTransmittance<'a>,
 }
 
-/// A light that a ray hit.
 pub(in crate::gather) struct EmitterHit<'a> {
     pub(in crate::gather) light: &'a Light,
-    /// The radiance over the band (W/m²/sr), multiplied by the weight of multiple importance
-    /// sampling.
+    /// Over the band (W/m²/sr), times the weight of multiple importance sampling.
     pub(in crate::gather) radiance: f64,
     pub(in crate::gather) spd: EmittedSpd,
 }
 
-/// Tells how to weight the radiance of a light that a path happens to hit. The weight depends on
-/// the path vertex before the light.
+/// The weight of a light that a path happens to hit, by the path vertex before the light.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) enum HitWeighting {
     /// The weight is 1, because no shadow ray could have sampled this light.
     Full,
-    /// The weight of multiple importance sampling. The ray was sampled at `from` with the density
-    /// `pdf` per steradian. The other sampling technique is shadow rays. `caustic` weights the
-    /// light that the path hits after a specular event. If it is `None`, another estimator counts
-    /// this light.
+    /// By multiple importance sampling with shadow rays. The ray was sampled at `from` with the
+    /// density `pdf` per steradian. `caustic` weights the light that the path hits after a specular
+    /// event, or is `None` if another estimator counts it.
     Mis { from: ReceivingPoint, pdf: f64, caustic: Option<CausticWeights> },
-    /// The weight of multiple importance sampling. The other technique is photons. The path was
-    /// sampled with the density `pdf` per steradian at a glossy surface, and then had only specular
-    /// events.
+    /// By multiple importance sampling with photons. The path was sampled with `pdf` per steradian
+    /// at a glossy surface, and then had only specular events.
     Caustic { pdf: f64, weights: CausticWeights },
     /// The weight is 0, because another estimator counts the light.
     Ignored,
@@ -155,13 +134,11 @@ impl HitWeighting {
 }
 
 impl<'a> DirectLighting<'a> {
-    /// Creates the estimator. `selector` selects lights of this scene.
     pub fn new(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
         Self::attenuated(scene, selector, media_plan, ShadowAttenuation::PerMedium)
     }
 
-    /// Creates the estimator of the reference path tracer, which uses ratio tracking in all media.
-    /// Its shadow rays pass through thin panes.
+    /// Serves the reference path tracer: ratio tracking, and shadow rays through thin panes.
     pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
         let panes = scene.materials.iter().any(|material| material.surface.uniform_pane().is_some());
         let tracked = ShadowAttenuation::Tracked { panes };
@@ -169,15 +146,15 @@ impl<'a> DirectLighting<'a> {
         if panes { Self { attenuation: tracked, ..direct } } else { direct }
     }
 
-    /// Returns true if shadow rays pass through thin panes. Paths that cross a pane in a straight
-    /// line are then weighted as if the pane were not there.
+    /// Returns true if shadow rays pass through thin panes. Paths that cross a pane straight are
+    /// then weighted as if it were not there.
     #[inline]
     pub fn passes_panes(&self) -> bool {
         matches!(self.attenuation, ShadowAttenuation::Tracked { panes: true })
     }
 
-    /// Returns the straight line from the ray's origin to a light, or `None` if a surface blocks
-    /// it. `from` is the surface that the ray leaves, and `target` is the surface of the light.
+    /// Returns the line from the ray's origin on the surface `from` to a light on the surface
+    /// `target`, or `None` if a surface blocks it.
     #[inline(always)]
     pub(super) fn line_to_light(
         &self,
@@ -193,8 +170,8 @@ impl<'a> DirectLighting<'a> {
         passes.then_some(ShadowLine::ThroughPanes(target))
     }
 
-    /// Follows a straight line through thin panes to a light. Calls `visit` for each pane with the
-    /// cosine of the angle of incidence. Returns false if another surface blocks the line.
+    /// Follows a line through thin panes to a light, and calls `visit` with each pane and the
+    /// cosine of incidence. Returns false if another surface blocks the line.
     #[inline(never)]
     fn cross_panes(
         &self,
@@ -216,14 +193,12 @@ impl<'a> DirectLighting<'a> {
         true
     }
 
-    /// Adds the densities of the emitted rays, for a scene in which photons compete with camera
-    /// paths.
+    /// Sets the densities of rays, if photons compete with camera paths.
     #[must_use]
     pub fn with_ray_densities(self, ray_densities: Option<&'a RayDensities>) -> Self {
         Self { ray_densities, ..self }
     }
 
-    /// Adds the openings of the scene.
     #[must_use]
     pub fn with_portals(self, portals: &'a Portals) -> Self {
         Self { portals, ..self }
@@ -239,8 +214,7 @@ impl<'a> DirectLighting<'a> {
         Self { scene, selector, attenuation, portals: Portals::NONE, ray_densities: None }
     }
 
-    /// Returns the transmittance along an unoccluded ray of this length from a surface. The hash of
-    /// `u` is the seed of ratio tracking.
+    /// Returns the transmittance of an unoccluded ray from a surface. `u` is hashed to a seed.
     #[inline(always)]
     pub(in crate::gather) fn transmittance_from<M: BodyMode>(
         &self,
@@ -282,16 +256,14 @@ impl<'a> DirectLighting<'a> {
         }
     }
 
-    /// Selects the lights that a receiver samples. `u` holds the random numbers that select lights
-    /// and points of lights.
+    /// Selects lights for a receiver. `u` selects lights and points of lights.
     #[inline]
     pub(in crate::gather) fn select_lights<R: Receiver>(&self, receiver: R, u: [f64; 3]) -> LightSelection<'a, R> {
         self.selector.select(receiver, u)
     }
 
-    /// Samples the direct light of one light at a receptor of a meter. `pdf` is the density with
-    /// which a path from the receptor starts in a direction. Returns `None` if the light does not
-    /// reach the receptor.
+    /// Samples the light of one light at a sensor, or `None` if it does not reach it. `pdf` is the
+    /// density with which a path from the sensor starts in a direction.
     pub(in crate::gather) fn sample_direct_at_sensor(
         &self,
         point: &SensorPoint,
@@ -317,8 +289,7 @@ impl<'a> DirectLighting<'a> {
         Some(SensorLightSample { light, strength, spd, transmittance })
     }
 
-    /// Samples the direct light of one light at a point in a medium. Returns `None` if the light
-    /// does not reach the point.
+    /// Samples one light at a point in a medium, or `None` if it does not reach the point.
     pub(in crate::gather) fn sample_direct_in_medium(
         &self,
         context: VolumeLightSampleContext<'a>,
@@ -332,8 +303,8 @@ impl<'a> DirectLighting<'a> {
         let incoming = -incident.direction;
         let mis_weight = match (phase, incident.pdf_solid_angle) {
             (Some(phase), Some(pdf)) => {
-                // The phase function is symmetric. Its value is therefore the density with which
-                // the camera path would have continued towards the light.
+                // The phase function is symmetric, so it is the density with which the camera path
+                // would have continued towards the light.
                 let cosine = ray_state.ray.direction.dot(incident.direction);
                 power_heuristic(pdf * probability, phase.eval(cosine))
             }
@@ -350,9 +321,8 @@ impl<'a> DirectLighting<'a> {
         Some(VolumeLightSample { light, incoming, strength, spd: incident.spd, transmittance })
     }
 
-    /// Samples the direct light of one light at a surface. The sample does not include the
-    /// attenuation by media. Returns `None` if the light does not reach the surface, or if the
-    /// surface does not scatter the light.
+    /// Samples the light of one light at a surface, without the attenuation by media. Returns
+    /// `None` if it does not reach the surface or is not scattered there.
     #[inline(always)]
     pub(in crate::gather) fn sample_direct(
         &self,
@@ -383,8 +353,7 @@ impl<'a> DirectLighting<'a> {
         Some(LightSample { light, wi, strength, spd, direction, line, distance_m: distance })
     }
 
-    /// Returns the numbers of the lights at the end of a ray: the light of the surface there, or
-    /// the lights at infinity if the ray leaves the scene.
+    /// Returns the lights at the end of a ray: that of the surface, or those at infinity.
     #[inline(always)]
     pub(in crate::gather) fn emitters_hit(&self, hit: Option<&Hit>) -> &'a [usize] {
         match hit {
@@ -393,8 +362,7 @@ impl<'a> DirectLighting<'a> {
         }
     }
 
-    /// Evaluates one of the lights from [`Self::emitters_hit`]. Returns `None` if the light does
-    /// not emit towards the ray.
+    /// Evaluates one of these lights, or returns `None` if it does not emit towards the ray.
     #[inline(never)]
     pub(in crate::gather) fn emitted_by_hit(
         &self,
@@ -443,8 +411,7 @@ impl<'a> DirectLighting<'a> {
         self.sample_li_through_portals(light, from, u)
     }
 
-    /// Samples a direction from a point towards the surroundings: through an opening, or by their
-    /// radiance.
+    /// Samples a direction towards the surroundings, through a portal or by their radiance.
     #[inline(never)]
     fn sample_li_through_portals(&self, light: &Light, from: DVec3, [u, v, choice]: [f64; 3]) -> Option<LiSample> {
         let mut sample = if choice < PORTAL_FRACTION {
@@ -471,8 +438,7 @@ impl<'a> DirectLighting<'a> {
         (1.0 - PORTAL_FRACTION) * pdf + PORTAL_FRACTION * self.portals.open.pdf(from, direction)
     }
 
-    /// Returns the density of a light's rays along a camera ray that hit the light. `radiance` is
-    /// the radiance of the light along this ray.
+    /// Returns the density of a light's rays along a camera ray that hit it and found `radiance`.
     fn ray_density(&self, number: usize, ray: Ray, hit: Option<&Hit>, radiance: f64) -> RayDensity {
         let Some(densities) = self.ray_densities else { return RayDensity::NONE };
         // The rays of a distant light start outside the scene.
@@ -482,9 +448,8 @@ impl<'a> DirectLighting<'a> {
 }
 
 /// Returns the weight of a sample by the power heuristic with exponent 2 (Veach & Guibas 1995).
-/// `pdf` is the density of the technique that drew the sample. `other_pdf` is the density of the
-/// other technique for the same sample. Both densities must refer to the same measure, for example
-/// to solid angle.
+/// `pdf` is that of the technique that drew the sample, and `other_pdf` that of the other one, in
+/// the same measure.
 pub fn power_heuristic(pdf: f64, other_pdf: f64) -> f64 {
     if pdf.is_infinite() {
         return 1.0;

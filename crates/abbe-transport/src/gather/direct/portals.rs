@@ -1,40 +1,37 @@
-//! Openings through which the light of the surroundings reaches a room.
+//! Portals through which the light of the surroundings reaches a room.
 //!
-//! A shadow ray to a random direction of the sky rarely passes through a window. Most shadow rays
-//! to an environment are therefore sent towards the openings that a search before pass 0 found
-//! (compare Bitterli, Novák & Jarosz 2015, "Portal-Masked Environment Map Sampling"). An opening is
-//! a sphere around a window, so the user need not describe the window. The other shadow rays follow
-//! the radiance of the environment, so the estimate is unbiased for any spheres.
+//! A shadow ray to a random direction of the sky rarely passes through a window, so most of them
+//! are sent towards the portals that a search before pass 0 found (compare Bitterli, Novák & Jarosz
+//! 2015, "Portal-Masked Environment Map Sampling"). A portal is a sphere around a window, which the
+//! user need not describe. The other shadow rays follow the radiance of the environment, so the
+//! estimate is unbiased for any spheres.
 
 use abbe_spectra::math::sphere::BoundingSphere;
 use glam::DVec3;
 
-/// The share of the shadow rays to an environment that are sent towards openings.
+/// The fraction of the shadow rays to an environment that are sent towards portals.
 pub const PORTAL_FRACTION: f64 = 0.75;
 
-/// The openings of a scene.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Portals {
-    /// The openings without glass. Shadow rays pass through them.
+    /// The portals without glass. Shadow rays pass through them.
     pub open: PortalSpheres,
-    /// The openings of which at least some have glass. Only the paths of meters use them.
+    /// The portals of which at least some have glass. Only the paths of meters use them.
     pub glazed: PortalSpheres,
 }
 
-/// The spheres around openings. Rays are sent to all of them with equal probability.
+/// The spheres around portals. Rays are sent to all of them with equal probability.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PortalSpheres(pub Vec<BoundingSphere>);
 
 impl Portals {
-    /// The openings of a scene without any.
     pub const NONE: &'static Self = &Self { open: PortalSpheres(Vec::new()), glazed: PortalSpheres(Vec::new()) };
 
-    /// Returns the spheres around all openings.
     pub fn all(&self) -> Vec<BoundingSphere> {
         [self.open.0.as_slice(), &self.glazed.0].concat()
     }
 
-    /// Returns the openings for an estimator whose shadow rays pass through panes.
+    /// Returns the portals for an estimator whose shadow rays pass through panes.
     #[must_use]
     pub fn without_glass(&self) -> Self {
         Self { open: PortalSpheres(self.all()), glazed: PortalSpheres::default() }
@@ -42,20 +39,19 @@ impl Portals {
 }
 
 impl PortalSpheres {
-    /// Returns the number of spheres.
     #[inline]
     pub(in crate::gather) fn count(&self) -> usize {
         self.0.len()
     }
 
-    /// Samples a direction from a point through an opening. `choice` in [0, 1) selects the opening.
+    /// Samples a direction from a point through an portal. `choice` in [0, 1) selects the portal.
     pub(in crate::gather) fn sample(&self, from: DVec3, choice: f64, u: [f64; 2]) -> DVec3 {
         let count = self.0.len();
         let number = ((choice * count as f64) as usize).min(count - 1);
         self.0[number].sample_direction(from, u).0
     }
 
-    /// Returns the density of `sample` per steradian.
+    /// Returns the density of [`Self::sample`] per steradian.
     pub fn pdf(&self, from: DVec3, direction: DVec3) -> f64 {
         let sum: f64 = self.0.iter().map(|sphere| sphere.pdf_direction(from, direction)).sum();
         sum / self.0.len() as f64
@@ -67,7 +63,7 @@ mod tests {
     use super::*;
     use abbe_spectra::math::sobol::Sobol;
 
-    /// The mean of 1/pdf over the samples is the solid angle that the openings cover.
+    /// The mean of 1/pdf over the samples is the solid angle that the portals cover.
     #[test]
     fn samples_have_their_pdf() {
         let sphere = |x: f64, radius_m: f64| BoundingSphere { centre: DVec3::new(x, 2.0, 0.0), radius_m };

@@ -1,13 +1,12 @@
 //! The selection of the lights that a point samples.
 //!
-//! If a scene has at most eight lights, each point samples all of them. If a scene has more lights,
-//! each point samples one emitter of a light tree, or one of the emitters that light the surfaces
-//! around the point, as the pilot learned. Distant lights and parallel beams are not in the
-//! tree, because their irradiance does not fall with the distance. If there are such lights, each
-//! point also samples one of them, in proportion to their powers.
+//! With at most eight lights, each point samples all of them. With more, it samples one emitter of
+//! a light tree, or one of the emitters that light the surfaces around it, as the pilot learned.
+//! Distant lights and parallel beams are not in the tree, because their irradiance does not fall
+//! with the distance; each point also samples one of them, in proportion to their powers.
 //!
 //! A luminous mesh counts as many lights. In a scene with at most eight lights, a mesh of more than
-//! eight triangles has a tree of its own, which selects the triangle that a point samples.
+//! eight triangles has a tree of its own, which selects the triangle.
 
 use super::learned_lights::{LearnedLights, LearnedWeights, LightTrial};
 use super::light_tree::{Emitters, Receiver, ReceivingPoint};
@@ -19,12 +18,10 @@ use std::ops::Range;
 /// If a scene has at most this number of lights, each point samples all lights.
 const SAMPLE_ALL_LIGHTS: usize = 8;
 
-/// Selects the lights that a point samples.
 #[derive(Debug, Clone)]
 pub struct LightSelector {
     light_count: usize,
-    /// The samples that each point takes. The list is empty if each point samples all lights, and
-    /// no light has a tree.
+    /// Those of each point. Empty if each point samples all lights, and no light has a tree.
     samples: Vec<Sampled>,
     /// For each light, how it is sampled. Empty if `samples` is empty.
     lights: Vec<SampledBy>,
@@ -35,45 +32,41 @@ pub struct LightSelector {
     learned: LearnedLights,
 }
 
-/// One sample that each point takes.
 #[derive(Debug, Clone, Copy)]
 enum Sampled {
-    /// The light of this number.
     Light(usize),
-    /// One of the lights outside the tree.
     Outside,
-    /// One emitter of the tree with this root. The emitter is selected by the component `by` of the
-    /// random numbers.
-    Tree { root: usize, by: usize },
+    /// One emitter of the tree with this root, selected by the random number `by`.
+    Tree {
+        root: usize,
+        by: usize,
+    },
 }
 
-/// How a light is sampled.
 #[derive(Debug, Clone, Copy)]
 enum SampledBy {
-    /// Every point samples the light.
     EveryPoint,
     /// The light is one of the lights outside the tree.
     Outside,
     /// The light is in the tree with this root. `emitter` is the first emitter of the light.
-    Tree { root: usize, emitter: usize },
+    Tree {
+        root: usize,
+        emitter: usize,
+    },
 }
 
-/// A light that a point samples.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct SelectedLight {
-    /// The number of the light.
     pub(in crate::gather) number: usize,
     /// The random numbers that sample a point of the light.
     pub(in crate::gather) u: [f64; 3],
-    /// The factor by which the selection changes the density of the samples of the light. For a
-    /// whole light, this is the probability of the light. For a triangle of a mesh, it is the ratio
-    /// of two probabilities: that of the tree, and that of the sampling of the whole mesh.
+    /// The factor on the density of the samples of the light: the probability of a whole light, or
+    /// that of the tree divided by that of the sampling of the whole mesh for a triangle.
     pub(in crate::gather) probability: f64,
 }
 
 impl LightSelector {
-    /// Creates the selector of a posed scene. `powers` is the distribution of photons over the
-    /// lights.
+    /// Serves a posed scene. `powers` is the distribution of photons over the lights.
     pub fn new(scene: &Scene, powers: &DiscreteDistribution) -> Self {
         let light_count = scene.lights.len();
         let selector = Self {
@@ -91,7 +84,6 @@ impl LightSelector {
         }
     }
 
-    /// Adds the tree over all local lights.
     fn with_tree(mut self, scene: &Scene, powers: &DiscreteDistribution) -> Self {
         let bounds: Vec<_> = scene.lights.iter().map(|light| light.intensity_bounds(scene.extent())).collect();
         let inside = bounds.iter().enumerate().filter_map(|(number, bounds)| Some((number, (*bounds)?)));
@@ -110,7 +102,6 @@ impl LightSelector {
         self
     }
 
-    /// Adds a tree for each mesh of many triangles.
     fn with_meshes(mut self, scene: &Scene, powers: &DiscreteDistribution) -> Self {
         let is_large = |number: usize| {
             let object = scene.lights[number].object();
@@ -129,13 +120,11 @@ impl LightSelector {
         self
     }
 
-    /// Returns true if there is a tree over all local lights, so that trials can teach the
-    /// selector.
+    /// Returns true if trials can teach the selector: there is a tree over all local lights.
     pub fn learns(&self) -> bool {
         self.light_count > SAMPLE_ALL_LIGHTS && !self.emitters.list.is_empty()
     }
 
-    /// Returns the selector with the weights that follow from trials.
     #[must_use]
     pub fn learned_from(&self, trials: &[LightTrial]) -> Self {
         let importance = |emitter: u32, trial: &LightTrial| {
@@ -145,8 +134,7 @@ impl LightSelector {
         Self { learned: LearnedLights::new(trials, &importance), ..self.clone() }
     }
 
-    /// Returns the selector with the learned weights of another selector. Both belong to the
-    /// same scene at different times, so the numbers of their emitters agree.
+    /// Takes the learned weights of the selector of the same scene at another time.
     #[must_use]
     pub fn with_learned_of(self, other: &Self) -> Self {
         Self { learned: other.learned.clone(), ..self }
@@ -165,10 +153,9 @@ impl LightSelector {
         LightSelection { selector: self, receiver, u, samples: 0..count }
     }
 
-    /// Selects an emitter of the tree over all local lights for a trial. Returns the light, with
-    /// the probability 1 if the emitter is the whole light, the number of the emitter and its
-    /// importance. Returns `None` if the tree has no light for the receiver, or if the receiver is
-    /// not a side of a surface.
+    /// Selects an emitter of the tree over all local lights for a trial. Returns the light (with
+    /// the probability 1 for a whole light), the number of the emitter and its importance, or
+    /// `None` if the tree has no light for the receiver, or if that is not a side of a surface.
     pub(super) fn select_for_trial(
         &self,
         receiver: ReceivingPoint,
@@ -182,7 +169,6 @@ impl LightSelector {
         Some((self.selected(emitter, 1.0, u), emitter as u32, importance))
     }
 
-    /// Returns the light of an emitter that was selected with this probability.
     fn selected(&self, emitter: usize, probability: f64, u: [f64; 3]) -> SelectedLight {
         let emitter = self.emitters.list[emitter];
         let mut selected = SelectedLight { number: emitter.light as usize, u, probability };
@@ -209,8 +195,8 @@ impl LightSelector {
         }
     }
 
-    /// Samples an emitter of a tree, from the learned weights or from the tree. Returns the number
-    /// of the emitter and its probability. Replaces `u` by a new uniform number.
+    /// Samples an emitter from the learned weights or the tree. Returns its number and probability,
+    /// and replaces `u` by a new uniform number.
     fn sample_emitter(&self, root: usize, receiver: &impl Receiver, u: &mut f64) -> Option<(usize, f64)> {
         let tree = &self.emitters.tree;
         let Some(learned) = self.learned_weights(receiver) else { return tree.sample(root, receiver, u) };
@@ -242,8 +228,8 @@ impl LightSelector {
         self.outside.as_ref().map_or(0.0, |outside| outside.probability(number))
     }
 
-    /// Returns the factor [`SelectedLight::probability`] for a light that a scattered ray hit.
-    /// `hit` is `None` for lights at infinity. The ray was scattered at `receiver`.
+    /// Returns [`SelectedLight::probability`] of a light that a ray from `receiver` hit. `hit` is
+    /// `None` for lights at infinity.
     #[inline]
     pub(in crate::gather) fn probability(
         &self,
@@ -272,7 +258,6 @@ impl LightSelector {
     }
 }
 
-/// Iterates over the lights that a receiver samples.
 #[derive(Debug)]
 pub(in crate::gather) struct LightSelection<'s, R> {
     selector: &'s LightSelector,
@@ -340,8 +325,8 @@ mod tests {
         assert!(selected.iter().all(|light| light.probability == 1.0 && light.u == u));
     }
 
-    /// A point samples one local light and one distant light. The probabilities of each group sum
-    /// to 1, and agree with the probabilities of lights that a ray hits.
+    /// A point samples one local and one distant light. The probabilities of each group sum to 1,
+    /// and agree with those of lights that a ray hits.
     #[test]
     fn many_lights_are_sampled_with_their_probabilities() {
         let scene = scene(30);

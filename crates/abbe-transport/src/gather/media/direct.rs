@@ -16,8 +16,8 @@ use crate::walk::{
 use abbe_scene::geometry::Ray;
 
 impl<'a> CameraPass<'a> {
-    /// Gathers direct light from the lights that have no light map. Each selected light is sampled
-    /// at one distance along the ray. There it is scattered, or excites the dye of the medium.
+    /// Gathers direct light from the lights without a light map, each at one sampled distance,
+    /// where it is scattered or excites the dye of the medium.
     pub(super) fn gather_direct_in_medium<S: Sink>(
         &self,
         path: &CameraPath,
@@ -28,9 +28,7 @@ impl<'a> CameraPass<'a> {
         ),
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let Some(interval) = medium.interval(&segment.ray, segment.length_m) else {
-            return;
-        };
+        let Some(interval) = medium.interval(&segment.ray, segment.length_m) else { return };
         let (from, to) = (segment.ray.at(interval.0), segment.ray.at(interval.1));
         let u = context.sampler.light();
         for selected in self.direct.select_lights(ReceivingSegment { from, to }, u) {

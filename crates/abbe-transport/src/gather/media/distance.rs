@@ -1,30 +1,24 @@
-//! Sampling of distances along a segment in a medium. At these distances, the medium scatters
-//! direct light.
+//! Sampling of distances along a segment at which the medium scatters direct light.
 
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::LitInterval;
 use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::{atan, exp, exp_m1, ln_1p, tan};
 
-/// A sampled distance along a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DistanceSample {
-    /// The distance in m.
+    /// In m.
     pub(super) t_m: f64,
-    /// The density of the distance, per m.
     pub(super) pdf_per_m: f64,
 }
 
-/// Samples a distance within the light's reach. Returns `None` if the medium is empty within this
-/// reach.
+/// Samples a distance within the light's reach, or `None` if the medium is empty there.
 ///
-/// If the light has a pivot, half of the samples are equiangular as seen from the pivot (Kulla &
-/// Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). The
-/// other samples are distributed like the transmittance. Two techniques sample distances like the
-/// transmittance: one uses the least extinction coefficient over the band, and the other uses the
-/// largest. Each of these two techniques draws the same number of samples. At every wavelength and
-/// every distance, at least one of these techniques has a suitable density. The returned density is
-/// the density of the mixture of all techniques (balance heuristic).
+/// If the light has a pivot, half of the samples are equiangular as seen from it (Kulla & Fajardo
+/// 2012, "Importance Sampling Techniques for Path Tracing in Participating Media"). The others are
+/// distributed like the transmittance, one half each with the least and the largest extinction
+/// coefficient over the band, so that one of the techniques has a suitable density at every
+/// wavelength and distance. The returned density is that of the mixture (balance heuristic).
 pub(super) fn sample(medium: &Medium, ray: &Ray, lit: &LitInterval, u: [f64; 2]) -> Option<DistanceSample> {
     let techniques = Techniques::new(medium, ray, lit)?;
     let by_angle = if techniques.equiangular.is_some() { 0.5 } else { 0.0 };
@@ -40,26 +34,22 @@ pub(super) fn sample(medium: &Medium, ray: &Ray, lit: &LitInterval, u: [f64; 2])
     (pdf > 0.0 && t.is_finite()).then_some(DistanceSample { t_m: t, pdf_per_m: pdf })
 }
 
-/// One of several stratified distances along a ray.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StratifiedDistance {
-    /// The distance in m.
+    /// In m.
     pub(super) t_m: f64,
     /// The column density (m) between the ray's origin and this distance.
     pub(super) column_m: f64,
-    /// The medium's relative density ρ, divided by the sampling density (1/m) of the distances. For
-    /// any function f, the sum of `strength_m` × f over the distances estimates the integral of ρ f
-    /// along the ray.
+    /// The relative density ρ divided by the sampling density (1/m). For any f, the sum of
+    /// `strength_m` × f over the distances estimates the integral of ρ f along the ray.
     pub(super) strength_m: f64,
 }
 
-/// The largest number of stratified distances on a ray.
 pub(super) const MOST_DISTANCES: usize = 8;
 
-/// Calls `visit` with stratified distances within the light's reach, in increasing order. The
-/// distances are divided among the techniques of [`sample`]. `shift` in [0, 1)² moves the distances
-/// of each technique within their strata. The function traverses the medium only once and finds all
-/// distances on the way.
+/// Calls `visit` with stratified distances in increasing order, divided among the techniques of
+/// [`sample`], in one traversal of the medium. `shift` in [0, 1)² moves those of each technique
+/// within their strata.
 pub(super) fn for_each_stratified(
     medium: &Medium,
     ray: &Ray,
@@ -75,8 +65,7 @@ pub(super) fn for_each_stratified(
         let equiangular = techniques.equiangular.as_ref().filter(|_| i < by_angle)?;
         Some((equiangular.at(stratum(i, by_angle, shift[0])) - techniques.start).clamp(0.0, techniques.length))
     };
-    // The distances of the two transmittance techniques are half a stratum apart. Therefore they
-    // differ even if both extinction coefficients are equal.
+    // The two techniques are half a stratum apart, so they differ even for equal coefficients.
     let column = |technique: usize, i: usize| {
         let u = stratum(i, by_column, shift[1] + 0.5 * technique as f64);
         (i < by_column).then(|| (technique, techniques.sample_column(techniques.sigma[technique], u)))
@@ -127,7 +116,6 @@ pub(super) fn for_each_stratified(
     }
 }
 
-/// The techniques that sample distances.
 struct Techniques<'a> {
     medium: &'a Medium,
     /// The part of the ray within the light's reach.
@@ -153,15 +141,13 @@ impl<'a> Techniques<'a> {
         (column > 0.0).then_some(Self { medium, ray: part, start, length, column, sigma, equiangular })
     }
 
-    /// Returns the distance at which the attenuation 1 − T reaches the fraction `u` of its final
-    /// value. T is the transmittance from the start of this part of the ray.
+    /// Returns the distance at which 1 − T reaches the fraction `u` of its final value.
     fn sample_transmittance(&self, sigma: f64, u: f64) -> Option<f64> {
         let column = self.sample_column(sigma, u);
         self.medium.distance_at(&self.ray, self.length, column).map(|t| self.start + t)
     }
 
-    /// Returns the column density at which the attenuation 1 − T reaches the fraction `u` of its
-    /// final value.
+    /// Returns the column density at which 1 − T reaches the fraction `u` of its final value.
     fn sample_column(&self, sigma: f64, u: f64) -> f64 {
         let depth = sigma * self.column;
         if depth < 1e-6 {
@@ -181,8 +167,7 @@ impl<'a> Techniques<'a> {
         0.5 * density * (self.column_pdf(self.sigma[0], column) + self.column_pdf(self.sigma[1], column))
     }
 
-    /// Returns the probability density (1/m) with which one transmittance technique samples a
-    /// column density.
+    /// Returns the pdf (1/m) with which one technique samples a column density.
     fn column_pdf(&self, sigma: f64, column: f64) -> f64 {
         let depth = sigma * self.column;
         if depth < 1e-6 { 1.0 / self.column } else { sigma * exp(-sigma * column) / -exp_m1(-depth) }
@@ -195,15 +180,13 @@ struct Equiangular {
     nearest: f64,
     /// The distance from the pivot to the nearest point of the ray, in m.
     height: f64,
-    /// The angle at the start of the sampled range.
     from: f64,
     /// The angle at the end of the sampled range.
     to: f64,
 }
 
 impl Equiangular {
-    /// Prepares the sampling of distances between `from` and `to` (in m). Returns `None` if the ray
-    /// passes through the pivot.
+    /// Prepares distances between `from` and `to` (m). `None` if the ray passes through the pivot.
     fn new(ray: &Ray, pivot: glam::DVec3, from: f64, to: f64) -> Option<Self> {
         let nearest = (pivot - ray.origin).dot(ray.direction);
         let height = (ray.at(nearest) - pivot).length();
@@ -230,8 +213,7 @@ mod tests {
     use abbe_spectra::spectrum::{Outside, Spectrum};
     use glam::DVec3;
 
-    /// The mean of f(t)/pdf(t) equals the integral of f. This is true for lights with a pivot and
-    /// for lights without a pivot.
+    /// The mean of f(t)/pdf(t) equals the integral of f, with and without a pivot.
     #[test]
     fn sampled_distances_integrate_without_bias() {
         let sigma = Spectrum::table(&[360.0, 830.0], &[20.0, 0.2], Outside::Hold).unwrap();

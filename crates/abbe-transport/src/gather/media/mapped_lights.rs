@@ -1,13 +1,10 @@
-//! Single scattering, computed with light maps: direct light that a medium scatters into a camera
-//! ray.
+//! Single scattering by light maps: direct light that a medium scatters into a camera ray.
 //!
-//! The estimator looks up the light map at several random points of the ray, and interpolates the
-//! transmittance at these points. The random points add noise but no bias. The only bias is the
-//! interpolation error of the map. Visibility is not interpolated. If any map node around a point
-//! sees the light, the point casts a shadow ray. If no node around a point sees the light, the
-//! point is probably in shadow. A point that is probably in shadow casts a shadow ray only with the
-//! probability 1/8, and its contribution is then multiplied by 8. Therefore the estimator finds
-//! even thin shadows and thin beams of light.
+//! The estimator interpolates the transmittance in the light map at several random points of the
+//! ray, which add noise but no bias; the only bias is the interpolation error of the map.
+//! Visibility is not interpolated. A point casts a shadow ray if any map node around it sees the
+//! light. Otherwise it is probably in shadow, and casts one with the probability 1/8 and a weight
+//! of 8, so that even thin shadows and thin beams of light are found.
 
 use super::distance::{self, MOST_DISTANCES, StratifiedDistance};
 use crate::gather::camera::path::CameraPath;
@@ -37,18 +34,14 @@ struct InScattering<'s, 'a> {
     absorption: Lanes,
     /// The coefficients (1/m) of all media and bodies that attenuate the light in the map.
     coefficients: &'s [Lanes],
-    /// The estimate at each wavelength.
     sum: Lanes,
-    /// The estimated bias at each wavelength.
     bias: Lanes,
     /// The number of the lookup that casts a shadow ray even if its point is probably in shadow.
     dark_lookup: usize,
-    /// The number of lookups so far.
     lookups: usize,
 }
 
 impl<'a> CameraPass<'a> {
-    /// Gathers direct light from all lights that have a map over this medium.
     pub(super) fn gather_mapped_lights<S: Sink>(
         &self,
         path: &CameraPath,
@@ -103,8 +96,7 @@ impl<'a> CameraPass<'a> {
 }
 
 impl InScattering<'_, '_> {
-    /// Adds the light that the medium scatters at one distance. `ray` is the camera ray, but its
-    /// origin is moved to the point at this distance. The shadow ray has the same origin.
+    /// Adds the light scattered at one distance, where `ray` and the shadow ray start.
     fn add(&mut self, distance: &StratifiedDistance, ray: &Ray, incident: &LiSample, tally: &mut Tally) {
         let lookup = self.map.lookup(ray.origin);
         let selected = self.lookups == self.dark_lookup;

@@ -1,9 +1,6 @@
-//! Participating media along a camera path.
-//!
-//! A medium attenuates the light from behind the medium, emits light, and scatters light into the
-//! path. Direct light that a medium scatters is computed at one sampled distance per light, or with
-//! a light map. Photons near the ray carry all other scattered light: light that came through glass
-//! or from mirrors, and light that was scattered before.
+//! Participating media along a camera path, which attenuate the light from behind, emit light, and
+//! scatter light into the path: direct light at one sampled distance per light, or with a light
+//! map, and all other light from the photons near the ray.
 
 mod direct;
 mod distance;

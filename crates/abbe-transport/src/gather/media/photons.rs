@@ -1,5 +1,4 @@
-//! Light from photons in media: the beam radiance estimate for photon points, and the beam-beam
-//! estimate for photon beams.
+//! Light from photons in media: the beam radiance estimate for points, and the beam-beam estimate.
 
 use super::segment::segment_seed;
 use crate::gather::camera::path::CameraPath;
@@ -33,13 +32,11 @@ struct VolumeGather<'l, 'a> {
     set: PhotonSet,
     /// True if the medium scatters these photons into the path.
     scatters: bool,
-    /// The emission that the photons excite.
     luminescence: Option<&'l Luminescence<'a>>,
 }
 
 impl<'a> CameraPass<'a> {
-    /// Gathers the photons near a segment in a scattering medium. `behind_m` is the length of the
-    /// path up to the segment, in m.
+    /// Gathers the photons near a segment, `behind_m` (m) along the path.
     pub(super) fn gather_volume_photons<S: Sink>(
         &self,
         path: &CameraPath,
@@ -80,8 +77,7 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Gathers the photons of one set near a segment. `behind_m` is the length of the path up to
-    /// the segment, in m.
+    /// Gathers the photons of one set near a segment, `behind_m` (m) along the path.
     fn gather_volume_set<S: Sink>(
         &self,
         maps: &SetMaps,
@@ -94,8 +90,8 @@ impl<'a> CameraPass<'a> {
         for class in PhotonClass::ALL {
             let maps = &maps[class].volume;
             let slope = f64::from(context.radii.volume[set][class]);
-            // A wide kernel of a thin medium would visit many points of a dense medium, and reject
-            // all of them. Therefore a segment searches only the photons that its medium stores.
+            // A wide kernel of a thin medium would visit and reject many points of a dense medium,
+            // so a segment searches only the photons that its medium stores.
             let (volume, dense) = (self.plan.volume, filling.medium.dense);
             let of_points = (&maps.points, self.scales.points[class], volume.keeps_points(dense));
             let of_beams = (&maps.beams, self.scales.beams[class], volume.keeps_beams(dense));
@@ -113,8 +109,7 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Adds the radiance that is scattered into the ray. The light comes from the photons of one
-    /// map.
+    /// Adds the radiance that the photons of one map scatter into the ray.
     fn gather_volume_map<S: Sink>(
         &self,
         (map, cone): (&VolumeMap, &QueryCone),
@@ -135,10 +130,9 @@ impl<'a> CameraPass<'a> {
             let Some(kernels) = kernels_between_faces(self.scene, &segment.ray, &photon) else { return };
             let to_photon = segment.path_transmittance(photon.t, seed);
             let cosine = -photon.incoming.dot(segment.ray.direction);
-            // A beam stores the power at its start. Therefore the response of a beam includes the
-            // attenuation up to the camera ray and the scattering coefficient there. The stored
-            // power of a point already includes both. No face is between the beam and the camera
-            // ray, so both are in the same bodies.
+            // A beam stores the power at its start, so its response includes the attenuation up to
+            // the camera ray and the scattering coefficient there, which the power of a point
+            // already includes. No face is between beam and ray, so both are in the same bodies.
             let along_beam = photon.beam.map(|BeamPath { start, distance_m }| {
                 let ray = Ray { origin: start, direction: photon.incoming };
                 let beam = MediumSegment { ray, ..*segment };
@@ -148,8 +142,7 @@ impl<'a> CameraPass<'a> {
             let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
             let of_beam = along_beam.as_ref().map_or(0.0, |(along, _)| excess(along));
             let bias = bias_of_excess(path.excess_depth + excess(&to_photon) + of_beam);
-            // In a fluorescent medium, the power of a point contains the power that excites the
-            // dye.
+            // The power of a point in a fluorescent medium includes what excites the dye.
             let per_coefficient = |nm| match &along_beam {
                 Some((along, density)) => transmittance(along, nm) * density,
                 // Rounding of the stored wavelength may lead to a wavelength without events.
@@ -180,24 +173,22 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Returns the least length (m) of the path to the start of a segment that kernel radii assume.
+/// Returns the least path length (m) to the start of a segment that kernel radii assume.
 ///
-/// Radii are proportional to the distance from the camera. If the camera is in the medium, the
-/// kernel of a photon point at the distance t would be proportional to 1/t², and its variance would
-/// be infinite: the picture would be too dark, apart from rare bright pixels that no error bar
-/// foresees.
+/// Radii are proportional to the distance from the camera. In the medium, the kernel of a photon
+/// point at the distance t would be proportional to 1/t² with infinite variance: the picture would
+/// be too dark, apart from rare bright pixels that no error bar foresees.
 fn near_m(segment: &MediumSegment<'_>, medium: &Medium) -> f64 {
     let depth_per_m = medium.optical_depth(REFERENCE_NM, 1.0);
     let free_path_m = if depth_per_m > 0.0 { 1.0 / depth_per_m } else { f64::INFINITY };
     (NEAR_FREE_PATHS * free_path_m).min(NEAR_FRACTION * segment.length_m)
 }
 
-/// Corrects the kernels of a photon if they extend over a face. Returns `None` if a face is between
-/// the ray and the photon.
+/// Corrects the kernels of a photon beside faces, unless a face is between it and the ray.
 ///
-/// Segments of camera rays and photon beams end at all faces: at surfaces and at boundaries of
-/// media. Therefore a kernel must not extend over a face either. Otherwise, fog would lose light
-/// beside its faces, and light would leak through walls inside the fog.
+/// Camera segments and photon beams end at all faces of surfaces and media, so kernels must too.
+/// Otherwise, fog would lose light beside its faces, and light would leak through walls inside the
+/// fog.
 fn kernels_between_faces(scene: &Scene, ray: &Ray, photon: &PhotonNearRay<'_>) -> Option<KernelValues> {
     let PhotonNearRay { t, offset, radius_m, kernels, beam, .. } = *photon;
     let (centre, distance_m) = (ray.at(t), offset.length());

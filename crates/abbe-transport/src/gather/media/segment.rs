@@ -17,8 +17,7 @@ use std::ops::ControlFlow;
 const EMISSION_POSITIONS: u32 = 16;
 
 impl<'a> CameraPass<'a> {
-    /// Advances the path to the next surface, and gathers the light of the media on the way.
-    /// Returns `None` if the path leaves the scene.
+    /// Advances the path to the next surface, `None` outside, and gathers the light of the media.
     pub(in crate::gather) fn advance_through_media<S: Sink>(
         &self,
         path: &mut CameraPath,
@@ -34,8 +33,7 @@ impl<'a> CameraPass<'a> {
         end.continue_value().flatten()
     }
 
-    /// Gathers the light of one segment and attenuates the path. `behind_m` is the length of the
-    /// path up to the segment, in m.
+    /// Gathers the light of one segment, `behind_m` (m) along the path, and attenuates the path.
     fn gather_segment<S: Sink>(
         &self,
         path: &mut CameraPath,
@@ -67,8 +65,8 @@ impl<'a> CameraPass<'a> {
         }
     }
 
-    /// Gathers the light emitted by a medium into the ray. At surfaces and at points in media,
-    /// next-event estimation samples the emitting medium like any other light.
+    /// Gathers the light that a medium emits into the ray. Elsewhere, next-event estimation samples
+    /// the medium like any other light.
     fn gather_emission<S: Sink>(
         &self,
         path: &CameraPath,
@@ -96,8 +94,7 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Returns the seed of ratio tracking along a segment that starts at `origin`. Successive segments
-/// of a path need independent seeds.
+/// Returns the seed of ratio tracking from `origin`, independent for successive segments.
 pub(super) fn segment_seed<S>(context: &PathContext<'_, '_, S>, origin: DVec3) -> Seed {
     let [x, y, z] = origin.to_array();
     Seed::of_pixel(context.pixel, [context.sampler.wavelength, x, y, z])

@@ -1,7 +1,6 @@
 //! The path tracer in media: null-collision tracking (Woodcock et al. 1965; Kutz, Habel, Li & Novák
 //! 2017; Miller, Georgiev & Jarosz 2019, "A Null-Scattering Path Integral Formulation of Light
-//! Transport"). Null-collision tracking evaluates densities and bounds of densities, but never
-//! column densities.
+//! Transport"), which evaluates densities and their bounds, but never column densities.
 
 use super::tracer::{PathTracer, TracedPath};
 use crate::gather::camera::sampler::PixelSampler;
@@ -22,12 +21,11 @@ use abbe_spectra::math::random::Seed;
 use abbe_spectra::spectrum::{LANES, WavelengthDistribution};
 use std::ops::ControlFlow;
 
-/// Paths with a relative throughput below this value undergo Russian roulette in media. In white
-/// fog, paths keep their throughput, and roulette would only add noise.
+/// The relative throughput below which paths undergo Russian roulette in media. In white fog, paths
+/// keep their throughput, and roulette would only add noise.
 const ROULETTE_THROUGHPUT: f64 = 0.2;
 
 impl<'a> PathTracer<'a> {
-    /// Advances the path through media to the next surface.
     pub(super) fn advance_through_media<S: Sink>(
         &self,
         path: &mut TracedPath,
@@ -44,9 +42,7 @@ impl<'a> PathTracer<'a> {
                 collision = path.sample_segment(segment, exciting, sampler, tally).map(|t| (*segment, t));
                 if collision.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             });
-            let Some((segment, (t, event))) = collision else {
-                return end;
-            };
+            let Some((segment, (t, event))) = collision else { return end };
             if !self.scatter_in_medium(path, &segment, (t, event), sampler, tally, sink) {
                 return ControlFlow::Break(());
             }
@@ -55,8 +51,7 @@ impl<'a> PathTracer<'a> {
         ControlFlow::Break(())
     }
 
-    /// Returns the dye of a medium. Returns `None` if the medium has no dye, or if no light excites
-    /// it.
+    /// Returns the dye of a medium, if some light excites it.
     fn exciting_wavelengths<'m>(&self, medium: &'m Medium) -> Option<ExcitableDye<'m>>
     where
         'a: 'm,
@@ -65,7 +60,7 @@ impl<'a> PathTracer<'a> {
         Some(ExcitableDye { dye, wavelengths: self.excitation[dye.number].as_ref()? })
     }
 
-    /// Adds direct light at a collision, and samples the new direction. Returns whether the path
+    /// Adds direct light at a collision, and samples a direction. Returns whether the path
     /// continues.
     fn scatter_in_medium<S: Sink>(
         &self,
@@ -113,13 +108,10 @@ impl<'a> PathTracer<'a> {
     }
 }
 
-/// The event at a collision of a path with a medium.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum MediumEvent {
-    /// The medium scatters the light into the path.
     Scattering,
-    /// The dye of the medium emits light into the path. The path now carries wavelengths of the
-    /// exciting light.
+    /// The dye emits into the path, which now carries wavelengths of the exciting light.
     Emission,
 }
 
@@ -131,9 +123,8 @@ struct ExcitableDye<'d> {
 }
 
 impl TracedPath {
-    /// Adds the light that a medium emits into the path. The emission is evaluated at one random
-    /// position of the segment. After a scattering event, next-event estimation counts this light
-    /// instead.
+    /// Adds the light that a medium emits at one random position of the segment. After a scattering
+    /// event, next-event estimation counts this light instead.
     fn add_emission<S: Sink>(
         &self,
         scene: &Scene,
@@ -161,8 +152,7 @@ impl TracedPath {
         }
     }
 
-    /// Advances the path along a segment. If an event happens, returns its distance in m. The
-    /// function multiplies the throughput by the effect of absorption.
+    /// Advances the path along a segment with absorption. Returns the distance in m of an event.
     fn sample_segment(
         &mut self,
         segment: &MediumSegment<'_>,
@@ -184,14 +174,13 @@ impl TracedPath {
         scattered
     }
 
-    /// Samples tentative collisions at the rate σ̄. This rate is the product of two numbers: the
-    /// largest extinction coefficient at the path's wavelengths, and the upper bound of the
-    /// density. The probability of a real scattering event is S/(S + N). S is the sum of the
-    /// scattering coefficients of all wavelengths, weighted by their importance. N is the same sum
-    /// for the coefficients of null collisions.
+    /// Samples tentative collisions at the rate σ̄: the largest extinction coefficient at the
+    /// path's wavelengths, times the upper bound of the density. An event is real with the
+    /// probability S/(S + N), for the sums S of the scattering and N of the null coefficients over
+    /// all wavelengths, weighted by their importance.
     ///
-    /// The emission of a dye into the path is a further event. Its rate is the largest absorption
-    /// coefficient of the dye, which is added to σ̄.
+    /// The emission of a dye into the path is a further event, whose rate, the largest absorption
+    /// coefficient of the dye, is added to σ̄.
     fn sample_free_flight(
         &mut self,
         (medium, dye): (&Medium, Option<ExcitableDye<'_>>),
@@ -245,8 +234,7 @@ impl TracedPath {
         }
     }
 
-    /// After a collision, applies Russian roulette to paths of low relative throughput. Returns
-    /// false if the path ends.
+    /// Applies roulette to paths of low relative throughput. Returns false if the path ends.
     fn survives_collision(&mut self, sampler: &mut PixelSampler) -> bool {
         let throughput = self.relative_throughput();
         if throughput >= ROULETTE_THROUGHPUT {

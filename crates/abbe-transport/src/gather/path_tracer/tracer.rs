@@ -1,10 +1,9 @@
 //! The reference for photon mapping: a spectral path tracer with next-event estimation.
 //!
-//! The path tracer and photon mapping use the same surfaces, lights and geometry. However, the path
-//! tracer uses no estimator of photon mapping: no photons, no kernels and no shared wavelengths. A
-//! path carries four stratified wavelengths until its first dispersive refraction. If a light
-//! without extent is behind glass, photon mapping finds the light from this source, but the path
-//! tracer does not.
+//! It shares surfaces, lights and geometry with photon mapping, but none of its estimators: no
+//! photons, no kernels and no shared wavelengths. A path carries four stratified wavelengths until
+//! its first dispersive refraction. Unlike photon mapping, it does not find the light of a light
+//! without extent behind glass.
 
 use crate::gather::camera::sampler::{PixelSampler, sensor_pdf};
 use crate::gather::camera::throughput::relative_n2;
@@ -34,30 +33,23 @@ const TRACER_DEPTH_BEFORE_ROULETTE: u32 = 3;
 /// The least survival probability of Russian roulette.
 const LEAST_SURVIVAL: f64 = 0.05;
 
-/// The path tracer of one pass.
 #[derive(Debug)]
 pub struct PathTracer<'a> {
-    /// The scene.
     pub scene: &'a Scene,
-    /// Next-event estimation.
     pub direct: DirectLighting<'a>,
-    /// Samples a path's wavelengths.
     pub wavelengths: &'a WavelengthDistribution,
-    /// The spectra of the lights.
     pub spectra: &'a PhotonSpectra,
-    /// For each fluorophore, the distribution of the wavelengths that excite it in the light of all
-    /// lights and fluorophores together.
+    /// The wavelengths that excite each fluorophore in the light of all lights and fluorophores.
     pub excitation: &'a [Option<WavelengthDistribution>],
     /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
     pub media_plan: MediumPlan,
 }
 
-/// The state of a path of the path tracer.
 pub(super) struct TracedPath {
     pub(super) ray_state: RayState,
     pub(super) wavelengths: Wavelengths,
-    /// The wavelengths (nm) at which the camera sees the light of each lane. They differ from
-    /// `wavelengths` behind a fluorescent surface.
+    /// The wavelengths (nm) at which the camera sees each lane. They differ from `wavelengths`
+    /// behind a fluorescent surface.
     pub(super) observed: Lanes,
     /// The throughput at each wavelength, divided by all sampling densities.
     pub(super) throughput: Lanes,
@@ -89,7 +81,6 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Follows a path to its end.
     #[inline(never)]
     fn follow_to_end<S: Sink>(
         &self,
@@ -117,8 +108,7 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Follows a path through surface events with these numbers. The number of a path's first event
-    /// is 0. Returns true if the path survives all of these events.
+    /// Follows a path through these surface events, from 0. Returns true if it survives.
     fn follow<S: Sink>(
         &self,
         path: &mut TracedPath,
@@ -137,14 +127,13 @@ impl<'a> PathTracer<'a> {
                 ControlFlow::Break(()) => return false,
             };
             if interaction.crossed_hidden_face && !matches!(path.hit_weighting, HitWeighting::Full) {
-                // Shadow rays stop at hidden faces, so only the path can count a light behind a
-                // hidden face.
+                // Shadow rays stop at hidden faces, so only the path counts lights behind them.
                 path.hit_weighting = HitWeighting::Full;
                 path.events = path.events.after_specular_event();
             }
             self.add_emitters_hit(path, interaction.incoming, Some(interaction.hit), tally, sink);
             if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
-                // A path from a receptor has used these numbers at the receptor.
+                // A path from a sensor has used these numbers at the sensor.
                 let first = depth == 0 && path.events == CameraEvents::Specular;
                 let u = if first { sampler.light() } else { sampler.stream.triple() };
                 let fluorescent = interaction.bsdf.model.as_fluorescent();
@@ -172,7 +161,6 @@ impl<'a> PathTracer<'a> {
         true
     }
 
-    /// Advances the path to the next surface.
     fn advance<S: Sink>(
         &self,
         path: &mut TracedPath,
@@ -189,9 +177,9 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Starts a path at the camera. The path carries four stratified wavelengths, or one wavelength
-    /// if the camera has a lens system. Returns `None` if the lens system stops the ray. The number
-    /// `ghost` in [0, 1) selects a ghost of the lens; `None` stands for the image.
+    /// Starts a path at the camera with four stratified wavelengths, or one for a lens system, or
+    /// returns `None` if the lens stops the ray. `ghost` in [0, 1) selects a ghost of the lens;
+    /// `None` is the image.
     fn start_path(
         &self,
         pixel: u64,
@@ -236,8 +224,7 @@ impl<'a> PathTracer<'a> {
         (nm, throughput)
     }
 
-    /// Adds direct light at a receptor of a meter, and starts a path there. The receptor is the
-    /// first scattering event of the path.
+    /// Adds direct light at a sensor, the first scattering event, and starts the path.
     fn start_at_sensor<S: Sink>(
         &self,
         sensor: &Sensor,
@@ -271,8 +258,7 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Adds the radiance of the lights at the end of a path segment. These lights are on a surface
-    /// or at infinity.
+    /// Adds the radiance of the lights on the surface or at infinity at the end of a segment.
     fn add_emitters_hit<S: Sink>(
         &self,
         path: &TracedPath,
@@ -328,8 +314,7 @@ impl<'a> PathTracer<'a> {
 }
 
 impl TracedPath {
-    /// Applies a scattering event to the path. If the path passes through a pane that shadow rays
-    /// pass too, the path continues as if there were no event.
+    /// Applies a scattering event, or none at a pane that shadow rays pass too.
     fn apply_scattering(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay, through_pane: bool) {
         (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
         if let Some(kept) = scattered.kept {
@@ -352,8 +337,8 @@ impl TracedPath {
     }
 
     /// Selects at random whether the path continues as reflected light or as light that excites the
-    /// fluorophore of a surface. For excitation, each lane samples a wavelength of its own. `depth`
-    /// is the number of the surface event.
+    /// fluorophore of a surface, at wavelengths of its own. `depth` is the number of the surface
+    /// event.
     fn select_emission(
         &mut self,
         surface: &Fluorescent,
@@ -367,8 +352,8 @@ impl TracedPath {
         let active = || self.wavelengths.active().iter();
         let emits = active().any(|&nm| surface.fluorophore.emitted_power().at(nm) > 0.0);
         let Some(excitation) = excitation.filter(|_| emits) else { return };
-        // At the first events, both outcomes matter alike. Later, the weight of a reflection must
-        // be at most about 1, so that it does not grow along the path.
+        // Both outcomes matter alike at the first events. Later, the weight of a reflection must be
+        // at most about 1, so that it does not grow along the path.
         let reflected = active().map(|&nm| surface.reflected_fraction(nm)).fold(0.0, f64::max);
         let alike = 0.5 / f64::from(depth + 1);
         let probability = (1.0 - reflected).max(alike).clamp(EXCITATION.0, EXCITATION.1);
@@ -380,8 +365,8 @@ impl TracedPath {
         self.excite(&surface.fluorophore, excitation, 1.0 / probability, sampler);
     }
 
-    /// Continues the path as light that excites a fluorophore. Each lane samples a wavelength of
-    /// its own from the distribution `excitation`. The throughput is multiplied by `factor`.
+    /// Continues the path as light that excites a fluorophore, at wavelengths from the distribution
+    /// `excitation`, with the throughput times `factor`.
     pub(super) fn excite(
         &mut self,
         fluorophore: &Fluorophore,
@@ -399,13 +384,10 @@ impl TracedPath {
         }
     }
 
-    /// Returns the throughput at each wavelength, relative to the throughput at the start of the
-    /// path.
-    ///
-    /// At the start, the throughput is the inverse of the density with which the wavelengths are
-    /// sampled, and this density follows the spectra of the lights. Therefore the ratio measures
-    /// the light that a wavelength can still contribute, but the throughput does not: it is small
-    /// at a spectral line, which contains most of the light.
+    /// Returns the throughput at each wavelength, relative to the start of the path, where it is
+    /// the inverse of the sampling density, which follows the spectra of the lights. The ratio
+    /// therefore measures the light that a wavelength can still contribute, but the throughput does
+    /// not: it is small at a spectral line, which contains most of the light.
     pub(super) fn importance(&self) -> Lanes {
         let ratio = |k: usize| match self.initial_throughput[k] {
             initial if initial > 0.0 => self.throughput[k] / initial,
@@ -414,23 +396,20 @@ impl TracedPath {
         std::array::from_fn(ratio)
     }
 
-    /// Returns the ratio of the throughput to the throughput at the start of the path. The ratios
-    /// at the current wavelengths are summed. The sum is divided by the number of wavelengths at
-    /// the start.
+    /// Returns the sum of these ratios, divided by the wavelengths at the start of the path.
     pub(super) fn relative_throughput(&self) -> f64 {
         let lanes = self.throughput.iter().zip(&self.initial_throughput).take(self.wavelengths.count);
         let sum: f64 = lanes.filter(|(_, initial)| **initial > 0.0).map(|(t, initial)| t / initial).sum();
         sum / self.initial_count as f64
     }
 
-    /// Applies Russian roulette. The survival probability is the relative throughput, so the
-    /// throughput of a surviving path does not grow. On long paths, it is smaller. Returns false if
+    /// Applies Russian roulette with the relative throughput as the survival probability, smaller
+    /// on long paths, so that the throughput of a surviving path does not grow. Returns false if
     /// the path ends.
     ///
-    /// The throughput is divided by n² where a path enters glass, and multiplied by n² where the
-    /// path leaves the glass. The survival probability excludes this factor. Otherwise, too many
-    /// paths would end inside glass, and the surviving paths would leave the glass with too large a
-    /// weight.
+    /// The throughput is divided by n² where a path enters glass, and multiplied by n² where it
+    /// leaves. The survival probability excludes this factor: otherwise, too many paths would end
+    /// inside glass, and the surviving ones would leave it with too large a weight.
     fn survives(&mut self, scene: &Scene, depth: u32, sampler: &mut PixelSampler) -> bool {
         let throughput = self.relative_throughput();
         if throughput <= 0.0 {

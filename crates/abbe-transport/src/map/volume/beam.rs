@@ -1,7 +1,6 @@
 //! Photon beams (Jarosz, Nowrouzezahrai, Sadeghi & Jensen 2011, "A Comprehensive Theory of
-//! Volumetric Radiance Estimation Using Photon Points and Beams"). A beam is a whole segment of a
-//! photon path. The kernel is one-dimensional: it lies on the line perpendicular to the beam and to
-//! the camera ray.
+//! Volumetric Radiance Estimation Using Photon Points and Beams"): whole segments of photon paths.
+//! The kernel lies on the line perpendicular to the beam and to the camera ray.
 
 use super::near_ray::{BeamPath, PhotonNearRay};
 use crate::map::box_tree::{BoxTree, LEAF};
@@ -11,19 +10,16 @@ use crate::map::query_cone::QueryCone;
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
-/// A segment of a photon path in a medium.
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonBeam {
     start: [f32; 3],
     end: [f32; 3],
     medium: u16,
-    /// The power at the start.
     power: PhotonPower,
 }
 
-/// The estimate is divided by the sine of the angle between a beam and a ray. This constant is the
-/// lower limit of the sine. Without a limit, the estimate would be infinite for a parallel ray. The
-/// light that the limit removes counts as bias.
+/// The lower limit of the sine of the angle between beam and ray, by which the estimate is divided:
+/// parallel rays would make it infinite. The light that the limit removes counts as bias.
 const LEAST_SINE: f64 = 1e-3;
 
 /// The lower limit of the sine in the estimate of the bias. The bias bars must stay finite.
@@ -33,8 +29,8 @@ const LEAST_SINE_OF_BIAS: f64 = 1e-6;
 const MOST_PIECES: f64 = 48.0;
 
 impl PhotonBeam {
-    /// Creates a beam in the medium number `medium`. The two positions are the start and the end of
-    /// the beam. They are in m, relative to the scene's centre. `power` is the power at the start.
+    /// Takes the start and the end in m, relative to the scene's centre, the number of the medium,
+    /// and the power at the start.
     pub fn new([start, end]: [DVec3; 2], medium: usize, power: PhotonPower) -> Self {
         let point = |p: DVec3| p.as_vec3().to_array();
         Self { start: point(start), end: point(end), medium: medium as u16, power }
@@ -54,10 +50,8 @@ impl PhotonBeam {
         self.near_ray((0.0, 1.0), cone).map(|near| near.medium)
     }
 
-    /// Returns the beam if two conditions are true. First, the closest approach of the beam and the
-    /// ray must lie on the ray and on a part of the beam. The two numbers of `part` are the start
-    /// and the end of the part, as fractions of the beam's length. Second, the distance between the
-    /// beam and the ray must be less than the kernel radius at this place.
+    /// Returns the beam if its closest approach to the ray lies on the ray and on the `part` of the
+    /// beam, two fractions of its length, and is nearer than the kernel radius there.
     fn near_ray(&self, part: (f64, f64), cone: &QueryCone) -> Option<PhotonNearRay<'_>> {
         let (start, end) = self.ends();
         let along = end - start;
@@ -103,7 +97,6 @@ struct BeamPiece {
     beam: u32,
     /// The number of this piece, counted from 0.
     number: u16,
-    /// The number of pieces of the beam.
     count: u16,
 }
 
@@ -138,9 +131,7 @@ fn pieces(beams: &[PhotonBeam]) -> Vec<BeamPiece> {
 struct PieceBlock {
     /// The coordinates of the starts, in m: x of all pieces, then y, then z.
     starts: [[f32; LEAF]; 3],
-    /// The unit directions.
     directions: [[f32; LEAF]; 3],
-    /// The lengths in m.
     lengths: [f32; LEAF],
     pieces: [BeamPiece; LEAF],
 }
@@ -164,7 +155,6 @@ impl PieceBlock {
     }
 }
 
-/// A spatial index of beams.
 #[derive(Debug)]
 pub(super) struct BeamMap {
     beams: Vec<PhotonBeam>,
@@ -235,7 +225,7 @@ impl ClosestApproach {
     }
 
     /// Returns the places of the pieces whose kernel may intersect the ray, as a set of bits.
-    /// Because of rounding, the set may contain a piece too many, but never one too few.
+    /// Rounding may add a piece too many, but never remove one.
     #[inline(always)]
     fn candidates(&self, block: &PieceBlock) -> u32 {
         let starts = block.starts.map(f32x8::from);

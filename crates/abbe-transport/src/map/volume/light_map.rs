@@ -1,21 +1,19 @@
-//! Volumetric light maps: the precomputed transmittance between a light and the points of a medium.
-//! Each pair of a light and a medium has its own map.
+//! Volumetric light maps: the precomputed transmittance between a light and the points of a medium,
+//! with a map for each pair of a light and a medium.
 //!
 //! A map is a grid around a medium. Radiance is not interpolated, because it falls off with the
 //! square of the distance and depends on the light's spectrum. Instead, each node stores the mean
-//! density of each medium along the straight line from the light. If homogeneous fog fills the
-//! whole space between the light and the grid, the map represents the fog without error. For each
-//! lookup, the caller computes two values without interpolation: the distance to the light, and the
-//! irradiance. The column density D is the mean density, multiplied by the distance. The
-//! transmittance is then exp(−σ_t(λ)·D) at any wavelength. Each node also stores whether the node
-//! sees the light. If none of the eight nodes around a position sees the light, the position is
-//! very likely in shadow. Most shadow rays from such positions can be omitted.
+//! density of each medium along the straight line from the light, which represents homogeneous fog
+//! without error. For each lookup, the caller computes the distance to the light and the irradiance
+//! without interpolation. The column density D is the mean density times the distance, and the
+//! transmittance exp(−σ_t(λ)·D). Each node also stores whether it sees the light: if none of the
+//! eight nodes around a position does, the position is very likely in shadow, and most of its
+//! shadow rays can be omitted.
 //!
-//! Every second node belongs to a coarse lattice of half the resolution. If a function is smooth,
-//! the error of trilinear interpolation is of second order in the cell size. The error of the
-//! coarse lattice is then four times the error of the fine lattice. Therefore a third of the
-//! difference between the two lattices estimates the error of the fine lattice (Richardson
-//! extrapolation).
+//! Every second node belongs to a coarse lattice of half the resolution. For a smooth function, the
+//! error of trilinear interpolation is of second order in the cell size, so the error of the coarse
+//! lattice is four times that of the fine one, which a third of their difference estimates
+//! (Richardson extrapolation).
 
 use crate::walk::{MediumSegment, NumberedMedium, RayState, for_each_segment};
 use abbe_scene::Scene;
@@ -29,8 +27,7 @@ use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// The maps of a pass: one for each pair of a light and a scattering medium. A light has maps only
-/// if one position or one direction can represent the light in a pass.
+/// The maps of a pass. A light has maps only if one position or direction can represent it.
 #[derive(Debug, Default)]
 pub struct LightMaps<'a> {
     maps: Vec<LightMap<'a>>,
@@ -38,12 +35,9 @@ pub struct LightMaps<'a> {
     cells: u32,
 }
 
-/// The map of one light over one medium.
 #[derive(Debug)]
 pub struct LightMap<'a> {
-    /// The light's number.
     pub light: usize,
-    /// The medium's number.
     pub medium: usize,
     /// The position or direction that represents the light in this pass.
     pub virtual_light: VirtualLight,
@@ -51,20 +45,17 @@ pub struct LightMap<'a> {
     to_cells: DAffine3,
     /// The number of cells along each axis. It is an even number.
     cells: [usize; 3],
-    /// The attenuators between the light and the nodes.
     attenuators: Vec<Attenuator<'a>>,
-    /// The mean density along the line from the light to each node. If the light is at infinity,
-    /// the column density (m) is stored instead. The values of all attenuators at one node are
-    /// adjacent. The nodes are stored in an order in which x varies fastest.
+    /// The mean density along the line from the light to each node, or the column density (m) if
+    /// the light is at infinity. The values of all attenuators at one node are adjacent, and x
+    /// varies fastest.
     means: Vec<f32>,
     /// One value per node: true if the light is visible from the node.
     visible: Vec<bool>,
 }
 
-/// A cause of attenuation.
 #[derive(Debug, Clone, Copy)]
 enum Attenuator<'a> {
-    /// A participating medium.
     Medium(NumberedMedium<'a>),
     /// The absorption coefficient of a clear body, in 1/m.
     Clear(&'a Spectrum),
@@ -77,7 +68,6 @@ struct TrilinearWeights {
     weights: [f64; 8],
 }
 
-/// A position in a light map: its interpolation in the fine and in the coarse lattice.
 #[derive(Debug, Clone, Copy)]
 pub struct LightMapLookup([TrilinearWeights; 2]);
 
@@ -96,11 +86,10 @@ struct MediumBox {
 }
 
 impl<'a> LightMaps<'a> {
-    /// Updates the maps for a pass. `seed` is the seed of the render. The longest side of each
-    /// medium's box is divided into `cells` cells, rounded up to an even number. In each pass, a
-    /// different position represents an extended light. If `cells` is unchanged and no light with a
-    /// map has an extent, the maps stay valid and are kept. Lights without extent are points and
-    /// sources of parallel light.
+    /// Updates the maps for a pass, by the seed of the render. The longest side of each medium's
+    /// box is divided into `cells` cells, rounded up to an even number. Each pass represents an
+    /// extended light by another position. Maps are kept if `cells` is unchanged and all lights
+    /// with maps are points or sources of parallel light.
     pub fn update(&mut self, scene: &'a Scene, cells: u32, seed: Seed, pass: u64) {
         if self.cells == cells && !self.maps.iter().any(|map| !scene.lights[map.light].is_delta()) {
             return;
@@ -125,12 +114,10 @@ impl<'a> LightMaps<'a> {
         *self = Self { maps: virtual_lights.flat_map(of_light).collect(), cells };
     }
 
-    /// Returns the maps of all lights over a medium.
     pub fn over(&self, medium: usize) -> impl Iterator<Item = &LightMap<'a>> {
         self.maps.iter().filter(move |map| map.medium == medium)
     }
 
-    /// Returns the map of a light over a medium. Returns `None` if there is no such map.
     pub fn of(&self, light: usize, medium: usize) -> Option<&LightMap<'a>> {
         self.maps.iter().find(|map| map.light == light && map.medium == medium)
     }
@@ -191,8 +178,7 @@ impl<'a> LightMap<'a> {
         LightMapLookup([1, 2].map(|step| self.trilinear_weights(in_cells, step)))
     }
 
-    /// Returns the nodes and weights that interpolate at a position. The lattice consists of every
-    /// `step`-th node. The position is in cells of the fine lattice.
+    /// Returns the interpolation at a position in fine cells, from every `step`-th node.
     fn trilinear_weights(&self, in_cells: DVec3, step: usize) -> TrilinearWeights {
         let (mut nodes, mut weights) = ([0; 8], [1.0; 8]);
         let mut stride = 1;
@@ -216,15 +202,13 @@ impl<'a> LightMap<'a> {
         lookup.0[0].nodes.iter().any(|&node| self.visible[node])
     }
 
-    /// Returns the extinction coefficients (1/m) of each attenuator at these wavelengths, for
-    /// [`Self::optical_depths`].
+    /// Returns the extinction coefficients (1/m) of each attenuator, for [`Self::optical_depths`].
     pub fn coefficients(&self, wavelengths: &Wavelengths) -> impl Iterator<Item = Lanes> {
         self.attenuators.iter().map(|attenuator| wavelengths.each(|nm| attenuator.coefficient(nm)))
     }
 
-    /// Returns the optical depths between the light and the position. The first result comes from
-    /// the fine lattice, and the second comes from the coarse lattice. `distance` is the distance
-    /// to the light in m. This distance is infinite if the light is at infinity.
+    /// Returns the optical depths between the light and the position, from the fine and from the
+    /// coarse lattice. `distance` (m) is infinite for a light at infinity.
     pub fn optical_depths(&self, lookup: &LightMapLookup, distance: f64, coefficients: &[Lanes]) -> [Lanes; 2] {
         lookup.0.map(|weights| {
             let mut depths = [0.0; LANES];
@@ -254,8 +238,7 @@ impl Attenuator<'_> {
         }
     }
 
-    /// Returns the column density (m) of the attenuator along a segment. Returns 0 if the
-    /// attenuator does not fill the segment.
+    /// Returns the column density (m) along a segment, 0 if the attenuator does not fill it.
     fn column_m(&self, segment: &MediumSegment<'_>) -> f64 {
         match self {
             Attenuator::Medium(filling) if segment.medium.is_some_and(|other| other.number == filling.number) => {
@@ -287,13 +270,11 @@ fn attenuators(scene: &Scene) -> Vec<Attenuator<'_>> {
     media.chain(bodies().filter_map(|body| body.absorption.as_ref().map(Attenuator::Clear))).collect()
 }
 
-/// Computes the mean density of each attenuator between the light and a node. If the light is at
-/// infinity, the function computes the column density instead. Returns whether the light is visible
-/// from the node.
+/// Computes the mean density of each attenuator between the light and a node, or the column density
+/// for a light at infinity. Returns whether the node sees the light.
 ///
-/// The function follows the line from the light to the node, because the medium stack at the light
-/// is known. Surfaces do not interrupt the line. Therefore the stored densities vary smoothly even
-/// behind surfaces.
+/// The function follows the line from the light, where the medium stack is known. Surfaces do not
+/// interrupt it, so the stored densities vary smoothly even behind surfaces.
 fn trace_to_node(
     scene: &Scene,
     light: &PickedLight,
@@ -326,8 +307,7 @@ mod tests {
     use abbe_format::{self as format, resolve::resolve};
     use abbe_spectra::math::sobol::Sobol;
 
-    /// Returns a scene with a ball of smoke that fades towards its surface, a light beside it, and
-    /// a wall that covers half of the light.
+    /// Returns a ball of smoke that fades outwards, and a light beside it, half behind a wall.
     fn scene(light: &str) -> Scene {
         let text = format!(
             r#"{{
@@ -354,8 +334,7 @@ mod tests {
         (0..4096).map(move |i| 2.0 * DVec3::new(sobol.at(i, 0), sobol.at(i, 1), sobol.at(i, 2)) - 1.0)
     }
 
-    /// Returns two mean values for a map with this number of cells: the absolute error of the
-    /// transmittance, and the map's own estimate of this error.
+    /// Returns the mean absolute error of the transmittance, and its estimate by the map.
     fn transmittance_errors(scene: &Scene, cells: u32) -> [f64; 2] {
         let mut maps = LightMaps::default();
         maps.update(scene, cells, Seed::new(0), 0);
@@ -374,8 +353,7 @@ mod tests {
         [error / count, estimated / count]
     }
 
-    /// The interpolation error is of second order in the cell size. The difference between the two
-    /// lattices estimates this error.
+    /// The error is of second order in the cell size, and the two lattices estimate it.
     #[test]
     fn map_error_is_second_order_and_estimated() {
         for (name, light) in [("point", POINT), ("sun", SUN)] {
@@ -393,7 +371,6 @@ mod tests {
         }
     }
 
-    /// If no node around a position sees the light, the position is nearly always in shadow.
     #[test]
     fn positions_between_dark_nodes_are_nearly_all_dark() {
         let scene = scene(POINT);
@@ -415,8 +392,7 @@ mod tests {
         assert!(dark > 400 && lit_in_the_dark < 8 && dark_in_the_light < 200);
     }
 
-    /// Maps of lights without extent are kept until the resolution changes. All other maps are
-    /// rebuilt.
+    /// Maps of lights without extent are kept until the resolution changes. All others are rebuilt.
     #[test]
     fn maps_of_point_lights_last_until_cells_change() {
         let still = scene(POINT);

@@ -1,6 +1,5 @@
-//! Photons in media, gathered along camera rays. Points are the collisions of photons, and beams
-//! are whole segments of photon paths. The module also contains the light maps for direct light in
-//! media.
+//! Photons in media, gathered along camera rays: points are collisions, and beams are whole
+//! segments of photon paths. Also the light maps for direct light in media.
 
 mod beam;
 mod light_map;
@@ -19,9 +18,7 @@ use point::PointMap;
 /// The photons of one class in media: points in some media, beams in others.
 #[derive(Debug, Default)]
 pub struct VolumeMaps {
-    /// Collisions of photons.
     pub points: VolumeMap,
-    /// Segments of photon paths.
     pub beams: VolumeMap,
 }
 
@@ -44,17 +41,14 @@ impl Default for VolumeIndex {
 }
 
 impl VolumeMap {
-    /// Creates a map of points.
     pub fn of_points(points: Vec<VolumePhoton>) -> Self {
         Self { index: VolumeIndex::Points(PointMap::new(points)) }
     }
 
-    /// Creates a map of beams.
     pub fn of_beams(beams: Vec<PhotonBeam>) -> Self {
         Self { index: VolumeIndex::Beams(BeamMap::new(beams)) }
     }
 
-    /// Returns true if the map has no photons.
     pub fn is_empty(&self) -> bool {
         match &self.index {
             VolumeIndex::Points(points) => points.is_empty(),
@@ -62,8 +56,7 @@ impl VolumeMap {
         }
     }
 
-    /// Calls `visit` for each photon whose kernel intersects the ray of the cone. Allocates
-    /// nothing.
+    /// Calls `visit` for each photon whose kernel intersects the ray of the cone.
     pub fn along(&self, cone: &QueryCone, visit: impl FnMut(PhotonNearRay<'_>)) {
         match &self.index {
             VolumeIndex::Points(points) => points.along(cone, visit),

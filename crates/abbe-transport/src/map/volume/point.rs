@@ -1,6 +1,6 @@
 //! Photon points in media, gathered by the beam radiance estimate (Jarosz, Zwicker & Jensen 2008,
-//! "The Beam Radiance Estimate for Volumetric Photon Mapping"): the kernel is a disk perpendicular
-//! to the camera ray.
+//! "The Beam Radiance Estimate for Volumetric Photon Mapping") with a disk perpendicular to the
+//! camera ray.
 
 use super::near_ray::PhotonNearRay;
 use crate::map::box_tree::BoxTree;
@@ -10,7 +10,6 @@ use crate::map::photon::PhotonPower;
 use crate::map::query_cone::QueryCone;
 use glam::{DVec3, Vec3};
 
-/// A collision of a photon with a medium.
 #[derive(Debug, Clone, Copy)]
 pub struct VolumePhoton {
     /// The position in m, relative to the scene's centre.
@@ -22,8 +21,7 @@ pub struct VolumePhoton {
 }
 
 impl VolumePhoton {
-    /// Creates a photon at a collision. The photon arrives at `position` in the unit direction
-    /// `incoming`. The medium number `medium` scatters the power `power` there.
+    /// Takes the unit direction of arrival, and the power that the medium scatters.
     pub fn new(position: DVec3, incoming: DVec3, medium: usize, power: PhotonPower) -> Self {
         Self {
             position: position.as_vec3().to_array(),
@@ -33,7 +31,6 @@ impl VolumePhoton {
         }
     }
 
-    /// Returns the photon if the cone contains it.
     pub(super) fn near_ray(&self, cone: &QueryCone) -> Option<PhotonNearRay<'_>> {
         let offset = Vec3::from(self.position).as_dvec3() - cone.ray.origin;
         let t = offset.dot(cone.ray.direction);
@@ -55,7 +52,6 @@ impl VolumePhoton {
     }
 }
 
-/// A spatial index of points.
 #[derive(Debug, Default)]
 pub(super) struct PointMap {
     /// The points, in the order of the tree's leaves.
@@ -77,7 +73,6 @@ impl PointMap {
         self.points.is_empty()
     }
 
-    /// Calls `visit` for each point in the cone.
     pub(super) fn along(&self, cone: &QueryCone, mut visit: impl FnMut(PhotonNearRay<'_>)) {
         self.tree.visit(cone, |leaf| {
             let range = self.starts[leaf] as usize..self.starts[leaf + 1] as usize;

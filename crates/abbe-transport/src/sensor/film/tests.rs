@@ -4,8 +4,7 @@ use super::*;
 
 const NM: f64 = 550.0;
 
-/// Returns a film of one pixel after these passes. Each pass adds the radiance 1, with this
-/// bias.
+/// One pixel. Each pass adds the radiance 1, with this bias.
 fn exposed(passes: &[u64], bias: impl Fn(u64) -> f64) -> Film {
     let mut film = Film::new(1, 1, Observer::cie1931(), 0);
     for &pass in passes {
@@ -20,14 +19,13 @@ fn exposed(passes: &[u64], bias: impl Fn(u64) -> f64) -> Film {
     film
 }
 
-/// Returns the bias of the pixel, divided by its Y.
 fn relative_bias(film: &Film) -> f64 {
     let picture = film.picture();
     f64::from(picture.bias[0].unwrap()) / picture.xyz[0][1]
 }
 
-/// Each half of the replicates has its own mean bias, also if the halves have different numbers
-/// of passes. The squared bias of the picture is the product of the two means.
+/// Each half of the replicates has its own mean bias, also with different numbers of passes. The
+/// squared bias of the picture is the product of the two.
 #[test]
 fn each_half_of_the_passes_keeps_its_own_bias() {
     assert!((relative_bias(&exposed(&[0], |_| 0.2)) - 0.2).abs() < 1e-6, "only an even pass");
@@ -36,8 +34,8 @@ fn each_half_of_the_passes_keeps_its_own_bias() {
     assert!((relative_bias(&uneven) - 0.2).abs() < 1e-6, "three even passes and one odd pass");
 }
 
-/// A sample of a camera path and a connected photon of the same radiance have the same colour:
-/// the colour-matching functions at their wavelength.
+/// A camera sample and a connected photon of the same radiance have the same colour: the
+/// colour-matching functions at their wavelength.
 #[test]
 fn samples_and_splats_have_the_colour_of_their_wavelength() {
     for nm in [440.0, 520.0, 610.5] {
@@ -60,7 +58,6 @@ fn samples_and_splats_have_the_colour_of_their_wavelength() {
     }
 }
 
-/// Connected photons beyond a depth limit count in the half of their own pass.
 #[test]
 fn truncated_splats_count_in_the_half_of_their_pass() {
     let mut film = exposed(&[0, 1, 2, 3], |_| 0.0);

@@ -1,5 +1,4 @@
-//! Bounds of the light of a cluster of emitters: its place, its intensity and its directions
-//! (Conty Estévez & Kulla 2018, section 4).
+//! Bounds of the light of a cluster of emitters (Conty Estévez & Kulla 2018, section 4).
 
 use crate::walk::SurfaceInteraction;
 use abbe_scene::meter::SensorPoint;
@@ -7,13 +6,10 @@ use abbe_spectra::math::elementary::{atan2, cos, sin_cos};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// The bounds of the directions into which a cluster of emitters shines (section 4.1).
-///
-/// Each emitter has normals, and emits around each normal. All normals of the cluster are within
-/// the angle θ_o of the axis. All light of the cluster leaves within the angle θ_e of a normal.
+/// The directions into which a cluster of emitters shines (section 4.1): all normals are within the
+/// angle θ_o of the axis, and all light leaves within the angle θ_e of a normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct OrientationCone {
-    /// The unit vector along the axis.
     pub(super) axis: DVec3,
     /// The bound θ_o of the angle between the axis and a normal, in radians.
     pub(super) theta_o: f64,
@@ -22,7 +18,6 @@ pub(super) struct OrientationCone {
 }
 
 impl OrientationCone {
-    /// All directions.
     pub(super) const ALL: Self = Self { axis: DVec3::Z, theta_o: PI, theta_e: FRAC_PI_2 };
 
     /// Returns the smallest cone around two cones (algorithm 1).
@@ -45,8 +40,7 @@ impl OrientationCone {
         Self { axis: (cos * wide.axis + sin * across).normalize(), theta_o, theta_e }
     }
 
-    /// Returns the measure M_Ω of the directions (equation 1). It weights each direction by the
-    /// cosine of the angle beyond θ_o.
+    /// Returns the measure M_Ω, weighted by the cosine of the angle beyond θ_o (equation 1).
     fn measure(&self) -> f64 {
         let (sin_o, cos_o) = sin_cos(self.theta_o);
         let theta_w = (self.theta_o + self.theta_e).min(PI);
@@ -60,25 +54,22 @@ fn angle_between(a: DVec3, b: DVec3) -> f64 {
     atan2(a.cross(b).length(), a.dot(b))
 }
 
-/// The bounds of an emitter or of a cluster.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LightBounds {
     /// The lowest corner of a box around the emitters, in m.
     pub(super) low: DVec3,
     /// The highest corner of the box, in m.
     pub(super) high: DVec3,
-    /// The sum of the largest radiant intensities Φ of the emitters, as a share of the power of all
-    /// lights per steradian.
+    /// The sum of the largest intensities Φ, as a fraction of the power of all lights per
+    /// steradian.
     pub(super) intensity: f64,
-    /// The directions.
     pub(super) cone: OrientationCone,
     /// The light does not grow further below this distance in m.
     pub(super) least_distance_m: f64,
 }
 
 impl LightBounds {
-    /// Creates the bounds of one emitter. An area light that is nearer than its own size does not
-    /// grow brighter.
+    /// Bounds one emitter. An area light nearer than its own size does not grow brighter.
     pub(super) fn new((low, high): (DVec3, DVec3), intensity: f64, cone: OrientationCone) -> Self {
         Self { low, high, intensity, cone, least_distance_m: 0.5 * low.distance(high) }
     }
@@ -87,7 +78,6 @@ impl LightBounds {
         0.5 * (self.low + self.high)
     }
 
-    /// Returns the bounds of both.
     pub(super) fn union(&self, other: &Self) -> Self {
         Self {
             low: self.low.min(other.low),
@@ -99,8 +89,8 @@ impl LightBounds {
     }
 
     /// Returns the product M_A M_Ω Φ of the surface area orientation heuristic (section 4.4).
-    /// Emitters without extent may lie on a line, around which a box has no area. Therefore
-    /// `margin` (m) is added to each side of the box.
+    /// `margin` (m) is added to each side of the box, because a box around emitters on a line has
+    /// no area.
     pub(super) fn cost(&self, margin: f64) -> f64 {
         let size = self.high - self.low + DVec3::splat(margin);
         let area = size.x * size.y + size.y * size.z + size.z * size.x;
@@ -108,10 +98,8 @@ impl LightBounds {
     }
 }
 
-/// A place that receives light.
 pub(in crate::gather) trait Receiver {
-    /// Returns a bound of the light that the place receives from a cluster. It is 0 only if the
-    /// place receives no light.
+    /// Returns a bound of the light from a cluster, 0 only if the place receives none.
     fn importance(&self, cluster: &Cluster) -> f64;
 
     /// Returns the position and the normal if the place is on one side of a surface.
@@ -154,11 +142,10 @@ impl Cluster {
         (self.low.map(f64::from).into(), self.high.map(f64::from).into())
     }
 
-    /// Returns the largest height of a point above the planes of the emitters. The height is
-    /// positive if the point is above any of the planes. Returns infinity if the intensity does not
-    /// fall with the cosine. `offset` leads from the point to the centre of the box, and `half` is
-    /// half the size of the box, in m. `farthest2` is the squared distance of the farthest point of
-    /// the box.
+    /// Returns the largest height of a point above the planes of the emitters, positive if it is
+    /// above any of them, and infinite if the intensity does not fall with the cosine. `offset`
+    /// leads from the point to the centre of the box of the half size `half`, in m. `farthest2` is
+    /// the squared distance of the farthest point of the box.
     #[inline]
     fn height_above(&self, offset: DVec3, half: DVec3, farthest2: f64) -> f64 {
         if self.cos_o <= 0.0 {
@@ -180,8 +167,8 @@ impl Cluster {
         if is_dark { 0.0 } else { f64::INFINITY }
     }
 
-    /// Returns a bound of the intensity in all directions within θ_b of a direction at the angle
-    /// θ_w to the axis. The bound is I cos θ', where θ' = θ_w − θ_o − θ_b (equation 3).
+    /// Returns the bound I cos θ' of the intensity in all directions within θ_b of a direction at
+    /// the angle θ_w to the axis, with θ' = θ_w − θ_o − θ_b (equation 3).
     #[inline]
     fn intensity_within(&self, cos_w: f64, (sin_b, cos_b): (f64, f64)) -> f64 {
         let sin_w = sine(cos_w);
@@ -191,26 +178,22 @@ impl Cluster {
     }
 }
 
-/// Returns the sine of an angle in [0, π].
 #[inline]
 fn sine(cos: f64) -> f64 {
     (1.0 - cos * cos).max(0.0).sqrt()
 }
 
-/// Returns the sine and the cosine of max(0, a − b). The angles a and b are in [0, π], and are
-/// given by their sines and cosines.
+/// Returns the sine and the cosine of max(0, a − b), for angles in [0, π] that are given by theirs.
 #[inline]
 fn minus_angle((sin_a, cos_a): (f64, f64), (sin_b, cos_b): (f64, f64)) -> (f64, f64) {
     if cos_a >= cos_b { (0.0, 1.0) } else { (sin_a * cos_b - cos_a * sin_b, cos_a * cos_b + sin_a * sin_b) }
 }
 
-/// A point that receives light.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather) struct ReceivingPoint {
     /// The position, relative to the scene's centre, in m.
     pub(in crate::gather) position: DVec3,
-    /// The unit normal of a surface that scatters only light from the side of the normal. The
-    /// vector is 0 if light from all directions is scattered.
+    /// The normal of a surface that scatters only light from its side, or 0 for all directions.
     pub(in crate::gather) normal: DVec3,
 }
 
@@ -223,7 +206,6 @@ impl ReceivingPoint {
         Self { position: interaction.hit.position, normal }
     }
 
-    /// A point of a meter.
     #[inline]
     pub(in crate::gather) fn on_sensor(point: &SensorPoint) -> Self {
         Self { position: point.position, normal: point.response.normal() }
@@ -237,8 +219,8 @@ impl ReceivingPoint {
 }
 
 impl Receiver for ReceivingPoint {
-    /// Returns the importance I cos θ'_i cos θ' / d² (equation 3). The terms follow from the box,
-    /// as the documentation of the light tree explains.
+    /// Returns the importance I cos θ'_i cos θ' / d² (equation 3), with the terms that the module
+    /// of the light tree explains.
     #[inline]
     fn importance(&self, cluster: &Cluster) -> f64 {
         let (low, high) = cluster.corners();
@@ -280,15 +262,14 @@ fn cosine(height: f64, distance2: f64) -> f64 {
 pub(in crate::gather) struct ReceivingSegment {
     /// The start of the segment, relative to the scene's centre, in m.
     pub(in crate::gather) from: DVec3,
-    /// The end of the segment.
     pub(in crate::gather) to: DVec3,
 }
 
 impl Receiver for ReceivingSegment {
-    /// Returns a bound of the integral of the irradiance over the segment. From a point light at
-    /// the distance D from the line, it is I (θ_b − θ_a) / D, where θ_b − θ_a is the angle that the
-    /// light sees of the segment (Kulla & Fajardo 2012, "Importance Sampling Techniques for Path
-    /// Tracing in Participating Media").
+    /// Returns a bound of the integral of the irradiance over the segment: from a point light at
+    /// the distance D from the line, I (θ_b − θ_a) / D for the angle θ_b − θ_a that the light sees
+    /// of the segment (Kulla & Fajardo 2012, "Importance Sampling Techniques for Path Tracing in
+    /// Participating Media").
     fn importance(&self, cluster: &Cluster) -> f64 {
         let (low, high) = cluster.corners();
         let (centre, radius) = (0.5 * (low + high), 0.5 * low.distance(high));

@@ -9,16 +9,15 @@ use glam::DVec3;
 /// The number of buckets along an axis at whose borders a cluster may be split.
 const BUCKETS: usize = 12;
 
-/// The depth below which clusters are split into halves of equal numbers of emitters. The path to
-/// a leaf must fit into the 64 bits of a trail.
+/// Below this depth, clusters are split into halves of equal numbers, because the path to a leaf
+/// must fit into the 64 bits of a trail.
 const BALANCED_DEPTH: u32 = 30;
 
-/// The margin around boxes, as a share of the largest extent of the cluster that is split.
+/// The margin around boxes, as a fraction of the largest extent of the cluster that is split.
 const MARGIN: f64 = 0.01;
 
 impl LightTree {
-    /// Adds a tree over the emitters that follow the emitters of earlier trees. Returns the root of
-    /// the new tree.
+    /// Adds a tree over the next emitters. Returns its root.
     pub(super) fn add(&mut self, bounds: &[LightBounds]) -> usize {
         let (root, first) = (self.nodes.len(), self.trails.len());
         self.trails.resize(first + bounds.len(), 0);
@@ -28,8 +27,8 @@ impl LightTree {
     }
 }
 
-/// Appends the nodes of a tree to the list, and stores the trails of its emitters. `first` is the
-/// number of the first emitter of the tree, and `bounds` holds the bounds of its emitters.
+/// Appends the nodes of a tree and the trails of its emitters, which have these bounds. `first` is
+/// the number of the first one.
 fn build(tree: &mut LightTree, bounds: &[LightBounds], first: usize) {
     let mut numbers: Vec<u32> = (0..bounds.len() as u32).collect();
     tree.nodes.reserve(2 * bounds.len());
@@ -43,9 +42,8 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Appends the node of a cluster and all nodes below, and returns the bounds of the cluster.
-    /// `numbers` are the emitters of the cluster, counted from the first emitter of the tree.
-    /// `trail` is the path from the root to the node.
+    /// Appends the node of a cluster and all nodes below. `numbers` are its emitters, counted from
+    /// the first of the tree. `trail` is the path from the root.
     fn cluster(&mut self, numbers: &mut [u32], depth: u32, trail: u64) -> LightBounds {
         if let [number] = *numbers {
             let (bounds, emitter) = (self.bounds[number as usize], self.first + number as usize);
@@ -57,7 +55,6 @@ impl Builder<'_> {
         let (count, middle) = (numbers.len(), self.split(numbers, depth));
         let (below, above) = numbers.split_at_mut(middle);
         let index = self.tree.nodes.len();
-        // The bounds of the node follow from its children.
         self.tree.nodes.push(LightNode { cluster: Cluster::new(&self.bounds[below[0] as usize]), link: 0 });
         let below = self.cluster(below, depth + 1, trail);
         let link = self.tree.nodes.len() as u32;
@@ -67,8 +64,7 @@ impl Builder<'_> {
         bounds
     }
 
-    /// Orders the emitters of a cluster, and returns how many of them belong to the first child.
-    /// The split is the one with the least cost of the surface area orientation heuristic.
+    /// Orders the emitters by the split of least cost, and returns the number in the first child.
     fn split(&self, numbers: &mut [u32], depth: u32) -> usize {
         let half = numbers.len() / 2;
         let centre = |number: u32| self.bounds[number as usize].centre();
@@ -89,8 +85,7 @@ impl Builder<'_> {
         half
     }
 
-    /// Returns the best split along an axis (section 4.4). Returns `None` if all centres are in one
-    /// bucket.
+    /// Returns the best split along an axis (section 4.4), unless all centres are in one bucket.
     fn best_split(&self, numbers: &[u32], axis: usize, (low, extent): (DVec3, DVec3)) -> Option<ClusterSplit> {
         let longest = extent.max_element();
         if extent[axis] <= 0.0 {
@@ -121,8 +116,8 @@ impl Builder<'_> {
     }
 }
 
-/// Returns the mean spacing of emitters in m. A receiver inside the box of a cluster is about half
-/// a spacing away from the nearest emitter. The box may be a line, a sheet or a block of emitters.
+/// Returns the mean spacing of emitters in m. A receiver inside the box of a cluster, which may be
+/// a line, a sheet or a block, is about half a spacing away from the nearest emitter.
 fn spacing(bounds: &LightBounds, count: usize) -> f64 {
     let mut size = (bounds.high - bounds.low).to_array();
     size.sort_by(f64::total_cmp);
@@ -130,7 +125,6 @@ fn spacing(bounds: &LightBounds, count: usize) -> f64 {
     (long / count).max((long * wide / count).sqrt()).max(cbrt(long * wide * thin / count))
 }
 
-/// A split of a cluster after a bucket.
 struct ClusterSplit {
     axis: usize,
     bucket: usize,
@@ -148,8 +142,7 @@ fn bucket_of(centre: DVec3, axis: usize, (low, extent): (DVec3, DVec3)) -> usize
     (((centre[axis] - low[axis]) / extent[axis] * BUCKETS as f64) as usize).min(BUCKETS - 1)
 }
 
-/// Moves the numbers that satisfy a condition to the front, in their order, and returns their
-/// count.
+/// Moves the numbers that satisfy a condition to the front, in order, and returns their count.
 fn partition(numbers: &mut [u32], is_first: impl Fn(u32) -> bool) -> usize {
     let (first, rest): (Vec<u32>, Vec<u32>) = numbers.iter().partition(|&&number| is_first(number));
     let (place_of_first, place_of_rest) = numbers.split_at_mut(first.len());

@@ -7,20 +7,16 @@ use abbe_scene::light::IntensityBounds;
 use abbe_spectra::math::distribution::DiscreteDistribution;
 use std::f64::consts::PI;
 
-/// The largest number of triangles that count as emitters of their own. If the luminous meshes of a
-/// scene have more triangles, each mesh is one emitter.
+/// If the luminous meshes of a scene have more triangles, each mesh is one emitter.
 const MOST_TRIANGLES: usize = 1 << 16;
 
 /// An emitter: a light, or one triangle of a luminous mesh.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather::direct) struct TreeEmitter {
-    /// The number of the light.
     pub(in crate::gather::direct) light: u32,
-    /// The triangle of the light, if the emitter is a triangle.
     pub(in crate::gather::direct) triangle: Option<SelectedTriangle>,
 }
 
-/// How a triangle is selected from its mesh.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::gather::direct) struct SelectedTriangle {
     /// A random number with which the sampling of the mesh selects the triangle.
@@ -29,7 +25,6 @@ pub(in crate::gather::direct) struct SelectedTriangle {
     pub(in crate::gather::direct) probability: f64,
 }
 
-/// The emitters of a scene in light trees.
 #[derive(Debug, Clone, Default)]
 pub(in crate::gather::direct) struct Emitters {
     pub(in crate::gather::direct) list: Vec<TreeEmitter>,
@@ -37,14 +32,13 @@ pub(in crate::gather::direct) struct Emitters {
 }
 
 impl Emitters {
-    /// Returns true if the triangles of luminous meshes count as emitters.
     pub(in crate::gather::direct) fn splits_meshes(scene: &Scene) -> bool {
         let objects = scene.lights.iter().filter_map(|light| light.object());
         objects.map(|object| scene.geometry.triangle_count(object)).sum::<usize>() <= MOST_TRIANGLES
     }
 
-    /// Adds a tree over some lights. `powers` is the distribution of photons over all lights. The
-    /// lights must have bounds. Returns the root of the tree, or `None` if there are no emitters.
+    /// Adds a tree over lights that have bounds. `powers` is the distribution of photons over all
+    /// lights. Returns the root, or `None` without emitters.
     pub(in crate::gather::direct) fn add_tree(
         &mut self,
         scene: &Scene,

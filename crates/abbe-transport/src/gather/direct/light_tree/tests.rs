@@ -16,7 +16,6 @@ struct TestEmitter {
 }
 
 impl TestEmitter {
-    /// Returns true if the emitter illuminates a point of a surface with this normal.
     fn lights(&self, receiver: &ReceivingPoint) -> bool {
         self.points.iter().any(|point| {
             let direction = (receiver.position - point).normalize();
@@ -25,7 +24,6 @@ impl TestEmitter {
     }
 }
 
-/// Returns a random point of a cube of 10 m.
 fn random_point(stream: &mut Stream) -> DVec3 {
     DVec3::from(stream.triple()) * 10.0
 }
@@ -76,8 +74,7 @@ fn receivers(count: usize, stream: &mut Stream) -> Vec<ReceivingPoint> {
     (0..count).map(receiver).collect()
 }
 
-/// The probabilities of all emitters, and of no emitter, sum to 1. The frequencies of samples agree
-/// with the probabilities.
+/// The probabilities of all emitters and of none sum to 1, and are the frequencies of samples.
 #[test]
 fn samples_have_their_probabilities() {
     let mut stream = stream();
@@ -121,7 +118,6 @@ fn probabilities_of_point_lights_sum_to_one() {
     }
 }
 
-/// A receiver never excludes an emitter that illuminates it.
 #[test]
 fn bounds_are_conservative() {
     let mut stream = stream();
@@ -138,7 +134,6 @@ fn bounds_are_conservative() {
     assert!(excluded > 50_000, "{excluded}");
 }
 
-/// A segment never excludes an emitter that illuminates one of its points.
 #[test]
 fn bounds_of_segments_are_conservative() {
     let mut stream = stream();
@@ -157,7 +152,6 @@ fn bounds_of_segments_are_conservative() {
     assert!(excluded > 1_000, "{excluded}");
 }
 
-/// The importance of a segment that sees one point light is the integral of its irradiance.
 #[test]
 fn importance_of_a_segment_is_the_integral_of_the_irradiance() {
     let at = DVec3::new(1.0, 2.0, 0.0);
@@ -185,7 +179,6 @@ fn deep_trees_have_valid_trails() {
     }
 }
 
-/// Two builds over the same emitters give the same samples.
 #[test]
 fn trees_are_deterministic() {
     let trees = [0, 1].map(|_| tree_over(&random_emitters(100, &mut stream())));

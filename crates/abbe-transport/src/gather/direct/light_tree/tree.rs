@@ -10,8 +10,7 @@ pub(super) const LEAF: u32 = 1 << 31;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightNode {
     pub(super) cluster: Cluster,
-    /// In an inner node: the position of the second child in the list. In a leaf: the number of the
-    /// emitter, and the bit [`LEAF`].
+    /// The position of an inner node's second child, or the emitter of a leaf and [`LEAF`].
     pub(super) link: u32,
 }
 
@@ -19,16 +18,15 @@ pub(super) struct LightNode {
 #[derive(Debug, Clone, Default)]
 pub(in crate::gather::direct) struct LightTree {
     pub(super) nodes: Vec<LightNode>,
-    /// For each emitter, the path from the root to its leaf. The lowest bit belongs to the root. A
-    /// bit is 1 if the path goes to the second child.
+    /// The path from the root to each emitter, lowest bit first: 1 for the second child.
     pub(super) trails: Vec<u64>,
     /// For each emitter, the position of its leaf in the list.
     pub(super) leaves: Vec<u32>,
 }
 
 impl LightTree {
-    /// Samples an emitter for a receiver. Returns the number of the emitter and its probability.
-    /// Replaces `u` by a new uniform number. Returns `None` if the receiver gets no light.
+    /// Samples an emitter for a receiver, or `None` if it gets no light. Returns the number of the
+    /// emitter and its probability, and replaces `u` by a new uniform number.
     pub(in crate::gather::direct) fn sample(
         &self,
         root: usize,
@@ -51,9 +49,8 @@ impl LightTree {
         }
     }
 
-    /// Samples an emitter for a trial, as [`Self::sample`] does. The children of a node are
-    /// selected in proportion to the square roots of their importance, so that the trials find weak
-    /// emitters in front of strong emitters behind a wall.
+    /// Like [`Self::sample`], but selects children in proportion to the square roots of their
+    /// importance, so that trials find weak emitters in front of strong emitters behind a wall.
     pub(in crate::gather::direct) fn sample_for_trial(
         &self,
         root: usize,
@@ -74,7 +71,6 @@ impl LightTree {
         Some((self.nodes[index].link & !LEAF) as usize)
     }
 
-    /// Returns the bounds of an emitter.
     pub(in crate::gather::direct) fn cluster_of(&self, emitter: usize) -> &Cluster {
         &self.nodes[self.leaves[emitter] as usize].cluster
     }
@@ -91,8 +87,8 @@ impl LightTree {
         probability
     }
 
-    /// Returns the probabilities of both children of an inner node. Returns `None` if the receiver
-    /// gets no light from the children, although the bounds of the node do not exclude such light.
+    /// Returns the probabilities of both children of an inner node, or `None` if neither lights the
+    /// receiver, although the bounds of the node do not exclude it.
     #[inline]
     fn probabilities(&self, index: usize, receiver: &impl Receiver) -> Option<[f64; 2]> {
         let children = [index + 1, self.nodes[index].link as usize];
