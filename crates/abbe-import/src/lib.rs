@@ -32,8 +32,8 @@
 //!
 //! # Units and conventions
 //!
-//! A converted scene is in metres. glTF gives luminous quantities, which stay luminous; Mitsuba and
-//! pbrt give radiance without a unit, which becomes W/m²/sr over the band of these programs.
+//! A converted scene is in metres, and its lights have photometric quantities: those of glTF, or of
+//! Mitsuba and pbrt, whose value 1 becomes 1 cd/m², 1 cd or 1 lx.
 //!
 //! # Dependencies
 //!
