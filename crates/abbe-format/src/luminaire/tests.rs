@@ -90,7 +90,7 @@ fn a_lambertian_table_has_the_flux_of_a_lambertian_source() {
     let values: Vec<f64> = gamma.iter().map(|angle| 300.0 * angle.to_radians().cos()).collect();
     let lamp = parse_ies(&ies(1, &gamma, &[0.0], &values)).unwrap();
     let summary = LuminaireSummary::of(&lamp).unwrap();
-    // Linear interpolation of the cosine in steps of 1° loses a share of about h²/12.
+    // Linear interpolation of the cosine in steps of 1° loses a fraction of about h²/12.
     assert!((summary.flux_lm / (PI * 300.0) - 1.0).abs() < 3e-5, "{}", summary.flux_lm);
     assert_eq!((summary.peak_cd, summary.peak_deg), (300.0, [0.0, 0.0]));
     assert!((summary.downward - 1.0).abs() < 1e-4);
