@@ -1,24 +1,17 @@
 //! The camera, its motion and its shutter in the scene file.
 
-use crate::JsonSchema;
-use glam::DVec3;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::lens::LensFile;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, LensFile, check};
 use abbe_scene::motion::{AnimatedLookAt, LookAt};
 use abbe_spectra::error::Result;
+use glam::DVec3;
 
 /// The camera: position, viewing direction, lens, shutter and motion.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Camera", example = json!({
-    "from": [0, 1, 5], "at": [0, 0.5, 0], "up": [0, 1, 0], "lens": {"pinhole": {"fov": 35}},
-    "shutter": {"open": 0, "close": 0.02}, "motion": [{"time": 0}, {"time": 0.02, "from": [0, 1, 4.9]}]
-}))]
+#[schemars(title = "Camera", example = json!({"from": [0, 1, 5], "at": [0, 0.5, 0], "up": [0, 1, 0],
+    "lens": {"pinhole": {"fov": 35}}, "shutter": {"open": 0, "close": 0.02}, "motion": [{"time": 0}, {"time": 0.02,
+    "from": [0, 1, 4.9]}]}))]
 pub struct CameraFile {
     /// Position of the camera.
     #[schemars(extend("x-unit" = "scene unit"))]
@@ -34,7 +27,6 @@ pub struct CameraFile {
     pub lens: LensFile,
     /// The time during which the camera records. If the shutter is absent, the picture shows the
     /// scene at time 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shutter: Option<ShutterFile>,
     /// Keyframes of the camera, in the order of their times. The motion between them is
     /// interpolated.
@@ -43,7 +35,6 @@ pub struct CameraFile {
     pub motion: Vec<CameraKeyframeFile>,
 }
 
-/// Returns the direction +y.
 fn default_up() -> [f64; 3] {
     [0.0, 1.0, 0.0]
 }
@@ -51,23 +42,19 @@ fn default_up() -> [f64; 3] {
 /// A keyframe of the camera. If a key is absent, it has the value of the camera.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Camera keyframe", example = json!({
-    "time": 0.02, "from": [0, 1, 4.9], "at": [0, 0.5, 0], "up": [0, 1, 0]
-}))]
+#[schemars(title = "Camera keyframe", example = json!({"time": 0.02, "from": [0, 1, 4.9], "at": [0, 0.5, 0],
+    "up": [0, 1, 0]}))]
 pub struct CameraKeyframeFile {
     /// Time of the keyframe, later than the time of the keyframe before it.
     #[schemars(extend("x-unit" = "s"))]
     pub time: f64,
     /// Position of the camera.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "scene unit", "x-default" = "`from` of the camera"))]
     pub from: Option<[f64; 3]>,
     /// A point in the middle of the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "scene unit", "x-default" = "`at` of the camera"))]
     pub at: Option<[f64; 3]>,
     /// A direction that points up in the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-range" = "not zero", "x-default" = "`up` of the camera"))]
     pub up: Option<[f64; 3]>,
 }
@@ -75,9 +62,8 @@ pub struct CameraKeyframeFile {
 /// The time during which the camera records.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Shutter", example = json!({
-    "open": 0, "close": 0.02, "curve": [[0, 0], [0.2, 1], [0.8, 1], [1, 0]]
-}))]
+#[schemars(title = "Shutter", example = json!({"open": 0, "close": 0.02,
+    "curve": [[0, 0], [0.2, 1], [0.8, 1], [1, 0]]}))]
 pub struct ShutterFile {
     /// Time at which the shutter opens.
     #[schemars(extend("x-unit" = "s"))]
@@ -87,14 +73,12 @@ pub struct ShutterFile {
     pub close: f64,
     /// Transmission of the shutter over time: pairs of a time and a transmission. Time 0 is `open`
     /// and time 1 is `close`. The times must rise, and at least one transmission must be above 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 2), inner(inner(range(min = 0, max = 1))), extend("x-default" = "fully open"))]
     pub curve: Option<Vec<[f64; 2]>>,
 }
 
 impl CameraFile {
-    /// Returns the motion of the camera through its keyframes. Positions are in the scene's unit.
-    /// If there are no keyframes, returns `None`.
+    /// Returns the motion through the keyframes in the scene's unit, or `None` if there are none.
     pub fn camera_motion(&self) -> Option<AnimatedLookAt> {
         AnimatedLookAt::new(self.motion.iter().map(|key| {
             let vector = |own: Option<[f64; 3]>, static_value: [f64; 3]| DVec3::from(own.unwrap_or(static_value));
@@ -103,7 +87,6 @@ impl CameraFile {
         }))
     }
 
-    /// Checks ranges and directions.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { from, at: target, up, lens, shutter, motion } = self;
         check::all([
@@ -144,7 +127,6 @@ fn validate_pose(camera: &JsonPath, key: &str, [from, at, up]: [[f64; 3]; 3]) ->
 }
 
 impl ShutterFile {
-    /// Checks that the shutter does not close before it opens, and checks the curve.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { open, close, curve } = self;
         let allowed = format!("a time of at least {}, when it opens", check::number(*open));

@@ -1,9 +1,8 @@
 //! Checks of single values: ranges, lengths, directions.
 //!
-//! Every check takes the JSON path of its value. The caller adds file, line and column to the
-//! error.
+//! Every check takes the JSON path of its value. The caller adds file, line and column to errors.
 
-use crate::json::JsonPath;
+use crate::JsonPath;
 use abbe_spectra::error::{Error, Result};
 
 /// Returns an error that contains the JSON path of the wrong value. `what` says what was found.
@@ -27,7 +26,6 @@ pub(super) fn number(value: f64) -> String {
     if value == 0.0 || (1e-5..1e15).contains(&size) { value.to_string() } else { format!("{value:e}") }
 }
 
-/// Formats three numbers as a JSON array.
 pub(super) fn triple(value: [f64; 3]) -> String {
     format!("[{}, {}, {}]", number(value[0]), number(value[1]), number(value[2]))
 }
@@ -37,28 +35,23 @@ pub(super) fn rule(at: &JsonPath, value: f64, holds: bool, expected: &str) -> Re
     if holds { Ok(()) } else { Err(fault(at, format!("found {}", number(value)), expected)) }
 }
 
-/// Checks that a value, such as a length or a temperature, is above 0.
 pub(super) fn positive(at: &JsonPath, value: f64) -> Result<()> {
     rule(at, value, value > 0.0, "a number above 0")
 }
 
-/// Checks that a value is at least 0.
 pub(super) fn not_negative(at: &JsonPath, value: f64) -> Result<()> {
     rule(at, value, value >= 0.0, "a number of at least 0")
 }
 
-/// Checks that a fraction, such as a reflectance, is at least 0 and at most 1.
 pub(super) fn fraction(at: &JsonPath, value: f64) -> Result<()> {
     rule(at, value, (0.0..=1.0).contains(&value), "a number from 0 to 1")
 }
 
-/// Checks that a value is above `low` and below `high`.
 pub(super) fn between(at: &JsonPath, value: f64, low: f64, high: f64) -> Result<()> {
     let allowed = format!("a number above {} and below {}", number(low), number(high));
     rule(at, value, low < value && value < high, &allowed)
 }
 
-/// Checks that a count is at least `low` and at most `high`.
 pub(super) fn count(at: &JsonPath, value: u64, low: u64, high: u64) -> Result<()> {
     if (low..=high).contains(&value) {
         return Ok(());
@@ -71,7 +64,6 @@ pub(super) fn count(at: &JsonPath, value: u64, low: u64, high: u64) -> Result<()
     Err(fault(at, format!("found {value}"), allowed))
 }
 
-/// Checks that a direction or axis is not the zero vector.
 pub(super) fn direction(at: &JsonPath, value: [f64; 3]) -> Result<()> {
     if glam::DVec3::from_array(value).length() > 0.0 {
         return Ok(());
@@ -79,8 +71,7 @@ pub(super) fn direction(at: &JsonPath, value: [f64; 3]) -> Result<()> {
     Err(fault(at, format!("found {}", triple(value)), "a direction that is not zero"))
 }
 
-/// Checks that two points differ. `at` is the path of the point `value`, and `other_key` is the key
-/// of the point `other`.
+/// Checks that two points differ: `value` at the path `at`, and `other` with the key `other_key`.
 pub(super) fn apart(at: &JsonPath, value: [f64; 3], other_key: &str, other: [f64; 3]) -> Result<()> {
     if glam::DVec3::from_array(value) != glam::DVec3::from_array(other) {
         return Ok(());
@@ -88,8 +79,7 @@ pub(super) fn apart(at: &JsonPath, value: [f64; 3], other_key: &str, other: [f64
     Err(fault(at, format!("found {}, the same point as `{other_key}`", triple(value)), "another point"))
 }
 
-/// Checks that a list has at least `least` entries. `allowed` is the part of the error message that
-/// says what is allowed.
+/// Checks that a list has at least `least` entries. `allowed` is the expectation in the error.
 pub(super) fn entries(at: &JsonPath, found: usize, least: usize, allowed: &str) -> Result<()> {
     if found >= least {
         return Ok(());
@@ -114,8 +104,7 @@ pub(super) fn rising(at: &JsonPath, values: impl IntoIterator<Item = f64>, key: 
     Ok(())
 }
 
-/// Checks that no weight of a mix is negative, and that at least one is above 0. Each weight has
-/// the key `weight`.
+/// Checks that no weight of a mix, with the key `weight`, is negative, and that one is above 0.
 pub(super) fn weights(at: &JsonPath, values: impl IntoIterator<Item = f64>) -> Result<()> {
     let mut sum = 0.0;
     for (i, value) in values.into_iter().enumerate() {
@@ -125,7 +114,6 @@ pub(super) fn weights(at: &JsonPath, values: impl IntoIterator<Item = f64>) -> R
     if sum > 0.0 { Ok(()) } else { Err(fault(at, "found only weights of 0", "at least one weight above 0")) }
 }
 
-/// Checks that exactly one of several optional keys is present.
 pub(super) fn exactly_one(at: &JsonPath, given: &[(&str, bool)]) -> Result<()> {
     let list = given.iter().map(|(key, _)| *key).collect::<Vec<_>>().join(", ");
     let mut present = given.iter().filter(|(_, present)| *present).map(|(key, _)| *key);

@@ -1,18 +1,10 @@
 //! Stacks of thin films in the scene file and on the command line.
 
-use crate::JsonSchema;
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use super::index::IndexFile;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::texture::ScalarFile;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{IndexFile, JsonPath, ScalarFile, SpectrumFile, check, forms, spectrum::SpectrumUse};
 use abbe_spectra::error::Result;
+use serde::de::MapAccess;
 
 /// Thin films on top of each other, in which light interferes. The order of the films is from the
 /// outside to the substrate.
@@ -20,21 +12,17 @@ use abbe_spectra::error::Result;
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Stack of thin films")]
 #[schemars(example = json!({"layers": [{"ior": "MgF2", "thickness_nm": 100}]}))]
-#[schemars(example = json!({
-    "incident": "air", "layers": [{"ior": 1.38, "thickness_nm": 99.6}, {"ior": 2.05, "thickness_nm": 19.4}],
-    "substrate": "N-BK7"
-}))]
+#[schemars(example = json!({"incident": "air", "layers": [{"ior": 1.38, "thickness_nm": 99.6}, {"ior": 2.05,
+    "thickness_nm": 19.4}], "substrate": "N-BK7"}))]
 pub struct CoatingFile {
     /// The medium in which light arrives. A material in a scene may leave it out; otherwise it must
     /// be air.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "air"))]
     pub incident: Option<CoatingIndexFile>,
     /// The films, from the outside to the substrate.
     pub layers: Vec<CoatingLayerFile>,
     /// The medium below the films. A material in a scene may leave it out; otherwise it must be the
     /// material itself.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "air, or the coated material"))]
     pub substrate: Option<CoatingIndexFile>,
 }
@@ -44,9 +32,7 @@ pub struct CoatingFile {
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Thin film", example = json!({"ior": "rutile TiO2", "thickness_nm": 60}))]
 #[schemars(example = json!({"ior": "silver", "thickness_nm": 30}))]
-#[schemars(example = json!({
-    "ior": "water", "thickness_nm": {"gradient": {"a": 20, "b": 900, "power": 0.5}}
-}))]
+#[schemars(example = json!({"ior": "water", "thickness_nm": {"gradient": {"a": 20, "b": 900, "power": 0.5}}}))]
 pub struct CoatingLayerFile {
     /// The index of refraction of the film.
     pub ior: CoatingIndexFile,
@@ -134,7 +120,6 @@ impl Serialize for CoatingIndexFile {
 }
 
 impl CoatingFile {
-    /// Checks the ranges of all values.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { incident, layers, substrate } = self;
         let index = |key: &str, index: &Option<CoatingIndexFile>| {

@@ -8,11 +8,8 @@ const JULIAN_DAY_1970: f64 = 2_440_587.5;
 /// The years in which positions of the sun are accurate.
 const YEARS: std::ops::RangeInclusive<i64> = 1900..=2100;
 
-/// Returns the Julian day of a time such as `2026-06-21T12:00:00+02:00`. The offset from universal
-/// time is required; `Z` means no offset. The seconds may be left out.
-///
-/// # Errors
-/// Returns an error if the text is not a time, or if the year is outside 1900–2100.
+/// Returns the Julian day of a time from 1900 to 2100 such as `2026-06-21T12:00:00+02:00`. The
+/// offset from universal time is required (`Z` means none), and the seconds may be left out.
 pub(super) fn julian_day(text: &str) -> Result<f64> {
     let error = || {
         let expected = "a time from 1900 to 2100 with its offset from UTC, such as \"2026-06-21T12:00:00+02:00\"";
@@ -50,7 +47,6 @@ fn parse(text: &str) -> Option<f64> {
     Some(JULIAN_DAY_1970 + days_since_1970(year, month, day) as f64 + of_day as f64 / 86_400.0)
 }
 
-/// Returns the minutes of an offset such as `02:00`.
 fn minutes(offset: &str) -> Option<i64> {
     let [hours, minutes] = numbers(offset, ':', &[2, 2])?[..] else { return None };
     (hours < 24 && minutes < 60).then_some(hours * 60 + minutes)
@@ -100,20 +96,10 @@ mod tests {
 
     #[test]
     fn texts_that_are_no_times_are_errors() {
-        for text in [
-            "2026-06-21",
-            "2026-06-21T12:00:00",
-            "2026-06-21 12:00:00Z",
-            "2026-02-29T12:00:00Z",
-            "2026-13-01T12:00:00Z",
-            "2026-06-21T24:00:00Z",
-            "2026-06-21T12:60:00Z",
-            "2026-06-21T12:00:00+2",
-            "2026-06-21T12:00:00Zx",
-            "1899-12-31T12:00:00Z",
-            "+026-06-21T12:00:00Z",
-            "",
-        ] {
+        let texts = "2026-06-21|2026-06-21T12:00:00|2026-06-21 12:00:00Z|2026-02-29T12:00:00Z|2026-13-01T12:00:00Z|\
+                     2026-06-21T24:00:00Z|2026-06-21T12:60:00Z|2026-06-21T12:00:00+2|2026-06-21T12:00:00Zx|\
+                     1899-12-31T12:00:00Z|+026-06-21T12:00:00Z|";
+        for text in texts.split('|') {
             assert!(julian_day(text).is_err(), "{text}");
         }
     }

@@ -1,15 +1,8 @@
 //! The emission of objects in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::quantity::{QuantityFile, one_quantity, validate_quantity};
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::texture::ReflectanceFile;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::quantity::{one_quantity, validate_quantity};
+use crate::{JsonPath, QuantityFile, ReflectanceFile, SpectrumFile, check, spectrum::SpectrumUse};
 use abbe_spectra::error::Result;
 
 /// The emission of an object, which makes the object an area light. State exactly one of `power`,
@@ -26,39 +19,29 @@ pub struct EmissionFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Radiance over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/m²/sr"))]
     pub radiance: Option<f64>,
     /// Luminance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
     pub luminance: Option<f64>,
     /// Transmittance of a slide in front of the surface, for example a picture. The stated quantity is
     /// that of the light without the slide.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-default" = "no slide"))]
     pub slide: Option<ReflectanceFile>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
 }
 
 impl EmissionFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -68,7 +51,6 @@ impl EmissionFile {
         ])
     }
 
-    /// Checks the spectrum and the quantity.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let spectrum = self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative);
         let slide = self.slide.as_ref().map_or(Ok(()), |slide| slide.validate(&at.key("slide")));

@@ -1,13 +1,7 @@
 //! Scalar fields of inhomogeneous media in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check, forms};
 use abbe_spectra::error::Result;
 
 /// A scalar field over the box of a grid. State exactly one of `values` (with `resolution`),
@@ -21,28 +15,21 @@ use abbe_spectra::error::Result;
 #[schemars(example = json!({"noise": {"value": 2, "scale": 0.5}}))]
 pub struct FieldFile {
     /// Values at the centres of the cells. x varies fastest, then y, then z.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(inner(range(min = 0)))]
     pub values: Option<Vec<f64>>,
     /// Number of cells along x, y and z.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(inner(range(min = 1, max = 65_536)), extend("x-unit" = "cells"))]
     pub resolution: Option<[u32; 3]>,
     /// Path of a volume file (`.npy` or `.npz`), relative to the scene's folder.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
     /// A value that is the same everywhere.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0))]
     pub constant: Option<f64>,
     /// A value that decreases exponentially with height.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exponential: Option<ExponentialFieldFile>,
     /// A ball whose value decreases to 0 towards its surface.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sphere: Option<SphereFieldFile>,
     /// Fractal noise, for clouds and smoke.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseFieldFile>,
 }
 
@@ -50,9 +37,8 @@ pub struct FieldFile {
 /// or from the surface of a planet.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Exponential field", example = json!({
-    "value": 1, "scale_height": 8000, "planet": {"center": [0, -6_371_000, 0], "radius": 6_371_000}
-}))]
+#[schemars(title = "Exponential field", example = json!({"value": 1, "scale_height": 8000,
+    "planet": {"center": [0, -6_371_000, 0], "radius": 6_371_000}}))]
 pub struct ExponentialFieldFile {
     /// Value at the bottom of the box, or at the surface of the planet.
     #[schemars(range(min = 0))]
@@ -61,7 +47,6 @@ pub struct ExponentialFieldFile {
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
     pub scale_height: f64,
     /// The planet from whose surface the height is measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "flat ground"))]
     pub planet: Option<PlanetFile>,
 }
@@ -103,9 +88,8 @@ pub struct SphereFieldFile {
 /// most 128 cells along the longest side.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Noise field", example = json!({
-    "value": 2, "scale": 0.5, "octaves": 6, "threshold": 0.4, "falloff": 0.2, "seed": 7
-}))]
+#[schemars(title = "Noise field", example = json!({"value": 2, "scale": 0.5, "octaves": 6, "threshold": 0.4,
+    "falloff": 0.2, "seed": 7}))]
 pub struct NoiseFieldFile {
     /// Largest value.
     #[schemars(range(min = 0))]
@@ -132,7 +116,6 @@ pub struct NoiseFieldFile {
     pub seed: u32,
 }
 
-/// Returns the default number of octaves.
 fn default_octaves() -> u32 {
     4
 }

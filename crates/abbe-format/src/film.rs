@@ -1,23 +1,16 @@
 //! The film in the scene file: what the camera records and how the PNG shows it.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::is_default;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check, forms::is_default};
 use abbe_spectra::error::Result;
 
 /// The picture: its size, its observer, and how the PNG shows it. The EXR always holds absolute
 /// radiance.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Film", example = json!({
-    "width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0, "layers": ["albedo", "paths"], "gamut": "desaturate", "tone": "roll_off",
-    "white_balance": "none", "output_space": "srgb", "exposure": "auto"
-}))]
+#[schemars(title = "Film", example = json!({"width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0,
+    "layers": ["albedo", "paths"], "gamut": "desaturate", "tone": "roll_off", "white_balance": "none",
+    "output_space": "srgb", "exposure": "auto"}))]
 pub struct FilmFile {
     /// Width of the picture.
     #[schemars(range(min = 1, max = 100_000), extend("x-unit" = "pixels"))]
@@ -210,7 +203,6 @@ pub enum ExposureFile {
 }
 
 impl FilmFile {
-    /// Checks ranges.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { width, height, spectral_bands, exposure, .. } = self;
         check::all([

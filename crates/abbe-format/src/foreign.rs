@@ -1,21 +1,18 @@
 //! Recognises files of other programs that a user passes in the place of a scene.
 
-use std::path::Path;
-
 use abbe_spectra::error::{Error, Result};
+use std::path::Path;
 
 /// How to bring a foreign file into a scene.
 enum Import {
-    /// The file is a mesh that a scene can name.
     Mesh,
-    /// The file is a luminaire that a scene can name.
     Luminaire,
     /// The file is a scene of another program. Its meshes can be exported.
     Scene,
 }
 
 /// File name extensions of other programs, the names of the formats, and the way to import them.
-const FOREIGN: [(&str, &str, Import); 12] = [
+const FOREIGN: [(&str, &str, Import); 9] = [
     ("obj", "a Wavefront OBJ mesh", Import::Mesh),
     ("ply", "a PLY mesh", Import::Mesh),
     ("stl", "an STL mesh", Import::Mesh),
@@ -24,20 +21,14 @@ const FOREIGN: [(&str, &str, Import); 12] = [
     ("blend", "a Blender file", Import::Scene),
     ("fbx", "an FBX file", Import::Scene),
     ("dae", "a COLLADA file", Import::Scene),
-    ("usd", "a USD file", Import::Scene),
-    ("usda", "a USD file", Import::Scene),
-    ("usdc", "a USD file", Import::Scene),
-    ("usdz", "a USD file", Import::Scene),
+    ("usd usda usdc usdz", "a USD file", Import::Scene),
 ];
 
-/// Returns an error if the extension of a file belongs to another program. The error says how to
-/// bring such a file into a scene.
-///
-/// # Errors
-/// Returns an error for meshes and for scenes of other programs.
+/// Refuses a file of another program by its extension. The error says how to bring it into a scene.
 pub(super) fn refuse_foreign(path: &Path) -> Result<()> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let known = FOREIGN.iter().find(|(known, ..)| extension.eq_ignore_ascii_case(known));
+    let has = |(known, ..): &&(&str, &str, Import)| known.split(' ').any(|it| extension.eq_ignore_ascii_case(it));
+    let known = FOREIGN.iter().find(has);
     let Some((_, kind, import)) = known.filter(|_| path.is_file()) else { return Ok(()) };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let way = match import {

@@ -1,18 +1,17 @@
-//! Values that may be written in several forms: a number, a name, or an object with one key that
-//! selects the variant.
+//! Values that may be written as a number, a name, or an object whose one key selects the variant.
 //!
 //! The types with several forms derive serde's traits with `remote = "Self"`. The derived functions
 //! read and write the object form, and [`deserialize`] adds the plain forms. serde's untagged enums
 //! would do the same, but they buffer the value and lose the position of errors.
 
-use std::fmt;
-use std::marker::PhantomData;
-
+use crate::json::Names;
 use serde::de::{
     Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IntoDeserializer, MapAccess, SeqAccess, Unexpected,
     VariantAccess, Visitor,
 };
 use serde::forward_to_deserialize_any;
+use std::fmt;
+use std::marker::PhantomData;
 
 /// A type that can be written in plain forms (a number, a string or an array of three numbers), and
 /// not only as an object. The functions return `None` for a plain form that the type does not have.
@@ -20,17 +19,14 @@ pub(super) trait Forms: Sized {
     /// Description of the allowed forms, for error messages.
     const EXPECTED: &'static str;
 
-    /// Converts a plain number.
     fn from_number(_number: f64) -> Option<Self> {
         None
     }
 
-    /// Converts a plain string.
     fn from_name(_name: String) -> Option<Self> {
         None
     }
 
-    /// Converts three numbers.
     fn from_triple(_triple: [f64; 3]) -> Option<Self> {
         None
     }
@@ -38,8 +34,7 @@ pub(super) trait Forms: Sized {
     /// True if an array of three numbers is a form of the type.
     const HAS_TRIPLE: bool = false;
 
-    /// Reads an object. The visitor has already read the first key. `form` deserialises the whole
-    /// object, including the first key.
+    /// Reads an object whose first key is read. `form` deserialises all of it, with this key.
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> Result<Self, A::Error>;
 }
 
@@ -48,13 +43,12 @@ pub(super) fn deserialize<'de, T: Forms, D: Deserializer<'de>>(deserializer: D) 
     deserializer.deserialize_any(FormsVisitor(PhantomData))
 }
 
-/// The visitor that [`deserialize`] uses.
 struct FormsVisitor<T>(PhantomData<T>);
 
 impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
     type Value = T;
 
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(T::EXPECTED)
     }
 
@@ -86,16 +80,14 @@ impl<'de, T: Forms> Visitor<'de> for FormsVisitor<T> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut object: A) -> Result<T, A::Error> {
-        match object.next_key()? {
-            Some(key) => T::from_object(Form { key, rest: object }),
-            None => Err(A::Error::invalid_type(Unexpected::Map, &self)),
-        }
+        let empty = || A::Error::invalid_type(Unexpected::Map, &self);
+        let key = object.next_key()?.ok_or_else(empty)?;
+        T::from_object(Form { key, rest: object })
     }
 }
 
 /// A deserialiser of an object whose first key has been read.
 pub(super) struct Form<A> {
-    /// The first key.
     pub(super) key: String,
     /// The rest of the object, which starts with the value of the first key.
     rest: A,
@@ -108,12 +100,7 @@ impl<'de, A: MapAccess<'de>> Deserializer<'de> for Form<A> {
         visitor.visit_map(Entries { key: Some(self.key), rest: self.rest })
     }
 
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, A::Error> {
+    fn deserialize_enum<V: Visitor<'de>>(self, _: &'static str, _: Names, visitor: V) -> Result<V::Value, A::Error> {
         visitor.visit_enum(self)
     }
 
@@ -169,11 +156,7 @@ impl<'de, A: MapAccess<'de>> VariantAccess<'de> for Form<A> {
         self.rest.next_value_seed(Contents { fields: None, length, visitor })
     }
 
-    fn struct_variant<V: Visitor<'de>>(
-        mut self,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, A::Error> {
+    fn struct_variant<V: Visitor<'de>>(mut self, fields: Names, visitor: V) -> Result<V::Value, A::Error> {
         self.rest.next_value_seed(Contents { fields: Some(fields), length: 0, visitor })
     }
 }
@@ -201,8 +184,7 @@ pub(super) fn deserialize_radius<'de, D: Deserializer<'de>>(deserializer: D) -> 
     Ok(Option::deserialize(deserializer)?.unwrap_or(0.0))
 }
 
-/// Returns whether a value is the default of its type. When a scene is written, such values are
-/// left out.
+/// Returns whether a value is the default of its type, which is left out when a scene is written.
 pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }

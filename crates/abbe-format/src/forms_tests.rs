@@ -1,10 +1,8 @@
 //! The forms that error messages list.
 
-use crate::forms::Forms;
-use crate::index::IndexFile;
-use crate::lens::PrescriptionFile;
-use crate::spectrum::SpectrumFile;
-use crate::texture::{REFLECTANCE_FORMS, ReflectanceFile, ScalarFile};
+use crate::{
+    IndexFile, PrescriptionFile, ReflectanceFile, ScalarFile, SpectrumFile, forms::Forms, texture::REFLECTANCE_FORMS,
+};
 use schemars::JsonSchema;
 
 /// Finds the object forms in the schema of a type, and returns their keys.

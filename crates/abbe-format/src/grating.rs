@@ -1,16 +1,9 @@
 //! Diffraction gratings in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-use std::f64::consts::PI;
-
-use super::check;
-use super::forms;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, SpectrumFile, check, forms, spectrum::SpectrumUse};
 use abbe_spectra::error::Result;
+use std::f64::consts::PI;
 
 /// A diffraction grating on a surface. Light of each wavelength leaves in the directions of the
 /// orders. The surrounding medium is on both sides. The efficiencies are those of scalar theory.
@@ -25,11 +18,9 @@ pub struct GratingFile {
     #[schemars(extend("x-default" = "a blaze at 500 nm in order 1"))]
     pub profile: GratingProfileFile,
     /// Fraction of the light that is reflected.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-default" = "1, or 0 with `transmittance`"))]
     pub reflectance: Option<SpectrumFile>,
     /// Fraction of the light that is transmitted. The sum with `reflectance` is at most 1.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = 1, "x-default" = "0"))]
     pub transmittance: Option<SpectrumFile>,
     /// Course of the grooves over the surface.
@@ -135,7 +126,6 @@ impl Default for GratingProfileFile {
 }
 
 impl GratingFile {
-    /// Checks the ranges of all values.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { lines_per_mm, profile, reflectance, transmittance, grooves: _, angle: _ } = self;
         let density = check::rule(

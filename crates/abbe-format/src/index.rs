@@ -1,16 +1,10 @@
 //! Indices of refraction in the scene file.
 
-use crate::JsonSchema;
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use super::spectrum::validate_table;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{JsonPath, check, forms, spectrum::validate_table};
 use abbe_spectra::error::Result;
+use serde::de::MapAccess;
 
 /// An index of refraction relative to air: a number, the name of a material in the built-in
 /// catalogue, or an object with one key. `abbe glass --list` prints the names.
@@ -39,9 +33,8 @@ pub enum IndexFile {
         c: f64,
     },
     /// Sellmeier's formula n² = 1 + Σ bᵢλ²/(λ² − cᵢ) with λ in µm.
-    #[schemars(example = json!({"sellmeier": {
-        "b": [1.03961212, 0.231792344, 1.01046945], "c": [0.00600069867, 0.0200179144, 103.560653]
-    }}))]
+    #[schemars(example = json!({"sellmeier": {"b": [1.03961212, 0.231792344, 1.01046945],
+        "c": [0.00600069867, 0.0200179144, 103.560653]}}))]
     Sellmeier {
         /// The coefficients bᵢ.
         #[schemars(length(min = 1))]
@@ -74,7 +67,6 @@ pub enum IndexFile {
     #[schemars(example = json!({"glass": {"path": "schott.agf", "name": "N-SF10", "formula": "sellmeier"}}))]
     Glass {
         /// Path of a Zemax glass catalogue (`.agf`), relative to the scene's folder.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("x-default" = "built-in catalogue"))]
         path: Option<String>,
         /// Name of the material in the catalogue.
@@ -163,7 +155,7 @@ impl IndexFile {
                 let at = at.key("abbe");
                 check::all([index_number(&at.key("nd"), *nd), check::positive(&at.key("vd"), *vd)])
             }
-            Self::Table { nm, values } => validate_table(&at.key("table"), nm, values, index_number),
+            Self::Table { nm, values } => validate_table(&at.key("table"), nm, values, &index_number),
         }
     }
 }

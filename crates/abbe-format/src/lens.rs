@@ -1,17 +1,10 @@
 //! The lens of the camera in the scene file.
 
-use crate::JsonSchema;
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::coating::CoatingFile;
-use super::forms::{self, Form, Forms};
-use super::index::IndexFile;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{CoatingFile, IndexFile, JsonPath, check, forms};
 use abbe_spectra::error::{Error, Result};
+use serde::de::MapAccess;
 
 /// The lens that projects the scene onto the sensor.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -34,18 +27,14 @@ pub enum LensFile {
         height: f64,
     },
     /// An ideal thin lens with depth of field.
-    #[schemars(example = json!({"thin": {
-        "focal_length_mm": 50, "f_number": 2.8, "focus_distance": 4, "sensor_height_mm": 24,
-        "blades": 6, "rotation": 15, "diffraction": false
-    }}))]
+    #[schemars(example = json!({"thin": {"focal_length_mm": 50, "f_number": 2.8, "focus_distance": 4,
+        "sensor_height_mm": 24, "blades": 6, "rotation": 15, "diffraction": false}}))]
     #[schemars(example = json!({"thin": {"fov": 35, "focus_distance": 4, "defocus_angle": 0.5}}))]
     Thin(ThinLensFile),
     /// A system of real glass elements. Rays are traced through it at each wavelength.
-    #[schemars(example = json!({"system": {
-        "prescription": "double-gauss", "focus_distance": 4, "f_number": 4, "sensor_height_mm": 24,
-        "blades": 6, "rotation": 15, "diffraction": false, "transmission": "fresnel",
-        "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}, "ghosts": true
-    }}))]
+    #[schemars(example = json!({"system": {"prescription": "double-gauss", "focus_distance": 4, "f_number": 4,
+        "sensor_height_mm": 24, "blades": 6, "rotation": 15, "diffraction": false, "transmission": "fresnel",
+        "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}, "ghosts": true}}))]
     System(SystemLensFile),
 }
 
@@ -55,30 +44,24 @@ pub enum LensFile {
 #[serde(deny_unknown_fields)]
 pub struct ThinLensFile {
     /// Focal length.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "mm"))]
     pub focal_length_mm: Option<f64>,
     /// Focal length divided by the diameter of the entrance pupil.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub f_number: Option<f64>,
     /// Distance from the lens to the plane that is in focus.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
     pub focus_distance: f64,
     /// Height of the sensor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "mm"))]
     pub sensor_height_mm: Option<f64>,
     /// Vertical field of view.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub fov: Option<f64>,
     /// Apex angle of the cone from a point in focus to the pupil.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub defocus_angle: Option<f64>,
     /// Number of blades of a polygonal aperture stop.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 3, max = 64), extend("x-default" = "round stop"))]
     pub blades: Option<u32>,
     /// Rotation of the polygonal aperture stop.
@@ -96,24 +79,14 @@ pub struct ThinLensFile {
 pub enum ThinLensForm {
     /// Focal length, f-number and sensor.
     Photographic {
-        /// Focal length in mm.
         focal_length_mm: f64,
-        /// Focal length divided by the diameter of the entrance pupil.
         f_number: f64,
         /// Distance from the lens to the plane that is in focus, in the scene's unit.
         focus_distance: f64,
-        /// Height of the sensor in mm.
         sensor_height_mm: f64,
     },
     /// Field of view and defocus angle.
-    Angular {
-        /// Vertical field of view in degrees.
-        fov: f64,
-        /// Distance from the lens to the plane that is in focus, in the scene's unit.
-        focus_distance: f64,
-        /// Apex angle, in degrees, of the cone from a point in focus to the pupil.
-        defocus_angle: f64,
-    },
+    Angular { fov: f64, focus_distance: f64, defocus_angle: f64 },
 }
 
 /// A lens system.
@@ -126,14 +99,12 @@ pub struct SystemLensFile {
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit"))]
     pub focus_distance: f64,
     /// f-number to which the lens is stopped down.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-default" = "fully open"))]
     pub f_number: Option<f64>,
     /// Height of the sensor.
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "mm"))]
     pub sensor_height_mm: f64,
     /// Number of blades of a polygonal aperture stop.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 3, max = 64), extend("x-default" = "round stop"))]
     pub blades: Option<u32>,
     /// Rotation of the polygonal aperture stop.
@@ -145,12 +116,10 @@ pub struct SystemLensFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub diffraction: bool,
     /// The light that the surfaces transmit.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "fresnel with coatings or ghosts, ideal otherwise"))]
     pub transmission: Option<LensTransmissionFile>,
     /// Thin films on each surface between glass and air that has no coating of its own, from the
     /// air to the glass.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
     /// True if light that two surfaces of the lens reflect reaches the sensor.
@@ -181,10 +150,9 @@ pub enum PrescriptionFile {
     #[serde(skip)]
     Name(String),
     /// The surfaces, from the scene to the sensor. At most one of them is the aperture stop.
-    #[schemars(example = json!({"surfaces": [
-        {"radius_mm": 60, "thickness_mm": 6, "ior": "N-BK7", "semi_aperture_mm": 20},
-        {"radius_mm": -60, "thickness_mm": 56, "ior": 1, "semi_aperture_mm": 20, "stop": true}
-    ]}))]
+    #[schemars(example = json!({"surfaces": [{"radius_mm": 60, "thickness_mm": 6, "ior": "N-BK7",
+        "semi_aperture_mm": 20}, {"radius_mm": -60, "thickness_mm": 56, "ior": 1, "semi_aperture_mm": 20,
+        "stop": true}]}))]
     Surfaces(#[schemars(length(min = 1))] Vec<LensSurfaceFile>),
 }
 
@@ -215,11 +183,9 @@ impl Serialize for PrescriptionFile {
 /// One surface of a lens prescription.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Lens surface", example = json!({
-    "radius_mm": 60, "conic": -0.2, "aspheric": [1e-9], "thickness_mm": 6, "ior": "N-BK7",
-    "semi_aperture_mm": 20, "stop": false,
-    "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
-}))]
+#[schemars(title = "Lens surface", example = json!({"radius_mm": 60, "conic": -0.2, "aspheric": [1e-9],
+    "thickness_mm": 6, "ior": "N-BK7", "semi_aperture_mm": 20, "stop": false, "coating": {"layers": [{"ior": "MgF2",
+    "thickness_nm": 100}]}}))]
 pub struct LensSurfaceFile {
     /// Radius of curvature, positive if the centre of curvature lies towards the sensor. 0 or null
     /// is a plane. The magnitude must be at least `semi_aperture_mm`, unless `conic` is stated.
@@ -250,13 +216,11 @@ pub struct LensSurfaceFile {
     pub stop: bool,
     /// Thin films on the surface, from the air to the glass. Between two glasses, from the scene to
     /// the sensor.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the coating of the lens"))]
     pub coating: Option<CoatingFile>,
 }
 
 impl LensFile {
-    /// Checks that all values of the lens are in range.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Pinhole { fov } => check::between(&at.key("pinhole").key("fov"), *fov, 0.0, 180.0),
@@ -267,16 +231,12 @@ impl LensFile {
     }
 }
 
-/// Checks the number of blades of a polygonal stop.
 fn validate_blades(at: &JsonPath, blades: Option<u32>) -> Result<()> {
     blades.map_or(Ok(()), |blades| check::count(&at.key("blades"), u64::from(blades), 3, 64))
 }
 
 impl ThinLensFile {
-    /// Returns the form in which the file describes the lens.
-    ///
-    /// # Errors
-    /// Returns an error if keys are missing, or if keys of both forms are mixed.
+    /// Returns the form of the lens, or an error if keys are missing or belong to both forms.
     pub fn form(&self) -> Result<ThinLensForm> {
         self.form_at(&JsonPath::Root)
     }
@@ -292,16 +252,13 @@ impl ThinLensFile {
             ("sensor_height_mm", self.sensor_height_mm),
         ];
         let angular = [("fov", self.fov), ("defocus_angle", self.defocus_angle)];
-        let first =
-            |keys: &[(&'static str, Option<f64>)]| keys.iter().find(|(_, it)| it.is_some()).map(|(key, _)| *key);
+        let first = |keys: &[(&'static str, Option<f64>)]| Some(keys.iter().find(|(_, it)| it.is_some())?.0);
         let missing = |keys: &[(&'static str, Option<f64>)]| -> Error {
             let key = keys.iter().find(|(_, it)| it.is_none()).map_or("", |(key, _)| *key);
             check::fault(at, format!("missing key \"{key}\""), EXPECTED)
         };
         match (first(&photographic), first(&angular)) {
-            (Some(one), Some(other)) => {
-                Err(check::fault(&at.key(other), format!("found together with `{one}`"), EXPECTED))
-            }
+            (Some(a), Some(b)) => Err(check::fault(&at.key(b), format!("found together with `{a}`"), EXPECTED)),
             (None, None) => Err(check::fault(at, "found neither `focal_length_mm` nor `fov`", EXPECTED)),
             (Some(_), None) => match (self.focal_length_mm, self.f_number, self.sensor_height_mm) {
                 (Some(focal_length_mm), Some(f_number), Some(sensor_height_mm)) => {
@@ -316,8 +273,6 @@ impl ThinLensFile {
         }
     }
 
-    /// Checks that all values are in range and that the file describes the lens in exactly one
-    /// form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let form = self.form_at(at).and_then(|form| match form {
             ThinLensForm::Photographic { focal_length_mm, f_number, focus_distance: _, sensor_height_mm } => {
@@ -342,22 +297,10 @@ impl ThinLensFile {
 }
 
 impl SystemLensFile {
-    /// Checks the surfaces of the lens, and checks that all values are in range.
     fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self {
-            prescription,
-            focus_distance,
-            f_number,
-            sensor_height_mm,
-            blades,
-            rotation: _,
-            diffraction: _,
-            transmission,
-            coating,
-            ghosts,
-        } = self;
+        let Self { prescription, focus_distance, f_number, sensor_height_mm, blades, transmission, coating, .. } = self;
         let ideal = *transmission == Some(LensTransmissionFile::Ideal);
-        let lossless = if ideal && (*ghosts || coating.is_some()) {
+        let lossless = if ideal && (self.ghosts || coating.is_some()) {
             let what = "found \"ideal\" together with `coating` or `ghosts`";
             Err(check::fault(&at.key("transmission"), what, "\"fresnel\", or no `transmission`"))
         } else {
@@ -376,7 +319,6 @@ impl SystemLensFile {
 }
 
 impl PrescriptionFile {
-    /// If the prescription lists surfaces, checks these surfaces.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Name(_) => Ok(()),
@@ -385,8 +327,6 @@ impl PrescriptionFile {
     }
 }
 
-/// Checks that a prescription has at least one surface and at most one stop. Also checks that the
-/// radius of each surface is large enough for the aperture of the surface.
 fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> {
     check::entries(at, surfaces.len(), 1, "at least one surface")?;
     let mut stop = None;
@@ -400,8 +340,7 @@ fn validate_surfaces(at: &JsonPath, surfaces: &[LensSurfaceFile]) -> Result<()> 
             "0 (a plane) or a magnitude of at least the semi_aperture_mm, {}",
             check::number(*semi_aperture_mm)
         );
-        // If the conic constant is not 0, `Lens` checks whether the surface reaches the edge of the
-        // aperture.
+        // If `conic` is not 0, `Lens` checks whether the surface reaches the edge of the aperture.
         let wide = *radius_mm == 0.0 || *conic != 0.0 || radius_mm.abs() >= *semi_aperture_mm;
         check::rule(&at.key("radius_mm"), *radius_mm, wide, &allowed)?;
         let orders = aspheric.len();

@@ -1,5 +1,4 @@
-//! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution into a
-//! scene.
+//! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution.
 //!
 //! [`read()`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and deserialises
 //! it into the types of this crate, which check the ranges of single values. Then the module
@@ -37,8 +36,7 @@
 //! | [`volume_file`] | volumes in `.npz` files |
 //! | [`resolve`] | the resolution of a scene file into a scene |
 //!
-//! The other forms are at the root: each type whose name ends with `File` mirrors a key of the
-//! file.
+//! The other forms are at the root: each type named `…File` mirrors a key of the file.
 //!
 //! # Units and conventions
 //!
@@ -50,6 +48,8 @@
 //!
 //! [`abbe_scene`] is the result, [`abbe_optics`] finds glasses and lenses, and [`abbe_spectra`]
 //! spectra.
+
+#![allow(missing_docs, reason = "a field or a method whose name says what it is needs no doc")]
 
 mod camera;
 mod check;
@@ -146,7 +146,6 @@ pub use crate::json::{FileAccess, JsonPath, JsonSource, MAX_BYTES, PATCH_LABEL, 
 ///
 /// Three keys extend the schema: `x-unit` is the unit of a number, `x-default` describes a default
 /// that is not a JSON value, and `x-range` describes a range that JSON Schema cannot express.
-///
 pub fn schema() -> serde_json::Value {
     serde_json::from_str(include_str!("../data/scene.schema.json")).expect("a test generates the file")
 }
@@ -158,8 +157,14 @@ pub fn generated_schema() -> serde_json::Value {
     schemars::generate::SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<SceneFile>().into()
 }
 
-/// Derives nothing in place of the trait of schemars.
-#[cfg(not(feature = "schema"))]
-pub(crate) use abbe_no_schema::JsonSchema;
-#[cfg(feature = "schema")]
-pub(crate) use schemars::JsonSchema;
+/// The traits that the types of the scene file derive, and the macro in the attributes of their
+/// schema.
+mod prelude {
+    #[cfg(not(feature = "schema"))]
+    pub(crate) use abbe_no_schema::JsonSchema;
+    #[cfg(feature = "schema")]
+    pub(crate) use schemars::JsonSchema;
+    pub(crate) use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    #[cfg(feature = "schema")]
+    pub(crate) use serde_json::json;
+}

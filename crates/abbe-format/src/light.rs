@@ -8,17 +8,12 @@ pub use distant::{DirectionalFile, EnvironmentFile, ProjectionFile};
 pub use ies::IesFile;
 pub use sky::{PlaceFile, SkyFile, SunFile};
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms;
-use super::quantity::{QuantityFile, one_quantity, validate_quantity};
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::transform::{KeyframeFile, TransformFile, validate_motion};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::quantity::{one_quantity, validate_quantity};
+use crate::{
+    JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse,
+    transform::validate_motion,
+};
 use abbe_spectra::error::Result;
 
 /// A light that is not an object. Area lights are objects with `emission`.
@@ -27,62 +22,47 @@ use abbe_spectra::error::Result;
 #[schemars(title = "Light")]
 pub enum LightFile {
     /// A point light with equal intensity in all directions.
-    #[schemars(example = json!({"point": {
-        "at": [0, 2, 0], "spectrum": "D65", "power": 60, "group": "lamps", "transform": [{"translate": [0, 1, 0]}],
-        "motion": []
-    }}))]
+    #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": "D65", "power": 60, "group": "lamps",
+        "transform": [{"translate": [0, 1, 0]}], "motion": []}}))]
     #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": "A", "luminous_flux": 800}}))]
     #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": 1, "intensity": 5}}))]
     #[schemars(example = json!({"point": {"at": [0, 2, 0], "spectrum": 1, "luminous_intensity": 100}}))]
     Point(PointFile),
     /// A point light that shines into a cone.
-    #[schemars(example = json!({"spot": {
-        "at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "penumbra": 5, "falloff": "linear", "spectrum": "D65", "power": 10,
-        "group": "lamps", "transform": [], "motion": []
-    }}))]
+    #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "penumbra": 5,
+        "falloff": "linear", "spectrum": "D65", "power": 10, "group": "lamps", "transform": [], "motion": []}}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": "A", "luminous_flux": 800}}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": 1, "intensity": 5}}))]
     #[schemars(example = json!({"spot": {"at": [0, 3, 0], "to": [0, 0, 0], "half_angle": 20, "spectrum": 1, "luminous_intensity": 100}}))]
     Spot(SpotFile),
     /// A uniform disk of parallel or slightly divergent light, such as a laser beam.
-    #[schemars(example = json!({"beam": {
-        "from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "divergence": 0.25, "spectrum": "D65", "power": 10,
-        "group": "lamps", "transform": [], "motion": []
-    }}))]
+    #[schemars(example = json!({"beam": {"from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "divergence": 0.25,
+        "spectrum": "D65", "power": 10, "group": "lamps", "transform": [], "motion": []}}))]
     #[schemars(example = json!({"beam": {"from": [-2, 0.5, 0], "to": [0, 0.5, 0], "radius": 0.02, "spectrum": 1, "luminous_flux": 100}}))]
     Beam(BeamFile),
     /// Light from infinitely far away, such as sunlight.
-    #[schemars(example = json!({"directional": {
-        "toward": [1, -2, 0], "angular_diameter": 0.53, "spectrum": "D65", "irradiance": 1000,
-        "group": "daylight", "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 30}}], "motion": []
-    }}))]
+    #[schemars(example = json!({"directional": {"toward": [1, -2, 0], "angular_diameter": 0.53, "spectrum": "D65",
+        "irradiance": 1000, "group": "daylight", "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 30}}],
+        "motion": []}}))]
     #[schemars(example = json!({"directional": {"toward": [1, -2, 0], "spectrum": 1, "illuminance": 100_000}}))]
     Directional(DirectionalFile),
     /// Light from all directions, constant or from a picture.
     #[schemars(example = json!({"environment": {"spectrum": "D65", "illuminance": 1000}}))]
-    #[schemars(example = json!({"environment": {
-        "image": "sky.exr", "irradiance": 100, "group": "daylight",
-        "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []
-    }}))]
+    #[schemars(example = json!({"environment": {"image": "sky.exr", "irradiance": 100, "group": "daylight",
+        "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []}}))]
     #[schemars(example = json!({"environment": {"image": "sky.exr", "projection": "equal_area", "luminance": 1}}))]
     Environment(EnvironmentFile),
     /// A CIE standard sky (ISO 15469, CIE S 011) above a uniform ground. The zenith is +y.
-    #[schemars(example = json!({"sky": {
-        "type": 12, "sun_elevation": 60, "sun_azimuth": 180, "illuminance": 10_000, "ground_reflectance": 0.2,
-        "spectrum": "D65", "group": "daylight"
-    }}))]
+    #[schemars(example = json!({"sky": {"type": 12, "sun_elevation": 60, "sun_azimuth": 180, "illuminance": 10_000,
+        "ground_reflectance": 0.2, "spectrum": "D65", "group": "daylight"}}))]
     #[schemars(example = json!({"sky": {"type": 1, "illuminance": 10_000, "spectrum": 1}}))]
-    #[schemars(example = json!({"sky": {
-        "type": 12, "place": {"latitude": 52.52, "longitude": 13.405}, "time": "2026-06-21T12:00:00+02:00",
-        "illuminance": 20_000, "sun": {"illuminance": 90_000}
-    }}))]
+    #[schemars(example = json!({"sky": {"type": 12, "place": {"latitude": 52.52, "longitude": 13.405},
+        "time": "2026-06-21T12:00:00+02:00", "illuminance": 20_000, "sun": {"illuminance": 90_000}}}))]
     Sky(SkyFile),
     /// A luminaire with a measured distribution of intensity, from an IES LM-63 or EULUMDAT file.
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]
-    #[schemars(example = json!({"ies": {
-        "at": [0, 3, 0], "toward": [0, -1, 0], "c0": [0, 0, 1], "path": "lamp.ldt", "area": true, "spectrum": "D65",
-        "luminous_flux": 800, "group": "lamps", "transform": [], "motion": []
-    }}))]
+    #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "c0": [0, 0, 1], "path": "lamp.ldt",
+        "area": true, "spectrum": "D65", "luminous_flux": 800, "group": "lamps", "transform": [], "motion": []}}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": 1, "power": 60}}))]
     Ies(IesFile),
 }
@@ -99,24 +79,19 @@ pub struct PointFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Intensity over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/sr"))]
     pub intensity: Option<f64>,
     /// Luminous intensity.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd"))]
     pub luminous_intensity: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Placement of the light in the scene.
@@ -171,24 +146,19 @@ pub struct SpotFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Intensity on the axis over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/sr"))]
     pub intensity: Option<f64>,
     /// Luminous intensity on the axis.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd"))]
     pub luminous_intensity: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Placement of the light in the scene.
@@ -223,16 +193,13 @@ pub struct BeamFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Placement of the light in the scene.
@@ -246,11 +213,7 @@ pub struct BeamFile {
 }
 
 impl PointFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[
             (self.power, QuantityFile::Power),
@@ -259,84 +222,7 @@ impl PointFile {
             (self.luminous_intensity, QuantityFile::LuminousIntensity),
         ])
     }
-}
 
-impl SpotFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[
-            (self.power, QuantityFile::Power),
-            (self.luminous_flux, QuantityFile::LuminousFlux),
-            (self.intensity, QuantityFile::Intensity),
-            (self.luminous_intensity, QuantityFile::LuminousIntensity),
-        ])
-    }
-}
-
-impl BeamFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
-    }
-}
-
-impl LightFile {
-    /// Returns the transform and the keyframes of the light.
-    pub fn transform_and_motion(&self) -> (&TransformFile, &[KeyframeFile]) {
-        match self {
-            Self::Point(light) => (&light.transform, &light.motion),
-            Self::Spot(light) => (&light.transform, &light.motion),
-            Self::Beam(light) => (&light.transform, &light.motion),
-            Self::Directional(light) => (&light.transform, &light.motion),
-            Self::Environment(light) => (&light.transform, &light.motion),
-            Self::Sky(_) => (SkyFile::TRANSFORM, &[]),
-            Self::Ies(light) => (&light.transform, &light.motion),
-        }
-    }
-
-    /// Returns the name of the light's group, if the light states one.
-    pub fn group(&self) -> Option<&str> {
-        let group = match self {
-            Self::Point(light) => &light.group,
-            Self::Spot(light) => &light.group,
-            Self::Beam(light) => &light.group,
-            Self::Directional(light) => &light.group,
-            Self::Environment(light) => &light.group,
-            Self::Sky(light) => &light.group,
-            Self::Ies(light) => &light.group,
-        };
-        group.as_deref()
-    }
-
-    /// Checks the keys of the light.
-    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        match self {
-            Self::Point(light) => light.validate(&at.key("point")),
-            Self::Spot(light) => light.validate(&at.key("spot")),
-            Self::Beam(light) => light.validate(&at.key("beam")),
-            Self::Directional(light) => light.validate(&at.key("directional")),
-            Self::Environment(light) => light.validate(&at.key("environment")),
-            Self::Sky(light) => light.validate(&at.key("sky")),
-            Self::Ies(light) => light.validate(&at.key("ies")),
-        }
-    }
-}
-
-/// Checks the transform and the keyframes of a light.
-fn validate_pose(at: &JsonPath, transform: &TransformFile, motion: &[KeyframeFile]) -> Result<()> {
-    check::all([transform.validate(&at.key("transform")), validate_motion(&at.key("motion"), motion)])
-}
-
-impl PointFile {
-    /// Checks the spectrum, the quantity, the transform and the keyframes.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         check::all([
             self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
@@ -347,7 +233,16 @@ impl PointFile {
 }
 
 impl SpotFile {
-    /// Checks the ranges of values, the axis, the quantity, the transform and the keyframes.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[
+            (self.power, QuantityFile::Power),
+            (self.luminous_flux, QuantityFile::LuminousFlux),
+            (self.intensity, QuantityFile::Intensity),
+            (self.luminous_intensity, QuantityFile::LuminousIntensity),
+        ])
+    }
+
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let allowed = format!("a number from 0 to the half_angle, {}", check::number(self.half_angle));
         let inside = (0.0..=self.half_angle.max(0.0)).contains(&self.penumbra);
@@ -363,7 +258,11 @@ impl SpotFile {
 }
 
 impl BeamFile {
-    /// Checks the ranges of values, the axis, the quantity, the transform and the keyframes.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[(self.power, QuantityFile::Power), (self.luminous_flux, QuantityFile::LuminousFlux)])
+    }
+
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let inside = (0.0..90.0).contains(&self.divergence);
         check::all([
@@ -375,4 +274,34 @@ impl BeamFile {
             validate_pose(at, &self.transform, &self.motion),
         ])
     }
+}
+
+impl LightFile {
+    pub fn pose_and_group(&self) -> (&TransformFile, &[KeyframeFile], &Option<String>) {
+        match self {
+            Self::Point(light) => (&light.transform, &light.motion, &light.group),
+            Self::Spot(light) => (&light.transform, &light.motion, &light.group),
+            Self::Beam(light) => (&light.transform, &light.motion, &light.group),
+            Self::Directional(light) => (&light.transform, &light.motion, &light.group),
+            Self::Environment(light) => (&light.transform, &light.motion, &light.group),
+            Self::Sky(light) => (SkyFile::TRANSFORM, &[], &light.group),
+            Self::Ies(light) => (&light.transform, &light.motion, &light.group),
+        }
+    }
+
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        match self {
+            Self::Point(light) => light.validate(&at.key("point")),
+            Self::Spot(light) => light.validate(&at.key("spot")),
+            Self::Beam(light) => light.validate(&at.key("beam")),
+            Self::Directional(light) => light.validate(&at.key("directional")),
+            Self::Environment(light) => light.validate(&at.key("environment")),
+            Self::Sky(light) => light.validate(&at.key("sky")),
+            Self::Ies(light) => light.validate(&at.key("ies")),
+        }
+    }
+}
+
+fn validate_pose(at: &JsonPath, transform: &TransformFile, motion: &[KeyframeFile]) -> Result<()> {
+    check::all([transform.validate(&at.key("transform")), validate_motion(&at.key("motion"), motion)])
 }

@@ -1,19 +1,10 @@
 //! Materials in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::coating::CoatingFile;
-use super::forms;
-use super::grating::GratingFile;
-use super::index::IndexFile;
-use super::normal_map::NormalMapFile;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::texture::{ReflectanceFile, ScalarFile};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{
+    CoatingFile, GratingFile, IndexFile, JsonPath, NormalMapFile, ReflectanceFile, ScalarFile, SpectrumFile, check,
+    forms, spectrum::SpectrumUse,
+};
 use abbe_spectra::error::Result;
 
 /// A surface material: the string "absorber", or an object with one key.
@@ -30,10 +21,8 @@ pub enum MaterialFile {
     },
     /// A Lambertian surface with a fluorophore: it absorbs light and emits light of other
     /// wavelengths. The number of photons does not grow.
-    #[schemars(example = json!({"fluorescent": {
-        "reflectance": 0.9, "absorptance": {"table": {"nm": [400, 450, 500], "values": [0, 0.85, 0]}},
-        "emission": {"gaussian": {"peak_nm": 560, "fwhm_nm": 90}}, "quantum_yield": 0.9
-    }}))]
+    #[schemars(example = json!({"fluorescent": {"reflectance": 0.9, "absorptance": {"table": {"nm": [400, 450, 500],
+        "values": [0, 0.85, 0]}}, "emission": {"gaussian": {"peak_nm": 560, "fwhm_nm": 90}}, "quantum_yield": 0.9}}))]
     Fluorescent {
         /// Reflectance of the substrate for the light that the fluorophore does not absorb.
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
@@ -61,40 +50,33 @@ pub enum MaterialFile {
         matrix: String,
     },
     /// Glass, water or gems: refraction and reflection by Fresnel's equations.
-    #[schemars(example = json!({"dielectric": {
-        "ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk", "priority": 0
-    }}))]
-    #[schemars(example = json!({"dielectric": {
-        "ior": "N-BK7", "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
-    }}))]
+    #[schemars(example = json!({"dielectric": {"ior": "N-BK7", "roughness": 0, "absorption": 0.1, "medium": "milk",
+        "priority": 0}}))]
+    #[schemars(example = json!({"dielectric": {"ior": "N-BK7", "coating": {"layers": [{"ior": "MgF2",
+        "thickness_nm": 100}]}}}))]
     Dielectric(DielectricFile),
     /// A thin pane: light passes straight through or is reflected.
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.5}}))]
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.52, "thickness": 0.006, "absorption": 7.3}}))]
-    #[schemars(example = json!({"thin_dielectric": {
-        "ior": 1.52, "transmittance": {"cosine_polynomial": [-0.028, 3.156, -3.058, -1.429, 4.014, -1.776]}
-    }}))]
-    #[schemars(example = json!({"thin_dielectric": {
-        "ior": 1.52, "coating": {"layers": [{"ior": "MgF2", "thickness_nm": 100}]}
-    }}))]
+    #[schemars(example = json!({"thin_dielectric": {"ior": 1.52,
+        "transmittance": {"cosine_polynomial": [-0.028, 3.156, -3.058, -1.429, 4.014, -1.776]}}}))]
+    #[schemars(example = json!({"thin_dielectric": {"ior": 1.52, "coating": {"layers": [{"ior": "MgF2",
+        "thickness_nm": 100}]}}}))]
     ThinDielectric(ThinDielectricFile),
     /// A free-standing thin film, such as a soap bubble. Light passes straight through or is
     /// reflected. The surrounding medium is on both sides.
     #[schemars(example = json!({"thin_film": {"layers": [{"ior": "water", "thickness_nm": 300}]}}))]
     ThinFilm(CoatingFile),
     /// A diffraction grating.
-    #[schemars(example = json!({"grating": {
-        "lines_per_mm": 600, "profile": {"blazed": {"order": 1, "nm": 550}}, "transmittance": 0.9, "reflectance": 0.05,
-        "angle": 90
-    }}))]
+    #[schemars(example = json!({"grating": {"lines_per_mm": 600, "profile": {"blazed": {"order": 1, "nm": 550}},
+        "transmittance": 0.9, "reflectance": 0.05, "angle": 90}}))]
     #[schemars(example = json!({"grating": {"lines_per_mm": 625, "grooves": "circular"}}))]
     Grating(GratingFile),
     /// A metal.
     #[schemars(example = json!({"conductor": {"metal": "gold", "roughness": 0.2}}))]
     #[schemars(example = json!({"conductor": {"eta": 0.2, "k": 3.4}}))]
-    #[schemars(example = json!({"conductor": {
-        "metal": "titanium", "coating": {"layers": [{"ior": "rutile TiO2", "thickness_nm": 60}]}
-    }}))]
+    #[schemars(example = json!({"conductor": {"metal": "titanium", "coating": {"layers": [{"ior": "rutile TiO2",
+        "thickness_nm": 60}]}}}))]
     #[schemars(example = json!({"conductor": {"file": "Au.yml", "roughness": 0.1}}))]
     #[schemars(example = json!({"conductor": {"reflectance": {"rgb": [0.9, 0.7, 0.4]}, "roughness": 0.3}}))]
     Conductor(ConductorFile),
@@ -107,9 +89,8 @@ pub enum MaterialFile {
     },
     /// A diffuse base under a clear dielectric coat, such as paint or plastic.
     #[schemars(example = json!({"glossy": {"reflectance": 0.5, "ior": 1.5, "roughness": 0.05}}))]
-    #[schemars(example = json!({"glossy": {
-        "reflectance": 0.8, "ior": 1.5, "roughness": 0.05, "interreflection": true
-    }}))]
+    #[schemars(example = json!({"glossy": {"reflectance": 0.8, "ior": 1.5, "roughness": 0.05,
+        "interreflection": true}}))]
     Glossy {
         /// Reflectance of the base.
         #[schemars(extend("minimum" = 0, "maximum" = 1))]
@@ -143,10 +124,8 @@ pub enum MaterialFile {
     Mix(#[schemars(length(min = 1))] Vec<WeightedMaterialFile>),
     /// Another material, with shading normals from a picture.
     #[schemars(example = json!({"normal_map": {"material": "wall", "path": "bricks_normal.png"}}))]
-    #[schemars(example = json!({"normal_map": {
-        "material": "wall", "path": "bricks_normal.png", "strength": 0.5, "green": "down", "wrap": "clamp",
-        "filter": "nearest", "uv": {"scale": [4, 4]}
-    }}))]
+    #[schemars(example = json!({"normal_map": {"material": "wall", "path": "bricks_normal.png", "strength": 0.5,
+        "green": "down", "wrap": "clamp", "filter": "nearest", "uv": {"scale": [4, 4]}}}))]
     NormalMap(NormalMapFile),
     /// The boundary of a medium, without an optical surface.
     #[schemars(example = json!({"boundary": {"medium": "milk"}}))]
@@ -170,16 +149,13 @@ pub struct DielectricFile {
     #[schemars(skip_serializing_if = "crate::schema::never", extend("minimum" = 0, "maximum" = 1))]
     pub roughness: ScalarFile,
     /// Absorption coefficient inside the body (Beer's law).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
     pub absorption: Option<SpectrumFile>,
     /// Thin films on the surface, from the outside to the glass. Each microfacet of a rough surface
     /// has these films.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
     /// Name of the medium inside, from the scene's `media`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no medium"))]
     pub medium: Option<String>,
     /// Priority where dielectrics or media overlap: the highest one fills the space. Among equal
@@ -199,19 +175,15 @@ pub struct ThinDielectricFile {
     #[schemars(extend("minimum" = 1))]
     pub ior: IndexFile,
     /// Thickness of the pane. It only decides how much light is absorbed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit", "x-default" = "no absorption"))]
     pub thickness: Option<f64>,
     /// Absorption coefficient inside the pane (Beer's law).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
     pub absorption: Option<SpectrumFile>,
     /// Measured transmittance of the pane. It replaces the transmittance that follows from `ior`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "computed from `ior`"))]
     pub transmittance: Option<PaneTransmittanceFile>,
     /// Thin films on both faces, from the outside to the pane.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
 }
@@ -227,7 +199,6 @@ pub enum PaneTransmittanceFile {
     CosinePolynomial(#[schemars(length(min = 1))] Vec<f64>),
 }
 
-/// Returns the index of float glass.
 fn glass_index() -> IndexFile {
     IndexFile::Number(1.52)
 }
@@ -241,23 +212,18 @@ fn is_glass_index(index: &IndexFile) -> bool {
 #[serde(deny_unknown_fields)]
 pub struct ConductorFile {
     /// Name of the metal, such as "gold".
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub metal: Option<String>,
     /// Real part of the index of refraction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub eta: Option<SpectrumFile>,
     /// Extinction coefficient: the imaginary part of the index of refraction.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub k: Option<SpectrumFile>,
     /// Path of a file with n and k, relative to the scene's folder: an entry of the database
     /// refractiveindex.info (`.yml`), or a CSV file with a header row such as `nm,n,k`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// Reflectance at normal incidence. At other angles, the reflectance follows Schlick's
     /// approximation, and it is 1 at grazing incidence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub reflectance: Option<ReflectanceFile>,
     /// Roughness of the surface: 0 is polished.
@@ -266,7 +232,6 @@ pub struct ConductorFile {
     pub roughness: ScalarFile,
     /// Thin films on the metal, from the outside to the metal. They need an index of refraction,
     /// and no `reflectance`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no coating"))]
     pub coating: Option<CoatingFile>,
 }
@@ -284,7 +249,6 @@ pub struct WeightedMaterialFile {
 }
 
 impl MaterialFile {
-    /// Checks the ranges of numbers and the lengths of lists.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Diffuse { reflectance } => reflectance.validate(&at.key("diffuse").key("reflectance")),
@@ -355,7 +319,6 @@ fn validate_translucent(at: &JsonPath, reflectance: &ReflectanceFile, transmitta
 }
 
 impl DielectricFile {
-    /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { ior, roughness, absorption, coating, medium: _, priority: _ } = self;
         check::all([
@@ -367,13 +330,11 @@ impl DielectricFile {
     }
 }
 
-/// Checks the coating of a surface.
 fn coating_on(at: &JsonPath, coating: Option<&CoatingFile>) -> Result<()> {
     coating.map_or(Ok(()), |coating| coating.validate(&at.key("coating")))
 }
 
 impl ThinDielectricFile {
-    /// Checks that all values are in range and that an absorbing pane has a thickness.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { ior, thickness, absorption, transmittance, coating } = self;
         let allowed = "both `thickness` and `absorption`, or neither";
@@ -402,7 +363,6 @@ impl ThinDielectricFile {
 }
 
 impl ConductorFile {
-    /// Checks that all values are in range and that the conductor has exactly one form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { metal, eta, k, file, reflectance, roughness, coating } = self;
         let allowed = "one of `metal`, both `eta` and `k`, `file`, or `reflectance`";

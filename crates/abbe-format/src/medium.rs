@@ -1,17 +1,10 @@
 //! Participating media in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::field::FieldFile;
-use super::forms;
-use super::phase::PhaseFile;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::transform::{KeyframeFile, TransformFile, validate_motion};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{
+    FieldFile, JsonPath, KeyframeFile, PhaseFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse,
+    transform::validate_motion,
+};
 use abbe_spectra::error::Result;
 
 /// A participating medium: fog, smoke, milk or a flame.
@@ -20,31 +13,23 @@ use abbe_spectra::error::Result;
 #[schemars(title = "Medium")]
 pub enum MediumFile {
     /// A medium that is the same everywhere.
-    #[schemars(example = json!({"homogeneous": {
-        "absorption": 0, "scattering": 0.05, "phase": {"henyey_greenstein": {"g": 0.3}}
-    }}))]
-    #[schemars(example = json!({"homogeneous": {
-        "absorption": 1, "scattering": 0, "phase": "isotropic", "emission": {"spectrum": "neon-glow", "power": 5},
-        "priority": 2, "transform": [], "motion": []
-    }}))]
-    #[schemars(example = json!({"homogeneous": {
-        "absorption": 0, "scattering": 0, "phase": "isotropic",
-        "dye": {"absorption": 20, "emission": "blue glow", "quantum_yield": 0.55}
-    }}))]
+    #[schemars(example = json!({"homogeneous": {"absorption": 0, "scattering": 0.05,
+        "phase": {"henyey_greenstein": {"g": 0.3}}}}))]
+    #[schemars(example = json!({"homogeneous": {"absorption": 1, "scattering": 0, "phase": "isotropic",
+        "emission": {"spectrum": "neon-glow", "power": 5}, "priority": 2, "transform": [], "motion": []}}))]
+    #[schemars(example = json!({"homogeneous": {"absorption": 0, "scattering": 0, "phase": "isotropic",
+        "dye": {"absorption": 20, "emission": "blue glow", "quantum_yield": 0.55}}}))]
     Homogeneous(Box<HomogeneousFile>),
     /// A medium whose density varies over a box.
-    #[schemars(example = json!({"grid": {
-        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"noise": {"value": 2, "scale": 0.5}}, "absorption": 0,
-        "scattering": 0.5, "phase": "isotropic", "transmittance": "exact", "transform": [{"translate": [0, 1, 0]}]
-    }}))]
-    #[schemars(example = json!({"grid": {
-        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"path": "soot.npy"}, "absorption": 1, "scattering": 0,
-        "phase": "isotropic", "emission": {"blackbody": {}}, "temperature": {"constant": 1800}, "priority": 1, "motion": []
-    }}))]
-    #[schemars(example = json!({"grid": {
-        "bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"constant": 2}, "absorption": 0, "scattering": 0,
-        "phase": "isotropic", "dye": {"absorption": 3, "emission": "green glow", "quantum_yield": 0.9}
-    }}))]
+    #[schemars(example = json!({"grid": {"bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"noise": {"value": 2,
+        "scale": 0.5}}, "absorption": 0, "scattering": 0.5, "phase": "isotropic", "transmittance": "exact",
+        "transform": [{"translate": [0, 1, 0]}]}}))]
+    #[schemars(example = json!({"grid": {"bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"path": "soot.npy"},
+        "absorption": 1, "scattering": 0, "phase": "isotropic", "emission": {"blackbody": {}},
+        "temperature": {"constant": 1800}, "priority": 1, "motion": []}}))]
+    #[schemars(example = json!({"grid": {"bounds": [[-1, 0, -1], [1, 2, 1]], "density": {"constant": 2},
+        "absorption": 0, "scattering": 0, "phase": "isotropic", "dye": {"absorption": 3, "emission": "green glow",
+        "quantum_yield": 0.9}}}))]
     Grid(Box<GridFile>),
 }
 
@@ -61,11 +46,9 @@ pub struct HomogeneousFile {
     /// The phase function.
     pub phase: PhaseFile,
     /// Light that the medium emits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no emission"))]
     pub emission: Option<MediumEmissionFile>,
     /// A fluorescent dye in the medium. Its absorption is added to `absorption`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no dye"))]
     pub dye: Option<DyeFile>,
     /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
@@ -101,11 +84,9 @@ pub struct GridFile {
     /// The phase function.
     pub phase: PhaseFile,
     /// Light that the medium emits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no emission"))]
     pub emission: Option<MediumEmissionFile>,
     /// Temperature, for emission as a black body.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "K"))]
     pub temperature: Option<FieldFile>,
     /// The estimator of transmittance.
@@ -113,7 +94,6 @@ pub struct GridFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub transmittance: TransmittanceFile,
     /// A fluorescent dye in the medium. Its absorption is added to `absorption`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no dye"))]
     pub dye: Option<DyeFile>,
     /// Priority where dielectrics or media overlap: the highest one fills the space. Of equal
@@ -134,25 +114,18 @@ pub struct GridFile {
 /// A fluorescent dye. State either `absorption`, or `molar_absorption` and `concentration`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Dye", example = json!({
-    "absorption": {"table": {"nm": [360, 380, 420], "values": [20, 20, 0]}},
-    "emission": {"gaussian": {"peak_nm": 450, "fwhm_nm": 80}}, "quantum_yield": 0.55
-}))]
-#[schemars(example = json!({
-    "molar_absorption": {"gaussian": {"peak_nm": 490, "fwhm_nm": 40}}, "concentration": 1e-5,
-    "emission": {"gaussian": {"peak_nm": 515, "fwhm_nm": 40}}, "quantum_yield": 0.9
-}))]
+#[schemars(title = "Dye", example = json!({"absorption": {"table": {"nm": [360, 380, 420], "values": [20, 20, 0]}},
+    "emission": {"gaussian": {"peak_nm": 450, "fwhm_nm": 80}}, "quantum_yield": 0.55}))]
+#[schemars(example = json!({"molar_absorption": {"gaussian": {"peak_nm": 490, "fwhm_nm": 40}}, "concentration": 1e-5,
+    "emission": {"gaussian": {"peak_nm": 515, "fwhm_nm": 40}}, "quantum_yield": 0.9}))]
 pub struct DyeFile {
     /// Absorption coefficient of the dye. Outside a table, it is 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit"))]
     pub absorption: Option<SpectrumFile>,
     /// Decadic molar absorption coefficient of the dye. Outside a table, it is 0.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0, "x-unit" = "L/mol/cm"))]
     pub molar_absorption: Option<SpectrumFile>,
     /// Concentration of the dye.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "mol/L"))]
     pub concentration: Option<f64>,
     /// Relative number of emitted photons per nm, at any scale. Outside a table, it is 0.
@@ -185,19 +158,15 @@ pub enum TransmittanceFile {
 #[schemars(example = json!({"spectrum": "neon-glow", "power": 5}), example = json!({"spectrum": 1, "radiance": 1}))]
 pub struct MediumEmissionFile {
     /// Emission as a black body.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blackbody: Option<MediumBlackbodyFile>,
     /// Relative distribution of the emission over wavelength.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub spectrum: Option<SpectrumFile>,
     /// Source radiance over 360–830 nm: the emission coefficient divided by the absorption
     /// coefficient.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/m²/sr"))]
     pub radiance: Option<f64>,
     /// Power over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
 }
@@ -208,13 +177,11 @@ pub struct MediumEmissionFile {
 #[schemars(title = "Medium black body", example = json!({"temperature": 1800}))]
 pub struct MediumBlackbodyFile {
     /// Temperature.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "K", "x-default" = "`temperature` of the grid"))]
     pub temperature: Option<f64>,
 }
 
 impl MediumFile {
-    /// Returns the transform and the keyframes of the medium.
     pub fn transform_and_motion(&self) -> (&TransformFile, &[KeyframeFile]) {
         match self {
             Self::Homogeneous(medium) => (&medium.transform, &medium.motion),
@@ -222,8 +189,6 @@ impl MediumFile {
         }
     }
 
-    /// Returns the priority of the medium. Where dielectrics or media overlap, the one with the
-    /// highest priority fills the space.
     pub fn priority(&self) -> i32 {
         match self {
             Self::Homogeneous(medium) => medium.priority,
@@ -231,7 +196,6 @@ impl MediumFile {
         }
     }
 
-    /// Checks the ranges of numbers and the lengths of lists.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Homogeneous(medium) => medium.validate(&at.key("homogeneous")),
@@ -241,7 +205,6 @@ impl MediumFile {
 }
 
 impl HomogeneousFile {
-    /// Checks ranges.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { absorption, scattering, phase, emission, dye, priority: _, transform, motion } = self;
         check::all([
@@ -257,7 +220,6 @@ impl HomogeneousFile {
 }
 
 impl GridFile {
-    /// Checks the ranges of numbers and the lengths of lists.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { bounds: [min, max], density, absorption, scattering, phase, emission, temperature, .. } = self;
         let bounds = check::all((0..3).map(|axis| {
@@ -281,7 +243,6 @@ impl GridFile {
 }
 
 impl DyeFile {
-    /// Checks the ranges of numbers, and that the absorption has exactly one form.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { absorption, molar_absorption, concentration, emission, quantum_yield } = self;
         let given = [("absorption", absorption.is_some()), ("molar_absorption", molar_absorption.is_some())];
@@ -305,7 +266,6 @@ impl DyeFile {
 }
 
 impl MediumEmissionFile {
-    /// Checks that all values are in range and that the emission has exactly one form.
     fn validate(&self, at: &JsonPath, has_temperature: bool) -> Result<()> {
         let Self { blackbody, spectrum, radiance, power } = self;
         check::exactly_one(at, &[("blackbody", blackbody.is_some()), ("spectrum", spectrum.is_some())])?;

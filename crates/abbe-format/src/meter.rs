@@ -1,12 +1,7 @@
 //! Meters in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check};
 use abbe_scene::meter::{MeterGrid, Quantity, ReceivingSide};
 use abbe_spectra::error::Result;
 
@@ -14,12 +9,10 @@ use abbe_spectra::error::Result;
 /// `cylinder` and `spot`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Meter", example = json!({
-    "name": "desk", "quantity": "illuminance", "points": [[0, 0.75, 0], [1, 0.75, 0]], "normal": [0, 1, 0]
-}))]
-#[schemars(example = json!({
-    "name": "floor", "grid": {"origin": [0, 0, 0], "u": [4, 0, 0], "v": [0, 0, 4], "count": [8, 8]}
-}))]
+#[schemars(title = "Meter", example = json!({"name": "desk", "quantity": "illuminance",
+    "points": [[0, 0.75, 0], [1, 0.75, 0]], "normal": [0, 1, 0]}))]
+#[schemars(example = json!({"name": "floor", "grid": {"origin": [0, 0, 0], "u": [4, 0, 0], "v": [0, 0, 4],
+    "count": [8, 8]}}))]
 #[schemars(example = json!({"name": "wall", "quantity": "luminous_flux", "surface": "wall", "side": "front"}))]
 #[schemars(example = json!({"name": "head", "sphere": {"at": [0, 1.2, 0]}}))]
 #[schemars(example = json!({"name": "face", "cylinder": {"at": [0, 1.2, 0], "axis": [0, 1, 0]}}))]
@@ -28,36 +21,27 @@ pub struct MeterFile {
     /// Name of the meter in reports.
     pub name: String,
     /// The quantity that the meter measures.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "illuminance; luminance for a spot"))]
     pub quantity: Option<QuantityKindFile>,
     /// Positions of the receptors. Each reads the light that arrives at a plane with this `normal`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1), extend("x-unit" = "scene unit"))]
     pub points: Option<Vec<[f64; 3]>>,
     /// A grid of points on a plane.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<MeterGridFile>,
     /// Normal of the plane, for `points` and `grid`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-range" = "not zero", "x-default" = "[0, 1, 0]"))]
     pub normal: Option<[f64; 3]>,
     /// Name of an object. The meter reads the light that arrives at its surface: the mean and the
     /// flux.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface: Option<String>,
     /// The sides of the surface that receive light, for `surface`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "both"))]
     pub side: Option<SideFile>,
     /// A sphere. The meter reads the mean spherical illuminance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sphere: Option<MeterSphereFile>,
     /// The side of a cylinder. The meter reads the mean cylindrical illuminance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cylinder: Option<MeterCylinderFile>,
     /// A cone of view. The meter reads the mean luminance in the cone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spot: Option<MeterSpotFile>,
 }
 
@@ -99,7 +83,6 @@ pub struct MeterCylinderFile {
     #[schemars(extend("x-unit" = "scene unit"))]
     pub at: [f64; 3],
     /// Axis of the cylinder.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-range" = "not zero", "x-default" = "[0, 1, 0]"))]
     pub axis: Option<[f64; 3]>,
 }
@@ -183,7 +166,6 @@ pub enum QuantityKindFile {
 }
 
 impl QuantityKindFile {
-    /// Returns the quantity of the scene model.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::Illuminance => Quantity::Illuminance,
@@ -211,7 +193,6 @@ impl QuantityKindFile {
 }
 
 impl SideFile {
-    /// Returns the side of the scene model.
     pub fn side(self) -> ReceivingSide {
         match self {
             Self::Front => ReceivingSide::Front,
@@ -222,13 +203,11 @@ impl SideFile {
 }
 
 impl MeterFile {
-    /// Returns the quantity. The default depends on the form of the meter.
     pub fn quantity(&self) -> Quantity {
         let default = if self.spot.is_some() { QuantityKindFile::Luminance } else { QuantityKindFile::Illuminance };
         self.quantity.unwrap_or(default).quantity()
     }
 
-    /// Checks that the meter has one form, and that all values are in range.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { name: _, quantity: _, points, grid, normal, surface, side, sphere, cylinder, spot } = self;
         let forms = [
@@ -251,31 +230,26 @@ impl MeterFile {
             if explicit { Err(error()) } else { Ok(()) }
         };
         let quantity = self.quantity();
-        let fits = if quantity.is_radiance() != spot.is_some() {
-            let expected = if spot.is_some() { "luminance or radiance" } else { "a quantity other than luminance" };
-            Err(check::fault(&at.key("quantity"), format!("found {}", quantity.name()), expected))
-        } else if quantity.is_flux() && surface.is_none() {
-            let found = format!("found {}", quantity.name());
-            Err(check::fault(&at.key("quantity"), found, "a flux only with `surface`"))
-        } else if quantity == Quantity::UnifiedGlareRating && !flat {
-            let found = format!("found {}", quantity.name());
-            Err(check::fault(&at.key("quantity"), found, "a glare rating only with `points` or `grid`"))
-        } else {
-            Ok(())
+        let expected = match spot {
+            Some(_) if !quantity.is_radiance() => Some("luminance or radiance"),
+            None if quantity.is_radiance() => Some("a quantity other than luminance"),
+            _ if quantity.is_flux() && surface.is_none() => Some("a flux only with `surface`"),
+            _ if quantity == Quantity::UnifiedGlareRating && !flat => {
+                Some("a glare rating only with `points` or `grid`")
+            }
+            _ => None,
         };
+        let wrong = |expected: &str| check::fault(&at.key("quantity"), format!("found {}", quantity.name()), expected);
+        let fits = expected.map_or(Ok(()), |expected| Err(wrong(expected)));
+        let axis = cylinder.as_ref().and_then(|cylinder| cylinder.axis);
         check::all([
             fits,
-            points
-                .as_ref()
-                .map_or(Ok(()), |points| check::entries(&at.key("points"), points.len(), 1, "at least one point")),
+            points.as_ref().map_or(Ok(()), |it| check::entries(&at.key("points"), it.len(), 1, "at least one point")),
             grid.as_ref().map_or(Ok(()), |grid| grid.validate(&at.key("grid"))),
             normal.map_or(Ok(()), |normal| check::direction(&at.key("normal"), normal)),
             unused("normal", normal.is_some() && !flat, "`points` or `grid`"),
             unused("side", side.is_some() && surface.is_none(), "`surface`"),
-            cylinder
-                .as_ref()
-                .and_then(|cylinder| cylinder.axis)
-                .map_or(Ok(()), |axis| check::direction(&at.key("cylinder").key("axis"), axis)),
+            axis.map_or(Ok(()), |axis| check::direction(&at.key("cylinder").key("axis"), axis)),
             spot.as_ref().map_or(Ok(()), |spot| spot.validate(&at.key("spot"))),
         ])
     }
@@ -284,14 +258,12 @@ impl MeterFile {
 impl MeterGridFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { origin: _, u, v, count } = self;
-        let counts = count
-            .iter()
-            .enumerate()
-            .map(|(i, &count)| check::count(&at.key("count").index(i), u64::from(count), 1, 10_000));
+        let at_count = at.key("count");
+        let counts = count.iter().enumerate();
+        let counts = counts.map(|(i, &it)| check::count(&at_count.index(i), u64::from(it), 1, 10_000));
         check::all([check::direction(&at.key("u"), *u), check::direction(&at.key("v"), *v)].into_iter().chain(counts))
     }
 
-    /// Returns the grid of the scene model.
     pub fn grid(&self) -> MeterGrid {
         let Self { origin, u, v, count } = *self;
         MeterGrid { origin, u, v, count }
@@ -312,9 +284,7 @@ impl MeterGridFile {
 impl MeterSpotFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { from, to, angle } = self;
-        check::all([
-            check::apart(&at.key("to"), *to, "from", *from),
-            check::between(&at.key("angle"), *angle, 0.0, 180.0),
-        ])
+        let apart = check::apart(&at.key("to"), *to, "from", *from);
+        check::all([apart, check::between(&at.key("angle"), *angle, 0.0, 180.0)])
     }
 }

@@ -1,11 +1,8 @@
 //! Normal maps in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::forms;
-use super::picture::{FilterFile, WrapFile, is_one, one};
-use super::uv::UvFile;
+use crate::picture::{is_one, one};
+use crate::prelude::*;
+use crate::{FilterFile, UvFile, WrapFile, forms};
 
 /// A material with shading normals from a picture. The red, green and blue components of the
 /// picture, from 0 to 1, encode the components x, y and z of the normals from −1 to 1. x points

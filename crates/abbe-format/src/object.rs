@@ -1,37 +1,23 @@
 //! Objects in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::emission::EmissionFile;
-use super::shape::ShapeFile;
-use super::transform::{KeyframeFile, TransformFile, validate_motion};
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{EmissionFile, JsonPath, KeyframeFile, ShapeFile, TransformFile, check, transform::validate_motion};
 use abbe_spectra::error::Result;
 
 /// An object: a shape with a material. An object with `emission` is an area light.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Object", example = json!({
-    "name": "prism", "shape": {"prism": {"side": 0.5, "length": 0.6}}, "material": "flint",
-    "transform": [{"translate": [0, 0.5, 0]}]
-}))]
-#[schemars(example = json!({
-    "shape": {"disk": {"radius": 0.1}}, "material": "white", "emission": {"spectrum": "D65", "power": 20},
-    "motion": [{"time": 0, "transform": []}, {"time": 0.02, "transform": [{"translate": [0, 1, 0]}]}]
-}))]
+#[schemars(title = "Object", example = json!({"name": "prism", "shape": {"prism": {"side": 0.5, "length": 0.6}},
+    "material": "flint", "transform": [{"translate": [0, 0.5, 0]}]}))]
+#[schemars(example = json!({"shape": {"disk": {"radius": 0.1}}, "material": "white", "emission": {"spectrum": "D65",
+    "power": 20}, "motion": [{"time": 0, "transform": []}, {"time": 0.02, "transform": [{"translate": [0, 1, 0]}]}]}))]
 pub struct ObjectFile {
     /// Name for reports and for paths such as `objects[name=prism]`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// The shape of the object.
     pub shape: ShapeFile,
     /// Name of the material, from the scene's `materials`. All shapes except meshes need a
     /// material. If the material is absent, a mesh has the materials of its file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "materials of the mesh file"))]
     pub material: Option<String>,
     /// Placement of the shape in the scene.
@@ -43,7 +29,6 @@ pub struct ObjectFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub motion: Vec<KeyframeFile>,
     /// Light that the surface emits.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no emission"))]
     pub emission: Option<EmissionFile>,
 }

@@ -1,14 +1,8 @@
 //! Phase functions of media in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
+use crate::prelude::*;
+use crate::{IndexFile, JsonPath, SpectrumFile, check, spectrum::SpectrumUse};
 
-use super::check;
-use super::index::IndexFile;
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use crate::json::JsonPath;
 #[cfg(feature = "schema")]
 use abbe_optics::phase::MAX_MEAN_COSINE;
 use abbe_spectra::error::Result;
@@ -44,11 +38,9 @@ pub enum PhaseFile {
         radius_um: f64,
         /// Geometric standard deviation of the lognormal distribution of radii. 1 means equal
         /// radii.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 1), extend("x-default" = "equal radii"))]
         spread: Option<f64>,
         /// Index of refraction of the spheres.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("minimum" = 1, "x-default" = "water at 20 °C"))]
         ior: Option<IndexFile>,
     },
@@ -57,7 +49,6 @@ pub enum PhaseFile {
 }
 
 impl PhaseFile {
-    /// Checks ranges.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Isotropic | Self::Rayleigh | Self::Table { path: _ } | Self::Rainbow => Ok(()),

@@ -1,13 +1,9 @@
 //! Pictures as textures in the scene file.
 
-use crate::JsonSchema;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{UvFile, forms};
 use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::forms::{self, Form, Forms};
-use super::uv::UvFile;
 
 /// The forms of a picture, for error messages.
 const PATH_OR_OBJECT: &str = "a path, or an object with the key path";
@@ -17,15 +13,12 @@ const PATH_OR_OBJECT: &str = "a path, or an object with the key path";
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "ColourImageFile", title = "Picture of reflectances", transform = crate::schema::or_name)]
-#[schemars(example = &"wood.jpg", example = json!({
-    "path": "wood.jpg", "encoding": "srgb", "factor": [0.9, 0.9, 0.9], "wrap": "mirror", "filter": "bilinear",
-    "uv": {"scale": [4, 4]}
-}))]
+#[schemars(example = &"wood.jpg", example = json!({"path": "wood.jpg", "encoding": "srgb", "factor": [0.9, 0.9, 0.9],
+    "wrap": "mirror", "filter": "bilinear", "uv": {"scale": [4, 4]}}))]
 pub struct ColourImageFile {
     /// Path of the picture, relative to the scene's folder.
     pub path: String,
     /// How the file encodes colours.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "`linear` for EXR and HDR files, otherwise `srgb`"))]
     pub encoding: Option<EncodingFile>,
     /// Factors of the linear red, green and blue components.
@@ -54,22 +47,14 @@ fn is_one_per_channel(factor: &[f64; 3]) -> bool {
     *factor == one_per_channel()
 }
 
-impl ColourImageFile {
-    fn of_path(path: String) -> Self {
-        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
-        Self { path, encoding: None, factor: one_per_channel(), wrap, filter, uv }
-    }
-}
-
 /// A picture with spectral bands: its path, or an object. The file is an OpenEXR file with the
 /// channels `S0.…nm`, as `abbe render` writes them. The values of the channels are reflectances.
 /// Between the wavelengths of the channels, the reflectance is interpolated linearly.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "BandImageFile", title = "Picture of spectral bands", transform = crate::schema::or_name)]
-#[schemars(example = &"painting.exr", example = json!({
-    "path": "painting.exr", "factor": 0.8, "wrap": "clamp", "filter": "nearest", "uv": {"scale": [2, 2]}
-}))]
+#[schemars(example = &"painting.exr", example = json!({"path": "painting.exr", "factor": 0.8, "wrap": "clamp",
+    "filter": "nearest", "uv": {"scale": [2, 2]}}))]
 pub struct BandImageFile {
     /// Path of the picture, relative to the scene's folder.
     pub path: String,
@@ -99,21 +84,12 @@ pub(super) fn is_one(value: &f64) -> bool {
     *value == 1.0
 }
 
-impl BandImageFile {
-    fn of_path(path: String) -> Self {
-        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
-        Self { path, factor: 1.0, wrap, filter, uv }
-    }
-}
-
 /// A channel of a picture as numbers: the path of the picture, or an object.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "ScalarImageFile", title = "Picture of numbers", transform = crate::schema::or_name)]
-#[schemars(example = &"mask.png", example = json!({
-    "path": "mask.png", "channel": "alpha", "encoding": "linear", "range": [1, 0], "wrap": "clamp",
-    "filter": "nearest", "uv": {"scale": [2, 2]}
-}))]
+#[schemars(example = &"mask.png", example = json!({"path": "mask.png", "channel": "alpha", "encoding": "linear",
+    "range": [1, 0], "wrap": "clamp", "filter": "nearest", "uv": {"scale": [2, 2]}}))]
 pub struct ScalarImageFile {
     /// Path of the picture, relative to the scene's folder.
     pub path: String,
@@ -159,18 +135,12 @@ fn is_unit_range(range: &[f64; 2]) -> bool {
     *range == unit_range()
 }
 
-impl ScalarImageFile {
-    fn of_path(path: String) -> Self {
-        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
-        Self { path, channel: ChannelFile::default(), encoding: linear(), range: unit_range(), wrap, filter, uv }
-    }
-}
-
 impl Forms for ColourImageFile {
     const EXPECTED: &'static str = PATH_OR_OBJECT;
 
     fn from_name(path: String) -> Option<Self> {
-        Some(Self::of_path(path))
+        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
+        Some(Self { path, encoding: None, factor: one_per_channel(), wrap, filter, uv })
     }
 
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
@@ -194,7 +164,8 @@ impl Forms for BandImageFile {
     const EXPECTED: &'static str = PATH_OR_OBJECT;
 
     fn from_name(path: String) -> Option<Self> {
-        Some(Self::of_path(path))
+        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
+        Some(Self { path, factor: 1.0, wrap, filter, uv })
     }
 
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
@@ -218,7 +189,8 @@ impl Forms for ScalarImageFile {
     const EXPECTED: &'static str = PATH_OR_OBJECT;
 
     fn from_name(path: String) -> Option<Self> {
-        Some(Self::of_path(path))
+        let (wrap, filter, uv) = (WrapFile::default(), FilterFile::default(), UvFile::default());
+        Some(Self { path, channel: ChannelFile::default(), encoding: linear(), range: unit_range(), wrap, filter, uv })
     }
 
     fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {

@@ -1,11 +1,9 @@
 //! The quantity that gives the scale of an emitter's spectrum.
 
-use super::check;
-use crate::json::JsonPath;
+use crate::{JsonPath, check};
 use abbe_spectra::error::{Error, Result};
 
-/// The strength of an emitter. The emitter's `spectrum` gives only the relative distribution over
-/// wavelength.
+/// The strength of an emitter, whose `spectrum` gives only the distribution over wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum QuantityFile {
     /// Power in W over 360–830 nm.
@@ -42,15 +40,10 @@ impl QuantityFile {
     }
 }
 
-/// A constructor of a quantity.
 pub(super) type QuantityVariant = fn(f64) -> QuantityFile;
 
-/// Returns the one quantity that an emitter states.
-///
-/// # Errors
-/// Returns an error if no quantity is stated, if several quantities are stated, or if the quantity
-/// is below 0. When a scene is read, `validate` already makes this check. The check is repeated
-/// here, because a program may change the scene afterwards.
+/// Returns the one quantity that an emitter gives. None, several, or one below 0 are errors, which
+/// `validate` finds when a scene is read; but a program may change the scene afterwards.
 pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result<QuantityFile> {
     let given = choices.iter().map(|(value, kind)| (kind(0.0).key_and_value().0, value.is_some()));
     check::exactly_one(&JsonPath::Root, &given.collect::<Vec<_>>())?;
@@ -61,8 +54,8 @@ pub(super) fn one_quantity(choices: &[(Option<f64>, QuantityVariant)]) -> Result
     Ok(quantity)
 }
 
-/// If `quantity` is an error, returns the error with its full path in the scene. In `quantity`, the
-/// path of the error is relative to the emitter. `at` is the path of the emitter.
+/// Returns the error of a quantity with its full path in the scene. `at` is the path of the
+/// emitter, to which the path of the error is relative.
 pub(super) fn validate_quantity(at: &JsonPath, quantity: Result<QuantityFile>) -> Result<()> {
     quantity.map(|_| ()).map_err(|mut error| {
         let below = error.location.path.take().unwrap_or_default();

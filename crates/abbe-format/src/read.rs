@@ -1,21 +1,19 @@
 //! Reads scene files, and parts of scenes from their text.
 
+use crate::{
+    CoatingFile, FileAccess, JsonPath, JsonSource, PrescriptionFile, SceneFile, SpectrumFile, foreign, json::read_text,
+    spectrum::SpectrumUse,
+};
+use abbe_spectra::error::{Error, Result};
 use std::path::Path;
 
-use super::spectrum::SpectrumUse;
-use super::{CoatingFile, PrescriptionFile, SceneFile, SpectrumFile, foreign};
-use crate::json::{FileAccess, JsonPath, JsonSource, read_text};
-use abbe_spectra::error::{Error, Result};
-
-/// Reads a scene file. `sets` are patches of the form `PATH=JSON`. They are applied in the order of
-/// the list.
+/// Reads a scene file and applies the patches `sets` (`PATH=JSON`) in their order.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, is larger than [`MAX_BYTES`](crate::MAX_BYTES) or is not JSON. Also
-/// returns an error if a patch cannot be applied, if a key is unknown, or if a value has a wrong
-/// type or is out of range. If the fault has a position in the file, the error states the line, the
-/// column and the JSON path. If the file has several faults, the error contains all of them, up to
-/// [`MAX_FAULTS`](abbe_spectra::error::MAX_FAULTS).
+/// Returns an error if the file cannot be read, is larger than [`MAX_BYTES`](crate::MAX_BYTES) or is
+/// not JSON, if a patch cannot be applied, if a key is unknown, or if a value has a wrong type or is
+/// out of range. The error contains up to [`MAX_FAULTS`](abbe_spectra::error::MAX_FAULTS) faults,
+/// each with its line, column and JSON path if it has a position in the file.
 pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     parse(read_scene_text(path)?, path, sets)
 }
@@ -30,11 +28,7 @@ pub fn read_scene_text(path: &Path) -> Result<String> {
     read_text(path)
 }
 
-/// Reads a scene from its text. Errors use `path` as the name of the text. `sets` are patches as in
-/// [`read()`].
-///
-/// # Errors
-/// Returns the same errors as [`read()`].
+/// Reads a scene from its text, like [`read()`] and with the same errors. `path` is its name.
 pub fn parse(text: impl Into<String>, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     let source = JsonSource::patched(text, path, sets)?;
     parse_source(source, &|_, _| None)
@@ -51,8 +45,7 @@ pub(super) fn parse_source(
     if let Some(scene) = &repaired.value {
         let mut later = scene.validate(&source).err();
         if (later.is_some() || !faults.is_empty()) && !repaired.lacks_definitions(&source) {
-            // A fault of the whole scene, such as a scene without light, may follow from the
-            // others.
+            // A fault of the whole scene, such as no light, may follow from the others.
             let further = look_further(scene, &source).map_or_else(Vec::new, Error::into_faults);
             let in_a_part = |fault: &Error| fault.location.path.as_deref().is_some_and(|path| !path.is_empty());
             // The resolver repeats some checks of `validate`. It may find the same fault in a value
@@ -82,9 +75,8 @@ pub(super) fn parse_source(
     }
 }
 
-/// Reads a spectrum from its text, in any form that a scene may contain. Errors use `name` as the
-/// name of the text. The spectrum may name any file, because the text comes from the user and not
-/// from a scene file.
+/// Reads a spectrum from its text, in any form that a scene may contain. `name` is the text's name.
+/// The spectrum may name any file, because the text comes from the user.
 ///
 /// # Errors
 /// If the text is not a spectrum, returns an error with its position in the text.
@@ -107,8 +99,7 @@ pub fn parse_coating(text: &str, name: &Path) -> Result<(CoatingFile, JsonSource
     Ok((coating, source))
 }
 
-/// Reads a lens prescription from its text, in any form that a scene may contain. Errors use `name`
-/// as the name of the text.
+/// Reads a lens prescription from its text, in any form of a scene. `name` is the text's name.
 ///
 /// # Errors
 /// If the text is not a prescription, returns an error with its position in the text.

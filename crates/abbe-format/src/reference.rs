@@ -1,78 +1,36 @@
 //! The scene reference: a Markdown page that describes every key of the scene file. The page is
 //! generated from the JSON Schema of the scene file.
 
-use std::fmt::Write as _;
-
 use crate::json::one_line;
 use serde_json::{Map, Value};
+use std::fmt::Write as _;
 
-/// The chapters of the page. Each entry has the title of a chapter, and the names of the
-/// definitions in the schema that this chapter describes. The empty name stands for the scene
-/// itself. A definition without a title has no section. The text of such a definition appears
-/// wherever the definition is used.
-pub(super) const CHAPTERS: [(&str, &[&str]); 18] = [
-    ("The scene", &["", "UnitFile"]),
-    ("The camera", &["CameraFile", "CameraKeyframeFile", "ShutterFile"]),
-    ("Camera lenses", &["LensFile", "PrescriptionFile", "LensSurfaceFile", "LensTransmissionFile"]),
-    (
-        "The film",
-        &[
-            "FilmFile",
-            "ObserverFile",
-            "LayerFile",
-            "GamutFile",
-            "ToneFile",
-            "WhiteBalanceFile",
-            "OutputSpaceFile",
-            "ExposureFile",
-        ],
-    ),
-    ("Spectra", &["SpectrumFile", "LineFile", "WeightedSpectrumFile"]),
+/// The chapters of the page: their titles, and the names of their definitions, of which the empty
+/// one is the scene. Definitions without a title have no section; their text appears where they are
+/// used.
+pub(super) const CHAPTERS: [(&str, &str); 18] = [
+    ("The scene", " UnitFile"),
+    ("The camera", "CameraFile CameraKeyframeFile ShutterFile"),
+    ("Camera lenses", "LensFile PrescriptionFile LensSurfaceFile LensTransmissionFile"),
+    ("The film", "FilmFile ObserverFile LayerFile GamutFile ToneFile WhiteBalanceFile OutputSpaceFile ExposureFile"),
+    ("Spectra", "SpectrumFile LineFile WeightedSpectrumFile"),
     (
         "Reflectances and textures",
-        &[
-            "ReflectanceFile",
-            "ScalarFile",
-            "ColourImageFile",
-            "BandImageFile",
-            "ScalarImageFile",
-            "UvFile",
-            "EncodingFile",
-            "WrapFile",
-            "FilterFile",
-            "ChannelFile",
-            "ImageFile",
-        ],
+        "ReflectanceFile ScalarFile ColourImageFile BandImageFile ScalarImageFile UvFile EncodingFile WrapFile \
+         FilterFile ChannelFile ImageFile",
     ),
-    ("Indices of refraction", &["IndexFile", "FormulaFile"]),
-    ("Materials", &["MaterialFile", "PaneTransmittanceFile", "WeightedMaterialFile", "GreenFile"]),
-    ("Thin films", &["CoatingFile", "CoatingLayerFile", "CoatingIndexFile", "ComplexIndexFile"]),
-    ("Gratings", &["GratingProfileFile", "OrderEfficiencyFile", "GroovesFile"]),
-    (
-        "Media",
-        &["MediumFile", "DyeFile", "TransmittanceFile", "PhaseFile", "MediumEmissionFile", "MediumBlackbodyFile"],
-    ),
-    (
-        "Density and temperature fields",
-        &["FieldFile", "ExponentialFieldFile", "PlanetFile", "SphereFieldFile", "NoiseFieldFile"],
-    ),
-    ("Objects", &["ObjectFile", "EmissionFile"]),
-    ("Shapes", &["ShapeFile"]),
-    ("Transforms and motion", &["TransformFile", "TransformStepFile", "ScaleFile", "KeyframeFile"]),
-    ("Lights", &["LightFile", "SpotFalloffFile", "ProjectionFile", "PlaceFile", "SunFile"]),
-    (
-        "Meters",
-        &[
-            "MeterFile",
-            "MeterGridFile",
-            "MeterSphereFile",
-            "MeterCylinderFile",
-            "MeterSpotFile",
-            "QuantityKindFile",
-            "SideFile",
-        ],
-    ),
-    ("Rendering", &["RenderFile", "LightMapFile"]),
+    ("Indices of refraction", "IndexFile FormulaFile"),
+    ("Materials", "MaterialFile PaneTransmittanceFile WeightedMaterialFile GreenFile"),
+    ("Thin films", "CoatingFile CoatingLayerFile CoatingIndexFile ComplexIndexFile"),
+    ("Gratings", "GratingProfileFile OrderEfficiencyFile GroovesFile"),
+    ("Media", "MediumFile DyeFile TransmittanceFile PhaseFile MediumEmissionFile MediumBlackbodyFile"),
+    ("Density and temperature fields", "FieldFile ExponentialFieldFile PlanetFile SphereFieldFile NoiseFieldFile"),
+    ("Objects", "ObjectFile EmissionFile"),
+    ("Shapes", "ShapeFile"),
+    ("Transforms and motion", "TransformFile TransformStepFile ScaleFile KeyframeFile"),
+    ("Lights", "LightFile SpotFalloffFile ProjectionFile PlaceFile SunFile"),
+    ("Meters", "MeterFile MeterGridFile MeterSphereFile MeterCylinderFile MeterSpotFile QuantityKindFile SideFile"),
+    ("Rendering", "RenderFile LightMapFile"),
 ];
 
 const INTRODUCTION: &str = "\
@@ -92,10 +50,7 @@ Schema, which `abbe schema` prints.
 - A range such as 0 … 1 applies to every value of a spectrum, and to each element of an array.
 ";
 
-/// Width to which text is wrapped.
 const TEXT_WIDTH: usize = 100;
-
-/// Width to which examples are wrapped.
 const EXAMPLE_WIDTH: usize = 92;
 
 /// Returns the scene reference as Markdown.
@@ -105,12 +60,12 @@ pub fn scene_reference() -> String {
     let mut text = format!("{INTRODUCTION}\n## Contents\n\n");
     for (chapter, names) in CHAPTERS {
         let _ = write!(text, "- {}:", link(chapter, chapter));
-        let entries: Vec<String> = names.iter().flat_map(|name| page.contents(name)).collect();
+        let entries: Vec<String> = names.split(' ').flat_map(|name| page.contents(name)).collect();
         let _ = writeln!(text, " {}", entries.join(", "));
     }
     for (chapter, names) in CHAPTERS {
         let _ = write!(text, "\n## {chapter}\n");
-        names.iter().for_each(|name| page.section(name, &mut text));
+        names.split(' ').for_each(|name| page.section(name, &mut text));
     }
     filled(&text)
 }
@@ -147,31 +102,24 @@ fn filled(page: &str) -> String {
     text + "\n"
 }
 
-/// One variant of a definition with several forms.
 enum SchemaVariant<'s> {
-    /// A fixed string.
     Constant(&'s str),
     /// An object with one key: the key and the schema of its value.
     Keyed(&'s str, &'s Value),
-    /// Any other form.
     Plain,
 }
 
 impl<'s> SchemaVariant<'s> {
-    /// Returns the variant that a schema describes.
     fn of(schema: &'s Value) -> Self {
         if let Some(constant) = schema["const"].as_str() {
             return Self::Constant(constant);
         }
         let properties = schema["properties"].as_object();
-        match properties.and_then(|properties| properties.iter().next()) {
-            Some((key, value)) => Self::Keyed(key, value),
-            None => Self::Plain,
-        }
+        let first = properties.and_then(|properties| properties.iter().next());
+        first.map_or(Self::Plain, |(key, value)| Self::Keyed(key, value))
     }
 }
 
-/// The generator of the page.
 struct Page<'s> {
     schema: &'s Value,
 }
@@ -182,7 +130,6 @@ impl<'s> Page<'s> {
         if name.is_empty() { self.schema } else { &self.schema["$defs"][name] }
     }
 
-    /// Returns the definition to which a schema refers.
     fn referred(&self, schema: &Value) -> Option<&'s Value> {
         schema["$ref"].as_str()?.strip_prefix("#/$defs/").map(|name| self.definition(name))
     }
@@ -198,7 +145,6 @@ impl<'s> Page<'s> {
         std::iter::once(link(&title, &title)).chain(keyed).collect()
     }
 
-    /// Writes the section of a definition.
     fn section(&self, name: &str, text: &mut String) {
         let definition = self.definition(name);
         let title = text_of(definition, "title");
@@ -219,7 +165,6 @@ impl<'s> Page<'s> {
         }
     }
 
-    /// Writes the table of the forms of a definition.
     fn forms(&self, title: &str, variants: &[Value], text: &mut String) {
         let _ = write!(text, "\n| Form | Meaning |\n| --- | --- |\n");
         for schema in variants {
@@ -246,7 +191,6 @@ impl<'s> Page<'s> {
         examples(schema, text);
     }
 
-    /// Writes the table of the keys of an object.
     fn keys(&self, properties: &Map<String, Value>, object: &Value, text: &mut String) {
         let _ = write!(text, "\n| Key | Type | Unit | Default | Range | Meaning |\n");
         let _ = writeln!(text, "| --- | --- | --- | --- | --- | --- |");
@@ -315,7 +259,6 @@ fn link(text: &str, heading: &str) -> String {
     format!("[{text}](#{})", heading.to_lowercase().replace(' ', "-"))
 }
 
-/// Removes null from the types of a schema.
 fn without_null(schema: &Value) -> Value {
     let mut schema = schema.clone();
     if let Some(types) = schema["type"].as_array() {
@@ -328,8 +271,7 @@ fn without_null(schema: &Value) -> Value {
     schema
 }
 
-/// Describes the range of a number. For an array, describes the length of the array and the range
-/// of its elements.
+/// Describes the range of a number, or the length of an array and the range of its elements.
 fn range(schema: &Value) -> String {
     let mut parts: Vec<String> = schema["x-range"].as_str().map(str::to_string).into_iter().collect();
     let mut level = schema;
@@ -360,7 +302,6 @@ fn range(schema: &Value) -> String {
     }
 }
 
-/// Writes the examples of a schema.
 fn examples(schema: &Value, text: &mut String) {
     let examples: Vec<String> = schema["examples"].as_array().into_iter().flatten().map(wrapped).collect();
     if !examples.is_empty() {

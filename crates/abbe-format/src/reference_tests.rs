@@ -1,93 +1,81 @@
 //! Tests of the schema and of the reference that is generated from it.
 
+use crate::{JsonPath, parse, reference::CHAPTERS, scene_reference, schema};
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-
-use serde_json::Value;
-
-use super::reference::CHAPTERS;
-use super::{JsonPath, parse, scene_reference, schema};
 
 const MINIMAL_SCENE: &str = r#"{
     "camera": {"from": [0, 1, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 35}}},
     "film": {"width": 64, "height": 64}, "materials": {"white": {"diffuse": {"reflectance": 0.5}}}, "objects": []
 }"#;
 
-/// For each definition with examples, the patch that puts an example into the minimal scene. In the
-/// patch, `%` stands for the example.
-const PLACES: [(&str, &str); 54] = [
-    ("CameraFile", "camera=%"),
-    ("CameraKeyframeFile", "camera.motion=[%]"),
-    ("ShutterFile", "camera.shutter=%"),
-    ("LensFile", "camera.lens=%"),
-    ("PrescriptionFile", r#"camera.lens={"system": {"prescription": %, "focus_distance": 4, "sensor_height_mm": 24}}"#),
-    (
-        "LensSurfaceFile",
-        r#"camera.lens={"system": {"prescription": {"surfaces": [%]}, "focus_distance": 4, "sensor_height_mm": 24}}"#,
-    ),
-    ("FilmFile", "film=%"),
-    ("WhiteBalanceFile", "film.white_balance=%"),
-    ("ExposureFile", "film.exposure=%"),
-    ("SpectrumFile", "spectra.x=%"),
-    ("LineFile", r#"spectra.x={"lines": [%]}"#),
-    ("WeightedSpectrumFile", r#"spectra.x={"mix": [%]}"#),
-    ("ReflectanceFile", "materials.x.diffuse.reflectance=%"),
-    ("ScalarFile", r#"materials.x={"dielectric": {"ior": 1.5, "roughness": %}}"#),
-    ("ColourImageFile", r#"materials.x={"diffuse": {"reflectance": {"image": %}}}"#),
-    ("BandImageFile", r#"materials.x={"diffuse": {"reflectance": {"bands": %}}}"#),
-    ("ScalarImageFile", r#"materials.x={"dielectric": {"ior": 1.5, "roughness": {"image": %}}}"#),
-    ("UvFile", r#"materials.x={"diffuse": {"reflectance": {"image": {"path": "a.png", "uv": %}}}}"#),
-    ("ImageFile", r#"lights=[{"environment": {"image": %, "irradiance": 1}}]"#),
-    ("IndexFile", "materials.x.thin_dielectric.ior=%"),
-    ("MaterialFile", "materials.x=%"),
-    ("CoatingFile", "materials.x.thin_film=%"),
-    ("PaneTransmittanceFile", "materials.x.thin_dielectric.transmittance=%"),
-    ("MeterFile", "meters=[%]"),
-    ("MeterGridFile", r#"meters=[{"name": "m", "grid": %}]"#),
-    ("MeterSphereFile", r#"meters=[{"name": "m", "sphere": %}]"#),
-    ("MeterCylinderFile", r#"meters=[{"name": "m", "cylinder": %}]"#),
-    ("MeterSpotFile", r#"meters=[{"name": "m", "spot": %}]"#),
-    ("CoatingLayerFile", r#"materials.x={"thin_film": {"layers": [%]}}"#),
-    ("CoatingIndexFile", r#"materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}"#),
-    ("ComplexIndexFile", r#"materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}"#),
-    ("GratingProfileFile", r#"materials.x={"grating": {"lines_per_mm": 600, "profile": %}}"#),
-    ("OrderEfficiencyFile", r#"materials.x={"grating": {"lines_per_mm": 600, "profile": {"table": [%]}}}"#),
-    ("WeightedMaterialFile", r#"materials.x={"mix": [%]}"#),
-    ("MediumFile", "media.x=%"),
-    ("PhaseFile", r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": %}"#),
-    ("DyeFile", r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "dye": %}"#),
-    (
-        "MediumEmissionFile",
-        r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "emission": %}"#,
-    ),
-    (
-        "MediumBlackbodyFile",
-        r#"media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "emission": {"blackbody": %}}"#,
-    ),
-    ("FieldFile", r#"media.x.grid={"density": %, "#),
-    ("ExponentialFieldFile", r#"media.x.grid={"density": {"exponential": %}, "#),
-    ("PlanetFile", r#"media.x.grid={"density": {"exponential": {"value": 1, "scale_height": 1, "planet": %}}, "#),
-    ("SphereFieldFile", r#"media.x.grid={"density": {"sphere": %}, "#),
-    ("NoiseFieldFile", r#"media.x.grid={"density": {"noise": %}, "#),
-    ("ObjectFile", "objects=[%]"),
-    ("EmissionFile", r#"objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "emission": %}]"#),
-    ("ShapeFile", r#"objects=[{"shape": %, "material": "white"}]"#),
-    ("TransformFile", r#"objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "transform": %}]"#),
-    ("TransformStepFile", r#"objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "transform": [%]}]"#),
-    ("ScaleFile", r#"objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "transform": [{"scale": %}]}]"#),
-    ("KeyframeFile", r#"objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "motion": [%]}]"#),
-    ("LightFile", "lights=[%]"),
-    (
-        "PlaceFile",
-        r#"lights=[{"sky": {"type": 12, "illuminance": 1, "time": "2026-06-21T12:00:00+02:00", "place": %}}]"#,
-    ),
-    ("SunFile", r#"lights=[{"sky": {"type": 12, "illuminance": 1, "sun_elevation": 30, "sun": %}}]"#),
-];
+/// For each definition with examples, the patch that puts one (`%`) into the minimal scene.
+const PLACES: &str = r#"
+CameraFile camera=%
+CameraKeyframeFile camera.motion=[%]
+ShutterFile camera.shutter=%
+LensFile camera.lens=%
+PrescriptionFile camera.lens={"system": {"prescription": %, "focus_distance": 4, "sensor_height_mm": 24}}
+LensSurfaceFile camera.lens={"system": {"prescription": {"surfaces": [%]}, "focus_distance": 4, "sensor_height_mm": 24}}
+FilmFile film=%
+WhiteBalanceFile film.white_balance=%
+ExposureFile film.exposure=%
+SpectrumFile spectra.x=%
+LineFile spectra.x={"lines": [%]}
+WeightedSpectrumFile spectra.x={"mix": [%]}
+ReflectanceFile materials.x.diffuse.reflectance=%
+ScalarFile materials.x={"dielectric": {"ior": 1.5, "roughness": %}}
+ColourImageFile materials.x={"diffuse": {"reflectance": {"image": %}}}
+BandImageFile materials.x={"diffuse": {"reflectance": {"bands": %}}}
+ScalarImageFile materials.x={"dielectric": {"ior": 1.5, "roughness": {"image": %}}}
+UvFile materials.x={"diffuse": {"reflectance": {"image": {"path": "a.png", "uv": %}}}}
+ImageFile lights=[{"environment": {"image": %, "irradiance": 1}}]
+IndexFile materials.x.thin_dielectric.ior=%
+MaterialFile materials.x=%
+CoatingFile materials.x.thin_film=%
+PaneTransmittanceFile materials.x.thin_dielectric.transmittance=%
+MeterFile meters=[%]
+MeterGridFile meters=[{"name": "m", "grid": %}]
+MeterSphereFile meters=[{"name": "m", "sphere": %}]
+MeterCylinderFile meters=[{"name": "m", "cylinder": %}]
+MeterSpotFile meters=[{"name": "m", "spot": %}]
+CoatingLayerFile materials.x={"thin_film": {"layers": [%]}}
+CoatingIndexFile materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}
+ComplexIndexFile materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}
+GratingProfileFile materials.x={"grating": {"lines_per_mm": 600, "profile": %}}
+OrderEfficiencyFile materials.x={"grating": {"lines_per_mm": 600, "profile": {"table": [%]}}}
+WeightedMaterialFile materials.x={"mix": [%]}
+MediumFile media.x=%
+PhaseFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": %}
+DyeFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "dye": %}
+MediumEmissionFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "emission": %}
+MediumBlackbodyFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "emission": {"blackbody": %}}
+FieldFile media.x.grid={"density": %,
+ExponentialFieldFile media.x.grid={"density": {"exponential": %},
+PlanetFile media.x.grid={"density": {"exponential": {"value": 1, "scale_height": 1, "planet": %}},
+SphereFieldFile media.x.grid={"density": {"sphere": %},
+NoiseFieldFile media.x.grid={"density": {"noise": %},
+ObjectFile objects=[%]
+EmissionFile objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "emission": %}]
+ShapeFile objects=[{"shape": %, "material": "white"}]
+TransformFile objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "transform": %}]
+TransformStepFile objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "transform": [%]}]
+ScaleFile objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "transform": [{"scale": %}]}]
+KeyframeFile objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "motion": [%]}]
+LightFile lights=[%]
+PlaceFile lights=[{"sky": {"type": 12, "illuminance": 1, "time": "2026-06-21T12:00:00+02:00", "place": %}}]
+SunFile lights=[{"sky": {"type": 12, "illuminance": 1, "sun_elevation": 30, "sun": %}}]
+RenderFile render=%
+LightMapFile render.light_map=%"#;
 
-/// The patches for the render settings. The entries have the same form as in [`PLACES`].
-const RENDER_PLACES: [(&str, &str); 2] = [("RenderFile", "render=%"), ("LightMapFile", "render.light_map=%")];
 /// Some patches in [`PLACES`] add a grid medium. These patches end with this text.
-const GRID_END: &str = r#""bounds": [[0, 0, 0], [1, 1, 1]], "absorption": 0, "scattering": 1, "phase": "isotropic"}"#;
+const GRID_END: &str = r#" "bounds": [[0, 0, 0], [1, 1, 1]], "absorption": 0, "scattering": 1, "phase": "isotropic"}"#;
+
+/// Returns the name and the patch of each entry in [`PLACES`].
+fn places() -> impl Iterator<Item = (&'static str, &'static str)> {
+    PLACES.trim().lines().map(|line| line.split_once(' ').unwrap())
+}
 
 /// Returns all examples of a definition and of its variants.
 fn examples(definition: &Value) -> Vec<&Value> {
@@ -100,11 +88,11 @@ fn examples(definition: &Value) -> Vec<&Value> {
 fn example_scenes() -> Vec<String> {
     let schema = schema();
     let mut scenes: Vec<String> = examples(&schema).into_iter().map(Value::to_string).collect();
-    for (name, place) in PLACES.into_iter().chain(RENDER_PLACES) {
+    for (name, place) in places() {
         let examples = examples(&schema["$defs"][name]);
         assert!(!examples.is_empty(), "{name} has no example");
         for example in examples {
-            let end = if place.ends_with(", ") { GRID_END } else { "" };
+            let end = if place.ends_with(',') { GRID_END } else { "" };
             let patch = place.replace('%', &example.to_string()) + end;
             match parse(MINIMAL_SCENE, Path::new("example"), std::slice::from_ref(&patch)) {
                 Ok((_, source)) => scenes.push(source.text),
@@ -121,7 +109,7 @@ fn every_example_of_the_schema_is_valid() {
     assert!(scenes.len() > 80, "{}", scenes.len());
     let schema = schema();
     let definitions = schema["$defs"].as_object().unwrap();
-    let placed: BTreeSet<&str> = PLACES.into_iter().chain(RENDER_PLACES).map(|(name, _)| name).collect();
+    let placed: BTreeSet<&str> = places().map(|(name, _)| name).collect();
     for (name, definition) in definitions {
         assert!(examples(definition).is_empty() || placed.contains(name.as_str()), "{name} has no place");
     }
@@ -160,7 +148,7 @@ fn the_reference_has_all_definitions_and_sound_links() {
     let schema = schema();
     let titled = schema["$defs"].as_object().unwrap().iter().filter(|(_, it)| it["title"].is_string());
     let titled: BTreeSet<&str> = titled.map(|(name, _)| name.as_str()).chain([""]).collect();
-    let described: Vec<&str> = CHAPTERS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+    let described: Vec<&str> = CHAPTERS.iter().flat_map(|(_, names)| names.split(' ')).collect();
     assert_eq!(described.len(), titled.len());
     assert_eq!(described.into_iter().collect::<BTreeSet<_>>(), titled);
     let page = scene_reference();
@@ -194,8 +182,7 @@ struct BoundedNumber {
     path: String,
 }
 
-/// Walks through a value and its schema, and collects the numbers whose schema has bounds. The keys
-/// of `found` are the locations of these schemas.
+/// Collects the numbers of a value whose schema has bounds, by the location of the schema.
 struct BoundsWalk<'s> {
     schema: &'s Value,
     scene: String,
@@ -205,7 +192,7 @@ struct BoundsWalk<'s> {
 const BOUNDS: [&str; 4] = ["minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"];
 
 impl BoundsWalk<'_> {
-    fn walk(&mut self, location: &str, schema: &Value, value: &Value, path: &JsonPath<'_>) {
+    fn walk(&mut self, location: &str, schema: &Value, value: &Value, path: &JsonPath) {
         if value.is_number() && BOUNDS.iter().any(|key| schema[*key].is_number()) {
             let entry = self.found.entry(location.to_string()).or_insert_with(|| (schema.clone(), Vec::new()));
             entry.1.push(BoundedNumber { scene: self.scene.clone(), path: path.to_string() });
@@ -254,14 +241,11 @@ fn count_bounded(schema: &Value) -> usize {
     here + below.into_iter().map(count_bounded).sum::<usize>()
 }
 
-/// Returns whether the scene is accepted with `value` in place of the number. Errors at other paths
-/// do not count.
+/// Returns whether no error at the number's path refuses the scene with `value` in its place.
 fn accepts(number: &BoundedNumber, value: f64) -> bool {
     let patch = format!("{}={value}", number.path);
-    match parse(&number.scene, Path::new("scene"), &[patch]) {
-        Ok(_) => true,
-        Err(error) => error.location.path.as_deref() != Some(number.path.as_str()),
-    }
+    let error = parse(&number.scene, Path::new("scene"), &[patch]).err();
+    error.is_none_or(|error| error.location.path.as_deref() != Some(number.path.as_str()))
 }
 
 /// The bounds of numbers in the schema equal the bounds that the checks of the scene file enforce.

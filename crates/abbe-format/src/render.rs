@@ -1,69 +1,51 @@
 //! Render settings in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check};
 use abbe_spectra::error::Result;
 
 /// The render settings.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Render settings", example = json!({
-    "passes": 64, "photons": 200_000, "camera_samples": 2, "max_depth": 8, "nearest": 50, "seed": 0, "threads": 8,
-    "checkpoint_seconds": 60, "march_steps": 64, "light_map": {"resolution": 32},
-    "force": ["dispersion"], "forbid": ["caustics"]
-}))]
+#[schemars(title = "Render settings", example = json!({"passes": 64, "photons": 200_000, "camera_samples": 2,
+    "max_depth": 8, "nearest": 50, "seed": 0, "threads": 8, "checkpoint_seconds": 60, "march_steps": 64,
+    "light_map": {"resolution": 32}, "force": ["dispersion"], "forbid": ["caustics"]}))]
 #[schemars(example = json!({"radius": 0.01}))]
 pub struct RenderFile {
     /// Number of passes. Noise falls with the square root of this number.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "64, more for fast motion"))]
     pub passes: Option<u64>,
     /// Number of photon paths in each pass.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "200 000; for films with more pixels, one per pixel, at most 1 000 000; fewer for fast motion; the pilot then multiplies the number by 1/8 to 4, so that the noise falls fastest"))]
     pub photons: Option<u64>,
     /// Number of camera samples in each pixel and pass.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1024), extend("x-default" = "1 to 16, chosen from the noise of photons and of camera samples"))]
     pub camera_samples: Option<u32>,
     /// Largest number of surface interactions on a path. Without this key, paths end by Russian
     /// roulette, and no light is lost. The light that the limit removes from the picture is in the
     /// bias bars.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "no limit"))]
     pub max_depth: Option<u32>,
     /// Number of photons that the gather radius of the first pass encloses, if the pilot does not
     /// change the number of photon paths. Not together with `radius`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("default" = 50))]
     pub nearest: Option<u32>,
     /// Gather radius of the first pass. Not together with `nearest`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "scene unit", "x-default" = "found from `nearest`"))]
     pub radius: Option<f64>,
     /// Seed of the random numbers.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 0))]
     pub seed: Option<u64>,
     /// Number of threads.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("x-default" = "all hardware threads"))]
     pub threads: Option<u32>,
     /// Time between checkpoints.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("default" = 60, "x-unit" = "s"))]
     pub checkpoint_seconds: Option<f64>,
     /// Number of steps for media with the transmittance estimator "march".
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1), extend("default" = 64))]
     pub march_steps: Option<u32>,
     /// The maps of direct light in media.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub light_map: Option<LightMapFile>,
     /// Names of effects to simulate even if the scene does not need them. `abbe explain` lists the
     /// effects.
@@ -88,7 +70,6 @@ pub struct LightMapFile {
 }
 
 impl RenderFile {
-    /// Checks ranges.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let counts = [
             ("passes", self.passes),
@@ -100,20 +81,21 @@ impl RenderFile {
         ];
         let counts =
             counts.map(|(key, value)| value.map_or(Ok(()), |value| check::count(&at.key(key), value, 1, u64::MAX)));
-        let radius_at = at.key("radius");
         let radius = match self.radius {
             Some(_) if self.nearest.is_some() => {
-                Err(check::fault(&radius_at, "found together with `nearest`", "at most one of nearest, radius"))
+                Err(check::fault(&at.key("radius"), "found together with `nearest`", "at most one of nearest, radius"))
             }
-            radius => radius.map_or(Ok(()), |radius| check::positive(&radius_at, radius)),
+            radius => radius.map_or(Ok(()), |radius| check::positive(&at.key("radius"), radius)),
         };
-        let samples_at = at.key("camera_samples");
-        let samples = self.camera_samples.map_or(Ok(()), |count| check::count(&samples_at, u64::from(count), 1, 1024));
-        let seconds_at = at.key("checkpoint_seconds");
-        let seconds = self.checkpoint_seconds.map_or(Ok(()), |seconds| check::not_negative(&seconds_at, seconds));
-        let map_at = at.key("light_map");
-        let map_at = map_at.key("resolution");
-        let map = self.light_map.map_or(Ok(()), |map| check::count(&map_at, u64::from(map.resolution), 2, 1024));
-        check::all(counts.into_iter().chain([samples, radius, seconds, map]))
+        let samples = |n: u32| check::count(&at.key("camera_samples"), u64::from(n), 1, 1024);
+        let seconds = |seconds: f64| check::not_negative(&at.key("checkpoint_seconds"), seconds);
+        let at_map = at.key("light_map");
+        let map = |map: LightMapFile| check::count(&at_map.key("resolution"), u64::from(map.resolution), 2, 1024);
+        check::all(counts.into_iter().chain([
+            self.camera_samples.map_or(Ok(()), samples),
+            radius,
+            self.checkpoint_seconds.map_or(Ok(()), seconds),
+            self.light_map.map_or(Ok(()), map),
+        ]))
     }
 }

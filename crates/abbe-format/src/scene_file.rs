@@ -1,25 +1,19 @@
 //! The outermost object of a scene file.
 
-use std::collections::BTreeMap;
-
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::spectrum::SpectrumUse;
-use super::{
-    CameraFile, FilmFile, LightFile, MaterialFile, MediumFile, MeterFile, ObjectFile, RenderFile, ShapeFile,
-    SpectrumFile,
+use crate::prelude::*;
+use crate::{
+    CameraFile, FilmFile, JsonPath, JsonSource, LightFile, MaterialFile, MediumFile, MeterFile, ObjectFile, RenderFile,
+    ShapeFile, SpectrumFile, check, forms, spectrum::SpectrumUse,
 };
-use super::{check, forms};
-use crate::json::{JsonPath, JsonSource};
 use abbe_spectra::error::{Error, Result};
+use serde::ser::Error as _;
+use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// A scene.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(title = "Scene", example = json!({
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(rename = "SceneFile", title = "Scene", example = json!({
     "$schema": "scene.schema.json", "title": "A glass ball in mist", "unit": "m",
     "camera": {"from": [0, 1, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 35}}},
     "film": {"width": 640, "height": 360},
@@ -34,21 +28,18 @@ use abbe_spectra::error::{Error, Result};
 }))]
 pub struct SceneFile {
     /// Path or URL of the JSON Schema of the scene file, for editors. Abbe ignores it.
-    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "$schema")]
     pub schema: Option<String>,
     /// Title of the scene.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
     /// Unit of all lengths whose key does not name another unit.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub unit: UnitFile,
     /// The camera. Only a scene with `meters` may leave it out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no camera, if the scene has `meters`"))]
     pub camera: Option<CameraFile>,
     /// The film: size and colours of the picture. Only a scene with `meters` may leave it out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no film, if the scene has `meters`"))]
     pub film: Option<FilmFile>,
     /// Spectra by name.
@@ -78,7 +69,6 @@ pub struct SceneFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub meters: Vec<MeterFile>,
     /// Name of the medium outside all objects, from `media`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "no medium"))]
     pub atmosphere: Option<String>,
     /// The render settings. Options of the command line override them.
@@ -103,6 +93,33 @@ pub enum UnitFile {
     /// Micrometre.
     #[serde(rename = "um")]
     Micrometre,
+}
+
+impl<'de> Deserialize<'de> for SceneFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        Self::deserialize(deserializer)
+    }
+}
+
+impl Serialize for SceneFile {
+    /// Writes the scene without the keys that have no value.
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let mut scene = Self::serialize(self, serde_json::value::Serializer).map_err(S::Error::custom)?;
+        remove_nulls(&mut scene);
+        scene.serialize(serializer)
+    }
+}
+
+/// Removes the entries of all objects whose value is null.
+fn remove_nulls(value: &mut Value) {
+    match value {
+        Value::Object(entries) => {
+            entries.retain(|_, entry| !entry.is_null());
+            entries.values_mut().for_each(remove_nulls);
+        }
+        Value::Array(elements) => elements.iter_mut().for_each(remove_nulls),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
 }
 
 impl UnitFile {
@@ -143,25 +160,18 @@ impl SceneFile {
         self.check().map_err(|error| source.with_position(error))
     }
 
-    /// Checks the same rules as [`Self::validate`]. The error has a JSON path, but no line and
-    /// column.
+    /// Checks the rules of [`Self::validate`]. The error has a path, but no line and column.
     fn check(&self) -> Result<()> {
         let Self { schema: _, title: _, unit: _, camera, film, spectra, media, materials, shapes, .. } = self;
         let root = JsonPath::Root;
-        let absent = |key: &str, present: bool| {
-            let missing = !present && self.meters.is_empty();
-            let error = || {
-                check::fault(
-                    &root,
-                    format!("missing key \"{key}\""),
-                    format!("`{key}`, or `meters` for `abbe measure`"),
-                )
-            };
-            if missing { Err(error()) } else { Ok(()) }
+        let absent = |key: &str| {
+            let expected = format!("`{key}`, or `meters` for `abbe measure`");
+            let missing = check::fault(&root, format!("missing key \"{key}\""), expected);
+            if self.meters.is_empty() { Err(missing) } else { Ok(()) }
         };
         let mut results = vec![
-            camera.as_ref().map_or_else(|| absent("camera", false), |camera| camera.validate(&root.key("camera"))),
-            film.as_ref().map_or_else(|| absent("film", false), |film| film.validate(&root.key("film"))),
+            camera.as_ref().map_or_else(|| absent("camera"), |camera| camera.validate(&root.key("camera"))),
+            film.as_ref().map_or_else(|| absent("film"), |film| film.validate(&root.key("film"))),
         ];
         let at = root.key("meters");
         results.extend(self.meters.iter().enumerate().map(|(i, meter)| meter.validate(&at.index(i))));

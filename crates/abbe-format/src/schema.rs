@@ -1,5 +1,4 @@
-//! Parts of the JSON Schema of the scene file: the rules that the attributes `#[schemars(…)]` of the
-//! types name.
+//! Parts of the JSON Schema: the rules that the attributes `#[schemars(…)]` of the types name.
 
 use schemars::{Schema, SchemaGenerator, json_schema};
 
@@ -22,23 +21,19 @@ pub(crate) fn allow_also(schema: &mut Schema, plain: &[serde_json::Value]) {
     object.insert("anyOf".into(), choices.into());
 }
 
-/// Changes a schema so that it also allows a plain string.
 pub(crate) fn or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "string"})]);
 }
 
-/// Changes a schema so that it also allows a plain number.
 pub(crate) fn or_number(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "number"})]);
 }
 
-/// Changes a schema so that it also allows a plain number or a plain string.
 pub(crate) fn or_number_or_name(schema: &mut Schema) {
     allow_also(schema, &[serde_json::json!({"type": "number"}), serde_json::json!({"type": "string"})]);
 }
 
-/// Returns the schema for the radius of a lens surface. The key is required. The values 0 and null
-/// mean a plane.
+/// Returns the schema for the required radius of a lens surface. 0 and null are a plane.
 pub(crate) fn radius_or_plane(_: &mut SchemaGenerator) -> Schema {
     json_schema!({"type": ["number", "null"]})
 }
@@ -50,9 +45,8 @@ pub(crate) fn positive_items(schema: &mut Schema) {
     }
 }
 
-/// Returns false. If a key has this function as its `skip_serializing_if` of schemars, the schema
-/// states the default of the key. Even so, a key with the default value is left out when a scene is
-/// written.
+/// Returns false. As the `skip_serializing_if` of schemars, it puts the default of a key into the
+/// schema, although serde leaves out a key with the default value.
 pub(crate) fn never<T>(_: &T) -> bool {
     false
 }

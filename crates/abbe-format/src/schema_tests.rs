@@ -1,9 +1,8 @@
 //! Tests that the schema and the reader agree about every value in every place.
 
-use serde_json::Value;
-
-use super::tests::{good_scenes, paths_of_values};
 use super::*;
+use crate::tests::{good_scenes, paths_of_values};
+use serde_json::Value;
 
 /// Checks values against a schema. It knows the keywords that the schema of the scene file uses.
 struct SchemaChecker<'s> {
@@ -20,8 +19,7 @@ impl SchemaChecker<'_> {
     }
 
     fn holds(&self, keyword: &str, rule: &Value, schema: &serde_json::Map<String, Value>, value: &Value) -> bool {
-        let choices =
-            |rule: &Value| rule.as_array().unwrap().iter().filter(|choice| self.allows(choice, value)).count();
+        let choices = |rule: &Value| rule.as_array().unwrap().iter().filter(|it| self.allows(it, value)).count();
         let number = |holds: fn(f64, f64) -> bool| value.as_f64().is_none_or(|it| holds(it, rule.as_f64().unwrap()));
         let length = |holds: fn(usize, usize) -> bool| {
             value.as_array().is_none_or(|it| holds(it.len(), rule.as_u64().unwrap() as usize))

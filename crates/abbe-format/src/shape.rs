@@ -1,17 +1,10 @@
 //! Shapes in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use glam::DVec3;
-
-use super::check;
-use super::forms;
-use crate::json::JsonPath;
+use crate::prelude::*;
+use crate::{JsonPath, check, forms};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::Result;
+use glam::DVec3;
 
 /// A shape in its local coordinates. The object's `transform` places it in the scene.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -99,15 +92,12 @@ pub enum ShapeFile {
     },
     /// A triangle mesh from an OBJ, PLY, STL, glTF or GLB file.
     #[schemars(example = json!({"mesh": {"path": "bunny.ply"}}))]
-    #[schemars(example = json!({"mesh": {
-        "path": "lamp.obj", "part": 0, "reverse": true, "flat": true, "smooth": false, "flip_v": true
-    }}))]
+    #[schemars(example = json!({"mesh": {"path": "lamp.obj", "part": 0, "reverse": true, "flat": true, "smooth": false,
+        "flip_v": true}}))]
     Mesh(MeshShapeFile),
     /// A triangle mesh whose vertices are in the scene file.
-    #[schemars(example = json!({"triangles": {
-        "positions": [[0, 0, 0], [1, 0, 0], [0, 0, -1]], "indices": [[0, 1, 2]],
-        "normals": [[0, 1, 0], [0, 1, 0], [0, 1, 0]], "uv": [[0, 1], [1, 1], [0, 0]]
-    }}))]
+    #[schemars(example = json!({"triangles": {"positions": [[0, 0, 0], [1, 0, 0], [0, 0, -1]], "indices": [[0, 1, 2]],
+        "normals": [[0, 1, 0], [0, 1, 0], [0, 1, 0]], "uv": [[0, 1], [1, 1], [0, 0]]}}))]
     Triangles(TrianglesFile),
     /// Name of a shape of the scene's `shapes`. Objects with the same large mesh need little more
     /// memory than one of them.
@@ -125,7 +115,6 @@ pub struct MeshShapeFile {
     /// Number of one part of the file, from 0. In a glTF file, the parts are the primitives of all
     /// meshes, in the order of the file and without the transforms of the nodes. In a serialized
     /// file of Mitsuba, the parts are the meshes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "all parts, at their places"))]
     pub part: Option<u32>,
     /// True to exchange the front and the back of the surface.
@@ -158,21 +147,15 @@ pub struct TrianglesFile {
     #[schemars(length(min = 1))]
     pub indices: Vec<[u32; 3]>,
     /// One normal for each vertex, of any length.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "flat triangles"))]
     pub normals: Option<Vec<[f64; 3]>>,
     /// One pair of texture coordinates for each vertex. (0, 0) is the upper left corner of a
     /// picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uv: Option<Vec<[f64; 2]>>,
 }
 
 impl TrianglesFile {
-    /// Returns the mesh in the scene's unit.
-    ///
-    /// # Errors
-    /// Returns an error if there are no triangles or no area, if an index is too large, or if the
-    /// numbers of positions, normals and texture coordinates differ.
+    /// Returns the mesh in the scene's unit, with the errors of [`TriangleMesh::new`].
     pub fn mesh(&self) -> Result<TriangleMesh> {
         let vectors = |list: &[[f64; 3]]| list.iter().copied().map(DVec3::from_array).collect();
         let normals = self.normals.as_deref().map(vectors);
@@ -186,8 +169,6 @@ fn default_apex() -> f64 {
 }
 
 impl ShapeFile {
-    /// Checks the sizes and the angles of the shape. Also checks that the surfaces of a lens fit
-    /// together.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Sphere { center: _, radius } => positive(&at.key("sphere"), &[("radius", *radius)]),
@@ -214,19 +195,13 @@ impl ShapeFile {
                 validate_lens(&at, [*radius1, *radius2], *thickness, *diameter)
             }
             Self::Mesh(_) | Self::Shared(_) => Ok(()),
-            Self::Triangles(triangles) => triangles.validate(&at.key("triangles")),
+            Self::Triangles(triangles) => {
+                triangles.mesh().map(|_| ()).map_err(|error| error.on_path(at.key("triangles").to_string()))
+            }
         }
     }
 }
 
-impl TrianglesFile {
-    /// Checks that the triangles make a mesh.
-    fn validate(&self, at: &JsonPath) -> Result<()> {
-        self.mesh().map(|_| ()).map_err(|error| error.on_path(at.to_string()))
-    }
-}
-
-/// Checks that each size is above 0.
 fn positive(at: &JsonPath, sizes: &[(&str, f64)]) -> Result<()> {
     check::all(sizes.iter().map(|(key, size)| check::positive(&at.key(key), *size)))
 }

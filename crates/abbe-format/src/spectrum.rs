@@ -1,20 +1,14 @@
 //! Spectra and reflectances in the scene file.
 
-use crate::JsonSchema;
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use super::srgb::SrgbFile;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{JsonPath, SrgbFile, check, forms};
 use abbe_optics::phase::MAX_MEAN_COSINE;
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::DAYLIGHT_K;
 #[cfg(feature = "schema")]
 use abbe_spectra::spectrum::DEFAULT_LINE_WIDTH_NM;
+use serde::de::MapAccess;
 
 /// A function of wavelength: a constant number, the name of a spectrum in the scene's `spectra` or
 /// in the built-in library, an sRGB colour such as `"#ff8800"`, or an object with one key. `abbe
@@ -117,7 +111,6 @@ pub struct LineFile {
     #[schemars(range(min = 0))]
     pub power: f64,
     /// Full width at half maximum.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = DEFAULT_LINE_WIDTH_NM, "exclusiveMinimum" = 0, "x-unit" = "nm"))]
     pub fwhm_nm: Option<f64>,
 }
@@ -203,11 +196,10 @@ impl Serialize for ImageFile {
     }
 }
 
-/// The use of a spectrum. The use determines the allowed values of the spectrum.
+/// The use of a spectrum, which determines its allowed values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SpectrumUse {
-    /// The use is unknown, because the spectrum is an entry of the scene's `spectra`. Any value is
-    /// allowed.
+    /// Any value is allowed, because the use of an entry of the scene's `spectra` is unknown.
     Any,
     /// A light, an absorption coefficient or a scattering coefficient. Values are at least 0.
     NotNegative,
@@ -218,7 +210,6 @@ pub(super) enum SpectrumUse {
 }
 
 impl SpectrumUse {
-    /// Checks one value.
     fn check(self, at: &JsonPath, value: f64) -> Result<()> {
         match self {
             Self::Any => Ok(()),
@@ -233,14 +224,11 @@ impl SpectrumUse {
 }
 
 impl SpectrumFile {
-    /// Checks the ranges of numbers and the lengths of lists. `used` determines the allowed values.
     pub(super) fn validate(&self, at: &JsonPath, used: SpectrumUse) -> Result<()> {
         match self {
             Self::Number(value) => used.check(at, *value),
             Self::Name(_) | Self::File(_) => Ok(()),
-            Self::Table { nm, values } => {
-                validate_table(&at.key("table"), nm, values, |at, value| used.check(at, value))
-            }
+            Self::Table { nm, values } => validate_table(&at.key("table"), nm, values, &|at, it| used.check(at, it)),
             Self::Lines(lines) => validate_lines(&at.key("lines"), lines),
             Self::Blackbody { temperature } => check::positive(&at.key("blackbody").key("temperature"), *temperature),
             Self::Daylight { temperature } => {
@@ -250,10 +238,8 @@ impl SpectrumFile {
             }
             Self::Gaussian { peak_nm, fwhm_nm } => {
                 let at = at.key("gaussian");
-                check::all([
-                    check::positive(&at.key("peak_nm"), *peak_nm),
-                    check::positive(&at.key("fwhm_nm"), *fwhm_nm),
-                ])
+                let peak = check::positive(&at.key("peak_nm"), *peak_nm);
+                check::all([peak, check::positive(&at.key("fwhm_nm"), *fwhm_nm)])
             }
             Self::Rgb(rgb) => {
                 let at = at.key("rgb");
@@ -265,16 +251,12 @@ impl SpectrumFile {
                 check::entries(&at, parts.len(), 1, "at least one spectrum with its weight")?;
                 check::weights(&at, parts.iter().map(|part| part.weight))?;
                 let parts = parts.iter().enumerate();
-                check::all(
-                    parts.map(|(i, part)| part.spectrum.validate(&at.index(i).key("spectrum"), SpectrumUse::Any)),
-                )
+                check::all(parts.map(|(i, it)| it.spectrum.validate(&at.index(i).key("spectrum"), SpectrumUse::Any)))
             }
             Self::PowerLaw { reference_nm, value, exponent: _ } => {
                 let at = at.key("power_law");
-                check::all([
-                    check::positive(&at.key("reference_nm"), *reference_nm),
-                    used.check(&at.key("value"), *value),
-                ])
+                let reference = check::positive(&at.key("reference_nm"), *reference_nm);
+                check::all([reference, used.check(&at.key("value"), *value)])
             }
             Self::Match { target, primaries } => {
                 let at = at.key("match");
@@ -294,7 +276,7 @@ pub(super) fn validate_table(
     at: &JsonPath,
     nm: &[f64],
     values: &[f64],
-    value_rule: impl Fn(&JsonPath, f64) -> Result<()>,
+    value_rule: &dyn Fn(&JsonPath, f64) -> Result<()>,
 ) -> Result<()> {
     let (nm_at, values_at) = (at.key("nm"), at.key("values"));
     check::entries(&nm_at, nm.len(), 2, "at least 2 wavelengths")?;
@@ -307,8 +289,6 @@ pub(super) fn validate_table(
     values.iter().enumerate().try_for_each(|(i, &value)| value_rule(&values_at.index(i), value))
 }
 
-/// Checks that there is at least one line, and that wavelengths and widths are above 0. Also checks
-/// that at least one line has a power above 0.
 fn validate_lines(at: &JsonPath, lines: &[LineFile]) -> Result<()> {
     check::entries(at, lines.len(), 1, "at least one line")?;
     for (i, LineFile { nm, power, fwhm_nm }) in lines.iter().enumerate() {

@@ -1,13 +1,11 @@
 //! sRGB colours in the scene file, as image editors and web pages write them.
 
-use serde::de::{Error as _, MapAccess, Unexpected};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::{JsonPath, check, forms};
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::{Error, Result};
+use serde::de::{Error as _, MapAccess, Unexpected};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The description of a hexadecimal colour, for error messages.
 const EXPECTED_HEX: &str = "a colour such as #ff8800 or #f80";
@@ -23,10 +21,7 @@ pub enum SrgbFile {
 }
 
 impl SrgbFile {
-    /// Returns the colour in linear sRGB.
-    ///
-    /// # Errors
-    /// Returns an error if the hexadecimal colour is malformed.
+    /// Returns the colour in linear sRGB, or an error if the hexadecimal colour is malformed.
     pub fn linear(&self) -> Result<[f64; 3]> {
         match self {
             Self::Hex(text) => linear_of_hex(text),
@@ -34,7 +29,6 @@ impl SrgbFile {
         }
     }
 
-    /// Checks that the colour is well formed and that its components are from 0 to 1.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Hex(text) => linear_of_hex(text).map(|_| ()).map_err(|error| error.on_path(at.to_string())),
@@ -47,16 +41,12 @@ impl SrgbFile {
     }
 }
 
-/// Returns whether a text in the place of a spectrum's name is a hexadecimal colour. The names of
-/// the library do not start with `#`.
+/// Returns whether a spectrum's name is a hexadecimal colour. No name of the library has a `#`.
 pub fn is_hex_colour(name: &str) -> bool {
     name.starts_with('#')
 }
 
-/// Returns the linear sRGB components of a hexadecimal colour with three or six digits.
-///
-/// # Errors
-/// Returns an error if the text is malformed.
+/// Returns the linear sRGB components of a hexadecimal colour of three or six digits.
 pub fn linear_of_hex(text: &str) -> Result<[f64; 3]> {
     let malformed = || Error::input(format!("found \"{text}\"")).expected(EXPECTED_HEX);
     let digits = text.strip_prefix('#').filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));

@@ -1,9 +1,8 @@
 //! Tests of reading scene files, also with random and systematic damage.
 
-use std::path::{Path, PathBuf};
-
 use super::*;
 use crate::json::tests::TextDamage;
+use std::path::{Path, PathBuf};
 
 /// Returns the path and the text of each valid scene in the package.
 pub(super) fn good_scenes() -> Vec<(PathBuf, String)> {
@@ -38,8 +37,8 @@ fn damaged_texts_give_errors_with_a_position() {
 }
 
 /// Returns the paths of all values inside a value.
-pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath<'_>, paths: &mut Vec<String>) {
-    let mut below = |value: &serde_json::Value, path: &JsonPath<'_>| {
+pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath, paths: &mut Vec<String>) {
+    let mut below = |value: &serde_json::Value, path: &JsonPath| {
         paths.push(path.to_string());
         paths_of_values(value, path, paths);
     };
@@ -47,8 +46,7 @@ pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath<'_>, pa
     value.as_array().into_iter().flatten().enumerate().for_each(|(i, value)| below(value, &path.index(i)));
 }
 
-/// Each value of each scene is replaced by values of all kinds. The result is a scene or an error
-/// with a position.
+/// Values of all kinds in place of each value give a scene or an error with a position.
 #[test]
 fn any_value_in_any_place_gives_a_scene_or_an_error() {
     let anything = ["null", "true", "0", "-1", "1e300", "3.5", "\"x\"", "[]", "[1, 2, 3]", "{}", "{\"x\": 1}"];
@@ -62,11 +60,10 @@ fn any_value_in_any_place_gives_a_scene_or_an_error() {
                     Ok(_) => read += 1,
                     Err(error) => {
                         refused += 1;
-                        // The error is in the patch, or in a value of the file that the patch made
-                        // invalid.
+                        // The error is in the patch, or in a value that the patch made invalid.
                         let in_patch = error.location.file == Some(format!("patch {place}").into());
-                        let in_file =
-                            error.location.file.as_ref() == Some(&path) && error.location.line_column.is_some();
+                        let location = &error.location;
+                        let in_file = location.file.as_ref() == Some(&path) && location.line_column.is_some();
                         assert!(in_patch || in_file, "{place}={value}: {error}");
                         assert!(!error.what.is_empty() && !error.to_string().contains("struct"), "{error}");
                     }

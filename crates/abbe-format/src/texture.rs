@@ -1,18 +1,14 @@
 //! Textures in the scene file: reflectances and numbers that may vary over a surface.
 
-use crate::JsonSchema;
-use serde::de::{Error as _, MapAccess};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use super::picture::{BandImageFile, ColourImageFile, ScalarImageFile, is_one, one};
-use super::spectrum::{SpectrumFile, SpectrumUse};
-use super::uv::UvFile;
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::picture::{is_one, one};
+use crate::prelude::*;
+use crate::{
+    BandImageFile, ColourImageFile, JsonPath, ScalarImageFile, SpectrumFile, UvFile, check, forms,
+    spectrum::SpectrumUse,
+};
 use abbe_spectra::error::Result;
+use serde::de::{Error as _, MapAccess};
 
 /// A reflectance or a transmittance: a spectrum with values from 0 to 1, or a texture over the
 /// texture coordinates uv of the shape.
@@ -47,17 +43,15 @@ enum ReflectanceTextureForms {
     #[schemars(example = json!({"bands": "painting.exr"}))]
     Bands(BandImageFile),
     /// A checkerboard. The squares have the side 1 in uv, divided by the scale.
-    #[schemars(example = json!({"checker": {
-        "a": 0.1, "b": {"rgb": [0.8, 0.6, 0.2]}, "scale": 8, "uv": {"rotate": 45}
-    }}))]
+    #[schemars(example = json!({"checker": {"a": 0.1, "b": {"rgb": [0.8, 0.6, 0.2]}, "scale": 8,
+        "uv": {"rotate": 45}}}))]
     Checker(PatternFile<Box<ReflectanceFile>>),
     /// Stripes parallel to v. The stripes have the width 1 in uv, divided by the scale.
     #[schemars(example = json!({"stripes": {"a": 0, "b": 0.9, "scale": 20, "uv": {"rotate": 45}}}))]
     Stripes(PatternFile<Box<ReflectanceFile>>),
     /// Fractal noise between two reflectances.
-    #[schemars(example = json!({"noise": {
-        "a": 0.2, "b": 0.6, "scale": 5, "octaves": 6, "seed": 1, "uv": {"scale": [1, 4]}
-    }}))]
+    #[schemars(example = json!({"noise": {"a": 0.2, "b": 0.6, "scale": 5, "octaves": 6, "seed": 1,
+        "uv": {"scale": [1, 4]}}}))]
     Noise(NoisePatternFile<Box<ReflectanceFile>>),
 }
 
@@ -162,14 +156,12 @@ pub enum ScalarFile {
     #[schemars(example = json!({"stripes": {"a": 0, "b": 1, "scale": 20, "uv": {"rotate": 45}}}))]
     Stripes(PatternFile<f64>),
     /// Fractal noise between two numbers.
-    #[schemars(example = json!({"noise": {
-        "a": 0.1, "b": 0.5, "scale": 5, "octaves": 6, "seed": 1, "uv": {"scale": [1, 4]}
-    }}))]
+    #[schemars(example = json!({"noise": {"a": 0.1, "b": 0.5, "scale": 5, "octaves": 6, "seed": 1,
+        "uv": {"scale": [1, 4]}}}))]
     Noise(NoisePatternFile<f64>),
     /// A gradient along v, or from the centre of the unit square of uv.
-    #[schemars(example = json!({"gradient": {
-        "a": 0, "b": 0.8, "power": 2, "radial": true, "uv": {"offset": [0, 0.1]}
-    }}))]
+    #[schemars(example = json!({"gradient": {"a": 0, "b": 0.8, "power": 2, "radial": true,
+        "uv": {"offset": [0, 0.1]}}}))]
     Gradient(GradientFile),
 }
 
@@ -200,11 +192,7 @@ impl<'de> Deserialize<'de> for ScalarFile {
 
 impl Serialize for ScalarFile {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        if let Self::Number(number) = self {
-            serializer.serialize_f64(*number)
-        } else {
-            Self::serialize(self, serializer)
-        }
+        if let Self::Number(it) = self { serializer.serialize_f64(*it) } else { Self::serialize(self, serializer) }
     }
 }
 

@@ -1,18 +1,13 @@
 //! Transforms and motion in the scene file.
 
-use crate::JsonSchema;
-use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
-use serde::de::MapAccess;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use super::check;
-use super::forms::{self, Form, Forms};
-use crate::json::JsonPath;
+use crate::forms::{Form, Forms};
+use crate::prelude::*;
+use crate::{JsonPath, check, forms};
 use abbe_scene::motion::DecomposedTransform;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::rotation::{angle_between, quaternion};
+use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
+use serde::de::MapAccess;
 
 /// A list of transform steps. The first step is applied first.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -105,7 +100,6 @@ pub struct KeyframeFile {
 }
 
 impl TransformFile {
-    /// Returns whether the list has no step.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -122,7 +116,6 @@ impl TransformFile {
         self.0.iter().fold(before, |before, step| step.to_affine() * before)
     }
 
-    /// Checks that every step is invertible: no scale of 0, no zero axis, no singular matrix.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         check::all(self.0.iter().enumerate().map(|(i, step)| step.validate(&at.index(i))))
     }
@@ -147,7 +140,6 @@ impl TransformStepFile {
         }
     }
 
-    /// Checks that the step is invertible.
     fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Translate(_) => Ok(()),
@@ -162,15 +154,12 @@ impl TransformStepFile {
     }
 }
 
-/// Checks that a scale is not 0.
 fn not_zero(at: &JsonPath, scale: f64) -> Result<()> {
     check::rule(at, scale, scale != 0.0, "a number other than 0")
 }
 
-/// Checks that the last row is [0, 0, 0, 1] and that the linear part is not singular.
-///
-/// The check divides the determinant by Hadamard's bound, which is the product of the column
-/// lengths. Therefore the result does not depend on the unit.
+/// Checks that the last row is [0, 0, 0, 1] and that the linear part is not singular in any unit:
+/// the determinant is divided by Hadamard's bound, the product of the column lengths.
 fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result<()> {
     if rows[3] != [0.0, 0.0, 0.0, 1.0] {
         let found = rows[3].map(check::number).join(", ");
@@ -185,8 +174,7 @@ fn validate_matrix(at: &JsonPath, rows: &[[f64; 4]; 4], linear: DMat3) -> Result
     Err(check::fault(at, "found a singular matrix", "a matrix that can be inverted"))
 }
 
-/// Checks a motion: rising times, invertible transforms, and an unambiguous interpolation between
-/// neighbouring keyframes.
+/// Checks a motion: rising times, invertible transforms and unambiguous interpolation.
 pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<()> {
     check::rising(at, motion.iter().map(|key| key.time), Some("time"))?;
     check::all(motion.iter().enumerate().map(|(i, key)| key.transform.validate(&at.index(i).key("transform"))))?;
@@ -218,10 +206,9 @@ pub(super) fn validate_motion(at: &JsonPath, motion: &[KeyframeFile]) -> Result<
     Ok(())
 }
 
-/// Compares the rotation steps of two lists pair by pair. Returns the largest difference, in
-/// degrees, between the angles of a pair. If the axes of a pair differ, returns 0. A missing step
-/// counts as an angle of 0. The affine maps do not contain full turns, so the function compares the
-/// angles as they are written in the file.
+/// Returns the largest difference in degrees between the rotation steps of two lists, pair by pair,
+/// or 0 if the axes of a pair differ. A missing step counts as 0°. The angles are compared as they
+/// are written, because affine maps contain no full turns.
 fn written_rotation_deg(before: &TransformFile, after: &TransformFile) -> f64 {
     let turns = |transform: &TransformFile| -> Vec<(DVec3, f64)> {
         let turn = |step: &TransformStepFile| match step {
@@ -250,7 +237,6 @@ fn written_rotation_deg(before: &TransformFile, after: &TransformFile) -> f64 {
 mod tests {
     use super::*;
 
-    /// Parses a transform.
     fn transform(json: &str) -> TransformFile {
         serde_json::from_str(json).unwrap()
     }
@@ -269,9 +255,8 @@ mod tests {
 
     #[test]
     fn a_matrix_is_read_row_by_row() {
-        let matrix =
-            transform(r#"[{"matrix": [[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7], [0, 0, 0, 1]]}]"#).to_affine();
-        assert_eq!(matrix.transform_point3(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 7.0, 10.0));
+        let map = transform(r#"[{"matrix": [[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7], [0, 0, 0, 1]]}]"#).to_affine();
+        assert_eq!(map.transform_point3(DVec3::new(1.0, 2.0, 3.0)), DVec3::new(3.0, 7.0, 10.0));
     }
 
     #[test]

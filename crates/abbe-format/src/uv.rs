@@ -1,9 +1,6 @@
 //! Maps of texture coordinates.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
+use crate::prelude::*;
 
 /// A map of texture coordinates: scale, then rotation, then offset.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]

@@ -38,8 +38,7 @@ pub fn read(path: &Path) -> Result<FieldGrid> {
 
 /// Unpacks the only array of an archive.
 fn only_array(bytes: Vec<u8>) -> Result<Vec<u8>> {
-    /// If an array has at most this size in bytes, it is unpacked, even if the archive is very
-    /// small.
+    /// An array of at most this size in bytes is unpacked even from a very small archive.
     const ALWAYS_ALLOWED: u64 = 1 << 28;
     /// The highest compression ratio of deflate.
     const MOST_PER_BYTE: u64 = 1032;
@@ -53,8 +52,7 @@ fn only_array(bytes: Vec<u8>) -> Result<Vec<u8>> {
         return Err(Error::input(what).expected("an archive of one array"));
     };
     let file = archive.by_name(name).map_err(broken)?;
-    // The size that the archive states may be wrong, so at most one byte more than this size is
-    // unpacked.
+    // The size that the archive states may be wrong, so at most one byte more is unpacked.
     let announced = file.size();
     if announced > ALWAYS_ALLOWED.max(whole_mib.saturating_mul(MOST_PER_BYTE)) {
         let what = format!("an array of {announced} bytes in a small archive");

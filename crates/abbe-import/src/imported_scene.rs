@@ -1,21 +1,17 @@
 //! A converted scene.
 
+use crate::{overlay, overlay::ImportedNames};
+use abbe_spectra::error::Result;
 use std::path::Path;
 
-use super::overlay::{self, ImportedNames};
-use abbe_spectra::error::Result;
-
-/// A converted scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportedScene {
-    /// The text of the scene file.
     pub text: String,
     /// Sentences about the parts that the file lacks and that were added.
     pub added: Vec<String>,
     /// Sentences about what was left out, or replaced by something similar.
     pub left_out: Vec<String>,
-    /// Sentences about what the mesh reader ignores. A reader of the converted scene finds them
-    /// again.
+    /// What the mesh reader ignores, in sentences. A reader of the scene finds them again.
     pub ignored_by_meshes: Vec<String>,
     /// The names that an overlay may use.
     pub(super) names: ImportedNames,
@@ -28,14 +24,13 @@ impl ImportedScene {
         self.left_out.iter().cloned().chain(added).collect()
     }
 
-    /// Applies an overlay: a small JSON file that names materials, lights and objects of the
-    /// converted scene, and replaces or changes them. The file may also change the camera, the film
-    /// and the render settings, and add lights and objects. Paths in the overlay are relative to
-    /// the folder of the scene file.
+    /// Applies an overlay: a small JSON file that replaces or changes materials, lights and objects
+    /// of the scene by their names. It may also change the camera, the film and the render
+    /// settings, and add lights and objects. Its paths are relative to the folder of the scene file.
     ///
     /// # Errors
-    /// Returns an error if the overlay cannot be read, or if it contains an unknown key or an
-    /// unknown name. The error contains the position in the overlay.
+    /// Returns an error with its position in the overlay if the overlay cannot be read, or if it
+    /// contains an unknown key or name.
     pub fn with_overlay(mut self, path: &Path) -> Result<Self> {
         let overlaid = overlay::apply(&self.text, &self.names, path)?;
         self.text = overlaid.text;

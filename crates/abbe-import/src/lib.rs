@@ -32,13 +32,15 @@
 //!
 //! # Units and conventions
 //!
-//! A converted scene is in metres. glTF gives luminous quantities, which stay luminous; Mitsuba and
-//! pbrt give radiance without a unit, which becomes W/m²/sr over the band of these programs.
+//! A converted scene is in metres, and its lights have photometric quantities: those of glTF, or of
+//! Mitsuba and pbrt, whose value 1 becomes 1 cd/m², 1 cd or 1 lx.
 //!
 //! # Dependencies
 //!
 //! [`abbe_format`] defines the scene file and reads meshes; [`abbe_scene`], [`abbe_optics`] and
 //! [`abbe_spectra`] supply the model and the names of spectra and glasses.
+
+#![allow(missing_docs, reason = "a field or a method whose name says what it is needs no doc")]
 
 mod dark_outside;
 mod gltf;
@@ -48,11 +50,10 @@ mod overlay;
 mod pbrt;
 mod scene_writer;
 
-use std::path::Path;
-
 use abbe_format::FileAccess;
 use abbe_spectra::error::{Error, Result};
 pub use imported_scene::ImportedScene;
+use std::path::Path;
 
 /// A reader of the scenes of another program. The first argument is the file. The second argument
 /// is the path from the folder of the scene file to the folder of the file. This path is empty or
@@ -82,8 +83,7 @@ pub fn can_import(path: &Path) -> bool {
 /// for the other formats. `added` says so.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or if it is not valid. The error contains the name
-/// of the file.
+/// Returns an error with the name of the file if it cannot be read or is not valid.
 pub fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let known = READERS.map(|(extension, _)| format!(".{extension}")).join(", ");
     let reader = reader(path).ok_or_else(|| {

@@ -1,20 +1,16 @@
-//! Applies an overlay to a converted scene: a small JSON file that names materials, lights and
-//! objects, and replaces or changes them.
+//! An overlay is a small JSON file that replaces or changes parts of a converted scene by name.
 
+use abbe_format::json::{JsonPath, JsonSource, pretty, read_text};
+use abbe_spectra::error::{Error, Result};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
 
-use serde::Deserialize;
-use serde_json::{Map, Value, json};
-
-use abbe_format::json::{JsonPath, JsonSource, pretty, read_text};
-use abbe_spectra::error::{Error, Result};
-
 /// The names of a converted scene that are not in the text of the scene file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct ImportedNames {
-    /// The names of each light.
     pub(super) lights: Vec<Vec<String>>,
     /// The name of a material in a mesh file, and the position of an object with this material.
     pub(super) mesh_materials: Vec<(String, usize)>,
@@ -22,23 +18,19 @@ pub(super) struct ImportedNames {
     pub(super) added_lights: Option<AddedLights>,
 }
 
-/// Lights that an importer added.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct AddedLights {
     /// The positions in the scene's list of lights.
     pub(super) positions: Range<usize>,
-    /// The note about these lights.
     pub(super) note: String,
 }
 
-/// A converted scene with an overlay.
 pub(super) struct OverlaidScene {
     pub(super) text: String,
     /// True if lights of the overlay replace the lights that the importer added.
     pub(super) replaces_lights: bool,
 }
 
-/// The contents of an overlay.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct OverlayFile {
@@ -54,7 +46,6 @@ struct OverlayFile {
     add: AddedParts,
 }
 
-/// Lights and objects that an overlay adds.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct AddedParts {
@@ -66,13 +57,9 @@ struct AddedParts {
 const QUANTITIES: [&str; 8] =
     ["power", "luminous_flux", "intensity", "luminous_intensity", "radiance", "luminance", "irradiance", "illuminance"];
 
-/// The kinds of lights.
 const LIGHT_KINDS: [&str; 6] = ["point", "spot", "beam", "directional", "environment", "ies"];
 
 /// Applies the overlay in the file `path` to the text of a scene file.
-///
-/// # Errors
-/// Returns an error if the overlay cannot be read, or if it contains an unknown key or name.
 pub(super) fn apply(text: &str, names: &ImportedNames, path: &Path) -> Result<OverlaidScene> {
     let source = JsonSource::patched(read_text(path)?, path, &[])?;
     let overlay: OverlayFile = source.deserialize()?;
@@ -126,7 +113,6 @@ impl OverlayFile {
         }
     }
 
-    /// Returns the names of the materials that other parts of the overlay use.
     fn used_materials(&self) -> BTreeSet<&str> {
         fn find<'v>(value: &'v Value, found: &mut BTreeSet<&'v str>) {
             match value {
@@ -144,7 +130,6 @@ impl OverlayFile {
         found
     }
 
-    /// Changes the objects with the stated names.
     fn objects(&self, scene: &mut Value, faults: &mut Vec<Error>) {
         let mut none = Vec::new();
         let objects = scene["objects"].as_array_mut().unwrap_or(&mut none);
@@ -192,8 +177,7 @@ impl OverlayFile {
     }
 }
 
-/// Changes a light. If the only key of `changes` is a kind of light, the light gets this kind, and
-/// keeps its place and its motion.
+/// Changes a light. If its only key is a kind of light, the kind changes, and not place and motion.
 fn change_light(light: &mut Value, changes: &Map<String, Value>) {
     let Some((old_kind, old)) = light.as_object().and_then(|map| map.iter().next()) else { return };
     let (old_kind, mut form) = (old_kind.clone(), old.clone());
@@ -274,14 +258,12 @@ fn merge(value: &mut Value, changes: &Map<String, Value>) {
     }
 }
 
-/// Returns true if both values are objects with one key, and the keys differ.
 fn is_other_kind(known: &Value, change: &Map<String, Value>) -> bool {
     let only = |map: &Map<String, Value>| map.keys().next().filter(|_| map.len() == 1).cloned();
     let known = known.as_object().and_then(only);
     known.is_some() && only(change).is_some() && known != only(change)
 }
 
-/// Adds values to a list of the scene.
 fn extend(scene: &mut Value, key: &str, values: &[Value]) {
     if values.is_empty() {
         return;
@@ -294,7 +276,6 @@ fn extend(scene: &mut Value, key: &str, values: &[Value]) {
     }
 }
 
-/// Returns an error for a name that the scene does not contain.
 fn unknown<'a>(key: &str, kind: &str, name: &str, known: impl IntoIterator<Item = &'a str>) -> Error {
     let names: BTreeSet<&str> = known.into_iter().collect();
     let expected = match names.len() {
@@ -306,7 +287,6 @@ fn unknown<'a>(key: &str, kind: &str, name: &str, known: impl IntoIterator<Item 
     Error::unknown_name(kind, name, names).expected(expected).on_path(root.key(key).key(name).to_string())
 }
 
-/// Returns an error for an entry that is not an object.
 fn not_an_object(key: &str, name: &str) -> Error {
     let root = JsonPath::Root;
     Error::input("found another value than an object")

@@ -1,11 +1,10 @@
 //! Collects the parts of a scene file while a scene of another program is read.
 
+use crate::ImportedScene;
+use crate::overlay::{AddedLights, ImportedNames};
+use abbe_format::json::pretty;
 use glam::DVec3;
 use serde_json::{Map, Value, json};
-
-use super::imported_scene::ImportedScene;
-use super::overlay::{AddedLights, ImportedNames};
-use abbe_format::json::pretty;
 
 /// The illuminance (lx) of the uniform sky if the file has no light.
 const SKY_ILLUMINANCE: f64 = 1000.0;
@@ -13,21 +12,17 @@ const SKY_ILLUMINANCE: f64 = 1000.0;
 /// The angular diameter (degrees) of the sun of a studio light. Its shadows have soft edges.
 const STUDIO_SUN_DIAMETER: f64 = 20.0;
 
-/// The number of the traditional overcast sky. Its luminance is (1 + 2 sin γ)/3 of that of the
-/// zenith.
+/// The traditional overcast sky, whose luminance is (1 + 2 sin γ)/3 of that of the zenith.
 const TRADITIONAL_OVERCAST: u32 = 16;
 
-/// The reflectance of the ground below a studio sky. The ground and the horizon of the overcast sky
-/// then have the same luminance, so the horizon is not visible: the luminance at the horizon is
-/// 3/7 of that of a white ground.
+/// The reflectance of the ground below a studio sky. It has the luminance of the overcast horizon,
+/// 3/7 of that of a white ground, so that the horizon is not visible.
 const STUDIO_GROUND: f64 = 3.0 / 7.0;
 
 /// The parts of a scene file. All values have the form that the scene file has.
 #[derive(Debug, Default)]
 pub(super) struct SceneWriter {
-    /// The camera.
     pub(super) camera: Value,
-    /// The film.
     pub(super) film: Value,
     /// The name of the medium outside all objects.
     pub(super) atmosphere: Option<String>,
@@ -37,8 +32,7 @@ pub(super) struct SceneWriter {
     objects: Vec<Value>,
     lights: Vec<Value>,
     names: ImportedNames,
-    /// What was left out: a sentence, the place of its first occurrence, and the number of
-    /// occurrences.
+    /// What was left out: a sentence, its first place, and the number of occurrences.
     left_out: Vec<(String, String, usize)>,
     added: Vec<String>,
     /// True if a light was left out.
@@ -48,13 +42,11 @@ pub(super) struct SceneWriter {
 }
 
 impl SceneWriter {
-    /// Adds a material, and returns its name. The name is `wanted`, unless another material has
-    /// this name.
+    /// Adds a material, and returns its name: `wanted`, unless another material has it.
     pub(super) fn add_material(&mut self, wanted: &str, material: Value) -> String {
         add(&mut self.materials, wanted, material)
     }
 
-    /// Returns the material of this name.
     pub(super) fn material(&self, name: &str) -> Option<&Value> {
         self.materials.get(name)
     }
@@ -94,14 +86,11 @@ impl SceneWriter {
         Some(self.add_material(&format!("{material} with normals"), json!({"normal_map": map})))
     }
 
-    /// Returns the name of a material without its normal map.
     pub(super) fn without_normal_map(&self, material: &str) -> String {
         let inner = self.materials.get(material).and_then(|form| form["normal_map"]["material"].as_str());
         inner.unwrap_or(material).to_string()
     }
 
-    /// Adds a medium, and returns its name. The name is `wanted`, unless another medium has this
-    /// name.
     pub(super) fn add_medium(&mut self, wanted: &str, medium: Value) -> String {
         add(&mut self.media, wanted, medium)
     }
@@ -122,7 +111,6 @@ impl SceneWriter {
         }
     }
 
-    /// Adds a light without a name.
     pub(super) fn add_light(&mut self, light: Value) {
         self.add_named_light([], light);
     }
@@ -138,7 +126,6 @@ impl SceneWriter {
         self.lights.push(light);
     }
 
-    /// Returns true if the scene has an object.
     pub(super) fn has_objects(&self) -> bool {
         !self.objects.is_empty()
     }
@@ -180,13 +167,11 @@ impl SceneWriter {
         }
     }
 
-    /// Notes a part that the file lacks and that was added.
     pub(super) fn note_added(&mut self, what: impl Into<String>) {
         self.added.push(what.into());
     }
 
-    /// Notes something that was left out, or replaced by something similar. `place` is the file and
-    /// the line. Equal sentences are counted.
+    /// Notes what was left out or replaced at `place`, a file and a line. Equal notes are counted.
     pub(super) fn leave_out(&mut self, place: impl Into<String>, what: impl Into<String>) {
         let what = what.into();
         match self.left_out.iter_mut().find(|(known, ..)| *known == what) {
@@ -226,6 +211,12 @@ impl SceneWriter {
             names,
         }
     }
+}
+
+/// Returns an object without its entries that are null.
+pub(crate) fn present(mut object: Value) -> Value {
+    object.as_object_mut().into_iter().for_each(|entries| entries.retain(|_, value| !value.is_null()));
+    object
 }
 
 /// Adds an entry under `wanted`, or under `wanted` and a number if another entry has this name.

@@ -2,11 +2,8 @@
 
 use super::positions::{SpannedValue, ValueKind};
 
-/// An error message shortens a list of allowed names to this many names. It never leaves out only
-/// one name.
+/// A longer list of allowed names is shortened to this many names; it never leaves out only one.
 const MAX_LISTED_NAMES: usize = 12;
-
-/// An error message quotes at most this many characters of a value.
 const MAX_QUOTED_CHARACTERS: usize = 40;
 
 /// Lists the allowed names: `one of a, b, c`. A long list is shortened.
@@ -21,9 +18,7 @@ pub(super) fn one_of(names: &[&str]) -> String {
     }
 }
 
-/// Describes a value for an error message. The description of a plain value is its text. The
-/// description of an array states its length. The description of an object says only whether the
-/// object is empty.
+/// Describes a value: a plain one by its text, an array by its length, an object by its emptiness.
 pub(super) fn found(value: SpannedValue) -> String {
     match value.kind() {
         ValueKind::Null | ValueKind::Bool | ValueKind::Number | ValueKind::String => shorten(value.written()),
@@ -38,8 +33,6 @@ pub(super) fn found(value: SpannedValue) -> String {
 
 /// Cuts a text after its first 40 characters.
 pub(super) fn shorten(text: &str) -> String {
-    match text.char_indices().nth(MAX_QUOTED_CHARACTERS) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_string(),
-    }
+    let end = text.char_indices().nth(MAX_QUOTED_CHARACTERS);
+    end.map_or_else(|| text.to_string(), |(end, _)| format!("{}…", &text[..end]))
 }

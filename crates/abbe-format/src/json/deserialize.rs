@@ -1,36 +1,26 @@
-//! A serde deserialiser for the values of a scanned text. Each error has the position of the wrong
-//! value or key.
+//! A serde deserialiser for the values of a scanned text, whose errors have a position.
 //!
-//! serde's visitors read entries of objects, elements of arrays and variants of enums. Each type for
-//! them also represents stand-ins, so that the code of a visitor exists only once in the program.
+//! The types for entries, elements and variants also represent stand-ins, so that the code of
+//! serde's visitors exists only once in the program.
 
+use super::deserialize_error::{DeserializeError, DeserializeErrorKind, ReadResult};
+use super::positions::{ChildValues, SpannedValue, ValueKind};
+use super::{Names, describe::one_of, key::KeyDeserializer, repair::Repairs};
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, VariantAccess, Visitor};
 use serde::forward_to_deserialize_any;
 
-use super::describe::one_of;
-use super::deserialize_error::{DeserializeError, DeserializeErrorKind, DeserializeResult};
-use super::key::KeyDeserializer;
-use super::positions::{ChildValues, SpannedValue, ValueKind};
-use super::repair::Repairs;
-
-/// A deserialiser of one value: a value of the text, or a stand-in for a value that could not be
-/// read.
+/// A deserialiser of one value of the text, or a stand-in for a value that could not be read.
 ///
-/// As stand-ins, every number is 1, every text is empty, and every list is empty. The variant of an
-/// enum is the first one. An optional value is absent. A type that accepts several kinds of values
-/// gets a number. If such a type accepts no numbers, the deserialiser returns an error of the kind
-/// [`DeserializeErrorKind::NoStandIn`].
+/// As a stand-in, every number is 1, every text and every list is empty, an optional value is
+/// absent, and an enum is its first variant. A type that accepts several kinds of values gets a
+/// number; if it accepts none, the error is [`DeserializeErrorKind::NoStandIn`].
 #[derive(Debug, Clone, Copy)]
 pub(super) enum ValueDeserializer<'r, 'de> {
-    /// A value of the text.
     Written(WrittenValue<'r, 'de>),
-    /// A stand-in.
     StandIn,
 }
 
 impl<'r, 'de> ValueDeserializer<'r, 'de> {
-    /// Creates the deserialiser of a value of the text. If the repairs replace the value, a stand-in
-    /// takes its place.
     pub(super) fn new(value: SpannedValue<'de>, repairs: &'r Repairs) -> Self {
         if repairs.replaces(value) { Self::StandIn } else { Self::Written(WrittenValue { value, repairs }) }
     }
@@ -39,70 +29,69 @@ impl<'r, 'de> ValueDeserializer<'r, 'de> {
 impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     type Error = DeserializeError;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_any(visitor),
             Self::StandIn => visitor.visit_f64(1.0).map_err(|_: DeserializeError| DeserializeError::no_stand_in()),
         }
     }
 
-    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_any(visitor),
             Self::StandIn => visitor.visit_bool(false),
         }
     }
 
-    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_u32<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_whole(visitor),
             Self::StandIn => visitor.visit_u64(1),
         }
     }
 
-    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
-            // Floats above 2⁵³ cannot represent every integer, so integers are read from the digits
-            // of the text.
+            // Floats above 2⁵³ cannot represent every integer, so the digits of the text are read.
             Self::Written(written) if written.value.written().parse::<u64>().is_ok() => written.visit_any(visitor),
             Self::Written(written) => written.visit_whole(visitor),
             Self::StandIn => visitor.visit_u64(1),
         }
     }
 
-    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_i32<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         self.deserialize_u32(visitor)
     }
 
-    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_any(visitor),
             Self::StandIn => visitor.visit_str(""),
         }
     }
 
-    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         self.deserialize_str(visitor)
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         let Self::Written(WrittenValue { value, .. }) = self else { return visitor.visit_none() };
         let result = if value.kind() == ValueKind::Null { visitor.visit_none() } else { visitor.visit_some(self) };
         result.map_err(|error| error.at(value))
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> ReadResult<V::Value> {
         visitor.visit_newtype_struct(self)
     }
 
-    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written.visit_any(visitor),
             Self::StandIn => visitor.visit_seq(ArrayElements::StandIns(0)),
         }
     }
 
-    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => {
                 written.check_length(length)?;
@@ -112,34 +101,24 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
         }
     }
 
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         self.deserialize_struct("", &[], visitor)
     }
 
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
+    fn deserialize_struct<V: Visitor<'de>>(self, _: &'static str, keys: Names, visitor: V) -> ReadResult<V::Value> {
         match self {
-            Self::Written(written) => written.visit_fields(fields, visitor),
-            Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(fields)),
+            Self::Written(written) => written.visit_fields(keys, visitor),
+            Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(keys)),
         }
     }
 
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        variants: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
+    fn deserialize_enum<V: Visitor<'de>>(self, _: &'static str, names: Names, visitor: V) -> ReadResult<V::Value> {
         match self {
             Self::Written(written) => written
-                .variant(variants)
+                .variant(names)
                 .and_then(|variant| visitor.visit_enum(variant))
                 .map_err(|error| error.at(written.value)),
-            Self::StandIn => match variants.first() {
+            Self::StandIn => match names.first() {
                 Some(first) => visitor.visit_enum(Variant::StandIn(first)),
                 None => Err(DeserializeError::no_stand_in()),
             },
@@ -151,14 +130,12 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     }
 }
 
-/// A number of a text.
 enum WrittenNumber {
     Unsigned(u64),
     Negative(i64),
     Float(f64),
 }
 
-/// A value of the text, and the repairs of its parts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WrittenValue<'r, 'de> {
     value: SpannedValue<'de>,
@@ -166,13 +143,11 @@ pub(super) struct WrittenValue<'r, 'de> {
 }
 
 impl<'r, 'de> WrittenValue<'r, 'de> {
-    /// Visits a value of any kind.
-    fn visit_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_any<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         self.visit(visitor).map_err(|error| error.at(self.value))
     }
 
-    /// Calls the visitor's method that matches the kind of this value.
-    fn visit<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self.value.kind() {
             ValueKind::Null => visitor.visit_unit(),
             ValueKind::Bool => visitor.visit_bool(self.value.written() == "true"),
@@ -187,15 +162,14 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         }
     }
 
-    /// Visits an object.
-    fn visit_object<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_object<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         let mut entries = ObjectEntries::of(self.value, self.repairs);
         let value = visitor.visit_map(&mut entries)?;
         entries.check_end().map(|()| value)
     }
 
     /// Returns an error if `left` are the elements of this array that a visitor has not read.
-    fn check_end(self, left: ChildValues<'de>) -> DeserializeResult<()> {
+    fn check_end(self, left: ChildValues<'de>) -> ReadResult<()> {
         let left = left.count();
         if left == 0 {
             return Ok(());
@@ -204,8 +178,7 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         Err(DeserializeError::mismatch(format!("an array of {wanted}")))
     }
 
-    /// Visits a number.
-    fn visit_number<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_number<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         match self.number() {
             WrittenNumber::Unsigned(number) => visitor.visit_u64(number),
             WrittenNumber::Negative(number) => visitor.visit_i64(number),
@@ -232,7 +205,7 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
 
     /// Visits a whole number. Forms such as 1e6 or 4.0 are accepted for numbers up to 2⁵³, because
     /// floats above 2⁵³ cannot represent every whole number.
-    fn visit_whole<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_whole<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         let number = if self.value.kind() == ValueKind::Number { self.float() } else { f64::NAN };
         let exact = number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_992.0;
         let result = match (exact, number >= 0.0) {
@@ -243,7 +216,6 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         result.map_err(|error| error.at(self.value))
     }
 
-    /// Returns the error for a value that should be an object. `fields` are the keys of the object.
     fn not_an_object(self, fields: &[&str]) -> DeserializeError {
         let expected = match fields {
             [] => "an object".to_string(),
@@ -253,24 +225,21 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         DeserializeError::mismatch(expected).at(self.value)
     }
 
-    /// Visits an object with the known keys `fields`.
-    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> DeserializeResult<V::Value> {
+    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> ReadResult<V::Value> {
         if self.value.kind() != ValueKind::Object {
             return Err(self.not_an_object(fields));
         }
         self.visit_object(visitor).map_err(|error| error.at(self.value))
     }
 
-    /// Returns an error if the value is not an array of this length.
-    fn check_length(self, length: usize) -> DeserializeResult<()> {
+    fn check_length(self, length: usize) -> ReadResult<()> {
         if self.value.kind() == ValueKind::Array && self.value.children().count() == length {
             return Ok(());
         }
         Err(DeserializeError::mismatch(format!("an array of {length}")).at(self.value))
     }
 
-    /// Returns the variant of an enum with these variants.
-    fn variant(self, variants: &'static [&'static str]) -> DeserializeResult<Variant<'r, 'de>> {
+    fn variant(self, variants: Names) -> ReadResult<Variant<'r, 'de>> {
         match self.value.kind() {
             ValueKind::String => Ok(Variant::Plain(self.value)),
             ValueKind::Object => {
@@ -292,14 +261,12 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
 
 /// Gives the elements of an array to serde: the elements of the text, or stand-ins.
 enum ArrayElements<'a, 'de> {
-    /// Elements of the text.
     Written(&'a mut ChildValues<'de>, &'a Repairs),
     /// This number of stand-ins.
     StandIns(usize),
 }
 
 impl<'a, 'de> ArrayElements<'a, 'de> {
-    /// Returns the next element.
     fn next(&mut self) -> Option<ValueDeserializer<'a, 'de>> {
         match self {
             Self::Written(elements, repairs) => elements.next().map(|value| ValueDeserializer::new(value, repairs)),
@@ -314,7 +281,7 @@ impl<'a, 'de> ArrayElements<'a, 'de> {
 impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
     type Error = DeserializeError;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> DeserializeResult<Option<T::Value>> {
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> ReadResult<Option<T::Value>> {
         self.next().map(|value| seed.deserialize(value)).transpose()
     }
 
@@ -326,8 +293,7 @@ impl<'de> SeqAccess<'de> for ArrayElements<'_, 'de> {
     }
 }
 
-/// Gives the entries of an object to serde: the entries of the text that are not dropped, and then
-/// the added keys.
+/// Gives the entries of an object to serde: the kept ones of the text, then the added keys.
 struct ObjectEntries<'a, 'de> {
     /// The entries of the text. `None` if all values are stand-ins.
     written: Option<(ChildValues<'de>, &'a Repairs)>,
@@ -338,7 +304,6 @@ struct ObjectEntries<'a, 'de> {
 }
 
 impl<'a, 'de> ObjectEntries<'a, 'de> {
-    /// Returns the entries of an object of the text.
     fn of(object: SpannedValue<'de>, repairs: &'a Repairs) -> Self {
         let added = repairs.added_to(object).collect();
         Self { written: Some((object.children(), repairs)), added, value: None }
@@ -349,7 +314,6 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
         Self { written: None, added: keys.iter().rev().copied().collect(), value: None }
     }
 
-    /// Returns the next key of the text that is not dropped.
     fn next_kept_key(&mut self) -> Option<SpannedValue<'de>> {
         let (entries, repairs) = self.written.as_mut()?;
         loop {
@@ -361,16 +325,12 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
         }
     }
 
-    /// Returns an error if the text has further entries. The visitor of a struct reads all keys. The
-    /// visitor of an enum reads only the first key.
-    fn check_end(&mut self) -> DeserializeResult<()> {
-        match self.next_kept_key() {
-            None => Ok(()),
-            Some(key) => Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key)),
-        }
+    /// Refuses further entries. A struct's visitor reads all keys, and an enum's only the first.
+    fn check_end(&mut self) -> ReadResult<()> {
+        let second = |key| Err(DeserializeError::new(DeserializeErrorKind::SecondKey(&[])).at(key));
+        self.next_kept_key().map_or(Ok(()), second)
     }
 
-    /// Returns the value of the key that was read last.
     fn take_value(&mut self) -> ValueDeserializer<'a, 'de> {
         match (self.value.take(), &self.written) {
             (Some(value), Some((_, repairs))) => ValueDeserializer::new(value, repairs),
@@ -378,7 +338,6 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
         }
     }
 
-    /// Returns the name of the next entry.
     fn next_name(&mut self) -> Option<KeyDeserializer<'de>> {
         if let Some(key) = self.next_kept_key() {
             return Some(KeyDeserializer::written(key));
@@ -391,29 +350,20 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
 impl<'de> MapAccess<'de> for &mut ObjectEntries<'_, 'de> {
     type Error = DeserializeError;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> DeserializeResult<Option<K::Value>> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> ReadResult<Option<K::Value>> {
         self.next_name().map(|key| seed.deserialize(key)).transpose()
     }
 
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> DeserializeResult<V::Value> {
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> ReadResult<V::Value> {
         seed.deserialize(self.take_value())
     }
 }
 
-/// A variant of an enum.
 enum Variant<'r, 'de> {
     /// A variant without fields, written as a string.
     Plain(SpannedValue<'de>),
-    /// A variant with fields. In JSON, it is an object with one key, and this key is the name of
-    /// the variant.
-    Keyed {
-        /// The name.
-        key: SpannedValue<'de>,
-        /// The fields.
-        value: SpannedValue<'de>,
-        /// The repairs of the text.
-        repairs: &'r Repairs,
-    },
+    /// A variant with fields. In JSON, it is an object whose one key is the name of the variant.
+    Keyed { key: SpannedValue<'de>, value: SpannedValue<'de>, repairs: &'r Repairs },
     /// The variant with this name, with stand-ins as its fields.
     StandIn(&'static str),
 }
@@ -422,7 +372,7 @@ impl<'de> EnumAccess<'de> for Variant<'_, 'de> {
     type Error = DeserializeError;
     type Variant = Self;
 
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> DeserializeResult<(V::Value, Self)> {
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> ReadResult<(V::Value, Self)> {
         let name = match &self {
             Self::Plain(name) => KeyDeserializer::written(*name),
             Self::Keyed { key, .. } => KeyDeserializer::written(*key),
@@ -433,8 +383,7 @@ impl<'de> EnumAccess<'de> for Variant<'_, 'de> {
 }
 
 impl<'r, 'de> Variant<'r, 'de> {
-    /// Returns the fields, or an error if the variant is written as a string.
-    fn fields(self) -> DeserializeResult<ValueDeserializer<'r, 'de>> {
+    fn fields(self) -> ReadResult<ValueDeserializer<'r, 'de>> {
         match self {
             Self::Plain(name) => {
                 Err(DeserializeError::mismatch(format!("an object {{{}: …}}", name.written())).at(name))
@@ -448,7 +397,7 @@ impl<'r, 'de> Variant<'r, 'de> {
 impl<'de> VariantAccess<'de> for Variant<'_, 'de> {
     type Error = DeserializeError;
 
-    fn unit_variant(self) -> DeserializeResult<()> {
+    fn unit_variant(self) -> ReadResult<()> {
         match self {
             Self::Plain(_) | Self::StandIn(_) => Ok(()),
             Self::Keyed { key, value, .. } => {
@@ -457,19 +406,15 @@ impl<'de> VariantAccess<'de> for Variant<'_, 'de> {
         }
     }
 
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> DeserializeResult<T::Value> {
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> ReadResult<T::Value> {
         seed.deserialize(self.fields()?)
     }
 
-    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> DeserializeResult<V::Value> {
+    fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> ReadResult<V::Value> {
         self.fields()?.deserialize_tuple(length, visitor)
     }
 
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> DeserializeResult<V::Value> {
+    fn struct_variant<V: Visitor<'de>>(self, fields: Names, visitor: V) -> ReadResult<V::Value> {
         self.fields()?.deserialize_struct("", fields, visitor)
     }
 }

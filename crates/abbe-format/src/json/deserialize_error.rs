@@ -1,16 +1,13 @@
 //! Errors that serde reports when it deserialises a value, and their messages for the user.
 
-use std::fmt;
-
-use serde::de;
-
 use super::describe::{found, one_of, shorten};
 use super::path::quoted;
 use super::positions::{SpannedValue, ValueKind};
 use abbe_spectra::error::{Error, nearest_name};
+use serde::de;
+use std::fmt;
 
-/// An error in a value. Nested deserialisers return the error one after the other. The innermost of
-/// them sets the position of the error.
+/// An error in a value. The innermost of the nested deserialisers sets its position.
 #[derive(Debug)]
 pub(super) struct DeserializeError {
     /// Node number of the wrong value or key; `None` until the number is known.
@@ -18,25 +15,15 @@ pub(super) struct DeserializeError {
     kind: DeserializeErrorKind,
 }
 
-/// The kinds of errors in a value.
 #[derive(Debug)]
 pub(super) enum DeserializeErrorKind {
     /// The value has a wrong type or a wrong length, or the value is out of range.
-    Mismatch {
-        /// Description of the allowed values.
-        expected: String,
-    },
+    Mismatch { expected: String },
     /// A key or name is not one of the known names.
-    Unknown {
-        /// The key or name in the text.
-        name: String,
-        /// The known names.
-        known: &'static [&'static str],
-    },
+    Unknown { name: String, known: &'static [&'static str] },
     /// An object lacks this key.
     Missing(&'static str),
-    /// An object has two or more of the listed keys, but must have exactly one. The error's
-    /// position is the second key.
+    /// An object has two of the listed keys instead of one. The position is the second key.
     SecondKey(&'static [&'static str]),
     /// The value was replaced by a stand-in, and the type of the value has no stand-in.
     NoStandIn,
@@ -44,22 +31,17 @@ pub(super) enum DeserializeErrorKind {
     Other(String),
 }
 
-/// The result of reading a value.
-pub(super) type DeserializeResult<T> = Result<T, DeserializeError>;
+pub(super) type ReadResult<T> = Result<T, DeserializeError>;
 
 impl DeserializeError {
-    /// Returns an error whose position is not known yet.
     pub(super) fn new(kind: DeserializeErrorKind) -> Self {
         Self { node: None, kind }
     }
 
-    /// Returns an error for a value that has a wrong type or a wrong length, or that is out of
-    /// range.
     pub(super) fn mismatch(expected: impl Into<String>) -> Self {
         Self::new(DeserializeErrorKind::Mismatch { expected: expected.into() })
     }
 
-    /// Returns the error for a type that has no stand-in.
     pub(super) fn no_stand_in() -> Self {
         Self::new(DeserializeErrorKind::NoStandIn)
     }
@@ -70,30 +52,24 @@ impl DeserializeError {
         self
     }
 
-    /// Returns the kind of the error.
     pub(super) fn kind(&self) -> &DeserializeErrorKind {
         &self.kind
     }
 
-    /// Returns the value or key at the position of the error. `root` is the outermost value of the
-    /// text.
+    /// Returns the value or key at the position of the error. `root` is the outermost value.
     pub(super) fn place<'t>(&self, root: SpannedValue<'t>) -> SpannedValue<'t> {
         self.node.map_or(root, |node| root.with_id(node))
     }
 
-    /// Converts this error to an error for the user. Returns the byte offset of the error, and the
-    /// error with its JSON path.
-    ///
-    /// `root` is the outermost value of the text.
+    /// Converts this error to an error for the user with its JSON path, and returns it after its
+    /// byte offset. `root` is the outermost value of the text.
     pub(super) fn explain(self, root: SpannedValue) -> (usize, Error) {
         let mut value = self.place(root);
         if matches!(self.kind, DeserializeErrorKind::Unknown { .. })
             && value.kind() == ValueKind::Object
             && let Some((key, _)) = value.entries().next()
         {
-            // The module `forms` itself reads the key that selects the variant. If this key is
-            // unknown, the error therefore has the position of the object, although the key is
-            // wrong.
+            // `forms` reads the key of the variant, so an unknown one has the object's position.
             value = key;
         }
         let path = root.path_to(value.id());
@@ -128,8 +104,7 @@ impl DeserializeErrorKind {
     }
 }
 
-/// Translates serde's description of the expected value into the terms of JSON. For example, "a
-/// map" becomes "an object".
+/// Translates serde's expected value into the terms of JSON: "a map" becomes "an object".
 fn expected_in_json_terms(found: de::Unexpected<'_>, expected: &dyn de::Expected) -> String {
     let expected = expected.to_string();
     match expected.as_str() {
@@ -148,7 +123,7 @@ fn expected_in_json_terms(found: de::Unexpected<'_>, expected: &dyn de::Expected
 }
 
 impl fmt::Display for DeserializeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{:?}", self.kind)
     }
 }

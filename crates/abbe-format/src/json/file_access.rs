@@ -1,14 +1,10 @@
 //! Decides which files a JSON text may name.
 
+use abbe_spectra::error::{Error, Result};
 use std::path::{Component, Path, PathBuf};
 
-use abbe_spectra::error::{Error, Result};
-
-/// The files that a JSON text may name. If such a file names further files, the same rule applies
-/// to them.
-///
-/// The default protects a user who opens a file from an unknown author. The file cannot make the
-/// program read other files of the user.
+/// The files that a JSON text may name, directly or through other files that it names. The default
+/// keeps a file of an unknown author from making the program read other files of the user.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum FileAccess {
     /// Files in the folder of the text and in folders below it.
@@ -19,15 +15,12 @@ pub enum FileAccess {
 }
 
 impl FileAccess {
-    /// The errors of [`Self::file`] contain this text in the field `expected`. A program may have
-    /// an option that allows all files. Such a program can recognise the error by this text and add
-    /// the name of the option to the message.
+    /// The field `expected` of the errors of [`Self::file`], by which a program with an option that
+    /// allows all files can recognise the error and add the name of the option.
     pub const EXPECTED_WITHIN_FOLDER: &str = "a path within the folder of the file that names it";
 
-    /// Joins `folder` and the path of a file relative to `folder`, and returns the result.
-    ///
-    /// Symbolic links in the folder are followed, even if they lead out of the folder. This is
-    /// acceptable, because whoever created the link could have copied the file into the folder.
+    /// Returns the path of a file that is relative to `folder`. Symbolic links are followed, even out
+    /// of the folder, because whoever created the link could have copied the file into the folder.
     ///
     /// # Errors
     /// Returns an error if the access is [`Self::WithinFolder`] and the path is absolute or leads
@@ -44,17 +37,14 @@ impl FileAccess {
 /// Returns whether a relative path leads out of its folder.
 fn leaves_folder(path: &Path) -> bool {
     let mut depth = 0_usize;
-    path.components().any(|component| match component {
-        Component::CurDir => false,
-        Component::Normal(_) => {
-            depth += 1;
-            false
+    path.components().any(|component| {
+        match component {
+            Component::CurDir => {}
+            Component::Normal(_) => depth += 1,
+            Component::ParentDir if depth > 0 => depth -= 1,
+            Component::ParentDir | Component::RootDir | Component::Prefix(_) => return true,
         }
-        Component::ParentDir if depth > 0 => {
-            depth -= 1;
-            false
-        }
-        Component::ParentDir | Component::RootDir | Component::Prefix(_) => true,
+        false
     })
 }
 

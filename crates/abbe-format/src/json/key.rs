@@ -1,14 +1,11 @@
 //! A serde deserialiser for the keys of objects and for the names of variants.
 
-use std::borrow::Cow;
-
+use super::deserialize_error::{DeserializeError, ReadResult};
+use super::positions::SpannedValue;
 use serde::de::{Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
+use std::borrow::Cow;
 
-use super::deserialize_error::{DeserializeError, DeserializeResult};
-use super::positions::SpannedValue;
-
-/// A deserialiser of a key, or of the name of a variant.
 pub(super) struct KeyDeserializer<'de> {
     text: Cow<'de, str>,
     /// The place of the key in the text. `None` for an added key.
@@ -28,7 +25,7 @@ impl<'de> KeyDeserializer<'de> {
 impl<'de> Deserializer<'de> for KeyDeserializer<'de> {
     type Error = DeserializeError;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> DeserializeResult<V::Value> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
         visitor.visit_str(&self.text).map_err(|error: DeserializeError| match self.place {
             Some(place) => error.at(place),
             None => error,

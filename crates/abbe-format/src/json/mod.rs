@@ -1,10 +1,9 @@
 //! JSON with positions: reads strict JSON text, applies `PATH=JSON` patches to it, and deserialises
 //! it with serde. Every error names its file, line, column and JSON path.
 //!
-//! The steps: `patch` applies the patches and keeps track of the origin of each part of the text.
-//! `scan` checks the syntax and records where each value is in the text (`positions`).
-//! `deserialize` hands the values to serde. [`JsonSource`] contains the result. If an error is
-//! found later, [`JsonSource`] adds the position to the error.
+//! `patch` applies the patches and keeps the origin of each part of the text, `scan` checks the
+//! syntax and records the `positions` of the values, and `deserialize` hands them to serde.
+//! [`JsonSource`] holds the result, and adds the position to errors that are found later.
 
 mod describe;
 mod deserialize;
@@ -29,3 +28,6 @@ pub use path::JsonPath;
 pub use pretty::{one_line, pretty};
 pub use source::{JsonSource, RepairedValue};
 pub use text::{MAX_BYTES, read_text};
+
+/// The names of the fields of a struct, or of the variants of an enum.
+pub(crate) type Names = &'static [&'static str];

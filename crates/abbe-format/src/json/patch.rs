@@ -1,30 +1,25 @@
 //! Patches of the form `PATH=JSON`, which change a JSON text before it is read.
 //!
-//! A patch replaces the value at its path. If the last key of the path is missing, the patch adds
-//! the key. The patch also creates missing objects on the path. The step `[-]` appends an element
-//! to an array.
+//! A patch replaces the value at its path, or adds the last key and the objects on the path that
+//! are missing. The step `[-]` appends an element to an array.
 
-use std::path::Path;
-
-use super::describe::found;
-use super::path::{self, PathStep, quoted};
+use super::path::{PathStep, quoted};
 use super::positions::{Positions, SpannedValue, ValueKind};
 use super::scan::{SyntaxError, scan};
-use super::text::{MAX_BYTES, line_column, too_large};
+use super::text::{line_column, too_large};
+use super::{describe::found, path};
+use crate::MAX_BYTES;
 use abbe_spectra::error::{Error, Result, nearest_name};
+use std::path::Path;
 
-/// An error about a patch contains a label instead of a file name. The label is this text followed
-/// by the path of the patch, for example `patch render.passes`. A program that takes patches from a
-/// command-line option can replace this text with the name of the option.
+/// In errors of a patch, this text and the path of the patch replace the file name, as in `patch
+/// render.passes`. A program can replace the text with the name of its command-line option.
 pub const PATCH_LABEL: &str = "patch ";
 
 /// A text to which all patches have been applied.
 pub(super) struct PatchedText {
-    /// The text.
     pub(super) text: String,
-    /// The origin of each part of the text.
     pub(super) pieces: TextPieces,
-    /// The position of each value in the text.
     pub(super) positions: Positions,
 }
 
@@ -63,7 +58,6 @@ struct TextPiece {
     origin: PieceOrigin,
 }
 
-/// The origin of a piece of text.
 #[derive(Debug, Clone)]
 pub(super) enum PieceOrigin {
     /// The piece comes from the file, where it starts at this byte offset.
@@ -109,25 +103,19 @@ impl TextPieces {
     }
 }
 
-/// One patch.
 struct PathPatch<'s> {
-    /// The path of the value to change.
     steps: Vec<PathStep>,
-    /// The new value.
     json: &'s str,
-    /// The name of the patch in errors.
     label: String,
 }
 
-/// A change of a text: `text` replaces the bytes `from..to`.
 struct TextEdit {
     from: usize,
     to: usize,
     text: String,
 }
 
-/// Scans a patched text. Text and patch are valid JSON by themselves, but the result can still be
-/// too large or too deeply nested.
+/// Scans a patched text, which can be too large or too deeply nested, although its parts are valid.
 fn rescan(text: &str, label: &str) -> Result<Positions> {
     if text.len() as u64 > MAX_BYTES {
         return Err(too_large().in_file(Path::new(label)));
@@ -189,8 +177,7 @@ fn is_bare_word(json: &str) -> bool {
 }
 
 impl PathPatch<'_> {
-    /// Returns the edit that applies the patch to a text. `root` is the outermost value of the
-    /// text.
+    /// Returns the edit that applies the patch to a text. `root` is the outermost value.
     fn edit(&self, root: SpannedValue) -> Result<TextEdit> {
         let mut value = root;
         for (i, step) in self.steps.iter().enumerate() {
@@ -221,8 +208,7 @@ impl PathPatch<'_> {
                 return Err(wrong_kind(before, value, "an array"));
             }
         }
-        // The new text follows the last element. In an empty container, the new text follows the
-        // opening bracket.
+        // The new text follows the last element, or the opening bracket of an empty container.
         let last = value.children().last();
         let at = last.map_or(value.start() + 1, SpannedValue::end);
         let text = if last.is_some() { format!(", {text}") } else { text };
@@ -230,13 +216,11 @@ impl PathPatch<'_> {
     }
 }
 
-/// Returns the error for a path through a missing array. A patch creates missing objects, but no
-/// arrays.
+/// Returns the error for a path through a missing array, as a patch creates only missing objects.
 fn no_such_value(steps: &[PathStep]) -> Error {
     Error::input(format!("found nothing at {}", path::display(steps))).expected("a path through existing values")
 }
 
-/// Returns the error for an index beyond the end of an array.
 fn out_of_range(array: &[PathStep], index: usize, value: SpannedValue) -> Error {
     let array = path::display(array);
     let error = Error::input(format!("found no element {index}"));
@@ -247,17 +231,14 @@ fn out_of_range(array: &[PathStep], index: usize, value: SpannedValue) -> Error 
     }
 }
 
-/// Returns the error for a name that no element of the array has.
 fn no_such_name(array: &[PathStep], name: &str, value: SpannedValue) -> Error {
-    let names: Vec<_> = value.children().filter_map(|element| element.get("name")).collect();
-    let names: Vec<_> =
-        names.into_iter().filter(|name| name.kind() == ValueKind::String).map(SpannedValue::content).collect();
+    let names = value.children().filter_map(|element| element.get("name"));
+    let names: Vec<_> = names.filter(|name| name.kind() == ValueKind::String).map(SpannedValue::content).collect();
     let near = nearest_name(name, names.iter().map(AsRef::as_ref));
     let what = format!("found no element with the name {} in {}", quoted(name), path::display(array));
     Error { suggestion: near, ..Error::input(what) }
 }
 
-/// Returns the error for a step into a value of the wrong kind.
 fn wrong_kind(steps: &[PathStep], value: SpannedValue, wanted: &str) -> Error {
     let place = if steps.is_empty() { "the top level".to_string() } else { path::display(steps) };
     Error::input(format!("found {} at {place}", found(value))).expected(wanted)

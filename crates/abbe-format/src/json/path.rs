@@ -3,12 +3,10 @@
 //! Some keys are written in brackets and quotes: `["such a key"]`. These are the empty key, and
 //! keys that contain white space, a control character or one of `.[]"=\`.
 
+use abbe_spectra::error::{Error, Result};
 use std::fmt;
 
-use abbe_spectra::error::{Error, Result};
-
-/// A JSON path. Each level of the path borrows the level above it. Therefore no memory is allocated
-/// to build a path.
+/// A JSON path. Each level borrows the level above it, so building a path allocates no memory.
 #[derive(Debug, Clone, Copy)]
 pub enum JsonPath<'a> {
     /// The outermost value.
@@ -20,13 +18,11 @@ pub enum JsonPath<'a> {
 }
 
 impl<'a> JsonPath<'a> {
-    /// Returns the path of the value with this key.
     #[must_use]
     pub fn key(&'a self, key: &'a str) -> JsonPath<'a> {
         JsonPath::Key(self, key)
     }
 
-    /// Returns the path of the element with this index, counted from 0.
     #[must_use]
     pub fn index(&'a self, index: usize) -> JsonPath<'a> {
         JsonPath::Index(self, index)
@@ -34,7 +30,7 @@ impl<'a> JsonPath<'a> {
 }
 
 impl fmt::Display for JsonPath<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             JsonPath::Root => Ok(()),
             JsonPath::Key(parent, key) => {
@@ -66,17 +62,14 @@ pub(super) fn push_key(path: &mut String, key: &str) {
     write_key(path, key, first).expect("writing to a string cannot fail");
 }
 
-/// Returns whether a key with this character must be quoted.
 fn needs_quotes(c: char) -> bool {
     matches!(c, '.' | '[' | ']' | '"' | '=' | '\\') || c.is_whitespace() || c.is_control()
 }
 
-/// Returns a text as a JSON string with quotes.
 pub(super) fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// One step of a path written by the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum PathStep {
     /// A key of an object.
@@ -133,8 +126,7 @@ pub(super) fn parse(path: &str) -> Result<Vec<PathStep>> {
     Ok(steps)
 }
 
-/// Parses the step that follows an opening bracket. Returns the step and the text after the closing
-/// bracket.
+/// Parses the step that follows an opening bracket. Also returns the text after the closing one.
 fn bracket(inner: &str) -> Option<(PathStep, &str)> {
     if inner.starts_with('"') {
         let mut strings = serde_json::Deserializer::from_str(inner).into_iter::<String>();
@@ -153,7 +145,6 @@ fn bracket(inner: &str) -> Option<(PathStep, &str)> {
     Some((step, after))
 }
 
-/// Returns the error for a malformed path.
 fn bad_path(path: &str) -> Error {
     Error::input(format!("cannot read the path \"{path}\"")).expected("one like objects[0].shape.sphere.radius")
 }
@@ -177,10 +168,8 @@ mod tests {
     fn a_malformed_path_is_an_error() {
         for path in [".a", "a.", "a..b", "a[", "a[]", "a[x]", "a[1]b", "a[\"x]", "a[-1]", "a[\"x\"b]"] {
             let error = parse(path).unwrap_err().to_string();
-            assert_eq!(
-                error,
-                format!("cannot read the path \"{path}\"; expected one like objects[0].shape.sphere.radius")
-            );
+            let expected = "expected one like objects[0].shape.sphere.radius";
+            assert_eq!(error, format!("cannot read the path \"{path}\"; {expected}"));
         }
     }
 }

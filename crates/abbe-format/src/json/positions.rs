@@ -4,18 +4,14 @@
 //! precedes its contents, and a key precedes its value. A node takes 12 bytes. The kind of the
 //! value follows from its first byte in the text.
 
+use super::path::{PathStep, push_key};
 use std::borrow::Cow;
 
-use super::path::{PathStep, push_key};
-
-/// The span of a value or key in the text.
+/// The byte offsets of a value or key in the text, and the number of the first node after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct JsonNode {
-    /// Byte offset of its first byte.
     pub(super) start: u32,
-    /// Byte offset after its last byte.
     pub(super) end: u32,
-    /// Number of the first node after the contents of the value.
     pub(super) next: u32,
 }
 
@@ -35,26 +31,18 @@ impl Positions {
         0..self.0.len() as u32
     }
 
-    /// Returns the outermost value.
     pub(super) fn root<'t>(&'t self, text: &'t str) -> SpannedValue<'t> {
         SpannedValue::in_list(text, &self.0, 0)
     }
 }
 
-/// The kinds of JSON values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ValueKind {
-    /// `null`.
     Null,
-    /// `true` or `false`.
     Bool,
-    /// A number.
     Number,
-    /// A string.
     String,
-    /// An array.
     Array,
-    /// An object.
     Object,
 }
 
@@ -72,37 +60,30 @@ impl<'t> SpannedValue<'t> {
         Self { text, nodes, id }
     }
 
-    /// Returns the number of the value's node.
     pub(super) fn id(self) -> u32 {
         self.id
     }
 
-    /// Returns the value whose node in the same text has the number `id`.
     pub(super) fn with_id(self, id: u32) -> Self {
         Self { id, ..self }
     }
 
-    /// Returns the value's node.
     fn node(self) -> JsonNode {
         self.nodes[self.id as usize]
     }
 
-    /// Returns the byte offset of the first byte.
     pub(super) fn start(self) -> usize {
         self.node().start as usize
     }
 
-    /// Returns the byte offset after the last byte.
     pub(super) fn end(self) -> usize {
         self.node().end as usize
     }
 
-    /// Returns the text of the value.
     pub(super) fn written(self) -> &'t str {
         &self.text[self.start()..self.end()]
     }
 
-    /// Returns the kind of the value.
     pub(super) fn kind(self) -> ValueKind {
         match self.text.as_bytes()[self.start()] {
             b'n' => ValueKind::Null,
@@ -119,13 +100,11 @@ impl<'t> SpannedValue<'t> {
         decode(self.written())
     }
 
-    /// Returns the elements of an array. For an object, returns each key followed by its value.
     pub(super) fn children(self) -> ChildValues<'t> {
         let next = self.node().next;
         ChildValues { end: next, at: self.with_id(self.id + 1) }
     }
 
-    /// Returns the keys and values of an object.
     pub(super) fn entries(self) -> impl Iterator<Item = (SpannedValue<'t>, SpannedValue<'t>)> {
         let mut all = self.children();
         std::iter::from_fn(move || Some((all.next()?, all.next()?)))
@@ -213,7 +192,6 @@ pub(super) struct ChildValues<'t> {
 }
 
 impl ChildValues<'_> {
-    /// Returns the number of values that are left.
     pub(super) fn left(&self) -> usize {
         self.clone().count()
     }

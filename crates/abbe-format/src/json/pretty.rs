@@ -17,8 +17,7 @@ pub fn one_line(value: &Value) -> String {
     }
 }
 
-/// Writes JSON on several lines. A value that fits into the rest of a line is not broken. The text
-/// ends with a newline.
+/// Writes JSON on several lines, which end with a newline. A value that fits is not broken.
 pub fn pretty(value: &Value) -> String {
     let mut text = String::new();
     write(value, 0, 0, &mut text);
@@ -29,7 +28,6 @@ fn quoted(key: &str) -> String {
     Value::from(key).to_string()
 }
 
-/// Returns whether a value is a number, or a list of numbers.
 fn is_numeric(value: &Value) -> bool {
     match value {
         Value::Number(_) => true,

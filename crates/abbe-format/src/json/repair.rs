@@ -1,11 +1,9 @@
-//! Repairs of a text with several faults. With the repairs, the rest of the text can be read and
-//! checked, so that one run finds all faults.
-
-use std::collections::BTreeSet;
+//! Repairs of a text with several faults, so that one run reads and checks the rest of it as well.
 
 use super::deserialize_error::{DeserializeError, DeserializeErrorKind};
 use super::positions::{SpannedValue, ValueKind};
 use abbe_spectra::error::nearest_name;
+use std::collections::BTreeSet;
 
 /// The repairs of a text. Nodes are given by their numbers.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -18,7 +16,6 @@ pub(super) struct Repairs {
     added: BTreeSet<(u32, &'static str)>,
 }
 
-/// The outcome of a repair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct RepairOutcome {
     /// True if the error is a fault of the text. Otherwise the error only follows from a repair.
@@ -28,17 +25,14 @@ pub(super) struct RepairOutcome {
 }
 
 impl Repairs {
-    /// Returns whether a stand-in replaces this value.
     pub(super) fn replaces(&self, value: SpannedValue) -> bool {
         self.replaced.contains(&value.id())
     }
 
-    /// Returns whether this key is ignored.
     pub(super) fn drops(&self, key: SpannedValue) -> bool {
         self.dropped.contains(&key.id())
     }
 
-    /// Returns the keys that are added to an object.
     pub(super) fn added_to(&self, object: SpannedValue) -> impl Iterator<Item = &'static str> {
         let id = object.id();
         self.added.range((id, "")..(id + 1, "")).map(|(_, key)| *key)

@@ -1,20 +1,16 @@
-//! A scanner of strict JSON (RFC 8259). It records the position of each value and explains syntax
-//! errors.
+//! A scanner of strict JSON (RFC 8259) that records positions and explains syntax errors.
 //!
-//! The scanner accepts the same texts as `serde_json`, with two exceptions. The scanner refuses
-//! duplicate keys. It accepts [`MAX_NESTING`] levels of nesting, which is one level more than
-//! `serde_json` accepts. The nesting limit also bounds the recursion of the scanner.
+//! It accepts the same texts as `serde_json`, except that it refuses duplicate keys, and accepts
+//! [`MAX_NESTING`] levels of nesting, one more than `serde_json`. The limit bounds its recursion.
 
-use super::describe::shorten;
 use super::path::{push_key, quoted};
 use super::positions::{JsonNode, Positions, SpannedValue, decode};
-use super::text::line_column;
+use super::{describe::shorten, text::line_column};
 use abbe_spectra::error::Error;
 
 /// The deepest allowed nesting of arrays and objects.
 pub(super) const MAX_NESTING: usize = 128;
 
-/// A syntax error and its position.
 #[derive(Debug)]
 pub(super) struct SyntaxError {
     /// Byte offset of the error in the text.
@@ -23,10 +19,8 @@ pub(super) struct SyntaxError {
     pub(super) error: Error,
 }
 
-/// The result of a step of the scan.
 type ScanResult<T> = Result<T, SyntaxError>;
 
-/// Returns the positions of all values of a text. The text must be shorter than 4 GiB.
 pub(super) fn scan(text: &str) -> ScanResult<Positions> {
     let mut scanner = Scanner { text, at: 0, nodes: Vec::new(), open: Vec::new() };
     scanner.skip_blanks()?;
@@ -42,7 +36,6 @@ pub(super) fn scan(text: &str) -> ScanResult<Positions> {
     Ok(Positions::new(scanner.nodes))
 }
 
-/// The state of a scan.
 struct Scanner<'t> {
     text: &'t str,
     /// Byte offset of the next byte to read.
@@ -57,13 +50,11 @@ struct Scanner<'t> {
 enum OpenContainer {
     /// In an object: the number of the current key's node, if the key was read.
     Object(Option<u32>),
-    /// In an array: the index of the current element, and whether the scanner is inside this
-    /// element.
+    /// In an array: the index of the current element, and whether the scanner is inside it.
     Array(usize, bool),
 }
 
 impl Scanner<'_> {
-    /// Returns the next byte without consuming it.
     fn peek(&self) -> Option<u8> {
         self.text.as_bytes().get(self.at).copied()
     }
@@ -86,13 +77,11 @@ impl Scanner<'_> {
         path
     }
 
-    /// Returns a syntax error at an offset.
     fn malformed(&self, offset: usize, found: impl AsRef<str>, expected: impl Into<String>) -> SyntaxError {
         let what = format!("malformed JSON: {}", found.as_ref());
         SyntaxError { offset, error: Error::input(what).expected(expected).on_path(self.path()) }
     }
 
-    /// Describes the text at an offset.
     fn glimpse(&self, offset: usize) -> String {
         let rest = &self.text[offset..];
         let word: String = rest.chars().take_while(|c| is_word(*c)).take(40).collect();
@@ -137,7 +126,6 @@ impl Scanner<'_> {
         node.next = next;
     }
 
-    /// Reads a value.
     fn value(&mut self) -> ScanResult<()> {
         match self.peek() {
             Some(b'{') => self.container(OpenContainer::Object(None)),
@@ -147,7 +135,6 @@ impl Scanner<'_> {
         }
     }
 
-    /// Reads an object or array.
     fn container(&mut self, level: OpenContainer) -> ScanResult<()> {
         if self.open.len() >= MAX_NESTING {
             // The error has no path, because such a long path would be useless.
@@ -245,7 +232,6 @@ impl Scanner<'_> {
         if self.peek().is_none() { Err(self.unfinished(id, b'}')) } else { Ok(()) }
     }
 
-    /// Returns the error for a text that ends inside a container.
     fn unfinished(&self, id: usize, close: u8) -> SyntaxError {
         let kind = if close == b'}' { "object" } else { "array" };
         let (line, column) = line_column(self.text, self.nodes[id].start as usize);
@@ -253,7 +239,6 @@ impl Scanner<'_> {
         self.malformed(self.text.len(), found, format!("`{}`", char::from(close)))
     }
 
-    /// Returns an error if an object contains the same key twice.
     fn refuse_duplicates(&mut self, id: usize) -> ScanResult<()> {
         let object = SpannedValue::in_list(self.text, &self.nodes, id as u32);
         let mut keys: Vec<_> = object.entries().map(|(key, _)| (key.content(), key.start())).collect();
@@ -268,7 +253,6 @@ impl Scanner<'_> {
         Err(SyntaxError { offset: *second, error: error.on_path(path) })
     }
 
-    /// Reads a string.
     fn string(&mut self) -> ScanResult<()> {
         let id = self.begin();
         let opening = self.at;
@@ -293,29 +277,22 @@ impl Scanner<'_> {
         Ok(())
     }
 
-    /// Reads an escape sequence in a string.
     fn escape(&mut self) -> ScanResult<()> {
         let start = self.at;
-        match self.text.as_bytes().get(self.at + 1) {
-            Some(b'"' | b'\\' | b'/' | b'b' | b'f' | b'n' | b'r' | b't') => {
-                self.at += 2;
-                return Ok(());
-            }
+        let length = match self.text.as_bytes().get(self.at + 1) {
+            Some(b'"' | b'\\' | b'/' | b'b' | b'f' | b'n' | b'r' | b't') => Some(2),
             Some(b'u') => match self.hex_escape(start) {
-                Some(0xD800..=0xDBFF) if matches!(self.hex_escape(start + 6), Some(0xDC00..=0xDFFF)) => {
-                    self.at += 12;
-                    return Ok(());
-                }
+                Some(0xD800..=0xDBFF) if matches!(self.hex_escape(start + 6), Some(0xDC00..=0xDFFF)) => Some(12),
                 Some(0xD800..=0xDFFF) => {
                     return Err(self.malformed(start, "found half of a surrogate pair in a string", "both halves"));
                 }
-                Some(_) => {
-                    self.at += 6;
-                    return Ok(());
-                }
-                None => {}
+                code => code.map(|_| 6),
             },
-            Some(_) | None => {}
+            Some(_) | None => None,
+        };
+        if let Some(length) = length {
+            self.at += length;
+            return Ok(());
         }
         let written: String = self.text[start..].chars().take(2).collect();
         let expected = "one of \\\" \\\\ \\/ \\b \\f \\n \\r \\t \\u and four hexadecimal digits";
@@ -347,7 +324,6 @@ impl Scanner<'_> {
         Ok(())
     }
 
-    /// Returns the error for a word that is not a JSON value.
     fn bad_word(&self, start: usize, word: &str) -> SyntaxError {
         let short = shorten(word);
         let bare = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
@@ -374,7 +350,6 @@ impl Scanner<'_> {
     }
 }
 
-/// Returns whether a character can be part of a bare word or a number.
 fn is_word(c: char) -> bool {
     c.is_alphanumeric() || matches!(c, '_' | '+' | '-' | '.')
 }
@@ -388,10 +363,8 @@ fn is_number(word: &str) -> bool {
         Some((mantissa, exponent)) => (mantissa, Some(exponent.strip_prefix(['+', '-']).unwrap_or(exponent))),
         None => (unsigned, None),
     };
-    let (whole, fraction) = match mantissa.split_once('.') {
-        Some((whole, fraction)) => (whole, Some(fraction)),
-        None => (mantissa, None),
-    };
+    let parts = mantissa.split_once('.');
+    let (whole, fraction) = parts.map_or((mantissa, None), |(whole, fraction)| (whole, Some(fraction)));
     digits(whole)
         && (whole == "0" || !whole.starts_with('0'))
         && fraction.is_none_or(digits)
@@ -423,8 +396,7 @@ mod tests {
     fn deep_nesting_is_an_error_and_not_a_stack_overflow() {
         let nested = |depth: usize| "[".repeat(depth) + &"]".repeat(depth);
         assert!(scan(&nested(MAX_NESTING)).is_ok());
-        let deep =
-            format!("{MAX_NESTING}: found arrays and objects nested more than 128 deep; expected at most 128 levels");
+        let deep = "128: found arrays and objects nested more than 128 deep; expected at most 128 levels";
         assert_eq!(message(&nested(MAX_NESTING + 1)), deep);
         assert_eq!(message(&"[".repeat(10_000_000)), deep);
         assert_eq!(message(&"{\"a\":".repeat(1000)).split(": ").nth(1), deep.split(": ").nth(1));

@@ -1,10 +1,9 @@
 //! Serialises the values of a scanned text. No tree of the values is built.
 
+use super::positions::{SpannedValue, ValueKind};
 use serde::ser::{Error, SerializeMap};
 use serde::{Serialize, Serializer};
 use serde_json::Number;
-
-use super::positions::{SpannedValue, ValueKind};
 
 impl Serialize for SpannedValue<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -24,7 +23,6 @@ impl Serialize for SpannedValue<'_> {
 
 /// An object of objects, such as a scene with its sections, without some of the inner entries.
 pub(super) struct Sections<'t, F> {
-    /// The outer object.
     pub(super) root: SpannedValue<'t>,
     /// Returns whether an entry stays. The arguments are the key of the section and of the entry.
     pub(super) keeps: F,

@@ -1,19 +1,13 @@
 //! A JSON text with its patches. Deserialises the text, and adds positions to errors.
 
+use super::patch::{PatchedText, PieceOrigin, TextPieces};
+use super::positions::{Positions, ValueKind};
+use super::{deserialize::ValueDeserializer, path, repair::Repairs, serialize::Sections, text::line_column};
+use crate::FileAccess;
+use abbe_spectra::error::{Error, MAX_FAULTS, Result};
+use serde::de::DeserializeOwned;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-
-use serde::de::DeserializeOwned;
-
-use super::deserialize::ValueDeserializer;
-use super::file_access::FileAccess;
-use super::patch::{PatchedText, PieceOrigin, TextPieces};
-use super::path;
-use super::positions::{Positions, ValueKind};
-use super::repair::Repairs;
-use super::serialize::Sections;
-use super::text::line_column;
-use abbe_spectra::error::{Error, MAX_FAULTS, Result};
 
 /// The character that some programs write at the start of a text file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
@@ -21,8 +15,7 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 /// A value of a text with faults.
 #[derive(Debug)]
 pub struct RepairedValue<T> {
-    /// The value, in which stand-ins replace the wrong parts. `None` if the text has too many
-    /// faults, or if the type has no stand-in.
+    /// The value with stand-ins for wrong parts. `None` after too many faults or without one.
     pub value: Option<T>,
     /// The faults of the text, each with its position.
     pub faults: Vec<Error>,
@@ -48,9 +41,8 @@ impl<T> RepairedValue<T> {
 /// A JSON text with the position of each of its values.
 #[derive(Debug, Clone)]
 pub struct JsonSource {
-    /// The path of the file, in the form in which the caller stated it.
+    /// The path of the file, as the caller gave it.
     pub path: PathBuf,
-    /// The text after all patches.
     pub text: String,
     /// The text before the patches, or `None` if there are no patches.
     unpatched: Option<String>,
@@ -60,10 +52,7 @@ pub struct JsonSource {
 }
 
 impl JsonSource {
-    /// Reads strict JSON and applies patches.
-    ///
-    /// `sets` are patches of the form `PATH=JSON`. They are applied in the order of the list.
-    /// `file` is the name of the text in errors.
+    /// Reads strict JSON, the text `file` in errors, and applies the patches `sets` (`PATH=JSON`).
     ///
     /// # Errors
     /// Returns an error if the text is not JSON, or if a patch cannot be applied.
@@ -78,11 +67,10 @@ impl JsonSource {
         Ok(Self { path: file.to_path_buf(), text, unpatched, pieces, positions, file_access })
     }
 
-    /// Deserialises a value of type `T` from the text.
+    /// Deserialises the text.
     ///
     /// # Errors
-    /// If values do not fit the type, returns an error with the file, line, column and JSON path of
-    /// each wrong value.
+    /// Returns an error with the file, line, column and JSON path of each value that does not fit.
     pub fn deserialize<T: DeserializeOwned>(&self) -> Result<T> {
         let RepairedValue { value, faults, .. } = self.deserialize_repaired();
         match (value, Error::all(faults)) {
@@ -92,8 +80,7 @@ impl JsonSource {
         }
     }
 
-    /// Deserialises a value of type `T` from the text. A part of the text that does not fit the type
-    /// is reported and replaced, so that the rest can be checked.
+    /// Deserialises the text. A part that does not fit is reported and replaced.
     pub fn deserialize_repaired<T: DeserializeOwned>(&self) -> RepairedValue<T> {
         let root = self.positions.root(&self.text);
         let (mut faults, mut repairs) = (Vec::new(), Repairs::default());
@@ -113,9 +100,8 @@ impl JsonSource {
         }
     }
 
-    /// Returns the values of the text as compact JSON. `keeps` returns whether an entry of a
-    /// section stays; its arguments are the key of the section and the key of the entry. A section
-    /// is an object inside the outermost object.
+    /// Returns the values of the text as compact JSON. `keeps` returns whether an entry stays, from
+    /// the key of its section (an object inside the outermost object) and from its own key.
     pub fn compact(&self, keeps: impl Fn(&str, &str) -> bool) -> String {
         let root = self.positions.root(&self.text);
         serde_json::to_string(&Sections { root, keeps }).expect("the scanner has checked the text")
@@ -128,7 +114,6 @@ impl JsonSource {
         self.positions.ids().filter(is_string).map(move |id| root.with_id(id).content())
     }
 
-    /// Returns the folder to which paths in the text are relative.
     pub fn folder(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
     }
@@ -139,13 +124,11 @@ impl JsonSource {
         Self { file_access, ..self }
     }
 
-    /// Returns which files the text may name.
     pub fn file_access(&self) -> FileAccess {
         self.file_access
     }
 
-    /// Returns the path of a file that is named in the text. The name is relative to the folder of
-    /// the text.
+    /// Returns the path of a file that the text names relative to its folder.
     ///
     /// # Errors
     /// Returns an error if the path leads out of the folder and the file access does not allow it.
@@ -153,17 +136,19 @@ impl JsonSource {
         self.file_access.file(self.folder(), Path::new(path))
     }
 
-    /// Adds file, line, column and path to an error that was found after the text was read.
-    ///
-    /// The value at `json_path` gives the position of the error. If there is no such value, the
-    /// deepest existing value on the path gives the position. An error may already name another
-    /// file, such as a malformed lamp.csv. In such an error, the name of the other file stays, and
-    /// this function adds only the JSON path.
+    /// Adds file, line, column and path to an error that was found after the text was read. The
+    /// position is that of the deepest existing value on `json_path`. An error that already names
+    /// another file, such as a malformed lamp.csv, gets only the path.
     #[must_use]
     pub fn error_at(&self, json_path: &str, error: Error) -> Error {
         let steps = path::parse(json_path).unwrap_or_default();
         let value = self.positions.root(&self.text).nearest(&steps);
         self.error_at_offset(value.start(), error.on_path(json_path))
+    }
+
+    #[must_use]
+    pub fn fault(&self, at: &path::JsonPath, what: impl Into<String>, expected: impl Into<String>) -> Error {
+        self.error_at(&at.to_string(), Error::input(what).expected(expected))
     }
 
     /// Adds file, line and column to an error whose faults already have their JSON paths.
@@ -177,8 +162,7 @@ impl JsonSource {
         Error { others: faults.collect(), ..first }
     }
 
-    /// Adds file, line and column to an error. `offset` is the position of the error as a byte
-    /// offset in the patched text.
+    /// Adds file, line and column to an error at a byte offset of the patched text.
     fn error_at_offset(&self, offset: usize, error: Error) -> Error {
         if error.location.file.is_some() {
             return error;

@@ -1,15 +1,13 @@
 //! Reads text files within a size limit, and finds the line and column of a byte offset.
 
+use abbe_spectra::error::{Error, Result};
 use std::io::Read;
 use std::path::Path;
-
-use abbe_spectra::error::{Error, Result};
 
 /// Size in bytes of the largest JSON text that is read (256 MiB).
 pub const MAX_BYTES: u64 = 256 << 20;
 
-/// Returns the line and the column of a byte offset. Both numbers start at 1, and the column is
-/// counted in characters.
+/// Returns the line and the column of a byte offset, both from 1. The column counts characters.
 pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
     let mut offset = offset.min(text.len());
     while !text.is_char_boundary(offset) {
@@ -46,7 +44,6 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
-/// Returns the error for a text that is too large.
 pub(super) fn too_large() -> Error {
     Error::input("found a file above 256 MiB").expected("at most 256 MiB (put large data in separate files)")
 }
@@ -55,7 +52,6 @@ pub(super) fn too_large() -> Error {
 mod tests {
     use super::*;
 
-    /// Lines and columns count from 1, and columns count characters.
     #[test]
     fn lines_and_columns_count_from_one_and_in_characters() {
         let text = "ab\nλµ x\r\n\n";

@@ -1,15 +1,11 @@
 //! Distant lights in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-
 use super::validate_pose;
-use crate::check;
-use crate::forms;
-use crate::json::JsonPath;
-use crate::quantity::{QuantityFile, one_quantity, validate_quantity};
-use crate::spectrum::{ImageFile, SpectrumFile, SpectrumUse};
-use crate::transform::{KeyframeFile, TransformFile};
+use crate::prelude::*;
+use crate::quantity::{one_quantity, validate_quantity};
+use crate::{
+    ImageFile, JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse,
+};
 use abbe_spectra::error::Result;
 
 /// A directional light. State exactly one of `irradiance` and `illuminance`. The power is not a key
@@ -29,16 +25,13 @@ pub struct DirectionalFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Irradiance over 360–830 nm on a surface that faces the light.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
     pub irradiance: Option<f64>,
     /// Illuminance on a surface that faces the light.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
     pub illuminance: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Rotation of the light. Translations have no effect.
@@ -57,31 +50,25 @@ pub struct DirectionalFile {
 #[serde(deny_unknown_fields)]
 pub struct EnvironmentFile {
     /// Relative distribution of the light over wavelength, the same from all directions.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub spectrum: Option<SpectrumFile>,
     /// A picture of all directions. PNG, JPEG, OpenEXR and Radiance HDR files are read.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageFile>,
     /// Projection of the picture.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub projection: ProjectionFile,
     /// π × the mean radiance over 360–830 nm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W/m²"))]
     pub irradiance: Option<f64>,
     /// π × the mean luminance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
     pub illuminance: Option<f64>,
     /// Luminance of the light. For a picture, luminance of a pixel with the linear value (1, 1, 1).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
     pub luminance: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Rotation of the light. Translations have no effect.
@@ -109,33 +96,11 @@ pub enum ProjectionFile {
 }
 
 impl DirectionalFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
     pub fn quantity(&self) -> Result<QuantityFile> {
         one_quantity(&[(self.irradiance, QuantityFile::Irradiance), (self.illuminance, QuantityFile::Illuminance)])
     }
-}
 
-impl EnvironmentFile {
-    /// Returns the quantity that the emitter states.
-    ///
-    /// # Errors
-    /// Returns an error if no quantity is stated, if several quantities are stated, or if the
-    /// quantity is below 0.
-    pub fn quantity(&self) -> Result<QuantityFile> {
-        one_quantity(&[
-            (self.irradiance, QuantityFile::Irradiance),
-            (self.illuminance, QuantityFile::Illuminance),
-            (self.luminance, QuantityFile::Luminance),
-        ])
-    }
-}
-
-impl DirectionalFile {
-    /// Checks the ranges of values, the direction, the quantity, the transform and the keyframes.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let inside = (0.0..180.0).contains(&self.angular_diameter);
         let allowed = "a number of at least 0 and below 180";
@@ -150,8 +115,15 @@ impl DirectionalFile {
 }
 
 impl EnvironmentFile {
-    /// Checks that all values are in range and that the light has exactly one source and one
-    /// quantity.
+    /// Returns the quantity, or an error if there is not exactly one, or if it is below 0.
+    pub fn quantity(&self) -> Result<QuantityFile> {
+        one_quantity(&[
+            (self.irradiance, QuantityFile::Irradiance),
+            (self.illuminance, QuantityFile::Illuminance),
+            (self.luminance, QuantityFile::Luminance),
+        ])
+    }
+
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         check::all([
             check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())]),

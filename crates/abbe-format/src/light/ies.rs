@@ -1,17 +1,11 @@
 //! Luminaires with a measured distribution of intensity.
 
-use crate::JsonSchema;
-use glam::DVec3;
-use serde::{Deserialize, Serialize};
-
 use super::validate_pose;
-use crate::check;
-use crate::forms;
-use crate::json::JsonPath;
-use crate::quantity::{QuantityFile, one_quantity, validate_quantity};
-use crate::spectrum::{SpectrumFile, SpectrumUse};
-use crate::transform::{KeyframeFile, TransformFile};
+use crate::prelude::*;
+use crate::quantity::{one_quantity, validate_quantity};
+use crate::{JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse};
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
 
 /// A luminaire with a measured distribution of intensity. State at most one of `power` and
 /// `luminous_flux`. By default, the luminaire has the luminous intensities of the file.
@@ -26,7 +20,6 @@ pub struct IesFile {
     pub toward: [f64; 3],
     /// Direction of the half-plane C0 (horizontal angle 0). Only the part across `toward` counts.
     /// Seen from above a ceiling luminaire, the angles C increase counter-clockwise.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-range" = "not parallel to `toward`"))]
     #[schemars(extend("x-default" = "`[1, 0, 0]`, turned with the axis if `toward` is not down"))]
     pub c0: Option<[f64; 3]>,
@@ -43,16 +36,13 @@ pub struct IesFile {
     #[schemars(extend("minimum" = 0))]
     pub spectrum: SpectrumFile,
     /// Power over 360–830 nm. It replaces the luminous flux of the file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
     /// Luminous flux. It replaces the luminous flux of the file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lm"))]
     pub luminous_flux: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
     /// Placement of the light in the scene.
@@ -66,10 +56,7 @@ pub struct IesFile {
 }
 
 impl IesFile {
-    /// Returns the quantity that the emitter states, or `None` if the file sets the scale.
-    ///
-    /// # Errors
-    /// Returns an error if both quantities are stated, or if the quantity is below 0.
+    /// Returns the quantity, or `None` if the file sets the scale. Two, or one below 0, are errors.
     pub fn quantity(&self) -> Result<Option<QuantityFile>> {
         match (self.power, self.luminous_flux) {
             (None, None) => return Ok(None),
@@ -83,7 +70,6 @@ impl IesFile {
         one_quantity(&choices).map(Some)
     }
 
-    /// Checks the directions, the spectrum, the quantity, the transform and the keyframes.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let quantity = self.quantity().map_or_else(|error| validate_quantity(at, Err(error)), |_| Ok(()));
         check::all([

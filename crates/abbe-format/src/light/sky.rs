@@ -1,16 +1,7 @@
 //! Standard skies in the scene file.
 
-use crate::JsonSchema;
-use serde::{Deserialize, Serialize};
-#[cfg(feature = "schema")]
-use serde_json::json;
-
-use crate::check;
-use crate::date_time;
-use crate::forms;
-use crate::json::JsonPath;
-use crate::spectrum::{SpectrumFile, SpectrumUse};
-use crate::transform::TransformFile;
+use crate::prelude::*;
+use crate::{JsonPath, SpectrumFile, TransformFile, check, date_time, forms, spectrum::SpectrumUse};
 use abbe_scene::light::{GeographicPlace, StandardSky, SunDirection, SunPosition};
 use abbe_spectra::error::Result;
 
@@ -33,23 +24,18 @@ pub struct SkyFile {
     pub kind: u32,
     /// Elevation of the sun above the horizon. This key, or `place` and `time`, are required with
     /// `sun`, and for all types with a luminance that depends on the sun: 2, 4 and 6 to 15.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 90), extend("x-unit" = "°"))]
     pub sun_elevation: Option<f64>,
     /// Azimuth of the sun from north (−z) through east (+x).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "°", "x-default" = "180"))]
     pub sun_azimuth: Option<f64>,
     /// Place on the earth, for the position of the sun.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<PlaceFile>,
     /// Date and time with the offset from UTC, for the position of the sun, such as
     /// `2026-06-21T12:00:00+02:00`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("format" = "date-time"))]
     pub time: Option<String>,
     /// The sun as a light, in addition to the sky.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sun: Option<SunFile>,
     /// Illuminance of a horizontal plane under the unobstructed sky, without the sun.
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
@@ -65,7 +51,6 @@ pub struct SkyFile {
     pub spectrum: SpectrumFile,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
     /// the picture.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the light is its own group"))]
     pub group: Option<String>,
 }
@@ -94,7 +79,6 @@ pub struct PlaceFile {
 pub struct SunFile {
     /// Illuminance on a surface that faces the sun. The default is 127 500 lx · exp(−0.21/sin γ) at
     /// the elevation γ (IES RP-21). It exists only for the clear skies: types 11 to 15.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("x-unit" = "lx", "x-default" = "of a clear sky"))]
     pub illuminance: Option<f64>,
     /// Relative distribution of the light over wavelength.
@@ -106,7 +90,6 @@ pub struct SunFile {
     #[schemars(range(min = 0), extend("exclusiveMaximum" = 180, "x-unit" = "°"))]
     pub angular_diameter: f64,
     /// Name of the light's group.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-default" = "the group of the sky"))]
     pub group: Option<String>,
 }
@@ -142,11 +125,8 @@ impl SkyFile {
     /// A sky has no transform.
     pub(super) const TRANSFORM: &'static TransformFile = &TransformFile(Vec::new());
 
-    /// Returns the position of the sun in the scene: its azimuth is counted from the axis −z.
-    /// Returns `None` if the sky states no position.
-    ///
-    /// # Errors
-    /// Returns an error if `time` is not a time.
+    /// Returns the position of the sun in the scene, with the azimuth counted from the axis −z, or
+    /// `None` if the sky has none. A malformed `time` is an error.
     pub fn sun_position(&self) -> Result<Option<SunPosition>> {
         if let (Some(place), Some(time)) = (&self.place, &self.time) {
             let PlaceFile { latitude: latitude_deg, longitude: longitude_deg, heading } = *place;
@@ -162,7 +142,6 @@ impl SkyFile {
         Ok(self.sun_elevation.map(of_elevation))
     }
 
-    /// Checks the ranges of values, the position of the sun and the spectra.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { kind, sun_elevation, place, illuminance, ground_reflectance, spectrum, sun, .. } = self;
         let elevation = sun_elevation.map_or(Ok(()), |elevation| {
@@ -181,15 +160,13 @@ impl SkyFile {
         ])
     }
 
-    /// Checks that the position of the sun is stated at most once, that it is stated if the light
-    /// depends on it, and that the sun is then above the horizon.
+    /// Checks that there is at most one position of the sun, above the horizon if it matters.
     fn validate_sun_position(&self, at: &JsonPath) -> Result<()> {
-        let by_place = match (&self.place, &self.time) {
-            (Some(_), Some(_)) => true,
-            (None, None) => false,
-            (Some(_), None) => return Err(check::fault(at, "found `place` without `time`", "both keys")),
-            (None, Some(_)) => return Err(check::fault(at, "found `time` without `place`", "both keys")),
-        };
+        let by_place = self.place.is_some();
+        if by_place != self.time.is_some() {
+            let (one, other) = if by_place { ("place", "time") } else { ("time", "place") };
+            return Err(check::fault(at, format!("found `{one}` without `{other}`"), "both keys"));
+        }
         for (key, explicit) in [("sun_elevation", self.sun_elevation), ("sun_azimuth", self.sun_azimuth)] {
             if by_place && explicit.is_some() {
                 let what = format!("found `{key}` beside `place` and `time`");
@@ -227,7 +204,7 @@ impl PlaceFile {
 }
 
 impl SunFile {
-    /// Checks the ranges of values. `kind` is the number of the sky type.
+    /// `kind` is the number of the sky type.
     fn validate(&self, at: &JsonPath, kind: u32) -> Result<()> {
         let illuminance = match self.illuminance {
             Some(illuminance) => check::not_negative(&at.key("illuminance"), illuminance),

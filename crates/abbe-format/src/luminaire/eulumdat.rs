@@ -42,10 +42,7 @@ impl LdtLines<'_> {
     }
 }
 
-/// Parses a file.
-///
-/// # Errors
-/// Returns an error with line and column if the file is damaged.
+/// Parses a file. An error has its line and column.
 pub(super) fn parse(text: &str) -> Result<Photometry> {
     let lines = LdtLines(text.lines().collect());
     let symmetry = symmetry(lines.number(3, "the symmetry (Isym)")?)?;
@@ -150,9 +147,8 @@ fn planes_of(symmetry: LuminaireSymmetry, listed: &[PlacedValue], count: PlacedV
     Ok((angles, stored))
 }
 
-/// Returns the luminous opening. The format states lengths in mm. The length is along C90, and a
-/// width of 0 means a disk.
-fn opening(lines: &LdtLines<'_>) -> Result<OpeningSize> {
+/// Returns the luminous opening (mm in the file): the length along C90, and a disk for width 0.
+fn opening(lines: &LdtLines) -> Result<OpeningSize> {
     let mut sides = [0.0; 3];
     for (side, line) in sides.iter_mut().zip([16, 17, 18]) {
         *side = lines.number_or_0(line, "a side of the luminous area in mm")?.abs() / 1000.0;

@@ -14,7 +14,6 @@ const METRES_PER_FOOT: f64 = 0.3048;
 /// Reads the text of a file with tilt factors, given its name.
 type TiltFile<'a> = &'a dyn Fn(&str) -> Result<String>;
 
-/// A version of the format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Lm63Version {
     Y1986,
@@ -91,10 +90,7 @@ fn words(row: &str) -> impl Iterator<Item = (usize, &str)> {
     })
 }
 
-/// Parses a file.
-///
-/// # Errors
-/// Returns an error with line and column if the file is damaged.
+/// Parses a file. An error has its line and column.
 pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
     let lines: Vec<&str> = text.lines().collect();
     let version = Lm63Version::of(lines.first().copied().unwrap_or_default())?;
@@ -126,8 +122,7 @@ pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
     Ok(photometry)
 }
 
-/// Returns the name of the luminaire from the keywords. A file of 1986 has no keywords, so its
-/// first line is the name.
+/// Returns the name of the luminaire from the keywords, or the first line of a file of 1986.
 fn name_of(header: &[&str], version: Lm63Version) -> String {
     let keyword = |key: &str| {
         let line = header.iter().find_map(|line| line.trim_start().strip_prefix(key));
@@ -143,7 +138,7 @@ fn name_of(header: &[&str], version: Lm63Version) -> String {
 }
 
 /// Reads tilt factors: the geometry of the lamp, the number of pairs, the angles and the factors.
-fn tilt_factors(numbers: &mut NumberReader<'_>) -> Result<Vec<(f64, f64)>> {
+fn tilt_factors(numbers: &mut NumberReader) -> Result<Vec<(f64, f64)>> {
     let geometry = numbers.next("the geometry of the lamp (1 to 3)")?;
     if ![1.0, 2.0, 3.0].contains(&geometry.value) {
         return Err(geometry.wrong("the geometry of the lamp", "1, 2 or 3"));
@@ -156,7 +151,6 @@ fn tilt_factors(numbers: &mut NumberReader<'_>) -> Result<Vec<(f64, f64)>> {
     Ok(angles.into_iter().zip(factors.collect::<Result<Vec<f64>>>()?).collect())
 }
 
-/// Reads the tilt factors of another file.
 fn other_tilt(name: &str, tilt_file: TiltFile<'_>) -> Result<Vec<(f64, f64)>> {
     let shown: String = name.chars().take(80).collect();
     if name.is_empty() {
@@ -174,8 +168,7 @@ fn other_tilt(name: &str, tilt_file: TiltFile<'_>) -> Result<Vec<(f64, f64)>> {
     })
 }
 
-/// Reads the numbers after the tilt factors.
-fn luminaire(numbers: &mut NumberReader<'_>, version: Lm63Version) -> Result<Photometry> {
+fn luminaire(numbers: &mut NumberReader, version: Lm63Version) -> Result<Photometry> {
     let lamps = numbers.next("the number of lamps")?;
     let lumens = numbers.next("the lumens per lamp")?;
     let multiplier = numbers.next("the multiplier of the intensities")?;
@@ -280,8 +273,7 @@ fn symmetry(kind: PhotometricType, vertical: &[f64], horizontal: &[f64]) -> Resu
     }
 }
 
-/// Returns the opening. The width is across the plane C0–C180, and the length is along it. Negative
-/// numbers are diameters.
+/// Returns the opening: the width across C0–C180, the length along it. Negative is a diameter.
 fn opening([width, length, height]: [f64; 3]) -> OpeningSize {
     let shape = match (width, length) {
         (0.0, 0.0) => OpeningShape::Point,

@@ -1,5 +1,4 @@
-//! Files with the measured distribution of intensity of a luminaire: IES LM-63 (`.ies`) and
-//! EULUMDAT (`.ldt`).
+//! Measured distributions of luminaires: IES LM-63 (`.ies`) and EULUMDAT (`.ldt`).
 
 mod eulumdat;
 mod ies;
@@ -9,11 +8,10 @@ mod summary;
 #[cfg(test)]
 mod tests;
 
+use crate::FileAccess;
+use abbe_spectra::error::{Error, Result};
 use std::io::Read;
 use std::path::Path;
-
-use crate::json::FileAccess;
-use abbe_spectra::error::{Error, Result};
 
 pub use photometry::{LuminaireSymmetry, OpeningSize, Photometry};
 pub use summary::{BeamAngles, LuminaireSummary};
@@ -26,13 +24,12 @@ pub fn is_luminaire(path: &Path) -> bool {
     path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ies") || end.eq_ignore_ascii_case("ldt"))
 }
 
-/// Reads a luminaire file. A file whose name ends with `.ldt` is read as EULUMDAT, and all others
-/// as IES LM-63. `access` decides whether the file may name a file with tilt factors in another
-/// folder.
+/// Reads a luminaire file: EULUMDAT if its name ends with `.ldt`, and IES LM-63 otherwise. `access`
+/// decides whether the file may name a file with tilt factors in another folder.
 ///
 /// # Errors
-/// Returns an error with the name of the file, and with the line and the column if they are known.
-/// The error occurs if the file cannot be read, is larger than 16 MiB, or is damaged.
+/// Returns an error with the name of the file, and with its line and column if they are known, if
+/// the file cannot be read, is larger than 16 MiB, or is damaged.
 pub fn read(path: &Path, access: FileAccess) -> Result<Photometry> {
     let text = text_of(path)?;
     let is_eulumdat = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ldt"));
@@ -45,19 +42,12 @@ pub fn read(path: &Path, access: FileAccess) -> Result<Photometry> {
     parsed.and_then(|photometry| photometry.table().map(|_| photometry)).map_err(|error| error.in_file(path))
 }
 
-/// Parses the text of an IES LM-63 file. A file that names another file with tilt factors is
-/// refused.
-///
-/// # Errors
-/// Returns an error with the line and the column if the text is damaged.
+/// Parses an IES LM-63 file without another file of tilt factors. Errors have a line and column.
 pub fn parse_ies(text: &str) -> Result<Photometry> {
     ies::parse(text, &|_| Err(Error::input("the tilt factors are in another file")))
 }
 
-/// Parses the text of an EULUMDAT file.
-///
-/// # Errors
-/// Returns an error with the line and the column if the text is damaged.
+/// Parses the text of an EULUMDAT file. An error has its line and column.
 pub fn parse_eulumdat(text: &str) -> Result<Photometry> {
     eulumdat::parse(text)
 }

@@ -33,14 +33,12 @@ impl PlacedValue {
         Error::input(format!("{what}: {}", self.value)).expected(expected).at(self.line, self.column)
     }
 
-    /// Returns the number as a count.
     pub(super) fn count(self, what: &str, least: usize) -> Result<usize> {
         let is_whole = self.value.fract() == 0.0 && self.value >= least as f64 && self.value <= MAX_VALUES as f64;
         let wrong = || self.wrong(what, &format!("a whole number from {least} to {MAX_VALUES}"));
         is_whole.then_some(self.value as usize).ok_or_else(wrong)
     }
 
-    /// Returns the number if it is at least 0.
     pub(super) fn not_negative(self, what: &str) -> Result<f64> {
         if self.value >= 0.0 { Ok(self.value) } else { Err(self.wrong(what, "a number of at least 0")) }
     }
@@ -55,8 +53,7 @@ pub(super) fn check_values(vertical: usize, horizontal: usize, place: PlacedValu
     Err(Error::input(what).expected(format!("at most {MAX_VALUES}")).at(place.line, place.column))
 }
 
-/// Checks that angles in degrees ascend within a range. Angles close to a multiple of 90° are
-/// rounded to the multiple.
+/// Checks that angles in degrees ascend within a range, and rounds those near a multiple of 90°.
 pub(super) fn ascending(angles: &[PlacedValue], what: &str, (from, to): (f64, f64)) -> Result<Vec<f64>> {
     let snapped = |angle: f64| {
         let corner = (angle / 90.0).round() * 90.0;

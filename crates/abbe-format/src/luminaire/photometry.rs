@@ -19,7 +19,6 @@ pub enum LuminaireSymmetry {
 }
 
 impl LuminaireSymmetry {
-    /// Describes the symmetry in a few words.
     pub fn description(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -44,19 +43,14 @@ pub struct OpeningSize {
     pub height_m: f64,
 }
 
-/// The content of a luminaire file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photometry {
-    /// The name and the version of the format.
     pub format: String,
     /// The name of the luminaire. It may be empty.
     pub name: String,
-    /// The coordinate system of the angles.
     pub kind: PhotometricType,
-    /// The symmetry of the distribution.
     pub symmetry: LuminaireSymmetry,
-    /// The vertical angles in degrees, ascending. For type C, these are the angles γ, from 0 to
-    /// 180.
+    /// The vertical angles in degrees, ascending. For type C, these are the angles γ (0 to 180).
     pub vertical_deg: Vec<f64>,
     /// The horizontal angles in degrees, ascending. For type C, these are the angles C.
     pub horizontal_deg: Vec<f64>,
@@ -67,7 +61,6 @@ pub struct Photometry {
     pub lamp_lumens: Option<f64>,
     /// The electric power in W, if the file states it.
     pub input_watts: Option<f64>,
-    /// The luminous opening.
     pub opening: OpeningSize,
     /// Pairs of a tilt angle of the luminaire in degrees and the factor of its intensity,
     /// ascending. The list is empty if the flux does not depend on the tilt.
@@ -75,10 +68,7 @@ pub struct Photometry {
 }
 
 impl Photometry {
-    /// Returns the intensity in cd over all directions.
-    ///
-    /// # Errors
-    /// Returns an error if all intensities are 0.
+    /// Returns the intensity in cd over all directions, or an error if all intensities are 0.
     pub fn table(&self) -> Result<IntensityTable> {
         let count = self.vertical_deg.len();
         let mut planes: Vec<Vec<f64>> = self.candela.chunks(count.max(1)).map(<[f64]>::to_vec).collect();
@@ -136,8 +126,7 @@ impl Photometry {
         }
     }
 
-    /// Returns the factor of the intensity for a tilt of the luminaire in degrees. It is linear
-    /// between the angles of the file.
+    /// Returns the factor of the intensity for a tilt in degrees, linear between the file's.
     pub fn tilt_factor(&self, tilt_deg: f64) -> f64 {
         let (Some(first), Some(last)) = (self.tilt.first(), self.tilt.last()) else { return 1.0 };
         let tilt = tilt_deg.clamp(first.0, last.0);

@@ -23,7 +23,6 @@ pub struct BeamAngles {
     pub tenth_deg: f64,
 }
 
-/// The figures of a luminaire.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LuminaireSummary {
     /// The luminous flux in lm: the integral of the interpolated intensity.
@@ -42,10 +41,7 @@ pub struct LuminaireSummary {
 }
 
 impl LuminaireSummary {
-    /// Computes the figures of a luminaire.
-    ///
-    /// # Errors
-    /// Returns an error if all intensities are 0.
+    /// Computes the figures, or returns an error if all intensities are 0.
     pub fn of(photometry: &Photometry) -> Result<Self> {
         let table = photometry.table()?;
         let flux_lm = table.flux();
@@ -64,22 +60,19 @@ impl LuminaireSummary {
         })
     }
 
-    /// Returns the polar curve of a plane: pairs of an angle in degrees and the intensity in cd.
-    /// Angles from 0 to 180 are angles γ in the half-plane `c_deg`, and angles from −180 to 0 are
-    /// angles γ in the opposite half-plane.
+    /// Returns the polar curve of a plane as pairs of degrees and cd: γ in the half-plane `c_deg`
+    /// from 0 to 180, and γ in the opposite half-plane from −180 to 0.
     pub fn polar_curve(&self, c_deg: f64) -> Vec<(f64, f64)> {
         (-180..=180_i16).map(f64::from).map(|angle| (angle, in_plane(&self.table, c_deg, angle))).collect()
     }
 }
 
-/// Returns the intensity in a plane at an angle from the photometric axis. Both angles are in
-/// degrees.
+/// Returns the intensity in a plane at an angle from the photometric axis, both in degrees.
 fn in_plane(table: &IntensityTable, c_deg: f64, angle_deg: f64) -> f64 {
     let ((sin, cos), (sin_c, cos_c)) = (sin_cos(angle_deg.to_radians()), sin_cos(c_deg.to_radians()));
     table.at(DVec3::new(sin * cos_c, sin * sin_c, cos))
 }
 
-/// Returns the fraction of the flux in the hemisphere around the photometric axis.
 fn downward(table: &IntensityTable) -> f64 {
     let (rings, sectors) = SPHERE_STEPS;
     let mut fluxes = [0.0; 2];
@@ -101,7 +94,6 @@ fn beam(table: &IntensityTable, c_deg: f64) -> Option<BeamAngles> {
     (largest > 0.0).then(|| BeamAngles { half_deg: extent(0.5), tenth_deg: extent(0.1) })
 }
 
-/// Returns the angle of a step in degrees, from 0 to 360.
 fn angle_of(step: u16) -> f64 {
     360.0 * f64::from(step) / f64::from(PLANE_STEPS)
 }

@@ -50,8 +50,7 @@ type Fold = fn(f64) -> f64;
 
 const GAMMA: [f64; 5] = [0.0, 20.0, 45.0, 90.0, 150.0];
 
-/// The intensities of planes at these angles C. `fold` maps an angle to the angle that determines
-/// the plane.
+/// The intensities of planes at these angles C. `fold` maps an angle to the one of its plane.
 fn planes(all_c: &[f64], fold: impl Fn(f64) -> f64) -> Vec<f64> {
     let value = |c: f64, gamma: f64| 100.0 + fold(c) * (1.0 - gamma / 300.0) - 0.3 * gamma;
     all_c.iter().flat_map(|&c| GAMMA.map(|gamma| value(c, gamma))).collect()
@@ -91,7 +90,7 @@ fn a_lambertian_table_has_the_flux_of_a_lambertian_source() {
     let values: Vec<f64> = gamma.iter().map(|angle| 300.0 * angle.to_radians().cos()).collect();
     let lamp = parse_ies(&ies(1, &gamma, &[0.0], &values)).unwrap();
     let summary = LuminaireSummary::of(&lamp).unwrap();
-    // Linear interpolation of the cosine in steps of 1° loses a share of about h²/12.
+    // Linear interpolation of the cosine in steps of 1° loses a fraction of about h²/12.
     assert!((summary.flux_lm / (PI * 300.0) - 1.0).abs() < 3e-5, "{}", summary.flux_lm);
     assert_eq!((summary.peak_cd, summary.peak_deg), (300.0, [0.0, 0.0]));
     assert!((summary.downward - 1.0).abs() < 1e-4);
@@ -311,8 +310,7 @@ proptest! {
     }
 }
 
-/// Resolves a scene with one luminaire and one point light of 1000 lm. Returns the scene, or the
-/// error.
+/// Resolves a scene with one luminaire and one point light of 1000 lm.
 fn scene_with(folder: &Path, keys: &str) -> Result<abbe_scene::Scene> {
     let text = format!(
         r#"{{"camera": {{"from": [0, 1, 5], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 35}}}}}},

@@ -1,9 +1,8 @@
 //! The materials of mesh files, independent of the file format.
 
-use std::sync::Arc;
-
 use crate::PictureFile;
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
+use std::sync::Arc;
 
 /// A material of a mesh file. Colours are linear sRGB.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,68 +11,52 @@ pub struct MeshMaterial {
     pub name: String,
     /// Colour of the diffuse reflection, or colour of the metal. Each component is from 0 to 1.
     pub base_colour: [f64; 3],
-    /// A picture of colours that multiplies the base colour.
     pub base_colour_texture: Option<MeshTexture>,
     /// 0 for a dielectric, 1 for a metal.
     pub metallic: f64,
-    /// Perceptual roughness as in glTF: the square root of the microfacet parameter α. 0 is smooth,
-    /// and 1 is rough.
+    /// Perceptual roughness as in glTF: √α of the microfacet parameter α, from 0 (smooth) to 1.
     pub roughness: f64,
-    /// A linear picture whose green channel multiplies the roughness, and whose blue channel
-    /// multiplies `metallic`.
+    /// A linear picture: green multiplies the roughness, and blue multiplies `metallic`.
     pub metallic_roughness_texture: Option<MeshTexture>,
     /// The transmitted fraction of the light that enters the surface. 0 is opaque, and 1 is clear.
     pub transmission: f64,
-    /// True if the transmitting surface has no thickness, so that it is a pane unless it encloses a
-    /// volume.
+    /// True if the transmitting surface has no thickness: a pane, unless it encloses a volume.
     pub is_sheet: bool,
     /// A linear picture whose red channel multiplies `transmission`.
     pub transmission_texture: Option<MeshTexture>,
     /// The light that a surface without transmission transmits diffusely.
     pub diffuse_transmission: Option<MeshDiffuseTransmission>,
-    /// A clear coat of the diffuse surface.
     pub coat: Option<MeshCoat>,
     /// Factor of the reflectance of the dielectric at normal incidence, from 0 to 1.
     pub specular: f64,
     /// A thin film on smooth glass.
     pub film: Option<MeshFilm>,
-    /// Index of refraction.
     pub ior: f64,
     /// Abbe number of the glass, or `None` if there is no dispersion.
     pub abbe_number: Option<f64>,
-    /// Absorption inside, or `None` without absorption.
     pub attenuation: Option<MeshAttenuation>,
-    /// The opacity of the surface.
     pub opacity: MeshOpacity,
-    /// Emitted colour multiplied by the emissive strength. In glTF files, the unit is cd/m². Zero
-    /// for a surface that does not emit.
+    /// Emitted colour times the emissive strength, in glTF in cd/m². Zero emits nothing.
     pub emission: [f64; 3],
-    /// A picture of colours that multiplies the emission.
     pub emission_texture: Option<MeshTexture>,
-    /// A picture of normals.
     pub normal_texture: Option<MeshTexture>,
     /// Factor of the components of the normals along the surface.
     pub normal_strength: f64,
 }
 
-/// The opacity of a surface: the part of the area that the surface covers. The alpha channel of the
-/// base colour's picture multiplies `alpha`.
+/// The covered part of the area. The base colour's alpha channel multiplies `alpha`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MeshOpacity {
     /// The surface covers its whole area.
     Opaque,
     /// The surface has holes where the alpha value is below `cutoff`.
     Cut {
-        /// Factor of the alpha values, from 0 to 1.
         alpha: f64,
         /// The smallest alpha value of the surface.
         cutoff: f64,
     },
     /// The alpha value is the part of the area that the surface covers.
-    Blend {
-        /// Factor of the alpha values, from 0 to 1.
-        alpha: f64,
-    },
+    Blend { alpha: f64 },
 }
 
 impl MeshOpacity {
@@ -90,21 +73,15 @@ impl MeshOpacity {
 /// A picture over the texture coordinates of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshTexture {
-    /// The pixels.
     pub picture: Arc<PictureFile>,
-    /// What the picture looks like outside the unit square of uv.
     pub wrap: [Wrap; 2],
-    /// How texels are interpolated.
     pub filter: Filter,
-    /// The map of texture coordinates.
     pub transform: UvTransform,
 }
 
-/// The absorption inside a mesh. After white light has travelled `distance` through the mesh, the
-/// light has the colour `colour`.
+/// The absorption inside a mesh: after `distance`, white light has the colour `colour`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshAttenuation {
-    /// Colour in linear sRGB. Each component is from 0 to 1.
     pub colour: [f64; 3],
     /// Distance in the unit of the mesh file.
     pub distance: f64,
@@ -115,7 +92,6 @@ pub struct MeshAttenuation {
 pub struct MeshDiffuseTransmission {
     /// The transmitted fraction of the light that is scattered diffusely, from 0 to 1.
     pub factor: f64,
-    /// Colour of the transmitted light in linear sRGB. Each component is from 0 to 1.
     pub colour: [f64; 3],
 }
 
@@ -124,7 +100,6 @@ pub struct MeshDiffuseTransmission {
 pub struct MeshCoat {
     /// The part of the area that the coat covers, from 0 to 1.
     pub factor: f64,
-    /// Perceptual roughness of the coat.
     pub roughness: f64,
 }
 
@@ -133,12 +108,10 @@ pub struct MeshCoat {
 pub struct MeshFilm {
     /// The part of the area that the film covers, from 0 to 1.
     pub factor: f64,
-    /// Index of refraction.
     pub ior: f64,
     /// The thickness in nm where the picture is 0, and where it is 1.
     pub thickness_nm: [f64; 2],
-    /// A linear picture whose green channel selects the thickness. Without a picture, the film has
-    /// the second thickness.
+    /// A linear picture whose green channel selects the thickness, which is else the second one.
     pub thickness_texture: Option<MeshTexture>,
 }
 

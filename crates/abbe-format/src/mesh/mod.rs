@@ -1,7 +1,6 @@
 //! Reads triangle meshes from OBJ, PLY, STL, glTF and Mitsuba's serialized files.
 //!
-//! Every reader checks its input. If a file is missing, truncated or malformed, the error names the
-//! file. The reader never panics.
+//! Readers check their input and never panic. Errors of missing or malformed files have their name.
 
 #[cfg(feature = "meshes")]
 mod gltf;
@@ -20,11 +19,10 @@ mod stl;
 
 use std::path::Path;
 
-#[cfg(feature = "meshes")]
-use flate2::read::GzDecoder;
-
 use crate::FileAccess;
 use abbe_spectra::error::{Error, Result};
+#[cfg(feature = "meshes")]
+use flate2::read::GzDecoder;
 
 #[cfg(feature = "meshes")]
 pub use self::gltf::{
@@ -43,24 +41,21 @@ pub use part::{MeshPart, UnplacedParts};
 pub struct MeshFile {
     /// The parts of the file. There is at least one part.
     pub parts: Vec<MeshPart>,
-    /// What the file states about materials and this reader ignores, such as textures. `None` if
-    /// nothing is ignored.
+    /// What the file states about materials and this reader ignores, such as textures.
     pub ignored: Option<String>,
     /// True if the file also contains lights, which are not part of the mesh.
     pub has_lights: bool,
 }
 
-/// Reads a mesh file. The file extension determines the format: `.obj` (with its `.mtl`), `.ply`,
-/// `.stl`, `.serialized`, `.gltf` or `.glb`. `file_access` states which other files the file may
-/// name.
+/// Reads a mesh file by its extension: `.obj` (with its `.mtl`), `.ply`, `.stl`, `.serialized`,
+/// `.gltf` or `.glb`. `file_access` states which other files the file may name.
 ///
 /// # Errors
-/// Returns an error if the file is missing, has an unknown format, or is truncated or malformed.
-/// Also returns an error if no triangle has an area above 0. The error contains the name of the
-/// file.
+/// Returns an error with the name of the file if it is missing, has an unknown format, is truncated
+/// or malformed, or if no triangle has an area above 0.
 pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
-    let PartsAndNotes { parts, ignored, has_lights } =
-        read_parts(path, file_access).map_err(|error| error.in_file(path))?;
+    let read = read_parts(path, file_access).map_err(|error| error.in_file(path));
+    let PartsAndNotes { parts, ignored, has_lights } = read?;
     if parts.is_empty() {
         return Err(Error::input("the mesh has no triangles").in_file(path));
     }
@@ -68,11 +63,7 @@ pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
     Ok(MeshFile { parts, ignored, has_lights })
 }
 
-/// Reads the parts of a mesh file, for scenes that name them one by one. `file_access` states which
-/// other files the file may name.
-///
-/// # Errors
-/// Returns the same errors as [`load`].
+/// Reads the parts of a mesh file like [`load`], for scenes that name them one by one.
 pub fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedParts> {
     #[cfg(feature = "meshes")]
     if matches!(extension_of(path).as_str(), "gltf" | "glb") {
@@ -100,8 +91,7 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     }
 }
 
-/// Returns the extension of a file name in lower case. The extension of a packed file has two
-/// parts, such as "ply.gz".
+/// Returns the extension of a file name in lower case. That of a packed file is like "ply.gz".
 #[cfg(feature = "meshes")]
 fn extension_of(path: &Path) -> String {
     let extension = |path: &Path| path.extension().and_then(|name| name.to_str()).unwrap_or("").to_lowercase();

@@ -1,13 +1,5 @@
 //! Wavefront OBJ files with MTL materials.
 
-use std::borrow::Cow;
-use std::cell::RefCell;
-use std::io::Cursor;
-use std::path::Path;
-use std::sync::Arc;
-
-use glam::DVec3;
-
 use super::material::{MeshMaterial, MeshTexture};
 use super::packed::read;
 use super::part::{MeshPart, PartsAndNotes, listed};
@@ -15,6 +7,12 @@ use crate::{FileAccess, PictureFile};
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::io::Cursor;
+use std::path::Path;
+use std::sync::Arc;
 
 /// Reads the parts of an OBJ file. Also returns sentences about the materials that are ignored.
 pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
@@ -47,8 +45,8 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
     let textured: Vec<MeshMaterial> = materials
         .iter()
         .map(|file| {
-            let picture =
-                file.diffuse_texture.as_ref().map(|name| diffuse_texture(name, path, file_access)).transpose();
+            let name = file.diffuse_texture.as_ref();
+            let picture = name.map(|name| diffuse_texture(name, path, file_access)).transpose();
             let base_colour_texture = picture.unwrap_or_else(|error| {
                 ignored.push(format!("the texture map_Kd of \"{}\" cannot be used ({})", file.name, error.what));
                 None
@@ -124,7 +122,6 @@ fn diffuse_texture(value: &str, obj: &Path, file_access: FileAccess) -> Result<M
     Ok(MeshTexture { picture, wrap: [wrap; 2], filter: Filter::Bilinear, transform })
 }
 
-/// Returns the names of the materials that the faces use.
 fn used_materials(text: &str) -> Vec<String> {
     let names = text.lines().filter_map(|line| line.trim_start().strip_prefix("usemtl"));
     names.filter(|rest| rest.starts_with(char::is_whitespace)).map(|name| name.trim().to_string()).collect()
@@ -161,7 +158,6 @@ fn ignored_textures(materials: &[tobj::Material]) -> Vec<String> {
     textures.into_iter().chain(listed(layers).map(|keys| format!("material keys are ignored: {keys}"))).collect()
 }
 
-/// Returns whether a key of a material names a texture.
 fn is_texture(key: &str) -> bool {
     let key = key.to_ascii_lowercase();
     key.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&key.as_str())
@@ -179,11 +175,9 @@ fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
     TriangleMesh::new(triples(&mesh.positions), normals, uvs, triangles)
 }
 
-/// Checks that the indices of every face refer to vertices that precede the face in the file. The
-/// error names the line of the face.
+/// Checks that faces refer to vertices before them. Errors name the line of the face.
 fn check_faces(text: &str) -> Result<()> {
-    // The numbers of v, vt and vn lines so far. A corner of a face lists its indices in the same
-    // order.
+    // The numbers of v, vt and vn lines so far, in the order of the indices of a corner.
     let mut counts = [0_i64; 3];
     for (number, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
@@ -198,9 +192,8 @@ fn check_faces(text: &str) -> Result<()> {
                     check_corner(corner, counts).map_err(|error| error.at(number + 1, 1))?;
                 }
                 if corners < 3 {
-                    return Err(Error::input(format!("a face has {corners} corners"))
-                        .expected("at least three")
-                        .at(number + 1, 1));
+                    let error = Error::input(format!("a face has {corners} corners")).expected("at least three");
+                    return Err(error.at(number + 1, 1));
                 }
             }
             _ => {}

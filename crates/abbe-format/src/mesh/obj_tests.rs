@@ -15,11 +15,8 @@ fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
     let note = ignored(&path).unwrap();
     assert!(note.starts_with("the material library \"cube.mtl\" cannot be used"), "{note}");
     assert!(note.ends_with("; unknown materials became matt grey: glass"), "{note}");
-    write(
-        &folder,
-        "cube.mtl",
-        "newmtl glass\nKd 0.5 0.5 1\nNi 1.5168\nTr 0.75\nillum 2\nKs 1 1 1\nNs 2046\nKe 1 2 3\n",
-    );
+    let keys = "Kd 0.5 0.5 1\nNi 1.5168\nTr 0.75\nillum 2\nKs 1 1 1\nNs 2046\nKe 1 2 3\n";
+    write(&folder, "cube.mtl", format!("newmtl glass\n{keys}"));
     let part = &load(&path).unwrap()[0];
     let material = part.material.as_ref().unwrap();
     assert_eq!((material.base_colour, material.ior, material.transmission), ([0.5, 0.5, 1.0], 1.5168, 1.0));
@@ -28,8 +25,7 @@ fn an_obj_has_its_materials_or_a_note_that_they_are_missing() {
     assert!((material.roughness - 32.0_f64.sqrt().recip()).abs() < 1e-15);
 }
 
-/// A line may continue on the next line, with line ends of both kinds. Errors have the number of
-/// the first line.
+/// A line may continue on the next line. Errors have the number of the first line.
 #[test]
 fn a_line_of_an_obj_may_continue_on_the_next_line() {
     let folder = TempDir::new().unwrap();
@@ -83,8 +79,7 @@ fn options_of_an_mtl_texture_map_its_coordinates() {
 #[test]
 fn an_obj_keeps_normals_and_texture_coordinates() {
     let folder = TempDir::new().unwrap();
-    let text =
-        "v 0 0 0\nv 1 0 0\nv 0 0 -1\nvn 0 1 0\nvt 0 0\nvt 1 0\nvt 0 0.3333333333333333\nf 1/1/1 2/2/1 -1/-1/-1\n";
+    let text = "v 0 0 0\nv 1 0 0\nv 0 0 -1\nvn 0 1 0\nvt 0 0\nvt 1 0\nvt 0 0.3333333333333333\nf 1/1/1 2/2/1 -1/-1/-1";
     let mesh = &load(&write(&folder, "triangle.obj", text)).unwrap()[0].mesh;
     assert_eq!(mesh.normals(), Some([DVec3::Y; 3].as_slice()));
     // Double precision is kept.
@@ -96,11 +91,8 @@ fn an_obj_says_which_textures_and_keys_are_ignored() {
     let folder = TempDir::new().unwrap();
     let path = write(&folder, "cube.obj", obj().replace("f 1", "usemtl wood\nf 1"));
     let textures = "map_Kd a.png\nmap_Bump b.png\nmap_Pr c.png\nnorm d.png\n";
-    write(
-        &folder,
-        "cube.mtl",
-        format!("newmtl glass\nKd 1 1 1\n{textures}Tf 0.5 1 1\nPc 0.5\nnewmtl other\nmap_Kd e\n"),
-    );
+    let keys = format!("Kd 1 1 1\n{textures}Tf 0.5 1 1\nPc 0.5\nnewmtl other\nmap_Kd e\n");
+    write(&folder, "cube.mtl", format!("newmtl glass\n{keys}"));
     write(&folder, "a.png", small_png([[0; 3]; 4]));
     let expected = "textures are ignored: map_Bump, map_Pr, norm; material keys are ignored: Pc, Tf; unknown materials \
                     became matt grey: wood; the texture map_Kd of \"other\" cannot be used (";

@@ -1,16 +1,14 @@
 //! The parts of mesh files, and helpers of their readers.
 
-use std::collections::BTreeMap;
-
 use super::material::MeshMaterial;
 use abbe_scene::geometry::mesh::TriangleMesh;
+use std::collections::BTreeMap;
 
 /// One part of a mesh file: triangles with one material.
 #[derive(Debug, Clone)]
 pub struct MeshPart {
     /// The triangles in the unit of the file, after all node transforms.
     pub mesh: TriangleMesh,
-    /// The material in the file, if there is one.
     pub material: Option<MeshMaterial>,
     /// The number of the material in a glTF file. Parts with the same number have equal materials.
     pub material_number: Option<usize>,
@@ -18,36 +16,29 @@ pub struct MeshPart {
     pub name: String,
 }
 
-/// The parts of a mesh file by their number.
 #[derive(Debug, Clone)]
 pub struct UnplacedParts {
-    /// The parts. In a glTF file, the parts are the primitives of all meshes, in the order of the
-    /// file and without the transforms of the nodes. Primitives without triangles, and primitives
-    /// outside the default scene, are absent.
+    /// The parts. In a glTF file, they are the primitives with triangles of the default scene, in
+    /// the order of the file and without the transforms of the nodes.
     pub parts: BTreeMap<u32, MeshPart>,
-    /// Sentences about what the reader ignores.
     pub ignored: Vec<String>,
 }
 
-/// What the reader of a format returns.
 #[derive(Debug, Default)]
 pub(super) struct PartsAndNotes {
     pub(super) parts: Vec<MeshPart>,
-    /// Sentences about what the reader ignores.
     pub(super) ignored: Vec<String>,
     pub(super) has_lights: bool,
 }
 
 #[cfg(feature = "meshes")]
 impl PartsAndNotes {
-    /// Returns parts without notes.
     pub(super) fn of(parts: Vec<MeshPart>) -> Self {
         Self { parts, ..Self::default() }
     }
 }
 
-/// Lists names in the order of their first occurrence, each once. Of many names, the list states
-/// the first five and the number of the others.
+/// Lists names once each, in order of occurrence: the first five, and the number of the others.
 #[cfg(feature = "meshes")]
 pub(super) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     const MOST: usize = 5;

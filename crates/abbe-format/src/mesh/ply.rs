@@ -1,15 +1,16 @@
-//! Reads the elements `vertex` and `face` of PLY files in text form or in binary form. Polygons are
-//! split into triangles.
-
-use std::io::{Cursor, ErrorKind};
-
-use glam::DVec3;
-use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
+//! Reads `vertex` and `face` of PLY files, as text or binary. Polygons are split into triangles.
 
 use super::part::{MeshPart, fan};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::Property::{
+    self, Char, Double, Float, Int, ListChar, ListDouble, ListFloat, ListInt, ListShort, ListUChar, ListUInt,
+    ListUShort, Short, UChar, UInt, UShort,
+};
+use ply_rs_bw::ply::{ElementDef, Header, PropertyAccess, PropertyAccessResult};
+use std::io::{Cursor, ErrorKind};
 
 /// The property names for the corners of a face. Different programs use different names.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -27,7 +28,6 @@ struct PlyFace {
     corners: Option<Vec<u32>>,
 }
 
-/// An element that is read and ignored.
 struct SkippedElement;
 
 impl PropertyAccess for PlyVertex {
@@ -47,13 +47,9 @@ impl PropertyAccess for PlyVertex {
             "v" | "t" | "texture_v" => &mut self.uv[1],
             _ => return PropertyAccessResult::Ignored,
         };
-        match number(&property) {
-            Some(value) => {
-                *target = value;
-                PropertyAccessResult::Set
-            }
-            None => PropertyAccessResult::UnsupportedType,
-        }
+        let Some(value) = number(&property) else { return PropertyAccessResult::UnsupportedType };
+        *target = value;
+        PropertyAccessResult::Set
     }
 }
 
@@ -67,22 +63,14 @@ impl PropertyAccess for PlyFace {
             return PropertyAccessResult::Ignored;
         }
         self.corners = match property {
-            Property::ListChar(list) => indices(list),
-            Property::ListUChar(list) => indices(list),
-            Property::ListShort(list) => indices(list),
-            Property::ListUShort(list) => indices(list),
-            Property::ListInt(list) => indices(list),
-            Property::ListUInt(list) => Some(list),
-            Property::Char(_)
-            | Property::UChar(_)
-            | Property::Short(_)
-            | Property::UShort(_)
-            | Property::Int(_)
-            | Property::UInt(_)
-            | Property::Float(_)
-            | Property::Double(_)
-            | Property::ListFloat(_)
-            | Property::ListDouble(_) => return PropertyAccessResult::UnsupportedType,
+            ListChar(list) => indices(list),
+            ListUChar(list) => indices(list),
+            ListShort(list) => indices(list),
+            ListUShort(list) => indices(list),
+            ListInt(list) => indices(list),
+            ListUInt(list) => Some(list),
+            Char(_) | UChar(_) | Short(_) | UShort(_) | Int(_) | UInt(_) | Float(_) | Double(_) | ListFloat(_)
+            | ListDouble(_) => return PropertyAccessResult::UnsupportedType,
         };
         PropertyAccessResult::Set
     }
@@ -100,22 +88,16 @@ fn indices<T: TryInto<u32>>(list: Vec<T>) -> Option<Vec<u32>> {
 
 fn number(property: &Property) -> Option<f64> {
     match *property {
-        Property::Char(value) => Some(f64::from(value)),
-        Property::UChar(value) => Some(f64::from(value)),
-        Property::Short(value) => Some(f64::from(value)),
-        Property::UShort(value) => Some(f64::from(value)),
-        Property::Int(value) => Some(f64::from(value)),
-        Property::UInt(value) => Some(f64::from(value)),
-        Property::Float(value) => Some(f64::from(value)),
-        Property::Double(value) => Some(value),
-        Property::ListChar(_)
-        | Property::ListUChar(_)
-        | Property::ListShort(_)
-        | Property::ListUShort(_)
-        | Property::ListInt(_)
-        | Property::ListUInt(_)
-        | Property::ListFloat(_)
-        | Property::ListDouble(_) => None,
+        Char(value) => Some(f64::from(value)),
+        UChar(value) => Some(f64::from(value)),
+        Short(value) => Some(f64::from(value)),
+        UShort(value) => Some(f64::from(value)),
+        Int(value) => Some(f64::from(value)),
+        UInt(value) => Some(f64::from(value)),
+        Float(value) => Some(f64::from(value)),
+        Double(value) => Some(value),
+        ListChar(_) | ListUChar(_) | ListShort(_) | ListUShort(_) | ListInt(_) | ListUInt(_) | ListFloat(_)
+        | ListDouble(_) => None,
     }
 }
 
@@ -158,20 +140,15 @@ pub(super) fn load(bytes: &[u8]) -> Result<Vec<MeshPart>> {
     Ok(vec![MeshPart { mesh, material: None, material_number: None, name: String::new() }])
 }
 
-fn elements<E: PropertyAccess>(
-    reader: &mut Reader<Cursor<&[u8]>>,
-    element: &ElementDef,
-    header: &Header,
-) -> Result<Vec<E>> {
-    Parser::<E>::new().read_payload_for_element(reader, element, header).map_err(|error| explain(&error))
+fn elements<E: PropertyAccess>(reader: &mut Reader<Cursor<&[u8]>>, kind: &ElementDef, all: &Header) -> Result<Vec<E>> {
+    Parser::<E>::new().read_payload_for_element(reader, kind, all).map_err(|error| explain(&error))
 }
 
 fn explain(error: &ParseError) -> Error {
     if error.kind() == ErrorKind::UnexpectedEof {
         return Error::input("the PLY file is truncated");
     }
-    // The first line of the message names the problem. The other lines repeat the contents of the
-    // file.
+    // The first line names the problem, and the others repeat the contents of the file.
     let message = error.to_string();
     Error::input(format!("not a valid PLY file: {}", message.lines().next().unwrap_or_default()))
 }

@@ -4,13 +4,11 @@
 //! the end of the file states where the meshes start. The format is described in the documentation
 //! of Mitsuba 3, plugin `serialized`.
 
-use flate2::read::ZlibDecoder;
-use glam::DVec3;
-
-use super::packed::unpacked;
-use super::part::MeshPart;
+use super::{packed::unpacked, part::MeshPart};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use flate2::read::ZlibDecoder;
+use glam::DVec3;
 
 /// The first number of a file and of each mesh.
 const MAGIC: u16 = 0x041C;
@@ -43,7 +41,6 @@ fn starts(bytes: &[u8]) -> Result<Vec<usize>> {
     (0..count).map(|i| number(bytes, table + i * entry, entry).ok_or_else(truncated)).collect()
 }
 
-/// Reads the header of a file or of a mesh. Returns the version.
 fn header(bytes: &[u8], at: usize) -> Result<usize> {
     let word = |at: usize| number(bytes, at, 2);
     match (word(at), at.checked_add(2).and_then(word)) {
@@ -82,10 +79,8 @@ fn part(bytes: &[u8], start: usize) -> Result<MeshPart> {
     let mut triangles = Vec::new();
     for corner in data.take(faces, 3 * index_size)?.chunks_exact(3 * index_size) {
         let index = |i: usize| number(corner, i * index_size, index_size).and_then(|index| u32::try_from(index).ok());
-        let (Some(a), Some(b), Some(c)) = (index(0), index(1), index(2)) else {
-            return Err(Error::input("the mesh has more than 2³² vertices"));
-        };
-        triangles.push([a, b, c]);
+        let index = |i: usize| index(i).ok_or_else(|| Error::input("the mesh has more than 2³² vertices"));
+        triangles.push([index(0)?, index(1)?, index(2)?]);
     }
     let normals = normals.filter(|_| declared & flags::FACE_NORMALS == 0);
     let mesh = TriangleMesh::new(positions, normals, uvs, triangles)?;

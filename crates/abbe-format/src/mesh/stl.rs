@@ -1,12 +1,10 @@
 //! STL files, binary or text. Corners at the same position become one vertex.
 
-use std::io::{Cursor, ErrorKind};
-
-use glam::DVec3;
-
 use super::part::MeshPart;
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
+use std::io::{Cursor, ErrorKind};
 
 /// Number of bytes before the triangles of a binary file.
 const HEADER: usize = 84;

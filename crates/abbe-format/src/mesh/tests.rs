@@ -1,13 +1,11 @@
-use std::path::PathBuf;
-
+use super::*;
+use abbe_scene::geometry::mesh::TriangleMesh;
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use tempfile::TempDir;
-
-use super::*;
-use abbe_scene::geometry::mesh::TriangleMesh;
 use std::io::Read as _;
+use std::path::PathBuf;
+use tempfile::TempDir;
 
 pub(super) fn load(path: &Path) -> Result<Vec<MeshPart>> {
     super::load(path, FileAccess::WithinFolder).map(|file| file.parts)
@@ -133,9 +131,8 @@ fn gltf_buffer() -> Vec<u8> {
     positions.chain(indices).collect()
 }
 
-/// Returns the JSON text of a glTF scene with a cube and two nested nodes. One node scales the cube
-/// by 2 and moves it; the other node mirrors the cube. The material is a glass that uses every
-/// extension.
+/// Returns the JSON of a glTF cube in two nested nodes: one scales it by 2 and moves it, and the
+/// other mirrors it. The material is a glass that uses every extension.
 fn gltf_json(buffer: &str) -> String {
     format!(
         r#"{{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}],
@@ -206,8 +203,7 @@ fn the_cube_is_the_same_from_every_format() {
         let low = mesh.positions().iter().copied().reduce(DVec3::min).unwrap();
         let high = mesh.positions().iter().copied().reduce(DVec3::max).unwrap();
         assert_eq!((low, high), (DVec3::new(8.0, 0.0, 0.0), DVec3::new(10.0, 2.0, 2.0)));
-        // The normals point from the origin of the cube to its corners. The node transform mirrors
-        // the cube and the normals.
+        // The normals point from the cube's origin to its corners. The node mirrors both.
         let normals = mesh.normals().unwrap();
         assert!(normals[7].normalize().distance(DVec3::new(-1.0, 1.0, 1.0).normalize()) < 1e-12);
     }
@@ -348,16 +344,8 @@ fn malformed_meshes_give_errors_that_name_the_file() {
         ("infinite.obj", "v 0 0 0\nv 1e999 0 0\nv 0 1 0\nf 1 2 3\n", "a vertex has the position"),
         ("empty.ply", "", "truncated"),
         ("picture.ply", "P6 1 1 255\n", "not a valid PLY file"),
-        (
-            "index.ply",
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n",
-            "face 0",
-        ),
-        (
-            "high.ply",
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
-            "vertex 3 of 3",
-        ),
+        ("index.ply", "TRIANGLE\n3 0 1 -1\n", "face 0"),
+        ("high.ply", "TRIANGLE\n3 0 1 3\n", "vertex 3 of 3"),
         (
             "flat.ply",
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nelement face 0\nproperty list uchar int vertex_index\nend_header\n0 0\n1 0\n0 1\n",
@@ -369,17 +357,21 @@ fn malformed_meshes_give_errors_that_name_the_file() {
         ("nothing.gltf", "{\"asset\": {\"version\": \"2.0\"}}", "no triangles"),
         (
             "draco.gltf",
-            "{\"asset\": {\"version\": \"2.0\"}, \"extensionsUsed\": [\"KHR_draco_mesh_compression\"], \"extensionsRequired\": [\"KHR_draco_mesh_compression\"]}",
+            r#"{ASSET, "extensionsUsed": ["DRACO"], "extensionsRequired": ["DRACO"]}"#,
             "compressed by KHR_draco_mesh_compression",
         ),
         (
             "accessor.gltf",
-            "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0}}]}]}",
+            r#"{ASSET, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]}"#,
             "an accessor that does not exist",
         ),
         ("mesh.fbx", "", "unknown kind of mesh file \"fbx\""),
     ];
+    let triangle = ply_header("ascii", "float").replace("vertex 8", "vertex 3").replace("face 6", "face 1");
     for (name, text, fault) in cases {
+        let text = text.replace("TRIANGLE", &format!("{triangle}0 0 0\n1 0 0\n0 1 0"));
+        let text =
+            text.replace("ASSET", r#""asset": {"version": "2.0"}"#).replace("DRACO", "KHR_draco_mesh_compression");
         let path = write(&folder, name, text);
         let error = load(&path).expect_err(name);
         assert!(error.to_string().contains(fault), "{name}: {error}");

@@ -17,22 +17,16 @@ use std::collections::BTreeMap;
 /// A stack of films between two media.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmSystem {
-    /// The medium in which light arrives.
     pub incident: RefractiveIndex,
-    /// The films.
     pub films: FilmStack,
-    /// The medium below the films.
     pub substrate: OpticalIndex,
 }
 
 /// The name of the medium with an index of 1. All other indices are relative to it.
 const AIR: &str = "air";
 
-/// Resolves a stack of films that is not part of a scene. The default of both media is air.
-///
-/// # Errors
-/// Returns an error if a name is unknown, if a file cannot be read, if the first medium absorbs, or
-/// if a thickness is a texture. The error states the place in `source`.
+/// Resolves a stack of films that is not part of a scene, in which both media are air by default.
+/// The first medium must not absorb, and no thickness may be a texture.
 pub fn lone_coating(file: &CoatingFile, source: &JsonSource) -> Result<FilmSystem> {
     let spectra = Spectra { named: &BTreeMap::new(), source };
     let (root, air) = (JsonPath::Root, OpticalIndex::Transparent(RefractiveIndex::constant(1.0)?));
@@ -41,19 +35,16 @@ pub fn lone_coating(file: &CoatingFile, source: &JsonSource) -> Result<FilmSyste
     };
     let (media, films) = both(
         both(medium("incident", &file.incident), medium("substrate", &file.substrate)),
-        spectra.films(&root, file, |at, file| spectra.number(at, file)),
+        spectra.films(&root, file, &|at, file| spectra.number(at, file)),
     )?;
     let (incident, substrate) = media;
-    match incident {
-        OpticalIndex::Transparent(incident) => Ok(FilmSystem { incident, films, substrate }),
-        OpticalIndex::Absorbing { .. } => {
-            let error = Error::input("found a medium that absorbs light").expected("a transparent medium");
-            spectra.at(&root.key("incident"), Err(error))
-        }
-    }
+    let OpticalIndex::Transparent(incident) = incident else {
+        let at = root.key("incident");
+        return Err(source.fault(&at, "found a medium that absorbs light", "a transparent medium"));
+    };
+    Ok(FilmSystem { incident, films, substrate })
 }
 
-/// Returns whether a medium is air.
 fn is_air(index: &RefractiveIndex) -> bool {
     [400.0, 550.0, 700.0].iter().all(|&nm| index.n(nm) == 1.0)
 }
@@ -63,19 +54,19 @@ impl Spectra<'_> {
     /// and on the side of the sensor. In the result, the first film is on the side of the scene.
     pub(super) fn lens_coating(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         file: &CoatingFile,
         [front, behind]: [&RefractiveIndex; 2],
     ) -> Result<FilmStack> {
         let reversed = is_air(behind) && !is_air(front);
         let media = if reversed { [behind, front] } else { [front, behind] };
         let media = media.map(|index| OpticalIndex::Transparent(index.clone()));
-        let films = self.films_between(at, file, &media, |at, file| self.number(at, file))?;
+        let films = self.films_between(at, file, &media, &|at, file| self.number(at, file))?;
         Ok(if reversed { films.reversed() } else { films })
     }
 
     /// Resolves the coating of all surfaces of a lens between air and glass that have none.
-    pub(super) fn lens_coatings(&self, at: &JsonPath<'_>, file: Option<&CoatingFile>, lens: Lens) -> Result<Lens> {
+    pub(super) fn lens_coatings(&self, at: &JsonPath, file: Option<&CoatingFile>, lens: Lens) -> Result<Lens> {
         let Some(file) = file else { return Ok(lens) };
         let air = RefractiveIndex::constant(1.0)?;
         lens.with_coatings(|lens, i| {
@@ -89,27 +80,21 @@ impl Spectra<'_> {
     }
 
     /// Resolves the thickness of a film that must not vary.
-    fn number(&self, at: &JsonPath<'_>, file: &ScalarFile) -> Result<SurfaceScalar> {
-        match file {
-            ScalarFile::Number(number) => Ok(SurfaceScalar::Uniform(*number)),
-            ScalarFile::Image(_)
-            | ScalarFile::Checker(_)
-            | ScalarFile::Stripes(_)
-            | ScalarFile::Noise(_)
-            | ScalarFile::Gradient(_) => {
-                let error = Error::input("found a texture, but there is no surface of an object").expected("a number");
-                self.at(at, Err(error))
-            }
-        }
+    fn number(&self, at: &JsonPath, file: &ScalarFile) -> Result<SurfaceScalar> {
+        let ScalarFile::Number(number) = file else {
+            let what = "found a texture, but there is no surface of an object";
+            return Err(self.source.fault(at, what, "a number"));
+        };
+        Ok(SurfaceScalar::Uniform(*number))
     }
 
     /// Resolves the films between two media. If the file states a medium, it must be the given one.
     fn films_between(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         file: &CoatingFile,
         [incident, substrate]: &[OpticalIndex; 2],
-        thickness: impl Fn(&JsonPath<'_>, &ScalarFile) -> Result<SurfaceScalar>,
+        thickness: &dyn Fn(&JsonPath, &ScalarFile) -> Result<SurfaceScalar>,
     ) -> Result<FilmStack> {
         let same = |key: &str, file: &Option<CoatingIndexFile>, wanted: &OpticalIndex, expected: &str| {
             let Some(file) = file else { return Ok(()) };
@@ -118,8 +103,7 @@ impl Spectra<'_> {
             if [400.0, 550.0, 700.0].iter().all(|&nm| found.at(nm) == wanted.at(nm)) {
                 return Ok(());
             }
-            let error = Error::input("found another medium than that of the scene").expected(expected);
-            self.at(&at, Err(error))
+            Err(self.source.fault(&at, "found another medium than that of the scene", expected))
         };
         let beside = both(
             same("incident", &file.incident, incident, "air, or no `incident`"),
@@ -129,7 +113,7 @@ impl Spectra<'_> {
     }
 
     /// Resolves the index of a film or of a medium.
-    fn film_index(&self, at: &JsonPath<'_>, file: &CoatingIndexFile) -> Result<OpticalIndex> {
+    fn film_index(&self, at: &JsonPath, file: &CoatingIndexFile) -> Result<OpticalIndex> {
         match file {
             CoatingIndexFile::Index(IndexFile::Name(name)) => self.at(at, named_index(name)),
             CoatingIndexFile::Index(IndexFile::File(path)) => {
@@ -150,12 +134,11 @@ impl Spectra<'_> {
         }
     }
 
-    /// Resolves the films of a stack. `thickness` resolves a thickness.
     fn films(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         file: &CoatingFile,
-        thickness: impl Fn(&JsonPath<'_>, &ScalarFile) -> Result<SurfaceScalar>,
+        thickness: &dyn Fn(&JsonPath, &ScalarFile) -> Result<SurfaceScalar>,
     ) -> Result<FilmStack> {
         let at_layers = at.key("layers");
         let layers = file.layers.iter().enumerate().map(|(i, CoatingLayerFile { ior, thickness_nm })| {
@@ -190,10 +173,9 @@ fn named_index(name: &str) -> Result<OpticalIndex> {
 }
 
 impl Resolver<'_> {
-    /// Resolves the films of a coating. `substrate` is the index of the coated material. The films
-    /// of a free-standing film lie in air.
-    pub(super) fn coating(&self, at: &JsonPath<'_>, file: &CoatingFile, substrate: &OpticalIndex) -> Result<FilmStack> {
+    /// Resolves a coating of a material of the index `substrate`, or a film in air.
+    pub(super) fn coating(&self, at: &JsonPath, file: &CoatingFile, substrate: &OpticalIndex) -> Result<FilmStack> {
         let media = [OpticalIndex::Transparent(RefractiveIndex::constant(1.0)?), substrate.clone()];
-        self.spectra().films_between(at, file, &media, |at, file| self.scalar(at, file))
+        self.spectra().films_between(at, file, &media, &|at, file| self.scalar(at, file))
     }
 }

@@ -1,7 +1,6 @@
 //! Translates the emission of media in the scene file to emission coefficients.
 
-use super::context::Resolver;
-use super::spectra::Role;
+use super::{context::Resolver, spectra::Role};
 use crate::{JsonPath, MediumBlackbodyFile, MediumEmissionFile};
 use abbe_scene::medium::MediumEmission;
 use abbe_scene::medium::field::ScalarField;
@@ -11,14 +10,12 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 impl Resolver<'_> {
-    /// Resolves the emission of a medium. `absorption` is the absorption coefficient at density 1,
-    /// in 1/m. If the medium has a temperature field, `temperature` is this field in K.
-    ///
-    /// If the emission has a `power`, the scale of the result is arbitrary. The scene builder
-    /// scales the emission when the volume is known.
+    /// Resolves the emission of a medium. `absorption` is the absorption coefficient at density 1 in
+    /// 1/m, and `temperature` the temperature field in K. The scale of an emission with a `power` is
+    /// arbitrary, because the scene builder sets it when the volume is known.
     pub(super) fn medium_emission(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         file: &MediumEmissionFile,
         absorption: &Spectrum,
         temperature: Option<Arc<ScalarField>>,
@@ -40,8 +37,7 @@ impl Resolver<'_> {
             (Some(radiance), _) => absorption.product(&normalised).scaled(*radiance),
             (None, Some(power)) => normalised.scaled(power / (4.0 * PI)),
             (None, None) => {
-                let error = Error::input("found none of the keys it needs").expected("exactly one of radiance, power");
-                return self.at(at, Err(error));
+                return Err(self.source.fault(at, "found none of the keys it needs", "exactly one of radiance, power"));
             }
         }))
     }

@@ -1,7 +1,6 @@
 //! Reads image files as environment maps.
 
-use crate::PictureFile;
-use crate::light::ProjectionFile;
+use crate::{PictureFile, light::ProjectionFile};
 use abbe_scene::light::EnvironmentMap;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{atan2, cos};
@@ -13,13 +12,11 @@ use std::path::Path;
 /// An environment map, and the scale of its pixels.
 pub(super) struct EnvironmentImage {
     pub(super) map: EnvironmentMap,
-    /// The mean over all directions of the luminance of the pixels. The pixel (1, 1, 1) has the
-    /// luminance 1.
+    /// The mean luminance over all directions. The pixel (1, 1, 1) has the luminance 1.
     pub(super) mean_luminance: f64,
 }
 
-/// Reads a picture of all directions (EXR, Radiance HDR, PNG or JPEG) as linear sRGB and rotates it
-/// by `to_world`.
+/// Reads a picture of all directions (EXR, HDR, PNG, JPEG) as linear sRGB, rotated by `to_world`.
 pub(super) fn load(path: &Path, projection: ProjectionFile, to_world: DAffine3) -> Result<EnvironmentImage> {
     let picture = PictureFile::read(path)?;
     let (width, height) = (picture.size.width, picture.size.height);
@@ -52,13 +49,11 @@ fn mean_luminance(width: usize, height: usize, rgb: &[[f32; 3]]) -> f64 {
     };
     let edge = |row: usize| cos(PI * row as f64 / height as f64);
     let rows = rgb.chunks_exact(width).enumerate();
-    let sum: f64 =
-        rows.map(|(row, pixels)| (edge(row) - edge(row + 1)) * pixels.iter().map(luminance).sum::<f64>()).sum();
+    let sum: f64 = rows.map(|(row, it)| (edge(row) - edge(row + 1)) * it.iter().map(luminance).sum::<f64>()).sum();
     sum / (2.0 * width as f64)
 }
 
-/// Converts a square equal-area image to an equirectangular image with twice the width. Each pixel
-/// is the mean of 4 × 4 lookups.
+/// Converts a square equal-area image to an equirectangular one of twice the width (4 × 4 means).
 fn equirectangular(size: usize, rgb: &[[f32; 3]]) -> Vec<[f32; 3]> {
     const SAMPLES: usize = 4;
     let (columns, rows) = (SAMPLES * 2 * size, SAMPLES * size);

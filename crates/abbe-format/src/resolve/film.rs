@@ -1,8 +1,6 @@
-//! Translates the film of the scene file to the film of the scene, with its exposure and white
-//! balance.
+//! Translates the film of the scene file, with its exposure and white balance.
 
-use super::context::Resolver;
-use super::spectra::Role;
+use super::{context::Resolver, spectra::Role};
 use crate::{
     CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LayerFile, LensFile, ObserverFile, OutputSpaceFile,
     SpectrumFile, ToneFile, WhiteBalanceFile,
@@ -12,25 +10,14 @@ use abbe_scene::{Exposure, FilmSpec, Layer};
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
-use abbe_spectra::error::{Error, Result};
+use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::Observer;
 
 impl Resolver<'_> {
-    /// Resolves the film. The scene builder determines the white of the film from the white
-    /// balance.
-    pub(super) fn film(&self, at: &JsonPath<'_>, film: &FilmFile, camera: &CameraFile) -> Result<FilmSpec> {
-        let FilmFile {
-            width,
-            height,
-            observer,
-            spectral_bands,
-            layers,
-            gamut,
-            tone,
-            white_balance: _,
-            output_space,
-            exposure,
-        } = film;
+    /// Resolves the film, without the white that the scene builder finds from the white balance.
+    pub(super) fn film(&self, at: &JsonPath, film: &FilmFile, camera: &CameraFile) -> Result<FilmSpec> {
+        let FilmFile { width, height, observer, spectral_bands, layers, gamut, tone, output_space, exposure, .. } =
+            film;
         let exposure = match exposure {
             ExposureFile::Auto => Exposure::Auto,
             ExposureFile::None => Exposure::None,
@@ -78,13 +65,10 @@ impl Resolver<'_> {
         Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, tone, exposure, layers })
     }
 
-    /// Returns the luminance L, in cd/m², that appears white on a film with the ISO speed S. S is
-    /// the saturation-based speed of ISO 12232.
-    ///
-    /// If the shutter time is t in s and the f-number is N, the exposure in the middle of the film
-    /// is q·L·t/N² in lx·s. The factor q = 0.65 accounts for the losses of the lens. An exposure of
-    /// 78/S lx·s gives white.
-    fn white_luminance(&self, at: &JsonPath<'_>, iso: f64, lens: &LensFile) -> Result<f64> {
+    /// Returns the luminance L, in cd/m², that appears white on a film with the saturation-based ISO
+    /// speed S (ISO 12232): q·L·t/N² = 78/S lx·s, with the shutter time t in s, the f-number N, and
+    /// q = 0.65 for the losses of the lens.
+    fn white_luminance(&self, at: &JsonPath, iso: f64, lens: &LensFile) -> Result<f64> {
         let f_number = match lens {
             LensFile::Pinhole { fov: _ } | LensFile::Orthographic { height: _ } => None,
             LensFile::Thin(lens) => lens.f_number,
@@ -92,15 +76,14 @@ impl Resolver<'_> {
         };
         let exposure_s = Some(self.shutter.exposure_s()).filter(|&seconds| seconds > 0.0);
         let Some((f_number, exposure_s)) = f_number.zip(exposure_s) else {
-            let error = Error::input("found a film speed, but the camera has no f-number or no exposure time");
-            return self
-                .at(at, Err(error.expected("a lens with `f_number`, and a `shutter` that closes after it opens")));
+            let what = "found a film speed, but the camera has no f-number or no exposure time";
+            let expected = "a lens with `f_number`, and a `shutter` that closes after it opens";
+            return Err(self.source.fault(at, what, expected));
         };
         Ok(78.0 / (0.65 * iso) * f_number * f_number / exposure_s)
     }
 
-    /// Resolves the white balance.
-    pub(super) fn white_balance(&self, at: &JsonPath<'_>, file: &WhiteBalanceFile) -> Result<WhiteBalance> {
+    pub(super) fn white_balance(&self, at: &JsonPath, file: &WhiteBalanceFile) -> Result<WhiteBalance> {
         Ok(match file {
             WhiteBalanceFile::None => WhiteBalance::None,
             WhiteBalanceFile::Scene => WhiteBalance::SceneLights,

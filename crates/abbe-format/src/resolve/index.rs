@@ -1,15 +1,11 @@
 //! Translates refractive indices of the scene file to functions of wavelength.
 
-use crate::json::read_text;
-use crate::{FormulaFile, IndexFile, JsonSource};
+use crate::{FormulaFile, IndexFile, JsonSource, json::read_text};
 use abbe_optics::glass::{AgfCatalogue, IndexFileData, RefractiveIndex};
 use abbe_spectra::error::{Error, Result};
 use std::path::Path;
 
 /// Reads a Zemax glass catalogue (`.agf`).
-///
-/// # Errors
-/// Returns an error if the file cannot be read or is not a glass catalogue.
 pub fn glass_file(path: &Path) -> Result<AgfCatalogue> {
     AgfCatalogue::parse(&read_bytes(path)?, path)
 }
@@ -24,7 +20,6 @@ pub(super) fn index_file(path: &str, source: &JsonSource) -> Result<IndexFileDat
     IndexFileData::parse(&read_text(&path)?, &path)
 }
 
-/// Resolves a refractive index from a file.
 pub(super) fn index_of(file: &IndexFile, source: &JsonSource) -> Result<RefractiveIndex> {
     match file {
         IndexFile::Number(n) => RefractiveIndex::constant(*n),

@@ -1,8 +1,7 @@
 //! Translates lens prescriptions of the scene file to lenses.
 
-use super::context::Resolver;
 use super::index::{glass_file, index_of, read_bytes};
-use super::spectra::Spectra;
+use super::{context::Resolver, spectra::Spectra};
 use crate::{IndexFile, JsonPath, JsonSource, LensSurfaceFile, PrescriptionFile};
 use abbe_optics::glass::{AgfCatalogue, RefractiveIndex};
 use abbe_optics::lens::zemax::{self, ZmxSystem};
@@ -11,16 +10,12 @@ use abbe_spectra::error::Result;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Reads a lens from a file.
-///
-/// A file with the extension `.zmx` is a Zemax lens. Any other file is a prescription in JSON, as
-/// in a scene file. The glasses of a Zemax lens are looked up in `catalogues` first. If a glass is
-/// not found there, it is looked up in the catalogues that the lens file names and that are in the
-/// folder of the lens file. The built-in glasses are searched last.
+/// Reads a lens from a file: a Zemax lens if the extension is `.zmx`, or else a prescription in JSON
+/// as in a scene file. The glasses of a Zemax lens are looked up in `catalogues`, then in the
+/// catalogues that the lens file names and that are in its folder, and last among the built-in ones.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read or is not a valid lens file. The error states the
-/// place in the file.
+/// Returns an error with its place if the file cannot be read or is not a valid lens file.
 pub fn lens_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     if has_ending(path, "zmx") {
         let bytes = read_bytes(path)?;
@@ -30,11 +25,7 @@ pub fn lens_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
     lone_lens(&prescription, &source)
 }
 
-/// Reads a lens or a system with mirrors from a file. The arguments are those of [`lens_file`].
-///
-/// # Errors
-/// Returns an error if the file cannot be read or is not a valid lens file. The error states the
-/// place in the file.
+/// Reads a lens or a system with mirrors from a file, like [`lens_file`] and with the same errors.
 pub fn lens_system_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
     if !has_ending(path, "zmx") {
         return lens_file(path, catalogues).map(ZmxSystem::Lens);
@@ -50,9 +41,8 @@ fn with_catalogues_beside(path: &Path, lens: &[u8], given: &[AgfCatalogue]) -> R
     given.iter().cloned().map(Ok).chain(beside).collect()
 }
 
-/// Returns the paths of the glass catalogues that a Zemax lens names and that exist in the folder
-/// of the lens file. A catalogue has the file name `NAME.agf`. Upper and lower case letters are
-/// treated as equal. `lens` is the content of the lens file.
+/// Returns the paths of the glass catalogues (`NAME.agf`, in any case) that a Zemax lens with the
+/// content `lens` names and that exist in its folder.
 pub fn catalogues_beside(path: &Path, lens: &[u8]) -> Vec<PathBuf> {
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let names = zemax::catalogues(lens);
@@ -69,20 +59,14 @@ fn has_ending(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending))
 }
 
-/// Resolves a lens that is not part of a scene. If the prescription is a name, it must be the name
-/// of a built-in lens.
-///
-/// # Errors
-/// Returns an error if the name is unknown or if the surfaces do not describe a lens. The error
-/// states the place in `source`.
+/// Resolves a lens outside a scene: a built-in name, or surfaces. Errors have a place in `source`.
 pub fn lone_lens(prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
     lens_at(&JsonPath::Root, prescription, &Spectra { named: &BTreeMap::new(), source })
 }
 
 impl Resolver<'_> {
-    /// Resolves the lens of a camera: a built-in name, a file (`.zmx` or `.json`), or a list of
-    /// surfaces.
-    pub(super) fn lens(&self, at: &JsonPath<'_>, prescription: &PrescriptionFile) -> Result<Lens> {
+    /// Resolves the lens of a camera: a built-in name, a file (`.zmx` or `.json`), or surfaces.
+    pub(super) fn lens(&self, at: &JsonPath, prescription: &PrescriptionFile) -> Result<Lens> {
         if let PrescriptionFile::Name(name) = prescription {
             let path = Path::new(name);
             if has_ending(path, "zmx") || has_ending(path, "json") {
@@ -93,8 +77,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Resolves the lens prescription at the path `at` of a file.
-fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, spectra: &Spectra<'_>) -> Result<Lens> {
+fn lens_at(at: &JsonPath, prescription: &PrescriptionFile, spectra: &Spectra) -> Result<Lens> {
     let source = spectra.source;
     let files = match prescription {
         PrescriptionFile::Name(name) => {
@@ -119,34 +102,19 @@ fn lens_at(at: &JsonPath<'_>, prescription: &PrescriptionFile, spectra: &Spectra
     })
 }
 
-fn surfaces(at: &JsonPath<'_>, files: &[LensSurfaceFile], spectra: &Spectra<'_>) -> Result<Vec<LensSurface>> {
+fn surfaces(at: &JsonPath, files: &[LensSurfaceFile], spectra: &Spectra) -> Result<Vec<LensSurface>> {
     let source = spectra.source;
     let mut front = RefractiveIndex::constant(1.0)?;
     let mut surfaces = Vec::new();
-    for (i, file) in files.iter().enumerate() {
-        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: _, coating } =
-            file;
-        let index = match ior {
-            IndexFile::Name(name) => medium(name),
-            IndexFile::Number(_)
-            | IndexFile::Cauchy { .. }
-            | IndexFile::Sellmeier { .. }
-            | IndexFile::Abbe { .. }
-            | IndexFile::Table { .. }
-            | IndexFile::Glass { .. }
-            | IndexFile::File(_) => index_of(ior, source),
-        };
+    for (i, it) in files.iter().enumerate() {
+        let LensSurfaceFile { radius_mm, conic, aspheric, thickness_mm, ior, semi_aperture_mm, stop: _, coating } = it;
+        let index = if let IndexFile::Name(name) = ior { medium(name) } else { index_of(ior, source) };
         let index = index.map_err(|error| source.error_at(&at.index(i).key("ior").to_string(), error))?;
-        // The coefficients in the file begin with h⁴. The coefficients of a profile begin with h²,
-        // so a 0 comes first.
-        let even_terms =
-            if aspheric.is_empty() { [].into() } else { std::iter::once(&0.0).chain(aspheric).copied().collect() };
+        // The file's coefficients begin with h⁴, and a profile's with h², so a 0 comes first.
+        let even_terms = if aspheric.is_empty() { [].into() } else { [0.0].iter().chain(aspheric).copied().collect() };
         let profile = SurfaceProfile { conic: *conic, even_terms, ..SurfaceProfile::sphere(*radius_mm) };
-        let coating = coating.as_ref().map(|file| {
-            let at = at.index(i);
-            spectra.lens_coating(&at.key("coating"), file, [&front, &index])
-        });
-        let coating = coating.transpose()?;
+        let resolve = |file| spectra.lens_coating(&at.index(i).key("coating"), file, [&front, &index]);
+        let coating = coating.as_ref().map(resolve).transpose()?;
         front = index.clone();
         let (thickness_mm, semi_aperture_mm) = (*thickness_mm, *semi_aperture_mm);
         surfaces.push(LensSurface { profile, thickness_mm, index, semi_aperture_mm, obscuration_mm: 0.0, coating });

@@ -1,16 +1,13 @@
 //! Translates the lights of the scene file to emitters in watts.
 
-use super::context::Resolver;
-use super::environment_image::{self, EnvironmentImage};
-use super::motion::ResolvedMotion;
 use super::objects::{EmissionSource, EmittingObject};
-use super::spectra::Role;
-use crate::light::{
-    BeamFile, DirectionalFile, EnvironmentFile, IesFile, LightFile, PointFile, SkyFile, SpotFalloffFile, SpotFile,
-    SunFile,
+use super::{
+    context::Resolver, environment_image, environment_image::EnvironmentImage, motion::ResolvedMotion, spectra::Role,
 };
-use crate::luminaire::{self, Photometry};
-use crate::{EmissionFile, JsonPath, QuantityFile, SpectrumFile};
+use crate::light::{
+    BeamFile, DirectionalFile, EnvironmentFile, IesFile, PointFile, SkyFile, SpotFalloffFile, SpotFile, SunFile,
+};
+use crate::{JsonPath, LightFile, QuantityFile, SpectrumFile, luminaire, luminaire::Photometry};
 use abbe_scene::builder::SceneBuilder;
 use abbe_scene::light::{
     AreaLight, BeamLight, DirectionalLight, Emitter, EnvironmentLight, EnvironmentPattern, GoniometricLight, Light,
@@ -24,7 +21,6 @@ use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The data needed to resolve each light.
 struct LightContext<'n> {
     /// The transform from the light's frame to the world, in the scene's unit.
     to_world: DAffine3,
@@ -33,21 +29,24 @@ struct LightContext<'n> {
     notes: &'n mut Vec<String>,
 }
 
-/// An emitter and its spectrum.
-type EmitterAndSpectrum = (Emitter, LightSpectrum);
+/// The scene to which lights are added, and the observer for whom their wavelengths are sampled.
+struct LightSet<'b> {
+    builder: &'b mut SceneBuilder,
+    observer: &'static Observer,
+}
+
+type ResolvedEmitter = Result<(Emitter, LightSpectrum)>;
 
 /// A radiometric quantity, integrated over the band 360–830 nm.
 enum Radiometric {
     /// A power in W.
     Power(f64),
-    /// An intensity in W/sr, a radiance in W/m²/sr or an irradiance in W/m². The kind of light
-    /// determines which of these quantities is meant.
+    /// By the kind of light: an intensity in W/sr, a radiance in W/m²/sr or an irradiance in W/m².
     FluxDensity(f64),
 }
 
 impl Radiometric {
-    /// Returns the value of either variant. Use this method for a light that supports only one of
-    /// the variants.
+    /// Returns the value of either variant, for a light that supports only one of them.
     fn value(&self) -> f64 {
         match *self {
             Self::Power(value) | Self::FluxDensity(value) => value,
@@ -71,112 +70,92 @@ fn radiometric(quantity: QuantityFile, spectrum: &LightSpectrum) -> Result<Radio
 
 impl Resolver<'_> {
     /// Resolves all lights: first the list `lights`, then the emitting objects.
-    pub(super) fn lights(
-        &self,
-        emitting: &[EmittingObject<'_>],
-        builder: &mut SceneBuilder,
-        observer: &'static Observer,
-    ) {
-        let root = JsonPath::Root;
+    pub(super) fn lights(&self, emitting: &[EmittingObject], builder: &mut SceneBuilder, observer: &'static Observer) {
+        let (root, mut set) = (JsonPath::Root, LightSet { builder, observer });
         let at = root.key("lights");
         for (number, file) in self.scene.lights.iter().enumerate() {
             let at = at.index(number);
-            let light = self.light(&at, number, file, builder, observer);
-            self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
+            let light = self.light(&at, number, file, &mut set);
+            self.keep(light.and_then(|light| self.at(&at, set.builder.add_light(light))));
             if let LightFile::Sky(sky @ SkyFile { sun: Some(sun), .. }) = file {
-                let light = self.sun(&at.key("sky"), number, sky, sun, &mut builder.notes, observer);
-                self.keep(light.and_then(|light| self.at(&at, builder.add_light(light))));
+                let light = self.sun(&at.key("sky"), number, sky, sun, &mut set);
+                self.keep(light.and_then(|light| self.at(&at, set.builder.add_light(light))));
             }
         }
         let at = root.key("objects");
         for emitting in emitting {
-            self.keep(self.area_lights(&at.index(emitting.file_index), emitting, builder, observer));
+            self.keep(self.area_lights(&at.index(emitting.file_index), emitting, &mut set));
         }
     }
 
-    /// Resolves the lights of an emitting object. A mesh with several parts has one light for each
-    /// part.
-    fn area_lights(
-        &self,
-        at: &JsonPath<'_>,
-        emitting: &EmittingObject<'_>,
-        builder: &mut SceneBuilder,
-        observer: &'static Observer,
-    ) -> Result<()> {
+    /// Resolves the lights of an emitting object: one for each part of its mesh.
+    fn area_lights(&self, at: &JsonPath, emitting: &EmittingObject, set: &mut LightSet) -> Result<()> {
         let EmittingObject { file_index, objects, emission } = emitting;
-        let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
-        let (spectrum, radiance) = match emission {
-            EmissionSource::Scene(file) => self.emission(&at.key("emission"), file, area, &mut builder.notes)?,
-            EmissionSource::Mesh(rgb, _) => self.mesh_emission(at, *rgb)?,
-        };
-        let slide_at = at.key("emission");
-        let of_scene = |slide| self.reflectance(&slide_at.key("slide"), slide);
-        let (explicit, slide) = match emission {
-            EmissionSource::Scene(file) => (file.group.clone(), file.slide.as_ref().map(of_scene).transpose()?),
-            EmissionSource::Mesh(_, slide) => (None, slide.clone()),
+        let (builder, observer) = (&mut *set.builder, set.observer);
+        let emission_at = at.key("emission");
+        let (spectrum, radiance, explicit, slide) = match emission {
+            EmissionSource::Scene(file) => {
+                let spectrum = self.light_spectrum(&emission_at, &file.spectrum, &mut builder.notes)?;
+                let quantity = file.quantity().and_then(|q| radiometric(q, &spectrum));
+                let area: f64 = objects.iter().map(|&object| builder.area_m2(object)).sum();
+                let radiance = match self.at(&emission_at, quantity)? {
+                    Radiometric::Power(power) => power / (PI * area),
+                    Radiometric::FluxDensity(radiance) => radiance,
+                };
+                let slide = |slide| self.reflectance(&emission_at.key("slide"), slide);
+                (spectrum, radiance, file.group.clone(), file.slide.as_ref().map(slide).transpose()?)
+            }
+            EmissionSource::Mesh(rgb, slide) => {
+                let (spectrum, radiance) = self.mesh_emission(at, *rgb)?;
+                (spectrum, radiance, None, slide.clone())
+            }
         };
         let object_name = || self.scene.objects[*file_index].name.clone();
         let group = explicit.or_else(object_name).unwrap_or_else(|| format!("object {file_index}"));
         for &object in objects {
             let name = builder.objects().name(object).to_owned();
-            let emitter =
-                Emitter::Area(AreaLight { object, radiance, area_m2: builder.area_m2(object), slide: slide.clone() });
+            let (area_m2, slide) = (builder.area_m2(object), slide.clone());
+            let emitter = Emitter::Area(AreaLight { object, radiance, area_m2, slide });
             let light = Light { group: group.clone(), ..self.at(at, Light::new(name, emitter, &spectrum, observer))? };
-            self.at(&at.key("emission"), builder.add_light(light))?;
+            self.at(&emission_at, builder.add_light(light))?;
         }
         Ok(())
     }
 
-    fn light(
-        &self,
-        at: &JsonPath<'_>,
-        number: usize,
-        file: &LightFile,
-        builder: &mut SceneBuilder,
-        observer: &'static Observer,
-    ) -> Result<Light> {
-        let (transform, keys) = file.transform_and_motion();
+    fn light(&self, at: &JsonPath, number: usize, file: &LightFile, set: &mut LightSet) -> Result<Light> {
+        let (builder, observer) = (&mut *set.builder, set.observer);
+        let (transform, keys, group) = file.pose_and_group();
         let ResolvedMotion { start, motion } = self.motion(transform, keys);
-        let mut context = LightContext { to_world: start, centre: builder.centre(), notes: &mut builder.notes };
+        let mut place = LightContext { to_world: start, centre: builder.centre(), notes: &mut builder.notes };
         let (kind, resolved) = match file {
-            LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, &mut context)),
-            LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, &mut context)),
-            LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, &mut context)),
-            LightFile::Directional(file) => {
-                ("directional", self.directional_light(&at.key("directional"), file, &mut context))
-            }
-            LightFile::Environment(file) => {
-                ("environment", self.environment_light(&at.key("environment"), file, &mut context))
-            }
-            LightFile::Sky(file) => ("sky", self.sky_light(&at.key("sky"), file, &mut context)),
-            LightFile::Ies(file) => ("ies", self.luminaire(&at.key("ies"), file, &mut context)),
+            LightFile::Point(file) => ("point", self.point_light(&at.key("point"), file, &mut place)),
+            LightFile::Spot(file) => ("spot", self.spot_light(&at.key("spot"), file, &mut place)),
+            LightFile::Beam(file) => ("beam", self.beam_light(&at.key("beam"), file, &mut place)),
+            LightFile::Directional(file) => ("directional", self.distant(&at.key("directional"), file, &mut place)),
+            LightFile::Environment(file) => ("environment", self.environment(&at.key("environment"), file, &mut place)),
+            LightFile::Sky(file) => ("sky", self.sky_light(&at.key("sky"), file, &mut place)),
+            LightFile::Ies(file) => ("ies", self.luminaire(&at.key("ies"), file, &mut place)),
         };
         let (emitter, spectrum) = resolved?;
         let light = self.at(at, Light::new(format!("{kind} {number}"), emitter, &spectrum, observer))?;
-        let group = file.group().unwrap_or(&light.name).to_owned();
+        let group = group.as_ref().unwrap_or(&light.name).to_owned();
         Ok(Light { motion, group, ..light })
     }
 
     /// Resolves the spectrum of a light.
-    fn light_spectrum(&self, at: &JsonPath<'_>, file: &SpectrumFile, notes: &mut Vec<String>) -> Result<LightSpectrum> {
+    fn light_spectrum(&self, at: &JsonPath, file: &SpectrumFile, notes: &mut Vec<String>) -> Result<LightSpectrum> {
         let at = at.key("spectrum");
         let spectrum = self.spectrum(&at, file, Role::Light)?;
         notes.extend(self.match_note(file, &at.to_string()));
         Ok(LightSpectrum::new(&spectrum))
     }
 
-    /// Transforms a point from the light's frame to the world. The result is in m, relative to the
-    /// scene's centre.
-    fn point_of_light(&self, context: &LightContext<'_>, point: [f64; 3]) -> DVec3 {
+    /// Transforms a point from the light's frame to the world, in m relative to the scene's centre.
+    fn point_of_light(&self, context: &LightContext, point: [f64; 3]) -> DVec3 {
         self.point(context.to_world.transform_point3(DVec3::from(point)).to_array(), context.centre)
     }
 
-    fn point_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &PointFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn point_light(&self, path: &JsonPath, file: &PointFile, context: &mut LightContext) -> ResolvedEmitter {
         let PointFile { at, spectrum, power: _, luminous_flux: _, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let intensity = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
@@ -187,12 +166,7 @@ impl Resolver<'_> {
         Ok((Emitter::Point(PointLight { position, intensity }), spectrum))
     }
 
-    fn spot_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &SpotFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn spot_light(&self, path: &JsonPath, file: &SpotFile, context: &mut LightContext) -> ResolvedEmitter {
         let SpotFile { at, to, half_angle, penumbra, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let (half_angle, penumbra) = (half_angle.to_radians(), penumbra.to_radians());
@@ -210,12 +184,7 @@ impl Resolver<'_> {
         Ok((Emitter::Spot(spot.with_intensity(intensity)), spectrum))
     }
 
-    fn beam_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &BeamFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn beam_light(&self, path: &JsonPath, file: &BeamFile, context: &mut LightContext) -> ResolvedEmitter {
         let BeamFile { from, to, radius, divergence, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let power = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
@@ -227,12 +196,7 @@ impl Resolver<'_> {
     }
 
     /// Resolves a luminaire with a measured distribution of intensity.
-    fn luminaire(
-        &self,
-        path: &JsonPath<'_>,
-        file: &IesFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn luminaire(&self, path: &JsonPath, file: &IesFile, context: &mut LightContext) -> ResolvedEmitter {
         let spectrum = self.light_spectrum(path, &file.spectrum, context.notes)?;
         let at_path = path.key("path");
         let photometry = self.source.file(&file.path).and_then(|it| luminaire::read(&it, self.source.file_access()));
@@ -241,8 +205,7 @@ impl Resolver<'_> {
         let toward = DVec3::from(file.toward).normalize();
         let c0 = file.c0.map_or_else(|| GoniometricLight::default_c0(toward), DVec3::from);
         let c0 = (c0 - c0.dot(toward) * toward).normalize();
-        // Without a quantity, the file sets the scale in cd, which a tilt of the luminaire may
-        // change.
+        // Without a quantity, the file sets the scale in cd, which a tilt may change.
         let axis = context.to_world.transform_vector3(toward).normalize();
         let tilt_deg = acos((-axis.y).clamp(-1.0, 1.0)).to_degrees();
         let scale = match self.at(path, file.quantity())? {
@@ -260,12 +223,7 @@ impl Resolver<'_> {
         Ok((Emitter::Goniometric(light).moved(&place), spectrum))
     }
 
-    fn directional_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &DirectionalFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn distant(&self, path: &JsonPath, file: &DirectionalFile, context: &mut LightContext) -> ResolvedEmitter {
         let DirectionalFile { toward, angular_diameter, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let irradiance = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
@@ -274,12 +232,7 @@ impl Resolver<'_> {
         Ok((Emitter::Directional(DirectionalLight::new(toward, angular_radius, irradiance)), spectrum))
     }
 
-    fn environment_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &EnvironmentFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn environment(&self, path: &JsonPath, file: &EnvironmentFile, context: &mut LightContext) -> ResolvedEmitter {
         let EnvironmentFile { spectrum, image, projection, .. } = file;
         let (spectrum, pattern, mean) = match (spectrum, image) {
             (_, Some(image)) => {
@@ -292,9 +245,7 @@ impl Resolver<'_> {
             (Some(spectrum), None) => {
                 (self.light_spectrum(path, spectrum, context.notes)?, EnvironmentPattern::Uniform, 1.0)
             }
-            (None, None) => {
-                return self.at(path, Err(Error::input("found neither").expected("one of `spectrum`, `image`")));
-            }
+            (None, None) => return Err(self.source.fault(path, "found neither", "one of `spectrum`, `image`")),
         };
         let quantity = file.quantity().map(|quantity| {
             let of_white = file.luminance.map(|luminance| QuantityFile::Illuminance(PI * mean * luminance));
@@ -304,12 +255,7 @@ impl Resolver<'_> {
         Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, pattern)), spectrum))
     }
 
-    fn sky_light(
-        &self,
-        path: &JsonPath<'_>,
-        file: &SkyFile,
-        context: &mut LightContext<'_>,
-    ) -> Result<EmitterAndSpectrum> {
+    fn sky_light(&self, path: &JsonPath, file: &SkyFile, context: &mut LightContext) -> ResolvedEmitter {
         let SkyFile { kind, illuminance, ground_reflectance, spectrum, .. } = file;
         let spectrum = self.light_spectrum(path, spectrum, context.notes)?;
         let position = self.at(path, file.sun_position())?;
@@ -324,48 +270,22 @@ impl Resolver<'_> {
     }
 
     /// Resolves the sun of a sky.
-    fn sun(
-        &self,
-        path: &JsonPath<'_>,
-        number: usize,
-        sky: &SkyFile,
-        file: &SunFile,
-        notes: &mut Vec<String>,
-        observer: &'static Observer,
-    ) -> Result<Light> {
+    fn sun(&self, path: &JsonPath, number: usize, sky: &SkyFile, file: &SunFile, set: &mut LightSet) -> Result<Light> {
         let at = path.key("sun");
-        let spectrum = self.light_spectrum(&at, &file.spectrum, notes)?;
+        let spectrum = self.light_spectrum(&at, &file.spectrum, &mut set.builder.notes)?;
         let unknown = || Error::input("missing key \"sun_elevation\"").expected("the elevation of the sun in degrees");
         let SunPosition { direction, distance_au } = self.at(path, sky.sun_position()?.ok_or_else(unknown))?;
         let illuminance = file.illuminance.unwrap_or_else(|| clear_beam_lx(direction.elevation, distance_au));
         let irradiance = self.at(&at, spectrum.watts_from_lumens(illuminance))?;
         let angular_radius = 0.5 * file.angular_diameter.to_radians();
         let emitter = Emitter::Directional(DirectionalLight::new(-direction.to_vector(), angular_radius, irradiance));
-        let light = self.at(&at, Light::new(format!("sky {number} sun"), emitter, &spectrum, observer))?;
+        let light = self.at(&at, Light::new(format!("sky {number} sun"), emitter, &spectrum, set.observer))?;
         let group = file.group.as_ref().or(sky.group.as_ref()).unwrap_or(&light.name).clone();
         Ok(Light { group, ..light })
     }
 
-    /// Resolves the emission of an object. Returns the spectrum, and the radiance over the band in
-    /// W/m²/sr.
-    fn emission(
-        &self,
-        path: &JsonPath<'_>,
-        file: &EmissionFile,
-        area_m2: f64,
-        notes: &mut Vec<String>,
-    ) -> Result<(LightSpectrum, f64)> {
-        let spectrum = self.light_spectrum(path, &file.spectrum, notes)?;
-        let radiance = match self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))? {
-            Radiometric::Power(power) => power / (PI * area_m2),
-            Radiometric::FluxDensity(radiance) => radiance,
-        };
-        Ok((spectrum, radiance))
-    }
-
-    /// Resolves the emission of a mesh file, which is linear RGB. White, (1, 1, 1), has a luminance
-    /// of 1 cd/m².
-    fn mesh_emission(&self, path: &JsonPath<'_>, rgb: [f64; 3]) -> Result<(LightSpectrum, f64)> {
+    /// Resolves a mesh file's emission in linear RGB. White, (1, 1, 1), has 1 cd/m².
+    fn mesh_emission(&self, path: &JsonPath, rgb: [f64; 3]) -> Result<(LightSpectrum, f64)> {
         let spectrum = LightSpectrum::new(&self.at(path, Spectrum::rgb_light(rgb))?);
         let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
         let radiance = self.at(path, spectrum.watts_from_lumens(luminance))?;
@@ -373,8 +293,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Returns the luminous opening of a luminaire. `toward` and `c0` are the photometric axis and the
-/// direction C0.
+/// Returns the luminous opening. `toward` is the photometric axis, and `c0` the direction C0.
 fn opening(photometry: &Photometry, [toward, c0]: [DVec3; 2], notes: &mut Vec<String>) -> Result<LuminousOpening> {
     let size = photometry.opening;
     if size.shape == OpeningShape::Point {

@@ -1,8 +1,7 @@
 //! Translates the materials of the scene file to surfaces and bodies.
 
-use super::context::Resolver;
 use super::index::{index_file, index_of};
-use super::spectra::Role;
+use super::{context::Resolver, spectra::Role};
 use crate::{
     ConductorFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
     OrderEfficiencyFile, PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
@@ -20,8 +19,7 @@ use abbe_scene::{Body, Material};
 use abbe_spectra::error::{Error, Result, both};
 use abbe_spectra::spectrum::{Spectrum, library};
 
-/// The largest allowed depth of nested mixed materials. If the nesting is deeper, the references
-/// are reported as circular.
+/// Mixed materials that are nested more deeply are reported as circular.
 const MAX_DEPTH: usize = 16;
 
 /// Returns the microfacet parameter α of a roughness. As in glTF, α is the square of the roughness,
@@ -32,26 +30,14 @@ pub(super) fn alpha(roughness: f64) -> f64 {
 
 impl Resolver<'_> {
     /// Resolves the material of this name. `at` is the place of the name in the file.
-    pub(super) fn material(&self, at: &JsonPath<'_>, name: &str, notes: &mut Vec<String>) -> Result<Material> {
+    pub(super) fn material(&self, at: &JsonPath, name: &str, notes: &mut Vec<String>) -> Result<Material> {
         self.material_at_depth(at, name, notes, 0)
     }
 
-    fn material_at_depth(
-        &self,
-        at: &JsonPath<'_>,
-        name: &str,
-        notes: &mut Vec<String>,
-        depth: usize,
-    ) -> Result<Material> {
+    fn material_at_depth(&self, at: &JsonPath, name: &str, notes: &mut Vec<String>, depth: usize) -> Result<Material> {
         let Some(file) = self.scene.materials.get(name) else {
-            let known = self.scene.materials.keys().map(String::as_str);
-            let names: Vec<&str> = known.clone().collect();
-            let allowed = if names.is_empty() {
-                "a name of the scene's `materials`, which is empty".into()
-            } else {
-                format!("one of {}", names.join(", "))
-            };
-            return self.at(at, Err(Error::unknown_name("material", name, known).expected(allowed)));
+            let known = self.scene.materials.keys().map(String::as_str).collect();
+            return Err(self.unknown_name(at, ["material", "materials"], name, known));
         };
         if depth > MAX_DEPTH {
             return self
@@ -134,14 +120,12 @@ impl Resolver<'_> {
                     let part_material =
                         self.material_at_depth(&at.key("material"), &part.material, notes, depth + 1)?;
                     if part_material.is_boundary() {
-                        let error = Error::input("found a boundary, which has no surface")
-                            .expected("a material with a surface");
-                        return self.at(&at.key("material"), Err(error));
+                        let what = "found a boundary, which has no surface";
+                        return Err(self.source.fault(&at.key("material"), what, "a material with a surface"));
                     }
                     if part_material.normal_map.is_some() {
-                        let error = Error::input("found a material with a normal map inside a mix")
-                            .expected("a normal map of the whole mix");
-                        return self.at(&at.key("material"), Err(error));
+                        let what = "found a material with a normal map inside a mix";
+                        return Err(self.source.fault(&at.key("material"), what, "a normal map of the whole mix"));
                     }
                     surfaces.push((self.scalar(&at.key("weight"), &part.weight)?, part_material.surface));
                     body = body.or(part_material.body);
@@ -152,9 +136,9 @@ impl Resolver<'_> {
                 let at = at.key("normal_map");
                 let inner = self.material_at_depth(&at.key("material"), &file.material, notes, depth + 1)?;
                 if inner.is_boundary() || inner.normal_map.is_some() {
-                    let error = Error::input(format!("found the material \"{}\"", file.material))
-                        .expected("a material with a surface and without a normal map");
-                    return self.at(&at.key("material"), Err(error));
+                    let what = format!("found the material \"{}\"", file.material);
+                    let expected = "a material with a surface and without a normal map";
+                    return Err(self.source.fault(&at.key("material"), what, expected));
                 }
                 let map = self.at(&at, self.normal_map(file))?;
                 return Ok(Material { name: name.to_string(), normal_map: Some(map), ..inner });
@@ -168,19 +152,19 @@ impl Resolver<'_> {
         Ok(Material { name: name.to_string(), surface: self.at(&at, surface)?, normal_map: None, body })
     }
 
-    fn body(&self, at: &JsonPath<'_>, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
+    fn body(&self, at: &JsonPath, file: &DielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Body> {
         let DielectricFile { ior, roughness: _, absorption, coating: _, medium, priority } = file;
         let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose();
         let index = self.index(&at.key("ior"), ior, name, notes);
         let resolve = |file| self.spectrum(&at.key("absorption"), file, Role::Coefficient);
         let absorption = absorption.as_ref().map(resolve).transpose();
         let ((medium, index), absorption) = both(both(medium, index), absorption)?;
-        let absorption =
-            absorption.filter(|per_unit| per_unit.max() > 0.0).map(|per_unit| per_unit.scaled(1.0 / self.metres));
+        let absorption = absorption.filter(|per_unit| per_unit.max() > 0.0);
+        let absorption = absorption.map(|per_unit| per_unit.scaled(1.0 / self.metres));
         Ok(Body { index: Some(index), absorption, medium, priority: *priority })
     }
 
-    fn pane(&self, at: &JsonPath<'_>, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {
+    fn pane(&self, at: &JsonPath, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {
         let ThinDielectricFile { ior, thickness, absorption, transmittance, coating } = file;
         let index = self.index(&at.key("ior"), ior, name, notes)?;
         let mut optical_depth = None;
@@ -198,7 +182,7 @@ impl Resolver<'_> {
         Ok(Bsdf::ThinDielectric(pane))
     }
 
-    fn grating(&self, at: &JsonPath<'_>, file: &GratingFile) -> Result<Bsdf> {
+    fn grating(&self, at: &JsonPath, file: &GratingFile) -> Result<Bsdf> {
         let GratingFile { lines_per_mm, profile, reflectance, transmittance, grooves, angle } = file;
         let profile = match profile {
             GratingProfileFile::Table(orders) => {
@@ -234,7 +218,7 @@ impl Resolver<'_> {
         DiffractionGrating::new(grating, reflected, transmitted, grooves).map(Bsdf::Grating)
     }
 
-    fn conductor(&self, at: &JsonPath<'_>, file: &ConductorFile) -> Result<Bsdf> {
+    fn conductor(&self, at: &JsonPath, file: &ConductorFile) -> Result<Bsdf> {
         let ConductorFile { metal, eta, k, file, reflectance, roughness, coating } = file;
         if let Some(reflectance) = reflectance {
             let reflectance = self.reflectance(&at.key("reflectance"), reflectance)?;
@@ -247,44 +231,35 @@ impl Resolver<'_> {
                 both(eta, self.spectrum(&at.key("k"), k, Role::Coefficient))?
             }
             (None, _, _) => {
-                let missing =
-                    || Error::input("found no metal").expected("`metal`, `eta` and `k`, `file` or `reflectance`");
+                let expected = "`metal`, `eta` and `k`, `file` or `reflectance`";
+                let missing = || Error::input("found no metal").expected(expected);
                 let path = self.at(at, file.as_deref().ok_or_else(missing))?;
                 self.at(&at.key("file"), index_file(path, self.source).and_then(|data| data.n_and_k()))?
             }
         };
-        let Some(coating) = coating else {
-            return self.rough(at, roughness, |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha));
-        };
+        let bare = |alpha| Bsdf::conductor(n.clone(), k.clone(), alpha);
+        let Some(coating) = coating else { return self.rough(at, roughness, bare) };
         let substrate = self.at(at, OpticalIndex::absorbing(n.clone(), k.clone()))?;
         let films = self.coating(&at.key("coating"), coating, &substrate)?;
         let coated = |alpha| Conductor::coated(n.clone(), k.clone(), films.clone(), alpha).map(Bsdf::Conductor);
         self.rough(at, roughness, coated)
     }
 
-    /// Creates a BSDF whose roughness may vary over the surface. `of_alpha` creates the BSDF of a
-    /// microfacet parameter α.
-    fn rough(&self, at: &JsonPath<'_>, file: &ScalarFile, of_alpha: impl Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
+    /// Creates a BSDF whose roughness may vary. `of_alpha` creates that of a microfacet α.
+    fn rough(&self, at: &JsonPath, file: &ScalarFile, of_alpha: impl Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
         let of_roughness = |roughness| of_alpha(alpha(roughness));
-        match self.scalar(&at.key("roughness"), file)? {
+        let at = at.key("roughness");
+        match self.scalar(&at, file)? {
             SurfaceScalar::Uniform(roughness) => of_roughness(roughness),
-            SurfaceScalar::Textured(texture) => {
-                self.at(&at.key("roughness"), Bsdf::textured_roughness(texture, of_roughness))
-            }
+            SurfaceScalar::Textured(texture) => self.at(&at, Bsdf::textured_roughness(texture, of_roughness)),
         }
     }
 
     /// Resolves a refractive index. If values were clamped or fitted, a remark is added to `notes`.
-    fn index(
-        &self,
-        at: &JsonPath<'_>,
-        file: &IndexFile,
-        material: &str,
-        notes: &mut Vec<String>,
-    ) -> Result<RefractiveIndex> {
+    fn index(&self, at: &JsonPath, file: &IndexFile, name: &str, notes: &mut Vec<String>) -> Result<RefractiveIndex> {
         let index = self.at(at, index_of(file, self.source))?;
         if let Some(warning) = index.warning() {
-            let note = format!("material \"{material}\": {warning}");
+            let note = format!("material \"{name}\": {warning}");
             if !notes.contains(&note) {
                 notes.push(note);
             }

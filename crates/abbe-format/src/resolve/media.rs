@@ -1,14 +1,9 @@
-//! Translates the media of the scene file to the media of the scene. In the result, coefficients
-//! are in 1/m, and the boxes of fields are in m.
+//! Translates the media of the scene file. The coefficients become 1/m, and boxes of fields m.
 
-use super::context::Resolver;
-use super::index::index_of;
-use super::motion::ResolvedMotion;
-use super::spectra::Role;
-use crate::volume_file;
+use super::{context::Resolver, index::index_of, motion::ResolvedMotion, spectra::Role};
 use crate::{
     DyeFile, ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, MediumFile, NoiseFieldFile,
-    PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile,
+    PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile, volume_file,
 };
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::glass::RefractiveIndex;
@@ -30,50 +25,33 @@ pub const DEFAULT_MARCH_STEPS: u32 = 64;
 struct FieldPlacement {
     /// The lowest and highest corner in the box's own coordinates.
     bounds: (DVec3, DVec3),
-    /// The transform from scene coordinates, relative to the scene's centre, to the coordinates of
-    /// the box.
+    /// The transform from coordinates relative to the scene's centre to those of the box.
     to_local: DAffine3,
 }
 
 /// Adds a dye to a medium, if there is one.
 fn with_dye(medium: Medium, dye: Option<Fluorophore>) -> Medium {
-    match dye {
-        Some(dye) => medium.with_fluorophore(dye),
-        None => medium,
-    }
+    if let Some(dye) = dye { medium.with_fluorophore(dye) } else { medium }
 }
 
 impl Resolver<'_> {
-    /// Returns the number of a medium, which is its position in the list of the scene's media. `at`
-    /// is the place of the name in the file.
-    pub(super) fn medium_number(&self, at: &JsonPath<'_>, name: &str) -> Result<usize> {
-        let mut names = self.scene.media.keys();
-        names.position(|known| known == name).map_or_else(
-            || {
-                let known = self.scene.media.keys().map(String::as_str);
-                let allowed = if self.scene.media.is_empty() {
-                    "a name of the scene's `media`, which is empty".into()
-                } else {
-                    format!("one of {}", known.clone().collect::<Vec<_>>().join(", "))
-                };
-                self.at(at, Err(Error::unknown_name("medium", name, known).expected(allowed)))
-            },
-            Ok,
-        )
+    /// Returns the number of a medium, its position in `media`. `at` is the place of the name.
+    pub(super) fn medium_number(&self, at: &JsonPath, name: &str) -> Result<usize> {
+        self.scene.media.keys().position(|known| known == name).ok_or_else(|| {
+            let known = self.scene.media.keys().map(String::as_str).collect();
+            self.unknown_name(at, ["medium", "media"], name, known)
+        })
     }
 
-    /// Resolves all media, including unused ones. Adds the media to the builder in the order of
-    /// their numbers.
+    /// Adds all media to the builder, including unused ones, in the order of their numbers.
     pub(super) fn media(&self, builder: &mut SceneBuilder) {
         let (root, centre) = (JsonPath::Root, builder.centre());
         let media = root.key("media");
         for (name, file) in &self.scene.media {
             let (at, notes) = (media.key(name), &mut builder.notes);
             let (medium, emission) = match file {
-                MediumFile::Homogeneous(file) => {
-                    (self.homogeneous(&at.key("homogeneous"), file, name, notes), &file.emission)
-                }
-                MediumFile::Grid(file) => (self.grid(&at.key("grid"), file, name, centre, notes), &file.emission),
+                MediumFile::Homogeneous(it) => (self.uniform(&at.key("homogeneous"), it, name, notes), &it.emission),
+                MediumFile::Grid(it) => (self.grid(&at.key("grid"), it, name, centre, notes), &it.emission),
             };
             if let Some(medium) = self.keep(medium) {
                 builder.add_medium(medium, emission.as_ref().and_then(|emission| emission.power));
@@ -81,19 +59,13 @@ impl Resolver<'_> {
         }
     }
 
-    fn homogeneous(
-        &self,
-        at: &JsonPath<'_>,
-        file: &HomogeneousFile,
-        name: &str,
-        notes: &mut Vec<String>,
-    ) -> Result<Medium> {
+    fn uniform(&self, at: &JsonPath, file: &HomogeneousFile, name: &str, notes: &mut Vec<String>) -> Result<Medium> {
         // The transform and the motion of a uniform medium have no effect.
         let HomogeneousFile { absorption, scattering, phase, emission, dye, priority: _, transform: _, motion: _ } =
             file;
         let phase = self.phase(&at.key("phase"), phase, notes);
         let phase_and_dye = both(phase, self.dye(&at.key("dye"), dye.as_ref()));
-        let (coefficients, (phase, dye)) = both(self.coefficients(at, absorption, scattering), phase_and_dye)?;
+        let (coefficients, (phase, dye)) = both(self.coefficients(at, [absorption, scattering]), phase_and_dye)?;
         let resolve = |file| self.medium_emission(&at.key("emission"), file, &coefficients.0, None);
         let emission = emission.as_ref().map(resolve).transpose()?;
         let medium = Medium { emission, ..Medium::new(name.to_owned(), coefficients, phase, Density::Uniform) };
@@ -102,7 +74,7 @@ impl Resolver<'_> {
 
     fn grid(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         file: &GridFile,
         name: &str,
         centre: DVec3,
@@ -113,7 +85,7 @@ impl Resolver<'_> {
         let ResolvedMotion { start, motion } = self.motion(transform, motion);
         let phase = self.phase(&at.key("phase"), phase, notes);
         let phase_and_dye = both(phase, self.dye(&at.key("dye"), file.dye.as_ref()));
-        let (coefficients, (phase, dye)) = both(self.coefficients(at, absorption, scattering), phase_and_dye)?;
+        let (coefficients, (phase, dye)) = both(self.coefficients(at, [absorption, scattering]), phase_and_dye)?;
         let place = self.field_placement(*bounds, start, centre);
         let field = |key: &str, file| self.field(&at.key(key), file, &place).map(Arc::new);
         let density = Density::Field(field("density", density)?);
@@ -132,12 +104,11 @@ impl Resolver<'_> {
     }
 
     /// Resolves the dye of a medium. The absorption coefficient is in 1/m.
-    fn dye(&self, at: &JsonPath<'_>, file: Option<&DyeFile>) -> Result<Option<Fluorophore>> {
+    fn dye(&self, at: &JsonPath, file: Option<&DyeFile>) -> Result<Option<Fluorophore>> {
         /// Converts a decadic coefficient in 1/cm to a natural coefficient in 1/m.
         const PER_M: f64 = 100.0 * std::f64::consts::LN_10;
-        let Some(DyeFile { absorption, molar_absorption, concentration, emission, quantum_yield }) = file else {
-            return Ok(None);
-        };
+        let Some(file) = file else { return Ok(None) };
+        let DyeFile { absorption, molar_absorption, concentration, emission, quantum_yield } = file;
         let (key, spectrum, factor) = match (absorption, molar_absorption) {
             (Some(absorption), _) => ("absorption", absorption, 1.0 / self.metres),
             (None, Some(molar)) => ("molar_absorption", molar, concentration.unwrap_or_default() * PER_M),
@@ -152,9 +123,8 @@ impl Resolver<'_> {
     /// The absorption and scattering coefficients in 1/m.
     fn coefficients(
         &self,
-        at: &JsonPath<'_>,
-        absorption: &SpectrumFile,
-        scattering: &SpectrumFile,
+        at: &JsonPath,
+        [absorption, scattering]: [&SpectrumFile; 2],
     ) -> Result<(Spectrum, Spectrum)> {
         let coefficient = |key: &str, file| {
             self.spectrum(&at.key(key), file, Role::Coefficient).map(|per_unit| per_unit.scaled(1.0 / self.metres))
@@ -171,12 +141,11 @@ impl Resolver<'_> {
         FieldPlacement { bounds: (low, high), to_local }
     }
 
-    /// Resolves a scalar field in the box of a grid medium.
-    fn field(&self, at: &JsonPath<'_>, file: &FieldFile, place: &FieldPlacement) -> Result<ScalarField> {
+    fn field(&self, at: &JsonPath, file: &FieldFile, place: &FieldPlacement) -> Result<ScalarField> {
         Ok(ScalarField::new(self.field_shape(at, file, place.bounds)?, place.bounds, place.to_local))
     }
 
-    fn field_shape(&self, at: &JsonPath<'_>, file: &FieldFile, bounds: (DVec3, DVec3)) -> Result<FieldShape> {
+    fn field_shape(&self, at: &JsonPath, file: &FieldFile, bounds: (DVec3, DVec3)) -> Result<FieldShape> {
         let FieldFile { values, resolution, path, constant, exponential, sphere, noise } = file;
         if let (Some(values), Some(resolution)) = (values, resolution) {
             let grid = FieldGrid::new(resolution.map(|cells| cells as usize), values.iter().copied());
@@ -208,7 +177,7 @@ impl Resolver<'_> {
         self.at(at, Err(Error::input("found none of the forms of a field")))
     }
 
-    fn phase(&self, at: &JsonPath<'_>, file: &PhaseFile, notes: &mut Vec<String>) -> Result<PhaseFunction> {
+    fn phase(&self, at: &JsonPath, file: &PhaseFile, notes: &mut Vec<String>) -> Result<PhaseFunction> {
         match file {
             PhaseFile::Isotropic => Ok(PhaseFunction::Isotropic),
             PhaseFile::Rayleigh => Ok(PhaseFunction::Rayleigh),
@@ -222,10 +191,8 @@ impl Resolver<'_> {
             }
             PhaseFile::Mie { radius_um, spread, ior } => {
                 let at = at.key("mie");
-                let index = match ior {
-                    Some(file) => self.at(&at.key("ior"), index_of(file, self.source))?,
-                    None => RefractiveIndex::catalogue("water 20C")?,
-                };
+                let given = ior.as_ref().map(|file| self.at(&at.key("ior"), index_of(file, self.source)));
+                let index = given.unwrap_or_else(|| RefractiveIndex::catalogue("water 20C"))?;
                 notes.extend(index.warning().map(|warning| format!("{at}: {warning}")));
                 let spheres = MieSpheres::new(*radius_um, *spread, index);
                 Ok(PhaseFunction::Table(self.at(&at, spheres.and_then(|spheres| spheres.table()))?))

@@ -33,10 +33,8 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
     let texture = file.metallic_roughness_texture.as_ref().filter(|_| textured);
     let roughness = channel(texture, 1, file.roughness, 0.0)?;
     let metallic = channel(texture, 2, file.metallic, 0.0)?;
-    let index = match file.abbe_number {
-        Some(vd) => RefractiveIndex::abbe(file.ior, vd)?,
-        None => RefractiveIndex::constant(file.ior)?,
-    };
+    let constant = || RefractiveIndex::constant(file.ior);
+    let index = file.abbe_number.map_or_else(constant, |vd| RefractiveIndex::abbe(file.ior, vd))?;
     let metal = || rough(&roughness, &|alpha| Bsdf::metal(base.clone(), alpha));
     let opaque = || opaque(file, &base, &index, &roughness);
     let mut body = None;
@@ -47,36 +45,34 @@ pub(super) fn material(file: &MeshMaterial, metres: f64, textured: bool, closed:
         if most < LEAST_FRACTION {
             return opaque();
         }
-        let rest = || channel(texture, 0, -file.transmission, 1.0);
-        if file.is_sheet && !closed {
-            let mut surface = pane(file, &index)?;
-            if let Some(film) = &file.film {
-                let Bsdf::ThinDielectric(bare) = surface.clone() else { return Ok(surface) };
-                let coated = Bsdf::ThinDielectric(bare.with_coating(film_stack(film, textured)?));
-                surface = mixed(coated, film.factor, surface)?;
+        let glass = if file.is_sheet && !closed {
+            let bare = pane(file, &index)?;
+            match (&file.film, bare.clone()) {
+                (Some(film), Bsdf::ThinDielectric(pane)) => {
+                    let coated = Bsdf::ThinDielectric(pane.with_coating(film_stack(film, textured)?));
+                    mixed(coated, film.factor, bare)?
+                }
+                _ => bare,
             }
-            let pane = surface;
-            return if least > 1.0 - LEAST_FRACTION {
-                Ok(pane)
-            } else {
-                Bsdf::textured_mix(vec![(transmission, pane), (rest()?, opaque()?)])
-            };
-        }
-        let absorption = match &file.attenuation {
-            None => None,
-            Some(attenuation) => Some(absorption(attenuation.colour, attenuation.distance * metres)?),
+        } else {
+            let absorption = file.attenuation.as_ref().map(|it| absorption(it.colour, it.distance * metres));
+            let absorption = absorption.transpose()?;
+            body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
+            let bare = rough(&roughness, &Bsdf::dielectric)?;
+            match &file.film {
+                Some(film) => {
+                    let films = film_stack(film, textured)?;
+                    let coated = rough(&roughness, &|alpha| Bsdf::coated_dielectric(films.clone(), &index, alpha))?;
+                    mixed(coated, film.factor, bare)?
+                }
+                None => bare,
+            }
         };
-        body = Some(Body { index: Some(index.clone()), absorption, medium: None, priority: 0 });
-        let mut glass = rough(&roughness, &Bsdf::dielectric)?;
-        if let Some(film) = &file.film {
-            let films = film_stack(film, textured)?;
-            let coated = rough(&roughness, &|alpha| Bsdf::coated_dielectric(films.clone(), &index, alpha))?;
-            glass = mixed(coated, film.factor, glass)?;
-        }
         if least > 1.0 - LEAST_FRACTION {
             return Ok(glass);
         }
-        Bsdf::textured_mix(vec![(transmission, glass), (rest()?, opaque()?)])
+        let rest = channel(texture, 0, -file.transmission, 1.0)?;
+        Bsdf::textured_mix(vec![(transmission, glass), (rest, opaque()?)])
     };
     let surface = match metallic.range() {
         (_, most) if most < LEAST_FRACTION => dielectric()?,
@@ -100,7 +96,6 @@ fn pane(file: &MeshMaterial, index: &RefractiveIndex) -> Result<Bsdf> {
     Bsdf::thin_dielectric(index.clone(), depth)
 }
 
-/// Returns the stack of one thin film.
 fn film_stack(film: &MeshFilm, textured: bool) -> Result<FilmStack> {
     let [thin, thick] = film.thickness_nm;
     let texture = film.thickness_texture.as_ref().filter(|_| textured);
@@ -113,22 +108,14 @@ fn film_stack(film: &MeshFilm, textured: bool) -> Result<FilmStack> {
 fn rough(roughness: &SurfaceScalar, of_alpha: &dyn Fn(f64) -> Result<Bsdf>) -> Result<Bsdf> {
     match roughness {
         SurfaceScalar::Uniform(roughness) => of_alpha(alpha(*roughness)),
-        SurfaceScalar::Textured(texture) => {
-            Bsdf::textured_roughness(texture.clone(), |roughness| of_alpha(alpha(roughness)))
-        }
+        SurfaceScalar::Textured(texture) => Bsdf::textured_roughness(texture.clone(), |it| of_alpha(alpha(it))),
     }
 }
 
-/// Returns the surface of a dielectric that transmits no light, or transmits it diffusely. The
-/// diffuse base has a clear coat unless it is matt. A further coat replaces this coat on a part of
-/// the area.
-fn opaque(
-    file: &MeshMaterial,
-    base: &SurfaceSpectrum,
-    index: &RefractiveIndex,
-    roughness: &SurfaceScalar,
-) -> Result<Bsdf> {
-    let index = if file.specular < 1.0 { RefractiveIndex::constant(reduced_ior(file))? } else { index.clone() };
+/// Returns the surface of a dielectric that transmits no light, or diffusely. The diffuse base has
+/// a clear coat unless it is matt. A further coat replaces this coat on a part of the area.
+fn opaque(file: &MeshMaterial, base: &SurfaceSpectrum, n: &RefractiveIndex, roughness: &SurfaceScalar) -> Result<Bsdf> {
+    let index = if file.specular < 1.0 { RefractiveIndex::constant(reduced_ior(file))? } else { n.clone() };
     let is_matt = matches!(roughness, SurfaceScalar::Uniform(roughness) if *roughness >= MATT);
     let mut surface = if is_matt || file.specular < LEAST_FRACTION {
         Bsdf::diffuse(base.clone())?
@@ -146,8 +133,7 @@ fn opaque(
     Ok(surface)
 }
 
-/// Returns the index of refraction whose reflectance at normal incidence is the stated part of the
-/// reflectance of the file's index.
+/// Returns the index whose reflectance at normal incidence is `specular` times the file's.
 fn reduced_ior(file: &MeshMaterial) -> f64 {
     let reflectance = ((file.ior - 1.0) / (file.ior + 1.0)).powi(2) * file.specular.clamp(0.0, 1.0);
     let root = reflectance.sqrt();
@@ -180,11 +166,8 @@ fn with_holes(surface: Bsdf, file: &MeshMaterial, textured: bool) -> Result<Bsdf
     }
     let [covered, open] = fractions;
     let hole = Bsdf::thin_dielectric(RefractiveIndex::constant(1.0)?, None)?;
-    if covered.range().1 < LEAST_FRACTION {
-        Ok(hole)
-    } else {
-        Bsdf::textured_mix(vec![(covered, surface), (open, hole)])
-    }
+    let is_hole = covered.range().1 < LEAST_FRACTION;
+    if is_hole { Ok(hole) } else { Bsdf::textured_mix(vec![(covered, surface), (open, hole)]) }
 }
 
 /// Returns the base colour: the product of a colour and a picture.
@@ -200,8 +183,7 @@ fn base_colour(file: &MeshMaterial, textured: bool) -> Result<SurfaceSpectrum> {
     Ok(SpectralTexture::from_colours(pattern(texture)?, pixels).into())
 }
 
-/// Returns `offset` + `factor` × a channel of a picture. Without a picture, the channel is 1. The
-/// results are limited to the range from 0 to 1.
+/// Returns `offset` + `factor` × a channel (1 without a picture), limited to the range from 0 to 1.
 fn channel(texture: Option<&MeshTexture>, number: usize, factor: f64, offset: f64) -> Result<SurfaceScalar> {
     map_channel(texture, number, |x| (offset + factor * f64::from(x)).clamp(0.0, 1.0))
 }
@@ -219,8 +201,7 @@ fn normal_map(texture: &MeshTexture, strength: f64) -> Result<NormalMap> {
     Ok(NormalMap::from_picture(pattern(texture)?, &texture.picture.linear_rgb(Some(EncodingFile::Linear)), scale))
 }
 
-/// Returns the light of a surface that emits: its colour as linear RGB, and the slide in front of
-/// it. Without a picture, there is no slide.
+/// Returns the light of a surface: its colour as linear RGB, and the slide, if it has a picture.
 pub(super) fn emission(file: &MeshMaterial, textured: bool) -> Result<([f64; 3], Option<SurfaceSpectrum>)> {
     let Some(texture) = file.emission_texture.as_ref().filter(|_| textured) else { return Ok((file.emission, None)) };
     let most = file.emission.into_iter().fold(0.0, f64::max);
@@ -274,8 +255,7 @@ mod tests {
         assert!(matches!(parts.as_slice(), [Bsdf::Glossy(_)]) && !has_body);
     }
 
-    /// Glass without a thickness is a pane if the mesh is open. Its base colour is the colour of
-    /// the transmitted light.
+    /// Glass without a thickness is a pane on an open mesh, and its base colour a transmittance.
     #[test]
     fn sheets_of_glass_are_panes() {
         let sheet = MeshMaterial { is_sheet: true, base_colour: [1.0, 0.5, 0.25], ..glass(1.0) };

@@ -1,20 +1,18 @@
 //! Reads the meshes of objects. A mesh that several objects name is read once, and they share it.
 
+use super::context::Resolver;
+use crate::mesh::{MeshFile, MeshMaterial, MeshPart, UnplacedParts};
+use crate::{JsonPath, MeshShapeFile, ShapeFile, mesh};
+use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_spectra::error::{Error, Result};
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::context::Resolver;
-use crate::mesh::{self, MeshFile, MeshMaterial, MeshPart, UnplacedParts};
-use crate::{JsonPath, MeshShapeFile, ShapeFile};
-use abbe_scene::geometry::mesh::TriangleMesh;
-use abbe_spectra::error::{Error, Result};
-
 /// The largest number of shared shapes that refer to each other.
 const MAX_DEPTH: usize = 16;
 
-/// A mesh that was read.
 pub(super) struct LoadedMesh {
     pub(super) parts: Vec<LoadedPart>,
     /// A sentence about the properties of materials that the reader ignores.
@@ -27,10 +25,8 @@ pub(super) struct LoadedMesh {
 #[derive(Clone)]
 pub(super) struct LoadedPart {
     pub(super) mesh: Arc<TriangleMesh>,
-    /// The material in the file, if there is one.
     pub(super) material: Option<MeshMaterial>,
-    /// The number of this material in the scene, after an object has used it. Parts with the same
-    /// material share the cell.
+    /// The number of this material in the scene once it is used. Parts with it share the cell.
     pub(super) material_number: Rc<Cell<Option<usize>>>,
     /// Name of the part in the file. It may be empty.
     pub(super) name: String,
@@ -44,20 +40,18 @@ pub(super) struct MeshCache<'a> {
     files: BTreeMap<&'a str, LoadedFile>,
 }
 
-/// A file whose parts are named one by one.
 struct LoadedFile {
     parts: BTreeMap<u32, LoadedPart>,
     ignored: Option<String>,
 }
 
 impl<'a> Resolver<'a> {
-    /// Returns the shape to which a shape refers, and its place in the file. Most shapes refer to
-    /// no other shape.
+    /// Hands the shape to which a shape refers, usually itself, and its place to `then`.
     pub(super) fn shared_shape<T>(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         shape: &'a ShapeFile,
-        then: impl FnOnce(&JsonPath<'_>, &'a ShapeFile) -> Result<T>,
+        then: impl FnOnce(&JsonPath, &'a ShapeFile) -> Result<T>,
     ) -> Result<T> {
         let ShapeFile::Shared(name) = shape else { return then(at, shape) };
         let root = JsonPath::Root;
@@ -80,7 +74,7 @@ impl<'a> Resolver<'a> {
     /// Returns a mesh. Returns `None` for other shapes.
     pub(super) fn mesh(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         shape: &'a ShapeFile,
         cache: &mut MeshCache<'a>,
     ) -> Result<Option<Rc<LoadedMesh>>> {
@@ -106,7 +100,7 @@ impl<'a> Resolver<'a> {
         Ok(Some(loaded))
     }
 
-    fn mesh_file(&self, at: &JsonPath<'_>, file: &'a MeshShapeFile, cache: &mut MeshCache<'a>) -> Result<LoadedMesh> {
+    fn mesh_file(&self, at: &JsonPath, file: &'a MeshShapeFile, cache: &mut MeshCache<'a>) -> Result<LoadedMesh> {
         let MeshShapeFile { path, part, reverse, flat, smooth, flip_v } = file;
         let changed = |part: LoadedPart| {
             if !(*flat || *smooth || *reverse || *flip_v) {
@@ -131,8 +125,7 @@ impl<'a> Resolver<'a> {
         }
         let LoadedFile { parts, ignored } = &cache.files[path.as_str()];
         let missing = || {
-            let last =
-                parts.keys().last().map_or_else(|| "no part".to_owned(), |last| format!("a part from 0 to {last}"));
+            let last = parts.keys().last().map_or("no part".into(), |last| format!("a part from 0 to {last}"));
             Error::input(format!("the mesh has no part {number}")).expected(last)
         };
         let part = self.at(&at.key("part"), parts.get(number).cloned().ok_or_else(missing))?;
@@ -168,8 +161,8 @@ impl LoadedPart {
         self.material.as_ref().filter(|own| own.emission.iter().any(|&component| component > 0.0))
     }
 
-    /// Returns the mesh for an object. Luminous objects get a mesh of their own, because points are
-    /// sampled only on meshes that are not shared.
+    /// Returns the mesh for an object: its own if luminous, as no points are sampled on shared
+    /// ones.
     pub(super) fn mesh_for(&self, is_luminous: bool) -> Arc<TriangleMesh> {
         if is_luminous { Arc::new(TriangleMesh::clone(&self.mesh)) } else { Arc::clone(&self.mesh) }
     }

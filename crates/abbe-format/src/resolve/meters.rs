@@ -1,4 +1,4 @@
-//! Translates the meters of the scene file to the receptors that take the place of the camera.
+//! Translates the meters of the scene file to the sensors that take the place of the camera.
 
 use super::context::Resolver;
 use crate::{JsonPath, MeterFile, MeterGridFile};
@@ -14,33 +14,30 @@ use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Observer;
 use glam::DVec3;
 
-/// A measurement has at least this number of rows of receptors, so that few readings keep many
-/// threads busy.
+/// A measurement has at least this number of rows, so that few readings keep many threads busy.
 const LEAST_ROWS: usize = 32;
 
-/// The largest number of readings.
 const MOST_READINGS: usize = 1_000_000;
 
-/// A receptor with what is known about its reading.
 type SensorWithReading = (Sensor, MeterReading);
 
 impl Resolver<'_> {
-    /// Resolves all meters. Returns the camera that consists of their receptors, and its film.
+    /// Resolves all meters. Returns the camera that consists of their sensors, and its film.
     pub(super) fn meters(&self, builder: &mut SceneBuilder) -> Result<(Camera, FilmSpec, Vec<Meter>)> {
         let root = JsonPath::Root;
         let (mut sensors, mut meters) = (Vec::new(), Vec::<Meter>::new());
+        let meters_at = root.key("meters");
         for (i, file) in self.scene.meters.iter().enumerate() {
-            let meters_at = root.key("meters");
             let at = meters_at.index(i);
             if meters.iter().any(|meter| meter.name == file.name) {
-                let error = Error::input(format!("found the name \"{}\" twice", file.name));
-                return self.at(&at.key("name"), Err(error.expected("another name")));
+                let what = format!("found the name \"{}\" twice", file.name);
+                return Err(self.source.fault(&at.key("name"), what, "another name"));
             }
             let (of_meter, readings): (Vec<Sensor>, _) = self.sensors(&at, file, builder)?.into_iter().unzip();
             sensors.extend(of_meter);
             if sensors.len() > MOST_READINGS {
-                let error = Error::input(format!("found more than {MOST_READINGS} readings"));
-                return self.at(&at, Err(error.expected("fewer points")));
+                let what = format!("found more than {MOST_READINGS} readings");
+                return Err(self.source.fault(&at, what, "fewer points"));
             }
             let (name, quantity) = (file.name.clone(), file.quantity());
             let grid = file.grid.as_ref().map(MeterGridFile::grid);
@@ -66,8 +63,7 @@ impl Resolver<'_> {
         Ok((Camera::of_sensors(sensors.into(), rows), film, meters))
     }
 
-    /// Resolves the receptors of a meter.
-    fn sensors(&self, at: &JsonPath<'_>, file: &MeterFile, builder: &SceneBuilder) -> Result<Vec<SensorWithReading>> {
+    fn sensors(&self, at: &JsonPath, file: &MeterFile, builder: &SceneBuilder) -> Result<Vec<SensorWithReading>> {
         let MeterFile { name: _, quantity: _, points, grid, normal, surface, side, sphere, cylinder, spot } = file;
         let at_point = |point: [f64; 3], response: Response, normal: Option<DVec3>| {
             let sensor = Sensor::at(self.point(point, builder.centre()), response, builder.extent_m());
@@ -82,9 +78,9 @@ impl Resolver<'_> {
         if let Some(grid) = grid {
             let [columns, rows] = grid.count.map(|count| count as usize);
             if columns * rows > MOST_READINGS {
-                let error = Error::input(format!("found {} points", columns * rows));
                 let expected = format!("at most {MOST_READINGS} points");
-                return self.at(&at.key("grid").key("count"), Err(error.expected(expected)));
+                let at = at.key("grid");
+                return Err(self.source.fault(&at.key("count"), format!("found {} points", columns * rows), expected));
             }
             return Ok(grid.points().iter().map(plane).collect());
         }
@@ -105,22 +101,20 @@ impl Resolver<'_> {
         Ok(vec![at_point(spot.from, response, Some(axis))])
     }
 
-    /// Resolves the receptor of an object's surface.
     fn surface_sensor(
         &self,
-        at: &JsonPath<'_>,
+        at: &JsonPath,
         name: &str,
         side: ReceivingSide,
         builder: &SceneBuilder,
     ) -> Result<SensorWithReading> {
         let names: Vec<&str> = builder.object_names().collect();
-        let Some(object) = names.iter().position(|known| *known == name) else {
-            return self.at(at, Err(Error::unknown_name("object", name, names)));
-        };
+        let object = names.iter().position(|known| *known == name);
+        let object = self.at(at, object.ok_or_else(|| Error::unknown_name("object", name, names)))?;
         let (object, area_m2) = (object as u32, builder.area_m2(object as u32));
         if area_m2 <= 0.0 {
-            let error = Error::input(format!("the object \"{name}\" has no surface"));
-            return self.at(at, Err(error.expected("an object with a surface")));
+            let what = format!("the object \"{name}\" has no surface");
+            return Err(self.source.fault(at, what, "an object with a surface"));
         }
         let position = builder.middle_of(object) / self.metres;
         let sides = if side == ReceivingSide::Both { 2.0 } else { 1.0 };

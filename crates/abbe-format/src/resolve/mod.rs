@@ -1,10 +1,8 @@
 //! Translates the scene file to the scene model. Names become numbers, quantities are converted to
 //! SI units, spectra become functions of wavelength, and the named files are read.
 //!
-//! [`SceneBuilder`] builds and checks the model. This module adds the position in the file to the
-//! builder's errors. This module reads every key of the file, or refuses the key with the message
-//! "not supported yet". If a struct is destructured without `..`, the compiler reports a forgotten
-//! field.
+//! [`SceneBuilder`] builds and checks the model, and this module adds positions to its errors. Most
+//! structs are destructured without `..`, so that the compiler reports a forgotten field.
 
 mod camera;
 mod coating;
@@ -31,9 +29,8 @@ pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};
 pub use media::DEFAULT_MARCH_STEPS;
 pub use spectra::Role;
 
-use super::read::{parse_source, read};
-use super::{MediumFile, RenderFile, SceneFile, SpectrumFile};
-use crate::json::{FileAccess, JsonPath, JsonSource};
+use crate::read::{parse_source, read};
+use crate::{FileAccess, JsonPath, JsonSource, MediumFile, RenderFile, SceneFile, SpectrumFile};
 use abbe_scene::builder::{SceneBuilder, SceneError, ScenePart, SceneView, WhiteBalance};
 use abbe_scene::{Scene, Settings};
 use abbe_spectra::error::{Error, Result};
@@ -46,19 +43,14 @@ use std::path::Path;
 /// Reads and resolves a scene file. `sets` are patches of the form `PATH=JSON`.
 ///
 /// # Errors
-/// Returns an error if the file is invalid or uses a feature that is not supported yet. The error
-/// states the place in the file.
+/// Returns the errors of [`read`](crate::read()) and of [`resolve`].
 pub fn load(path: &Path, sets: &[String]) -> Result<Scene> {
     let (scene, source) = read(path, sets)?;
     resolve(&scene, &source)
 }
 
-/// Reads a scene from its text like [`parse`](crate::parse). `access` says which files the scene may name. If the
-/// text has faults, the error also contains the faults that [`resolve`] finds, such as
-/// unknown names.
-///
-/// # Errors
-/// Returns the errors of [`parse`](crate::parse) and of [`resolve`].
+/// Reads a scene from its text like [`parse`](crate::parse). `access` says which files it may name.
+/// If the text has faults, the error also contains those that [`resolve`] finds.
 pub fn parse_with_access(
     text: impl Into<String>,
     path: &Path,
@@ -72,9 +64,8 @@ pub fn parse_with_access(
 /// Resolves a scene.
 ///
 /// # Errors
-/// Returns an error if a name is unknown, if a file cannot be read, if quantities contradict each
-/// other, or if a feature is not supported yet. The error contains the faults of all parts of the
-/// scene, and states the place of each in `source`.
+/// Returns the faults of all parts of the scene, each with its place in `source`: unknown names,
+/// unreadable files, contradictory quantities, and features that are not supported yet.
 pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     let (Some(camera), Some(film)) = (&scene.camera, &scene.film) else {
         let key = if scene.camera.is_none() { "camera" } else { "film" };
@@ -84,64 +75,44 @@ pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     about_view(|centre| Resolver::new(scene, source, ResolvedFor::Picture(camera, film), centre))
 }
 
-/// Resolves the meters of a scene. The camera and the film of the scene are not used.
-///
-/// # Errors
-/// Returns the errors of [`resolve`]. Also returns an error if the scene has no meters.
+/// Resolves the meters of a scene instead of its camera and its film, with the errors of [`resolve`].
 pub fn resolve_meters(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     if scene.meters.is_empty() {
-        let error = Error::input("the scene has no meters");
-        return Err(source.error_at("", error.expected("at least one entry in `meters`")));
+        return Err(source.fault(&JsonPath::Root, "the scene has no meters", "at least one entry in `meters`"));
     }
     about_view(|centre| Resolver::new(scene, source, ResolvedFor::Meters, centre))
 }
 
 /// Resolves a scene for its picture, or for its meters if it has no camera.
-///
-/// # Errors
-/// See [`resolve`] and [`resolve_meters`].
 pub fn resolve_any(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     let only_meters = scene.camera.is_none() && !scene.meters.is_empty();
     if only_meters { resolve_meters(scene, source) } else { resolve(scene, source) }
 }
 
-/// Resolves a scene. `resolver` takes the scene's centre in m, or `None` for the middle of the
-/// objects.
+/// Resolves a scene about its centre in m, which `resolver` takes. `None` is the objects' middle.
 fn about_view<'a>(resolver: impl Fn(Option<DVec3>) -> Resolver<'a>) -> Result<Scene> {
     let resolved = resolver(None).run()?;
-    // If the camera looks at a small part of a large world, the centre of the view is a better
-    // origin for positions in single precision.
-    match resolved.distant_view() {
-        Some(centre) => resolver(Some(centre)).run(),
-        None => Ok(resolved),
-    }
+    // If the camera sees a small part of a large world, its centre is a better origin for `f32`.
+    if let Some(centre) = resolved.distant_view() { resolver(Some(centre)).run() } else { Ok(resolved) }
 }
 
-/// Resolves a spectrum that is not part of a scene. If the spectrum is a name, the library must
-/// contain a spectrum with this name.
-///
-/// # Errors
-/// Returns an error if a name is unknown, if a file cannot be read, or if a value does not fit the
-/// role. The error states the place in `source`.
+/// Resolves a spectrum outside a scene, with names of the library. Errors have a place in `source`.
 pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -> Result<Spectrum> {
     spectra::Spectra { named: &BTreeMap::new(), source }.checked(&JsonPath::Root, spectrum, role)
 }
 
 impl Resolver<'_> {
     fn run(&self) -> Result<Scene> {
-        let SceneFile { schema: _, title, unit: _, camera: _, film: _, spectra, media: _, materials: _, .. } =
-            self.scene;
-        let SceneFile { objects: _, lights: _, meters: _, atmosphere, render, .. } = self.scene;
+        let SceneFile { title, spectra, atmosphere, render, .. } = self.scene;
         let root = JsonPath::Root;
         // Unused spectra are checked as well.
         for name in spectra.keys() {
             self.keep(self.named_spectrum(name, spectra::Role::Coefficient));
         }
         let objects = self.objects();
-        let builder = match self.centre {
-            None => SceneBuilder::new(objects.set),
-            Some(centre) => SceneBuilder::about(objects.set, centre),
-        };
+        let set = objects.set;
+        let builder =
+            if let Some(centre) = self.centre { SceneBuilder::about(set, centre) } else { SceneBuilder::new(set) };
         let mut builder = match self.at(&root.key("objects"), builder) {
             Ok(builder) => builder,
             // The fault may only follow from an object that was left out.

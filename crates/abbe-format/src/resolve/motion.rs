@@ -7,25 +7,21 @@ use abbe_scene::camera::Shutter;
 use abbe_scene::motion::{AnimatedLookAt, AnimatedTransform, LookAt};
 use glam::{DAffine3, DVec3};
 
-/// The motion of an object, a light or a medium, and its transform at the moment when the shutter
-/// opens.
+/// The motion of an object, a light or a medium, and its transform when the shutter opens.
 pub(super) struct ResolvedMotion {
-    /// The transform from the object's frame to the world when the shutter opens. Lengths are in
-    /// the scene's unit.
+    /// The transform from the object's frame to the world at that moment, in the scene's unit.
     pub(super) start: DAffine3,
     /// The motion, with lengths in m. `None` if the object does not move while the shutter is open.
     pub(super) motion: Option<AnimatedTransform>,
 }
 
-/// The motion through all keyframes, or `None` if there are no keyframes. Lengths are in the
-/// scene's unit.
+/// The motion through all keyframes in the scene's unit, or `None` if there are none.
 fn motion(transform: &TransformFile, keys: &[KeyframeFile]) -> Option<AnimatedTransform> {
     let own = transform.to_affine();
     AnimatedTransform::new(own, keys.iter().map(|key| (key.time, key.transform.to_affine(), key.transform.after(own))))
 }
 
 impl Resolver<'_> {
-    /// Resolves a transform with keyframes.
     pub(super) fn motion(&self, transform: &TransformFile, keys: &[KeyframeFile]) -> ResolvedMotion {
         let Some(motion) = motion(transform, keys) else {
             return ResolvedMotion { start: transform.to_affine(), motion: None };
@@ -55,7 +51,7 @@ impl Resolver<'_> {
     pub(super) fn note_without_motion(&self) -> Option<String> {
         let Shutter { open_s, close_s, .. } = self.shutter;
         let objects = self.scene.objects.iter().map(|object| (&object.transform, object.motion.as_slice()));
-        let lights = self.scene.lights.iter().map(LightFile::transform_and_motion);
+        let lights = self.scene.lights.iter().map(LightFile::pose_and_group).map(|(place, keys, _)| (place, keys));
         let media = self.scene.media.values().map(MediumFile::transform_and_motion);
         let motions: Vec<AnimatedTransform> =
             objects.chain(lights).chain(media).filter_map(|(transform, keys)| motion(transform, keys)).collect();

@@ -1,22 +1,20 @@
 //! Translates the objects of the scene file to placed shapes with materials.
 
-use super::context::Resolver;
-use super::mesh_materials;
 use super::meshes::{LoadedMesh, LoadedPart, MeshCache};
-use super::motion::ResolvedMotion;
+use super::{context::Resolver, mesh_materials, motion::ResolvedMotion};
 use crate::{EmissionFile, JsonPath, ObjectFile, ShapeFile};
 use abbe_optics::bsdf::Bsdf;
 use abbe_optics::texture::SurfaceSpectrum;
 use abbe_scene::Material;
 use abbe_scene::builder::{ObjectSet, Placement};
 use abbe_scene::geometry::shape::Shape;
-use abbe_spectra::error::{Error, Result};
+use abbe_spectra::error::Result;
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 
 /// The resolved objects, and the emission of their surfaces.
 #[derive(Default)]
-pub(super) struct ResolvedObjects<'a> {
+pub(super) struct SceneObjects<'a> {
     pub(super) set: ObjectSet,
     pub(super) emitting: Vec<EmittingObject<'a>>,
     /// The material number for each material name.
@@ -35,7 +33,6 @@ pub(super) struct EmittingObject<'a> {
 
 /// The emission of an object, from the scene file or from a mesh file.
 pub(super) enum EmissionSource<'a> {
-    /// The emission in the scene file.
     Scene(&'a EmissionFile),
     /// The emission in a mesh file. The colour is linear RGB, and white, (1, 1, 1), has a luminance
     /// of 1 cd/m². The slide is a picture that multiplies the colour.
@@ -43,9 +40,8 @@ pub(super) enum EmissionSource<'a> {
 }
 
 impl<'a> Resolver<'a> {
-    /// Resolves all objects.
-    pub(super) fn objects(&self) -> ResolvedObjects<'a> {
-        let mut resolved = ResolvedObjects::default();
+    pub(super) fn objects(&self) -> SceneObjects<'a> {
+        let mut resolved = SceneObjects::default();
         let root = JsonPath::Root;
         let at = root.key("objects");
         for (number, file) in self.scene.objects.iter().enumerate() {
@@ -58,28 +54,15 @@ impl<'a> Resolver<'a> {
         resolved
     }
 
-    fn object(
-        &self,
-        at: &JsonPath<'_>,
-        number: usize,
-        file: &'a ObjectFile,
-        resolved: &mut ResolvedObjects<'a>,
-    ) -> Result<()> {
+    fn object(&self, at: &JsonPath, index: usize, file: &'a ObjectFile, resolved: &mut SceneObjects<'a>) -> Result<()> {
         let ObjectFile { name, shape, material, transform, motion, emission } = file;
-        let name = name.clone().unwrap_or_else(|| format!("object {number}"));
-        let material = match material {
-            Some(name) => match self.keep(self.material_number(&at.key("material"), name, resolved)) {
-                Some(number) => Some(number),
-                // The shape is checked even if the material has a fault.
-                None => Some(resolved.set.add_material(Material {
-                    name: name.clone(),
-                    surface: Bsdf::Absorber,
-                    normal_map: None,
-                    body: None,
-                })),
-            },
-            None => None,
-        };
+        let name = name.clone().unwrap_or_else(|| format!("object {index}"));
+        let material = material.as_ref().map(|name| {
+            let number = self.keep(self.material_number(&at.key("material"), name, resolved));
+            // The shape is checked even if the material has a fault.
+            let absorber = || Material { name: name.clone(), surface: Bsdf::Absorber, normal_map: None, body: None };
+            number.unwrap_or_else(|| resolved.set.add_material(absorber()))
+        });
         let ResolvedMotion { start, motion } = self.motion(transform, motion);
         let frame = DAffine3 { matrix3: start.matrix3, translation: start.translation * self.metres };
         let placed = |local: DAffine3| Placement {
@@ -89,9 +72,8 @@ impl<'a> Resolver<'a> {
         let objects = self.shared_shape(&at.key("shape"), shape, |shape_at, shape| {
             if let Some((shape, local)) = self.analytic_shape(shape) {
                 let Some(material) = material else {
-                    let error =
-                        Error::input("the shape has no material").expected("a material for shapes other than meshes");
-                    return self.at(at, Err(error));
+                    let expected = "a material for shapes other than meshes";
+                    return Err(self.source.fault(at, "the shape has no material", expected));
                 };
                 return Ok(vec![self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?]);
             }
@@ -105,29 +87,27 @@ impl<'a> Resolver<'a> {
                 let name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
                 let own_light = part.emitter().filter(|_| material.is_none() && emission.is_none());
                 let shape = Shape::Mesh(part.mesh_for(emission.is_some() || own_light.is_some()));
-                let material = match material {
-                    Some(number) => number,
-                    None => self.own_material(shape_at, part, resolved)?,
-                };
+                let own = || self.own_material(shape_at, part, resolved);
+                let material = material.map_or_else(own, Ok)?;
                 let object = self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?;
                 objects.push(object);
                 if let Some(light) = own_light {
                     let light = super::mesh_materials::emission(light, part.mesh.uvs().is_some());
                     let (rgb, slide) = self.at(shape_at, light)?;
                     let emission = EmissionSource::Mesh(rgb, slide);
-                    resolved.emitting.push(EmittingObject { file_index: number, objects: vec![object], emission });
+                    resolved.emitting.push(EmittingObject { file_index: index, objects: vec![object], emission });
                 }
             }
             Ok(objects)
         })?;
         if let Some(emission) = emission {
             let emission = EmissionSource::Scene(emission);
-            resolved.emitting.push(EmittingObject { file_index: number, objects, emission });
+            resolved.emitting.push(EmittingObject { file_index: index, objects, emission });
         }
         Ok(())
     }
 
-    fn material_number(&self, at: &JsonPath<'_>, name: &'a str, resolved: &mut ResolvedObjects<'a>) -> Result<usize> {
+    fn material_number(&self, at: &JsonPath, name: &'a str, resolved: &mut SceneObjects<'a>) -> Result<usize> {
         if let Some(&number) = resolved.named.get(name) {
             return Ok(number);
         }
@@ -137,26 +117,19 @@ impl<'a> Resolver<'a> {
         Ok(number)
     }
 
-    /// Returns the number of the material of a mesh part. If the part has no material, the material
-    /// is the default material.
-    fn own_material(&self, at: &JsonPath<'_>, part: &LoadedPart, resolved: &mut ResolvedObjects<'_>) -> Result<usize> {
+    /// Returns the number of a mesh part's material, or that of the default material.
+    fn own_material(&self, at: &JsonPath, part: &LoadedPart, resolved: &mut SceneObjects) -> Result<usize> {
         if let Some(known) = part.material_number.get() {
             return Ok(known);
         }
-        let textured = part.mesh.uvs().is_some();
-        let material = mesh_materials::material(
-            &part.material.clone().unwrap_or_default(),
-            self.metres,
-            textured,
-            part.mesh.is_closed(),
-        );
+        let (own, textured) = (part.material.clone().unwrap_or_default(), part.mesh.uvs().is_some());
+        let material = mesh_materials::material(&own, self.metres, textured, part.mesh.is_closed());
         let number = resolved.set.add_material(self.at(at, material)?);
         part.material_number.set(Some(number));
         Ok(number)
     }
 
-    /// Notes what the mesh reader ignored. A material of the scene replaces the materials of the
-    /// file.
+    /// Notes what the mesh reader ignored. A material of the scene replaces those of the file.
     fn note_ignored(&self, path: &str, mesh: &LoadedMesh, has_own_materials: bool, notes: &mut Vec<String>) {
         let lights = (mesh.has_lights && self.scene.lights.is_empty())
             .then(|| "its lights are not part of a mesh; `abbe import` reads them".to_string());
@@ -168,8 +141,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Returns the shape in m, and the transform from the shape's frame to the object's frame.
-    /// Returns `None` for a mesh.
+    /// Returns the shape in m, and its frame in that of the object. Returns `None` for a mesh.
     fn analytic_shape(&self, file: &ShapeFile) -> Option<(Shape, DAffine3)> {
         let m = self.metres;
         let shape = match *file {
@@ -184,12 +156,11 @@ impl<'a> Resolver<'a> {
             ShapeFile::Prism { side, length, apex } => {
                 Shape::Prism { side: side * m, length: length * m, apex_deg: apex }
             }
-            ShapeFile::Lens { radius1, radius2, thickness, diameter } => Shape::Lens {
-                radius1: radius1 * m,
-                radius2: radius2 * m,
-                thickness: thickness * m,
-                diameter: diameter * m,
-            },
+            ShapeFile::Lens { radius1, radius2, thickness, diameter } => {
+                let [radius1, radius2, thickness, diameter] =
+                    [radius1, radius2, thickness, diameter].map(|length| length * m);
+                Shape::Lens { radius1, radius2, thickness, diameter }
+            }
             ShapeFile::Mesh(_) | ShapeFile::Triangles(_) | ShapeFile::Shared(_) => return None,
         };
         Some((shape, DAffine3::IDENTITY))

@@ -1,7 +1,4 @@
-//! Translates spectra of the scene file to functions of wavelength, and checks that each spectrum
-//! is valid for its role.
-
-use std::collections::BTreeMap;
+//! Translates spectra of the scene file to functions of wavelength, checked for their role.
 
 use super::context::Resolver;
 use crate::{JsonPath, JsonSource, LineFile, SpectrumFile, is_hex_colour, linear_of_hex};
@@ -9,26 +6,22 @@ use abbe_optics::phase::MAX_MEAN_COSINE;
 use abbe_spectra::colour::{PrimaryMatch, match_primaries};
 use abbe_spectra::error::{Error, Result, both, every};
 use abbe_spectra::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
+use std::collections::BTreeMap;
 
-/// The use of a spectrum. The use decides which values are valid, and how the spectrum is
-/// extrapolated.
+/// The use of a spectrum, which decides its valid values and its extrapolation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// The spectral power of a light, at any scale. Beyond the ends of a table, the power is 0. The
-    /// power must be above 0 somewhere in the band.
+    /// The power of a light, at any scale: above 0 somewhere in the band, and 0 beyond a table.
     Light,
-    /// A reflectance or a transmittance, with values from 0 to 1. It is constant beyond the ends of
-    /// a table.
+    /// A reflectance or a transmittance, from 0 to 1. It is constant beyond the ends of a table.
     Reflectance,
-    /// The fraction of the light that a fluorophore absorbs, with values from 0 to 1. Beyond the
-    /// ends of a table, it is 0.
+    /// The fraction of the light that a fluorophore absorbs, from 0 to 1. It is 0 beyond a table.
     Absorptance,
     /// The absorption coefficient of a dye. Beyond the ends of a table, it is 0.
     DyeAbsorption,
     /// Any other non-negative quantity. It is constant beyond the ends of a table.
     Coefficient,
-    /// The mean cosine of a phase function, negative for backward scattering. It is constant beyond
-    /// the ends of a table.
+    /// The mean cosine of a phase function, below 0 for backward light, constant beyond a table.
     MeanCosine,
 }
 
@@ -42,15 +35,12 @@ impl Role {
     }
 }
 
-/// The largest allowed depth of nested references between spectra. If the nesting is deeper, the
-/// references are reported as circular.
+/// References between spectra that are nested more deeply are reported as circular.
 const MAX_DEPTH: usize = 64;
 
 /// The context in which a spectrum is resolved.
 pub(super) struct Spectra<'a> {
-    /// The scene's named spectra.
     pub(super) named: &'a BTreeMap<String, SpectrumFile>,
-    /// The file that contains the spectra.
     pub(super) source: &'a JsonSource,
 }
 
@@ -59,8 +49,7 @@ impl Resolver<'_> {
         Spectra { named: &self.scene.spectra, source: self.source }
     }
 
-    /// Resolves a spectrum and checks that it is valid for its role.
-    pub(super) fn spectrum(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
+    pub(super) fn spectrum(&self, at: &JsonPath, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
         self.spectra().checked(at, file, role)
     }
 
@@ -75,9 +64,7 @@ impl Resolver<'_> {
     /// target. Returns `None` for a spectrum of another form.
     pub(super) fn match_note(&self, file: &SpectrumFile, what: &str) -> Option<String> {
         let file = if let SpectrumFile::Name(name) = file { self.scene.spectra.get(name)? } else { file };
-        let SpectrumFile::Match { target, primaries } = file else {
-            return None;
-        };
+        let SpectrumFile::Match { target, primaries } = file else { return None };
         let root = JsonPath::Root;
         let resolve = |file: &SpectrumFile| self.spectra().spectrum_at_depth(&root, file, Role::Light, 0).ok();
         let target = resolve(target)?;
@@ -91,35 +78,31 @@ impl Resolver<'_> {
 
 impl Spectra<'_> {
     /// Resolves a spectrum and checks that it is valid for its role.
-    pub(super) fn checked(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
+    pub(super) fn checked(&self, at: &JsonPath, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
         let spectrum = self.spectrum_at_depth(at, file, role, 0)?;
         self.at(at, check_role(&spectrum, role))?;
         Ok(spectrum)
     }
 
-    /// Adds the place in the file to an error.
-    pub(super) fn at<T>(&self, path: &JsonPath<'_>, result: Result<T>) -> Result<T> {
+    pub(super) fn at<T>(&self, path: &JsonPath, result: Result<T>) -> Result<T> {
         result.map_err(|error| self.source.error_at(&path.to_string(), error))
     }
 
-    fn spectrum_at_depth(&self, at: &JsonPath<'_>, file: &SpectrumFile, role: Role, depth: usize) -> Result<Spectrum> {
+    fn spectrum_at_depth(&self, at: &JsonPath, file: &SpectrumFile, role: Role, depth: usize) -> Result<Spectrum> {
         if depth > MAX_DEPTH {
             return self.at(at, Err(Error::input("this spectrum refers to itself, directly or through other spectra")));
         }
-        let within = |at: &JsonPath<'_>, file: &SpectrumFile| self.spectrum_at_depth(at, file, role, depth + 1);
+        let within = |at: &JsonPath, file: &SpectrumFile| self.spectrum_at_depth(at, file, role, depth + 1);
         let made = match file {
             SpectrumFile::Number(value) => Ok(Spectrum::constant(*value)),
             SpectrumFile::Name(name) => return self.spectrum_by_name(at, name, role, depth),
-            SpectrumFile::Table { nm, values } => match role {
-                Role::MeanCosine => signed_table(nm, values),
-                Role::Light | Role::Absorptance | Role::DyeAbsorption | Role::Reflectance | Role::Coefficient => {
-                    Spectrum::table(nm, values, role.outside())
-                }
-            },
-            SpectrumFile::File(path) => {
-                self.source.file(path).and_then(|path| read::spectrum_file(&path, role.outside()))
+            SpectrumFile::Table { nm, values } if role == Role::MeanCosine => signed_table(nm, values),
+            SpectrumFile::Table { nm, values } => Spectrum::table(nm, values, role.outside()),
+            SpectrumFile::File(path) => self.source.file(path).and_then(|it| read::spectrum_file(&it, role.outside())),
+            SpectrumFile::Lines(lines) => {
+                let line = |&LineFile { nm, power, fwhm_nm }: &LineFile| SpectralLine { nm, power, fwhm_nm };
+                Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>())
             }
-            SpectrumFile::Lines(lines) => Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>()),
             SpectrumFile::Blackbody { temperature } => Spectrum::blackbody(*temperature),
             SpectrumFile::Daylight { temperature } => Spectrum::daylight(*temperature),
             SpectrumFile::Gaussian { peak_nm, fwhm_nm } => Spectrum::gaussian(*peak_nm, *fwhm_nm),
@@ -143,13 +126,13 @@ impl Spectra<'_> {
                 let at = at.key("primaries");
                 let primaries = every(primaries.iter().enumerate().map(|(i, primary)| within(&at.index(i), primary)));
                 let (target, primaries) = both(target, primaries)?;
-                matched(&target, &primaries)
+                Ok(nearest_mix(&target, &primaries)?.mix(&primaries))
             }
         };
         self.at(at, made)
     }
 
-    fn spectrum_by_name(&self, at: &JsonPath<'_>, name: &str, role: Role, depth: usize) -> Result<Spectrum> {
+    fn spectrum_by_name(&self, at: &JsonPath, name: &str, role: Role, depth: usize) -> Result<Spectrum> {
         if let Some(file) = self.named.get(name) {
             let root = JsonPath::Root;
             let spectra = root.key("spectra");
@@ -158,75 +141,50 @@ impl Spectra<'_> {
         if is_hex_colour(name) {
             return self.at(at, linear_of_hex(name).and_then(|rgb| upsampled(rgb, role)));
         }
-        match library::find(name) {
-            Ok(entry) => Ok(entry.spectrum),
-            Err(_) => {
-                let own: Vec<&str> = self.named.keys().map(String::as_str).collect();
-                let known = own.into_iter().chain(library::names().map(|name| -> &str { name }));
-                let error = Error::unknown_name("spectrum", name, known)
-                    .expected(format!("a name of the scene's `spectra`, or {}", library::EXPECTED_NAME));
-                self.at(at, Err(error))
-            }
-        }
+        library::find(name).map(|entry| entry.spectrum).or_else(|_| {
+            let own: Vec<&str> = self.named.keys().map(String::as_str).collect();
+            let known = own.into_iter().chain(library::names().map(|name| -> &str { name }));
+            let error = Error::unknown_name("spectrum", name, known)
+                .expected(format!("a name of the scene's `spectra`, or {}", library::EXPECTED_NAME));
+            self.at(at, Err(error))
+        })
     }
 }
 
-/// Returns a table of mean cosines. `Spectrum::table` refuses negative values. Therefore this
-/// function adds 1 to every value, and then subtracts 1 from the resulting spectrum.
+/// Returns a table of mean cosines. `Spectrum::table` refuses negative values, so 1 is added to
+/// every value, and then subtracted from the resulting spectrum.
 fn signed_table(nm: &[f64], values: &[f64]) -> Result<Spectrum> {
     let raised: Vec<f64> = values.iter().map(|value| value + 1.0).collect();
     let raised = Spectrum::table(nm, &raised, Outside::Hold)?;
     Ok(Spectrum::mix(&[(1.0, &raised), (1.0, &Spectrum::constant(-1.0))]))
 }
 
-/// Returns a spectrum of the given linear sRGB colour.
 fn upsampled(rgb: [f64; 3], role: Role) -> Result<Spectrum> {
-    match role {
-        Role::Light => Spectrum::rgb_light(rgb),
-        Role::Reflectance | Role::Absorptance | Role::DyeAbsorption | Role::Coefficient | Role::MeanCosine => {
-            Spectrum::rgb_reflectance(rgb)
-        }
-    }
+    if role == Role::Light { Spectrum::rgb_light(rgb) } else { Spectrum::rgb_reflectance(rgb) }
 }
 
-fn line(file: &LineFile) -> SpectralLine {
-    let LineFile { nm, power, fwhm_nm } = *file;
-    SpectralLine { nm, power, fwhm_nm }
-}
-
-/// Finds the mix of the primaries that is nearest to the target in CIE 1931 XYZ, and returns its
-/// weights. No weight is negative.
+/// Finds the weights (none negative) of the mix nearest to the target in CIE 1931 XYZ.
 fn nearest_mix(target: &Spectrum, primaries: &[Spectrum]) -> Result<PrimaryMatch> {
     let observer = Observer::cie1931();
     let colours: Vec<[f64; 3]> = primaries.iter().map(|primary| observer.xyz(primary)).collect();
     match_primaries(observer.xyz(target), &colours)
 }
 
-/// Returns the mixture of the primaries that is nearest to the target in CIE 1931 XYZ.
-fn matched(target: &Spectrum, primaries: &[Spectrum]) -> Result<Spectrum> {
-    Ok(nearest_mix(target, primaries)?.mix(primaries))
-}
-
 /// Checks that the values of a spectrum are valid for its role.
 fn check_role(spectrum: &Spectrum, role: Role) -> Result<()> {
-    match role {
-        Role::Light if spectrum.integral() <= 0.0 => Err(Error::input("the spectrum has no power within 360–830 nm")
-            .expected("a spectrum with power in the visible band")),
-        Role::Reflectance | Role::Absorptance if spectrum.max() > 1.0 + 1e-9 => {
-            Err(Error::input(format!("found values up to {:.4}", spectrum.max())).expected("values from 0 to 1"))
-        }
-        Role::Reflectance | Role::Absorptance | Role::DyeAbsorption | Role::Coefficient if spectrum.min() < 0.0 => {
-            Err(Error::input(format!("found values down to {:.4}", spectrum.min())).expected("values of at least 0"))
-        }
-        Role::MeanCosine if spectrum.max().max(-spectrum.min()) > MAX_MEAN_COSINE => {
-            let what = format!("found values from {:.4} to {:.4}", spectrum.min(), spectrum.max());
-            Err(Error::input(what).expected(format!("mean cosines from {} to {MAX_MEAN_COSINE}", -MAX_MEAN_COSINE)))
-        }
-        Role::Light
-        | Role::Reflectance
-        | Role::Absorptance
-        | Role::DyeAbsorption
-        | Role::Coefficient
-        | Role::MeanCosine => Ok(()),
-    }
+    let (min, max) = (spectrum.min(), spectrum.max());
+    let (what, expected) = if role == Role::Light && spectrum.integral() <= 0.0 {
+        let expected = "a spectrum with power in the visible band".to_string();
+        ("the spectrum has no power within 360–830 nm".to_string(), expected)
+    } else if matches!(role, Role::Reflectance | Role::Absorptance) && max > 1.0 + 1e-9 {
+        (format!("found values up to {max:.4}"), "values from 0 to 1".to_string())
+    } else if !matches!(role, Role::Light | Role::MeanCosine) && min < 0.0 {
+        (format!("found values down to {min:.4}"), "values of at least 0".to_string())
+    } else if role == Role::MeanCosine && max.max(-min) > MAX_MEAN_COSINE {
+        let expected = format!("mean cosines from {} to {MAX_MEAN_COSINE}", -MAX_MEAN_COSINE);
+        (format!("found values from {min:.4} to {max:.4}"), expected)
+    } else {
+        return Ok(());
+    };
+    Err(Error::input(what).expected(expected))
 }

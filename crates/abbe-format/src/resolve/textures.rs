@@ -1,11 +1,10 @@
 //! Translates the textures of the scene file.
 
-use super::context::Resolver;
-use super::spectra::Role;
-use crate::picture_file::{BandPicture, PictureFile};
+use super::{context::Resolver, spectra::Role};
 use crate::{
     BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, GradientFile, GreenFile, JsonPath,
-    NoisePatternFile, NormalMapFile, PatternFile, ReflectanceFile, ScalarFile, ScalarImageFile, UvFile, WrapFile,
+    NoisePatternFile, NormalMapFile, PatternFile, PictureFile, ReflectanceFile, ScalarFile, ScalarImageFile, UvFile,
+    WrapFile, picture_file::BandPicture,
 };
 use abbe_optics::texture::{
     Filter, GradientPattern, ImagePattern, ImageSize, NoisePattern, NormalMap, Pattern, ScalarTexture, SpectralTexture,
@@ -19,8 +18,8 @@ const ROUNDING: f32 = 1e-3;
 
 impl Resolver<'_> {
     /// Resolves a reflectance or a transmittance.
-    pub(super) fn reflectance(&self, at: &JsonPath<'_>, file: &ReflectanceFile) -> Result<SurfaceSpectrum> {
-        let parts = |at: &JsonPath<'_>, a: &ReflectanceFile, b: &ReflectanceFile| {
+    pub(super) fn reflectance(&self, at: &JsonPath, file: &ReflectanceFile) -> Result<SurfaceSpectrum> {
+        let parts = |at: &JsonPath, a: &ReflectanceFile, b: &ReflectanceFile| {
             both(self.reflectance(&at.key("a"), a), self.reflectance(&at.key("b"), b))
         };
         let texture = match file {
@@ -31,11 +30,11 @@ impl Resolver<'_> {
             ReflectanceFile::Bands(file) => self.at(&at.key("bands"), self.band_image(file))?,
             ReflectanceFile::Checker(file) => {
                 let (a, b) = parts(&at.key("checker"), &file.a, &file.b)?;
-                SpectralTexture::from_parts(Pattern::Checker(pattern_transform(file)), [a, b])
+                SpectralTexture::from_parts(Pattern::Checker(uv_of(file)), [a, b])
             }
             ReflectanceFile::Stripes(file) => {
                 let (a, b) = parts(&at.key("stripes"), &file.a, &file.b)?;
-                SpectralTexture::from_parts(Pattern::Stripes(pattern_transform(file)), [a, b])
+                SpectralTexture::from_parts(Pattern::Stripes(uv_of(file)), [a, b])
             }
             ReflectanceFile::Noise(file) => {
                 let (a, b) = parts(&at.key("noise"), &file.a, &file.b)?;
@@ -46,16 +45,12 @@ impl Resolver<'_> {
     }
 
     /// Resolves a number that may vary over a surface.
-    pub(super) fn scalar(&self, at: &JsonPath<'_>, file: &ScalarFile) -> Result<SurfaceScalar> {
+    pub(super) fn scalar(&self, at: &JsonPath, file: &ScalarFile) -> Result<SurfaceScalar> {
         let texture = match file {
             ScalarFile::Number(number) => return Ok(SurfaceScalar::Uniform(*number)),
             ScalarFile::Image(file) => self.at(&at.key("image"), self.scalar_image(file))?,
-            ScalarFile::Checker(file) => {
-                ScalarTexture::from_pair(Pattern::Checker(pattern_transform(file)), [file.a, file.b])
-            }
-            ScalarFile::Stripes(file) => {
-                ScalarTexture::from_pair(Pattern::Stripes(pattern_transform(file)), [file.a, file.b])
-            }
+            ScalarFile::Checker(file) => ScalarTexture::from_pair(Pattern::Checker(uv_of(file)), [file.a, file.b]),
+            ScalarFile::Stripes(file) => ScalarTexture::from_pair(Pattern::Stripes(uv_of(file)), [file.a, file.b]),
             ScalarFile::Noise(file) => ScalarTexture::from_pair(noise_pattern(file), [file.a, file.b]),
             ScalarFile::Gradient(GradientFile { a, b, power, radial, uv }) => {
                 let gradient = GradientPattern { radial: *radial, power: *power };
@@ -95,16 +90,13 @@ impl Resolver<'_> {
         Ok(SpectralTexture::from_bands(pattern, nm, values))
     }
 
-    /// Reads a normal map.
     pub(super) fn normal_map(&self, file: &NormalMapFile) -> Result<NormalMap> {
         let NormalMapFile { material: _, path, strength, green, wrap, filter, uv } = file;
         let path = self.source.file(path)?;
         let picture = PictureFile::read(&path)?;
         let pattern = image_pattern(picture.size, *wrap, *filter, uv).map_err(|error| error.in_file(&path))?;
-        let (x, y) = match green {
-            GreenFile::Up => (*strength as f32, *strength as f32),
-            GreenFile::Down => (*strength as f32, -*strength as f32),
-        };
+        let x = *strength as f32;
+        let y = if *green == GreenFile::Up { x } else { -x };
         let encoded = picture.linear_rgb(Some(EncodingFile::Linear));
         Ok(NormalMap::from_picture(pattern, &encoded, Vec3::new(x, y, 1.0)))
     }
@@ -162,7 +154,7 @@ fn transform(uv: &UvFile) -> UvTransform {
     UvTransform::new(scale, rotate.to_radians(), offset)
 }
 
-fn pattern_transform<T>(file: &PatternFile<T>) -> UvTransform {
+fn uv_of<T>(file: &PatternFile<T>) -> UvTransform {
     transform(&file.uv).scaled(file.scale)
 }
 

@@ -1,13 +1,11 @@
 //! Reads the animations of glTF files: translation, rotation and scale of nodes.
 
-use std::collections::BTreeMap;
-
-use ::gltf::animation::{Channel, Interpolation, Property};
-use glam::{DQuat, DVec4};
-
 use crate::scene_writer::SceneWriter;
+use ::gltf::animation::{Channel, Interpolation, Property};
 use abbe_format::mesh::{GltfAccessors, GltfFile};
 use abbe_spectra::math::rotation::slerp;
+use glam::{DQuat, DVec4};
+use std::collections::BTreeMap;
 
 /// The time in s between the two keyframes of a step.
 const STEP_S: f64 = 1e-6;
@@ -18,7 +16,6 @@ pub(super) struct Animations {
     tracks: BTreeMap<usize, NodeTracks>,
 }
 
-/// The animation of a node.
 #[derive(Default)]
 pub(super) struct NodeTracks {
     pub(super) translation: Option<Track>,
@@ -26,22 +23,19 @@ pub(super) struct NodeTracks {
     pub(super) scale: Option<Track>,
 }
 
-/// One animated property of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Track {
     /// The times of the keyframes in s, in rising order.
     times: Vec<f64>,
-    /// One value for each time. For cubic splines: the tangent before, the value and the tangent
-    /// after each time.
+    /// One value for each time, or three of a cubic spline: tangent before, value, tangent after.
     values: Vec<[f64; 4]>,
     interpolation: Interpolation,
     is_rotation: bool,
 }
 
 impl Animations {
-    /// Reads the animations of a file. If several animations move the same property of a node, the
-    /// first one counts.
-    pub(super) fn read(file: &GltfFile, accessors: &GltfAccessors<'_>, scene: &mut SceneWriter) -> Self {
+    /// Reads the animations of a file. The first of those that move the same property counts.
+    pub(super) fn read(file: &GltfFile, accessors: &GltfAccessors, scene: &mut SceneWriter) -> Self {
         let mut animations = Self::default();
         if file.has_property_animations {
             scene.leave_out("", "animations of other properties than those of nodes are left out");
@@ -76,7 +70,6 @@ impl Animations {
         animations
     }
 
-    /// Returns the animation of a node.
     pub(super) fn tracks(&self, node: usize) -> Option<&NodeTracks> {
         self.tracks.get(&node)
     }
@@ -97,7 +90,6 @@ impl NodeTracks {
         self.all().flat_map(|track| before(track).into_iter().chain(track.times.clone())).collect()
     }
 
-    /// Returns true if a property is a cubic spline.
     pub(super) fn is_curved(&self) -> bool {
         self.all().any(|track| track.interpolation == Interpolation::CubicSpline)
     }
@@ -105,7 +97,7 @@ impl NodeTracks {
 
 impl Track {
     /// Reads a channel. Returns the reason if the channel cannot be used.
-    fn read(channel: &Channel<'_>, accessors: &GltfAccessors<'_>) -> std::result::Result<Self, String> {
+    fn read(channel: &Channel, accessors: &GltfAccessors) -> std::result::Result<Self, String> {
         let sampler = channel.sampler();
         let floats = |accessor| accessors.floats(&accessor).map_err(|error| error.what);
         let times: Vec<f64> = floats(sampler.input())?.into_iter().map(|item| item[0]).collect();
@@ -123,8 +115,7 @@ impl Track {
         Ok(Self { times, values, interpolation, is_rotation })
     }
 
-    /// Returns the value at a time in s. Before the first keyframe and after the last one, the
-    /// value is constant.
+    /// Returns the value at a time in s, which is constant beyond the keyframes.
     pub(super) fn at(&self, time: f64) -> [f64; 4] {
         let value = |key: usize| match self.interpolation {
             Interpolation::CubicSpline => self.values[3 * key + 1],
@@ -147,8 +138,8 @@ impl Track {
             Interpolation::Linear => from.lerp(to, fraction).to_array(),
             Interpolation::CubicSpline => {
                 // Hermite's form, as in appendix C of the specification of glTF 2.0.
-                let [leaving, arriving] =
-                    [3 * before + 2, 3 * next].map(|i| length * DVec4::from_array(self.values[i]));
+                let tangent = |i: usize| length * DVec4::from_array(self.values[i]);
+                let [leaving, arriving] = [3 * before + 2, 3 * next].map(tangent);
                 let (t2, t3) = (fraction * fraction, fraction * fraction * fraction);
                 let spline = (2.0 * t3 - 3.0 * t2 + 1.0) * from
                     + (t3 - 2.0 * t2 + fraction) * leaving

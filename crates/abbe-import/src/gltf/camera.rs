@@ -1,10 +1,9 @@
 //! Converts the cameras of glTF files.
 
+use super::node::{PlacedNode, subdivided};
 use ::gltf::camera::Projection;
 use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
-
-use super::node::{PlacedNode, subdivided};
 
 /// The ratio of width to height if the file states none.
 pub(super) const DEFAULT_ASPECT: f64 = 1.5;
@@ -14,7 +13,7 @@ const DEFAULT_FOV: f64 = 35.0;
 
 /// Returns a camera of the scene file, and the ratio of the film's width to its height. Returns
 /// `None` for an orthographic camera without extent.
-pub(super) fn file_camera(projection: &Projection<'_>, placed: &PlacedNode) -> Option<(Value, f64)> {
+pub(super) fn file_camera(projection: &Projection, placed: &PlacedNode) -> Option<(Value, f64)> {
     let (lens, aspect) = match projection {
         Projection::Perspective(lens) => {
             let aspect = lens.aspect_ratio().map_or(DEFAULT_ASPECT, f64::from);
@@ -42,8 +41,7 @@ pub(super) fn file_camera(projection: &Projection<'_>, placed: &PlacedNode) -> O
     Some((camera, aspect))
 }
 
-/// Returns the position, the target and the upward direction of a camera. A glTF camera looks along
-/// −z of its node, and +y is up.
+/// Returns the pose of a camera, which looks along −z of its node in glTF, with +y up.
 fn pose(to_world: &DAffine3) -> Value {
     let from = to_world.translation;
     let direction = |local: DVec3| to_world.transform_vector3(local).normalize_or(local);
@@ -51,8 +49,7 @@ fn pose(to_world: &DAffine3) -> Value {
     json!({"from": from.to_array(), "at": at.to_array(), "up": direction(DVec3::Y).to_array()})
 }
 
-/// Returns the direction of a light that shines from behind and above, over the left shoulder of
-/// the camera. +y is up.
+/// Returns the direction of light from above (+y), over the left shoulder of the camera.
 pub(super) fn light_from_behind(camera: &Value) -> DVec3 {
     let point = |key: &str| DVec3::from_array(std::array::from_fn(|i| camera[key][i].as_f64().unwrap_or(0.0)));
     let view = point("at") - point("from");

@@ -1,9 +1,4 @@
-//! Tests of glTF features on small files: surroundings, cameras, vertex colours, skins, morph
-//! targets, sparse data and thin films.
-
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use tempfile::TempDir;
+//! Tests of glTF features on small files: surroundings, cameras, colours, skins, morphs and films.
 
 use super::*;
 use crate::test_support::read_converted;
@@ -11,6 +6,9 @@ use abbe_format::resolve::resolve;
 use abbe_optics::bsdf::Bsdf;
 use abbe_scene::Scene;
 use abbe_spectra::spectrum::Spectrum;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use tempfile::TempDir;
 
 /// Builds a file with one mesh of one triangle, whose corners are 0 0 0, 1 0 0 and 0 1 0.
 struct SmallGltf {
@@ -170,8 +168,7 @@ fn a_skin_places_its_mesh() {
     let mut file = SmallGltf::new();
     let matrix = |z: f64| glam::DMat4::from_translation(DVec3::new(0.0, 0.0, z)).to_cols_array().map(|x| x as f32);
     let matrices = file.accessor("MAT4", [matrix(-3.0), matrix(0.0)].as_flattened(), 2);
-    // The first corner follows the first joint, the second corner the second one, and the third
-    // corner half of each.
+    // The first corner follows the first joint, the second the second, and the third both.
     let weights = file.accessor("VEC4", &[1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0], 3);
     let joints = file.view(&[0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0]);
     let joints = file.push_accessor(json!({"bufferView": joints, "componentType": 5121, "count": 3, "type": "VEC4"}));
@@ -191,8 +188,7 @@ fn a_skin_places_its_mesh() {
     assert!((low - DVec3::ZERO).length() < 1e-9 && (high - DVec3::new(3.0, 1.0, 3.0)).length() < 1e-9, "{low} {high}");
 }
 
-/// The weights of the mesh apply to its morph targets. The data of the target is sparse: only the
-/// second corner moves.
+/// The mesh's weights apply to its morph targets. The sparse data moves only the second corner.
 #[test]
 fn morph_targets_have_the_weights_of_the_file() {
     let mut file = SmallGltf::new();

@@ -1,17 +1,14 @@
 //! Converts the lights of glTF files: KHR_lights_punctual and EXT_lights_ies.
 
-use std::f64::consts::PI;
-
+use super::node::{PlacedNode, steps};
 use ::gltf::Document;
 use ::gltf::khr_lights_punctual::{Kind, Light};
 use glam::{DAffine3, DVec3};
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 
-use super::node::{PlacedNode, steps};
-
-/// Converts a light. In glTF, intensities are in cd, and illuminances are in lx. The colour scales
-/// them.
-pub(super) fn punctual_light(light: &Light<'_>, placed: &PlacedNode) -> Value {
+/// Converts a light: intensities in cd or illuminances in lx, which the colour scales.
+pub(super) fn punctual_light(light: &Light, placed: &PlacedNode) -> Value {
     let (spectrum, luminance) = coloured(light.color().map(f64::from));
     let strength = f64::from(light.intensity()) * luminance;
     let (at, direction) = pose(placed);
@@ -23,8 +20,7 @@ pub(super) fn punctual_light(light: &Light<'_>, placed: &PlacedNode) -> Value {
             let to = (DVec3::from(at) + direction).to_array();
             let form = json!({
                 "at": at, "to": to, "half_angle": outer.to_degrees(), "penumbra": (outer - inner).to_degrees(),
-                "falloff": "square",
-                "spectrum": spectrum, "luminous_intensity": strength
+                "falloff": "square", "spectrum": spectrum, "luminous_intensity": strength
             });
             ("spot", form)
         }
@@ -37,9 +33,8 @@ pub(super) fn punctual_light(light: &Light<'_>, placed: &PlacedNode) -> Value {
     json!({ kind: form })
 }
 
-/// Converts a light of the extension EXT_lights_ies. Returns the name of the light profile and the
-/// light, or the reason why the light is left out. `folder` is the path from the scene file to the
-/// folder of the glTF file.
+/// Converts a light of EXT_lights_ies. Returns the name of its profile and the light, or why it is
+/// left out. `folder` is the path from the scene file to the folder of the glTF file.
 pub(super) fn ies_light<'d>(
     extension: &Value,
     document: &'d Document,
@@ -87,8 +82,7 @@ fn pose(placed: &PlacedNode) -> ([f64; 3], DVec3) {
     (own.translation.to_array(), own.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z))
 }
 
-/// Adds the keyframes of a node without their scale, because the scale of a node does not affect a
-/// light.
+/// Adds the keyframes of a node without their scale, which does not affect a light.
 fn add_motion(form: &mut Value, placed: &PlacedNode) {
     if placed.motion.is_empty() {
         return;

@@ -13,39 +13,33 @@ mod node;
 #[cfg(test)]
 mod tests;
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-
-use ::gltf::{Document, Node};
-use glam::{DAffine3, DQuat, DVec3};
-use serde_json::{Value, json};
-
 use self::animation::Animations;
 use self::camera::{DEFAULT_ASPECT, file_camera, light_from_behind, whole_view};
 use self::light::{ies_light, punctual_light};
 use self::node::{NodeTree, PlacedNode, steps, unit};
-use crate::imported_scene::ImportedScene;
-use crate::scene_writer::SceneWriter;
+use crate::scene_writer::present;
+use crate::{ImportedScene, scene_writer::SceneWriter};
+use ::gltf::{Document, Node};
 use abbe_format::FileAccess;
 use abbe_format::mesh::{GltfAccessors, GltfFile, RestPose, first_parts, for_each_node, has_triangles, ignored};
 use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DQuat, DVec3};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
-/// The extension for instances of a mesh.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// The largest luminance (cd/m²) of a surface in glTF without KHR_materials_emissive_strength.
-/// Surfaces with such an emission are signs or displays. Stronger ones are lamps that light the
-/// scene.
+/// The largest luminance (cd/m²) of a surface in glTF without KHR_materials_emissive_strength. Such
+/// surfaces are signs or displays. Stronger ones are lamps that light the scene.
 const UNSCALED_EMISSION: f64 = 1.0;
 
 /// The illuminance (lx) on a surface that faces the added sun.
 const STUDIO_ILLUMINANCE: f64 = 1000.0;
 
-/// This illuminance (lx) in a file with emission: a white surface then has a luminance of about 1
-/// cd/m², as the emission has.
+/// The illuminance (lx) in a file with emission: a white surface has about 1 cd/m², like it.
 const DIM_STUDIO_ILLUMINANCE: f64 = 2.0;
 
-/// The width of the film in pixels.
 const WIDTH: f64 = 960.0;
 
 /// Reads a glTF file. The geometry and the pictures are not read.
@@ -109,14 +103,12 @@ pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Resu
     Ok(scene.finish(&name))
 }
 
-/// Converts the nodes of a file.
 struct NodeReader<'d> {
     document: &'d Document,
     accessors: GltfAccessors<'d>,
     pose: RestPose,
     has_animations: bool,
-    /// By the number of the mesh: the number of the skin, and the weights of the morph targets, of
-    /// the first node with this mesh.
+    /// By the number of the mesh: the skin and the weights of morph targets of its first node.
     shapes: BTreeMap<usize, (Option<usize>, Option<&'d [f32]>)>,
     /// The path of the file in the scene.
     path: String,
@@ -207,16 +199,13 @@ impl<'d> NodeReader<'d> {
                 continue;
             }
             for instance in &instances {
-                let mut object = json!({"name": name, "shape": {"mesh": {"path": self.path, "part": part}}});
+                let shape = json!({"mesh": {"path": self.path, "part": part}});
                 let transform = steps(&(placed.own * *instance));
-                if transform != json!([]) {
-                    object["transform"] = transform;
-                }
-                if !placed.motion.is_empty() {
-                    object["motion"] =
-                        placed.motion.iter().map(|(time, at)| json!({"time": time, "transform": steps(at)})).collect();
-                }
-                self.scene.add_object(object);
+                let transform = (transform != json!([])).then_some(transform);
+                let keys = placed.motion.iter().map(|(time, at)| json!({"time": time, "transform": steps(at)}));
+                let motion = (!placed.motion.is_empty()).then(|| keys.collect::<Value>());
+                let object = json!({"name": name, "shape": shape, "transform": transform, "motion": motion});
+                self.scene.add_object(present(object));
             }
             let material = primitive.material();
             let brightest = material.emissive_factor().into_iter().fold(0.0, f32::max);
@@ -244,17 +233,11 @@ impl<'d> NodeReader<'d> {
     }
 }
 
-/// Returns the transforms of the instances of a node (EXT_mesh_gpu_instancing). Other nodes have
-/// one instance.
-///
-/// # Errors
-/// Returns an error if the attributes of the instances cannot be read.
-fn instances(node: &Node<'_>, document: &Document, accessors: &GltfAccessors<'_>) -> Result<Vec<DAffine3>> {
+/// Returns the transforms of a node's instances (EXT_mesh_gpu_instancing): one by default.
+fn instances(node: &Node, document: &Document, accessors: &GltfAccessors) -> Result<Vec<DAffine3>> {
     let Some(extension) = node.extension_value(INSTANCING) else { return Ok(vec![DAffine3::IDENTITY]) };
     let read = |name: &str| -> Result<Option<Vec<[f64; 4]>>> {
-        let Some(index) = extension.get("attributes").and_then(|attributes| attributes.get(name)) else {
-            return Ok(None);
-        };
+        let Some(index) = extension.get("attributes").and_then(|it| it.get(name)) else { return Ok(None) };
         let index = index.as_u64().and_then(|index| usize::try_from(index).ok());
         let accessor = index.and_then(|index| document.accessors().nth(index));
         accessors.floats(&accessor.ok_or_else(|| Error::input(format!("{name} names no accessor")))?).map(Some)

@@ -1,21 +1,19 @@
 //! The tree of nodes of a glTF file, with the motion of each node.
 
+use super::animation::{Animations, NodeTracks};
 use ::gltf::Node;
 use ::gltf::scene::Transform;
-use glam::{DAffine3, DQuat, DVec3};
-use serde_json::{Value, json};
-
-use super::animation::{Animations, NodeTracks};
 use abbe_format::mesh::affine;
 use abbe_scene::motion::DecomposedTransform;
 use abbe_spectra::math::rotation::{angle_between, slerp};
+use glam::{DAffine3, DQuat, DVec3};
+use serde_json::{Value, json};
 
 /// The number of parts into which an interval between keyframes is divided if the motion of the
 /// node in this interval has no exact form in the scene file.
 const SUBDIVISIONS: u32 = 8;
 
-/// The largest rotation in radians between two keyframes. The direction of a rotation of 180° would
-/// be ambiguous.
+/// The largest rotation in radians between two keyframes. At π, its direction is ambiguous.
 const MAX_ROTATION: f64 = 0.8 * std::f64::consts::PI;
 
 /// The smallest magnitude of an animated scale. A scale of 0 has no inverse.
@@ -48,7 +46,6 @@ pub(super) struct PlacedNode {
 }
 
 impl PlacedNode {
-    /// Returns the transform at 0 s.
     pub(super) fn at_start(&self) -> DAffine3 {
         let after = self.motion.iter().rev().find(|(time, _)| *time <= 0.0).or(self.motion.first());
         after.map_or(self.own, |(_, motion)| *motion * self.own)
@@ -68,7 +65,7 @@ impl NodeTree {
     }
 
     /// Adds a node. Its parent was added before.
-    pub(super) fn add(&mut self, node: &Node<'_>, parent: Option<usize>) {
+    pub(super) fn add(&mut self, node: &Node, parent: Option<usize>) {
         if self.nodes.len() <= node.index() {
             self.nodes.resize(node.index() + 1, None);
         }
@@ -92,8 +89,7 @@ impl NodeTree {
         let chain: Vec<usize> =
             std::iter::successors(Some(node), |&node| self.nodes[node].and_then(|(parent, _)| parent)).collect();
         let Some(deepest) = chain.iter().position(|node| self.animations.tracks(*node).is_some()) else { return still };
-        let own =
-            chain[..deepest].iter().rev().fold(DAffine3::IDENTITY, |before, &node| before * self.local(node, None));
+        let own = chain[..deepest].iter().rev().fold(DAffine3::IDENTITY, |all, &node| all * self.local(node, None));
         let moving = &chain[deepest..];
         let at = |time: f64| {
             moving.iter().rev().fold(DAffine3::IDENTITY, |before, &node| before * self.local(node, Some(time)))
@@ -127,7 +123,6 @@ impl NodeTree {
         DAffine3::from_scale_rotation_translation(moved.scale, moved.rotation, moved.translation)
     }
 
-    /// Returns the times of the keyframes of a chain of nodes.
     fn times(&self, chain: &[usize]) -> Vec<f64> {
         let animated: Vec<&NodeTracks> = chain.iter().filter_map(|&node| self.animations.tracks(node)).collect();
         let mut times: Vec<f64> = animated.iter().flat_map(|tracks| tracks.times()).collect();
@@ -148,7 +143,6 @@ impl NodeTree {
     }
 }
 
-/// Returns a quaternion of length 1.
 pub(super) fn unit(rotation: DQuat) -> DQuat {
     if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY }
 }
@@ -179,8 +173,7 @@ fn between(from: &DecomposedTransform, to: &DecomposedTransform, fraction: f64) 
     )
 }
 
-/// Divides each interval between keyframes. The result serves motions whose points go straight from
-/// keyframe to keyframe.
+/// Divides each interval between keyframes, for motions that are straight between keyframes.
 pub(super) fn subdivided(keys: &[(f64, DAffine3)]) -> Vec<(f64, DAffine3)> {
     let inside = |pair: &[(f64, DAffine3)]| {
         let times = (pair[0].0, pair[1].0);

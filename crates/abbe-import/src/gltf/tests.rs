@@ -9,8 +9,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use tempfile::TempDir;
 
-/// Returns a glTF file with one textured triangle. `nodes` are further nodes of the scene, and
-/// `rest` contains further parts of the file.
+/// Returns a glTF file with one textured triangle, further `nodes`, and further parts `rest`.
 fn gltf(nodes: &str, rest: &str) -> String {
     let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0];
     let buffer = STANDARD.encode(floats.map(f32::to_le_bytes).as_flattened());
@@ -76,8 +75,7 @@ fn a_gltf_scene_keeps_its_camera_its_lights_and_its_texture() {
     assert!(surface.is_textured() && surface.components().count() == 2, "half metal, half matt");
 }
 
-/// The picture of the emission is a slide, and the brightest component of the factor gives the
-/// luminance. A normal map keeps its transform.
+/// The emission's picture is a slide, and its brightest factor the luminance. Normals keep a map.
 #[test]
 fn pictures_of_normals_and_of_emission_are_read() {
     let base = r#""pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0.5}"#;
@@ -127,8 +125,7 @@ fn a_bare_gltf_scene_gets_a_camera_and_lights() {
     assert!(scene.geometry.intersect(&ray, None, f64::INFINITY).is_some());
 }
 
-/// The buffer view and the accessors of an animation: the times 0, 1 and 2 s, and three positions.
-/// The first accessor has the number 2.
+/// Adds an animation with the times 0, 1 and 2 s and three positions. Its first accessor is 2.
 fn with_animation(text: &str, channels: &str, samplers: &str) -> String {
     let half = 0.5_f32.sqrt();
     let floats = [
@@ -303,8 +300,7 @@ fn an_overlay_replaces_parts_of_a_gltf_scene() {
     assert_eq!(scene.lights.len(), 1);
 }
 
-/// Files in the wild leave out optional keys, animate other properties, and require extensions that
-/// change only the look.
+/// Files leave out optional keys, animate other properties, and require cosmetic extensions.
 #[test]
 fn optional_keys_and_harmless_extensions_are_accepted() {
     let rest = r#", "scenes": [{"nodes": [0]}, {"name": "empty"}],
@@ -325,7 +321,7 @@ fn optional_keys_and_harmless_extensions_are_accepted() {
 fn compressed_geometry_is_refused() {
     for (rest, name) in [
         (
-            r#", "scenes": [{"nodes": [0]}], "extensionsRequired": ["EXT_meshopt_compression"]"#,
+            r#", "extensionsRequired": ["EXT_meshopt_compression"], "scenes": [{"nodes": [0]}]"#,
             "EXT_meshopt_compression",
         ),
         (r#", "scenes": [{"nodes": [0]}]"#, "KHR_draco_mesh_compression"),

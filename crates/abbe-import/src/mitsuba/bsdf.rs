@@ -1,21 +1,16 @@
 //! Converts the BSDFs of a Mitsuba scene to materials.
 
-use std::rc::Rc;
-
-use serde_json::{Value, json};
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::surface::MitsubaSurface;
-use super::texture::Textured;
-use super::xml::XmlElement;
+use super::reader::{MitsubaReader, MitsubaSurface};
+use super::{properties::Properties, texture::Textured, xml::XmlElement};
+use crate::scene_writer::present;
 use abbe_optics::fresnel;
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
+use std::rc::Rc;
 
 /// The median slope of Beckmann's microfacets with α = 1: √ln 2. That of GGX microfacets is 1.
 const MEDIAN_SLOPE: f64 = 0.832_554_611_157_697_8;
 
-/// The surface that is converted.
 pub(super) struct BsdfContext<'a> {
     /// The name that the material gets, if it is free.
     pub(super) name: &'a str,
@@ -42,16 +37,16 @@ impl MitsubaReader<'_> {
     pub(super) fn default_surface(&mut self, emits: bool) -> MitsubaSurface {
         let (name, material) =
             if emits { ("absorber", json!("absorber")) } else { ("default", json!({"diffuse": {"reflectance": 0.5}})) };
-        MitsubaSurface::Material { name: self.add_material(name, material), one_sided: !emits }
+        MitsubaSurface::Material { name: self.scene.add_material(name, material), one_sided: !emits }
     }
 
-    fn converted(&mut self, bsdf: &Rc<XmlElement>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
+    fn converted(&mut self, bsdf: &Rc<XmlElement>, context: &BsdfContext) -> Result<MitsubaSurface> {
         let properties = Properties::new(bsdf);
         let surface = match bsdf.plugin() {
             "twosided" => {
-                let sides = self.nested(&properties);
+                let sides = self.tagged(&properties, "bsdf");
                 if sides.len() > 1 {
-                    self.scene.leave_out(bsdf.place(), "the second BSDF of \"twosided\" is left out");
+                    self.note(bsdf, "the second BSDF of \"twosided\" is left out");
                 }
                 properties.ignore(&["allow_transmission"]);
                 self.first(&properties, &sides, &BsdfContext { twosided: true, ..*context })?
@@ -59,8 +54,8 @@ impl MitsubaReader<'_> {
             "mask" => self.mask(&properties, context)?,
             "normalmap" => self.normal_map(&properties, context)?,
             "bumpmap" => {
-                self.scene.leave_out(bsdf.place(), "\"bumpmap\" is left out: the surface is smooth");
-                let sides = self.nested(&properties);
+                self.note(bsdf, "\"bumpmap\" is left out: the surface is smooth");
+                let sides = self.tagged(&properties, "bsdf");
                 properties.take(|_| true);
                 self.first(&properties, &sides, context)?
             }
@@ -75,75 +70,55 @@ impl MitsubaReader<'_> {
         Ok(surface)
     }
 
-    /// Adds a material.
-    pub(super) fn add(&mut self, context: &BsdfContext<'_>, material: Value, one_sided: bool) -> MitsubaSurface {
-        let name = self.add_material(context.name, material);
+    pub(super) fn add(&mut self, context: &BsdfContext, material: Value, one_sided: bool) -> MitsubaSurface {
+        let name = self.scene.add_material(context.name, material);
         MitsubaSurface::Material { name, one_sided: one_sided && !context.twosided }
     }
 
-    /// Returns the BSDFs inside a BSDF.
-    fn nested(&self, properties: &Properties<'_>) -> Vec<Rc<XmlElement>> {
-        let is_bsdf = |child: &Rc<XmlElement>| self.document.resolve(child).tag == "bsdf";
-        properties.take(is_bsdf).into_iter().map(|child| self.document.resolve(child)).collect()
-    }
-
-    /// Converts the first of several BSDFs.
-    fn first(
-        &mut self,
-        outer: &Properties<'_>,
-        nested: &[Rc<XmlElement>],
-        context: &BsdfContext<'_>,
-    ) -> Result<MitsubaSurface> {
-        let inner = nested.first();
-        let inner =
-            inner.ok_or_else(|| outer.element.error(format!("\"{}\" without a BSDF", outer.element.plugin())))?;
+    fn first(&mut self, outer: &Properties, parts: &[Rc<XmlElement>], context: &BsdfContext) -> Result<MitsubaSurface> {
+        let element = outer.element;
+        let inner = parts.first().ok_or_else(|| element.error(format!("\"{}\" without a BSDF", element.plugin())))?;
         self.converted(inner, context)
     }
 
     /// Converts a surface with partial opacity. It becomes a surface with holes.
-    fn mask(&mut self, properties: &Properties<'_>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
+    fn mask(&mut self, properties: &Properties, context: &BsdfContext) -> Result<MitsubaSurface> {
         let weights = self.weight(properties, "opacity")?;
-        let nested = self.nested(properties);
+        let nested = self.tagged(properties, "bsdf");
         let place = properties.element.place();
         let surface = self.first(properties, &nested, context)?;
         let (Some([covered, open]), MitsubaSurface::Material { name, one_sided }) = (weights, &surface) else {
             return Ok(surface);
         };
-        match self.scene.with_holes(name, &covered, &open) {
-            Some(name) => Ok(MitsubaSurface::Material { name, one_sided: *one_sided }),
-            None => {
-                self.scene.leave_out(place, "the mask of a body, or of a blend, is left out");
-                Ok(surface)
-            }
-        }
+        let Some(name) = self.scene.with_holes(name, &covered, &open) else {
+            self.scene.leave_out(place, "the mask of a body, or of a blend, is left out");
+            return Ok(surface);
+        };
+        Ok(MitsubaSurface::Material { name, one_sided: *one_sided })
     }
 
-    /// Converts a surface with a normal map.
-    fn normal_map(&mut self, properties: &Properties<'_>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
+    fn normal_map(&mut self, properties: &Properties, context: &BsdfContext) -> Result<MitsubaSurface> {
         let place = properties.element.place();
         let map = self.textured(properties, "normalmap")?;
-        let nested = self.nested(properties);
+        let nested = self.tagged(properties, "bsdf");
         let surface = self.first(properties, &nested, context)?;
         let MitsubaSurface::Material { name, one_sided } = &surface else { return Ok(surface) };
         let map = map.as_ref().and_then(Textured::normals);
-        match map.and_then(|map| self.scene.with_normal_map(name, map)) {
-            Some(name) => Ok(MitsubaSurface::Material { name, one_sided: *one_sided }),
-            None => {
-                self.scene.leave_out(place, "a normal map without a picture, or inside another one, is left out");
-                Ok(surface)
-            }
-        }
+        let Some(name) = map.and_then(|map| self.scene.with_normal_map(name, map)) else {
+            self.scene.leave_out(place, "a normal map without a picture, or inside another one, is left out");
+            return Ok(surface);
+        };
+        Ok(MitsubaSurface::Material { name, one_sided: *one_sided })
     }
 
     /// Converts a mix of two BSDFs. The weight belongs to the second one.
-    fn blend(&mut self, properties: &Properties<'_>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
+    fn blend(&mut self, properties: &Properties, context: &BsdfContext) -> Result<MitsubaSurface> {
         let element = properties.element;
         let weight = self.weight(properties, "weight")?;
         let [second, first] = weight.ok_or_else(|| element.error("\"blendbsdf\" without the property \"weight\""))?;
-        let nested = self.nested(properties);
-        let [a, b] = nested.as_slice() else {
-            return Err(element.error(format!("\"blendbsdf\" with {} BSDFs", nested.len())).expected("two BSDFs"));
-        };
+        let nested = self.tagged(properties, "bsdf");
+        let error = || element.error(format!("\"blendbsdf\" with {} BSDFs", nested.len()));
+        let [a, b] = nested.as_slice() else { return Err(error().expected("two BSDFs")) };
         let parts = [(a, first), (b, second)];
         let mut mix = Vec::new();
         let mut one_sided = false;
@@ -154,13 +129,11 @@ impl MitsubaReader<'_> {
                     one_sided |= one;
                     let inner = self.scene.without_normal_map(&name);
                     if inner != name {
-                        self.scene.leave_out(bsdf.place(), "the normal map of a part of a blend is left out");
+                        self.note(bsdf, "the normal map of a part of a blend is left out");
                     }
                     mix.push(json!({"material": inner, "weight": weight}));
                 }
-                MitsubaSurface::Invisible => {
-                    self.scene.leave_out(bsdf.place(), "an invisible part of a blend is left out");
-                }
+                MitsubaSurface::Invisible => self.note(bsdf, "an invisible part of a blend is left out"),
             }
         }
         Ok(match mix.len() {
@@ -169,25 +142,24 @@ impl MitsubaReader<'_> {
         })
     }
 
-    /// Converts a BSDF that has no other BSDF inside.
-    fn simple(&mut self, properties: &Properties<'_>, context: &BsdfContext<'_>) -> Result<MitsubaSurface> {
+    fn simple(&mut self, properties: &Properties, context: &BsdfContext) -> Result<MitsubaSurface> {
         let bsdf = properties.element;
         let (material, one_sided) = match bsdf.plugin() {
             "diffuse" => {
                 let reflectance = self.reflectance(properties, "reflectance", 0.5)?;
                 (json!({"diffuse": {"reflectance": reflectance}}), true)
             }
-            "dielectric" => (self.dielectric(properties, None, context)?, false),
+            "dielectric" => (self.glass(properties, None, context)?, false),
             "roughdielectric" => {
                 let roughness = self.microfacets(properties)?;
-                (self.dielectric(properties, Some(roughness), context)?, false)
+                (self.glass(properties, Some(roughness), context)?, false)
             }
             "thindielectric" => {
                 let ior = self.relative_index(properties, 1.5046)?;
                 self.note_factors(properties, &["specular_reflectance", "specular_transmittance"])?;
                 if let Some(medium) = context.medium {
                     let what = "a thin pane around a medium reflects nothing: it becomes the boundary of the medium";
-                    self.scene.leave_out(bsdf.place(), what);
+                    self.note(bsdf, what);
                     return Ok(self.add(context, json!({"boundary": {"medium": medium}}), false));
                 }
                 (json!({"thin_dielectric": {"ior": ior}}), false)
@@ -210,36 +182,24 @@ impl MitsubaReader<'_> {
             }
             other => {
                 let what = format!("a BSDF of the type \"{other}\" is not supported and becomes diffuse with 0.5");
-                self.scene.leave_out(bsdf.place(), what);
+                self.note(bsdf, what);
                 properties.take(|_| true);
                 (json!({"diffuse": {"reflectance": 0.5}}), true)
             }
         };
         if context.medium.is_some() && material.get("dielectric").is_none() {
-            let what = "a medium behind an opaque surface is left out";
-            self.scene.leave_out(bsdf.place(), what);
+            self.note(bsdf, "a medium behind an opaque surface is left out");
         }
         Ok(self.add(context, material, one_sided))
     }
 
-    fn dielectric(
-        &mut self,
-        properties: &Properties<'_>,
-        roughness: Option<Value>,
-        context: &BsdfContext<'_>,
-    ) -> Result<Value> {
+    fn glass(&mut self, properties: &Properties, roughness: Option<Value>, context: &BsdfContext) -> Result<Value> {
         self.note_factors(properties, &["specular_reflectance", "specular_transmittance"])?;
-        let mut dielectric = json!({"ior": self.index_inside(properties, 1.5046)?});
-        if let Some(roughness) = roughness {
-            dielectric["roughness"] = roughness;
-        }
-        if let Some(medium) = context.medium {
-            dielectric["medium"] = json!(medium);
-        }
-        Ok(json!({"dielectric": dielectric}))
+        let ior = self.index_inside(properties, 1.5046)?;
+        Ok(json!({"dielectric": present(json!({"ior": ior, "roughness": roughness, "medium": context.medium}))}))
     }
 
-    fn conductor(&mut self, properties: &Properties<'_>, roughness: Option<Value>) -> Result<Value> {
+    fn conductor(&mut self, properties: &Properties, roughness: Option<Value>) -> Result<Value> {
         properties.ignore(&["ext_eta"]);
         match self.metal(properties)? {
             Some(mut metal) => {
@@ -259,14 +219,13 @@ impl MitsubaReader<'_> {
         }
     }
 
-    fn plastic(&mut self, properties: &Properties<'_>, roughness: Value) -> Result<Value> {
+    fn plastic(&mut self, properties: &Properties, roughness: Value) -> Result<Value> {
         let ior = self.relative_index(properties, 1.49)?;
         self.note_factors(properties, &["specular_reflectance"])?;
         let reflectance = if properties.boolean("nonlinear", false)? {
             match self.textured(properties, "diffuse_reflectance")? {
                 Some(textured) if !textured.is_uniform() => {
-                    let what = "`nonlinear` is left out, because the reflectance is a texture";
-                    self.scene.leave_out(properties.element.place(), what);
+                    self.note(properties.element, "`nonlinear` is left out, because the reflectance is a texture");
                     self.reflectance(properties, "diffuse_reflectance", 0.5)?
                 }
                 textured => {
@@ -283,8 +242,7 @@ impl MitsubaReader<'_> {
         Ok(json!({"glossy": {"reflectance": reflectance, "ior": ior, "roughness": roughness}}))
     }
 
-    /// Reads the roughness of a microfacet surface.
-    fn microfacets(&mut self, properties: &Properties<'_>) -> Result<Value> {
+    fn microfacets(&mut self, properties: &Properties) -> Result<Value> {
         let place = properties.element.place();
         properties.ignore(&["sample_visible"]);
         let distribution = properties.text("distribution")?.unwrap_or("beckmann");
@@ -313,20 +271,19 @@ impl MitsubaReader<'_> {
     }
 
     /// Notes factors of reflection and transmission that are not 1.
-    fn note_factors(&mut self, properties: &Properties<'_>, names: &[&str]) -> Result<()> {
+    fn note_factors(&mut self, properties: &Properties, names: &[&str]) -> Result<()> {
         for name in names {
             if let Some(factor) = self.textured(properties, name)?
                 && (!factor.is_uniform() || factor.mean().constant() != Some(1.0))
             {
-                self.scene.leave_out(properties.element.place(), format!("the factor \"{name}\" is left out"));
+                self.note(properties.element, format!("the factor \"{name}\" is left out"));
             }
         }
         Ok(())
     }
 }
 
-/// Returns the fraction of diffuse light inside a body that its surface reflects back. `ior` is the
-/// index of the body.
+/// Returns the fraction of diffuse light inside a body of index `ior` that its surface reflects.
 fn internal_reflectance(ior: f64) -> f64 {
     let steps = 2000_u32;
     let squared_cosine = |step: u32| (f64::from(step) + 0.5) / f64::from(steps);

@@ -1,18 +1,13 @@
 //! Converts the emitters of a Mitsuba scene to lights.
 
+use super::spectrum::{EmissionSpectrum, MitsubaSpectrum};
+use super::transform::{affine, steps};
+use super::{properties::Properties, reader::MitsubaReader, texture::Textured, xml::XmlElement};
+use abbe_spectra::error::Result;
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::spectrum::{EmissionSpectrum, MitsubaSpectrum};
-use super::texture::Textured;
-use super::transform::{affine, steps};
-use super::xml::XmlElement;
-use abbe_spectra::error::Result;
-
 impl MitsubaReader<'_> {
-    /// Converts an emitter that is not part of a shape.
     pub(super) fn emitter(&mut self, emitter: &XmlElement) -> Result<()> {
         let properties = Properties::new(emitter);
         let light = match emitter.plugin() {
@@ -26,8 +21,7 @@ impl MitsubaReader<'_> {
             }
             "envmap" => Some(self.environment_map(&properties)?),
             other => {
-                let what = format!("an emitter of the type \"{other}\" is not supported and is left out");
-                self.scene.leave_out(emitter.place(), what);
+                self.note(emitter, format!("an emitter of the type \"{other}\" is not supported and is left out"));
                 self.scene.left_out_lights = true;
                 return Ok(());
             }
@@ -42,8 +36,7 @@ impl MitsubaReader<'_> {
     /// Converts the emission of a shape. Returns `None` if the shape emits no light.
     pub(super) fn area_emission(&mut self, emitter: &XmlElement) -> Result<Option<Value>> {
         if emitter.plugin() != "area" {
-            let what = format!("an emitter of the type \"{}\" on a shape is left out", emitter.plugin());
-            self.scene.leave_out(emitter.place(), what);
+            self.note(emitter, format!("an emitter of the type \"{}\" on a shape is left out", emitter.plugin()));
             return Ok(None);
         }
         let properties = Properties::new(emitter);
@@ -59,30 +52,28 @@ impl MitsubaReader<'_> {
         Ok((!light.is_dark()).then(|| json!({"spectrum": light.spectrum, "luminance": light.quantity})))
     }
 
-    /// Reads the radiance, intensity or irradiance of an emitter. A texture is replaced by its
-    /// mean.
-    fn light_spectrum(&mut self, properties: &Properties<'_>, name: &str) -> Result<EmissionSpectrum> {
+    /// Reads the radiance, intensity or irradiance of an emitter, or the mean of its texture.
+    fn light_spectrum(&mut self, properties: &Properties, name: &str) -> Result<EmissionSpectrum> {
         let textured = self.light_texture(properties, name)?;
         self.mean_light(properties, name, &textured)
     }
 
-    /// Reads the spectrum or the texture of an emitter. The default is 1.
-    fn light_texture(&mut self, properties: &Properties<'_>, name: &str) -> Result<Textured> {
+    /// Reads the spectrum or the texture of an emitter, which is 1 by default.
+    fn light_texture(&mut self, properties: &Properties, name: &str) -> Result<Textured> {
         properties.ignore(&["sampling_weight"]);
         let textured = self.textured(properties, name)?;
         Ok(textured.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(1.0))))
     }
 
     /// Returns the light of a spectrum, or of the mean of a texture.
-    fn mean_light(&mut self, properties: &Properties<'_>, name: &str, textured: &Textured) -> Result<EmissionSpectrum> {
+    fn mean_light(&mut self, properties: &Properties, name: &str, textured: &Textured) -> Result<EmissionSpectrum> {
         if !textured.is_uniform() {
-            let what = format!("the texture of \"{name}\" is replaced by its mean");
-            self.scene.leave_out(properties.element.place(), what);
+            self.note(properties.element, format!("the texture of \"{name}\" is replaced by its mean"));
         }
         textured.mean().light().map_err(|error| properties.element.locate(error))
     }
 
-    fn point_light(&mut self, properties: &Properties<'_>) -> Result<Option<Value>> {
+    fn point_light(&mut self, properties: &Properties) -> Result<Option<Value>> {
         let light = self.light_spectrum(properties, "intensity")?;
         let to_world = affine(properties.element, properties.transform("to_world")?)?;
         let at = properties.vector("position")?.map_or(to_world.translation, |at| to_world.transform_point3(at));
@@ -90,7 +81,7 @@ impl MitsubaReader<'_> {
         Ok((!light.is_dark()).then(|| json!({"point": point})))
     }
 
-    fn spot_light(&mut self, properties: &Properties<'_>) -> Result<Option<Value>> {
+    fn spot_light(&mut self, properties: &Properties) -> Result<Option<Value>> {
         let light = self.light_spectrum(properties, "intensity")?;
         let element = properties.element;
         let to_world = affine(element, properties.transform("to_world")?)?;
@@ -108,20 +99,19 @@ impl MitsubaReader<'_> {
         Ok((!light.is_dark()).then(|| json!({"spot": spot})))
     }
 
-    fn directional_light(&mut self, properties: &Properties<'_>) -> Result<Option<Value>> {
+    fn directional_light(&mut self, properties: &Properties) -> Result<Option<Value>> {
         let light = self.light_spectrum(properties, "irradiance")?;
         let to_world = affine(properties.element, properties.transform("to_world")?)?;
         let local = properties.vector("direction")?.unwrap_or(DVec3::Z);
         let toward = to_world.transform_vector3(local).try_normalize();
         let toward = toward.ok_or_else(|| properties.element.error("the direction of the light is zero"))?;
-        let light_file =
-            json!({"toward": toward.to_array(), "spectrum": light.spectrum, "illuminance": light.quantity});
-        Ok((!light.is_dark()).then(|| json!({"directional": light_file})))
+        let form = json!({"toward": toward.to_array(), "spectrum": light.spectrum, "illuminance": light.quantity});
+        Ok((!light.is_dark()).then(|| json!({"directional": form})))
     }
 
     /// Converts a picture of all directions. In Mitsuba, the middle of the picture is in the
     /// direction +z. In Abbe, it is in the direction −z.
-    fn environment_map(&mut self, properties: &Properties<'_>) -> Result<Value> {
+    fn environment_map(&mut self, properties: &Properties) -> Result<Value> {
         let element = properties.element;
         properties.ignore(&["mis_compensation", "sampling_weight"]);
         let (path, _) = self.document.file(element, properties.required_text("filename")?)?;

@@ -1,21 +1,16 @@
 //! Converts the participating media of a Mitsuba scene.
 
-use std::rc::Rc;
-
-use serde_json::{Value, json};
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::spectrum::MitsubaSpectrum;
 use super::transform::{affine, steps};
-use super::volume::VolumeGrid;
-use super::xml::XmlElement;
+use super::{
+    properties::Properties, reader::MitsubaReader, spectrum::MitsubaSpectrum, volume::VolumeGrid, xml::XmlElement,
+};
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
+use std::rc::Rc;
 
 /// A property that may vary in space.
 enum MitsubaVolume {
-    /// The same value everywhere. As the extinction of a heterogeneous medium, it fills only the
-    /// unit cube after the transform.
+    /// The same value everywhere, or in the transformed unit cube of a heterogeneous medium.
     Constant {
         value: MitsubaSpectrum,
         transform: Vec<Value>,
@@ -47,8 +42,7 @@ impl MitsubaReader<'_> {
                 converted.map(|value| self.scene.add_medium(medium.title(), value))
             }
             other => {
-                let what = format!("a medium of the type \"{other}\" is not supported and is left out");
-                self.scene.leave_out(medium.place(), what);
+                self.note(medium, format!("a medium of the type \"{other}\" is not supported and is left out"));
                 None
             }
         };
@@ -56,8 +50,7 @@ impl MitsubaReader<'_> {
         Ok(name)
     }
 
-    /// Converts the coefficients and the phase function of a medium.
-    fn coefficients(&mut self, properties: &Properties<'_>) -> Result<Option<Value>> {
+    fn coefficients(&mut self, properties: &Properties) -> Result<Option<Value>> {
         properties.ignore(&["has_spectral_extinction", "sample_emitters", "method"]);
         let scale = properties.number("scale", 1.0)?;
         let phase = self.phase(properties)?;
@@ -103,20 +96,18 @@ impl MitsubaReader<'_> {
     }
 
     /// Reads a property that is the same everywhere. A grid is replaced by its mean.
-    fn constant_volume(&mut self, properties: &Properties<'_>, name: &str) -> Result<Option<MitsubaSpectrum>> {
+    fn constant_volume(&mut self, properties: &Properties, name: &str) -> Result<Option<MitsubaSpectrum>> {
         Ok(match self.volume(properties, name)? {
             None => None,
             Some(MitsubaVolume::Constant { value, .. }) => Some(value),
             Some(MitsubaVolume::Grid { grid, .. }) => {
-                let what = format!("the grid of \"{name}\" is replaced by its mean");
-                self.scene.leave_out(properties.element.place(), what);
+                self.note(properties.element, format!("the grid of \"{name}\" is replaced by its mean"));
                 Some(MitsubaSpectrum::Number(grid.mean()))
             }
         })
     }
 
-    /// Reads a property that may vary in space.
-    fn volume(&mut self, properties: &Properties<'_>, name: &str) -> Result<Option<MitsubaVolume>> {
+    fn volume(&mut self, properties: &Properties, name: &str) -> Result<Option<MitsubaVolume>> {
         let Some(element) = properties.find(name) else { return Ok(None) };
         let element = self.document.resolve(element);
         if element.tag != "volume" {
@@ -132,8 +123,7 @@ impl MitsubaReader<'_> {
             }
             "gridvolume" => self.grid(&inner)?,
             other => {
-                let what = format!("a volume of the type \"{other}\" is not supported and becomes 1");
-                self.scene.leave_out(element.place(), what);
+                self.note(&element, format!("a volume of the type \"{other}\" is not supported and becomes 1"));
                 return Ok(Some(MitsubaSpectrum::Number(1.0).into()));
             }
         };
@@ -142,7 +132,7 @@ impl MitsubaReader<'_> {
     }
 
     /// Reads a grid from a `.vol` file. A large grid or one with colours is replaced by its mean.
-    fn grid(&mut self, properties: &Properties<'_>) -> Result<MitsubaVolume> {
+    fn grid(&mut self, properties: &Properties) -> Result<MitsubaVolume> {
         let element = properties.element;
         properties.ignore(&["raw", "accel"]);
         let (_, path) = self.document.file(element, properties.required_text("filename")?)?;
@@ -154,21 +144,18 @@ impl MitsubaReader<'_> {
             || properties.text("filter_type")?.is_some_and(|filter| filter != "trilinear")
         {
             let what = "`wrap_mode` and `filter_type` of a grid are left out: the grid is linear, and 0 outside";
-            self.scene.leave_out(element.place(), what);
+            self.note(element, what);
         }
         let to_world = affine(element, properties.transform("to_world")?)?;
         if let Some(reason) = grid.unusable() {
-            self.scene.leave_out(element.place(), format!("{reason} and is replaced by its mean"));
+            self.note(element, format!("{reason} and is replaced by its mean"));
             return Ok(MitsubaSpectrum::Number(grid.mean()).into());
         }
         Ok(MitsubaVolume::Grid { grid, transform: steps(to_world) })
     }
 
-    /// Converts the phase function of a medium.
-    fn phase(&mut self, properties: &Properties<'_>) -> Result<Value> {
-        let is_phase = |child: &Rc<XmlElement>| self.document.resolve(child).tag == "phase";
-        let Some(element) = properties.take(is_phase).pop() else { return Ok(json!("isotropic")) };
-        let element = self.document.resolve(element);
+    fn phase(&mut self, properties: &Properties) -> Result<Value> {
+        let Some(element) = self.tagged(properties, "phase").pop() else { return Ok(json!("isotropic")) };
         let inner = Properties::new(&element);
         let phase = match element.plugin() {
             "isotropic" => json!("isotropic"),
@@ -176,7 +163,7 @@ impl MitsubaReader<'_> {
             "hg" => json!({"henyey_greenstein": {"g": inner.number("g", 0.8)?}}),
             other => {
                 let what = format!("a phase function of the type \"{other}\" is not supported and becomes isotropic");
-                self.scene.leave_out(element.place(), what);
+                self.note(&element, what);
                 return Ok(json!("isotropic"));
             }
         };

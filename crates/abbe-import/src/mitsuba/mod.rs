@@ -7,7 +7,6 @@ mod bsdf;
 mod emitter;
 mod index;
 mod medium;
-mod number;
 mod primitives;
 mod principled;
 mod properties;
@@ -15,7 +14,6 @@ mod reader;
 mod sensor;
 mod shape;
 mod spectrum;
-mod surface;
 mod texture;
 mod transform;
 mod volume;
@@ -28,19 +26,16 @@ mod picture_tests;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
-use std::rc::Rc;
-
-use glam::DMat4;
-
-use crate::imported_scene::ImportedScene;
+use crate::ImportedScene;
 use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
+use glam::DMat4;
 use properties::Properties;
 use reader::MitsubaReader;
+use std::path::Path;
+use std::rc::Rc;
 use xml::{MitsubaDocument, XmlElement};
 
-/// Reads a Mitsuba scene.
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let document = MitsubaDocument::read(path, file_access)?;
     let mut reader = MitsubaReader::new(document, folder);
@@ -69,8 +64,7 @@ impl MitsubaReader<'_> {
                 // Shapes and sensors refer to these elements.
                 "sensor" | "bsdf" | "texture" | "spectrum" | "medium" | "volume" | "phase" | "film" | "sampler" => {}
                 other => {
-                    let what = format!("<{other}> is not supported and is left out");
-                    self.scene.leave_out(child.place(), what);
+                    self.note(child, format!("<{other}> is not supported and is left out"));
                 }
             }
         }
@@ -84,14 +78,13 @@ impl MitsubaReader<'_> {
         let complete = ["path", "volpath", "volpathmip", "ptracer", "aov", "moment", "stokes", "prb", "prbvolpath"];
         if !complete.contains(&integrator.plugin()) {
             let what = format!("the integrator \"{}\" is replaced: Abbe renders all light", integrator.plugin());
-            self.scene.leave_out(integrator.place(), what);
+            self.note(integrator, what);
         }
         if properties.number("max_depth", -1.0)? > 0.0 {
-            let what = "`max_depth` is left out: Abbe follows light over any number of interactions";
-            self.scene.leave_out(integrator.place(), what);
+            self.note(integrator, "`max_depth` is left out: Abbe follows light over any number of interactions");
         }
         if properties.boolean("hide_emitters", false)? {
-            self.scene.leave_out(integrator.place(), "`hide_emitters` is left out: all lights are visible");
+            self.note(integrator, "`hide_emitters` is left out: all lights are visible");
         }
         Ok(())
     }

@@ -5,8 +5,7 @@ use serde_json::json;
 
 const BALL: &str = r#"<shape type="sphere"/><emitter type="constant"/>"#;
 
-/// In Mitsuba, a reflectance is 0 beyond its table. The index of a metal stays constant, because an
-/// index of 0 has no meaning.
+/// A reflectance is 0 beyond its table. An index stays constant, because 0 has no meaning.
 #[test]
 fn tables_of_reflectances_are_dark_outside() {
     let body = r#"<shape type="sphere"><bsdf type="diffuse"><spectrum name="reflectance" value="500:0.2, 600:0.8"/>

@@ -1,14 +1,12 @@
 //! Shapes that Mitsuba defines by formulas, as shapes of the scene file.
 //!
-//! The texture coordinates are those of Mitsuba. Shapes with textures therefore become triangles,
-//! whose texture coordinates are free.
+//! Shapes with textures become triangles, which can have Mitsuba's texture coordinates.
 
-use std::f64::consts::TAU;
-
+use crate::scene_writer::present;
+use abbe_spectra::math::elementary::sin_cos;
 use glam::DVec3;
 use serde_json::{Value, json};
-
-use abbe_spectra::math::elementary::sin_cos;
+use std::f64::consts::TAU;
 
 /// The number of flat strips that replace a cylinder.
 const STRIPS: u32 = 96;
@@ -72,11 +70,8 @@ pub(super) fn sphere(centre: DVec3, radius: f64, textured: bool) -> BasicShape {
         let shape = json!({"sphere": {"radius": radius}});
         return BasicShape { shape, steps: vec![facing_z(false), json!({"translate": centre.to_array()})] };
     }
-    let mut sphere = json!({"radius": radius});
-    if centre != DVec3::ZERO {
-        sphere["center"] = json!(centre.to_array());
-    }
-    BasicShape::new(json!({"sphere": sphere}))
+    let center = (centre != DVec3::ZERO).then(|| centre.to_array());
+    BasicShape::new(json!({"sphere": present(json!({"radius": radius, "center": center}))}))
 }
 
 /// Returns the cube from (−1, −1, −1) to (1, 1, 1).
@@ -102,8 +97,7 @@ pub(super) fn cube(textured: bool, flipped: bool) -> BasicShape {
     BasicShape::new(json!({"triangles": {"positions": FACES.as_flattened(), "indices": indices, "uv": uv}}))
 }
 
-/// Returns the side of a cylinder as flat strips with smooth normals. `None` if the axis or the
-/// radius is 0.
+/// Returns the side of a cylinder as flat strips with smooth normals, or `None` if it is flat.
 pub(super) fn cylinder(from: DVec3, to: DVec3, radius: f64, flipped: bool) -> Option<BasicShape> {
     let axis = (to - from).try_normalize().filter(|_| radius > 0.0)?;
     // Mitsuba has the same directions of u = 0 and u = 1/4.

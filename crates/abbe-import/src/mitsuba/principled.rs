@@ -1,35 +1,28 @@
 //! Converts Disney's BSDF of a Mitsuba scene (Burley 2012, 2015).
 //!
-//! The diffuse part of this BSDF does not lose the light that the specular part reflects. Hence, a
-//! white surface reflects more light than it receives. The diffuse base of a `glossy` surface only
-//! has the light that passes its coat. The base is therefore made brighter, so that the albedo for
-//! diffuse light is the same.
+//! The diffuse part of this BSDF does not lose the light that the specular part reflects, so a
+//! white surface reflects more light than it receives. The base of a `glossy` surface only has the
+//! light that passes its coat. It is therefore made brighter, so that the albedo for diffuse light
+//! is the same.
 
-use std::f64::consts::PI;
-
-use serde_json::{Value, json};
-
-use super::bsdf::BsdfContext;
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::surface::MitsubaSurface;
+use super::reader::{MitsubaReader, MitsubaSurface};
+use super::{bsdf::BsdfContext, properties::Properties};
+use crate::scene_writer::present;
 use abbe_optics::bsdf::Glossy;
 use abbe_optics::glass::RefractiveIndex;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cos;
 use abbe_spectra::spectrum::Spectrum;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 impl MitsubaReader<'_> {
     /// Converts Disney's BSDF to a mix of a metal and a coated diffuse surface, or to glass.
-    pub(super) fn principled(
-        &mut self,
-        properties: &Properties<'_>,
-        context: &BsdfContext<'_>,
-    ) -> Result<MitsubaSurface> {
+    pub(super) fn principled(&mut self, properties: &Properties, context: &BsdfContext) -> Result<MitsubaSurface> {
         let bsdf = properties.element;
         let what = "a BSDF of the type \"principled\" is replaced by a metal, by a glossy surface with the same \
                     albedo, by a mix of both, or by glass";
-        self.scene.leave_out(bsdf.place(), what);
+        self.note(bsdf, what);
         let roughness = self.roughness(properties, "roughness", 0.5, None)?;
         let base = self.colour(properties, "base_color", 0.5)?;
         let ior = match properties.optional_number("eta")? {
@@ -39,10 +32,7 @@ impl MitsubaReader<'_> {
         let transmission = self.textured(properties, "spec_trans")?.map_or(0.0, |it| it.mean().mean());
         let metallic = self.weight(properties, "metallic")?;
         if transmission >= 0.5 {
-            let mut glass = json!({"ior": ior, "roughness": roughness});
-            if let Some(medium) = context.medium {
-                glass["medium"] = json!(medium);
-            }
+            let glass = present(json!({"ior": ior, "roughness": roughness, "medium": context.medium}));
             return Ok(self.add(context, json!({"dielectric": glass}), false));
         }
         let [weight, rest] = metallic.unwrap_or([json!(0.0), json!(1.0)]);
@@ -56,8 +46,8 @@ impl MitsubaReader<'_> {
         if is_absent(&weight) {
             return Ok(self.add(context, glossy, true));
         }
-        let metal = self.add_material(&format!("{} metal", context.name), metal);
-        let glossy = self.add_material(&format!("{} base", context.name), glossy);
+        let metal = self.scene.add_material(&format!("{} metal", context.name), metal);
+        let glossy = self.scene.add_material(&format!("{} base", context.name), glossy);
         let parts = json!([{"material": metal, "weight": weight}, {"material": glossy, "weight": rest}]);
         Ok(self.add(context, json!({"mix": parts}), true))
     }

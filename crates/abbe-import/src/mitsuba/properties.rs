@@ -1,16 +1,12 @@
 //! Access to the properties of an element. Properties that nobody reads are found afterwards.
 
+use super::transform;
+use super::xml::{XmlElement, number};
+use abbe_spectra::error::Result;
+use glam::{DMat4, DVec3};
 use std::cell::Cell;
 use std::rc::Rc;
 
-use glam::{DMat4, DVec3};
-
-use super::number::number;
-use super::transform;
-use super::xml::XmlElement;
-use abbe_spectra::error::Result;
-
-/// The properties of an element.
 pub(super) struct Properties<'a> {
     pub(super) element: &'a XmlElement,
     read: Vec<Cell<bool>>,
@@ -38,22 +34,18 @@ impl<'a> Properties<'a> {
         self.take(|child| names.contains(&child.name()));
     }
 
-    /// Returns the children that were not read.
     pub(super) fn unread(&self) -> impl Iterator<Item = &'a Rc<XmlElement>> {
         self.element.children.iter().zip(&self.read).filter(|(_, read)| !read.get()).map(|(child, _)| child)
     }
 
-    /// Returns a number, if the property is a number.
     pub(super) fn optional_number(&self, name: &str) -> Result<Option<f64>> {
         self.find(name).map(|child| number(child)).transpose()
     }
 
-    /// Returns a number, or a default.
     pub(super) fn number(&self, name: &str, default: f64) -> Result<f64> {
         Ok(self.optional_number(name)?.unwrap_or(default))
     }
 
-    /// Returns true or false, or a default.
     pub(super) fn boolean(&self, name: &str, default: bool) -> Result<bool> {
         let Some(child) = self.find(name) else { return Ok(default) };
         let value = child.required("value")?.trim();
@@ -66,12 +58,10 @@ impl<'a> Properties<'a> {
         }
     }
 
-    /// Returns a text.
     pub(super) fn text(&self, name: &str) -> Result<Option<&'a str>> {
         self.find(name).map(|child| child.required("value")).transpose()
     }
 
-    /// Returns a text that the element needs.
     pub(super) fn required_text(&self, name: &str) -> Result<&'a str> {
         self.text(name)?.ok_or_else(|| {
             let what = format!("<{}> of the type \"{}\"", self.element.tag, self.element.plugin());
@@ -79,12 +69,10 @@ impl<'a> Properties<'a> {
         })
     }
 
-    /// Returns a point or a vector.
     pub(super) fn vector(&self, name: &str) -> Result<Option<DVec3>> {
         self.find(name).map(|child| transform::vector(child, 0.0)).transpose()
     }
 
-    /// Returns true if the property is a vector.
     pub(super) fn is_vector(&self, name: &str) -> bool {
         self.find(name).is_some_and(|child| child.tag == "vector")
     }

@@ -1,18 +1,25 @@
 //! The reader of a Mitsuba scene. The other modules convert the elements.
 
-use std::rc::Rc;
-
-use serde_json::Value;
-
 use super::properties::Properties;
-use super::surface::MitsubaSurface;
 use super::xml::{MitsubaDocument, XmlElement};
 use crate::scene_writer::SceneWriter;
+use std::rc::Rc;
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum MitsubaSurface {
+    /// A material of the scene file.
+    Material {
+        name: String,
+        /// True if Mitsuba's surface is black from behind.
+        one_sided: bool,
+    },
+    /// Nothing to see, because light passes unchanged.
+    Invisible,
+}
 
 /// A BSDF, and the medium inside the shape that has the BSDF.
 type SurfaceKey = (*const XmlElement, Option<String>);
 
-/// Converts the elements of a scene.
 pub(super) struct MitsubaReader<'a> {
     pub(super) document: MitsubaDocument,
     pub(super) scene: SceneWriter,
@@ -31,18 +38,22 @@ impl<'a> MitsubaReader<'a> {
         Self { document, scene: SceneWriter::default(), folder, surfaces: Vec::new(), media: Vec::new(), outside: None }
     }
 
-    /// Adds a material, and returns its name.
-    pub(super) fn add_material(&mut self, wanted: &str, material: Value) -> String {
-        self.scene.add_material(wanted, material)
+    /// Returns the elements with a tag inside an element, and marks them as read.
+    pub(super) fn tagged(&self, properties: &Properties, tag: &str) -> Vec<Rc<XmlElement>> {
+        let children = properties.take(|child| self.document.resolve(child).tag == tag);
+        children.into_iter().map(|child| self.document.resolve(child)).collect()
     }
 
-    /// Notes properties that were not read.
-    pub(super) fn note_unread(&mut self, properties: &Properties<'_>) {
+    /// Notes a difference of the converted scene, with the place of an element.
+    pub(super) fn note(&mut self, element: &XmlElement, what: impl Into<String>) {
+        self.scene.leave_out(element.place(), what);
+    }
+
+    pub(super) fn note_unread(&mut self, properties: &Properties) {
         let element = properties.element;
         for child in properties.unread() {
             let name = if child.name().is_empty() { format!("<{}>", child.tag) } else { format!("`{}`", child.name()) };
-            let what = format!("{name} of <{} type=\"{}\"> is left out", element.tag, element.plugin());
-            self.scene.leave_out(child.place(), what);
+            self.note(child, format!("{name} of <{} type=\"{}\"> is left out", element.tag, element.plugin()));
         }
     }
 }

@@ -1,17 +1,12 @@
 //! Converts the sensor of a Mitsuba scene to the camera and the film.
 
-use std::rc::Rc;
-
-use glam::DVec3;
-use serde_json::json;
-
-use super::number::parse;
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::transform::affine;
-use super::xml::XmlElement;
+use super::xml::{XmlElement, parse};
+use super::{properties::Properties, reader::MitsubaReader, transform::affine};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::{atan, hypot, tan};
+use glam::DVec3;
+use serde_json::json;
+use std::rc::Rc;
 
 /// The default size of a film in pixels.
 const DEFAULT_SIZE: [f64; 2] = [768.0, 576.0];
@@ -32,13 +27,13 @@ impl MitsubaReader<'_> {
             return Err(error.expected("a sensor of the type \"perspective\", \"thinlens\" or \"orthographic\""));
         };
         for other in sensors.iter().filter(|other| !Rc::ptr_eq(other, sensor)) {
-            self.scene.leave_out(other.place(), "a further sensor is left out");
+            self.note(other, "a further sensor is left out");
         }
         let properties = Properties::new(sensor);
         let [width, height] = self.film(&properties)?;
         let to_world = affine(sensor, properties.transform("to_world")?)?;
         if to_world.matrix3.determinant() < 0.0 {
-            self.scene.leave_out(sensor.place(), "the mirrored sensor is left out: the picture is not mirrored");
+            self.note(sensor, "the mirrored sensor is left out: the picture is not mirrored");
         }
         // A Mitsuba camera looks along +z, +y is up, and +x is to the left.
         let direction = |local: DVec3| to_world.transform_vector3(local).normalize_or(local);
@@ -47,7 +42,7 @@ impl MitsubaReader<'_> {
             let half_width = to_world.transform_vector3(DVec3::X).length();
             let pictured = to_world.transform_vector3(DVec3::Y).length() / half_width;
             if (pictured - 1.0).abs() > 1e-6 {
-                self.scene.leave_out(sensor.place(), "the vertical stretch of an orthographic sensor is left out");
+                self.note(sensor, "the vertical stretch of an orthographic sensor is left out");
             }
             json!({"orthographic": {"height": 2.0 * half_width * height / width}})
         } else if sensor.plugin() == "thinlens" {
@@ -71,12 +66,10 @@ impl MitsubaReader<'_> {
             let what = format!(
                 "the clip planes of the sensor are left out: surfaces nearer than {near} or farther than {far} are visible"
             );
-            self.scene.leave_out(sensor.place(), what);
+            self.note(sensor, what);
         }
         properties.take(|child| child.tag == "sampler");
-        let is_medium = |child: &Rc<XmlElement>| self.document.resolve(child).tag == "medium";
-        if let Some(medium) = properties.take(is_medium).pop() {
-            let medium = self.document.resolve(medium);
+        if let Some(medium) = self.tagged(&properties, "medium").pop() {
             self.scene.atmosphere = self.medium(&medium)?;
             self.outside = Some(medium);
         }
@@ -85,11 +78,9 @@ impl MitsubaReader<'_> {
     }
 
     /// Converts the size of the film. Its other properties concern the output file.
-    fn film(&mut self, properties: &Properties<'_>) -> Result<[f64; 2]> {
-        let is_film = |child: &Rc<XmlElement>| self.document.resolve(child).tag == "film";
-        let film = properties.take(is_film).pop().map(|film| self.document.resolve(film));
+    fn film(&mut self, properties: &Properties) -> Result<[f64; 2]> {
         let mut size = DEFAULT_SIZE;
-        if let Some(film) = film {
+        if let Some(film) = self.tagged(properties, "film").pop() {
             let inner = Properties::new(&film);
             size = [inner.number("width", DEFAULT_SIZE[0])?, inner.number("height", DEFAULT_SIZE[1])?];
             if size.iter().any(|&pixels| !(1.0..=MAX_SIZE).contains(&pixels)) {
@@ -104,9 +95,8 @@ impl MitsubaReader<'_> {
     }
 }
 
-/// Returns the vertical field of view in degrees. `aspect` is the width of the film divided by its
-/// height.
-fn vertical_fov(properties: &Properties<'_>, aspect: f64) -> Result<f64> {
+/// Returns the vertical field of view in degrees for a film of the aspect width / height.
+fn vertical_fov(properties: &Properties, aspect: f64) -> Result<f64> {
     let element = properties.element;
     let axis = properties.text("fov_axis")?.unwrap_or("x").to_lowercase();
     let focal_length = properties.find("focal_length");

@@ -1,19 +1,15 @@
 //! Converts the shapes of a Mitsuba scene to objects.
 
-use std::path::Path;
-use std::rc::Rc;
-
-use glam::{DMat4, DVec3};
-use serde_json::{Value, json};
-
-use super::primitives::{self, BasicShape};
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::surface::MitsubaSurface;
+use super::reader::{MitsubaReader, MitsubaSurface};
 use super::transform::{affine, steps};
-use super::xml::XmlElement;
+use super::{primitives, primitives::BasicShape, properties::Properties, xml::XmlElement};
+use crate::scene_writer::present;
 use abbe_format::mesh;
 use abbe_spectra::error::Result;
+use glam::{DMat4, DVec3};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::rc::Rc;
 
 /// The properties of a shape that decide its form.
 struct ShapePlacement {
@@ -40,8 +36,8 @@ impl MitsubaReader<'_> {
         let properties = Properties::new(instance);
         let to_world = outer * properties.transform("to_world")?;
         let is_group = |child: &Rc<XmlElement>| self.document.resolve(child).plugin() == "shapegroup";
-        let groups: Vec<Rc<XmlElement>> =
-            properties.take(is_group).into_iter().map(|it| self.document.resolve(it)).collect();
+        let groups = properties.take(is_group).into_iter().map(|it| self.document.resolve(it));
+        let groups: Vec<Rc<XmlElement>> = groups.collect();
         if groups.is_empty() {
             return Err(instance.error("an instance without a shape group"));
         }
@@ -49,12 +45,9 @@ impl MitsubaReader<'_> {
         groups.iter().try_for_each(|group| self.members(group, to_world))
     }
 
-    /// Converts the shapes of a group.
     fn members(&mut self, group: &Rc<XmlElement>, to_world: DMat4) -> Result<()> {
         let properties = Properties::new(group);
-        let is_shape = |child: &Rc<XmlElement>| self.document.resolve(child).tag == "shape";
-        let members: Vec<Rc<XmlElement>> =
-            properties.take(is_shape).into_iter().map(|it| self.document.resolve(it)).collect();
+        let members = self.tagged(&properties, "shape");
         self.note_unread(&properties);
         for member in members {
             // Nested instances could multiply without limit, and Mitsuba has none.
@@ -69,13 +62,9 @@ impl MitsubaReader<'_> {
     fn single_shape(&mut self, shape: &Rc<XmlElement>, outer: DMat4) -> Result<()> {
         let properties = Properties::new(shape);
         let medium = self.interior(&properties)?;
-        let tagged = |tag: &'static str| {
-            let children = properties.take(|child| self.document.resolve(child).tag == tag);
-            children.into_iter().map(|child| self.document.resolve(child)).collect::<Vec<_>>()
-        };
-        let (bsdfs, emitters, sensors) = (tagged("bsdf"), tagged("emitter"), tagged("sensor"));
+        let [bsdfs, emitters, sensors] = ["bsdf", "emitter", "sensor"].map(|tag| self.tagged(&properties, tag));
         if !sensors.is_empty() {
-            self.scene.leave_out(shape.place(), "a sensor on a shape is left out");
+            self.note(shape, "a sensor on a shape is left out");
         }
         let emission = emitters.first().map_or(Ok(None), |emitter| self.area_emission(emitter))?;
         let surface = match bsdfs.first() {
@@ -85,7 +74,7 @@ impl MitsubaReader<'_> {
         let (material, one_sided) = match surface {
             MitsubaSurface::Material { name, one_sided } => (name, one_sided),
             MitsubaSurface::Invisible if emission.is_some() => {
-                (self.add_material("absorber", json!("absorber")), false)
+                (self.scene.add_material("absorber", json!("absorber")), false)
             }
             MitsubaSurface::Invisible => return Ok(()),
         };
@@ -94,35 +83,27 @@ impl MitsubaReader<'_> {
             textured: self.is_textured(&material) || emission.as_ref().is_some_and(|it| it.get("slide").is_some()),
             flipped: properties.boolean("flip_normals", false)?,
         };
-        let Some(BasicShape { shape: converted, steps: mut transform }) = self.form(&properties, &form)? else {
-            return Ok(());
-        };
+        let found = self.form(&properties, &form)?;
+        let Some(BasicShape { shape: converted, steps: mut transform }) = found else { return Ok(()) };
         self.note_unread(&properties);
         self.note_open_shape(&properties, &material, one_sided && emission.is_none())?;
         transform.extend(steps(affine(shape, form.to_world)?));
-        let mut object = json!({"shape": converted, "material": material});
-        if let Some(name) = shape.attribute("id") {
-            object["name"] = json!(name);
-        }
-        if !transform.is_empty() {
-            object["transform"] = json!(transform);
-        }
-        if let Some(emission) = emission {
-            object["emission"] = emission;
-        }
-        self.scene.add_object(object);
+        let (name, transform) = (shape.attribute("id"), (!transform.is_empty()).then_some(transform));
+        self.scene.add_object(present(json!({
+            "shape": converted, "material": material, "name": name, "transform": transform, "emission": emission
+        })));
         Ok(())
     }
 
     /// Converts the geometry of a shape. Returns `None` if the shape is left out.
-    fn form(&mut self, properties: &Properties<'_>, form: &ShapePlacement) -> Result<Option<BasicShape>> {
+    fn form(&mut self, properties: &Properties, form: &ShapePlacement) -> Result<Option<BasicShape>> {
         let shape = properties.element;
         Ok(Some(match shape.plugin() {
             "rectangle" => primitives::rectangle(form.textured, form.flipped),
             "cube" => primitives::cube(form.textured, form.flipped),
             "sphere" => {
                 if form.flipped {
-                    self.scene.leave_out(shape.place(), "`flip_normals` of a sphere is left out: it faces outwards");
+                    self.note(shape, "`flip_normals` of a sphere is left out: it faces outwards");
                 }
                 let centre = properties.vector("center")?.unwrap_or(DVec3::ZERO);
                 primitives::sphere(centre, self.radius(properties)?, form.textured)
@@ -136,14 +117,13 @@ impl MitsubaReader<'_> {
             }
             "obj" | "ply" | "serialized" => self.mesh(properties, form)?,
             other => {
-                let what = format!("a shape of the type \"{other}\" is not supported and is left out");
-                self.scene.leave_out(shape.place(), what);
+                self.note(shape, format!("a shape of the type \"{other}\" is not supported and is left out"));
                 return Ok(None);
             }
         }))
     }
 
-    fn radius(&mut self, properties: &Properties<'_>) -> Result<f64> {
+    fn radius(&mut self, properties: &Properties) -> Result<f64> {
         let radius = properties.number("radius", 1.0)?;
         if radius > 0.0 {
             return Ok(radius);
@@ -151,7 +131,7 @@ impl MitsubaReader<'_> {
         Err(properties.element.error(format!("found the radius {radius}")).expected("a number above 0"))
     }
 
-    fn mesh(&mut self, properties: &Properties<'_>, form: &ShapePlacement) -> Result<BasicShape> {
+    fn mesh(&mut self, properties: &Properties, form: &ShapePlacement) -> Result<BasicShape> {
         let shape = properties.element;
         let (path, file) = self.document.file(shape, properties.required_text("filename")?)?;
         if !Path::new(&path).extension().is_some_and(|it| it.eq_ignore_ascii_case(shape.plugin())) {
@@ -168,33 +148,26 @@ impl MitsubaReader<'_> {
             plugin => !properties.boolean("flip_tex_coords", plugin == "obj")?,
         };
         let part = (shape.plugin() == "serialized").then(|| properties.number("shape_index", 0.0)).transpose()?;
-        // Abbe keeps the front of a mirrored mesh. In Mitsuba, the vertex normals decide, and
-        // without them the order of the corners.
+        // Abbe keeps the front of a mirrored mesh. In Mitsuba, normals or else corners decide.
         let mirrored = form.to_world.determinant() < 0.0;
         let by_corners = || -> Result<bool> {
             let parts = mesh::load(&file, self.document.file_access).map_err(|error| shape.locate(error))?.parts;
             Ok(flat || parts.iter().any(|part| part.mesh.normals().is_none()))
         };
         let reverse = form.flipped != (mirrored && by_corners()?);
-        let mut mesh = json!({"path": format!("{}{path}", self.folder)});
-        if let Some(part) = part {
-            mesh["part"] = json!(part as u32);
-        }
-        for (key, value) in [("reverse", reverse), ("flat", flat), ("smooth", !flat), ("flip_v", flip_v)] {
-            if value {
-                mesh[key] = json!(true);
-            }
-        }
+        let (path, part) = (format!("{}{path}", self.folder), part.map(|part| part as u32));
+        let [reverse, flat, smooth, flip_v] = [reverse, flat, !flat, flip_v].map(|is_set| is_set.then_some(true));
+        let mesh = present(json!({
+            "path": path, "part": part, "reverse": reverse, "flat": flat, "smooth": smooth, "flip_v": flip_v
+        }));
         Ok(BasicShape { shape: json!({"mesh": mesh}), steps: Vec::new() })
     }
 
-    /// Converts the medium inside a shape.
-    fn interior(&mut self, properties: &Properties<'_>) -> Result<Option<String>> {
+    fn interior(&mut self, properties: &Properties) -> Result<Option<String>> {
         if let Some(exterior) = properties.find("exterior") {
             let exterior = self.document.resolve(exterior);
             if !self.outside.as_ref().is_some_and(|outside| Rc::ptr_eq(outside, &exterior)) {
-                let what = "the exterior medium of a shape is left out: the body around states it";
-                self.scene.leave_out(properties.element.place(), what);
+                self.note(properties.element, "the exterior medium of a shape is left out: the body around states it");
             }
         }
         let Some(interior) = properties.find("interior") else { return Ok(None) };
@@ -202,7 +175,6 @@ impl MitsubaReader<'_> {
         self.medium(&interior)
     }
 
-    /// Returns true if a material has a texture.
     fn is_textured(&self, material: &str) -> bool {
         fn has_texture(value: &Value) -> bool {
             match value {
@@ -221,7 +193,7 @@ impl MitsubaReader<'_> {
     }
 
     /// Notes what is different on a shape that is not closed.
-    fn note_open_shape(&mut self, properties: &Properties<'_>, material: &str, one_sided: bool) -> Result<()> {
+    fn note_open_shape(&mut self, properties: &Properties, material: &str, one_sided: bool) -> Result<()> {
         let has = |kind: &str| self.scene.material(material).is_some_and(|material| material.get(kind).is_some());
         let needs_body = has("dielectric") || has("boundary");
         if !(needs_body || one_sided) || !self.is_open(properties)? {
@@ -232,23 +204,19 @@ impl MitsubaReader<'_> {
         } else {
             "a surface that is black from behind scatters light on both sides"
         };
-        self.scene.leave_out(properties.element.place(), what);
+        self.note(properties.element, what);
         Ok(())
     }
 
-    /// Returns true if a shape is not closed. Reads the file of a mesh.
-    fn is_open(&self, properties: &Properties<'_>) -> Result<bool> {
+    fn is_open(&self, properties: &Properties) -> Result<bool> {
         let shape = properties.element;
         Ok(match shape.plugin() {
             "rectangle" | "disk" | "cylinder" => true,
             "obj" | "ply" | "serialized" => {
                 let (_, file) = self.document.file(shape, properties.required_text("filename")?)?;
-                let parts =
-                    mesh::load_unplaced(&file, self.document.file_access).map_err(|error| shape.locate(error))?;
-                let chosen = match shape.plugin() {
-                    "serialized" => Some(properties.number("shape_index", 0.0)? as u32),
-                    _ => None,
-                };
+                let parts = mesh::load_unplaced(&file, self.document.file_access).map_err(|it| shape.locate(it))?;
+                let chosen = (shape.plugin() == "serialized").then(|| properties.number("shape_index", 0.0));
+                let chosen = chosen.transpose()?.map(|index| index as u32);
                 let is_chosen = |number: u32| chosen.is_none_or(|chosen| chosen == number);
                 parts.parts.iter().any(|(&number, part)| is_chosen(number) && !part.mesh.is_closed())
             }

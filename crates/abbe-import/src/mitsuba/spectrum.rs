@@ -1,20 +1,16 @@
 //! Spectra of a Mitsuba scene.
 //!
-//! The scale of Mitsuba: an emitter with the colour (1, 1, 1) has the luminance 1, and so has an
-//! emitter with the value 1 at every wavelength. Mitsuba divides Y by the integral of ȳ to get
-//! there. The photometric quantities of the scene file therefore have the values of Mitsuba's
-//! pictures.
+//! In Mitsuba, an emitter with the colour (1, 1, 1) or with the value 1 at every wavelength has the
+//! luminance 1, because Y is divided by the integral of ȳ. The photometric quantities of the scene
+//! file therefore have the values of Mitsuba's pictures.
 
-use serde_json::{Value, json};
-
-use super::number::{number, numbers, parse};
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::xml::XmlElement;
+use super::xml::{XmlElement, number, numbers, parse};
+use super::{properties::Properties, reader::MitsubaReader};
 use crate::dark_outside::dark_outside;
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::{Observer, Outside, SmoothReflectance, Spectrum};
+use serde_json::{Value, json};
 
 /// The wavelengths (nm) at which products of spectra are tabulated.
 const TABULATED_NM: std::ops::RangeInclusive<u32> = 72..=166;
@@ -25,7 +21,6 @@ const STEP_NM: f64 = 5.0;
 /// The largest number of samples of a table in a file.
 const MAX_SAMPLES: usize = 100_000;
 
-/// A spectrum.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum MitsubaSpectrum {
     /// A number. As a light, it is a multiple of D65.
@@ -48,7 +43,6 @@ pub(super) struct EmissionSpectrum {
 }
 
 impl EmissionSpectrum {
-    /// Returns true if the light emits nothing.
     pub(super) fn is_dark(&self) -> bool {
         self.quantity <= 0.0
     }
@@ -74,7 +68,6 @@ impl MitsubaReader<'_> {
         }
     }
 
-    /// Reads a spectrum such as `<spectrum type="d65"/>`.
     fn spectrum_plugin(&mut self, element: &XmlElement) -> Result<MitsubaSpectrum> {
         let properties = Properties::new(element);
         let spectrum = match element.plugin() {
@@ -104,8 +97,7 @@ impl MitsubaReader<'_> {
                 table(element, nm?, values?)?
             }
             other => {
-                let what = format!("a spectrum of the type \"{other}\" is not supported and becomes 0.5");
-                self.scene.leave_out(element.place(), what);
+                self.note(element, format!("a spectrum of the type \"{other}\" is not supported and becomes 0.5"));
                 return Ok(MitsubaSpectrum::Number(0.5));
             }
         };
@@ -114,19 +106,17 @@ impl MitsubaReader<'_> {
     }
 
     /// Reads a multiple of D65. As a light, numbers and colours are multiples of D65 anyway.
-    fn d65(&mut self, properties: &Properties<'_>) -> Result<MitsubaSpectrum> {
+    fn d65(&mut self, properties: &Properties) -> Result<MitsubaSpectrum> {
         let scale = properties.number("scale", 1.0)?;
         let nested = properties.find("color").or_else(|| properties.take(|child| !child.plugin().is_empty()).pop());
         let Some(nested) = nested else { return Ok(MitsubaSpectrum::Number(scale)) };
         let nested = self.document.resolve(nested);
         match self.spectrum(&nested)? {
-            MitsubaSpectrum::Number(value) | MitsubaSpectrum::Uniform(value) => {
-                Ok(MitsubaSpectrum::Number(scale * value))
-            }
+            MitsubaSpectrum::Number(x) | MitsubaSpectrum::Uniform(x) => Ok(MitsubaSpectrum::Number(scale * x)),
             MitsubaSpectrum::Rgb(rgb) => Ok(MitsubaSpectrum::Rgb(rgb.map(|c| scale * c))),
             MitsubaSpectrum::Table { .. } | MitsubaSpectrum::Blackbody { .. } => {
                 let what = "a filter of D65 that is neither a number nor a colour is not supported and is left out";
-                self.scene.leave_out(nested.place(), what);
+                self.note(&nested, what);
                 Ok(MitsubaSpectrum::Number(scale))
             }
         }
@@ -150,8 +140,7 @@ impl MitsubaReader<'_> {
     }
 }
 
-/// Parses the attribute `value` of a `<spectrum>`: a number, or pairs such as `400:0.5`. Mitsuba
-/// 0.x also has colours of three numbers.
+/// Parses the `value` of a `<spectrum>`: a number, pairs such as `400:0.5`, or in 0.x a colour.
 fn explicit_spectrum(element: &XmlElement, text: &str) -> Result<MitsubaSpectrum> {
     if !text.contains(':') {
         return match numbers(element, text)?.as_slice() {
@@ -165,10 +154,8 @@ fn explicit_spectrum(element: &XmlElement, text: &str) -> Result<MitsubaSpectrum
     let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
     let pairs: Result<Vec<(f64, f64)>> = words
         .map(|word| {
-            let pair = word
-                .split_once(':')
-                .ok_or_else(|| element.error(format!("found \"{word}\"")).expected("a pair such as 400:0.5"));
-            let (nm, value) = pair?;
+            let fault = || element.error(format!("found \"{word}\"")).expected("a pair such as 400:0.5");
+            let (nm, value) = word.split_once(':').ok_or_else(fault)?;
             Ok((parse(element, nm)?, parse(element, value)?))
         })
         .collect();
@@ -196,9 +183,8 @@ fn table(element: &XmlElement, nm: Vec<f64>, values: Vec<f64>) -> Result<Mitsuba
     if valid && values.iter().all(|&value| value >= 0.0) {
         return Ok(MitsubaSpectrum::Table { nm, values });
     }
-    Err(element
-        .error("the table of the spectrum is not valid")
-        .expected("at least two rising wavelengths in nm, each with a value of at least 0"))
+    let expected = "at least two rising wavelengths in nm, each with a value of at least 0";
+    Err(element.error("the table of the spectrum is not valid").expected(expected))
 }
 
 /// Returns the luminance of a colour (1, 1, 1) of a light, relative to a constant spectrum of 1.
@@ -208,11 +194,7 @@ fn luminance(spectrum: &Spectrum) -> f64 {
 }
 
 impl MitsubaSpectrum {
-    /// Returns the spectrum as a light.
-    ///
-    /// # Errors
-    /// Returns an error if the temperature of a black body is not positive, or if a value is below
-    /// 0.
+    /// Returns the spectrum as a light. A temperature of at most 0 and a value below 0 are errors.
     pub(super) fn light(&self) -> Result<EmissionSpectrum> {
         let (spectrum, quantity) = match self {
             Self::Number(value) => (json!("D65"), *value),
@@ -244,7 +226,6 @@ impl MitsubaSpectrum {
         }
     }
 
-    /// Returns a typical value.
     pub(super) fn mean(&self) -> f64 {
         match self {
             Self::Number(value) | Self::Uniform(value) => *value,
@@ -254,32 +235,24 @@ impl MitsubaSpectrum {
         }
     }
 
-    /// Returns the largest value. `None` for a black body.
-    fn largest(&self) -> Option<f64> {
+    /// Returns the smallest and the largest value. `None` for a black body.
+    fn range(&self) -> Option<[f64; 2]> {
+        let of = |values: &[f64]| {
+            let values = values.iter().copied();
+            Some([values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max)])
+        };
         match self {
-            Self::Number(value) | Self::Uniform(value) => Some(*value),
-            Self::Rgb(rgb) => Some(rgb.iter().copied().fold(0.0, f64::max)),
-            Self::Table { values, .. } => Some(values.iter().copied().fold(0.0, f64::max)),
+            Self::Number(value) | Self::Uniform(value) => Some([*value; 2]),
+            Self::Rgb(rgb) => of(rgb),
+            Self::Table { values, .. } => of(values),
             Self::Blackbody { .. } => None,
         }
     }
 
-    /// Returns the smallest value. `None` for a black body.
-    fn smallest(&self) -> Option<f64> {
-        match self {
-            Self::Number(value) | Self::Uniform(value) => Some(*value),
-            Self::Rgb(rgb) => Some(rgb.iter().copied().fold(f64::INFINITY, f64::min)),
-            Self::Table { values, .. } => Some(values.iter().copied().fold(f64::INFINITY, f64::min)),
-            Self::Blackbody { .. } => None,
-        }
-    }
-
-    /// Returns true if all values are from 0 to 1.
     pub(super) fn is_fraction(&self) -> bool {
-        self.largest().is_some_and(|value| value <= 1.0) && self.smallest().is_some_and(|value| value >= 0.0)
+        self.range().is_some_and(|[smallest, largest]| largest <= 1.0 && smallest >= 0.0)
     }
 
-    /// Applies a function to each value.
     pub(super) fn map(&self, change: impl Fn(f64) -> f64) -> Self {
         match self {
             Self::Number(value) => Self::Number(change(*value)),
@@ -296,8 +269,8 @@ impl MitsubaSpectrum {
     /// Mitsuba, scales a colour above 1 so that its largest component is 0.5.
     pub(super) fn coefficient(&self) -> Value {
         match self {
-            Self::Rgb(rgb) if *rgb != [rgb[0]; 3] => match self.largest() {
-                Some(largest) if largest > 1.0 => {
+            Self::Rgb(rgb) if *rgb != [rgb[0]; 3] => match self.range() {
+                Some([_, largest]) if largest > 1.0 => {
                     let colour = rgb.map(|c| c / (2.0 * largest));
                     json!({"mix": [{"spectrum": {"rgb": colour}, "weight": 2.0 * largest}]})
                 }
@@ -317,7 +290,6 @@ impl MitsubaSpectrum {
         self.coefficient()
     }
 
-    /// Returns the value at a wavelength.
     fn at(&self, nm: f64) -> f64 {
         match self {
             Self::Number(value) | Self::Uniform(value) => *value,

@@ -85,98 +85,80 @@ fn close_triple(found: &Value, expected: [f64; 3]) {
     (0..3).for_each(|i| close(&found[i], expected[i]));
 }
 
+/// Returns the cells of a row of a table, which `|` separates.
+fn cells<const N: usize>(row: &str) -> [&str; N] {
+    row.split('|').map(str::trim).collect::<Vec<_>>().try_into().unwrap()
+}
+
+/// Returns a BSDF whose contents are XML, or properties such as `float alpha 0.25; rgb k 3`.
+fn bsdf(kind: &str, contents: &str) -> String {
+    let property = |text: &str| {
+        let mut words = text.trim().splitn(3, ' ');
+        let [tag, name, value] = [(); 3].map(|()| words.next().unwrap());
+        format!("<{tag} name=\"{name}\" value=\"{value}\"/>")
+    };
+    let is_xml = contents.is_empty() || contents.starts_with('<');
+    let contents = if is_xml { contents.to_string() } else { contents.split(';').map(property).collect() };
+    format!("<bsdf type=\"{kind}\">{contents}</bsdf>")
+}
+
 #[test]
 fn simple_materials_keep_their_numbers() {
-    for (bsdf, expected) in [
-        (r#"<bsdf type="diffuse"/>"#, json!({"diffuse": {"reflectance": 0.5}})),
-        (
-            r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.1, 0.2 0.3"/></bsdf>"#,
-            json!({"diffuse": {"reflectance": {"rgb": [0.1, 0.2, 0.3]}}}),
-        ),
-        (
-            r#"<bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.7"/></bsdf></bsdf>"#,
-            json!({"diffuse": {"reflectance": 0.7}}),
-        ),
-        (
-            r#"<bsdf type="diffuse"><spectrum name="reflectance" value="300:0.1, 900:0.4"/></bsdf>"#,
-            json!({"diffuse": {"reflectance": {"table": {"nm": [300.0, 900.0], "values": [0.1, 0.4]}}}}),
-        ),
-        (r#"<bsdf type="dielectric"/>"#, json!({"dielectric": {"ior": 1.5046}})),
-        (
-            r#"<bsdf type="dielectric"><string name="int_ior" value="Water"/></bsdf>"#,
-            json!({"dielectric": {"ior": 1.333}}),
-        ),
-        (
-            r#"<bsdf type="roughdielectric"><string name="distribution" value="ggx"/><float name="alpha" value="0.25"/>
-               <float name="int_ior" value="1.6"/></bsdf>"#,
-            json!({"dielectric": {"ior": 1.6, "roughness": 0.5}}),
-        ),
-        (
-            r#"<bsdf type="thindielectric"><float name="int_ior" value="1.6"/></bsdf>"#,
-            json!({"thin_dielectric": {"ior": 1.6}}),
-        ),
-        (
-            r#"<bsdf type="conductor"><string name="material" value="Au"/></bsdf>"#,
-            json!({"conductor": {"metal": "gold"}}),
-        ),
-        (r#"<bsdf type="conductor"/>"#, json!({"mirror": {"reflectance": 1.0}})),
-        (
-            r#"<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0.04"/>
-               <float name="eta" value="1.5"/><rgb name="k" value="3"/></bsdf>"#,
-            json!({"conductor": {"eta": 1.5, "k": 3.0, "roughness": 0.2}}),
-        ),
-        (
-            r#"<bsdf type="plastic"><rgb name="diffuse_reflectance" value="0.3"/></bsdf>"#,
-            json!({"glossy": {"reflectance": 0.3, "ior": 1.49, "roughness": 0.0}}),
-        ),
-        (
-            r#"<bsdf type="difftrans"><float name="transmittance" value="0.4"/></bsdf>"#,
-            json!({"translucent": {"reflectance": 0.0, "transmittance": 0.4}}),
-        ),
-    ] {
-        let (found, notes) = material(bsdf);
-        assert_eq!(found, expected, "{bsdf}");
-        assert_eq!(notes, "", "{bsdf}");
+    for row in r#"
+        diffuse | | {"diffuse": {"reflectance": 0.5}}
+        diffuse | rgb reflectance 0.1, 0.2 0.3 | {"diffuse": {"reflectance": {"rgb": [0.1, 0.2, 0.3]}}}
+        twosided | <bsdf type="diffuse"><rgb name="reflectance" value="0.7"/></bsdf> | {"diffuse": {"reflectance": 0.7}}
+        diffuse | spectrum reflectance 300:0.1, 900:0.4 |
+            {"diffuse": {"reflectance": {"table": {"nm": [300.0, 900.0], "values": [0.1, 0.4]}}}}
+        dielectric | | {"dielectric": {"ior": 1.5046}}
+        dielectric | string int_ior Water | {"dielectric": {"ior": 1.333}}
+        roughdielectric | string distribution ggx; float alpha 0.25; float int_ior 1.6 |
+            {"dielectric": {"ior": 1.6, "roughness": 0.5}}
+        thindielectric | float int_ior 1.6 | {"thin_dielectric": {"ior": 1.6}}
+        conductor | string material Au | {"conductor": {"metal": "gold"}}
+        conductor | | {"mirror": {"reflectance": 1.0}}
+        roughconductor | string distribution ggx; float alpha 0.04; float eta 1.5; rgb k 3 |
+            {"conductor": {"eta": 1.5, "k": 3.0, "roughness": 0.2}}
+        plastic | rgb diffuse_reflectance 0.3 | {"glossy": {"reflectance": 0.3, "ior": 1.49, "roughness": 0.0}}
+        difftrans | float transmittance 0.4 | {"translucent": {"reflectance": 0.0, "transmittance": 0.4}}"#
+        .replace("|\n", "| ")
+        .lines()
+        .skip(1)
+    {
+        let [kind, contents, expected] = cells(row);
+        let (found, notes) = material(&bsdf(kind, contents));
+        assert_eq!(found, serde_json::from_str::<Value>(expected).unwrap(), "{row}");
+        assert_eq!(notes, "", "{row}");
     }
 }
 
 #[test]
 fn a_mask_cuts_holes() {
-    let (found, notes) =
-        material(r#"<bsdf type="mask"><bsdf type="diffuse"/><float name="opacity" value="0.75"/></bsdf>"#);
+    let (found, notes) = material(&bsdf("mask", r#"<bsdf type="diffuse"/><float name="opacity" value="0.75"/>"#));
     assert_eq!((&found["mix"][0]["weight"], &found["mix"][1]["weight"]), (&json!(0.75), &json!(0.25)));
     assert_eq!((&found["mix"][1]["material"], notes.as_str()), (&json!("hole"), ""));
 }
 
 #[test]
 fn approximated_materials_are_noted() {
-    for (bsdf, kind, note) in [
-        (r#"<bsdf type="roughconductor"><float name="alpha" value="0.09"/></bsdf>"#, "conductor", "replaced by GGX"),
-        (r#"<bsdf type="conductor"><string name="material" value="Hg"/></bsdf>"#, "conductor", "becomes chromium"),
-        (r#"<bsdf type="hair"/>"#, "diffuse", "\"hair\" is not supported"),
-        (r#"<bsdf type="bumpmap"><bsdf type="plastic"/></bsdf>"#, "glossy", "\"bumpmap\" is left out"),
-        (
-            r#"<bsdf type="mask"><bsdf type="dielectric"/><float name="opacity" value="0.6"/></bsdf>"#,
-            "dielectric",
-            "mask",
-        ),
-        (r#"<bsdf type="principled"><float name="spec_trans" value="1"/></bsdf>"#, "dielectric", "principled"),
-        (r#"<bsdf type="principled"><float name="sheen" value="1"/></bsdf>"#, "glossy", "`sheen`"),
-        (r#"<bsdf type="diffuse"><rgb name="reflectance" value="1.5"/></bsdf>"#, "diffuse", "above 1"),
-        (r#"<bsdf type="diffuse"><float name="gloss" value="1"/></bsdf>"#, "diffuse", "a.xml:4: `gloss` of <bsdf"),
-        (
-            r#"<bsdf type="dielectric"><float name="ext_ior" value="1.33"/></bsdf>"#,
-            "dielectric",
-            "`ext_ior` is left out",
-        ),
-        (
-            r#"<bsdf type="dielectric"><float name="specular_transmittance" value="0.5"/></bsdf>"#,
-            "dielectric",
-            "the factor \"specular_transmittance\"",
-        ),
-    ] {
-        let (found, notes) = material(bsdf);
-        assert!(found.get(kind).is_some() && notes.contains(note), "{bsdf}: {found}, {notes}");
+    for row in r#"
+        roughconductor | float alpha 0.09 | conductor | replaced by GGX
+        conductor | string material Hg | conductor | becomes chromium
+        hair | | diffuse | "hair" is not supported
+        bumpmap | <bsdf type="plastic"/> | glossy | "bumpmap" is left out
+        mask | <bsdf type="dielectric"/><float name="opacity" value="0.6"/> | dielectric | mask
+        principled | float spec_trans 1 | dielectric | principled
+        principled | float sheen 1 | glossy | `sheen`
+        diffuse | rgb reflectance 1.5 | diffuse | above 1
+        diffuse | float gloss 1 | diffuse | a.xml:4: `gloss` of <bsdf
+        dielectric | float ext_ior 1.33 | dielectric | `ext_ior` is left out
+        dielectric | float specular_transmittance 0.5 | dielectric | the factor "specular_transmittance""#
+        .lines()
+        .skip(1)
+    {
+        let [kind, contents, becomes, note] = cells(row);
+        let (found, notes) = material(&bsdf(kind, contents));
+        assert!(found.get(becomes).is_some() && notes.contains(note), "{row}: {found}, {notes}");
     }
 }
 
@@ -360,8 +342,7 @@ fn media_fill_bodies_and_the_space_around_the_sensor() {
     assert_eq!(imported.left_out(), "");
 }
 
-/// In Mitsuba, a heterogeneous medium ends at the box of its extinction. The box of a constant is
-/// the unit cube after the transform.
+/// A heterogeneous medium ends at its extinction's box: the transformed unit cube of a constant.
 #[test]
 fn a_constant_extinction_fills_a_box() {
     let imported = Imported::of(
@@ -443,6 +424,8 @@ fn settings_that_change_the_picture_are_noted() {
 #[test]
 fn errors_name_the_file_and_the_line() {
     let ball = |inner: &str| format!("<shape type=\"sphere\">{inner}</shape>");
+    let one = r#"<bsdf type="diffuse" id="a"/>"#;
+    let twosided = |id: &str, of: &str| format!(r#"<bsdf type="twosided" id="{id}"><ref id="{of}"/></bsdf>"#);
     for (body, line, what) in [
         (ball(r#"<float name="radius" value="two"/>"#), 4, "found \"two\""),
         (ball(r#"<float name="radius" value="1e999"/>"#), 4, "expected a number"),
@@ -455,21 +438,12 @@ fn errors_name_the_file_and_the_line() {
         (ball(r#"<bsdf type="dielectric"><string name="int_ior" value="glas"/></bsdf>"#), 4, "unknown index"),
         (ball(r#"<bsdf type="twosided"/>"#), 4, "without a BSDF"),
         (ball(r#"<bsdf type="diffuse"><spectrum name="reflectance" value="700:1, 400:1"/></bsdf>"#), 4, "not valid"),
-        (
-            r#"<shape type="obj"><string name="filename" value="no.obj"/></shape>"#.into(),
-            4,
-            "\"no.obj\" does not exist",
-        ),
+        (r#"<shape type="obj"><string name="filename" value="n.obj"/></shape>"#.into(), 4, "\"n.obj\" does not exist"),
         (r#"<shape type="obj"/>"#.into(), 4, "without the property \"filename\""),
         (r#"<include filename="../b.xml"/>"#.into(), 4, "leads out of the folder"),
-        ("\n<bsdf type=\"diffuse\" id=\"a\"/>\n<bsdf type=\"diffuse\" id=\"a\"/>".into(), 6, "occurs twice"),
+        (format!("\n{one}\n{one}"), 6, "occurs twice"),
         ("\n<shape>".into(), 6, "invalid XML"),
-        (
-            r#"<bsdf type="twosided" id="a"><ref id="b"/></bsdf><bsdf type="twosided" id="b"><ref id="a"/></bsdf>"#
-                .into(),
-            4,
-            "in a circle",
-        ),
+        (twosided("a", "b") + &twosided("b", "a"), 4, "in a circle"),
     ] {
         let error = Imported::of(&body).error();
         assert!(error.contains(&format!("a.xml:{line}:")) && error.contains(what), "{body}: {error}");

@@ -2,21 +2,16 @@
 //!
 //! In both programs, the texture coordinate v = 0 is the upper row of a picture.
 
-use std::path::PathBuf;
-use std::rc::Rc;
-
-use glam::DMat4;
-use serde_json::{Value, json};
-
-use super::properties::Properties;
-use super::reader::MitsubaReader;
-use super::spectrum::MitsubaSpectrum;
-use super::xml::XmlElement;
+use super::{properties::Properties, reader::MitsubaReader, spectrum::MitsubaSpectrum, xml::XmlElement};
+use crate::scene_writer::present;
 use abbe_format::{EncodingFile, PictureFile};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::atan2;
+use glam::DMat4;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::rc::Rc;
 
-/// A spectrum or a texture.
 #[derive(Debug, Clone)]
 pub(super) enum Textured {
     Spectrum(MitsubaSpectrum),
@@ -24,7 +19,6 @@ pub(super) enum Textured {
     Checkerboard { colours: [MitsubaSpectrum; 2], uv: Option<Value> },
 }
 
-/// A picture.
 #[derive(Debug, Clone)]
 pub(super) struct Bitmap {
     /// Path relative to the folder of the scene file.
@@ -41,7 +35,6 @@ pub(super) struct Bitmap {
 }
 
 impl Textured {
-    /// Returns the spectrum, or the mean of the texture.
     pub(super) fn mean(&self) -> MitsubaSpectrum {
         match self {
             Self::Spectrum(spectrum) => spectrum.clone(),
@@ -50,7 +43,6 @@ impl Textured {
         }
     }
 
-    /// Returns true if the value is the same everywhere.
     pub(super) fn is_uniform(&self) -> bool {
         matches!(self, Self::Spectrum(_))
     }
@@ -73,9 +65,8 @@ impl Textured {
         Some((bitmap.reflectance(1.0 / peak), peak))
     }
 
-    /// Returns the spectrum or texture as a reflectance in the form of the scene file, multiplied
-    /// by `gain`. Values above 1 become 1. A picture is multiplied by at most the inverse of its
-    /// largest component.
+    /// Returns the spectrum or texture times `gain` as a reflectance in the form of the scene file,
+    /// at most 1. A picture is multiplied by at most the inverse of its largest component.
     pub(super) fn reflectance(&self, gain: f64) -> Value {
         let scaled = |spectrum: &MitsubaSpectrum| fraction(&spectrum.map(|value| gain * value)).coefficient();
         match self {
@@ -97,8 +88,7 @@ impl Bitmap {
         Some(picture.linear_rgb(self.raw.then_some(EncodingFile::Linear)))
     }
 
-    /// Returns the largest linear component. It is `None` for a black picture, and for a picture
-    /// that cannot be read.
+    /// Returns the largest linear component. `None` is a black or unreadable picture.
     fn peak(&self) -> Option<f64> {
         let peak = f64::from(self.pixels()?.as_flattened().iter().copied().fold(0.0, f32::max));
         (peak > 0.0 && peak.is_finite()).then_some(peak)
@@ -123,72 +113,55 @@ impl Bitmap {
         json!({"image": image})
     }
 
-    /// Returns the picture in the form of the scene file. `linear` states that the file has linear
-    /// values.
+    /// Returns the picture in the form of the scene file. `linear` is the encoding of the file.
     fn value(&self, purpose: &str, linear: bool) -> Value {
-        let mut value = json!({"path": self.path});
-        let mut set = |key: &str, entry: Value| value[key] = entry;
-        if linear && purpose == "reflectance" {
-            set("encoding", json!("linear"));
-        } else if !linear && purpose == "number" {
-            set("encoding", json!("srgb"));
-        }
-        if self.wrap != "repeat" {
-            set("wrap", json!(self.wrap));
-        }
-        if self.filter != "bilinear" {
-            set("filter", json!(self.filter));
-        }
-        if let Some(uv) = &self.uv {
-            set("uv", uv.clone());
-        }
-        value
+        let encoding = match (purpose, linear) {
+            ("reflectance", true) => Some("linear"),
+            ("number", false) => Some("srgb"),
+            _ => None,
+        };
+        let wrap = (self.wrap != "repeat").then_some(self.wrap);
+        let filter = (self.filter != "bilinear").then_some(self.filter);
+        present(json!({"path": self.path, "encoding": encoding, "wrap": wrap, "filter": filter, "uv": self.uv}))
     }
 }
 
 /// Returns the checkerboard of two values. Mitsuba has 2 × 2 squares per unit of uv.
 fn checker(a: &Value, b: &Value, uv: Option<&Value>) -> Value {
-    let mut checker = json!({"a": a, "b": b, "scale": 2});
-    if let Some(uv) = uv {
-        checker["uv"] = uv.clone();
-    }
-    json!({"checker": checker})
+    json!({"checker": present(json!({"a": a, "b": b, "scale": 2, "uv": uv}))})
 }
 
-/// Limits all values to 0 … 1.
 fn fraction(spectrum: &MitsubaSpectrum) -> MitsubaSpectrum {
     spectrum.map(|value| value.clamp(0.0, 1.0))
 }
 
 impl MitsubaReader<'_> {
     /// Reads a property that is a spectrum or a texture.
-    pub(super) fn textured(&mut self, properties: &Properties<'_>, name: &str) -> Result<Option<Textured>> {
+    pub(super) fn textured(&mut self, properties: &Properties, name: &str) -> Result<Option<Textured>> {
         let Some(element) = properties.find(name) else { return Ok(None) };
         let element = self.document.resolve(element);
         self.texture(&element).map(Some)
     }
 
-    /// Reads a property that is a reflectance.
-    pub(super) fn colour(&mut self, properties: &Properties<'_>, name: &str, default: f64) -> Result<Textured> {
+    pub(super) fn colour(&mut self, properties: &Properties, name: &str, default: f64) -> Result<Textured> {
         let textured = self.textured(properties, name)?;
         let textured = textured.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(default)));
         if let Textured::Spectrum(spectrum) = &textured
             && !spectrum.is_fraction()
         {
-            let what = format!("the values of \"{name}\" above 1 or below 0 become 1 and 0");
-            self.scene.leave_out(properties.element.place(), what);
+            self.note(properties.element, format!("the values of \"{name}\" above 1 or below 0 become 1 and 0"));
         }
         Ok(textured)
     }
 
     /// Reads a property that is a reflectance, in the form of the scene file.
-    pub(super) fn reflectance(&mut self, properties: &Properties<'_>, name: &str, default: f64) -> Result<Value> {
+    pub(super) fn reflectance(&mut self, properties: &Properties, name: &str, default: f64) -> Result<Value> {
         Ok(self.colour(properties, name, default)?.reflectance(1.0))
     }
 
     /// Reads a property that is a number from 0 to 1 or a texture of such numbers, in the form of
     /// the scene file. Returns the number and 1 minus the number.
-    pub(super) fn weight(&mut self, properties: &Properties<'_>, name: &str) -> Result<Option<[Value; 2]>> {
+    pub(super) fn weight(&mut self, properties: &Properties, name: &str) -> Result<Option<[Value; 2]>> {
         let textured = self.textured(properties, name)?;
         Ok(textured.map(|textured| match &textured {
             Textured::Spectrum(spectrum) => {
@@ -214,15 +187,13 @@ impl MitsubaReader<'_> {
     /// and not the roughness √α of the scene file. The scale multiplies α, unless it is a picture.
     pub(super) fn roughness(
         &mut self,
-        properties: &Properties<'_>,
+        properties: &Properties,
         name: &str,
         default: f64,
         alpha_scale: Option<f64>,
     ) -> Result<Value> {
-        let convert = |value: f64| match alpha_scale {
-            Some(scale) => (scale * value).clamp(0.0, 1.0).sqrt(),
-            None => value.clamp(0.0, 1.0),
-        };
+        let root = |value: f64, scale: f64| (scale * value).clamp(0.0, 1.0).sqrt();
+        let convert = |value: f64| alpha_scale.map_or(value.clamp(0.0, 1.0), |scale| root(value, scale));
         let Some(textured) = self.textured(properties, name)? else { return Ok(json!(convert(default))) };
         let place = properties.element.place();
         Ok(match &textured {
@@ -244,7 +215,6 @@ impl MitsubaReader<'_> {
         })
     }
 
-    /// Reads a texture or a spectrum.
     fn texture(&mut self, element: &Rc<XmlElement>) -> Result<Textured> {
         if element.tag != "texture" {
             return self.spectrum(element).map(Textured::Spectrum);
@@ -264,8 +234,7 @@ impl MitsubaReader<'_> {
                     let textured = self.textured(&properties, name)?;
                     let textured = textured.unwrap_or(Textured::Spectrum(MitsubaSpectrum::Number(default)));
                     if !textured.is_uniform() {
-                        let what = "a texture inside a checkerboard is replaced by its mean";
-                        self.scene.leave_out(element.place(), what);
+                        self.note(element, "a texture inside a checkerboard is replaced by its mean");
                     }
                     Ok(textured.mean())
                 };
@@ -276,8 +245,7 @@ impl MitsubaReader<'_> {
                 return self.spectrum(element).map(Textured::Spectrum);
             }
             other => {
-                let what = format!("a texture of the type \"{other}\" is not supported and becomes 0.5");
-                self.scene.leave_out(element.place(), what);
+                self.note(element, format!("a texture of the type \"{other}\" is not supported and becomes 0.5"));
                 return Ok(Textured::Spectrum(MitsubaSpectrum::Number(0.5)));
             }
         };
@@ -286,45 +254,36 @@ impl MitsubaReader<'_> {
     }
 
     /// Reads the picture inside a spectrum of the type "d65", if there is one.
-    fn picture_before_d65(&mut self, properties: &Properties<'_>) -> Result<Option<Bitmap>> {
+    fn picture_before_d65(&mut self, properties: &Properties) -> Result<Option<Bitmap>> {
         let is_picture = |child: &Rc<XmlElement>| self.document.resolve(child).plugin() == "bitmap";
-        let Some(picture) = properties.take(is_picture).pop().map(|it| self.document.resolve(it)) else {
-            return Ok(None);
-        };
+        let picture = properties.take(is_picture).pop().map(|it| self.document.resolve(it));
+        let Some(picture) = picture else { return Ok(None) };
         let inner = Properties::new(&picture);
         let bitmap = self.bitmap(&inner)?;
         self.note_unread(&inner);
         Ok(Some(bitmap))
     }
 
-    fn bitmap(&mut self, properties: &Properties<'_>) -> Result<Bitmap> {
+    fn bitmap(&mut self, properties: &Properties) -> Result<Bitmap> {
         let element = properties.element;
         let (path, file) = self.document.file(element, properties.required_text("filename")?)?;
         let raw = properties.boolean("raw", false)?;
         let wrap = choice(properties, "wrap_mode", &["repeat", "mirror", "clamp"])?;
         let filter = choice(properties, "filter_type", &["bilinear", "nearest"])?;
         properties.ignore(&["format", "accel"]);
-        Ok(Bitmap {
-            path: format!("{}{path}", self.folder),
-            file,
-            raw,
-            filters_d65: false,
-            wrap,
-            filter,
-            uv: self.uv_map(properties)?,
-        })
+        let (path, uv) = (format!("{}{path}", self.folder), self.uv_map(properties)?);
+        Ok(Bitmap { path, file, raw, filters_d65: false, wrap, filter, uv })
     }
 
     /// Reads the map of texture coordinates. `None` is the identity.
-    fn uv_map(&mut self, properties: &Properties<'_>) -> Result<Option<Value>> {
+    fn uv_map(&mut self, properties: &Properties) -> Result<Option<Value>> {
         let matrix = properties.transform("to_uv")?;
         if matrix == DMat4::IDENTITY {
             return Ok(None);
         }
         let (u, v, offset) = (matrix.x_axis.truncate().truncate(), matrix.y_axis.truncate().truncate(), matrix.w_axis);
         if u.dot(v).abs() > 1e-6 * u.length() * v.length() {
-            let what = "a shear of texture coordinates is left out";
-            self.scene.leave_out(properties.element.place(), what);
+            self.note(properties.element, "a shear of texture coordinates is left out");
         }
         let angle = atan2(-u.y, u.x).to_degrees();
         let scale_u = u.length();
@@ -335,7 +294,7 @@ impl MitsubaReader<'_> {
 }
 
 /// Returns one of the known words. The first word is the default.
-fn choice(properties: &Properties<'_>, name: &str, known: &[&'static str]) -> Result<&'static str> {
+fn choice(properties: &Properties, name: &str, known: &[&'static str]) -> Result<&'static str> {
     let Some(text) = properties.text(name)? else { return Ok(known[0]) };
     known
         .iter()

@@ -1,12 +1,10 @@
 //! Transforms of a Mitsuba scene.
 
-use glam::{DAffine3, DMat4, DVec3, DVec4};
-use serde_json::{Value, json};
-
-use super::number::{numbers, parse};
-use super::xml::XmlElement;
+use super::xml::{XmlElement, numbers, parse};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::rotation::quaternion;
+use glam::{DAffine3, DMat4, DVec3, DVec4};
+use serde_json::{Value, json};
 
 /// Returns the matrix of a `<transform>`. The first element inside is applied first.
 pub(super) fn transform(element: &XmlElement) -> Result<DMat4> {
@@ -76,10 +74,7 @@ fn matrix(step: &XmlElement) -> Result<DMat4> {
     }
 }
 
-/// Returns a matrix as an affine map. `element` is the element that has the transform.
-///
-/// # Errors
-/// Returns an error if the matrix is singular or if it is a projection.
+/// Returns the affine map of a matrix, or an error at `element` if it is singular or a projection.
 pub(super) fn affine(element: &XmlElement, matrix: DMat4) -> Result<DAffine3> {
     let affine = DAffine3::from_mat4(matrix);
     let lengths = affine.matrix3.to_cols_array_2d().map(|column| DVec3::from_array(column).length());

@@ -1,8 +1,7 @@
 //! Reads the `.vol` files of Mitsuba: grids of densities.
 
-use std::path::Path;
-
 use abbe_spectra::error::{Error, Result};
+use std::path::Path;
 
 /// The largest number of cells that a scene file contains.
 const MAX_CELLS: usize = 262_144;
@@ -10,7 +9,6 @@ const MAX_CELLS: usize = 262_144;
 /// The largest number of cells that are read.
 const MAX_READ: usize = 1 << 28;
 
-/// The length of the header in bytes.
 const HEADER: usize = 48;
 
 /// The values at the centres of cells. x varies fastest, then y, then z.
@@ -27,8 +25,7 @@ impl VolumeGrid {
     /// Reads a file: "VOL", version 3, type 1 (32-bit numbers), the numbers of cells along x, y and
     /// z, the number of channels, the two corners of the box, and the values.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        let bytes =
-            std::fs::read(path).map_err(|error| Error::input(format!("cannot be read: {error}")).in_file(path))?;
+        let bytes = std::fs::read(path).map_err(|why| Error::input(format!("cannot be read: {why}")).in_file(path))?;
         Self::decode(&bytes).map_err(|error| error.in_file(path))
     }
 
@@ -53,7 +50,6 @@ impl VolumeGrid {
         Ok(Self { resolution, bounds, values, channels })
     }
 
-    /// Returns the mean of all values.
     pub(super) fn mean(&self) -> f64 {
         self.values.iter().sum::<f64>() / self.values.len() as f64
     }

@@ -1,14 +1,12 @@
 //! Reads the XML elements of a Mitsuba scene, with parameters, included files and identifiers.
 
+use abbe_format::{FileAccess, read_text};
+use abbe_spectra::error::{Error, Result};
+use roxmltree::Node;
 use std::collections::BTreeMap;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-
-use roxmltree::Node;
-
-use abbe_format::{FileAccess, read_text};
-use abbe_spectra::error::{Error, Result};
 
 /// The largest depth of elements, counting references to other elements.
 const MAX_NESTING: usize = 64;
@@ -41,7 +39,6 @@ pub(super) struct XmlElement {
 }
 
 impl XmlElement {
-    /// Returns the value of an attribute.
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
@@ -56,12 +53,10 @@ impl XmlElement {
         self.attribute("type").unwrap_or_default()
     }
 
-    /// Returns the name of the property.
     pub(super) fn name(&self) -> &str {
         self.attribute("name").unwrap_or_default()
     }
 
-    /// Returns the identifier, or the plugin if the element has none.
     pub(super) fn title(&self) -> &str {
         self.attribute("id").unwrap_or_else(|| self.plugin())
     }
@@ -71,12 +66,10 @@ impl XmlElement {
         format!("{}:{}", self.file.file_name().unwrap_or_default().to_string_lossy(), self.line)
     }
 
-    /// Creates an error with the file and the line of the element.
     pub(super) fn error(&self, what: impl Into<String>) -> Error {
         Error::input(what).in_file(&self.file).at(self.line, 1)
     }
 
-    /// Adds the file and the line of the element to an error.
     pub(super) fn locate(&self, error: Error) -> Error {
         let at = error.location.file.clone().map_or_else(String::new, |file| format!("{}: ", file.display()));
         let located = Error { expected: error.expected, ..self.error(format!("{at}{}", error.what)) };
@@ -84,13 +77,15 @@ impl XmlElement {
     }
 }
 
+/// The height of the tree below each element.
+type Heights = HashMap<*const XmlElement, usize>;
+
 /// The elements of a scene, with all included files.
 #[derive(Debug)]
 pub(super) struct MitsubaDocument {
     /// The element `<scene>`.
     pub(super) root: Rc<XmlElement>,
     by_id: BTreeMap<String, Rc<XmlElement>>,
-    /// The folder of the scene.
     folder: PathBuf,
     pub(super) file_access: FileAccess,
     /// Folders of `<path>` elements, relative to the folder of the scene. Each ends with "/".
@@ -98,31 +93,25 @@ pub(super) struct MitsubaDocument {
 }
 
 impl MitsubaDocument {
-    /// Reads a scene.
-    ///
-    /// # Errors
-    /// Returns an error if a file cannot be read or is not valid XML, if the root is not `<scene>`,
-    /// if a parameter or a referenced element is missing, or if elements are nested too deeply.
+    /// Reads a scene, and checks the references and the nesting of its elements.
     pub(super) fn read(path: &Path, file_access: FileAccess) -> Result<Self> {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let mut loader = XmlLoader { folder, file_access, ..XmlLoader::default() };
         let root = Rc::new(loader.file(path, "", 0)?);
         if root.tag != "scene" {
-            return Err(root
-                .error(format!("found the XML root <{}>", root.tag))
-                .expected("<scene>, the root of a Mitsuba scene"));
+            let error = root.error(format!("found the XML root <{}>", root.tag));
+            return Err(error.expected("<scene>, the root of a Mitsuba scene"));
         }
         let XmlLoader { by_id, folder, file_access, search, .. } = loader;
         let document = Self { root, by_id, folder, file_access, search };
-        document.height(&document.root, 0, &mut HashMap::new())?;
+        document.height(&document.root, 0, &mut Heights::new())?;
         Ok(document)
     }
 
     /// Returns the element that a `<ref>` names. Returns other elements unchanged.
     pub(super) fn resolve(&self, element: &Rc<XmlElement>) -> Rc<XmlElement> {
         let mut found = element;
-        // A reference to a reference does not occur in valid scenes. The checks in `read` limit the
-        // length of such a chain.
+        // Chains of references do not occur in valid scenes, and the checks in `read` limit them.
         while found.tag == "ref" {
             let Some(next) = found.attribute("id").and_then(|id| self.by_id.get(id)) else { break };
             found = next;
@@ -130,24 +119,14 @@ impl MitsubaDocument {
         Rc::clone(found)
     }
 
-    /// Returns the path of a file that an element names, relative to the folder of the scene, and
-    /// the same path for reading. The file exists.
-    ///
-    /// # Errors
-    /// Returns an error if the file does not exist or if it may not be read.
+    /// Returns the path of an existing file, relative to the scene's folder and for reading.
     pub(super) fn file(&self, element: &XmlElement, name: &str) -> Result<(String, PathBuf)> {
         find_file(&self.folder, self.file_access, &self.search, &element.folder, name)
             .map_err(|error| element.locate(error))
     }
 
-    /// Returns the height of the tree below an element, and checks that it has no missing and no
-    /// circular references.
-    fn height(
-        &self,
-        element: &Rc<XmlElement>,
-        level: usize,
-        known: &mut HashMap<*const XmlElement, usize>,
-    ) -> Result<usize> {
+    /// Returns the height of the tree below an element, and refuses missing or circular references.
+    fn height(&self, element: &Rc<XmlElement>, level: usize, known: &mut Heights) -> Result<usize> {
         if let Some(&height) = known.get(&Rc::as_ptr(element))
             && level + height <= MAX_NESTING
         {
@@ -175,13 +154,7 @@ impl MitsubaDocument {
 
 /// Returns the path of a file relative to the folder of the scene, and the path for reading.
 /// `near` is the folder of the file that names it.
-fn find_file(
-    folder: &Path,
-    file_access: FileAccess,
-    search: &[String],
-    near: &str,
-    name: &str,
-) -> Result<(String, PathBuf)> {
+fn find_file(root: &Path, access: FileAccess, search: &[String], near: &str, name: &str) -> Result<(String, PathBuf)> {
     if name.is_empty() {
         return Err(Error::input("the file name is empty"));
     }
@@ -189,7 +162,7 @@ fn find_file(
     let mut refused = None;
     for start in candidates {
         let relative = if Path::new(name).is_absolute() { name.to_string() } else { format!("{start}{name}") };
-        match file_access.file(folder, Path::new(&relative)) {
+        match access.file(root, Path::new(&relative)) {
             Ok(path) if path.is_file() => return Ok((relative, path)),
             Ok(_) => {}
             Err(error) => refused = Some(error),
@@ -198,13 +171,11 @@ fn find_file(
     Err(refused.unwrap_or_else(|| Error::input(format!("the file \"{name}\" does not exist"))))
 }
 
-/// The state while files are read.
 #[derive(Default)]
 struct XmlLoader {
     folder: PathBuf,
     file_access: FileAccess,
-    /// The values of `<default>` elements. The longest names come first, because the name of a
-    /// parameter may be the start of another name.
+    /// The values of `<default>` elements, the longest names first, as a name may start another.
     parameters: Vec<(String, String)>,
     by_id: BTreeMap<String, Rc<XmlElement>>,
     search: Vec<String>,
@@ -223,8 +194,7 @@ struct FileContext {
 }
 
 impl XmlLoader {
-    /// Reads a file, and returns its root. `folder` is the folder of the file relative to the
-    /// folder of the scene.
+    /// Reads a file, and returns its root. `folder` is relative to the folder of the scene.
     fn file(&mut self, path: &Path, folder: &str, include_depth: usize) -> Result<XmlElement> {
         let text = read_text(path)?;
         let document = roxmltree::Document::parse(&text).map_err(|error| {
@@ -232,14 +202,12 @@ impl XmlLoader {
             Error::input(format!("invalid XML: {error}")).in_file(path).at(place.row as usize, place.col as usize)
         })?;
         let root = document.root_element();
-        let version =
-            root.attribute("version").and_then(|version| version.split('.').next()?.trim().parse::<u32>().ok());
+        let version = root.attribute("version").and_then(|it| it.split('.').next()?.trim().parse::<u32>().ok());
         let camel_case = version.is_some_and(|major| major < 2);
         let context = FileContext { file: path.into(), folder: folder.into(), include_depth, camel_case };
         self.element(root, &context, 0)
     }
 
-    /// Converts an XML element with all elements inside it.
     fn element(&mut self, node: Node<'_, '_>, context: &FileContext, level: usize) -> Result<XmlElement> {
         let line = node.document().text_pos_at(node.range().start).row as usize;
         let (file, folder) = (Rc::clone(&context.file), Rc::clone(&context.folder));
@@ -269,9 +237,8 @@ impl XmlLoader {
             "default" => self.add_parameter(child.required("name")?, child.required("value")?),
             "alias" => {
                 let (id, alias) = (child.required("id")?, child.required("as")?);
-                let target = self.by_id.get(id).cloned();
-                let target =
-                    target.ok_or_else(|| child.error(format!("the alias of the unknown identifier \"{id}\"")))?;
+                let unknown = || child.error(format!("the alias of the unknown identifier \"{id}\""));
+                let target = self.by_id.get(id).cloned().ok_or_else(unknown)?;
                 self.add_id(alias.to_string(), target)?;
             }
             "path" => {
@@ -334,7 +301,6 @@ impl XmlLoader {
         }
     }
 
-    /// Replaces each `$name` by the value of the parameter.
     fn substituted(&mut self, text: &str) -> Result<String> {
         let mut rest = text;
         let mut result = String::new();
@@ -371,4 +337,21 @@ fn snake_case(name: &str) -> String {
         before = letter;
     }
     result
+}
+
+/// Returns the number of a property such as `<float name="radius" value="2"/>`.
+pub(super) fn number(element: &XmlElement) -> Result<f64> {
+    let text = element.required("value")?;
+    parse(element, text)
+}
+
+pub(super) fn parse(element: &XmlElement, text: &str) -> Result<f64> {
+    let number = text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| element.error(format!("found \"{}\"", text.trim())).expected("a number"))
+}
+
+/// Parses numbers that are separated by commas or blanks.
+pub(super) fn numbers(element: &XmlElement, text: &str) -> Result<Vec<f64>> {
+    let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
+    words.map(|word| parse(element, word)).collect()
 }

@@ -1,16 +1,14 @@
 //! Cameras and films of pbrt files.
 
-use glam::{DMat4, DVec3};
-use serde_json::{Value, json};
-
 use super::parameters::Parameters;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::{atan2, sin_cos};
+use glam::{DMat4, DVec3};
+use serde_json::{Value, json};
 
 /// The size of the film in pixels, if the file states none.
 pub(super) const DEFAULT_FILM: [f64; 2] = [1280.0, 720.0];
 
-/// A camera, before the film is known.
 #[derive(Debug)]
 pub(super) struct ReadCamera {
     world_from_camera: DMat4,
@@ -25,10 +23,6 @@ pub(super) struct ReadCamera {
     focal_distance: f64,
 }
 
-/// Reads a camera of the type `class`. Returns `None` if the camera is left out.
-///
-/// # Errors
-/// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read_camera(
     class: &str,
     parameters: &Parameters,
@@ -115,10 +109,6 @@ impl ReadCamera {
     }
 }
 
-/// Reads the size of the film in pixels.
-///
-/// # Errors
-/// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read_film(parameters: &Parameters, left_out: &mut Vec<String>) -> Result<[f64; 2]> {
     parameters.ignore(&["filename", "savefp16", "diagonal", "maxcomponentvalue"]);
     let sensor = parameters.string("sensor")?.unwrap_or("cie1931");

@@ -1,29 +1,24 @@
 //! Executes the directives of a pbrt file.
 
-use std::rc::Rc;
-
-use glam::{DMat4, DVec3};
-
 use super::camera::{ReadCamera, read_camera, read_film};
 use super::light::{read_light, read_medium};
-use super::parameters::Parameters;
-use super::reader::PbrtReader;
 use super::state::{GraphicsState, look_at, matrix, transform};
 use super::token::{Place, Token, Tokens};
+use super::{parameters::Parameters, reader::PbrtReader};
 use abbe_format::json::read_text;
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::rotation::quaternion;
+use glam::{DMat4, DVec3};
+use std::path::Path;
+use std::rc::Rc;
 
 /// The largest depth of included files, and of nested attributes.
 const MAX_DEPTH: usize = 64;
 
 impl PbrtReader<'_> {
-    /// Returns a reader of a file. If the file uses materials before it defines them, the reader
-    /// knows all materials of the file. `main` opens the file.
-    ///
-    /// # Errors
-    /// See [`Self::execute`].
+    /// Returns a reader of a file, which `main` opens. If the file uses materials before it defines
+    /// them, the reader knows all materials of the file.
     pub(super) fn executed(new: impl Fn() -> Self, main: impl Fn() -> Result<Tokens>) -> Result<Self> {
         let mut reader = new();
         let result = reader.execute(main()?);
@@ -37,10 +32,6 @@ impl PbrtReader<'_> {
         Ok(reader)
     }
 
-    /// Executes all directives of a file and of the files that it includes.
-    ///
-    /// # Errors
-    /// Returns an error with the file and the line of the first directive that is not valid.
     fn execute(&mut self, main: Tokens) -> Result<()> {
         // Each file has the state to which its end returns, if it was imported.
         let mut files: Vec<(Tokens, Option<GraphicsState>)> = vec![(main, None)];
@@ -60,9 +51,8 @@ impl PbrtReader<'_> {
                 if files.len() >= MAX_DEPTH {
                     return Err(place.error("too many nested files"));
                 }
-                let path = self.file(&name)?;
-                let text =
-                    read_text(&path).map_err(|error| place.error(format!("cannot include \"{name}\": {error}")))?;
+                let path = self.file_access.file(self.base, Path::new(&name))?;
+                let text = read_text(&path).map_err(|why| place.error(format!("cannot include \"{name}\": {why}")))?;
                 let state = (directive == "Import").then(|| self.state.clone());
                 files.push((Tokens::new(text, path), state));
             } else {
@@ -164,17 +154,13 @@ impl PbrtReader<'_> {
                     let error = place.error(format!("found the attributes of \"{target}\""));
                     return Err(error.expected("shape, light, material, medium or texture"));
                 }
-                let mut parameters = Parameters::read(tokens)?;
-                if let Some(earlier) = self.state.defaults.get(&target) {
-                    parameters.add_defaults(earlier);
-                }
+                let parameters = self.parameters(tokens, &target)?;
                 self.state.defaults.insert(target, parameters);
             }
             "Texture" => self.texture(tokens, place)?,
             "Camera" | "Film" | "Sampler" | "Integrator" | "PixelFilter" | "Accelerator" | "Material"
             | "MakeNamedMaterial" | "MakeNamedMedium" | "LightSource" | "AreaLightSource" | "Shape" => {
                 let class = tokens.string(directive)?;
-                let mut parameters = Parameters::read(tokens)?;
                 let target = match directive {
                     "Shape" => "shape",
                     "LightSource" | "AreaLightSource" => "light",
@@ -182,21 +168,17 @@ impl PbrtReader<'_> {
                     "MakeNamedMedium" => "medium",
                     _ => "",
                 };
-                if let Some(defaults) = self.state.defaults.get(target) {
-                    parameters.add_defaults(defaults);
-                }
+                let parameters = self.parameters(tokens, target)?;
                 self.statement(directive, class, parameters, place)?;
             }
             _ => {
-                return Err(place
-                    .error(format!("unknown directive \"{directive}\""))
-                    .expected("a directive of pbrt-v4"));
+                let error = place.error(format!("unknown directive \"{directive}\""));
+                return Err(error.expected("a directive of pbrt-v4"));
             }
         }
         Ok(())
     }
 
-    /// Executes a directive with a class and parameters.
     fn statement(&mut self, directive: &str, class: String, parameters: Parameters, place: &Place) -> Result<()> {
         let mut left_out = Vec::new();
         match directive {
@@ -212,11 +194,10 @@ impl PbrtReader<'_> {
             "Sampler" | "PixelFilter" | "Accelerator" => return Ok(()),
             "Integrator" => {
                 if let Some(depth) = parameters.number("maxdepth")? {
-                    left_out.push(format!(
-                        "the limit of {depth} interactions is left out: Abbe follows paths to their end"
-                    ));
+                    let what =
+                        format!("the limit of {depth} interactions is left out: Abbe follows paths to their end");
+                    self.scene.leave_out(place.text(), what);
                 }
-                left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
                 return Ok(());
             }
             "Material" => {
@@ -252,26 +233,31 @@ impl PbrtReader<'_> {
             }
             _ => self.shape(&class, &parameters, place, &mut left_out)?,
         }
-        for parameter in parameters.unused() {
-            left_out.push(format!("\"{} {}\" of {directive} \"{class}\" is left out", parameter.kind, parameter.name));
-        }
-        left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
+        self.note(left_out, &parameters, &format!("{directive} \"{class}\""), place);
         Ok(())
+    }
+
+    /// Reads parameters, and adds those that `Attribute` has set for a target.
+    fn parameters(&self, tokens: &mut Tokens, target: &str) -> Result<Parameters> {
+        let mut parameters = Parameters::read(tokens)?;
+        self.state.defaults.get(target).into_iter().for_each(|defaults| parameters.add_defaults(defaults));
+        Ok(parameters)
+    }
+
+    /// Notes what was left out of a statement, and the parameters that no reader has asked for.
+    fn note(&mut self, mut left_out: Vec<String>, parameters: &Parameters, of: &str, place: &Place) {
+        let unused = parameters.unused();
+        left_out.extend(unused.map(|it| format!("\"{} {}\" of {of} is left out", it.kind, it.name)));
+        left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
     }
 
     fn texture(&mut self, tokens: &mut Tokens, place: &Place) -> Result<()> {
         let [name, kind, class] = [tokens.string("Texture")?, tokens.string("Texture")?, tokens.string("Texture")?];
-        let mut parameters = Parameters::read(tokens)?;
-        if let Some(defaults) = self.state.defaults.get("texture") {
-            parameters.add_defaults(defaults);
-        }
+        let parameters = self.parameters(tokens, "texture")?;
         let is_scalar = kind == "float";
         let mut left_out = Vec::new();
         let value = self.with_textures(&mut left_out, |textures| textures.read(&class, is_scalar, &parameters))?;
-        for parameter in parameters.unused() {
-            left_out.push(format!("\"{} {}\" of texture \"{class}\" is left out", parameter.kind, parameter.name));
-        }
-        left_out.into_iter().for_each(|what| self.scene.leave_out(place.text(), what));
+        self.note(left_out, &parameters, &format!("texture \"{class}\""), place);
         self.textures.insert((name, is_scalar), value);
         Ok(())
     }
@@ -282,8 +268,8 @@ impl PbrtReader<'_> {
             "Scale" => DMat4::from_scale(tokens.numbers::<3>(directive)?.into()),
             "Rotate" => {
                 let [degrees, axis @ ..] = tokens.numbers::<4>(directive)?;
-                let axis =
-                    DVec3::from(axis).try_normalize().ok_or_else(|| place.error("the axis of a rotation is 0"))?;
+                let zero = || place.error("the axis of a rotation is 0");
+                let axis = DVec3::from(axis).try_normalize().ok_or_else(zero)?;
                 DMat4::from_quat(quaternion(axis, degrees.to_radians()))
             }
             "LookAt" => {
@@ -299,7 +285,6 @@ impl PbrtReader<'_> {
     }
 }
 
-/// Describes a token that is not a directive.
 fn describe(token: &Token) -> String {
     match token {
         Token::Quoted(text) => format!("the string \"{text}\""),

@@ -1,17 +1,14 @@
 //! Lights and media of pbrt files.
 
-use std::f64::consts::{PI, TAU};
-
-use glam::{DMat4, DVec3};
-use serde_json::{Value, json};
-
 use super::parameters::Parameters;
 use super::spectrum::{PbrtLightSpectrum, SpectrumContext};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cos;
+use glam::{DMat4, DVec3};
+use serde_json::{Value, json};
+use std::f64::consts::{PI, TAU};
 
-/// Returns the transform of an infinite light, without its translation. The projection "equal_area"
-/// has pbrt's axes.
+/// Returns the rotation of an infinite light. The projection "equal_area" has pbrt's axes.
 fn rotation(to_world: &DMat4) -> Value {
     let rows: Vec<Vec<f64>> = (0..4)
         .map(|row| (0..4).map(|column| if row < 3 && column == 3 { 0.0 } else { to_world.col(column)[row] }).collect())
@@ -20,7 +17,7 @@ fn rotation(to_world: &DMat4) -> Value {
 }
 
 /// Reads the spectrum of a light, or returns the standard light.
-fn spectrum(parameters: &Parameters, key: &str, spectra: &SpectrumContext<'_>) -> Result<PbrtLightSpectrum> {
+fn spectrum(parameters: &Parameters, key: &str, spectra: &SpectrumContext) -> Result<PbrtLightSpectrum> {
     parameters.get(key).map_or_else(|| Ok(PbrtLightSpectrum::standard()), |parameter| spectra.light(parameter))
 }
 
@@ -28,15 +25,12 @@ fn spectrum(parameters: &Parameters, key: &str, spectra: &SpectrumContext<'_>) -
 ///
 /// pbrt scales the spectra of lights so that RGB (1, 1, 1) has a photometric quantity of 1: 1
 /// cd/m², 1 cd or 1 lx (pbrt-v4, `Light::Create`).
-///
-/// # Errors
-/// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read_light(
     class: &str,
     parameters: &Parameters,
     to_world: &DMat4,
     folder: &str,
-    spectra: &SpectrumContext<'_>,
+    spectra: &SpectrumContext,
     left_out: &mut Vec<String>,
 ) -> Result<Option<Value>> {
     let scale = parameters.number_or("scale", 1.0)?;
@@ -108,13 +102,10 @@ pub(super) fn read_light(
 }
 
 /// Reads the emission of a surface with the area `area`, if the area is known.
-///
-/// # Errors
-/// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read_emission(
     parameters: &Parameters,
     area: Option<f64>,
-    spectra: &SpectrumContext<'_>,
+    spectra: &SpectrumContext,
     left_out: &mut Vec<String>,
 ) -> Result<Value> {
     let PbrtLightSpectrum { spectrum, luminance } = spectrum(parameters, "L", spectra)?;
@@ -138,14 +129,10 @@ pub(super) fn read_emission(
     })
 }
 
-/// Reads a medium. Returns `None` if the medium is left out.
-///
-/// # Errors
-/// Returns an error if a parameter has a wrong type or a wrong number of values.
 pub(super) fn read_medium(
     parameters: &Parameters,
     to_world: &Value,
-    spectra: &SpectrumContext<'_>,
+    spectra: &SpectrumContext,
     left_out: &mut Vec<String>,
 ) -> Result<Option<Value>> {
     let class = parameters.string("type")?.unwrap_or("homogeneous").to_string();

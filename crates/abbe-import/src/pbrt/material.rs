@@ -1,33 +1,26 @@
 //! Materials of pbrt files.
 
-use serde_json::{Value, json};
-
-use super::parameters::Parameters;
+use super::parameters::{Parameter, Parameters};
 use super::spectrum::metal;
 use super::texture::{TextureReader, map_numbers, mean};
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
 
-/// A converted material.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ReadMaterial {
     /// A material of the scene file.
     Surface {
-        /// The form in the scene file.
         material: Value,
         /// The normal map in the form of the scene file, without the key `material`.
         normal_map: Option<Value>,
     },
     /// The boundary of a medium, without an optical surface.
     Interface,
-    /// A mix of two named materials. The number is the share of the second one.
+    /// A mix of two named materials. The number is the fraction of the second one.
     Mix([String; 2], Value),
 }
 
-/// Reads a material of the type `class`.
-///
-/// # Errors
-/// Returns an error if a parameter has a wrong type or a wrong number of values.
-pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureReader<'_>) -> Result<ReadMaterial> {
+pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureReader) -> Result<ReadMaterial> {
     if parameters.get("displacement").is_some() {
         textures.left_out.push("a displacement is left out".into());
     }
@@ -55,15 +48,8 @@ pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureR
         "conductor" => conductor(parameters, "", textures)?,
         "coatedconductor" => {
             textures.left_out.push("the coat of a metal is left out".into());
-            parameters.ignore(&[
-                "interface.eta",
-                "interface.roughness",
-                "interface.uroughness",
-                "interface.vroughness",
-                "thickness",
-                "maxdepth",
-                "nsamples",
-            ]);
+            parameters.ignore(&["interface.eta", "interface.roughness", "interface.uroughness"]);
+            parameters.ignore(&["interface.vroughness", "thickness", "maxdepth", "nsamples"]);
             leave_out_layer(parameters, textures)?;
             conductor(parameters, "conductor.", textures)?
         }
@@ -98,7 +84,7 @@ pub(super) fn read(class: &str, parameters: &Parameters, textures: &mut TextureR
 }
 
 /// Notes a scattering medium between a base and its coat.
-fn leave_out_layer(parameters: &Parameters, textures: &mut TextureReader<'_>) -> Result<()> {
+fn leave_out_layer(parameters: &Parameters, textures: &mut TextureReader) -> Result<()> {
     parameters.ignore(&["g"]);
     let albedo = textures.value(parameters, "albedo", false, 0.0)?;
     if albedo.as_f64() != Some(0.0) {
@@ -107,7 +93,7 @@ fn leave_out_layer(parameters: &Parameters, textures: &mut TextureReader<'_>) ->
     Ok(())
 }
 
-fn conductor(parameters: &Parameters, prefix: &str, textures: &mut TextureReader<'_>) -> Result<Value> {
+fn conductor(parameters: &Parameters, prefix: &str, textures: &mut TextureReader) -> Result<Value> {
     let key = |name: &str| format!("{prefix}{name}");
     let roughness = roughness(parameters, prefix, 0.0, textures)?;
     if parameters.get(&key("reflectance")).is_some() {
@@ -119,14 +105,12 @@ fn conductor(parameters: &Parameters, prefix: &str, textures: &mut TextureReader
     if let Some(metal) = metal {
         return Ok(json!({"conductor": {"metal": metal, "roughness": roughness}}));
     }
-    let is_builtin = |parameter: &&super::parameters::Parameter| {
-        parameter.kind == "spectrum" && parameter.string().is_ok_and(|name| name.starts_with("metal-"))
-    };
-    if let Some(unknown) = eta.filter(is_builtin).or(k.filter(is_builtin)) {
+    let builtin = |it: &&Parameter| it.kind == "spectrum" && it.string().is_ok_and(|name| name.starts_with("metal-"));
+    if let Some(unknown) = eta.filter(builtin).or(k.filter(builtin)) {
         textures.left_out.push(format!("the metal \"{}\" is replaced by copper", unknown.string()?));
         return Ok(json!({"conductor": {"metal": "copper", "roughness": roughness}}));
     }
-    let mut part = |parameter: Option<&super::parameters::Parameter>, default: f64| match parameter {
+    let mut part = |parameter: Option<&Parameter>, default: f64| match parameter {
         Some(parameter) if parameter.kind == "texture" => {
             textures.left_out.push("a texture of the index of a metal is left out".into());
             Ok(json!(default))
@@ -137,8 +121,7 @@ fn conductor(parameters: &Parameters, prefix: &str, textures: &mut TextureReader
     Ok(json!({"conductor": {"eta": part(eta, 0.5)?, "k": part(k, 3.0)?, "roughness": roughness}}))
 }
 
-/// Returns an index of refraction.
-fn index(parameters: &Parameters, key: &str, default: f64, textures: &mut TextureReader<'_>) -> Result<Value> {
+fn index(parameters: &Parameters, key: &str, default: f64, textures: &mut TextureReader) -> Result<Value> {
     match parameters.get(key) {
         Some(parameter) if parameter.kind == "texture" => {
             textures.left_out.push("a texture of the index of refraction is left out".into());
@@ -153,7 +136,7 @@ fn index(parameters: &Parameters, key: &str, default: f64, textures: &mut Textur
 ///
 /// pbrt's roughness is α. If `remaproughness` is true, α is its square root (pbrt-v4,
 /// `TrowbridgeReitzDistribution::RoughnessToAlpha`).
-fn roughness(parameters: &Parameters, prefix: &str, default: f64, textures: &mut TextureReader<'_>) -> Result<Value> {
+fn roughness(parameters: &Parameters, prefix: &str, default: f64, textures: &mut TextureReader) -> Result<Value> {
     let key = |name: &str| format!("{prefix}{name}");
     let remap = parameters.flag_or("remaproughness", true)?;
     let common = textures.value(parameters, &key("roughness"), true, default)?;

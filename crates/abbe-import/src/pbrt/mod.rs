@@ -1,7 +1,8 @@
 //! Reads pbrt-v4 scenes.
 //!
 //! The format is described at <https://pbrt.org/fileformat-v4>. `token` and `parameters` read the
-//! grammar, `directives` executes the directives, and the other modules convert their parameters.
+//! grammar, `directives` executes the directives, and the other modules convert their parameters. A
+//! parameter with a wrong type or a wrong number of values is an error with its file and line.
 //!
 //! pbrt's coordinates are left-handed: the camera looks along +z with +x to the right. Abbe's
 //! camera is right-handed. If the transform of the camera does not exchange the handedness, the
@@ -22,16 +23,14 @@ mod tests;
 mod texture;
 mod token;
 
-use std::path::Path;
-
-use crate::imported_scene::ImportedScene;
+use crate::ImportedScene;
 use abbe_format::FileAccess;
 use abbe_format::json::read_text;
 use abbe_spectra::error::Result;
 use reader::PbrtReader;
+use std::path::Path;
 use token::Tokens;
 
-/// Reads a pbrt file.
 pub(super) fn import(path: &Path, folder: &str, file_access: FileAccess) -> Result<ImportedScene> {
     let tokens = || Ok(Tokens::new(read_text(path)?, path.to_path_buf()));
     let reader = || PbrtReader::new(path.parent().unwrap_or(Path::new("")), folder, file_access);

@@ -1,13 +1,11 @@
 //! The parameters of a pbrt directive.
 
-use std::cell::Cell;
-use std::path::Path;
-
 use super::token::{Place, Token, Tokens};
 use abbe_format::FileAccess;
 use abbe_spectra::error::Result;
+use std::cell::Cell;
+use std::path::Path;
 
-/// The values of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Values {
     Numbers(Vec<f64>),
@@ -27,28 +25,18 @@ pub(super) struct Parameter {
     used: Cell<bool>,
 }
 
-/// The parameters of a directive.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parameters {
     list: Vec<Parameter>,
 }
 
 impl Parameter {
-    /// Returns the numbers of the parameter.
-    ///
-    /// # Errors
-    /// Returns an error if the values are not numbers.
+    /// Returns the numbers, or an error if the values are of another type.
     pub(super) fn numbers(&self) -> Result<&[f64]> {
-        match &self.values {
-            Values::Numbers(numbers) => Ok(numbers),
-            Values::Strings(_) | Values::Flags(_) => Err(self.fault("numbers")),
-        }
+        if let Values::Numbers(numbers) = &self.values { Ok(numbers) } else { Err(self.fault("numbers")) }
     }
 
-    /// Returns the one string of the parameter.
-    ///
-    /// # Errors
-    /// Returns an error if the parameter is not one string.
+    /// Returns the one string, or an error if there is not exactly one.
     pub(super) fn string(&self) -> Result<&str> {
         match &self.values {
             Values::Strings(strings) if strings.len() == 1 => Ok(&strings[0]),
@@ -63,10 +51,6 @@ impl Parameter {
 }
 
 impl Parameters {
-    /// Reads the parameters that follow a directive.
-    ///
-    /// # Errors
-    /// Returns an error if a parameter has no type, no name or no values.
     pub(super) fn read(tokens: &mut Tokens) -> Result<Self> {
         let mut list = Vec::new();
         while let Some(Token::Quoted(declaration)) = tokens.peek()? {
@@ -74,9 +58,8 @@ impl Parameters {
             let place = tokens.place();
             let mut words = declaration.split_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                return Err(place
-                    .error(format!("found \"{declaration}\""))
-                    .expected("the type and the name of a parameter"));
+                let error = place.error(format!("found \"{declaration}\""));
+                return Err(error.expected("the type and the name of a parameter"));
             };
             let (kind, name) = (kind.to_string(), name.to_string());
             let values = read_values(tokens, &declaration)?;
@@ -113,7 +96,6 @@ impl Parameters {
         self.list.iter().for_each(|known| known.used.set(true));
     }
 
-    /// Returns a number.
     pub(super) fn number(&self, name: &str) -> Result<Option<f64>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         match parameter.numbers()? {
@@ -127,25 +109,19 @@ impl Parameters {
         Ok(self.number(name)?.unwrap_or(default))
     }
 
-    /// Returns `N` numbers.
     pub(super) fn tuple<const N: usize>(&self, name: &str) -> Result<Option<[f64; N]>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let tuple = parameter.numbers()?.try_into().map_err(|_| parameter.fault(&format!("{N} numbers")))?;
         Ok(Some(tuple))
     }
 
-    /// Returns groups of `N` numbers.
     pub(super) fn tuples<const N: usize>(&self, name: &str) -> Result<Option<Vec<[f64; N]>>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let (groups, rest) = parameter.numbers()?.as_chunks::<N>();
-        if rest.is_empty() {
-            Ok(Some(groups.to_vec()))
-        } else {
-            Err(parameter.fault(&format!("groups of {N} numbers")))
-        }
+        let fault = || parameter.fault(&format!("groups of {N} numbers"));
+        if rest.is_empty() { Ok(Some(groups.to_vec())) } else { Err(fault()) }
     }
 
-    /// Returns whole numbers that are not negative.
     pub(super) fn indices(&self, name: &str) -> Result<Option<Vec<u32>>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let index = |&x: &f64| {
@@ -155,16 +131,11 @@ impl Parameters {
         parameter.numbers()?.iter().map(index).collect::<Result<Vec<u32>>>().map(Some)
     }
 
-    /// Returns a string.
     pub(super) fn string(&self, name: &str) -> Result<Option<&str>> {
         self.get(name).map(Parameter::string).transpose()
     }
 
-    /// Returns the name of a file of which the scene file will contain the path.
-    ///
-    /// # Errors
-    /// Returns an error if the parameter is not one string, or if the file may not be read or does
-    /// not exist.
+    /// Returns the name of an existing file, of which the scene file will contain the path.
     pub(super) fn file(&self, name: &str, base: &Path, file_access: FileAccess) -> Result<Option<&str>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
         let file = parameter.string()?;
@@ -175,12 +146,12 @@ impl Parameters {
         }
     }
 
-    /// Returns a list of strings.
     pub(super) fn strings(&self, name: &str) -> Result<Option<&[String]>> {
         let Some(parameter) = self.get(name) else { return Ok(None) };
-        match &parameter.values {
-            Values::Strings(strings) => Ok(Some(strings)),
-            Values::Numbers(_) | Values::Flags(_) => Err(parameter.fault("strings")),
+        if let Values::Strings(strings) = &parameter.values {
+            Ok(Some(strings))
+        } else {
+            Err(parameter.fault("strings"))
         }
     }
 

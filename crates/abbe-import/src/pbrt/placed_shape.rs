@@ -1,17 +1,14 @@
 //! Adds the shapes of a pbrt file to the scene, with their materials and emission.
 
-use serde_json::{Value, json};
-
-use super::light::read_emission;
-use super::material::ReadMaterial;
-use super::parameters::Parameters;
-use super::reader::PbrtReader;
 use super::shape::{PbrtShape, ReadShape, ShapeReader};
 use super::state::{is_placement, transform};
 use super::texture::{is_uniform, map_numbers};
 use super::token::{Place, Tokens};
+use super::{light::read_emission, material::ReadMaterial, parameters::Parameters, reader::PbrtReader};
+use crate::scene_writer::present;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cbrt;
+use serde_json::{Value, json};
 
 impl PbrtReader<'_> {
     pub(super) fn shape(
@@ -44,9 +41,8 @@ impl PbrtReader<'_> {
         let lit = self.state.area_light.as_ref();
         let emission = lit.map(|light| read_emission(light, area, &spectra, left_out)).transpose()?;
         let (name, material) = self.state.material.clone();
-        let Some(material) = self.placed_material(&name, &material, emission.is_some(), left_out) else {
-            return Ok(());
-        };
+        let placed = self.placed_material(&name, &material, emission.is_some(), left_out);
+        let Some(material) = placed else { return Ok(()) };
         let alpha = self.with_textures(left_out, |textures| textures.value(parameters, "alpha", true, 1.0))?;
         if emission.is_some() && alpha == json!(0.0) {
             left_out.push("an area light with an alpha of 0 is visible".into());
@@ -73,7 +69,6 @@ impl PbrtReader<'_> {
         Ok(())
     }
 
-    /// Returns true if a material has a texture or a normal map.
     fn is_textured(&self, material: &ReadMaterial) -> bool {
         match material {
             ReadMaterial::Interface => false,
@@ -86,8 +81,7 @@ impl PbrtReader<'_> {
         }
     }
 
-    /// Adds the material of a shape to the scene, and returns its name. Returns `None` if the shape
-    /// has no effect.
+    /// Adds the material of a shape and returns its name, or `None` if the shape has no effect.
     fn placed_material(
         &mut self,
         name: &str,
@@ -150,15 +144,11 @@ impl PbrtReader<'_> {
 
     fn add_object(&mut self, placed: PbrtShape) {
         let PbrtShape { shape, to_world, material, emission } = placed;
-        let mut object = json!({"shape": shape, "material": material});
         let steps = transform(&to_world);
-        if steps != json!([]) {
-            object["transform"] = steps;
-        }
-        if let Some(emission) = emission {
-            object["emission"] = emission;
-        }
-        self.scene.add_object(object);
+        let steps = (steps != json!([])).then_some(steps);
+        self.scene.add_object(present(json!({
+            "shape": shape, "material": material, "transform": steps, "emission": emission
+        })));
     }
 
     pub(super) fn instance(&mut self, tokens: &mut Tokens, place: &Place) -> Result<()> {
@@ -177,7 +167,6 @@ impl PbrtReader<'_> {
     }
 }
 
-/// Returns true if a form of the scene file contains a value that varies over the surface.
 fn has_texture(form: &Value) -> bool {
     !is_uniform(form) || form.as_object().is_some_and(|entries| entries.values().any(has_texture))
 }

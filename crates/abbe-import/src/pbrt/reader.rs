@@ -1,26 +1,19 @@
 //! The state of the program that reads a pbrt file. The other modules execute the directives.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::rc::Rc;
-
-use glam::DMat4;
-use serde_json::json;
-
 use super::camera::{DEFAULT_FILM, ReadCamera};
-use super::material::{self, ReadMaterial};
-use super::parameters::Parameters;
-use super::shape::PbrtShape;
-use super::spectrum::SpectrumContext;
-use super::state::GraphicsState;
-use super::texture::{TextureReader, TextureValue};
-use super::token::Place;
-use crate::imported_scene::ImportedScene;
-use crate::scene_writer::SceneWriter;
+use super::{
+    material, material::ReadMaterial, parameters::Parameters, shape::PbrtShape, spectrum::SpectrumContext,
+    state::GraphicsState, texture::TextureReader, token::Place,
+};
+use crate::{ImportedScene, scene_writer::SceneWriter};
 use abbe_format::FileAccess;
 use abbe_spectra::error::{Error, Result};
+use glam::DMat4;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::rc::Rc;
 
-/// The state of the program that reads a pbrt file.
 pub(super) struct PbrtReader<'a> {
     /// The folder of the main file.
     pub(super) base: &'a Path,
@@ -43,7 +36,7 @@ pub(super) struct PbrtReader<'a> {
     /// True if unknown materials are no errors.
     pub(super) allows_unknown_materials: bool,
     /// The textures by name. The flag is true for textures of numbers.
-    pub(super) textures: BTreeMap<(String, bool), TextureValue>,
+    pub(super) textures: BTreeMap<(String, bool), Value>,
     /// The name in the scene file for each named medium.
     pub(super) media: BTreeMap<String, String>,
     /// The shapes of each object that can be instanced.
@@ -52,7 +45,6 @@ pub(super) struct PbrtReader<'a> {
     pub(super) defining: Option<String>,
 }
 
-/// The materials by name.
 type NamedMaterials = BTreeMap<String, Rc<ReadMaterial>>;
 
 impl<'a> PbrtReader<'a> {
@@ -79,15 +71,11 @@ impl<'a> PbrtReader<'a> {
         }
     }
 
-    /// Returns the material of a name.
     pub(super) fn named_material(&self, name: &str) -> Option<&Rc<ReadMaterial>> {
         self.materials.get(name).or_else(|| self.later_materials.get(name))
     }
 
-    /// Returns the converted scene.
-    ///
-    /// # Errors
-    /// Returns an error if the scene has no objects.
+    /// Returns the converted scene, or an error if it has no objects.
     pub(super) fn finish(mut self, title: &str) -> Result<ImportedScene> {
         if !self.scene.has_objects() {
             return Err(Error::input("the scene has no shapes that can be read").expected("a pbrt-v4 scene"));
@@ -114,11 +102,11 @@ impl<'a> PbrtReader<'a> {
     pub(super) fn with_textures<T>(
         &self,
         left_out: &mut Vec<String>,
-        read: impl FnOnce(&mut TextureReader<'_>) -> Result<T>,
+        read: impl FnOnce(&mut TextureReader) -> Result<T>,
     ) -> Result<T> {
         let named = |name: &str, is_scalar: bool| self.textures.get(&(name.to_string(), is_scalar)).cloned();
-        let mut reader =
-            TextureReader { spectra: self.spectra(), folder: self.folder, named: &named, left_out: Vec::new() };
+        let (spectra, folder) = (self.spectra(), self.folder);
+        let mut reader = TextureReader { spectra, folder, named: &named, left_out: Vec::new() };
         let result = read(&mut reader);
         left_out.extend(reader.left_out);
         result
@@ -136,11 +124,6 @@ impl<'a> PbrtReader<'a> {
     /// Returns the state before the last `AttributeBegin`.
     pub(super) fn restored(&mut self, place: &Place) -> Result<GraphicsState> {
         self.saved.pop().ok_or_else(|| place.error("an end without a begin"))
-    }
-
-    /// Returns the path of a file that the scene names.
-    pub(super) fn file(&self, name: &str) -> Result<PathBuf> {
-        self.file_access.file(self.base, Path::new(name))
     }
 
     pub(super) fn set_ctm(&mut self, ctm: DMat4, place: &Place) {

@@ -1,16 +1,14 @@
 //! Shapes of pbrt files.
 
-use std::f64::consts::{PI, TAU};
-
-use std::path::Path;
-
-use glam::{DMat4, DVec2, DVec3};
-use serde_json::{Value, json};
-
-use super::parameters::Parameters;
+use super::parameters::{Parameter, Parameters};
+use crate::scene_writer::present;
 use abbe_format::FileAccess;
-use abbe_spectra::error::Result;
+use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::sin_cos;
+use glam::{DMat3, DMat4, DVec2, DVec3};
+use serde_json::{Value, json};
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
 
 /// A shape with its material, before an instance places it.
 #[derive(Debug, Clone)]
@@ -21,10 +19,8 @@ pub(super) struct PbrtShape {
     pub(super) emission: Option<Value>,
 }
 
-/// A shape in its local coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ReadShape {
-    /// The shape of the scene file.
     pub(super) shape: Value,
     /// The transform from the shape of the scene file to the local coordinates of pbrt.
     pub(super) local: DMat4,
@@ -41,7 +37,6 @@ const DISK_SEGMENTS: u32 = 192;
 /// The number of segments along each side of a curved bilinear patch.
 const PATCH_SEGMENTS: usize = 8;
 
-/// Reads shapes.
 pub(super) struct ShapeReader<'a> {
     /// The path from the folder of the scene file to the folder of the main file.
     pub(super) folder: &'a str,
@@ -52,15 +47,10 @@ pub(super) struct ShapeReader<'a> {
     pub(super) reverse: bool,
     /// True if the material has a texture.
     pub(super) textured: bool,
-    /// Sentences about the parts that were left out.
     pub(super) left_out: Vec<String>,
 }
 
 impl ShapeReader<'_> {
-    /// Reads a shape. Returns `None` if the shape is left out.
-    ///
-    /// # Errors
-    /// Returns an error if a parameter is missing, has a wrong type or a wrong number of values.
     pub(super) fn read(&mut self, class: &str, parameters: &Parameters) -> Result<Option<ReadShape>> {
         match class {
             "sphere" => self.sphere(parameters).map(Some),
@@ -188,10 +178,9 @@ impl ShapeReader<'_> {
         let mut mesh = Triangles::default();
         for &patch in indices.as_chunks::<4>().0 {
             let Some(corners) = patch_corners(patch, &positions, normals.as_deref(), uv.as_deref()) else {
-                return Err(parameters.get("indices").map_or_else(
-                    || abbe_spectra::error::Error::input("a bilinear patch needs four positions"),
-                    |parameter| parameter.fault("indices of existing positions"),
-                ));
+                let few = || Error::input("a bilinear patch needs four positions");
+                let wrong = |indices: &Parameter| indices.fault("indices of existing positions");
+                return Err(parameters.get("indices").map_or_else(few, wrong));
             };
             mesh.add_patch(&corners);
         }
@@ -208,10 +197,8 @@ impl ShapeReader<'_> {
             self.left_out.push("a mesh without a file name is left out".into());
             return Ok(None);
         };
-        let mut mesh = json!({"path": format!("{}{file}", self.folder)});
-        if self.reverse {
-            mesh["reverse"] = json!(true);
-        }
+        let (path, reverse) = (format!("{}{file}", self.folder), self.reverse.then_some(true));
+        let mesh = present(json!({"path": path, "reverse": reverse}));
         Ok(Some(ReadShape { shape: json!({"mesh": mesh}), local: DMat4::IDENTITY, area: None }))
     }
 
@@ -225,15 +212,9 @@ impl ShapeReader<'_> {
 
 /// The rotation that maps +y to +z and keeps x.
 fn y_to_z() -> DMat4 {
-    DMat4::from_cols_array_2d(&[
-        [1.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 1.0, 0.0],
-        [0.0, -1.0, 0.0, 0.0],
-        [0.0, 0.0, 0.0, 1.0],
-    ])
+    DMat4::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y))
 }
 
-/// A corner of a bilinear patch.
 #[derive(Clone, Copy)]
 struct Corner {
     position: DVec3,
@@ -253,10 +234,7 @@ fn patch_corners(
         let index = patch[number] as usize;
         Some(Corner {
             position: (*positions.get(index)?).into(),
-            normal: match normals {
-                Some(normals) => Some((*normals.get(index)?).into()),
-                None => None,
-            },
+            normal: if let Some(normals) = normals { Some((*normals.get(index)?).into()) } else { None },
             uv: uv.map_or(Some(unit[number]), |uv| uv.get(index).copied())?.into(),
         })
     };
@@ -313,8 +291,7 @@ impl Triangles {
         }
     }
 
-    /// Orders the corners of each triangle so that its front is on the side of the vertex normals,
-    /// as in pbrt.
+    /// Orders the corners of each triangle: its front is on the side of the vertex normals.
     fn face_normals(&mut self) {
         let Self { positions, normals, indices, .. } = self;
         for triangle in indices {
@@ -341,13 +318,10 @@ impl Triangles {
     /// Returns the shape of the scene file, in which v points down.
     fn shape(&self) -> Value {
         let list = |vectors: &[DVec3]| vectors.iter().map(|vector| vector.to_array()).collect::<Vec<_>>();
-        let mut shape = json!({"positions": list(&self.positions), "indices": self.indices});
-        if !self.normals.is_empty() {
-            shape["normals"] = json!(list(&self.normals));
-        }
-        if !self.uv.is_empty() {
-            shape["uv"] = json!(self.uv.iter().map(|uv| [uv[0], 1.0 - uv[1]]).collect::<Vec<_>>());
-        }
-        json!({"triangles": shape})
+        let normals = (!self.normals.is_empty()).then(|| list(&self.normals));
+        let uv = self.uv.iter().map(|uv| [uv[0], 1.0 - uv[1]]).collect::<Vec<_>>();
+        let (positions, uv) = (list(&self.positions), (!uv.is_empty()).then_some(uv));
+        let shape = json!({"positions": positions, "indices": self.indices, "normals": normals, "uv": uv});
+        json!({"triangles": present(shape)})
     }
 }

@@ -1,9 +1,5 @@
 //! Colours and spectra of pbrt files.
 
-use std::path::Path;
-
-use serde_json::{Value, json};
-
 use super::parameters::{Parameter, Values};
 use super::token::{Token, Tokens};
 use crate::dark_outside::dark_outside;
@@ -11,18 +7,17 @@ use abbe_format::FileAccess;
 use abbe_format::json::read_text;
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
+use std::path::Path;
 
 /// The folder, the file access and the colour space with which spectra are read.
 #[derive(Debug, Clone)]
 pub(super) struct SpectrumContext<'a> {
-    /// The folder of the main file.
     pub(super) folder: &'a Path,
     pub(super) file_access: FileAccess,
-    /// The colour space of RGB values.
     pub(super) space: RgbSpace,
 }
 
-/// The spectrum of a light.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PbrtLightSpectrum {
     pub(super) spectrum: Value,
@@ -77,7 +72,6 @@ impl SpectrumContext<'_> {
         }
     }
 
-    /// Returns the spectrum of a light.
     pub(super) fn light(&self, parameter: &Parameter) -> Result<PbrtLightSpectrum> {
         match parameter.kind.as_str() {
             "rgb" | "color" => {
@@ -98,7 +92,6 @@ impl SpectrumContext<'_> {
         }
     }
 
-    /// Returns an index of refraction.
     pub(super) fn index(&self, parameter: &Parameter) -> Result<Value> {
         if parameter.kind == "spectrum" {
             return self.spectrum(parameter);
@@ -117,9 +110,8 @@ impl SpectrumContext<'_> {
                 }
                 let path = self.file_access.file(self.folder, Path::new(name))?;
                 if !path.is_file() {
-                    return Err(parameter
-                        .place
-                        .error(format!("the spectrum \"{name}\" is not known, and is not a file")));
+                    let what = format!("the spectrum \"{name}\" is not known, and is not a file");
+                    return Err(parameter.place.error(what));
                 }
                 let mut tokens = Tokens::new(read_text(&path)?, path.clone());
                 let mut numbers = Vec::new();
@@ -135,13 +127,9 @@ impl SpectrumContext<'_> {
 }
 
 fn one_number(parameter: &Parameter) -> Result<f64> {
-    match parameter.numbers()? {
-        [number] => Ok(*number),
-        _ => Err(parameter.fault("one number")),
-    }
+    if let [number] = parameter.numbers()? { Ok(*number) } else { Err(parameter.fault("one number")) }
 }
 
-/// Returns a spectrum of pairs of a wavelength in nm and a value.
 fn table(parameter: &Parameter, numbers: &[f64]) -> Result<Value> {
     let (pairs, rest) = numbers.as_chunks::<2>();
     let rising = pairs.windows(2).all(|pair| pair[0][0] < pair[1][0]);
@@ -168,14 +156,10 @@ fn named(name: &str) -> Option<String> {
         return Some(known.to_string());
     }
     let illuminant = name.strip_prefix("stdillum-")?;
-    match illuminant.strip_prefix('F') {
-        Some(number) => Some(format!("FL{number}")),
-        None => Some(illuminant.to_string()),
-    }
+    Some(illuminant.strip_prefix('F').map_or_else(|| illuminant.to_string(), |number| format!("FL{number}")))
 }
 
-/// Returns Abbe's name of the metal if two parameters are pbrt's built-in `eta` and `k` of one
-/// metal.
+/// Returns Abbe's name of the metal if `eta` and `k` are pbrt's built-in ones of one metal.
 pub(super) fn metal(eta: Option<&Parameter>, k: Option<&Parameter>) -> Option<&'static str> {
     let symbol = |parameter: Option<&Parameter>, end: &str| {
         let name = parameter?.string().ok()?.strip_prefix("metal-")?.strip_suffix(end)?;
@@ -207,7 +191,6 @@ pub(super) fn scaled_rgb(rgb: [f64; 3], scale: f64) -> Value {
     scaled(json!({"rgb": rgb.map(|c| c / most)}), scale * most)
 }
 
-/// Multiplies a spectrum by a factor.
 pub(super) fn scaled(spectrum: Value, scale: f64) -> Value {
     if scale == 1.0 {
         return spectrum;

@@ -1,14 +1,11 @@
 //! The graphics state of a pbrt file.
 
-use std::collections::BTreeMap;
-use std::rc::Rc;
-
+use super::{material::ReadMaterial, parameters::Parameters};
+use abbe_spectra::colour::RgbSpace;
 use glam::{DMat4, DVec3, DVec4};
 use serde_json::{Value, json};
-
-use super::material::ReadMaterial;
-use super::parameters::Parameters;
-use abbe_spectra::colour::RgbSpace;
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 /// The attributes that `AttributeBegin` saves and `AttributeEnd` restores.
 #[derive(Debug, Clone)]
@@ -21,7 +18,6 @@ pub(super) struct GraphicsState {
     pub(super) reverse: bool,
     /// The name and the value of the current material.
     pub(super) material: (String, Rc<ReadMaterial>),
-    /// The parameters of the current area light.
     pub(super) area_light: Option<Parameters>,
     /// The names of the media inside and outside the next shapes. An empty name means no medium.
     pub(super) media: [String; 2],
@@ -62,7 +58,6 @@ pub(super) fn matrix(numbers: &[f64]) -> DMat4 {
     DMat4::from_cols(column(0), column(1), column(2), column(3))
 }
 
-/// Returns true if the matrix is an invertible affine map.
 pub(super) fn is_placement(matrix: &DMat4) -> bool {
     let last = matrix.row(3);
     matrix.is_finite() && last.abs_diff_eq(DVec4::W, 1e-9) && matrix.determinant() != 0.0

@@ -1,13 +1,11 @@
-use std::f64::consts::PI;
-
-use glam::{DVec2, DVec3};
-use serde_json::{Value, json};
-use tempfile::TempDir;
-
 use super::*;
 use crate::test_support::read_converted;
 use abbe_format::resolve::resolve;
 use abbe_scene::geometry::Ray;
+use glam::{DVec2, DVec3};
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+use tempfile::TempDir;
 
 /// A pbrt file with a camera at (0, 0, −5) that looks at the origin, and a point light.
 fn scene(world: &str) -> String {
@@ -63,8 +61,7 @@ fn missing_files_are_errors_with_a_place() {
     }
 }
 
-/// The window is 4 high along the shorter side of the picture. A scale of the camera's transform
-/// scales the picture.
+/// The window is 4 high along the picture's shorter side, and the camera's scale scales it.
 #[test]
 fn orthographic_cameras_are_read() {
     let text = scene("Shape \"sphere\"").replace("\"perspective\" \"float fov\" 40", "\"orthographic\"");
@@ -313,8 +310,8 @@ fn errors_name_the_line() {
     }
 }
 
-/// A disk with a hole or with a texture has pbrt's texture coordinates: u is the angle, and v is 1 at
-/// the inner edge. Abbe's v points down.
+/// A disk with a hole or with a texture has pbrt's texture coordinates: u is the angle, and v is 1
+/// at the inner edge. Abbe's v points down.
 #[test]
 fn disks_keep_their_hole_and_their_coordinates() {
     let checker = "Texture \"c\" \"spectrum\" \"checkerboard\"\nMaterial \"diffuse\" \"texture reflectance\" \"c\"\n";
@@ -339,8 +336,7 @@ fn attributes_of_textures_are_applied() {
     assert!(fault(&scene("Attribute \"shapes\" \"float radius\" 2")).contains("shape, light"));
 }
 
-/// pbrt divides the power of a two-sided light between its sides, and multiplies all values by the
-/// exposure of the film.
+/// The power of a two-sided light is halved, and the film's exposure multiplies all values.
 #[test]
 fn two_sided_power_and_exposure_are_known() {
     let light = |flag: &str| {

@@ -3,11 +3,10 @@
 //! In pbrt, the texture coordinate v points up, and in Abbe it points down. The maps of texture
 //! coordinates in this module contain the change of direction.
 
-use serde_json::{Value, json};
-
 use super::parameters::{Parameter, Parameters};
 use super::spectrum::SpectrumContext;
 use abbe_spectra::error::Result;
+use serde_json::{Value, json};
 
 /// The affine map from pbrt's texture coordinates (u, v) to (s, t).
 struct UvMapping {
@@ -36,27 +35,19 @@ impl UvMapping {
     }
 }
 
-/// The value of a texture that has the same value everywhere, or the form in a scene file.
-pub(super) type TextureValue = Value;
-
 /// A reader of textures. It collects the parts that are left out.
 pub(super) struct TextureReader<'a> {
     pub(super) spectra: SpectrumContext<'a>,
     /// The path from the folder of the scene file to the folder of the main file.
     pub(super) folder: &'a str,
     /// Returns the texture of a name, and whether it is a texture of numbers.
-    pub(super) named: &'a dyn Fn(&str, bool) -> Option<TextureValue>,
-    /// Sentences about the parts that were left out.
+    pub(super) named: &'a dyn Fn(&str, bool) -> Option<Value>,
     pub(super) left_out: Vec<String>,
 }
 
 impl TextureReader<'_> {
-    /// Reads a texture. `is_scalar` states whether its values are numbers. Otherwise, its values
-    /// are reflectances.
-    ///
-    /// # Errors
-    /// Returns an error if a parameter has a wrong type or a wrong number of values.
-    pub(super) fn read(&mut self, class: &str, is_scalar: bool, parameters: &Parameters) -> Result<TextureValue> {
+    /// Reads a texture of numbers if `is_scalar` is true, and of reflectances otherwise.
+    pub(super) fn read(&mut self, class: &str, is_scalar: bool, parameters: &Parameters) -> Result<Value> {
         parameters.ignore(&["filter", "maxanisotropy", "aamode"]);
         if let Some(mapping) = parameters.string("mapping")?
             && mapping != "uv"
@@ -117,33 +108,21 @@ impl TextureReader<'_> {
     }
 
     /// Reads a parameter that is a value or the name of a texture.
-    ///
-    /// # Errors
-    /// Returns an error if the parameter has a wrong type, or if the texture does not exist.
-    pub(super) fn value(
-        &mut self,
-        parameters: &Parameters,
-        key: &str,
-        is_scalar: bool,
-        default: f64,
-    ) -> Result<TextureValue> {
+    pub(super) fn value(&mut self, parameters: &Parameters, key: &str, is_scalar: bool, default: f64) -> Result<Value> {
         let Some(parameter) = parameters.get(key) else { return Ok(json!(default)) };
         self.parameter(parameter, is_scalar)
     }
 
-    fn parameter(&mut self, parameter: &Parameter, is_scalar: bool) -> Result<TextureValue> {
+    fn parameter(&mut self, parameter: &Parameter, is_scalar: bool) -> Result<Value> {
         if parameter.kind != "texture" {
-            return if is_scalar {
-                self.spectra.coefficient(parameter, 1.0)
-            } else {
-                self.spectra.reflectance(parameter)
-            };
+            let spectra = &self.spectra;
+            return if is_scalar { spectra.coefficient(parameter, 1.0) } else { spectra.reflectance(parameter) };
         }
         let name = parameter.string()?;
         (self.named)(name, is_scalar).ok_or_else(|| parameter.place.error(format!("there is no texture \"{name}\"")))
     }
 
-    fn picture(&mut self, parameters: &Parameters, is_scalar: bool) -> Result<TextureValue> {
+    fn picture(&mut self, parameters: &Parameters, is_scalar: bool) -> Result<Value> {
         let Some(file) = parameters.file("filename", self.spectra.folder, self.spectra.file_access)? else {
             self.left_out.push("a picture without a file name is replaced by 0.5".into());
             return Ok(json!(0.5));
@@ -210,7 +189,6 @@ impl TextureReader<'_> {
     }
 }
 
-/// Returns true if a value does not vary over the surface.
 pub(super) fn is_uniform(value: &Value) -> bool {
     !["image", "checker", "noise", "stripes", "bands"].iter().any(|key| value.get(key).is_some())
 }

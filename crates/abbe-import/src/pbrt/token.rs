@@ -1,11 +1,9 @@
 //! Splits the text of a pbrt file into tokens.
 
+use abbe_spectra::error::{Error, Result};
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use abbe_spectra::error::{Error, Result};
-
-/// A line of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Place {
     pub(super) file: Rc<PathBuf>,
@@ -14,7 +12,6 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Returns an error at this line.
     pub(super) fn error(&self, what: impl Into<String>) -> Error {
         Error::input(format!("line {}: {}", self.line, what.into())).in_file(&self.file)
     }
@@ -25,12 +22,10 @@ impl Place {
     }
 }
 
-/// A token of a pbrt file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Token {
     /// A string in quotes, without the quotes.
     Quoted(String),
-    /// A number.
     Number(f64),
     /// The start of a list.
     Open,
@@ -40,7 +35,6 @@ pub(super) enum Token {
     Word(String),
 }
 
-/// The tokens of a file, in order.
 #[derive(Debug)]
 pub(super) struct Tokens {
     text: String,
@@ -60,9 +54,6 @@ impl Tokens {
     }
 
     /// Returns the next token without reading it, or `None` at the end of the file.
-    ///
-    /// # Errors
-    /// Returns an error if a string is not closed.
     pub(super) fn peek(&mut self) -> Result<Option<Token>> {
         let (next, place) = (self.next, self.place.clone());
         let token = self.read();
@@ -71,9 +62,6 @@ impl Tokens {
     }
 
     /// Reads the next token. Returns `None` at the end of the file.
-    ///
-    /// # Errors
-    /// Returns an error if a string is not closed.
     pub(super) fn read(&mut self) -> Result<Option<Token>> {
         self.skip_blanks();
         let rest = &self.text[self.next..];
@@ -112,7 +100,6 @@ impl Tokens {
         self.next = self.text.len();
     }
 
-    /// Reads the string that follows a directive.
     pub(super) fn string(&mut self, directive: &str) -> Result<String> {
         match self.read()? {
             Some(Token::Quoted(string)) => Ok(string),

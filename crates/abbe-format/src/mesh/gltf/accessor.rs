@@ -4,9 +4,8 @@ use ::gltf::Accessor;
 use ::gltf::accessor::sparse::IndexType;
 use ::gltf::accessor::{DataType, Dimensions};
 use ::gltf::buffer::View;
-use glam::DVec3;
-
 use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
 
 /// Reads the accessors of a glTF file.
 pub struct GltfAccessors<'b> {
@@ -14,14 +13,13 @@ pub struct GltfAccessors<'b> {
 }
 
 impl<'b> GltfAccessors<'b> {
-    /// Reads from the buffers of the file, in their order.
     pub fn new(buffers: &'b [Vec<u8>]) -> Self {
         Self { buffers }
     }
 
     /// Returns the items of an accessor after checking that all items are inside the buffer. Each
     /// item has `size` bytes. Items without data are 0.
-    fn items(&self, accessor: &Accessor<'_>, size: usize) -> Result<impl Iterator<Item = &'b [u8]> + use<'b>> {
+    fn items(&self, accessor: &Accessor, size: usize) -> Result<impl Iterator<Item = &'b [u8]> + use<'b>> {
         /// The largest number of items without data.
         const MOST_ZEROS: usize = 1 << 24;
         /// An item without data. No item is larger.
@@ -41,8 +39,8 @@ impl<'b> GltfAccessors<'b> {
                 IndexType::U16 => 2,
                 IndexType::U32 => 4,
             };
-            let indices =
-                self.view_items(&indices.view(), indices.offset(), sparse.count(), width).ok_or_else(short)?;
+            let found = self.view_items(&indices.view(), indices.offset(), sparse.count(), width);
+            let indices = found.ok_or_else(short)?;
             let values = self.view_items(&values.view(), values.offset(), sparse.count(), size).ok_or_else(short)?;
             for (index, value) in indices.zip(values) {
                 let index = index.iter().rev().fold(0, |index, &byte| index << 8 | usize::from(byte));
@@ -52,11 +50,10 @@ impl<'b> GltfAccessors<'b> {
         Ok(items.into_iter())
     }
 
-    /// Returns `count` items of `size` bytes, from an offset in a view. Returns `None` if they are
-    /// not all inside the view.
+    /// Returns `count` items of `size` bytes, from an offset in a view, or `None` beyond its end.
     fn view_items(
         &self,
-        view: &View<'_>,
+        view: &View,
         offset: usize,
         count: usize,
         size: usize,
@@ -73,7 +70,7 @@ impl<'b> GltfAccessors<'b> {
     }
 
     /// Returns vectors of three numbers. The numbers may be integers (KHR_mesh_quantization).
-    pub fn vectors(&self, accessor: &Accessor<'_>) -> Result<impl Iterator<Item = DVec3> + use<'b>> {
+    pub fn vectors(&self, accessor: &Accessor) -> Result<impl Iterator<Item = DVec3> + use<'b>> {
         if accessor.dimensions() != Dimensions::Vec3 {
             return Err(Error::input(format!("accessor {} does not hold vectors of three numbers", accessor.index())));
         }
@@ -81,24 +78,22 @@ impl<'b> GltfAccessors<'b> {
     }
 
     /// Returns matrices of four rows and four columns, column by column.
-    pub(super) fn matrices(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 16]>> {
+    pub(super) fn matrices(&self, accessor: &Accessor) -> Result<Vec<[f64; 16]>> {
         if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
             return Err(Error::input(format!("accessor {} does not hold matrices", accessor.index())));
         }
         Ok(self.numbers::<16>(accessor)?.collect())
     }
 
-    /// Returns texture coordinates.
-    pub(super) fn pairs(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 2]>> {
+    pub(super) fn pairs(&self, accessor: &Accessor) -> Result<Vec<[f64; 2]>> {
         if accessor.dimensions() != Dimensions::Vec2 {
             return Err(Error::input(format!("accessor {} does not hold texture coordinates", accessor.index())));
         }
         Ok(self.numbers::<2>(accessor)?.collect())
     }
 
-    /// Returns arrays of `N` numbers. If the accessor says so, integers are divided by the largest
-    /// integer of their type.
-    fn numbers<const N: usize>(&self, accessor: &Accessor<'_>) -> Result<impl Iterator<Item = [f64; N]> + use<'b, N>> {
+    /// Returns arrays of `N` numbers. Normalised integers are divided by the largest of their type.
+    fn numbers<const N: usize>(&self, accessor: &Accessor) -> Result<impl Iterator<Item = [f64; N]> + use<'b, N>> {
         let (kind, normalized) = (accessor.data_type(), accessor.normalized());
         if kind == DataType::U32 {
             return Err(Error::input(format!("accessor {} holds integers of 32 bits", accessor.index())));
@@ -117,17 +112,14 @@ impl<'b> GltfAccessors<'b> {
         Ok(self.items(accessor, N * size)?.map(move |item| std::array::from_fn(|i| number(item, i))))
     }
 
-    /// Returns indices of vertices.
-    pub(super) fn indices(&self, accessor: &Accessor<'_>) -> Result<Vec<u32>> {
+    pub(super) fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>> {
         let wrong = || Error::input(format!("accessor {} does not hold indices", accessor.index()));
         if accessor.dimensions() != Dimensions::Scalar {
             return Err(wrong());
         }
         Ok(match accessor.data_type() {
             DataType::U8 => self.items(accessor, 1)?.map(|item| u32::from(item[0])).collect(),
-            DataType::U16 => {
-                self.items(accessor, 2)?.map(|item| u32::from(u16::from_le_bytes([item[0], item[1]]))).collect()
-            }
+            DataType::U16 => self.items(accessor, 2)?.map(|it| u32::from(u16::from_le_bytes([it[0], it[1]]))).collect(),
             DataType::U32 => {
                 self.items(accessor, 4)?.map(|item| u32::from_le_bytes([item[0], item[1], item[2], item[3]])).collect()
             }
@@ -135,9 +127,8 @@ impl<'b> GltfAccessors<'b> {
         })
     }
 
-    /// Returns the numbers of an accessor of scalars, vectors of three numbers, or quaternions.
-    /// Each item is filled up with zeros.
-    pub fn floats(&self, accessor: &Accessor<'_>) -> Result<Vec<[f64; 4]>> {
+    /// Returns the numbers of scalars, vectors or quaternions, filled up with zeros.
+    pub fn floats(&self, accessor: &Accessor) -> Result<Vec<[f64; 4]>> {
         match accessor.dimensions() {
             Dimensions::Scalar => Ok(self.numbers(accessor)?.map(|[x]| [x, 0.0, 0.0, 0.0]).collect()),
             Dimensions::Vec3 => Ok(self.numbers(accessor)?.map(|[x, y, z]| [x, y, z, 0.0]).collect()),

@@ -16,8 +16,7 @@ pub fn decoded_address(uri: &str) -> Option<String> {
     let mut rest = uri.as_bytes();
     while let [first, tail @ ..] = rest {
         let escaped = (*first == b'%').then(|| tail.get(..2)).flatten();
-        let value =
-            escaped.and_then(|hex| std::str::from_utf8(hex).ok()).and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        let value = escaped.and_then(|hex| u8::from_str_radix(std::str::from_utf8(hex).ok()?, 16).ok());
         decoded.push(value.unwrap_or(*first));
         rest = if value.is_some() { &tail[2..] } else { tail };
     }

@@ -1,12 +1,11 @@
 //! Material extensions that the crate `gltf` does not know: dispersion, clearcoat, specular and
 //! diffuse transmission. Also names what the extensions state and the reader ignores.
 
-use ::gltf::Material;
-use serde_json::Value;
-
+use super::super::material::{MeshCoat, MeshDiffuseTransmission, MeshFilm};
 use super::texture::GltfPictures;
-use crate::mesh::material::{MeshCoat, MeshDiffuseTransmission, MeshFilm};
+use ::gltf::Material;
 use abbe_spectra::error::{Error, Result};
+use serde_json::Value;
 
 /// The extensions that this module reads.
 const READ: [&str; 6] = [
@@ -18,10 +17,8 @@ const READ: [&str; 6] = [
     IRIDESCENCE,
 ];
 
-/// The extension for thin films.
 const IRIDESCENCE: &str = "KHR_materials_iridescence";
 
-/// The extension for the specular-glossiness model.
 pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 
 /// The consequences of extensions that are not read.
@@ -31,18 +28,13 @@ const CONSEQUENCES: [(&str, &str); 3] = [
     ("KHR_materials_unlit", "the surface is lit like any other"),
 ];
 
-/// Returns true if a file may require the extension: this module reads it, or a note states what is
-/// left out.
+/// Returns true if a file may require the extension: it is read, or a note states what is left out.
 pub(super) fn is_accepted(name: &str) -> bool {
     READ.contains(&name) || CONSEQUENCES.iter().any(|(known, _)| *known == name) || name == "KHR_materials_variants"
 }
 
-/// Returns the Abbe number V_d. The extension KHR_materials_dispersion states 20/V_d, or 0 for no
-/// dispersion.
-///
-/// # Errors
-/// Returns an error if the dispersion is not a number of at least 0.
-pub(super) fn abbe_number(file: &Material<'_>) -> Result<Option<f64>> {
+/// Returns the Abbe number V_d. The extension states 20/V_d, or 0 for none, and never below 0.
+pub(super) fn abbe_number(file: &Material) -> Result<Option<f64>> {
     let Some(extension) = file.extension_value("KHR_materials_dispersion") else { return Ok(None) };
     let Some(dispersion) = extension.get("dispersion") else { return Ok(None) };
     match dispersion.as_f64().filter(|dispersion| *dispersion >= 0.0) {
@@ -54,31 +46,27 @@ pub(super) fn abbe_number(file: &Material<'_>) -> Result<Option<f64>> {
     }
 }
 
-/// Returns the clear coat, or `None` without a coat.
-pub(super) fn coat(file: &Material<'_>) -> Option<MeshCoat> {
+pub(super) fn coat(file: &Material) -> Option<MeshCoat> {
     let extension = file.extension_value("KHR_materials_clearcoat")?;
     let factor = fraction(extension, "clearcoatFactor", 0.0);
     (factor > 0.0).then(|| MeshCoat { factor, roughness: fraction(extension, "clearcoatRoughnessFactor", 0.0) })
 }
 
-/// Returns the factor of the reflectance at normal incidence: the luminance of the colour times the
-/// factor.
-pub(super) fn specular(file: &Material<'_>) -> f64 {
+/// Returns the factor of the reflectance at normal incidence: the colour's luminance × the factor.
+pub(super) fn specular(file: &Material) -> f64 {
     let Some(extension) = file.extension_value("KHR_materials_specular") else { return 1.0 };
     let [r, g, b] = colour(extension, "specularColorFactor");
     fraction(extension, "specularFactor", 1.0) * (0.2126 * r + 0.7152 * g + 0.0722 * b)
 }
 
-/// Returns the diffuse transmission, or `None` without it.
-pub(super) fn diffuse_transmission(file: &Material<'_>) -> Option<MeshDiffuseTransmission> {
+pub(super) fn diffuse_transmission(file: &Material) -> Option<MeshDiffuseTransmission> {
     let extension = file.extension_value("KHR_materials_diffuse_transmission")?;
     let factor = fraction(extension, "diffuseTransmissionFactor", 0.0);
     let colour = colour(extension, "diffuseTransmissionColorFactor").map(|c| c.min(1.0));
     (factor > 0.0).then_some(MeshDiffuseTransmission { factor, colour })
 }
 
-/// Returns the thin film of smooth glass, or `None` without a film.
-pub(super) fn film(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set: u32) -> Option<MeshFilm> {
+pub(super) fn film(file: &Material, pictures: &mut GltfPictures, set: u32) -> Option<MeshFilm> {
     let extension = file.extension_value(IRIDESCENCE).filter(|_| can_have_film(file))?;
     let number = |key: &str, default: f64| extension[key].as_f64().unwrap_or(default).max(0.0);
     let thickness_nm = [number("iridescenceThicknessMinimum", 100.0), number("iridescenceThicknessMaximum", 400.0)];
@@ -88,19 +76,17 @@ pub(super) fn film(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set: u3
     (film.factor > 0.0).then_some(film)
 }
 
-/// The key of the picture of a film's thickness.
 const FILM_THICKNESS: &str = "iridescenceThicknessTexture";
 
 /// Returns true if the surface is smooth glass.
-fn can_have_film(file: &Material<'_>) -> bool {
+fn can_have_film(file: &Material) -> bool {
     let surface = file.pbr_metallic_roughness();
     let is_glass = file.transmission().is_some_and(|it| it.transmission_factor() > 0.0);
     is_glass && surface.metallic_factor() < 1.0
 }
 
-/// Returns the names of the material's extensions that are not read, or are read in part only, with
-/// the consequence.
-pub(super) fn unread(file: &Material<'_>) -> Vec<String> {
+/// Returns the names of the extensions that are not, or not fully, read, with the consequence.
+pub(super) fn unread(file: &Material) -> Vec<String> {
     let mut unread = Vec::new();
     for (name, extension) in file.extensions().into_iter().flatten() {
         if !READ.contains(&name.as_str()) && has_effect(name, extension) {

@@ -1,23 +1,20 @@
 //! Opens glTF files, and checks what the crate `gltf` does not check.
 
+use super::super::packed::read;
+use super::address::{decoded_address, decoded_data};
+use super::extensions;
+use crate::FileAccess;
+use ::gltf::buffer::{Buffer, Source};
+use ::gltf::json::Root;
+use ::gltf::{Document, Glb};
+use abbe_spectra::error::{Error, Result};
+use serde_json::Value;
 use std::borrow::Cow;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use ::gltf::buffer::{Buffer, Source};
-use ::gltf::json::Root;
-use ::gltf::{Document, Glb};
-use serde_json::Value;
-
-use super::address::{decoded_address, decoded_data};
-use super::extensions;
-use crate::json::FileAccess;
-use crate::mesh::packed::read;
-use abbe_spectra::error::{Error, Result};
-
 /// A glTF file whose geometry and pictures are not read yet.
 pub struct GltfFile {
-    /// The document.
     pub document: Document,
     /// True if the file animates other properties than those of nodes (KHR_animation_pointer).
     pub has_property_animations: bool,
@@ -64,13 +61,12 @@ impl GltfFile {
         self.document.buffers().map(&mut read).collect()
     }
 
-    /// Reads the data at the address of a buffer.
     fn read_uri(&self, uri: &str) -> Result<Vec<u8>> {
         if let Some(data) = decoded_data(uri) {
             return data.ok_or_else(|| invalid_address(uri));
         }
-        std::fs::read(self.buffer_path(uri)?)
-            .map_err(|cause| Error::input(format!("the glTF file or its data cannot be read: {cause}")))
+        let read = std::fs::read(self.buffer_path(uri)?);
+        read.map_err(|cause| Error::input(format!("the glTF file or its data cannot be read: {cause}")))
     }
 
     /// Returns the path of a buffer, which the file access must allow.
@@ -88,8 +84,7 @@ fn invalid_address(uri: &str) -> Error {
     Error::input(format!("the glTF buffer's address \"{start}{dots}\" is not valid"))
 }
 
-/// The extensions other than those of materials that Abbe reads, and that the crate `gltf` does not
-/// know.
+/// The extensions (not of materials) that Abbe reads and that the crate `gltf` does not know.
 const OWN_EXTENSIONS: [&str; 3] = ["EXT_lights_ies", "EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];
 
 /// The extensions that pack geometry. Abbe does not read them.
@@ -157,8 +152,7 @@ fn check_extensions(root: &mut Root) -> Result<()> {
     Ok(())
 }
 
-/// Checks the length in the header of a binary file. A wrong length would cause an integer
-/// underflow in the crate `gltf`.
+/// Checks the length of a binary file. A wrong one would underflow in the crate `gltf`.
 fn check_length(bytes: &[u8]) -> Result<()> {
     let explicit = bytes.get(8..12).and_then(|length| length.try_into().ok()).map(u32::from_le_bytes);
     match explicit {
@@ -168,8 +162,7 @@ fn check_length(bytes: &[u8]) -> Result<()> {
     }
 }
 
-/// Checks that no attribute refers to a missing accessor. A missing accessor would cause a panic in
-/// the crate `gltf`.
+/// Checks that attributes refer to existing accessors. Others would panic in the crate `gltf`.
 fn check_attributes(root: &::gltf::json::Root) -> Result<()> {
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let largest = primitives.flat_map(|primitive| primitive.attributes.values()).map(|index| index.value()).max();

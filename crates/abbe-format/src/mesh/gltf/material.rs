@@ -1,24 +1,19 @@
 //! Materials of glTF files: the metallic-roughness model with the KHR extensions transmission, ior,
 //! volume, emissive_strength and those of `gltf_extensions`.
 
+use super::super::material::{MeshAttenuation, MeshMaterial, MeshOpacity};
+use super::super::part::listed;
+use super::extensions::{abbe_number, coat, diffuse_transmission, film, specular, unread};
+use super::texture::{GltfPictures, normal_uv_set_of, uv_set_of};
+use super::{specular_glossiness, specular_glossiness::ConvertedMaterial};
 use ::gltf::accessor::Dimensions;
 use ::gltf::material::AlphaMode;
 use ::gltf::texture::Info;
 use ::gltf::{Document, Material, Semantic};
-
-use super::extensions::{abbe_number, coat, diffuse_transmission, film, specular, unread};
-use super::specular_glossiness::{self, ConvertedMaterial};
-use super::texture::{GltfPictures, normal_uv_set_of, uv_set_of};
-use crate::mesh::material::{MeshAttenuation, MeshMaterial, MeshOpacity};
-use crate::mesh::part::listed;
 use abbe_spectra::error::{Error, Result};
 
-/// Converts a glTF material.
-///
-/// # Errors
-/// Returns an error if the dispersion or the index of refraction is not a number or is out of
-/// range.
-pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>) -> Result<MeshMaterial> {
+/// Converts a glTF material. A dispersion or an index of refraction out of range is an error.
+pub(super) fn read_material(file: &Material, pictures: &mut GltfPictures) -> Result<MeshMaterial> {
     let set = uv_set(file);
     let surface = file.pbr_metallic_roughness();
     let mut base = surface.base_color_factor().map(f64::from);
@@ -78,31 +73,31 @@ pub(super) fn read_material(file: &Material<'_>, pictures: &mut GltfPictures<'_>
     })
 }
 
-/// Returns the number of the set of texture coordinates of a material. A material whose textures
-/// use several sets has the set of its first texture.
-pub(super) fn uv_set(file: &Material<'_>) -> u32 {
+/// Returns the textures that multiply the factors of a material.
+fn textures_of<'a>(file: &Material<'a>) -> impl Iterator<Item = Info<'a>> + use<'a> {
     let surface = file.pbr_metallic_roughness();
     let transmission = file.transmission().and_then(|it| it.transmission_texture());
-    let used =
-        [surface.base_color_texture(), surface.metallic_roughness_texture(), transmission, file.emissive_texture()];
+    let colours = [surface.base_color_texture(), surface.metallic_roughness_texture()];
+    colours.into_iter().chain([transmission, file.emissive_texture()]).flatten()
+}
+
+/// Returns the number of the set of texture coordinates of a material. A material whose textures
+/// use several sets has the set of its first texture.
+pub(super) fn uv_set(file: &Material) -> u32 {
     let normals = file.normal_texture().map_or(0, |normals| normal_uv_set_of(&normals));
-    used.into_iter().flatten().next().map_or(normals, |info| uv_set_of(&info))
+    textures_of(file).next().map_or(normals, |info| uv_set_of(&info))
 }
 
 /// Returns true if a material uses texture coordinates.
-pub(super) fn has_textures(file: &Material<'_>) -> bool {
-    let surface = file.pbr_metallic_roughness();
-    let transmission = file.transmission().and_then(|it| it.transmission_texture());
-    let used =
-        [surface.base_color_texture(), surface.metallic_roughness_texture(), transmission, file.emissive_texture()];
+pub(super) fn has_textures(file: &Material) -> bool {
     let glossiness = file.extension_value(super::extensions::SPECULAR_GLOSSINESS);
     let glossiness = glossiness.is_some_and(|it| it.get("diffuseTexture").is_some());
-    used.iter().any(Option::is_some) || file.normal_texture().is_some() || glossiness
+    textures_of(file).next().is_some() || file.normal_texture().is_some() || glossiness
 }
 
 /// Describes what a glTF file states and the reader ignores.
 pub fn ignored(document: &Document) -> Vec<String> {
-    let textures: Vec<&str> = document.materials().flat_map(|file| textures(&file)).collect();
+    let textures: Vec<String> = document.materials().flat_map(|file| textures(&file)).collect();
     let extensions: Vec<String> = document.materials().flat_map(|file| unread(&file)).collect();
     let mut primitives = document.meshes().flat_map(|mesh| mesh.primitives().collect::<Vec<_>>());
     let has_colours_and_textures = primitives
@@ -119,73 +114,62 @@ pub fn ignored(document: &Document) -> Vec<String> {
         (document.extension_value("KHR_materials_variants").is_some(), "material variants (the default ones apply)"),
     ];
     let other = other.into_iter().filter(|(is_used, _)| *is_used).map(|(_, what)| what);
-    let is_tinted = |file: &Material<'_>| {
+    let is_tinted = |file: &Material| {
         let surface = file.pbr_metallic_roughness();
         let [r, g, b, _] = surface.base_color_factor();
         is_clear(file) && (r.min(g).min(b) < 0.99 || surface.base_color_texture().is_some())
     };
     let tinted = |sheet: bool| document.materials().any(|file| is_tinted(&file) && is_sheet(&file) == sheet);
-    let is_double_sided_light = |file: &Material<'_>| file.double_sided() && file.emissive_factor() != [0.0; 3];
-    let is_rough_sheet = |file: &Material<'_>| {
-        is_clear(file) && is_sheet(file) && file.pbr_metallic_roughness().roughness_factor() > 0.1
-    };
+    let is_double_sided_light = |file: &Material| file.double_sided() && file.emissive_factor() != [0.0; 3];
+    let is_rough_sheet =
+        |file: &Material| is_clear(file) && is_sheet(file) && file.pbr_metallic_roughness().roughness_factor() > 0.1;
+    let any = |holds: &dyn Fn(&Material) -> bool| document.materials().any(|file| holds(&file));
     let sentences = [
-        listed(textures).map(|names| format!("textures are ignored: {names}")),
+        (
+            tinted(false),
+            "base colours of clear glass that encloses a volume are ignored; state the colour as attenuation of the \
+             volume",
+        ),
+        (tinted(true), "on closed meshes, base colours of clear glass without a thickness are ignored"),
+        (any(&is_double_sided_light), "on open meshes, double-sided lights shine to the front only"),
+        (any(&is_rough_sheet), "open sheets of rough glass are smooth"),
+    ];
+    let sentences = sentences.into_iter().filter(|(holds, _)| *holds).map(|(_, what)| what.to_owned());
+    let lists = [
+        listed(textures.iter().map(String::as_str)).map(|names| format!("textures are ignored: {names}")),
         listed(extensions.iter().map(String::as_str)).map(|names| format!("material extensions are ignored: {names}")),
         listed(other).map(|names| format!("ignored as well: {names}")),
-        tinted(false).then(|| {
-            "base colours of clear glass that encloses a volume are ignored; state the colour as attenuation of the \
-             volume"
-                .to_owned()
-        }),
-        tinted(true)
-            .then(|| "on closed meshes, base colours of clear glass without a thickness are ignored".to_owned()),
-        document
-            .materials()
-            .any(|file| is_double_sided_light(&file))
-            .then(|| "on open meshes, double-sided lights shine to the front only".to_owned()),
-        document
-            .materials()
-            .any(|file| is_rough_sheet(&file))
-            .then(|| "open sheets of rough glass are smooth".to_owned()),
     ];
-    sentences.into_iter().flatten().collect()
+    lists.into_iter().flatten().chain(sentences).collect()
 }
 
 /// Returns true if light passes through the surface.
-fn is_clear(file: &Material<'_>) -> bool {
+fn is_clear(file: &Material) -> bool {
     file.transmission().is_some_and(|it| it.transmission_factor() > 0.0)
 }
 
 /// Returns true if the material states no thickness.
-fn is_sheet(file: &Material<'_>) -> bool {
+fn is_sheet(file: &Material) -> bool {
     file.volume().is_none_or(|volume| volume.thickness_factor() <= 0.0)
 }
 
 /// Returns the names of the material's textures that are not read.
-fn textures(file: &Material<'_>) -> Vec<&'static str> {
+fn textures(file: &Material) -> Vec<String> {
     let set = uv_set(file);
     let other = |info: Info<'_>| uv_set_of(&info) != set;
     let surface = file.pbr_metallic_roughness();
     let transmission = file.transmission();
     let volume = file.volume();
+    let another = " (another set of coordinates)";
+    let other_normals = file.normal_texture().is_some_and(|normals| normal_uv_set_of(&normals) != set);
     let used = [
-        (surface.base_color_texture().is_some_and(other), "baseColorTexture (another set of coordinates)"),
-        (
-            surface.metallic_roughness_texture().is_some_and(other),
-            "metallicRoughnessTexture (another set of coordinates)",
-        ),
-        (
-            file.normal_texture().is_some_and(|normals| normal_uv_set_of(&normals) != set),
-            "normalTexture (another set of coordinates)",
-        ),
-        (file.occlusion_texture().is_some(), "occlusionTexture"),
-        (file.emissive_texture().is_some_and(other), "emissiveTexture (another set of coordinates)"),
-        (
-            transmission.and_then(|it| it.transmission_texture()).is_some_and(other),
-            "transmissionTexture (another set of coordinates)",
-        ),
-        (volume.is_some_and(|it| it.thickness_texture().is_some()), "thicknessTexture"),
+        (surface.base_color_texture().is_some_and(other), "baseColorTexture", another),
+        (surface.metallic_roughness_texture().is_some_and(other), "metallicRoughnessTexture", another),
+        (other_normals, "normalTexture", another),
+        (file.occlusion_texture().is_some(), "occlusionTexture", ""),
+        (file.emissive_texture().is_some_and(other), "emissiveTexture", another),
+        (transmission.and_then(|it| it.transmission_texture()).is_some_and(other), "transmissionTexture", another),
+        (volume.is_some_and(|it| it.thickness_texture().is_some()), "thicknessTexture", ""),
     ];
-    used.into_iter().filter(|(is_used, _)| *is_used).map(|(_, name)| name).collect()
+    used.into_iter().filter(|(is_used, ..)| *is_used).map(|(_, name, why)| format!("{name}{why}")).collect()
 }

@@ -12,21 +12,19 @@ mod specular_glossiness;
 mod texture;
 mod vertex_colours;
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
-use ::gltf::mesh::Mode;
-use ::gltf::{Document, Primitive, Semantic};
-use glam::{DAffine3, DVec3};
-
 use super::material::{MeshMaterial, MeshTexture};
 use super::part::{MeshPart, PartsAndNotes, UnplacedParts, fan};
-use crate::json::FileAccess;
+use crate::FileAccess;
+use ::gltf::mesh::Mode;
+use ::gltf::{Document, Primitive, Semantic};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DVec3};
 use material::{has_textures, read_material, uv_set};
 use node::placed_normal;
 use pose::{Deformation, VertexData};
+use std::collections::BTreeMap;
+use std::path::Path;
 use texture::GltfPictures;
 use vertex_colours::ColourPicture;
 
@@ -61,9 +59,8 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
 }
 
 /// Reads the parts of a glTF file that the default scene uses, without the transforms of the nodes.
-/// Parts with a skin are in the world. If several nodes deform a mesh, the first one counts.
-/// The number of a part is the position of its primitive in the file. The names of the parts are
-/// empty.
+/// Parts with a skin are in the world. If several nodes deform a mesh, the first one counts. Each
+/// part has the number of its primitive in the file, and an empty name.
 pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedParts> {
     let mut file = GltfFile::open(path, file_access)?;
     let buffers = file.buffers()?;
@@ -76,8 +73,8 @@ pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<Unpl
         let deformation = pose.deformation(node, &mesh, &reader.accessors)?;
         for (number, primitive) in (firsts[mesh.index()]..).zip(mesh.primitives()) {
             if !parts.contains_key(&number) {
-                let read =
-                    reader.primitive(&primitive, mesh.name().unwrap_or_default(), DAffine3::IDENTITY, &deformation)?;
+                let name = mesh.name().unwrap_or_default();
+                let read = reader.primitive(&primitive, name, DAffine3::IDENTITY, &deformation)?;
                 parts.extend(read.map(|part| (number, MeshPart { name: String::new(), ..part })));
             }
         }
@@ -87,8 +84,7 @@ pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<Unpl
     Ok(UnplacedParts { parts, ignored })
 }
 
-/// Returns the number of the first part of each mesh. The parts are the primitives of all meshes,
-/// in the order of the file.
+/// Returns the number of the first part of each mesh. Parts are primitives in the file's order.
 pub fn first_parts(document: &Document) -> Vec<u32> {
     let mut next = 0;
     let first = |mesh: ::gltf::Mesh<'_>| {
@@ -100,7 +96,7 @@ pub fn first_parts(document: &Document) -> Vec<u32> {
 }
 
 /// Returns true if a primitive consists of triangles.
-pub fn has_triangles(primitive: &Primitive<'_>) -> bool {
+pub fn has_triangles(primitive: &Primitive) -> bool {
     match primitive.mode() {
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => false,
         Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan => true,
@@ -118,11 +114,10 @@ impl<'b> SceneReader<'b> {
         Self { accessors: GltfAccessors::new(buffers), pictures }
     }
 
-    /// Reads a primitive. Returns `None` if it does not consist of triangles. `placed` is
-    /// the transform after the deformation.
+    /// Reads a primitive of triangles. `placed` is the transform after the deformation.
     fn primitive(
         &mut self,
-        primitive: &Primitive<'_>,
+        primitive: &Primitive,
         name: &str,
         placed: DAffine3,
         deformation: &Deformation,
@@ -157,7 +152,7 @@ impl<'b> SceneReader<'b> {
     }
 
     /// Returns the vertex colours in linear sRGB, or `None` if the primitive has none.
-    fn vertex_colours(&self, primitive: &Primitive<'_>) -> Result<Option<Vec<[f32; 3]>>> {
+    fn vertex_colours(&self, primitive: &Primitive) -> Result<Option<Vec<[f32; 3]>>> {
         let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(None) };
         let colours = self.accessors.floats(&accessor)?;
         // A colour that is not a number becomes 0.
@@ -169,30 +164,24 @@ impl<'b> SceneReader<'b> {
     /// coordinates into this picture replace those of the file.
     fn mesh(
         &self,
-        primitive: &Primitive<'_>,
+        primitive: &Primitive,
         placed: DAffine3,
         deformation: &Deformation,
         colours: Option<&[[f32; 3]]>,
     ) -> Result<(TriangleMesh, Option<MeshTexture>)> {
         let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| Error::input("it has no positions"))?;
-        let normals = match primitive.get(&Semantic::Normals) {
-            Some(accessor) => Some(self.accessors.vectors(&accessor)?.collect()),
-            None => None,
-        };
+        let normals = primitive.get(&Semantic::Normals).map(|accessor| self.accessors.vectors(&accessor));
+        let normals = normals.transpose()?.map(Iterator::collect);
         let mut vertices = VertexData { positions: self.accessors.vectors(&accessor)?.collect(), normals };
         deformation.apply(primitive, &self.accessors, &mut vertices)?;
         let VertexData { mut positions, mut normals } = vertices;
         positions.iter_mut().for_each(|position| *position = placed.transform_point3(*position));
         normals.iter_mut().flatten().for_each(|normal| *normal = placed_normal(&placed, *normal));
         let mirrored = placed.matrix3.determinant() < 0.0;
-        let uvs = match primitive.get(&Semantic::TexCoords(uv_set(&primitive.material()))) {
-            Some(accessor) => Some(self.accessors.pairs(&accessor)?),
-            None => None,
-        };
-        let indices = match primitive.indices() {
-            Some(accessor) => self.accessors.indices(&accessor)?,
-            None => (0..positions.len() as u32).collect(),
-        };
+        let uvs = primitive.get(&Semantic::TexCoords(uv_set(&primitive.material())));
+        let uvs = uvs.map(|accessor| self.accessors.pairs(&accessor)).transpose()?;
+        let all = || Ok((0..positions.len() as u32).collect());
+        let indices = primitive.indices().map_or_else(all, |accessor| self.accessors.indices(&accessor))?;
         let mut triangles = triangles(primitive.mode(), &indices);
         if mirrored {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
@@ -216,15 +205,11 @@ impl<'b> SceneReader<'b> {
     }
 }
 
-/// Converts a list of indices to triangles.
 fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
+    let turned = |(i, t): (usize, &[u32])| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] };
     match mode {
         Mode::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-        Mode::TriangleStrip => indices
-            .windows(3)
-            .enumerate()
-            .map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] })
-            .collect(),
+        Mode::TriangleStrip => indices.windows(3).enumerate().map(turned).collect(),
         Mode::TriangleFan if indices.len() >= 3 => fan(indices).collect(),
         Mode::TriangleFan | Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Vec::new(),
     }

@@ -2,9 +2,8 @@
 
 use ::gltf::scene::Transform;
 use ::gltf::{Document, Node};
-use glam::{DAffine3, DMat4, DQuat, DVec3};
-
 use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 
 /// Calls `visit` for each node of the default scene, parents first. The second argument is the
 /// number of the parent. The third argument is the transform from the node to the scene. If the
@@ -16,10 +15,8 @@ pub fn for_each_node<'d>(
     let mut roots: Vec<Node<'d>> = match document.default_scene().or_else(|| document.scenes().next()) {
         Some(scene) => scene.nodes().collect(),
         None => {
-            let children: Vec<usize> = document
-                .nodes()
-                .flat_map(|node| node.children().map(|child| child.index()).collect::<Vec<_>>())
-                .collect();
+            let below = |node: Node<'d>| node.children().map(|child| child.index()).collect::<Vec<_>>();
+            let children: Vec<usize> = document.nodes().flat_map(below).collect();
             document.nodes().filter(|node| !children.contains(&node.index())).collect()
         }
     };
@@ -73,8 +70,7 @@ fn without_rounding(whole: DAffine3) -> DAffine3 {
 
 /// Transforms a normal. The result points to the same side of the transformed surface.
 pub(super) fn placed_normal(placed: &DAffine3, normal: DVec3) -> DVec3 {
-    // The cofactor matrix transforms the normals. Up to a factor, it equals the inverse transpose,
-    // but it also exists for singular matrices.
+    // Up to a factor, the cofactor matrix is the inverse transpose, and exists if singular.
     let [x, y, z] = [placed.matrix3.x_axis, placed.matrix3.y_axis, placed.matrix3.z_axis];
     let outwards = if placed.matrix3.determinant() < 0.0 { -1.0 } else { 1.0 };
     outwards * (glam::DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * normal)

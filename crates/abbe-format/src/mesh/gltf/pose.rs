@@ -1,11 +1,10 @@
 //! Skins and morph targets: the shape of a mesh in the pose that the file states.
 
-use ::gltf::{Document, Mesh, Node, Primitive, Semantic, Skin};
-use glam::{DAffine3, DMat4, DVec3};
-
 use super::accessor::GltfAccessors;
 use super::node::{for_each_node, placed_normal};
+use ::gltf::{Document, Mesh, Node, Primitive, Semantic, Skin};
 use abbe_spectra::error::{Error, Result};
+use glam::{DAffine3, DMat4, DVec3};
 
 /// The transforms of the nodes of a file at rest.
 pub struct RestPose {
@@ -28,10 +27,7 @@ pub(super) struct VertexData {
 }
 
 impl RestPose {
-    /// Places all nodes of a file.
-    ///
-    /// # Errors
-    /// Returns an error if the transform of a node is damaged.
+    /// Places all nodes of a file. A damaged transform is an error.
     pub fn of(document: &Document) -> Result<Self> {
         let mut to_world = vec![DAffine3::IDENTITY; document.nodes().len()];
         for_each_node(document, |node, _, placed| {
@@ -41,29 +37,26 @@ impl RestPose {
         Ok(Self { to_world })
     }
 
-    /// Returns the deformation of the mesh of a node.
-    pub fn deformation(&self, node: &Node<'_>, mesh: &Mesh<'_>, accessors: &GltfAccessors<'_>) -> Result<Deformation> {
+    pub fn deformation(&self, node: &Node, mesh: &Mesh, accessors: &GltfAccessors) -> Result<Deformation> {
         let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
         let joints = node.skin().map(|skin| self.joints(&skin, accessors)).transpose()?;
         Ok(Deformation { weights: weights.iter().map(|&weight| f64::from(weight)).collect(), joints })
     }
 
-    fn joints(&self, skin: &Skin<'_>, accessors: &GltfAccessors<'_>) -> Result<Vec<DAffine3>> {
+    fn joints(&self, skin: &Skin, accessors: &GltfAccessors) -> Result<Vec<DAffine3>> {
         let joints: Vec<DAffine3> = skin.joints().map(|joint| self.to_world[joint.index()]).collect();
         let Some(accessor) = skin.inverse_bind_matrices() else { return Ok(joints) };
         let inverse = accessors.matrices(&accessor)?;
         if inverse.len() < joints.len() {
             return Err(Error::input("the skin does not have one matrix per joint"));
         }
-        let placed =
-            |(joint, matrix): (DAffine3, [f64; 16])| joint * DAffine3::from_mat4(DMat4::from_cols_array(&matrix));
+        let placed = |(joint, it): (DAffine3, [f64; 16])| joint * DAffine3::from_mat4(DMat4::from_cols_array(&it));
         Ok(joints.into_iter().zip(inverse).map(placed).collect())
     }
 }
 
 impl Deformation {
-    /// Returns true if the skin places the mesh in the world, so that the transform of the node has
-    /// no effect.
+    /// Returns true if the skin places the mesh, so that the node's transform has no effect.
     pub(super) fn has_skin(&self) -> bool {
         self.joints.is_some()
     }
@@ -74,13 +67,8 @@ impl Deformation {
     }
 
     /// Moves the vertices of a primitive.
-    pub(super) fn apply(
-        &self,
-        primitive: &Primitive<'_>,
-        accessors: &GltfAccessors<'_>,
-        vertices: &mut VertexData,
-    ) -> Result<()> {
-        let VertexData { positions, normals } = vertices;
+    pub(super) fn apply(&self, primitive: &Primitive, accessors: &GltfAccessors, data: &mut VertexData) -> Result<()> {
+        let VertexData { positions, normals } = data;
         for (target, &weight) in primitive.morph_targets().zip(&self.weights).filter(|(_, weight)| **weight != 0.0) {
             if let Some(accessor) = target.positions() {
                 let offsets = accessors.vectors(&accessor)?;
@@ -92,11 +80,8 @@ impl Deformation {
             }
         }
         let Some(joints) = &self.joints else { return Ok(()) };
-        let (Some(numbers), Some(weights)) =
-            (primitive.get(&Semantic::Joints(0)), primitive.get(&Semantic::Weights(0)))
-        else {
-            return Err(Error::input("a mesh with a skin has no joints"));
-        };
+        let found = primitive.get(&Semantic::Joints(0)).zip(primitive.get(&Semantic::Weights(0)));
+        let (numbers, weights) = found.ok_or_else(|| Error::input("a mesh with a skin has no joints"))?;
         let (numbers, weights) = (accessors.floats(&numbers)?, accessors.floats(&weights)?);
         if numbers.len() != positions.len() || weights.len() != positions.len() {
             return Err(Error::input("a mesh with a skin does not have joints for each vertex"));
@@ -117,8 +102,8 @@ fn blended(joints: &[DAffine3], numbers: [f64; 4], weights: [f64; 4]) -> Result<
     let sum: f64 = weights.iter().sum();
     let mut mean = [0.0; 12];
     for (number, weight) in numbers.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
-        let joint =
-            joints.get(number as usize).ok_or_else(|| Error::input("a vertex names a joint that does not exist"))?;
+        let missing = || Error::input("a vertex names a joint that does not exist");
+        let joint = joints.get(number as usize).ok_or_else(missing)?;
         mean.iter_mut().zip(joint.to_cols_array()).for_each(|(mean, x)| *mean += weight / sum * x);
     }
     if sum > 0.0 { Ok(DAffine3::from_cols_array(&mean)) } else { Ok(DAffine3::IDENTITY) }

@@ -1,15 +1,13 @@
 //! Converts the specular-glossiness model of older glTF files to the metallic-roughness model.
 //!
 //! The conversion finds the metalness for which both models reflect the same diffuse light and the
-//! same light at normal incidence. Source: Khronos, KHR_materials_pbrSpecularGlossiness, appendix
-//! on the conversion between the workflows.
+//! same light at normal incidence (Khronos, KHR_materials_pbrSpecularGlossiness, appendix).
 
-use ::gltf::Material;
-use serde_json::Value;
-
+use super::super::material::MeshTexture;
 use super::extensions::{SPECULAR_GLOSSINESS, colour, fraction};
 use super::texture::GltfPictures;
-use crate::mesh::material::MeshTexture;
+use ::gltf::Material;
+use serde_json::Value;
 
 /// The reflectance of a dielectric at normal incidence.
 const DIELECTRIC: f64 = 0.04;
@@ -24,9 +22,8 @@ pub(super) struct ConvertedMaterial {
     pub(super) roughness: f64,
 }
 
-/// Converts a material. Returns `None` if it does not have the extension. A picture of speculars is
-/// replaced by its mean.
-pub(super) fn convert(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set: u32) -> Option<ConvertedMaterial> {
+/// Converts a material that has the extension. A picture of speculars is replaced by its mean.
+pub(super) fn convert(file: &Material, pictures: &mut GltfPictures, set: u32) -> Option<ConvertedMaterial> {
     let extension = file.extension_value(SPECULAR_GLOSSINESS)?;
     let mut specular = colour(extension, "specularFactor").map(|c| c.min(1.0));
     let mut glossiness = fraction(extension, "glossinessFactor", 1.0);
@@ -50,8 +47,7 @@ pub(super) fn convert(file: &Material<'_>, pictures: &mut GltfPictures<'_>, set:
     })
 }
 
-/// Returns the base colour and the metalness of a surface with a diffuse colour and a reflectance
-/// at normal incidence.
+/// Returns the base colour and the metalness for a diffuse colour and a specular reflectance.
 fn metallic_base(diffuse: [f64; 3], specular: [f64; 3]) -> ([f64; 3], f64) {
     let brightness = |[r, g, b]: [f64; 3]| (0.299 * r * r + 0.587 * g * g + 0.114 * b * b).sqrt();
     let not_specular = 1.0 - specular.into_iter().fold(0.0, f64::max);
@@ -64,8 +60,7 @@ fn metallic_base(diffuse: [f64; 3], specular: [f64; 3]) -> ([f64; 3], f64) {
     (base, metallic)
 }
 
-/// Solves the quadratic equation of the conversion. `not_specular` is 1 minus the largest component
-/// of the reflectance.
+/// Solves the conversion's quadratic equation. `not_specular` is 1 − the reflectance's maximum.
 fn metalness(diffuse: f64, specular: f64, not_specular: f64) -> f64 {
     if specular < DIELECTRIC {
         return 0.0;
@@ -80,8 +75,7 @@ fn metalness(diffuse: f64, specular: f64, not_specular: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A dielectric keeps its diffuse colour. A surface without diffuse light is a metal of the
-    /// colour of its reflection.
+    /// A dielectric keeps its diffuse colour. Without one, it is a metal of the reflected colour.
     #[test]
     fn both_ends_of_the_model_are_exact() {
         let (base, metallic) = metallic_base([0.5, 0.25, 0.1], [DIELECTRIC; 3]);

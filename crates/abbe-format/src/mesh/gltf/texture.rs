@@ -1,19 +1,17 @@
 //! Pictures of glTF files: buffer views, data addresses and files.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
+use super::super::material::MeshTexture;
+use super::address::{decoded_address, decoded_data};
+use crate::{FileAccess, PictureFile};
 use ::gltf::image::Source;
 use ::gltf::material::NormalTexture;
 use ::gltf::texture::{Info, MagFilter, WrappingMode};
 use ::gltf::{Document, Texture};
-use serde_json::Value;
-
-use super::address::{decoded_address, decoded_data};
-use crate::mesh::material::MeshTexture;
-use crate::{FileAccess, PictureFile};
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
 use abbe_spectra::error::{Error, Result};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Reads the pictures of a glTF file, each once.
 pub(super) struct GltfPictures<'b> {
@@ -35,7 +33,7 @@ impl<'b> GltfPictures<'b> {
 
     /// Reads a texture over the set of texture coordinates `set`. Returns `None` if the picture
     /// cannot be used, or if the texture uses another set.
-    pub(super) fn texture(&mut self, info: &Info<'_>, set: u32) -> Option<MeshTexture> {
+    pub(super) fn texture(&mut self, info: &Info, set: u32) -> Option<MeshTexture> {
         let transform = info.texture_transform().map_or(UvTransform::IDENTITY, |it| {
             let pair = |pair: [f32; 2]| pair.map(f64::from);
             UvTransform::new(pair(it.scale()), f64::from(it.rotation()), pair(it.offset()))
@@ -45,14 +43,13 @@ impl<'b> GltfPictures<'b> {
 
     /// Reads a normal map over the set of texture coordinates `set`. Returns `None` if the picture
     /// cannot be used, or if the map uses another set.
-    pub(super) fn normal_map(&mut self, file: &NormalTexture<'_>, set: u32) -> Option<MeshTexture> {
+    pub(super) fn normal_map(&mut self, file: &NormalTexture, set: u32) -> Option<MeshTexture> {
         let transform = explicit_transform(file.extension_value("KHR_texture_transform"));
         if normal_uv_set_of(file) == set { self.placed(&file.texture(), transform) } else { None }
     }
 
-    /// Reads the texture that the JSON of an extension states, over the set of texture coordinates
-    /// `set`. Returns `None` if there is no such texture, if the picture cannot be used, or if the
-    /// texture uses another set.
+    /// Reads the texture that the JSON of an extension states. Returns `None` if there is none over
+    /// the set of texture coordinates `set`, or if the picture cannot be used.
     pub(super) fn explicit(&mut self, info: &Value, set: u32) -> Option<MeshTexture> {
         let transform = info.get("extensions").and_then(|it| it.get("KHR_texture_transform"));
         let number = |value: Option<&Value>| value.and_then(Value::as_u64);
@@ -61,18 +58,15 @@ impl<'b> GltfPictures<'b> {
         if used == u64::from(set) { self.placed(&texture, explicit_transform(transform)) } else { None }
     }
 
-    /// Reads a texture with a map of texture coordinates.
-    fn placed(&mut self, texture: &Texture<'_>, transform: UvTransform) -> Option<MeshTexture> {
+    fn placed(&mut self, texture: &Texture, transform: UvTransform) -> Option<MeshTexture> {
         let sampler = texture.sampler();
         let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
             WrappingMode::ClampToEdge => Wrap::Clamp,
             WrappingMode::MirroredRepeat => Wrap::Mirror,
             WrappingMode::Repeat => Wrap::Repeat,
         });
-        let filter = match sampler.mag_filter() {
-            Some(MagFilter::Nearest) => Filter::Nearest,
-            Some(MagFilter::Linear) | None => Filter::Bilinear,
-        };
+        let is_nearest = sampler.mag_filter() == Some(MagFilter::Nearest);
+        let filter = if is_nearest { Filter::Nearest } else { Filter::Bilinear };
         let image = texture.source();
         let picture = match &self.known[image.index()] {
             Some(known) => known.clone(),
@@ -119,12 +113,12 @@ fn explicit_transform(explicit: Option<&Value>) -> UvTransform {
 }
 
 /// Returns the number of the set of texture coordinates that a texture uses.
-pub(super) fn uv_set_of(info: &Info<'_>) -> u32 {
+pub(super) fn uv_set_of(info: &Info) -> u32 {
     info.texture_transform().and_then(|transform| transform.tex_coord()).unwrap_or(info.tex_coord())
 }
 
 /// Returns the number of the set of texture coordinates that a normal map uses.
-pub(super) fn normal_uv_set_of(file: &NormalTexture<'_>) -> u32 {
+pub(super) fn normal_uv_set_of(file: &NormalTexture) -> u32 {
     let explicit = file.extension_value("KHR_texture_transform").and_then(|it| it.get("texCoord"));
     explicit.and_then(Value::as_u64).and_then(|set| u32::try_from(set).ok()).unwrap_or(file.tex_coord())
 }

@@ -1,18 +1,15 @@
 //! Vertex colours of meshes as a picture.
 
-use std::sync::Arc;
-
+use super::super::material::MeshTexture;
 use crate::PictureFile;
-use crate::mesh::material::MeshTexture;
 use abbe_optics::texture::{Filter, ImageSize, UvTransform, Wrap};
+use std::sync::Arc;
 
 /// A picture with one cell of 2 × 2 pixels for each triangle. In a cell, bilinear interpolation of
 /// the pixels equals linear interpolation of the colours of the corners.
 pub(super) struct ColourPicture {
-    /// The picture.
     pub(super) texture: MeshTexture,
-    /// For each triangle, its three corners in the order of their texture coordinates: the vertex
-    /// and the texture coordinates.
+    /// For each triangle, its corners by texture coordinates: the vertex and the coordinates.
     pub(super) corners: Vec<[(u32, [f64; 2]); 3]>,
 }
 
@@ -57,8 +54,8 @@ fn cell(colours: &[[f32; 3]], triangle: [u32; 3]) -> ([u32; 3], [f32; 3]) {
         (excess, turned, opposite)
     });
     let [first, second, third] = orders;
-    let nearer =
-        |one: (f32, [u32; 3], [f32; 3]), other: (f32, [u32; 3], [f32; 3])| if other.0 < one.0 { other } else { one };
+    type Near = (f32, [u32; 3], [f32; 3]);
+    let nearer = |one: Near, other: Near| if other.0 < one.0 { other } else { one };
     let (_, turned, opposite) = nearer(nearer(first, second), third);
     (turned, opposite.map(|x| x.clamp(0.0, 1.0)))
 }
