@@ -51,6 +51,7 @@ fn mean(picture: &[[f64; 3]], patch: usize) -> [f64; 3] {
 }
 
 #[test]
+#[ignore = "nightly: 11 seconds of CPU time"]
 fn a_rendered_colorchecker_has_the_integrated_colours() {
     let golden = golden("colorchecker.json");
     let lamps =

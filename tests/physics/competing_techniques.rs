@@ -93,6 +93,7 @@ fn sky_factor(side: f64, x: f64, z: f64) -> f64 {
 }
 
 #[test]
+#[ignore = "nightly: 9 seconds of CPU time"]
 fn a_small_opening_lights_the_floor_by_its_form_factor() {
     let blocks = |rendered: &Rendered| colour_blocks(4)(rendered)[4..8].to_vec();
     for (side, noise) in [(1.0, 0.025), (0.2, 0.03)] {

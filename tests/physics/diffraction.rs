@@ -75,6 +75,7 @@ fn the_first_dark_ring_has_radius_1_22_lambda_n() {
 }
 
 #[test]
+#[ignore = "nightly: 6 seconds of CPU time"]
 fn blades_make_as_many_spikes_or_twice_as_many_if_they_are_odd() {
     const SPREAD_PX: f64 = 3.0;
     /// Sectors of the circle.
@@ -103,6 +104,7 @@ fn blades_make_as_many_spikes_or_twice_as_many_if_they_are_odd() {
 }
 
 #[test]
+#[ignore = "nightly: 8 seconds of CPU time"]
 fn light_is_spread_and_neither_lost_nor_made() {
     let sum = |rendered: &Rendered| -> [f64; 3] {
         rendered.picture.xyz.iter().fold([0.0; 3], |sum, xyz| std::array::from_fn(|c| sum[c] + xyz[c]))

@@ -56,6 +56,7 @@ fn ledger_of_slab(n: f64, dye: &Value, excitation_nm: f64, passes: u64) -> Ledge
 }
 
 #[test]
+#[ignore = "nightly: 21 seconds of CPU time"]
 fn luminescent_slabs_are_golden() {
     for slab in golden("fluorescence.json")["luminescent_slabs"].as_array().expect("a list") {
         let value = |key: &str| number(&slab[key]);
@@ -98,6 +99,7 @@ fn golden_escape_cones_trap_the_emission() {
 /// A layer of a solution, seen at right angles. The light arrives along the layer. At the
 /// middle of the picture, the radiance is q μ E d/(4π) · λ_i/λ_o. E is the attenuated irradiance.
 #[test]
+#[ignore = "nightly: 6 seconds of CPU time"]
 fn a_layer_of_a_solution_has_its_luminance() {
     const NM: f64 = 450.0;
     const TO: f64 = 600.0;
@@ -154,6 +156,7 @@ fn lamp() -> Value {
 }
 
 #[test]
+#[ignore = "nightly: 12 seconds of CPU time"]
 fn photons_and_paths_agree_in_a_dye() {
     assert_integrators_agree_after(8, "clear dye", &tank(0.0, &lamp()), 1e-2);
 }

@@ -244,6 +244,7 @@ fn check_rendered_colours(material: impl Fn(&str) -> Value, chosen: impl Fn(&str
 }
 
 #[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
 fn rendered_fluorescence_has_golden_colours() {
     check_rendered_colours(material, |name, lamp, from_nm| {
         matches!(
@@ -263,6 +264,7 @@ fn rendered_fluorescence_has_golden_colours_in_all_lights() {
 }
 
 #[test]
+#[ignore = "nightly: 13 seconds of CPU time"]
 fn a_rendered_matrix_has_golden_colours() {
     check_rendered_colours(matrix_material, |name, lamp, _| {
         matches!((name, lamp), ("red day-glow", "D65") | ("optical brightener on paper", "line 405 nm"))
@@ -344,6 +346,7 @@ fn golden_spheres_have_their_colours() {
 
 /// A photon selects one of the emissions of a matrix.
 #[test]
+#[ignore = "nightly: 6 seconds of CPU time"]
 fn golden_spheres_of_matrices_have_their_colours() {
     check_spheres(matrix_material, &[0], 12);
 }
@@ -429,6 +432,7 @@ fn photons_and_paths_agree_on_dyes_behind_dispersive_glass() {
 /// A grey floor in the light of a dye under a blue line, seen through a prism of flint glass. The
 /// shared wavelengths of the emission differ from the wavelength of the lamp.
 #[test]
+#[ignore = "nightly: 18 seconds of CPU time"]
 fn a_dye_seen_through_a_prism_keeps_its_energy() {
     let scene = json!({
         "camera": { "from": [-3.2, 1.25, 0], "at": [-2.5, 1.5, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 12 } } },

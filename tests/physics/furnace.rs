@@ -107,6 +107,7 @@ fn forward_scattering_fog_in_a_closed_box_is_a_furnace() {
 /// A closed box of glowing mirrors. Roulette ends most paths after 8 events (reflectance 0.7), or
 /// after 32 events (reflectance 0.97).
 #[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
 fn a_closed_box_of_mirrors_is_a_furnace() {
     for (reflectance, tolerance) in [(0.7, 0.03), (0.97, 0.06)] {
         let mut scene = closed_box();
@@ -133,12 +134,14 @@ fn ball(ior: Value) -> Value {
 }
 
 #[test]
+#[ignore = "nightly: 9 seconds of CPU time"]
 fn a_ball_of_glass_in_uniform_surroundings() {
     check("ball, n = 1.5", &ball(json!(1.5)), (Integrator::Photon, 64));
     check("ball, n = 1.5", &ball(json!(1.5)), (Integrator::Path, 64));
 }
 
 #[test]
+#[ignore = "nightly: 17 seconds of CPU time"]
 fn a_dispersive_ball_of_glass_in_uniform_surroundings() {
     check("ball, SF10", &ball(json!("SF10")), (Integrator::Photon, 32));
     check("ball, SF10", &ball(json!("SF10")), (Integrator::Path, 512));
@@ -187,6 +190,7 @@ fn check_frosted(ior: f64, roughness: f64, photon_passes: u64, path_passes: u64)
 }
 
 #[test]
+#[ignore = "nightly: 13 seconds of CPU time"]
 fn frosted_glass_in_uniform_surroundings_loses_no_light() {
     check_frosted(1.5, 0.6, 24, 96);
 }
@@ -224,6 +228,7 @@ fn a_white_core_in_glass_lit_through_the_photon_map_only() {
 }
 
 #[test]
+#[ignore = "nightly: 7 seconds of CPU time"]
 fn a_large_white_core_in_glass_whose_light_is_partly_shut_in() {
     // Beyond a core radius of 1/n, part of the light from the core is totally reflected back to it.
     let scene = core_in_a_shell(json!(1.5), 0.85, false, 16.0);
@@ -248,6 +253,7 @@ fn a_white_core_behind_glass_and_air() {
 }
 
 #[test]
+#[ignore = "nightly: 16 seconds of CPU time"]
 fn a_white_ball_and_a_ball_of_glass_in_uniform_surroundings() {
     // Shadow rays, connected photons (the caustic on the white ball) and the photon map (light
     // between the balls) add up to 1.

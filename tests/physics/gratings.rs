@@ -149,6 +149,7 @@ fn grooves_follow_the_texture_coordinates() {
 
 /// Light reaches a floor and the camera through a grating and from a disc with grooves.
 #[test]
+#[ignore = "nightly: 12 seconds of CPU time"]
 fn photons_and_paths_agree_on_gratings() {
     let scene = json!({
         "camera": { "from": [0, 2.2, 5], "at": [0.2, 0.6, 0], "up": [0, 1, 0], "lens": { "pinhole": { "fov": 32 } } },
@@ -243,6 +244,7 @@ fn extreme(row: &[f64], (from, to): (usize, usize), sign: f64) -> f64 {
 /// picture of a narrow slit to its own first dark ring. It is mN/1.22 for N grooves in front of the
 /// stop.
 #[test]
+#[ignore = "nightly: 13 seconds of CPU time"]
 fn a_grating_before_a_round_stop_has_its_resolving_power() {
     for (lines_per_mm, order, stop_mm) in [(600.0, 1.0, 2.0), (300.0, 2.0, 3.0)] {
         let spectroscope = Spectroscope { lines_per_mm, order, stop_mm, nm: 500.0 };

@@ -27,6 +27,7 @@ fn ball(light: &Value, world_m: f64, [x, z]: [f64; 2]) -> Value {
 /// path tracer, whose paths start at the camera, is the reference. The median over several seeds
 /// does not contain rare bright pixels from many reflections inside the ball.
 #[test]
+#[ignore = "nightly: 20 seconds of CPU time"]
 fn a_caustic_does_not_depend_on_the_world_around_it() {
     let sun = json!({ "directional": { "toward": [0.6, -1, 0], "spectrum": "E", "illuminance": 1000,
                                        "angular_diameter": 9 } });
@@ -44,6 +45,7 @@ fn a_caustic_does_not_depend_on_the_world_around_it() {
 
 /// A lamp in the world of a bright sun still gets its share of the photons.
 #[test]
+#[ignore = "nightly: 7 seconds of CPU time"]
 fn a_lamp_beside_the_sun_keeps_its_caustic() {
     let lamp = json!({ "point": { "at": [0, 4, 0], "spectrum": "E", "luminous_flux": 5000 } });
     let lit = |world_m, lights: &[&Value]| {
@@ -118,6 +120,7 @@ fn a_camera_in_the_fog_of_a_large_world_sees_a_furnace() {
 /// of the light comes from the ground below the sphere. Of the photons that arrive far away, few
 /// are scattered to the sphere, and they must not carry most of the power.
 #[test]
+#[ignore = "nightly: 8 seconds of CPU time"]
 fn ground_around_the_view_lights_a_sphere() {
     let scene = json!({
         "camera": { "from": [0, 0.1, 1], "at": [0, 0.8, 0], "lens": { "pinhole": { "fov": 20 } } },
@@ -139,6 +142,7 @@ fn ground_around_the_view_lights_a_sphere() {
 /// from the fog also lights the fog. Few photons that arrive there are scattered to the fog, and
 /// they must not be so heavy that most pixels are too dark. The median of the pixels shows this.
 #[test]
+#[ignore = "nightly: 9 seconds of CPU time"]
 fn distant_ground_lights_a_body_of_fog() {
     let scene = json!({
         "camera": { "from": [0, 1.4, 2.6], "at": [0, 0.45, 0], "lens": { "pinhole": { "fov": 39 } } },

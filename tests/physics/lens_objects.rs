@@ -147,6 +147,7 @@ fn an_eye_gathers_parallel_light_on_its_retina() {
 }
 
 #[test]
+#[ignore = "nightly: 10 seconds of CPU time"]
 fn a_caustic_seen_through_a_lens_system_is_sharp() {
     // A beam that a ball focuses on the wall, beside the lens axis. The beam comes from the side,
     // so that the ball does not hide the view.

@@ -63,6 +63,7 @@ fn reflectance(layers: &[(f64, f64)], nm: f64) -> f64 {
 /// Relative to the lens without losses, the image has the irradiance T². The ghost of the plate has
 /// R² times the irradiance of the image, for each colour, without and with a coating.
 #[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
 fn a_plate_has_the_image_and_the_ghost_of_a_closed_form() {
     let layers = [(1.5, 120.0), (2.4, 50.0)];
     let films = json!({ "layers": layers.map(|(n, nm)| json!({ "ior": n, "thickness_nm": nm })) });

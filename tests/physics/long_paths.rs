@@ -27,6 +27,7 @@ fn sphere_luminance(reflectance: f64) -> f64 {
 
 /// A sphere of reflectance ρ multiplies direct light by 1/(1 − ρ). No setting limits the paths.
 #[test]
+#[ignore = "nightly: 9 seconds of CPU time"]
 fn a_white_sphere_keeps_all_reflections() {
     for (reflectance, passes) in [(0.95, (16, 128)), (0.985, (24, 256))] {
         for (integrator, passes) in [(Integrator::Photon, passes.0), (Integrator::Path, passes.1)] {

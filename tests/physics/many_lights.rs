@@ -93,6 +93,7 @@ fn lamps_of_all_kinds_light_a_floor() {
 /// A hundred equal lamps in a circle, a third of them behind a wall. Most of the light comes from
 /// lamps that the trials before pass 0 do not name.
 #[test]
+#[ignore = "nightly: 14 seconds of CPU time"]
 fn a_hundred_equal_lamps_light_a_floor() {
     let places: Vec<DVec3> = (0..100)
         .map(|i| {
@@ -112,6 +113,7 @@ fn a_hundred_equal_lamps_light_a_floor() {
 /// A rectangle of 32 triangles. A light tree selects one of the triangles. With more than eight
 /// lights, the triangles are in the tree of all lights.
 #[test]
+#[ignore = "nightly: 14 seconds of CPU time"]
 fn a_luminous_mesh_lights_a_floor() {
     let (flux, width, depth, height) = (500.0, 0.8, 0.5, 0.9);
     let mesh = json!({ "shape": { "mesh": { "path": "physics/panel.obj" } }, "material": "black",

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 const FILM: usize = 8;
 const BLOCK: usize = 4;
 
-const SEEDS: std::ops::Range<u64> = 0..6;
+const SEEDS: std::ops::Range<u64> = 0..5;
 
 /// The radiance of the lamp in W/(m² sr), and its side in m.
 const RADIANCE: f64 = 20.0;
@@ -58,7 +58,7 @@ fn blocks(rendered: &Rendered) -> Vec<f64> {
 
 fn picture(scene: &Value, first_seed: u64) -> Measured {
     let seeds = first_seed..first_seed + SEEDS.end;
-    Measured::new(scene, (Integrator::Photon, 12), seeds, blocks)
+    Measured::new(scene, (Integrator::Photon, 4), seeds, blocks)
 }
 
 fn meter(scene: &Value, first_seed: u64) -> Measured {
@@ -79,8 +79,8 @@ fn estimators_of_transmittance_agree_on_all_paths() {
     let [known, known_lux] = [picture(&exact, 0), meter(&exact, 0)];
     for (i, name) in ["ratio", "march"].into_iter().enumerate() {
         let seed = 100 * (i as u64 + 1);
-        assert_same(&format!("picture, {name}"), &known, &picture(&scene(name), seed), 2e-2);
-        assert_same(&format!("meter, {name}"), &known_lux, &meter(&scene(name), seed), 2e-2);
+        assert_same(&format!("picture, {name}"), &known, &picture(&scene(name), seed), 5e-2);
+        assert_same(&format!("meter, {name}"), &known_lux, &meter(&scene(name), seed), 5e-2);
     }
 }
 
@@ -93,11 +93,11 @@ fn points_and_beams_aim_and_wavelengths_agree() {
         (
             "points in place of beams",
             with_setting(&forced(json!(["volume-photons"])), "forbid", json!(["photon-beams"])),
-            2e-2,
+            5e-2,
         ),
-        ("no aim", with_setting(&exact, "forbid", json!(["aim"])), 2e-2),
-        ("shared wavelengths", forced(json!(["shared"])), 5e-2),
-        ("a map of direct light", with_setting(&exact, "light_map", json!({"resolution": 32})), 2e-2),
+        ("no aim", with_setting(&exact, "forbid", json!(["aim"])), 5e-2),
+        ("shared wavelengths", forced(json!(["shared"])), 7e-2),
+        ("a map of direct light", with_setting(&exact, "light_map", json!({"resolution": 32})), 5e-2),
     ];
     for (i, (name, scene, noise)) in variants.iter().enumerate() {
         assert_same(name, &known, &picture(scene, 100 * (i as u64 + 1)), *noise);
@@ -130,7 +130,7 @@ fn each_form_of_the_lamp_gives_the_same_light() {
     mesh["objects"][LAMP]["shape"] = json!({ "triangles": {
         "positions": [[-h, 0, -h], [h, 0, -h], [h, 0, h], [-h, 0, h]], "indices": [[0, 2, 1], [0, 3, 2]]
     } });
-    assert_same("triangles", &picture(&scene("exact"), 0), &picture(&mesh, 100), 2e-2);
+    assert_same("triangles", &picture(&scene("exact"), 0), &picture(&mesh, 100), 5e-2);
 }
 
 #[test]

@@ -94,6 +94,7 @@ fn too_few_steps_through_a_medium_are_reported_as_bias() {
 }
 
 #[test]
+#[ignore = "nightly: 19 seconds of CPU time"]
 fn tracked_attenuation_is_exact_in_the_mean() {
     for way in [Integrator::Photon, Integrator::Path] {
         let thin = [1e-8_f64, 0.1].map(|depth| (depth, 16));
@@ -153,6 +154,7 @@ fn thin_white_fog_in_uniform_surroundings() {
 }
 
 #[test]
+#[ignore = "nightly: 11 seconds of CPU time"]
 fn white_fog_in_uniform_surroundings() {
     // The photons are more than the largest number of beams, so only a part of them is stored.
     furnace::check("fog, g = 0, optical depth 2", &white_ball(2.0, 0.0), (Integrator::Photon, 64));
@@ -160,6 +162,7 @@ fn white_fog_in_uniform_surroundings() {
 }
 
 #[test]
+#[ignore = "nightly: 12 seconds of CPU time"]
 fn dense_white_fog_in_uniform_surroundings() {
     furnaces(20.0, (Integrator::Path, 128));
 }

@@ -63,6 +63,7 @@ fn overlapping_media_obey_priority_then_nesting() {
 }
 
 #[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
 fn inner_bodies_displace_the_medium_around_them() {
     let materials = json!({ "near": { "boundary": { "medium": "near" } }, "far": { "boundary": { "medium": "far" } } });
     let inside = before_a_bright_wall(materials.clone(), vec![layer("near", [1.0, 4.0]), layer("far", [2.0, 3.0])]);
@@ -145,6 +146,7 @@ fn a_beam_that_starts_half_inside_a_body_is_half_absorbed() {
 /// A ball of a liquid that scatters. The absorption is a property of the medium, or of the
 /// body around the medium. Both descriptions mean the same light.
 #[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
 fn absorption_of_the_body_or_of_its_medium_is_the_same_light() {
     let ball = |of_medium: f64, of_body: f64| {
         json!({
@@ -214,6 +216,7 @@ fn a_lamp_and_a_camera_inside_a_grid() {
 }
 
 #[test]
+#[ignore = "nightly: 7 seconds of CPU time"]
 fn a_lamp_in_a_node_of_a_grid_is_as_one_beside_it() {
     // The nine nodes of the grid lie at x = y = 0 and z = −8/9, −6/9, … 8/9. The light is outside
     // the view.

@@ -50,6 +50,7 @@ fn blocks(picture: &Picture, largest: f64) -> Vec<f64> {
 /// The coarse picture has the size of the film and shows the scene. The render is the same, bit by
 /// bit, as without a coarse picture.
 #[test]
+#[ignore = "nightly: 10 seconds of CPU time"]
 fn a_coarse_picture_shows_the_scene_and_leaves_the_render_unchanged() {
     for (scene, integrator) in [
         ("cornell", Integrator::Photon),

@@ -44,6 +44,7 @@ fn ball(material: &str, centre: [f64; 3], radius: f64) -> Value {
 }
 
 #[test]
+#[ignore = "nightly: 19 seconds of CPU time"]
 fn glass_in_light_of_one_wavelength_needs_no_dispersion() {
     let line = |width: f64| lamp(json!({ "lines": [{ "nm": 589.3, "power": 1, "fwhm_nm": width }] }));
     let with = |lights| floor(&[ball("flint", [0.0, 0.5, 0.0], 0.4)], lights);

@@ -112,6 +112,7 @@ fn a_ledger_notices_a_loss_of_one_part_in_ten_thousand() {
 }
 
 #[test]
+#[ignore = "nightly: 32 seconds of CPU time"]
 fn every_example_scene_balances_and_rejects_nothing() {
     let names = example_names();
     assert!(names.len() >= 8, "{names:?}");
@@ -257,6 +258,7 @@ fn a_camera_inside_glass_sees_radiance_times_n_squared() {
 }
 
 #[test]
+#[ignore = "nightly: 9 seconds of CPU time"]
 fn shared_and_free_photons_give_the_same_floor() {
     // The camera sees only the floor. The dispersive ball is beside the view and casts its caustic
     // into it.

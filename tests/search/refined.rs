@@ -35,7 +35,8 @@ fn refine_material(material: &mut Value, rng: &mut Pcg, smooth: bool) {
         material["diffuse"]["reflectance"] =
             json!({ pattern: { "a": old, "b": spectra::reflectance(rng, 0.8), "scale": rng.between(2.0, 6.0) } });
     }
-    if smooth && (material["thin_dielectric"].is_object() || material["mirror"].is_object()) && rng.chance(0.5) {
+    let may_be_grating = ["thin_dielectric", "mirror", "translucent"].iter().any(|kind| material[kind].is_object());
+    if smooth && may_be_grating && rng.chance(0.7) {
         *material = json!({ "grating": {
             "lines_per_mm": rng.log_between(100.0, 1000.0), "transmittance": 0.6, "reflectance": 0.3,
             "angle": rng.between(0.0, 180.0)
