@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 /// Finds the object forms in the schema of a type, and returns their keys.
 fn object_forms<T: JsonSchema>() -> Vec<String> {
     let schema = schemars::schema_for!(T);
-    let choices = schema.get("anyOf").and_then(serde_json::Value::as_array).unwrap();
+    let choices = schema.get("anyOf").and_then(serde_json::Value::as_array).expect("a list of forms");
     let keys = choices.iter().filter_map(|choice| choice.get("required")?.get(0)?.as_str());
     keys.map(str::to_string).collect()
 }

@@ -205,12 +205,11 @@ impl PictureFile {
         let mut buffer = vec![0; reader.output_buffer_size().ok_or_else(|| unreadable(&"it is too large"))?];
         let frame = reader.next_frame(&mut buffer).map_err(|error| unreadable(&error))?;
         buffer.truncate(frame.buffer_size());
-        let components: Vec<f32> = match frame.bit_depth {
-            png::BitDepth::Sixteen => {
-                let codes = buffer.as_chunks().0.iter().map(|code| u16::from_be_bytes(*code));
-                codes.map(|code| f32::from(code) / f32::from(u16::MAX)).collect()
-            }
-            _ => buffer.iter().map(|code| f32::from(*code) / f32::from(u8::MAX)).collect(),
+        let components: Vec<f32> = if frame.bit_depth == png::BitDepth::Sixteen {
+            let codes = buffer.as_chunks().0.iter().map(|code| u16::from_be_bytes(*code));
+            codes.map(|code| f32::from(code) / f32::from(u16::MAX)).collect()
+        } else {
+            buffer.iter().map(|code| f32::from(*code) / f32::from(u8::MAX)).collect()
         };
         let pixels = match frame.color_type {
             png::ColorType::Grayscale => components.iter().map(|&v| [v, v, v, 1.0]).collect(),

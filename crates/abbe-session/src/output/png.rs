@@ -186,9 +186,10 @@ fn rgb16(bytes: &[u8]) -> std::result::Result<(usize, usize, Vec<[u16; 3]>), ::p
     let mut buffer = vec![0; size];
     let frame = reader.next_frame(&mut buffer)?;
     buffer.truncate(frame.buffer_size());
-    let codes: Vec<u16> = match frame.bit_depth {
-        BitDepth::Sixteen => buffer.as_chunks().0.iter().map(|code| u16::from_be_bytes(*code)).collect(),
-        _ => buffer.iter().map(|code| u16::from(*code) * 257).collect(),
+    let codes: Vec<u16> = if frame.bit_depth == BitDepth::Sixteen {
+        buffer.as_chunks().0.iter().map(|code| u16::from_be_bytes(*code)).collect()
+    } else {
+        buffer.iter().map(|code| u16::from(*code) * 257).collect()
     };
     let pixels = codes.chunks_exact(frame.color_type.samples()).map(|pixel| match *pixel {
         [r, g, b, ..] => [r, g, b],

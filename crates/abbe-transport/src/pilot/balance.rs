@@ -6,8 +6,8 @@
 //!
 //! > V = `traced`/N + `surfaces`/(q N) + `media`/(m N) + `camera`/S,
 //!
-//! > W = `pass` + (`trace` + q `store_on_surfaces` + m `store_in_media`) N + (`sample` + (q
-//! `gather_on_surfaces` + m `gather_in_media`) N) S,
+//! > W = `pass` + (`trace` + q `store_on_surfaces` + m `store_in_media`) N
+//! > + (`sample` + (q `gather_on_surfaces` + m `gather_in_media`) N) S,
 //!
 //! because the kernels of a camera sample contain more photons if a pass stores more. After n
 //! passes, the variance is V/n and the work n W, so the error at equal time is least where V W is
