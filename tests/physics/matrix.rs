@@ -74,6 +74,7 @@ fn meter(scene: &Value, first_seed: u64) -> Measured {
 }
 
 #[test]
+#[ignore = "nightly: 80 seconds of CPU time"]
 fn estimators_of_transmittance_agree_on_all_paths() {
     let exact = scene("exact");
     let [known, known_lux] = [picture(&exact, 0), meter(&exact, 0)];
@@ -85,6 +86,7 @@ fn estimators_of_transmittance_agree_on_all_paths() {
 }
 
 #[test]
+#[ignore = "nightly: 60 seconds of CPU time"]
 fn points_and_beams_aim_and_wavelengths_agree() {
     let exact = scene("exact");
     let known = picture(&exact, 0);

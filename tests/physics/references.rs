@@ -93,6 +93,7 @@ fn s1_floor_and_caustic() {
 }
 
 #[test]
+#[ignore = "nightly: 14 seconds of CPU time"]
 fn s2_spectrum() {
     Benchmark::read("s2_prism").agrees("S2", &[("spectrum", pixels([110, 145], [20, 200]))], [1, 32], 0.003);
 }

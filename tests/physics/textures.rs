@@ -10,6 +10,7 @@ use std::f64::consts::PI;
 /// A white surface stays white if its reflectance, its roughness and the weights of its components
 /// are textures.
 #[test]
+#[ignore = "nightly: 9 seconds of CPU time"]
 fn a_white_textured_ball_is_a_furnace() {
     let white = json!({ "checker": { "a": 1, "b": { "noise": { "a": 1, "b": 1, "scale": 3 } }, "scale": 7 } });
     let roughness = json!({ "noise": { "a": 0.2, "b": 0.9, "scale": 4 } });
@@ -155,6 +156,7 @@ fn photons_and_paths_agree_under_a_lamp_with_a_slide() {
 /// A glass ball above a textured floor. The path tracer does not filter textures, so the comparison
 /// also tests the filter of the camera paths.
 #[test]
+#[ignore = "nightly: 15 seconds of CPU time"]
 fn photons_and_paths_agree_on_a_textured_floor_under_a_glass_ball() {
     let mut scene = ball_under_a_lamp();
     scene["materials"]["grey"] = diffuse(
