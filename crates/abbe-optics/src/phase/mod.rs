@@ -33,7 +33,7 @@ pub enum PhaseFunction {
     Isotropic,
     /// Scattering by particles much smaller than the wavelength.
     Rayleigh,
-    /// The Henyey–Greenstein phase function with |g| ≤ [`MAX_MEAN_COSINE`](super::MAX_MEAN_COSINE) at every wavelength.
+    /// The Henyey–Greenstein phase function with |g| ≤ [`MAX_MEAN_COSINE`] at every wavelength.
     HenyeyGreenstein {
         /// Asymmetry parameter g(λ), the mean cosine of the scattering angle.
         g: Spectrum,

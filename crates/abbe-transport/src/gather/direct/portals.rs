@@ -51,7 +51,7 @@ impl PortalSpheres {
         self.0[number].sample_direction(from, u).0
     }
 
-    /// Returns the density of [`Self::sample`] per steradian.
+    /// Returns the density of `Self::sample` per steradian.
     pub fn pdf(&self, from: DVec3, direction: DVec3) -> f64 {
         let sum: f64 = self.0.iter().map(|sphere| sphere.pdf_direction(from, direction)).sum();
         sum / self.0.len() as f64
