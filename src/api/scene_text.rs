@@ -10,7 +10,7 @@ use abbe_spectra::{Error, Result};
 pub struct SceneText {
     /// The text in the form of a scene file.
     pub text: String,
-    /// What the conversion of another program's scene added and left out. Empty for a scene file.
+    /// The notes of a conversion say what it added and left out. A scene file has none.
     pub notes: Vec<String>,
 }
 

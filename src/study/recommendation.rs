@@ -35,7 +35,7 @@ struct TriedSettings<'a> {
     settings: RenderSettings,
     points: Vec<&'a ConvergencePoint>,
     render_time: RenderTime,
-    /// Of the error beyond the measurements, or `None` if the error hardly falls.
+    /// The slope of the error beyond the measurements, or `None` if the error hardly falls.
     slope: Option<f64>,
 }
 

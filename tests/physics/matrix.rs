@@ -4,10 +4,10 @@
 //! Light crosses the smoke on every kind of path: along the rays of the camera and of the meter, on
 //! shadow rays to the lamp, on connections of photons to the camera, and as photons and beams.
 
-use super::meters::measure;
+use super::meters::{measure, readings};
 use crate::common::compare::{Measured, assert_same};
 use crate::common::{all_y, block_means, diffuse, with_setting};
-use abbe_session::render::{Integrator, Rendered, Value as Reading};
+use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 
 /// Pixels per side of the film, and of a block.
@@ -64,11 +64,7 @@ fn picture(scene: &Value, first_seed: u64) -> Measured {
 fn meter(scene: &Value, first_seed: u64) -> Measured {
     let run = |seed: u64| {
         let report = measure(&with_setting(scene, "seed", first_seed + seed), None, 4);
-        let values = report.meters.iter().flat_map(|meter| &meter.points).map(|point| match point.value {
-            Reading::Number(lux) => lux,
-            Reading::Spectrum(_) => panic!("an illuminance is a number"),
-        });
-        values.collect()
+        readings(&report).into_iter().map(|[lux, _, _]| lux).collect()
     };
     Measured::from_runs(SEEDS.map(run).collect())
 }

@@ -38,7 +38,7 @@ fn reading(point: &PointReport) -> [f64; 3] {
 }
 
 /// All points of all meters.
-fn readings(report: &MeasurementReport) -> Vec<[f64; 3]> {
+pub(crate) fn readings(report: &MeasurementReport) -> Vec<[f64; 3]> {
     report.meters.iter().flat_map(|meter| meter.points.iter().map(reading)).collect()
 }
 

@@ -37,9 +37,9 @@ const PASSES: [u64; 2] = [8, 192];
 /// one.
 const COMPARISONS: u32 = 3;
 
-/// Scenes whose first comparisons are left out. In scene 126, the path tracer seldom finds the light
-/// that shines through balls of rough glass in balls of rough glass, but this light is bright. The
-/// spread of few passes is then much smaller than their error.
+/// Scenes whose first comparisons are left out. In scene 126, the path tracer seldom finds the
+/// light that shines through balls of rough glass in balls of rough glass, but this light is
+/// bright. The spread of few passes is then much smaller than their error.
 const HEAVY_TAILS: [(u64, u32); 1] = [(126, 5)];
 
 /// Pictures are compared again if equal pictures differ so much with this probability or less.

@@ -1,10 +1,10 @@
 //! The scene file of the renderer Abbe: strict JSON, its JSON Schema, and its resolution.
 //!
-//! [`read()`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and deserialises
-//! it into the types of this crate, which check the ranges of single values. Then the module
-//! [`resolve`] looks up names, reads the other files that the scene names, and converts everything
-//! to SI units. Every error states its line, its column and its JSON path, and suggests a similar
-//! name if one exists.
+//! [`read()`] reads a file into a [`SceneFile`]. The module [`json`] parses the text and
+//! deserialises it into the types of this crate, which check the ranges of single values. Then the
+//! module [`resolve`] looks up names, reads the other files that the scene names, and converts
+//! everything to SI units. Every error states its line, its column and its JSON path, and suggests
+//! a similar name if one exists.
 //!
 //! ```
 //! use abbe_format::{parse, resolve::resolve};
@@ -48,8 +48,6 @@
 //!
 //! [`abbe_scene`] is the result, [`abbe_optics`] finds glasses and lenses, and [`abbe_spectra`]
 //! spectra.
-
-#![allow(missing_docs, reason = "a field or a method whose name says what it is needs no doc")]
 
 mod camera;
 mod check;

@@ -29,15 +29,12 @@ impl PictureFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read or is not a picture. The error contains the name of
-    /// the file.
+    /// Returns an error if the file cannot be read or is not a picture. The error contains the name
+    /// of the file.
     pub fn read(path: &Path) -> Result<Self> {
         let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-        let read = || match is_exr {
-            true => read_exr(path),
-            false => Self::decode(&std::fs::read(path).map_err(|error| unreadable(&error))?),
-        };
-        read().map_err(|error| error.in_file(path))
+        let decode = || Self::decode(&std::fs::read(path).map_err(|error| unreadable(&error))?);
+        if is_exr { read_exr(path) } else { decode() }.map_err(|error| error.in_file(path))
     }
 
     /// Decodes the contents of a PNG, JPEG or Radiance HDR file.

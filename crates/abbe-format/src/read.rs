@@ -10,10 +10,10 @@ use std::path::Path;
 /// Reads a scene file and applies the patches `sets` (`PATH=JSON`) in their order.
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, is larger than [`MAX_BYTES`](crate::MAX_BYTES) or is
-/// not JSON, if a patch cannot be applied, if a key is unknown, or if a value has a wrong type or is
-/// out of range. The error contains up to [`MAX_FAULTS`](abbe_spectra::error::MAX_FAULTS) faults,
-/// each with its line, column and JSON path if it has a position in the file.
+/// Returns an error if the file cannot be read, is larger than [`MAX_BYTES`](crate::MAX_BYTES) or
+/// is not JSON, if a patch cannot be applied, if a key is unknown, or if a value has a wrong type
+/// or is out of range. The error contains up to [`MAX_FAULTS`](abbe_spectra::error::MAX_FAULTS)
+/// faults, each with its line, column and JSON path if it has a position in the file.
 pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
     parse(read_scene_text(path)?, path, sets)
 }

@@ -26,7 +26,8 @@ impl ImportedScene {
 
     /// Applies an overlay: a small JSON file that replaces or changes materials, lights and objects
     /// of the scene by their names. It may also change the camera, the film and the render
-    /// settings, and add lights and objects. Its paths are relative to the folder of the scene file.
+    /// settings, and add lights and objects. Its paths are relative to the folder of the scene
+    /// file.
     ///
     /// # Errors
     /// Returns an error with its position in the overlay if the overlay cannot be read, or if it

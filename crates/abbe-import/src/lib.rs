@@ -40,8 +40,6 @@
 //! [`abbe_format`] defines the scene file and reads meshes; [`abbe_scene`], [`abbe_optics`] and
 //! [`abbe_spectra`] supply the model and the names of spectra and glasses.
 
-#![allow(missing_docs, reason = "a field or a method whose name says what it is needs no doc")]
-
 mod dark_outside;
 mod gltf;
 mod imported_scene;

@@ -45,8 +45,6 @@
 //!
 //! [`abbe_spectra`] supplies spectra, and [`abbe_optics`] the scattering functions of materials.
 
-#![allow(missing_docs, reason = "a field or a method whose name says what it is needs no doc")]
-
 mod animation;
 mod body_ranks;
 pub mod builder;

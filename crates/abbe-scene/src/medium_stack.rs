@@ -173,7 +173,8 @@ mod tests {
 
     #[test]
     fn a_full_stack_keeps_its_dominant_bodies() {
-        // Body 0 dominates the refraction, and body 1 (smoke without a surface) dominates the medium.
+        // Body 0 dominates the refraction, and body 1 (smoke without a surface) dominates the
+        // medium.
         let rank = |object| match object {
             0 => BodyPriority { priority: 5, refracts: true },
             1 => BodyPriority { priority: 9, refracts: false },

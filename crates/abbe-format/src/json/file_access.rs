@@ -19,8 +19,9 @@ impl FileAccess {
     /// allows all files can recognise the error and add the name of the option.
     pub const EXPECTED_WITHIN_FOLDER: &str = "a path within the folder of the file that names it";
 
-    /// Returns the path of a file that is relative to `folder`. Symbolic links are followed, even out
-    /// of the folder, because whoever created the link could have copied the file into the folder.
+    /// Returns the path of a file that is relative to `folder`. Symbolic links are followed, even
+    /// out of the folder, because whoever created the link could have copied the file into the
+    /// folder.
     ///
     /// # Errors
     /// Returns an error if the access is [`Self::WithinFolder`] and the path is absolute or leads

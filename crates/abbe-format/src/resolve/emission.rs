@@ -10,9 +10,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 impl Resolver<'_> {
-    /// Resolves the emission of a medium. `absorption` is the absorption coefficient at density 1 in
-    /// 1/m, and `temperature` the temperature field in K. The scale of an emission with a `power` is
-    /// arbitrary, because the scene builder sets it when the volume is known.
+    /// Resolves the emission of a medium. `absorption` is the absorption coefficient at density 1
+    /// in 1/m, and `temperature` the temperature field in K. The scale of an emission with a
+    /// `power` is arbitrary, because the scene builder sets it when the volume is known.
     pub(super) fn medium_emission(
         &self,
         at: &JsonPath,

@@ -65,9 +65,9 @@ impl Resolver<'_> {
         Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, tone, exposure, layers })
     }
 
-    /// Returns the luminance L, in cd/m², that appears white on a film with the saturation-based ISO
-    /// speed S (ISO 12232): q·L·t/N² = 78/S lx·s, with the shutter time t in s, the f-number N, and
-    /// q = 0.65 for the losses of the lens.
+    /// Returns the luminance L, in cd/m², that appears white on a film with the saturation-based
+    /// ISO speed S (ISO 12232): q·L·t/N² = 78/S lx·s, with the shutter time t in s, the f-number N,
+    /// and q = 0.65 for the losses of the lens.
     fn white_luminance(&self, at: &JsonPath, iso: f64, lens: &LensFile) -> Result<f64> {
         let f_number = match lens {
             LensFile::Pinhole { fov: _ } | LensFile::Orthographic { height: _ } => None,

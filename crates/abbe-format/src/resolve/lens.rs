@@ -10,9 +10,10 @@ use abbe_spectra::error::Result;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Reads a lens from a file: a Zemax lens if the extension is `.zmx`, or else a prescription in JSON
-/// as in a scene file. The glasses of a Zemax lens are looked up in `catalogues`, then in the
-/// catalogues that the lens file names and that are in its folder, and last among the built-in ones.
+/// Reads a lens from a file: a Zemax lens if the extension is `.zmx`, or else a prescription in
+/// JSON as in a scene file. The glasses of a Zemax lens are looked up in `catalogues`, then in the
+/// catalogues that the lens file names and that are in its folder, and last among the built-in
+/// ones.
 ///
 /// # Errors
 /// Returns an error with its place if the file cannot be read or is not a valid lens file.

@@ -75,7 +75,8 @@ pub fn resolve(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     about_view(|centre| Resolver::new(scene, source, ResolvedFor::Picture(camera, film), centre))
 }
 
-/// Resolves the meters of a scene instead of its camera and its film, with the errors of [`resolve`].
+/// Resolves the meters of a scene instead of its camera and its film, with the errors of
+/// [`resolve`].
 pub fn resolve_meters(scene: &SceneFile, source: &JsonSource) -> Result<Scene> {
     if scene.meters.is_empty() {
         return Err(source.fault(&JsonPath::Root, "the scene has no meters", "at least one entry in `meters`"));

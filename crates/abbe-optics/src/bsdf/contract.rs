@@ -1,7 +1,7 @@
 //! The contract test of all BSDFs.
 //!
-//! A case is a BSDF between two media, tested from both sides at several angles and wavelengths. The
-//! seeds are fixed, because the χ² tests and the mean tests have about 10⁻⁵ false alarms each.
+//! A case is a BSDF between two media, tested from both sides at several angles and wavelengths.
+//! The seeds are fixed, because the χ² tests and the mean tests have about 10⁻⁵ false alarms each.
 
 mod films;
 mod grid;

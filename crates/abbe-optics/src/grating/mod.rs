@@ -109,7 +109,8 @@ impl Grating {
         self.profile.total(|| sum) * fraction
     }
 
-    /// Returns the fraction of the power that all orders that propagate share; see [`Self::orders`].
+    /// Returns the fraction of the power that all orders that propagate share; see
+    /// [`Self::orders`].
     pub fn total_efficiency(&self, incident: DVec3, index: f64, nm: f64) -> f64 {
         self.profile.total(|| self.scalar_sum(incident, index, nm))
     }

@@ -5,14 +5,18 @@ use super::{Emitter, LiSample, Light};
 impl Light {
     /// Returns true if the light is a luminaire with a luminous surface, which may glare.
     pub fn is_luminaire(&self) -> bool {
-        let is_extended = |emitter: &Emitter| matches!(emitter, Emitter::Goniometric(light) if !light.is_point());
-        matches!(self.emitter, Emitter::Area(_)) || is_extended(&self.emitter)
+        if let Emitter::Goniometric(light) = &self.emitter {
+            return !light.is_point();
+        }
+        matches!(self.emitter, Emitter::Area(_))
     }
 
     /// Returns true if the light is a lamp without a surface, so that its luminance is infinite.
     pub fn has_infinite_luminance(&self) -> bool {
-        let is_point = |emitter: &Emitter| matches!(emitter, Emitter::Goniometric(light) if light.is_point());
-        matches!(self.emitter, Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_)) || is_point(&self.emitter)
+        if let Emitter::Goniometric(light) = &self.emitter {
+            return light.is_point();
+        }
+        matches!(self.emitter, Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_))
     }
 
     /// Returns the solid angle that a sample of a luminaire stands for, whose mean over all samples

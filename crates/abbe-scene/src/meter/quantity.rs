@@ -138,7 +138,8 @@ impl Quantity {
         }
     }
 
-    /// Returns true if the quantity is a radiance or a luminance, so that the sensor must be a cone.
+    /// Returns true if the quantity is a radiance or a luminance, so that the sensor must be a
+    /// cone.
     pub fn is_radiance(self) -> bool {
         matches!(self, Self::Luminance | Self::Radiance)
     }

@@ -6,8 +6,8 @@
 //! - The variance of kernel estimates falls as n^(−2/3), because the kernel radius shrinks (Knaus &
 //!   Zwicker 2011).
 //! - The squared bias of kernel estimates falls as n^(−2/3) in smooth illumination, but only as
-//!   n^(−1/6) near an edge, where the width of the blurred strip shrinks. Pictures contain both, and
-//!   n^(−1/2) fits their squared bias.
+//!   n^(−1/6) near an edge, where the width of the blurred strip shrinks. Pictures contain both,
+//!   and n^(−1/2) fits their squared bias.
 //! - The variance of all other samples falls as 1/n if they are independent (for example, photons
 //!   connected to the camera), and as fast as 1/n² if they are stratified (for example, in a pixel
 //!   that contains the edge of a light). The error history of the picture decides.

@@ -3,8 +3,8 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-/// Decodes an address that contains its data in base 64. Returns `None` if the address names a file,
-/// and `Some(None)` if its data is not valid.
+/// Decodes an address that contains its data in base 64. Returns `None` if the address names a
+/// file, and `Some(None)` if its data is not valid.
 pub(super) fn decoded_data(uri: &str) -> Option<Option<Vec<u8>>> {
     let encoded = uri.strip_prefix("data:")?.split_once(";base64,");
     Some(encoded.and_then(|(_, encoded)| STANDARD.decode(encoded).ok()))

@@ -100,8 +100,8 @@ fn parse(bytes: &[u8]) -> Result<(Value, Option<Vec<u8>>)> {
     Ok((serde_json::from_slice(&file.json).map_err(malformed)?, file.bin.map(Cow::into_owned)))
 }
 
-/// Converts the JSON values to the types of the crate `gltf`. The crate `gltf` contains the compiled
-/// deserialiser of a text, whereas a deserialiser of values would take seconds to compile.
+/// Converts the JSON values to the types of the crate `gltf`. The crate `gltf` contains the
+/// compiled deserialiser of a text, whereas a deserialiser of values would take seconds to compile.
 fn root_of(value: Value) -> Result<Root> {
     let text = value.to_string();
     drop(value);

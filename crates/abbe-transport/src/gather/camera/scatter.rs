@@ -57,9 +57,10 @@ impl<'a> CameraPass<'a> {
             return false;
         }
         let model = interaction.bsdf.model;
-        let refracts = matches!(model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_));
-        let is_dispersive = interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
-        (refracts && is_dispersive) || matches!(model, Bsdf::Grating(_))
+        if matches!(model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_)) {
+            return interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
+        }
+        matches!(model, Bsdf::Grating(_))
     }
 
     /// Scatters a free path at dispersive glass: the reflected path stays free, and the refracted
