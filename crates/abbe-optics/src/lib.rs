@@ -1,9 +1,13 @@
 //! Optics of surfaces, media and lenses, by wavelength: glasses, thin films, gratings, lens
 //! designs, BSDFs and phase functions.
 //!
-//! All functions depend on angle, refractive index and wavelength alone, and none on a scene, so
-//! the crate also serves as a calculator: for the index of a glass, the reflectance of a coating,
-//! the efficiencies of a grating, or the spot sizes of a Zemax lens.
+//! No function depends on a scene: each takes wavelengths, directions and the properties of a
+//! surface, a medium or a lens. The crate therefore also serves as a calculator: for the index of a
+//! glass, the reflectance of a coating, the efficiencies of a grating, or the spot sizes of a Zemax
+//! lens.
+//!
+//! To add a glass, a material or a phase function, follow the recipe in `CONTRIBUTING.md`. A new
+//! material is a file in `src/bsdf/`, and a new phase function is a file in `src/phase/`.
 //!
 //! ```
 //! use abbe_optics::glass::{RefractiveIndex, lines};
@@ -44,16 +48,18 @@
 //!
 //! # Units and conventions
 //!
-//! Wavelengths are in nm, in air; lens prescriptions are in mm and scenes in m. The complex index
-//! is n + ik, and k > 0 absorbs. In the local frame of a surface, z is the outward normal, and `wo`
-//! and `wi` both point away from the surface. The cosine of a phase function is that between the
-//! directions of propagation, so forward scattering has +1. A roughness α is that of the GGX
-//! distribution.
+//! A wavelength is given in nm, as measured in air. Lens prescriptions are in mm and scenes in m.
+//! The complex index is n + ik, and k > 0 absorbs. In the local frame of a surface, z is the
+//! outward normal. Paths arrive along −`wo` and continue along `wi`, so both vectors point away
+//! from the surface. The cosine of a phase function is that between the directions of propagation,
+//! so forward scattering has +1. A roughness α is that of the GGX distribution.
 //!
 //! # Dependencies
 //!
 //! The crate depends on [`abbe_spectra`], whose [`Spectrum`](abbe_spectra::Spectrum) and
-//! [`Error`](abbe_spectra::Error) appear in its interface.
+//! [`Error`](abbe_spectra::Error) appear in its interface. `abbe-scene` depends on this crate and
+//! stores its materials, media and lenses, and `abbe-transport` evaluates them. `abbe-format`,
+//! `abbe-import`, `abbe-session` and the program `abbe` depend on it too.
 
 #![warn(missing_docs)]
 

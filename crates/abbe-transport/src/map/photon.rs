@@ -38,7 +38,9 @@ impl PhotonPower {
     /// Returns the power of each lane, 0 if the photon no longer carries it.
     #[inline]
     pub fn powers(&self) -> [f32; LANES] {
-        self.power.map(|bits| f32::from_bits(u32::from(bits) << DROPPED_BITS))
+        let [a, b, c, d] = self.power;
+        let power = |bits| f32::from_bits(u32::from(bits) << DROPPED_BITS);
+        [power(a), power(b), power(c), power(d)]
     }
 
     #[inline]

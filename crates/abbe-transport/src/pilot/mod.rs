@@ -1,13 +1,14 @@
 //! The pilot: everything that runs once before pass 0, with its own random streams. It fixes all
 //! data that passes must not learn from each other, the
-//! [`PassParameters`](crate::pass::PassParameters).
+//! [`PassParameters`](crate::pass::PassParameters). `docs/method/pilot.md` describes the
+//! measurements and the reasons for their constants.
 //!
-//! `portals` and `learned_lights` find where shadow rays go, before [`Pilot::run`]. `aims`,
-//! `importance` and `guiding_spheres` learn the emission distributions. `measure` calls `survey`,
-//! `volume_radii`, `volume_samples`, `keep_probability`, `surface_extents` and `sensor_radii` for
-//! the first kernel radii and what belongs to them. `trial`, `small_pass`, `work`, `balance` and
-//! `camera_samples` decide how many photons and camera samples a pass has. `coarse` renders a
-//! picture before the first pass.
+//! `portals` and `learned_lights` find where shadow rays go, before [`Pilot::run`] starts. `aims`,
+//! `importance` and `guiding_spheres` learn the emission distributions. `measure` fixes the first
+//! kernel radii and the photons that media store (`survey`, `volume_radii`, `volume_samples`,
+//! `keep_probability`), and the surface extents (`surface_extents`). `trial`, `small_pass`, `work`,
+//! `balance` and `camera_samples` decide how many photons and camera samples a pass has.
+//! `sensor_radii` fixes the kernels of meters. `coarse` renders a picture before the first pass.
 
 mod aims;
 mod balance;

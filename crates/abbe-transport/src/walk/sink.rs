@@ -37,7 +37,9 @@ impl SensorResponse {
         (0..3).for_each(|component| self.0[component] += response[component] * factor);
     }
 
+    #[inline]
     pub fn scaled(self, factor: f64) -> Self {
-        Self(self.0.map(|component| component * factor))
+        let [x, y, z] = self.0;
+        Self([x * factor, y * factor, z * factor])
     }
 }

@@ -11,7 +11,7 @@ use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias
 use abbe_optics::bsdf::{InterfaceIors, LocalBsdf, TransportMode};
 use abbe_spectra::math::frame::Frame;
 use abbe_spectra::spectrum::LANES;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The least cosine between the normals at the gather point and at a photon. Below it, the photon
 /// is on another surface and is ignored.
@@ -94,7 +94,7 @@ impl<'e> GatherPoint<'e> {
     fn side_of(&self, normal: DVec3, position: [f32; 3]) -> Option<f64> {
         let alignment = normal.dot(self.facing);
         let side = if self.transmits { alignment.signum() } else { 1.0 };
-        let offset = DVec3::from(position.map(f64::from)) - self.position;
+        let offset = Vec3::from(position).as_dvec3() - self.position;
         let aligned = alignment * side > 0.0
             && alignment * alignment >= NORMAL_TOLERANCE * NORMAL_TOLERANCE * normal.length_squared();
         (aligned && offset.dot(self.normal).abs() <= self.height_m).then_some(side)

@@ -211,6 +211,11 @@ struct ClosestApproach {
 /// Lines with a smaller squared sine of their angle are too parallel for single precision.
 const LEAST_SINE2: f32 = 1e-6;
 
+#[inline(always)]
+fn lanes([x, y, z]: [[f32; 8]; 3]) -> [f32x8; 3] {
+    [f32x8::from(x), f32x8::from(y), f32x8::from(z)]
+}
+
 impl ClosestApproach {
     fn new(cone: &QueryCone) -> Self {
         let splat = |values: DVec3| values.to_array().map(|value| f32x8::splat(value as f32));
@@ -228,11 +233,12 @@ impl ClosestApproach {
     /// Rounding may add a piece too many, but never remove one.
     #[inline(always)]
     fn candidates(&self, block: &PieceBlock) -> u32 {
-        let starts = block.starts.map(f32x8::from);
-        let [ux, uy, uz] = block.directions.map(f32x8::from);
+        let [sx, sy, sz] = lanes(block.starts);
+        let [ux, uy, uz] = lanes(block.directions);
         let piece = f32x8::from(block.lengths);
         let [dx, dy, dz] = self.direction;
-        let [wx, wy, wz] = [0, 1, 2].map(|axis| starts[axis] - self.origin[axis]);
+        let [ox, oy, oz] = self.origin;
+        let [wx, wy, wz] = [sx - ox, sy - oy, sz - oz];
         let [nx, ny, nz] = [dy * uz - dz * uy, dz * ux - dx * uz, dx * uy - dy * ux];
         let sine2 = nx * nx + ny * ny + nz * nz;
         let inverse = f32x8::splat(1.0) / sine2;
@@ -241,7 +247,7 @@ impl ClosestApproach {
         let t = dot([wy * uz - wz * uy, wz * ux - wx * uz, wx * uy - wy * ux]) * inverse;
         let s = dot([wy * dz - wz * dy, wz * dx - wx * dz, wx * dy - wy * dx]) * inverse;
         let across = dot([wx, wy, wz]);
-        let [ax, ay, az] = starts.map(f32x8::abs);
+        let [ax, ay, az] = [sx.abs(), sy.abs(), sz.abs()];
         let rounding = f32x8::splat(32.0 * f32::EPSILON) * (ax.max(ay).max(az) + self.largest + piece) * inverse;
         let radius = self.radius + self.slope * (t + rounding) + rounding;
         let near = (t + rounding).simd_ge(f32x8::ZERO)
