@@ -30,7 +30,7 @@ impl Drop for Browser {
 impl Browser {
     /// Starts a browser with a window of this size. If none is installed, returns `None`, or
     /// panics under `ABBE_REQUIRE_EXTERNAL`, which `tests/run --external` sets.
-    pub(crate) fn start((width, height): (u32, u32), is_dark: bool) -> Option<Self> {
+    pub(crate) fn start(size: (u32, u32), is_dark: bool) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
         let started = NAMES.iter().find_map(|name| {
             Command::new(name)
@@ -65,14 +65,20 @@ impl Browser {
         for domain in ["Page", "Runtime", "Network", "Log"] {
             tools.call(&format!("{domain}.enable"), &json!({}));
         }
+        let mut browser = Self { child, tools, _profile: profile };
+        browser.emulate(size, is_dark);
+        Some(browser)
+    }
+
+    /// Changes the window's size and the colour scheme. A narrow window is a phone, with a touch screen.
+    pub(crate) fn emulate(&mut self, (width, height): (u32, u32), is_dark: bool) {
         let is_phone = width < 600;
         let screen = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": is_phone});
-        tools.call("Emulation.setDeviceMetricsOverride", &screen);
-        tools.call("Emulation.setTouchEmulationEnabled", &json!({"enabled": is_phone}));
+        self.tools.call("Emulation.setDeviceMetricsOverride", &screen);
+        self.tools.call("Emulation.setTouchEmulationEnabled", &json!({"enabled": is_phone}));
         let scheme = if is_dark { "dark" } else { "light" };
         let media = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
-        tools.call("Emulation.setEmulatedMedia", &media);
-        Some(Self { child, tools, _profile: profile })
+        self.tools.call("Emulation.setEmulatedMedia", &media);
     }
 
     pub(crate) fn open(&mut self, url: &str) {

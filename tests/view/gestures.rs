@@ -139,6 +139,7 @@ fn a_pause_stops_the_passes() {
 
 /// While a slider of the prism moves, coarse pictures follow. The figures depend on the machine.
 #[test]
+#[ignore = "nightly: measures pictures per second, 40 seconds of CPU time"]
 fn sliders_update_the_picture() {
     let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
     let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");

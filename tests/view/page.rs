@@ -160,13 +160,17 @@ fn the_page_works_with_the_keyboard() {
 /// The page shows all functions on wide and narrow screens, in both colour schemes.
 #[test]
 fn the_page_fits_its_screen() {
+    let Some((_folder, view, mut browser)) = finished(DESKTOP, false) else { return };
     for (size, is_dark, name) in [
         (DESKTOP, false, "desktop-light"),
         (DESKTOP, true, "desktop-dark"),
         ((390, 844), true, "phone-dark"),
         ((390, 844), false, "phone-light"),
     ] {
-        let Some((_folder, _view, mut browser)) = finished(size, is_dark) else { return };
+        browser.emulate(size, is_dark);
+        browser.open("about:blank");
+        browser.open(&view.url);
+        browser.wait("state.session === 'finished' && picture?.passes === 12");
         browser.run("select(areaOf([120, 110]))");
         browser.wait("hovered");
         browser.run("pinArea()");
@@ -198,6 +202,7 @@ fn a_fault_does_not_move_the_page() {
 /// Measures the time from the command to the first picture on the page. The figures depend on the
 /// machine.
 #[test]
+#[ignore = "nightly: measures times, 35 seconds of CPU time"]
 fn the_first_picture_comes_soon() {
     for scene in ["prism", "cornell", "glass_ball"] {
         let Some(mut browser) = Browser::start(DESKTOP, false) else { return };

@@ -81,7 +81,7 @@ fn the_page_draws_photon_paths() {
 fn the_prism_spreads_its_paths() {
     let Some(mut browser) = Browser::start((390, 844), false) else { return };
     let scenes = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
-    let view = View::start(std::path::Path::new(scenes), &["prism.json", "--threads", "2"]);
+    let view = View::start(std::path::Path::new(scenes), &["prism.json", "--size", "480x270"]);
     browser.open(&view.url);
     browser.wait("picture?.passes > 0");
     browser.run("showTab('photons'); togglePhotons()");
