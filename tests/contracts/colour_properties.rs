@@ -189,14 +189,14 @@ proptest! {
 #[test]
 fn extreme_spectra_have_finite_colours() {
     let observer = Observer::cie1931();
-    let nm: Vec<f64> = (0..100_000).map(|i| 360.0 + 470.0 * f64::from(i) / 99_999.0).collect();
+    let nm: Vec<f64> = (0..10_000).map(|i| 360.0 + 470.0 * f64::from(i) / 9_999.0).collect();
     let ramp: Vec<f64> = nm.iter().map(|nm| nm - 300.0).collect();
     let table = |nm: &[f64], values: &[f64]| Spectrum::table(nm, values, Outside::Zero).unwrap();
     let few = table(&[360.0, 830.0], &[60.0, 530.0]);
     let daylight = library::find("D65").unwrap().spectrum;
     // Each extreme light with an ordinary light of the same colour.
     for (name, extreme, ordinary) in [
-        ("100,000 samples", table(&nm, &ramp), few.clone()),
+        ("10,000 samples", table(&nm, &ramp), few.clone()),
         ("denormal", table(&[360.0, 830.0], &[60e-312, 530e-312]), few),
         ("power 1e30", daylight.scaled(1e30 / daylight.integral()), daylight.clone()),
         ("power 1e-30", daylight.scaled(1e-30 / daylight.integral()), daylight.clone()),

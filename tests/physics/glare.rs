@@ -76,7 +76,7 @@ fn office() -> Json {
 #[test]
 fn glare_ratings_agree_with_a_quadrature() {
     for integrator in [Integrator::Path, Integrator::Photon] {
-        let report = measure(&office(), Some(integrator), 16);
+        let report = measure(&office(), Some(integrator), 8);
         let [rating, low, high] = numbers(&report.meters[0].points[0]);
         assert!((rating - RATING).abs() < 0.02, "{integrator:?}: {rating} for {RATING}");
         assert!(low < rating && rating < high && high - low < 0.05, "{low} to {high}");
@@ -124,7 +124,7 @@ fn a_luminaire_file_has_the_glare_of_its_intensity_and_opening() {
     let glare = intensity.powi(2) / (0.04 * cosine * r2 * position_index.powi(2));
     let expected = 8.0 * (0.25 / BACKGROUND * glare).log10();
     for integrator in [Integrator::Path, Integrator::Photon] {
-        let stop = StopRules { passes: Some(16), ..StopRules::default() };
+        let stop = StopRules { passes: Some(8), ..StopRules::default() };
         let (report, _) = job_in(folder.path(), &scene).measure(Some(integrator), stop, &mut NoMonitor).unwrap();
         let [rating, ..] = numbers(&report.meters[0].points[0]);
         assert!((rating - expected).abs() < 0.02, "{integrator:?}: {rating} for {expected}");

@@ -179,7 +179,7 @@ fn falloff(prescription: &Value, lens: &Lens, sensor_mm: f64) -> Vec<[f64; 3]> {
         "lights": [ { "environment": { "spectrum": { "lines": [{ "nm": 587.5618, "power": 1 }] }, "illuminance": 100 } } ],
         "render": { "photons": 100 }
     });
-    let pixels = rendered(&scene, 256, pixel_mm);
+    let pixels = rendered(&scene, 96, pixel_mm);
     let at = lens.at(lines::D_NM);
     let distance_mm = at.image_distance_mm(1e6).unwrap();
     let last_mm = lens.length_mm();

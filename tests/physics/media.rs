@@ -148,6 +148,7 @@ fn furnaces(depth: f64, way: (Integrator, u64)) {
 }
 
 #[test]
+#[ignore = "nightly: 8 seconds of CPU time"]
 fn thin_white_fog_in_uniform_surroundings() {
     furnaces(0.1, (Integrator::Photon, 32));
     furnaces(0.1, (Integrator::Path, 32));

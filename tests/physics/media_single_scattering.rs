@@ -147,7 +147,7 @@ fn many_lamps_in_fog() {
     }));
     scene["lights"] = json!(lights);
     let truth: f64 = (0..20).map(|i| intensity(i) * expected(&scene, at(i), &|_| 0.25 / PI)).sum();
-    check("20 lamps, photon", &scene, (Integrator::Photon, 200), truth);
+    check("20 lamps, photon", &scene, (Integrator::Photon, 80), truth);
 }
 
 #[test]

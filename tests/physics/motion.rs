@@ -264,6 +264,7 @@ fn photons_on_a_moving_receiver_give_the_path_tracers_picture() {
 }
 
 #[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
 fn a_caustic_that_moves_is_that_of_the_path_tracer() {
     let keys = json!([{ "time": 0, "transform": [{ "translate": [-0.5, 0, 0] }] }, { "time": 1, "transform": [{ "translate": [0.7, -0.3, 0.2] }] }]);
     let mut scene = ball(json!([]), keys);

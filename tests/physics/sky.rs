@@ -169,7 +169,7 @@ fn chromaticity(rendered: &Rendered) -> [f64; 2] {
 fn the_zenith_matches_the_single_scattering_integral() {
     let sun = json!({ "lines": [{ "nm": 450, "power": 1 }, { "nm": 650, "power": 1 }] });
     for sun_deg in [60.0, 5.0, 1.0] {
-        let rendered = render(&sky(sun.clone(), [sun_deg, 90.0], 16), Integrator::Photon, 32);
+        let rendered = render(&sky(sun.clone(), [sun_deg, 90.0], 16), Integrator::Photon, 8);
         let nm = [450.0, 650.0];
         let truth = zenith(sun_deg, nm);
         let [blue, red] = [0, 1].map(|i| (band(&rendered, nm[i]), 0.5 * truth[i]));

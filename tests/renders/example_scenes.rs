@@ -28,7 +28,7 @@ fn the_table_of_example_scenes_is_what_their_plans_say() {
 #[test]
 fn effects_happen_exactly_where_the_plan_has_them() {
     for name in example_names() {
-        let rendered = render_job(&example_job(&name, &SMALL), Integrator::Photon, 2);
+        let rendered = render_job(&example_job(&name, &SMALL), Integrator::Photon, 1);
         assert_eq!(rendered.stats.rejected_samples, 0, "{name}");
         for (effect, found) in &rendered.stats.effects {
             let on = found.state == "on";

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::json::tests::TextDamage;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Returns the path and the text of each valid scene in the package.
@@ -37,7 +38,7 @@ fn damaged_texts_give_errors_with_a_position() {
 }
 
 /// Returns the paths of all values inside a value.
-pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath, paths: &mut Vec<String>) {
+fn paths_of_values(value: &serde_json::Value, path: &JsonPath, paths: &mut Vec<String>) {
     let mut below = |value: &serde_json::Value, path: &JsonPath| {
         paths.push(path.to_string());
         paths_of_values(value, path, paths);
@@ -46,14 +47,26 @@ pub(super) fn paths_of_values(value: &serde_json::Value, path: &JsonPath, paths:
     value.as_array().into_iter().flatten().enumerate().for_each(|(i, value)| below(value, &path.index(i)));
 }
 
+/// Returns the path and the text of each good scene, and the paths of its values. Paths that differ
+/// from an earlier one only by the numbers of entries, in whichever scene, are left out.
+pub(super) fn places_of_good_scenes() -> Vec<(PathBuf, String, Vec<String>)> {
+    let mut known = HashSet::new();
+    let mut is_new = |place: &String| known.insert(place.replace(|c: char| c.is_ascii_digit(), ""));
+    let with_places = |(path, text): (PathBuf, String)| {
+        let mut places = Vec::new();
+        paths_of_values(&serde_json::from_str(&text).unwrap(), &JsonPath::Root, &mut places);
+        places.retain(&mut is_new);
+        (path, text, places)
+    };
+    good_scenes().into_iter().map(with_places).collect()
+}
+
 /// Values of all kinds in place of each value give a scene or an error with a position.
 #[test]
 fn any_value_in_any_place_gives_a_scene_or_an_error() {
     let anything = ["null", "true", "0", "-1", "1e300", "3.5", "\"x\"", "[]", "[1, 2, 3]", "{}", "{\"x\": 1}"];
     let (mut refused, mut read) = (0, 0);
-    for (path, text) in good_scenes() {
-        let mut places = Vec::new();
-        paths_of_values(&serde_json::from_str(&text).unwrap(), &JsonPath::Root, &mut places);
+    for (path, text, places) in places_of_good_scenes() {
         for place in places {
             for value in anything {
                 match parse(&text, &path, &[format!("{place}={value}")]) {

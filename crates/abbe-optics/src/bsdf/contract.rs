@@ -162,15 +162,13 @@ fn histogram(case: &BsdfCase, wo: DVec3, nm: f64, samples: usize, seed: u64) -> 
     seen
 }
 
-/// Calls `check` for every case, view and wavelength, each with its own seed.
+/// Calls `check` for every case and view, each with its own seed. The wavelengths take turns.
 fn each_view(mut check: impl FnMut(&BsdfCase, DVec3, f64, u64)) {
     let mut seed = 0;
     for case in cases() {
-        for wo in views() {
-            for nm in BSDF_TEST_NM {
-                seed += 1;
-                check(&case, wo, nm, seed);
-            }
+        for (wo, nm) in views().into_iter().zip(BSDF_TEST_NM.into_iter().cycle()) {
+            seed += 1;
+            check(&case, wo, nm, seed);
         }
     }
 }
