@@ -43,12 +43,12 @@ fn a_target_error_may_name_a_meter() {
     let folder = tempfile::tempdir().unwrap();
     write_scene(folder.path());
     let arguments = ["--meter", "desk", "--meter", "shadow", "--passes", "4096", "--target-error"];
-    let of_shadow = measured(folder.path(), &[&arguments[..], &["shadow=0.6%"]].concat());
-    let of_desk = measured(folder.path(), &[&arguments[..], &["desk=0.6%"]].concat());
+    let of_shadow = measured(folder.path(), &[&arguments[..], &["shadow=0.3%"]].concat());
+    let of_desk = measured(folder.path(), &[&arguments[..], &["desk=0.3%"]].concat());
     // The grid receives the light of the lamp directly, so it needs fewer passes.
     let passes = |report: &Value| report["passes"].as_u64().unwrap();
     assert!(passes(&of_desk) < passes(&of_shadow) && passes(&of_shadow) < 4096, "{of_desk} {of_shadow}");
-    assert!(noise(&of_shadow["meters"][1]) <= 0.006 && noise(&of_desk["meters"][1]) > 0.006, "{of_desk} {of_shadow}");
+    assert!(noise(&of_shadow["meters"][1]) <= 0.003 && noise(&of_desk["meters"][1]) > 0.003, "{of_desk} {of_shadow}");
     let unknown = abbe(folder.path(), &["measure", "scene.json", "--target-error", "shado=2%"]);
     unknown.is_error(2, &["unknown meter \"shado\"", "did you mean \"shadow\"?"]);
     let zero = abbe(folder.path(), &["measure", "scene.json", "--target-error", "desk=0"]);

@@ -30,7 +30,7 @@ fn rows(folder: &Path, name: &str) -> Vec<Vec<String>> {
 #[test]
 fn a_study_leaves_its_files_and_takes_up_what_is_there() {
     let folder = scene();
-    let said = study(folder.path(), &["--budget", "3s"]);
+    let said = study(folder.path(), &["--budget", "6s"]);
     assert_eq!(said.status, 0, "{}", said.err);
     assert!(said.out.contains("slope of the error") && said.out.contains("path tracer"), "{}", said.out);
     let files = ["curves.csv", "curves.svg", "effects.csv", "settings.csv", "steps", "study.html", "study.json"];

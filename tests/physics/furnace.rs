@@ -66,6 +66,7 @@ fn closed_box() -> Value {
 }
 
 #[test]
+#[ignore = "nightly: 3 seconds of CPU time"]
 fn a_closed_box_that_reflects_half_and_emits_half() {
     check("box", &closed_box(), (Integrator::Photon, 12));
     check("box", &closed_box(), (Integrator::Path, 64));
@@ -94,6 +95,7 @@ fn a_closed_box_of_24_panels_is_a_furnace() {
 /// White fog in the closed box. Fog that scatters forward finds the glowing walls by scattered rays
 /// and by shadow rays.
 #[test]
+#[ignore = "nightly: 3 seconds of CPU time"]
 fn forward_scattering_fog_in_a_closed_box_is_a_furnace() {
     let mut scene = closed_box();
     scene["media"] = json!({ "fog": { "homogeneous": { "absorption": 0, "scattering": 0.7,
@@ -221,6 +223,7 @@ fn core_in_a_shell(ior: Value, core_radius: f64, gap: bool, fov: f64) -> Value {
 }
 
 #[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
 fn a_white_core_in_glass_lit_through_the_photon_map_only() {
     let scene = core_in_a_shell(json!(1.5), 0.5, false, 12.0);
     check("core in glass, n = 1.5", &scene, (Integrator::Photon, 4));

@@ -61,6 +61,7 @@ fn a_room_of_thin_fog() {
 }
 
 #[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
 fn fog_may_end_inside_walls_or_behind_them() {
     for way in [(Integrator::Photon, 2), (Integrator::Path, 64)] {
         // Beams would only add noise to this comparison.

@@ -45,6 +45,7 @@ pub(crate) fn readings(report: &MeasurementReport) -> Vec<[f64; 3]> {
 /// An area lamp over points on black ground: each kind of receptor has a closed form for a lamp
 /// that is small compared with its distance.
 #[test]
+#[ignore = "nightly: 4 seconds of CPU time"]
 fn planes_spheres_cylinders_and_spots_have_their_closed_forms() {
     let at = |form: Json| {
         let mut meter = form;

@@ -108,21 +108,29 @@ fn check_glass(name: &str, prism: &Value, incidence: &str) -> (usize, f64) {
     (count, worst)
 }
 
-#[test]
-fn a_prism_sends_every_wavelength_where_snell_says() {
+fn check_prism(apex: &str, incidences: [&str; 2]) {
     let golden: Value = serde_json::from_str(include_str!("../golden/prism.json")).expect("golden/prism.json");
     let glasses = ["N-BK7", "N-SF11", "SF10", "F2", "fused silica", "diamond", "water 20C"];
     let mut total = 0;
-    for (apex, incidences) in [("apex60", ["minimum", "60"]), ("apex30", ["minimum", "30"])] {
-        for name in glasses.iter().filter(|name| golden[apex].get(name).is_some()) {
-            for incidence in incidences {
-                let (count, worst) = check_glass(name, &golden[apex][name], incidence);
-                println!("prism, {apex}, {name}, incidence {incidence}: {count} wavelengths, worst {worst:.4}°");
-                total += count;
-            }
+    for name in glasses.iter().filter(|name| golden[apex].get(name).is_some()) {
+        for incidence in incidences {
+            let (count, worst) = check_glass(name, &golden[apex][name], incidence);
+            println!("prism, {apex}, {name}, incidence {incidence}: {count} wavelengths, worst {worst:.4}°");
+            total += count;
         }
     }
-    assert!(total > 150, "{total} spots");
+    assert!(total > 70, "{total} spots");
+}
+
+#[test]
+fn a_prism_sends_every_wavelength_where_snell_says() {
+    check_prism("apex60", ["minimum", "60"]);
+}
+
+#[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
+fn a_thin_prism_sends_every_wavelength_where_snell_says() {
+    check_prism("apex30", ["minimum", "30"]);
 }
 
 #[test]

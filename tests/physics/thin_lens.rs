@@ -89,6 +89,7 @@ fn a_defocused_point_is_a_uniform_disk_of_known_diameter() {
 }
 
 #[test]
+#[ignore = "nightly: 4 seconds of CPU time"]
 fn four_blades_make_the_disk_a_square_on_its_edge_or_its_corner() {
     let side = |rotation: f64| {
         let lens =

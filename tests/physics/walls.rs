@@ -67,6 +67,7 @@ fn the_middle_of_a_small_spot_grows_as_kernels_shrink() {
 
 /// A cube of 4 m on a film of 1, 4 and 16 pixels.
 #[test]
+#[ignore = "nightly: 4 seconds of CPU time"]
 fn a_pixel_may_be_as_large_as_a_wall() {
     for size in [1, 2, 4] {
         let scene = json!({
