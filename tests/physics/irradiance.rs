@@ -230,7 +230,7 @@ fn photons_in_the_map_bring_the_light_of_a_lamps_mirror_image() {
                          "transform": [ { "translate": [MIDDLE, 0.4, 0] } ] }));
     let mut scene = floor(&objects, &[lamp]);
     scene["render"] = json!({ "photons": 5000, "radius": 0.02 });
-    check("mirror image, from the map", &scene, illuminance, Integrator::Photon, 48);
+    check("mirror image, from the map", &scene, illuminance, Integrator::Photon, 80);
 }
 
 fn fog(absorption: f64) -> Value {
@@ -359,7 +359,7 @@ fn shared_photons_carry_a_mirrored_lamps_irradiance() {
     let (objects, lamp, illuminance) = mirrored_point();
     let mut scene = floor(&objects, &[lamp]);
     scene["render"] = json!({ "photons": 5000, "radius": 0.02, "force": ["shared"] });
-    check("mirror image, shared wavelengths", &scene, illuminance, Integrator::Photon, 48);
+    check("mirror image, shared wavelengths", &scene, illuminance, Integrator::Photon, 64);
 }
 
 /// Returns the mean over the distances from −`half` to `half` of the irradiance that a kernel
