@@ -1,4 +1,4 @@
-//! The pilot: a small render before pass 0, with its own random streams.
+//! The pilot: small measurements of the scene before pass 0, with random streams of their own.
 //!
 //! It fixes all data that passes must not learn from each other: the emission distributions, the
 //! first kernel radii and the camera samples of each pixel, and the division of the photons between
