@@ -82,6 +82,13 @@ fn scene_hash(source: &JsonSource) -> String {
     files.hash.hex()
 }
 
+/// Returns the path of a scene and of all files that it names, directly or through others.
+pub fn files_of(source: &JsonSource, path: &Path) -> Vec<PathBuf> {
+    let mut files = FileHash::new(source.file_access());
+    source.strings().for_each(|name| files.add_with_parts(&name, source.folder()));
+    files.added.into_iter().chain([path.to_path_buf()]).collect()
+}
+
 /// The longest path (bytes) that operating systems accept. A longer text names no file.
 const LONGEST_PATH: usize = 4096;
 

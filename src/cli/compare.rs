@@ -77,6 +77,8 @@ impl Inputs {
 }
 
 pub(crate) fn run(arguments: &CompareArgs) -> Result<Outcome> {
+    let inputs = [&arguments.picture, &arguments.reference].into_iter().chain(&arguments.mask);
+    file::check_keeps_inputs(arguments.html.as_deref(), inputs)?;
     let Inputs { picture, reference, exposure, tone } = Inputs::read(&arguments.picture, &arguments.reference)?;
     let mask = match &arguments.mask {
         Some(path) => Some(read_mask(path, reference.width, reference.height)?),

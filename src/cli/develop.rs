@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use abbe_scene::Exposure;
 use abbe_session::output::Metadata;
 use abbe_session::output::exr::read;
+use abbe_session::output::file;
 use abbe_session::output::metadata::names;
 use abbe_session::output::png::write as write_png;
 use abbe_session::render::{DisplaySettings, on_threads};
@@ -66,6 +67,7 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
         let what = format!("the output {} is not a PNG file", output.display());
         return Err(Error::input(what).expected("a name that ends in .png"));
     }
+    file::check_keeps_inputs([output.as_path()], [&arguments.picture])?;
     let file = read(&arguments.picture)?;
     let settings = arguments.display.settings(&file.metadata)?;
     let exposure = on_threads(None, || {

@@ -42,6 +42,7 @@ pub(crate) struct FilmArgs {
 const TABLE_NM: (u32, u32, usize) = (400, 700, 25);
 
 pub(crate) fn run(arguments: &FilmArgs) -> Result<Outcome> {
+    file::check_keeps_inputs(arguments.svg.as_deref(), [&arguments.stack, &arguments.lamp])?;
     let (file, source) = stack(&arguments.stack)?;
     let system = lone_coating(&file, &source)?;
     let lamp = light(&arguments.lamp)?;

@@ -34,6 +34,7 @@ pub(crate) struct GlassArgs {
 }
 
 pub(crate) fn run(arguments: &GlassArgs) -> Result<Outcome> {
+    file::check_keeps_inputs(arguments.svg.as_deref(), &arguments.catalogue)?;
     let file = arguments.catalogue.as_deref().map(resolve::glass_file).transpose()?;
     match (&arguments.name, &file) {
         (Some(name), None) => one(catalogue::find(name)?, arguments)?,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
 use abbe_import::import;
-use abbe_session::output::file::write_whole;
+use abbe_session::output::file::{check_keeps_inputs, write_whole};
 use abbe_spectra::error::{Error, Result};
 
 #[derive(Debug, clap::Args)]
@@ -26,6 +26,7 @@ pub(crate) struct ImportArgs {
 
 pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
     let ImportArgs { file, output, scene_file, strict } = arguments;
+    check_keeps_inputs(output.as_deref(), [Some(file), scene_file.overlay.as_ref()].into_iter().flatten())?;
     let folder = folder_from(output.as_deref(), file, scene_file.allow_outside)?;
     let imported = import(file, &folder, scene_file.file_access())?;
     let imported = if let Some(overlay) = &scene_file.overlay { imported.with_overlay(overlay)? } else { imported };

@@ -46,6 +46,9 @@ pub(crate) struct LampsArgs {
 }
 
 pub(crate) fn run(arguments: &LampsArgs) -> Result<Outcome> {
+    // A lamp that is no file has the name of a spectrum, or is its text.
+    let lamps = [Some(&arguments.a), arguments.b.as_ref(), arguments.c.as_ref()].into_iter().flatten();
+    file::check_keeps_inputs(arguments.html.as_deref(), lamps.chain(&arguments.primaries))?;
     let luminaire = Path::new(&arguments.a);
     if is_luminaire(luminaire) {
         if arguments.b.is_some() || !arguments.primaries.is_empty() {

@@ -1,6 +1,6 @@
 //! `abbe lens`: analyses a lens of several elements.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use abbe_optics::lens::image_quality::FAN_PUPIL;
 use abbe_optics::lens::zemax::ZmxSystem;
@@ -46,6 +46,8 @@ pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
 }
 
 fn one(name: &str, arguments: &LensArgs) -> Result<()> {
+    let inputs = arguments.glasses.iter().map(PathBuf::as_path).chain([Path::new(name)]);
+    file::check_keeps_inputs(arguments.svg.as_deref(), inputs)?;
     let lens = match find(name, &arguments.glasses)? {
         ZmxSystem::Lens(lens) => lens,
         ZmxSystem::Folded(system) => {

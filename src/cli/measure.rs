@@ -130,6 +130,8 @@ fn plan(arguments: &MeasureArgs) -> Result<Job> {
     add("render.seed", arguments.seed.map(|seed| seed.to_string()));
     add("render.threads", arguments.threads.map(|threads| threads.to_string()));
     let (mut scene, source) = arguments.scene_file.read(path, &patches)?;
+    let outputs = [&arguments.csv, &arguments.html].into_iter().flatten().map(PathBuf::as_path);
+    files::check_keeps_inputs(outputs, arguments.scene_file.inputs(&source, path))?;
     scene.render.forbid.extend(arguments.forbid.iter().cloned());
     scene.select_meters(&arguments.meter).map_err(|error| error.in_file(path))?;
     let mut resolved = resolve_meters(&scene, &source)?;

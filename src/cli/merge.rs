@@ -46,11 +46,7 @@ pub(crate) fn run(arguments: &MergeArgs) -> Result<Outcome> {
 }
 
 fn once(arguments: &MergeArgs, outputs: &OutputFiles) -> Result<Outcome> {
-    if let Some(part) = arguments.parts.iter().find(|part| is_output(part, outputs)) {
-        return Err(Error::input("the file is both a part and the output")
-            .expected("a different output file")
-            .in_file(part));
-    }
+    outputs.check_keeps(&arguments.parts)?;
     let merging = PartSet::new(&arguments.parts)?;
     if let Some(gaps) = merging.gaps() {
         if !arguments.allow_gaps {
@@ -63,7 +59,7 @@ fn once(arguments: &MergeArgs, outputs: &OutputFiles) -> Result<Outcome> {
         }
         print::remark(&format!("note: merged without {gaps}"));
     }
-    outputs.check()?;
+    outputs.check(&[])?;
     let (stats, exposure) = save(merging, outputs)?;
     if !arguments.quiet {
         let error = print::picture_error(&stats.error);
@@ -111,7 +107,7 @@ fn watch(arguments: &MergeArgs, folder: &Path, outputs: &OutputFiles) -> Result<
         return Err(Error::input("is not a folder").expected("the folder of the parts").in_file(folder));
     }
     interrupt::watch()?;
-    outputs.check()?;
+    outputs.check(&[])?;
     let (mut merged, mut next, mut failures) = (Vec::new(), Instant::now(), 0);
     loop {
         if interrupt::is_requested() {

@@ -74,6 +74,8 @@ struct PixelBands {
 }
 
 pub(crate) fn run(arguments: &ProbeArgs) -> Result<Outcome> {
+    let outputs = [&arguments.svg, &arguments.heat].into_iter().flatten().map(PathBuf::as_path);
+    file::check_keeps_inputs(outputs, [&arguments.picture])?;
     let picture = read(&arguments.picture)?.picture;
     let pixel = pixel(&picture, arguments.x, arguments.y).map_err(|error| error.in_file(&arguments.picture))?;
     if let Some(path) = &arguments.svg {

@@ -8,7 +8,7 @@ use abbe_spectra::colour::regress::{CaseGroup, RegressionReport, RegressionToler
 use abbe_spectra::error::Result;
 
 use super::{Outcome, print, values};
-use crate::reports::regression::{read_colours, write_set};
+use crate::reports::regression::{SET_FILES, read_colours, write_set};
 
 #[derive(Debug, clap::Args)]
 #[command(override_usage = "abbe regress --export FOLDER\n       abbe regress COLOURS [OPTIONS]")]
@@ -69,6 +69,9 @@ impl GroupName {
 }
 
 pub(crate) fn run(arguments: &RegressArgs) -> Result<Outcome> {
+    let set = arguments.export.iter().flat_map(|folder| SET_FILES.map(|name| folder.join(name)));
+    let outputs: Vec<PathBuf> = set.chain(arguments.junit.clone()).chain(arguments.page.clone()).collect();
+    file::check_keeps_inputs(outputs.iter().map(PathBuf::as_path), &arguments.colours)?;
     if let Some(folder) = &arguments.export {
         let cases = write_set(folder)?;
         print::remark(&format!("wrote {} to {}", print::counted(cases, "case"), folder.display()));

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use abbe_session::output::exr::{read, write as write_exr};
+use abbe_session::output::file;
 use abbe_session::output::metadata::{Metadata, names};
 use abbe_session::output::png::write as write_png;
 use abbe_session::output::relight::{LightGain, light_groups, relight};
@@ -38,6 +39,9 @@ pub(crate) struct RelightArgs {
 }
 
 pub(crate) fn run(arguments: &RelightArgs) -> Result<Outcome> {
+    let png = arguments.output.as_ref().map(|output| output.with_extension("png"));
+    let outputs = arguments.output.iter().chain(&png).map(PathBuf::as_path);
+    file::check_keeps_inputs(outputs, [&arguments.picture])?;
     let file = read(&arguments.picture)?;
     let in_file = |error: Error| error.in_file(&arguments.picture);
     let relit = relight(&file.picture, &arguments.set).map_err(in_file)?;
@@ -57,7 +61,7 @@ pub(crate) fn run(arguments: &RelightArgs) -> Result<Outcome> {
         write_exr(output, &relit, &header(&file.metadata, &arguments.set))?;
         written.push(output.display().to_string());
     }
-    let png = if has_extension("png") { output.clone() } else { output.with_extension("png") };
+    let png = output.with_extension("png");
     let exposure = on_threads(None, || {
         let exposure = settings.factor(&relit);
         write_png(&png, &settings.screen_at(&relit, exposure)).map(|()| exposure)

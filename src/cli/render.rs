@@ -199,7 +199,7 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
     let of_scene = arguments.header.apply(provenance::of_scene(Some(&source), &job, request.integrator));
     let identity = RenderIdentity::of(&job, request.integrator, &of_scene);
     let checkpoint = CheckpointFile { path: outputs.checkpoint(), job: &job, identity: &identity, metadata: &of_scene };
-    outputs.check()?;
+    outputs.check(&arguments.scene_file.inputs(&source, &arguments.scene))?;
     files::remove_temporary_files(&checkpoint.path);
     files::check_writable(&checkpoint.path)?;
     let label = frame.map(SequenceFrame::label);

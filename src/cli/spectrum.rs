@@ -64,6 +64,7 @@ fn list(json: bool) -> Result<()> {
 
 fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Result<Outcome> {
     let under = arguments.reflectance_under.as_deref();
+    file::check_keeps_inputs(arguments.svg.as_deref(), [Some(text), under].into_iter().flatten())?;
     let (named, light) = match under {
         Some(lamp) => (spectrum(text, Role::Reflectance)?, Some(spectrum(lamp, Role::Light)?)),
         None => (light(text)?, None),

@@ -91,7 +91,7 @@ fn save(outputs: &OutputFiles, loaded: &LoadedScene, rendered: &Rendered) -> Res
     let LoadedScene { job, metadata: of_scene, .. } = loaded;
     let identity = RenderIdentity::of(job, Integrator::Photon, of_scene);
     let checkpoint = CheckpointFile { path: outputs.checkpoint(), job, identity: &identity, metadata: of_scene };
-    outputs.check()?;
+    outputs.check(&[])?;
     files::check_writable(&checkpoint.path)?;
     let metadata = provenance::reproducible(provenance::of_render(of_scene, &rendered.stats));
     let write = |path: &Path| write_exr(path, &rendered.picture, &metadata);
@@ -141,6 +141,8 @@ impl ViewHost for ViewArgs {
             patches.push(format!("render.forbid={list}"));
             (scene, source) = self.scene_file.read(&self.scene, &patches)?;
         }
+        // The picture is written at the end, but it is too late then to refuse its name.
+        OutputFiles::new(self.exr(), None)?.check_keeps(&self.scene_file.inputs(&source, &self.scene))?;
         let resolved = resolve::resolve(&scene, &source)?;
         let job = memory::plan(resolved, &self.scene)?;
         let metadata = provenance::reproducible(provenance::of_scene(Some(&source), &job, Integrator::Photon));

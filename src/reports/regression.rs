@@ -117,13 +117,15 @@ fn lines(entry: &RegressionSpectrum) -> impl Iterator<Item = ExportedLine> {
         .map(move |line| ExportedLine { nm: rounded(line.centre()), power: line.power })
 }
 
+/// The names of the files of a set.
+pub const SET_FILES: [&str; 6] = ["set.json", "spectra.csv", "lines.csv", "observer.csv", "cases.csv", "expected.csv"];
+
 /// Writes the set to a folder, as JSON and CSV files. Returns the number of cases, or an error if
 /// the folder or a file cannot be written.
 pub fn write_set(folder: &Path) -> Result<usize> {
     std::fs::create_dir_all(folder)
         .map_err(|error| Error::machine(format!("cannot be created: {error}")).in_file(folder))?;
     let set = exported_set();
-    let write = |name: &str, text: String| file::write_whole(&folder.join(name), text.as_bytes());
     let row = |cells: Vec<String>| cells.join(",") + "\n";
     let names = set.spectra.iter().map(|spectrum| spectrum.name.to_string());
     let mut spectra = row(std::iter::once("nm".to_string()).chain(names).collect());
@@ -154,12 +156,10 @@ pub fn write_set(folder: &Path) -> Result<usize> {
         let numbers = [xyz, linear_srgb, srgb].concat();
         expected += &row(std::iter::once(case.id.to_string()).chain(numbers.iter().map(f64::to_string)).collect());
     }
-    write("set.json", serde_json::to_string(&set).expect("the set has text keys") + "\n")?;
-    write("spectra.csv", spectra)?;
-    write("lines.csv", lines)?;
-    write("observer.csv", observer)?;
-    write("cases.csv", cases)?;
-    write("expected.csv", expected)?;
+    let json = serde_json::to_string(&set).expect("the set has text keys") + "\n";
+    for (name, text) in SET_FILES.into_iter().zip([json, spectra, lines, observer, cases, expected]) {
+        file::write_whole(&folder.join(name), text.as_bytes())?;
+    }
     Ok(set.cases.len())
 }
 

@@ -1,17 +1,19 @@
 //! Studies of the error against time for a scene file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use abbe_format::resolve::resolve;
 use abbe_format::{JsonSource, SceneFile};
 use abbe_session::output::exr::read;
+use abbe_session::output::file::check_keeps_inputs;
 use abbe_session::output::metadata::names;
 use abbe_session::render::{Integrator, on_threads};
 use abbe_spectra::error::Result;
 
 use crate::api::{memory, provenance};
-use crate::study::{self, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
+use crate::study::report::StudyReport;
+use crate::study::{self, PAGE, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
 
 #[derive(Debug, Clone, Copy)]
 pub struct StudyFiles<'a> {
@@ -32,6 +34,11 @@ pub fn study(
     threads: Option<u32>,
     monitor: &mut (dyn StudyMonitor + Send),
 ) -> Result<StudyOutcome> {
+    let names = StudyReport::FILES.into_iter().chain([PAGE]);
+    let outputs: Vec<PathBuf> = names.map(|name| files.output.join(name)).collect();
+    let inputs = provenance::files_of(source, files.scene);
+    let inputs = inputs.iter().map(PathBuf::as_path).chain(files.reference);
+    check_keeps_inputs(outputs.iter().map(PathBuf::as_path), inputs)?;
     let reference = match files.reference {
         Some(path) => Some((path.display().to_string(), read(path)?.picture)),
         None => None,

@@ -75,16 +75,20 @@ impl MachineInfo {
 }
 
 impl StudyReport {
-    /// The names and contents of all files except the page.
-    pub(super) fn files(&self) -> [(&'static str, String); 7] {
+    /// The names of all files except the page.
+    pub const FILES: [&str; 7] =
+        ["study.json", "curves.csv", "sweep.csv", "effects.csv", "settings.csv", "curves.svg", "sweep.svg"];
+
+    /// The contents of [`Self::FILES`].
+    pub(super) fn contents(&self) -> [String; 7] {
         [
-            ("study.json", json(self) + "\n"),
-            ("curves.csv", self.curves_csv()),
-            ("sweep.csv", self.sweep_csv()),
-            ("effects.csv", self.effects_csv()),
-            ("settings.csv", self.settings_csv()),
-            ("curves.svg", self.curves_graph().svg()),
-            ("sweep.svg", self.sweep_graph().svg()),
+            json(self) + "\n",
+            self.curves_csv(),
+            self.sweep_csv(),
+            self.effects_csv(),
+            self.settings_csv(),
+            self.curves_graph().svg(),
+            self.sweep_graph().svg(),
         ]
     }
 

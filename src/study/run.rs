@@ -102,7 +102,7 @@ fn study(
         effects: effects.clone(),
         recommendations,
     };
-    for (name, text) in report.files() {
+    for (name, text) in StudyReport::FILES.into_iter().zip(report.contents()) {
         file::write_whole(&step_cache.path(name), text.as_bytes())?;
     }
     let page = page::page(&report, &page::StudyPictures::of(&job, &reference, &curves, &effects))?;

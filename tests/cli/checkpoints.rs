@@ -268,7 +268,7 @@ fn parts_that_do_not_fit_are_refused_by_name() {
         let said = merge(&["forged.exr", "--allow-gaps"]);
         assert!(said.status == 2 && said.err.contains("forged.exr: is damaged"), "{}", said.err);
     }
-    abbe(at, &["merge", "a.exr", "b.exr", "-o", "b.exr"]).is_error(2, &["b.exr", "both a part and the output"]);
+    abbe(at, &["merge", "a.exr", "b.exr", "-o", "b.exr"]).is_error(2, &["b.exr", "which this command reads"]);
     let words = ["lack 4 of 19 passes (3, 7, 11, …)", "a.exr: 10 of part 0/2", "--allow-gaps"];
     merge(&["a.exr", "quarter.exr"]).is_error(2, &words);
     render(at, &["--part", "3/2"]).is_error(2, &["3/2", "0/2 to 1/2"]);

@@ -22,6 +22,7 @@ mod films_and_gratings;
 mod frames;
 mod gates;
 mod import;
+mod inputs_stay;
 mod lamps;
 mod layers;
 mod lens;

@@ -12,9 +12,10 @@ pub trait WritableFile: Read + Write + Seek {}
 impl<T: Read + Write + Seek> WritableFile for T {}
 
 /// Writes a file atomically: to a temporary file in the same folder, which is then renamed, so that
-/// readers never see a partial file, and a failure leaves the previous file in place. Pipes and
-/// devices are written directly. Symbolic links are followed. Returns a machine error that names
-/// `path` if the folder is missing or not writable, or the disk is full.
+/// readers never see a partial file, and a failure leaves the previous file in place. The file keeps
+/// the permissions of the previous one. Pipes and devices are written directly. Symbolic links are
+/// followed. Returns a machine error that names `path` if the folder is missing or not writable, or
+/// the disk is full.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     write_whole_with(path, |file| file.write_all(bytes))
 }
@@ -31,6 +32,9 @@ pub fn write_whole_with(path: &Path, fill: impl FnOnce(&mut dyn WritableFile) ->
     let temporary_path = temporary_path(&target);
     let created = File::options().read(true).write(true).create(true).truncate(true).open(&temporary_path);
     let written = created.and_then(|mut file| {
+        if let Ok(previous) = fs::metadata(&target) {
+            file.set_permissions(previous.permissions())?;
+        }
         fill(&mut file)?;
         file.sync_all()
     });
@@ -60,6 +64,22 @@ pub fn check_writable(path: &Path) -> Result<()> {
         .map_err(|error| unwritable(path, &error))
 }
 
+/// Returns an input error if one of the `outputs` of a command is one of the `inputs` that it reads,
+/// under whatever name: writing would destroy the input.
+pub fn check_keeps_inputs<'p>(
+    outputs: impl IntoIterator<Item = &'p Path>,
+    inputs: impl IntoIterator<Item = impl AsRef<Path>> + Clone,
+) -> Result<()> {
+    for output in outputs {
+        let is_output = |input: &Path| same_file::is_same_file(input, output).unwrap_or(false);
+        if let Some(input) = inputs.clone().into_iter().find(|input| is_output(input.as_ref())) {
+            let what = format!("the output would replace {}, which this command reads", input.as_ref().display());
+            return Err(Error::input(what).expected("another name for the output").in_file(output));
+        }
+    }
+    Ok(())
+}
+
 /// Removes a file or a symbolic link if it exists, or returns a machine error.
 pub fn remove_if_present(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
@@ -70,9 +90,18 @@ pub fn remove_if_present(path: &Path) -> Result<()> {
     }
 }
 
-/// Follows all symbolic links, or returns the path itself if the file does not exist.
+/// Follows all symbolic links. The last one may name a file that does not exist yet.
 fn followed(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
+    /// As many links as Linux follows.
+    const MOST_LINKS: usize = 40;
+    let mut path = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&path) {
+            Ok(named) => path = path.parent().unwrap_or(Path::new("")).join(named),
+            Err(_) => break,
+        }
+    }
+    path
 }
 
 /// Returns true for a path that is neither a regular file nor a folder, such as a pipe or a device.
@@ -164,14 +193,43 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
+    fn permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("secret");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
+        write_whole(&path, b"new").unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+    }
+
+    #[test]
+    fn an_output_is_no_input_under_any_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let [input, other] = ["input", "other"].map(|name| folder.path().join(name));
+        fs::write(&input, "").unwrap();
+        let again = folder.path().join("./input");
+        check_keeps_inputs([other.as_path()], [&input]).unwrap();
+        check_keeps_inputs([again.as_path()], [&other]).unwrap();
+        let error = check_keeps_inputs([other.as_path(), again.as_path()], [&other, &input]).unwrap_err();
+        assert_eq!(error.exit_status(), 2);
+        assert!(error.to_string().contains("would replace"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
     fn links_are_followed_and_devices_not_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let (file, link) = (folder.path().join("file"), folder.path().join("link"));
         fs::write(&file, "old").unwrap();
         std::os::unix::fs::symlink(&file, &link).unwrap();
-        write_whole(&link, b"new").unwrap();
-        assert_eq!(fs::read(&file).unwrap(), b"new");
-        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        // The target of a link need not exist.
+        for _ in 0..2 {
+            write_whole(&link, b"new").unwrap();
+            assert_eq!(fs::read(&file).unwrap(), b"new");
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+            fs::remove_file(&file).unwrap();
+        }
 
         let full = folder.path().join("full");
         std::os::unix::fs::symlink("/dev/full", &full).unwrap();
