@@ -61,6 +61,13 @@ fn fuzz(targets: Vec<Target>, count: u64, seed: u64) {
         for (name, bytes) in &target.beside {
             std::fs::write(folder.join(name), bytes).unwrap();
         }
+        let path = folder.join(format!("{}.{}", target.name, target.extension));
+        // A scene may name files that are not here.
+        let is_good = |bytes: &Vec<u8>| {
+            std::fs::write(&path, bytes).unwrap();
+            (target.read)(&path)
+        };
+        assert!(target.good.iter().any(is_good), "all unchanged inputs of {} are refused", target.name);
         let start = Instant::now();
         let cases = count * target.share / shares;
         let mut accepted = 0;

@@ -123,9 +123,10 @@ const INDEX: &str = "REFERENCES: a data sheet\nDATA:\n  - type: formula 2\n    w
     coefficients: 0 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653\n  \
     - type: tabulated k\n    data: |\n        0.300 2.8607E-06\n        2.5 8.1E-06\n";
 
+/// Reads the index of a glass or of a metal.
 fn is_index(path: &Path) -> bool {
     let text = String::from_utf8_lossy(&std::fs::read(path).unwrap()).into_owned();
-    IndexFileData::parse(&text, path).and_then(|data| data.index()).is_ok()
+    IndexFileData::parse(&text, path).is_ok_and(|data| data.index().is_ok() || data.n_and_k().is_ok())
 }
 
 /// Changes the scene of another program.
@@ -140,11 +141,11 @@ fn overlays(path: &Path) -> bool {
     text.and_then(|scene| format::parse(&scene.text, &room, &[])).is_ok()
 }
 
-/// Reads, resolves and plans a scene.
+/// Reads a scene, converts it if it belongs to another program, resolves it and plans it.
 fn plans(path: &Path) -> bool {
-    let planned =
-        format::read(path, &[]).and_then(|(scene, source)| resolve::resolve(&scene, &source)).and_then(Job::new);
-    planned.is_ok()
+    let text = read_scene_text(path, FileAccess::WithinFolder, None);
+    let read = text.and_then(|scene| format::parse(&scene.text, path, &[]));
+    read.and_then(|(scene, source)| resolve::resolve(&scene, &source)).and_then(Job::new).is_ok()
 }
 
 const SCENE: &str = r#"{"camera": {"from": [0, 2, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 40}}},
