@@ -49,8 +49,8 @@ fn check(scene: impl Fn(&[f64]) -> Value, way: (Integrator, u64), noise: f64) {
 }
 
 #[test]
-#[ignore = "nightly: 13 seconds of CPU time"]
+#[ignore = "nightly: 40 seconds of CPU time"]
 fn two_lines_pass_coloured_fog_as_each_line_alone() {
     check(floor_below_fog, (Integrator::Photon, 6), 0.055);
-    check(floor_below_fog, (Integrator::Path, 32), 0.055);
+    check(floor_below_fog, (Integrator::Path, 256), 0.016);
 }
