@@ -36,8 +36,8 @@ impl OutputFiles {
         [&self.exr, &self.png].into_iter().chain(&self.stats).map(PathBuf::as_path)
     }
 
-    /// Checks that all files, and the checkpoint, are none of the `inputs`, and that the files can be
-    /// written. Removes the unfinished files of killed runs.
+    /// Checks that all files, and the checkpoint, are none of the `inputs`, and that the files can
+    /// be written. Removes the unfinished files of killed runs.
     pub(crate) fn check(&self, inputs: &[PathBuf]) -> Result<()> {
         files::check_keeps_inputs(self.all().chain([self.checkpoint().as_path()]), inputs)?;
         self.all().for_each(files::remove_temporary_files);

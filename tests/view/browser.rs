@@ -70,7 +70,8 @@ impl Browser {
         Some(browser)
     }
 
-    /// Changes the window's size and the colour scheme. A narrow window is a phone, with a touch screen.
+    /// Changes the window's size and the colour scheme. A narrow window is a phone, with a touch
+    /// screen.
     pub(crate) fn emulate(&mut self, (width, height): (u32, u32), is_dark: bool) {
         let is_phone = width < 600;
         let screen = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": is_phone});

@@ -32,14 +32,14 @@
 //!
 //! | module | content |
 //! | --- | --- |
-//! | [`plan`] | effects, the partition of light paths among estimators, the budget of passes, photons and memory |
+//! | [`plan`] | effects, estimators of light paths, the budget of passes, photons and memory |
 //! | [`walk`] | path segments, scattering and transmittance, for photons and camera paths |
 //! | [`emit`] | photons: emission, the path through the scene, the connection to the camera |
 //! | [`map`] | photon maps, kernels, radii, maps of direct light in media |
 //! | [`gather`] | camera paths, direct light, density estimation, the path tracer |
 //! | [`sensor`] | film sums, error bars, exposure, development |
 //! | [`pass`] | one pass, of photon mapping or of the path tracer |
-//! | [`pilot`] | measurements before pass 0: kernel radii, emission distributions, numbers of photons and samples |
+//! | [`pilot`] | measurements before pass 0: kernel radii, emission distributions, sample counts |
 //! | [`photon_paths`] | photon paths with their vertices, for drawings |
 //!
 //! # Units and conventions

@@ -12,10 +12,10 @@ pub trait WritableFile: Read + Write + Seek {}
 impl<T: Read + Write + Seek> WritableFile for T {}
 
 /// Writes a file atomically: to a temporary file in the same folder, which is then renamed, so that
-/// readers never see a partial file, and a failure leaves the previous file in place. The file keeps
-/// the permissions of the previous one. Pipes and devices are written directly. Symbolic links are
-/// followed. Returns a machine error that names `path` if the folder is missing or not writable, or
-/// the disk is full.
+/// readers never see a partial file, and a failure leaves the previous file in place. The file
+/// keeps the permissions of the previous one. Pipes and devices are written directly. Symbolic
+/// links are followed. Returns a machine error that names `path` if the folder is missing or not
+/// writable, or the disk is full.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     write_whole_with(path, |file| file.write_all(bytes))
 }
@@ -64,8 +64,8 @@ pub fn check_writable(path: &Path) -> Result<()> {
         .map_err(|error| unwritable(path, &error))
 }
 
-/// Returns an input error if one of the `outputs` of a command is one of the `inputs` that it reads,
-/// under whatever name: writing would destroy the input.
+/// Returns an input error if one of the `outputs` of a command is one of the `inputs` that it
+/// reads, under whatever name: writing would destroy the input.
 pub fn check_keeps_inputs<'p>(
     outputs: impl IntoIterator<Item = &'p Path>,
     inputs: impl IntoIterator<Item = impl AsRef<Path>> + Clone,
