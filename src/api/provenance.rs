@@ -13,13 +13,12 @@ use serde_json::Value;
 
 use super::plan_report::PlanReport;
 
-/// Returns the header entries of a scene and its plan. `source` is the text of the scene, if it has
-/// one.
-pub fn of_scene(source: Option<&JsonSource>, job: &Job, integrator: Integrator) -> Metadata {
+/// Returns the header entries of a scene and its plan. `source` is the text of the scene with its
+/// files, if it has one.
+pub fn of_scene(source: Option<(&JsonSource, &SceneFiles)>, job: &Job, integrator: Integrator) -> Metadata {
     let mut metadata = Metadata::new().with(names::VERSION, env!("CARGO_PKG_VERSION"));
-    if let Some(source) = source {
-        metadata =
-            metadata.with(names::SCENE_HASH, &scene_hash(source)).with(names::SCENE, &source.compact(|_, _| true));
+    if let Some((source, files)) = source {
+        metadata = metadata.with(names::SCENE_HASH, &files.hash).with(names::SCENE, &source.compact(|_, _| true));
     }
     metadata
         .with_json(names::PLAN, &PlanReport::of(job))
@@ -72,21 +71,25 @@ pub fn finished(path: &Path, of_scene: &Metadata, request: Request, job: &Job) -
     (same && !is_other && passes >= request.stop.passes_wanted(&job.budget).unwrap_or(1)).then_some(found)
 }
 
-/// Hashes a scene and the files that it names. Scenes of the same hash have equal passes: it
-/// ignores the number of passes, the threads, the checkpoint interval, the display of the picture,
-/// and the folder of the scene.
-fn scene_hash(source: &JsonSource) -> String {
-    let mut files = FileHash::new(source.file_access());
-    files.hash.add_part(source.compact(affects_passes).as_bytes());
-    source.strings().for_each(|name| files.add_with_parts(&name, source.folder()));
-    files.hash.hex()
+/// The files that a scene names, directly or through others.
+#[derive(Debug)]
+pub struct SceneFiles {
+    /// A hash of the scene and of its files. Scenes of the same hash have equal passes: it ignores
+    /// the number of passes, the threads, the checkpoint interval, the display of the picture, and
+    /// the folder of the scene.
+    hash: String,
+    /// Each file once, in no order.
+    pub paths: Vec<PathBuf>,
 }
 
-/// Returns the path of a scene and of all files that it names, directly or through others.
-pub fn files_of(source: &JsonSource, path: &Path) -> Vec<PathBuf> {
-    let mut files = FileHash::new(source.file_access());
-    source.strings().for_each(|name| files.add_with_parts(&name, source.folder()));
-    files.added.into_iter().chain([path.to_path_buf()]).collect()
+impl SceneFiles {
+    /// Reads all files that a scene names.
+    pub fn of(source: &JsonSource) -> Self {
+        let mut files = FileHash::new(source.file_access());
+        files.hash.add_part(source.compact(affects_passes).as_bytes());
+        source.strings().for_each(|name| files.add_with_parts(&name, source.folder()));
+        Self { hash: files.hash.hex(), paths: files.added.into_iter().collect() }
+    }
 }
 
 /// The longest path (bytes) that operating systems accept. A longer text names no file.
@@ -180,7 +183,7 @@ mod tests {
 
     fn hash(scene: &Value, folder: &Path, access: FileAccess) -> String {
         let source = JsonSource::patched(scene.to_string(), &folder.join("scene.json"), &[]).unwrap();
-        scene_hash(&source.with_file_access(access))
+        SceneFiles::of(&source.with_file_access(access)).hash
     }
 
     /// A scene of many instances of a mesh names one file many times.

@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use super::Image;
 use super::observer::{self, ProgressFunction, RenderObserver};
 use super::options::RenderOptions;
-use super::{Image, provenance};
+use super::provenance::{self, SceneFiles};
 use abbe_format::resolve::resolve;
 use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
 use abbe_scene as model;
@@ -181,7 +182,8 @@ impl Scene {
     pub fn render_observed(&self, options: &RenderOptions, observer: &mut dyn RenderObserver) -> Result<Image> {
         let (job, source) = self.job(options)?;
         observer.planned(&job.budget)?;
-        let metadata = provenance::of_scene(source.as_ref(), &job, options.request.integrator);
+        let files = source.as_ref().map(SceneFiles::of);
+        let metadata = provenance::of_scene(source.as_ref().zip(files.as_ref()), &job, options.request.integrator);
         let checkpoint =
             options.checkpoint.as_deref().map(|path| observer::Checkpoint { path, resume: options.resume });
         let threads = job.scene.settings.threads;

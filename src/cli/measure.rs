@@ -13,6 +13,7 @@ use super::render::IntegratorName;
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, interrupt, print, values};
 use crate::api::memory;
+use crate::api::provenance::SceneFiles;
 use crate::reports::measurement::{csv, measure, page, table};
 
 #[derive(Debug, Clone, clap::Args)]
@@ -131,7 +132,7 @@ fn plan(arguments: &MeasureArgs) -> Result<Job> {
     add("render.threads", arguments.threads.map(|threads| threads.to_string()));
     let (mut scene, source) = arguments.scene_file.read(path, &patches)?;
     let outputs = [&arguments.csv, &arguments.html].into_iter().flatten().map(PathBuf::as_path);
-    files::check_keeps_inputs(outputs, arguments.scene_file.inputs(&source, path))?;
+    files::check_keeps_inputs(outputs, arguments.scene_file.inputs(&SceneFiles::of(&source), path))?;
     scene.render.forbid.extend(arguments.forbid.iter().cloned());
     scene.select_meters(&arguments.meter).map_err(|error| error.in_file(path))?;
     let mut resolved = resolve_meters(&scene, &source)?;

@@ -75,11 +75,6 @@ fn once(arguments: &MergeArgs, outputs: &OutputFiles) -> Result<Outcome> {
     Ok(Outcome::Exceeded)
 }
 
-/// Returns true if the path names the output file.
-fn is_output(part: &Path, outputs: &OutputFiles) -> bool {
-    part.canonicalize().is_ok_and(|part| outputs.exr.canonicalize().is_ok_and(|out| out == part))
-}
-
 /// Merges the parts, and saves the picture. Returns the statistics and the exposure.
 fn save(parts: PartSet, outputs: &OutputFiles) -> Result<(Stats, f64)> {
     let merged = on_threads(None, || parts.merge())??;
@@ -118,7 +113,8 @@ fn watch(arguments: &MergeArgs, folder: &Path, outputs: &OutputFiles) -> Result<
             continue;
         }
         let start = Instant::now();
-        let files: Vec<PathBuf> = exr_files(folder)?.into_iter().filter(|path| !is_output(path, outputs)).collect();
+        let is_part = |path: &PathBuf| outputs.check_keeps(std::slice::from_ref(path)).is_ok();
+        let files: Vec<PathBuf> = exr_files(folder)?.into_iter().filter(is_part).collect();
         let newest = PartSet::newest(&files);
         if !newest.is_empty() {
             match refresh(arguments, &newest, &mut merged, outputs) {

@@ -22,7 +22,8 @@ use super::preview::Preview;
 use super::progress::{ProgressDisplay, time};
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, interrupt, print, values};
-use crate::api::{memory, provenance};
+use crate::api::memory;
+use crate::api::provenance::{self, SceneFiles};
 
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct RenderArgs {
@@ -196,10 +197,12 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
     let (source, job) = plan(arguments)?;
     memory::check(&job.budget)?;
     let request = arguments.request();
-    let of_scene = arguments.header.apply(provenance::of_scene(Some(&source), &job, request.integrator));
+    let scene_files = SceneFiles::of(&source);
+    let of_scene =
+        arguments.header.apply(provenance::of_scene(Some((&source, &scene_files)), &job, request.integrator));
     let identity = RenderIdentity::of(&job, request.integrator, &of_scene);
     let checkpoint = CheckpointFile { path: outputs.checkpoint(), job: &job, identity: &identity, metadata: &of_scene };
-    outputs.check(&arguments.scene_file.inputs(&source, &arguments.scene))?;
+    outputs.check(&arguments.scene_file.inputs(&scene_files, &arguments.scene))?;
     files::remove_temporary_files(&checkpoint.path);
     files::check_writable(&checkpoint.path)?;
     let label = frame.map(SequenceFrame::label);

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::print;
-use crate::api::{SceneText, provenance, read_scene_text};
+use crate::api::provenance::SceneFiles;
+use crate::api::{SceneText, read_scene_text};
 use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
 use abbe_spectra::error::Result;
 
@@ -24,8 +25,8 @@ impl SceneFileArgs {
     }
 
     /// Returns the files that a scene is read from: its own, those that it names, and the overlay.
-    pub(crate) fn inputs(&self, source: &JsonSource, path: &Path) -> Vec<PathBuf> {
-        provenance::files_of(source, path).into_iter().chain(self.overlay.clone()).collect()
+    pub(crate) fn inputs(&self, files: &SceneFiles, path: &Path) -> Vec<PathBuf> {
+        files.paths.iter().cloned().chain([path.to_path_buf()]).chain(self.overlay.clone()).collect()
     }
 
     /// Reads a scene file, prints what a conversion added and left out, and applies the patches

@@ -4,7 +4,8 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::api::{memory, provenance};
+use crate::api::memory;
+use crate::api::provenance::{self, SceneFiles};
 use crate::view::{LiveView, LoadedScene, SessionEnd, ViewHost};
 use abbe_format::resolve;
 use abbe_session::output::exr::write as write_exr;
@@ -142,10 +143,12 @@ impl ViewHost for ViewArgs {
             (scene, source) = self.scene_file.read(&self.scene, &patches)?;
         }
         // The picture is written at the end, but it is too late then to refuse its name.
-        OutputFiles::new(self.exr(), None)?.check_keeps(&self.scene_file.inputs(&source, &self.scene))?;
+        let files = SceneFiles::of(&source);
+        OutputFiles::new(self.exr(), None)?.check_keeps(&self.scene_file.inputs(&files, &self.scene))?;
         let resolved = resolve::resolve(&scene, &source)?;
         let job = memory::plan(resolved, &self.scene)?;
-        let metadata = provenance::reproducible(provenance::of_scene(Some(&source), &job, Integrator::Photon));
+        let metadata =
+            provenance::reproducible(provenance::of_scene(Some((&source, &files)), &job, Integrator::Photon));
         Ok(LoadedScene { source, job, metadata })
     }
 

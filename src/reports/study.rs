@@ -11,7 +11,8 @@ use abbe_session::output::metadata::names;
 use abbe_session::render::{Integrator, on_threads};
 use abbe_spectra::error::Result;
 
-use crate::api::{memory, provenance};
+use crate::api::memory;
+use crate::api::provenance::{self, SceneFiles};
 use crate::study::report::StudyReport;
 use crate::study::{self, PAGE, StudyMonitor, StudyOptions, StudyOutcome, StudyScene};
 
@@ -36,15 +37,15 @@ pub fn study(
 ) -> Result<StudyOutcome> {
     let names = StudyReport::FILES.into_iter().chain([PAGE]);
     let outputs: Vec<PathBuf> = names.map(|name| files.output.join(name)).collect();
-    let inputs = provenance::files_of(source, files.scene);
-    let inputs = inputs.iter().map(PathBuf::as_path).chain(files.reference);
+    let scene_files = SceneFiles::of(source);
+    let inputs = scene_files.paths.iter().map(PathBuf::as_path).chain([files.scene]).chain(files.reference);
     check_keeps_inputs(outputs.iter().map(PathBuf::as_path), inputs)?;
     let reference = match files.reference {
         Some(path) => Some((path.display().to_string(), read(path)?.picture)),
         None => None,
     };
     let job = memory::plan(resolve(scene, source)?, files.scene)?;
-    let of_scene = provenance::of_scene(Some(source), &job, Integrator::Photon);
+    let of_scene = provenance::of_scene(Some((source, &scene_files)), &job, Integrator::Photon);
     let study_scene = StudyScene {
         path: files.scene.to_owned(),
         text: source.text.clone(),
