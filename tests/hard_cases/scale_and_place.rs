@@ -42,9 +42,9 @@ pub(crate) const CASES: &[Case] = &[
         },
     },
     Case {
-        name: "Lights of 1e-9 W and 1e12 W",
+        name: "Lights of 1e-30, 1e-15, 1e-9, 1e12 and 1e25 W",
         naive: "single-precision sums, thresholds on power",
-        here: "exact 128-bit sums with a quantum of 5e-20",
+        here: "exact 128-bit sums with a unit that follows the power of the lights",
         measured: "relative difference of any pixel, scaled back",
         bound: Bound::AtMost(1e-5),
         pace: Pace::Fast,
@@ -55,7 +55,10 @@ pub(crate) const CASES: &[Case] = &[
                 all_y(&render(&scene, Integrator::Photon, 2)).iter().map(|y| y / power).collect::<Vec<_>>()
             };
             let here = y(1.0);
-            [1e-9, 1e12].iter().map(|&power| largest_difference(&y(power), &here)).fold(0.0, f64::max)
+            [1e-30, 1e-15, 1e-9, 1e12, 1e25]
+                .iter()
+                .map(|&power| largest_difference(&y(power), &here))
+                .fold(0.0, f64::max)
         },
     },
 ];

@@ -5,7 +5,7 @@ use super::part::PassPart;
 use abbe_transport::emit::SpectrumCoverage;
 use abbe_transport::pass::{PassSums, StageSeconds};
 use abbe_transport::plan::Tally;
-use abbe_transport::sensor::{ErrorSquares, Film, Picture, Reading, ReadingSpectrum};
+use abbe_transport::sensor::{ErrorSquares, Film, FilmUnit, Picture, Reading, ReadingSpectrum};
 use abbe_transport::walk::ledger::Ledger;
 
 /// The state of a render between two passes, which can continue elsewhere and be merged.
@@ -26,8 +26,8 @@ impl Run {
         let film = &job.scene.film;
         let [width, height, bands] = [film.width, film.height, film.spectral_bands].map(|count| count as usize);
         let diffraction = job.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
-        let blank =
-            Film::new(width, height, film.observer, bands).with_diffraction(diffraction).with_layers(&job.layers);
+        let blank = Film::new(width, height, film.observer, bands).with_unit(FilmUnit::of(&job.scene));
+        let blank = blank.with_diffraction(diffraction).with_layers(&job.layers);
         let sums = PassSums {
             film: match &job.readings {
                 Some(layout) => blank.with_readings(layout.clone()),

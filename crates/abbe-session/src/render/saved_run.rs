@@ -17,7 +17,7 @@ use abbe_spectra::spectrum::Observer;
 use abbe_transport::emit::SpectrumCoverage;
 use abbe_transport::pass::PassSums;
 use abbe_transport::plan::Tally;
-use abbe_transport::sensor::Film;
+use abbe_transport::sensor::{Film, FilmUnit};
 use abbe_transport::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -33,6 +33,7 @@ pub struct SavedRun {
     pub(super) part: PassPart,
     pub(super) done: u64,
     pub(super) wanted: Option<u64>,
+    unit: FilmUnit,
     ledger: Ledger,
     tally: Tally,
     pub(super) stats: Stats,
@@ -56,6 +57,7 @@ impl SavedRun {
             part: run.part,
             done: run.done,
             wanted: run.wanted,
+            unit: film.unit(),
             ledger: ledger.clone(),
             tally: *tally,
             stats: Stats::new(job, run, &picture, forecast, &[]),
@@ -121,7 +123,7 @@ impl SavedRun {
             return Err(Error::input("is damaged: its size differs from the size in its record").in_file(path));
         }
         let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
-        let film = Film::new(width, height, observer, bands);
+        let film = Film::new(width, height, observer, bands).with_unit(self.unit);
         Ok(film.with_diffraction(diffraction).with_layers(layers))
     }
 

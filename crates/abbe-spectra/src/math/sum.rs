@@ -3,8 +3,9 @@
 use std::ops::AddAssign;
 
 /// An exact sum in 128-bit fixed point with a quantum of 2⁻⁶⁴, to which each term is rounded once,
-/// so its bits do not depend on the order of addition. A sum of a magnitude beyond 9·10¹⁸
-/// saturates, and [`overflowed`](Self::overflowed) returns true.
+/// so its bits do not depend on the order of addition. The caller divides the terms by a unit, so
+/// that they are neither close to the quantum nor beyond 9·10¹⁸, where the sum saturates and
+/// [`overflowed`](Self::overflowed) returns true.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ExactSum(i128);
 
@@ -32,9 +33,9 @@ impl ExactSum {
     }
 }
 
-/// Converts a term to quanta. The cast saturates, but NaN is marked as out of range.
+/// Rounds a term to quanta, without a bias. The cast saturates, but NaN is marked as out of range.
 fn quanta(term: f64) -> i128 {
-    if term.is_nan() { i128::MAX } else { (term * SCALE) as i128 }
+    if term.is_nan() { i128::MAX } else { (term * SCALE).round_ties_even() as i128 }
 }
 
 impl AddAssign<f64> for ExactSum {
@@ -68,6 +69,14 @@ mod tests {
         let mut sum = ExactSum::default();
         (0..100_000).for_each(|_| sum += 1e-8);
         assert!((sum.value() - 1e-3).abs() < 1e-14);
+    }
+
+    /// Terms below the quantum add up in the mean, and none of them is lost to one side.
+    #[test]
+    fn terms_are_rounded_and_not_truncated() {
+        let mut sum = ExactSum::default();
+        (0..1000).for_each(|i| sum += (f64::from(i) + 0.5) / 1000.0 / SCALE);
+        assert_eq!(sum.bits(), 500);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::measure::{measure, measure_surface_extents};
 use crate::map::LightMaps;
 use crate::pass::{CameraSamples, PassContext, PassParameters, PassSums, StageSeconds, path_pass, photon_pass};
 use crate::plan::{Budget, MotionPlan, Plan, Tally};
-use crate::sensor::{Film, Picture};
+use crate::sensor::{Film, FilmUnit, Picture};
 use crate::walk::ledger::Ledger;
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
@@ -95,7 +95,7 @@ impl CoarseScene {
         let Self { scene, plan, budget, factor } = self;
         let (width, count) = (scene.camera.width(), scene.camera.pixel_count());
         let mut sums = PassSums {
-            film: Film::new(width, count / width, scene.film.observer, 0),
+            film: Film::new(width, count / width, scene.film.observer, 0).with_unit(FilmUnit::of(scene)),
             ledger: Ledger::new(scene.materials.len()),
             tally: Tally::default(),
             seconds: StageSeconds::default(),

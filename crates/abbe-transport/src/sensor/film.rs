@@ -8,6 +8,7 @@ use super::picture::{Picture, SpectralBands};
 use super::pixel_sums::{PixelMean, PixelSums, passes_by_half, replicate};
 use super::readings::{Measurement, Reading, ReadingLayout};
 use super::sink::{FilmRow, SplatSink};
+use super::unit::FilmUnit;
 use abbe_spectra::colour::xyz_to_linear_srgb;
 use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::math::sum::ExactSum;
@@ -24,10 +25,12 @@ pub struct Film {
     width: usize,
     height: usize,
     observer: &'static Observer,
+    unit: FilmUnit,
     /// The sums of the pixels. Empty if the film is unexposed.
     pixels: Vec<PixelSums>,
     channels: Channels,
-    /// The sums of the channels, pixel by pixel. Empty if the film is unexposed.
+    /// The sums of the channels, pixel by pixel. Empty if the film is unexposed. Those of light are
+    /// divided by the unit, those of surfaces are not.
     by_channel: Vec<ExactSum>,
     /// The names that camera samples hit: one layer for each requested kind of names.
     names: Vec<NameLayer>,
@@ -50,6 +53,7 @@ impl Film {
             width,
             height,
             observer,
+            unit: FilmUnit::default(),
             pixels: Vec::new(),
             channels: Channels { bands, ..Channels::default() },
             by_channel: Vec::new(),
@@ -57,6 +61,16 @@ impl Film {
             measurement: None,
             passes: [0; REPLICATES],
         }
+    }
+
+    /// Sets the unit of the sums of a film that is still unexposed.
+    #[must_use]
+    pub fn with_unit(self, unit: FilmUnit) -> Self {
+        Self { unit, ..self }
+    }
+
+    pub fn unit(&self) -> FilmUnit {
+        self.unit
     }
 
     /// Adds diffraction to a film that is still unexposed.
@@ -138,6 +152,7 @@ impl Film {
     pub fn rows(&mut self) -> impl Iterator<Item = FilmRow<'_>> {
         self.allocate();
         let (observer, width, channels) = (self.observer, self.width, &self.channels);
+        let per_unit = self.unit.inverse();
         let mut by_channel = self.by_channel.chunks_mut((width * channels.count()).max(1));
         let mut names: Vec<_> = self.names.iter_mut().map(|layer| layer.rows(width)).collect();
         let bands = self.channels.band_channels() * REPLICATES;
@@ -148,6 +163,7 @@ impl Film {
         self.pixels.chunks_mut(width).enumerate().map(move |(row, pixels)| FilmRow {
             first_pixel: row * width,
             observer: layout.map_or(observer, |layout| layout.observer(row)),
+            per_unit,
             by_replicate: by_replicate.next().unwrap_or_default(),
             pixels,
             by_channel: by_channel.next().unwrap_or_default(),
@@ -166,15 +182,17 @@ impl Film {
     pub fn add_splats(&mut self, pass: u64, sink: &SplatSink) -> u64 {
         self.allocate();
         let replicate = replicate(pass);
+        let per_unit = self.unit.inverse();
         for &(xyz, pixel) in &sink.splats {
             let sums = &mut self.pixels[pixel as usize];
-            sums.x += f64::from(xyz[0]);
-            sums.y[replicate] += f64::from(xyz[1]);
-            sums.z += f64::from(xyz[2]);
+            let [x, y, z] = xyz.map(|value| per_unit * f64::from(value));
+            sums.x += x;
+            sums.y[replicate] += y;
+            sums.z += z;
         }
         let count = self.channels.count();
         for &(value, pixel, channel) in &sink.channel_splats {
-            self.by_channel[pixel as usize * count + channel as usize] += f64::from(value);
+            self.by_channel[pixel as usize * count + channel as usize] += per_unit * f64::from(value);
             let bands = self.channels.band_channels();
             if let Some(measurement) = self.measurement.as_mut().filter(|_| (channel as usize) < bands) {
                 let place = (pixel as usize * REPLICATES + replicate) * bands + channel as usize;
@@ -182,7 +200,7 @@ impl Film {
             }
         }
         for &(bias, pixel) in &sink.bias_splats {
-            self.pixels[pixel as usize].bias[replicate % 2] += f64::from(bias);
+            self.pixels[pixel as usize].bias[replicate % 2] += per_unit * f64::from(bias);
         }
         sink.rejected
     }
@@ -192,7 +210,7 @@ impl Film {
         self.allocate();
         let half = replicate(pass) % 2;
         for &(xyz, pixel) in &sink.splats {
-            self.pixels[pixel as usize].bias[half] += -f64::from(xyz[1]);
+            self.pixels[pixel as usize].bias[half] += -self.unit.inverse() * f64::from(xyz[1]);
         }
     }
 
@@ -290,8 +308,7 @@ impl Film {
     fn picture_without_layers(&self) -> (Picture, Option<ErrorSquares>) {
         let passes = self.passes() as f64;
         let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.diffracted_light(diffraction));
-        let light =
-            |pixel: usize| diffracted.as_ref().map_or_else(|| self.sums_of(pixel).light(), |(light, _)| light[pixel]);
+        let light = |pixel: usize| diffracted.as_ref().map_or_else(|| self.light_of(pixel), |(light, _)| light[pixel]);
         let scale = LUMENS_PER_WATT / self.passes().max(1) as f64;
         let xyz: Vec<_> = (0..self.pixel_count()).map(|pixel| light(pixel).xyz.map(|sum| sum * scale)).collect();
         let (width, height) = (self.width, self.height);
@@ -316,8 +333,9 @@ impl Film {
         (picture, squares)
     }
 
+    /// Returns the light of a spectral channel or a layer.
     fn channel(&self, pixel: usize, channel: usize) -> f64 {
-        self.channel_sum(pixel, channel).value()
+        self.unit.value() * self.channel_sum(pixel, channel).value()
     }
 
     fn channel_sum(&self, pixel: usize, channel: usize) -> ExactSum {
@@ -336,22 +354,27 @@ impl Film {
             let rgb: Vec<_> = (0..self.pixel_count()).map(|pixel| xyz_to_linear_srgb(xyz(pixel))).collect();
             layers.add_colours(&name, &rgb);
         }
-        layers.add_surfaces(set, self.pixel_count(), |pixel, channel| self.channel(pixel, surfaces + channel));
+        let of_surface = |pixel: usize, channel: usize| self.channel_sum(pixel, surfaces + channel).value();
+        layers.add_surfaces(set, self.pixel_count(), of_surface);
         for names in &self.names {
-            layers.add_names(names, |pixel| self.channel(pixel, surfaces));
+            layers.add_names(names, |pixel| of_surface(pixel, 0));
         }
         layers
     }
 
-    pub(super) fn sums_of(&self, pixel: usize) -> PixelSums {
+    fn sums_of(&self, pixel: usize) -> PixelSums {
         self.pixels.get(pixel).copied().unwrap_or_default()
+    }
+
+    fn light_of(&self, pixel: usize) -> PixelMean {
+        self.sums_of(pixel).light(self.unit.value())
     }
 
     /// Returns the readings of a measurement so far. Returns none if the film records a picture.
     pub fn readings(&self) -> Vec<Reading> {
         let Some(measurement) = &self.measurement else { return Vec::new() };
         let rows = measurement.layout.rows;
-        let sums = |number: usize| (number * rows..(number + 1) * rows).map(|row| self.sums_of(row));
+        let sums = |number: usize| (number * rows..(number + 1) * rows).map(|row| self.light_of(row));
         let of_reading = |number| Reading::of_rows(sums(number), self.passes, measurement.independent_rows);
         (0..measurement.layout.readings.len()).map(of_reading).collect()
     }
@@ -404,7 +427,7 @@ impl Film {
         }
         mean.iter_mut().for_each(|value| *value = *value * (1.0 / whole));
         let (xy, z) = (convolution.planes(xy), convolution.planes(z));
-        let mut light: Vec<PixelMean> = (0..self.pixel_count()).map(|pixel| self.sums_of(pixel).light()).collect();
+        let mut light: Vec<PixelMean> = (0..self.pixel_count()).map(|pixel| self.light_of(pixel)).collect();
         // Rounding may give values slightly below 0.
         let positive = |value: f64| value.max(0.0);
         for ((light, xy), z) in light.iter_mut().zip(xy).zip(z) {
@@ -416,13 +439,13 @@ impl Film {
             convolution.planes(sum)
         };
         for replicate in (0..REPLICATES).step_by(2) {
-            let both = spread(&|pixel| [0, 1].map(|next| self.sums_of(pixel).y[replicate + next].value()));
+            let both = spread(&|pixel| [0, 1].map(|next| self.light_of(pixel).y[replicate + next]));
             light
                 .iter_mut()
                 .zip(both)
                 .for_each(|(light, both)| light.y[replicate..replicate + 2].copy_from_slice(&both));
         }
-        let bias = spread(&|pixel| self.sums_of(pixel).bias.map(|half| half.value()));
+        let bias = spread(&|pixel| self.light_of(pixel).bias);
         light.iter_mut().zip(bias).for_each(|(light, bias)| light.bias = bias);
         let bands = self.channels.bands;
         let mut values = vec![0.0; bands * self.pixel_count()];

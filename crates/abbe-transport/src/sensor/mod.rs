@@ -16,6 +16,7 @@ mod pixel_sums;
 mod reading_spectrum;
 mod readings;
 mod sink;
+mod unit;
 
 pub use develop::{Codes, Development, DisplayImage, develop};
 pub use diffraction::DiffractionPsf;
@@ -26,3 +27,4 @@ pub use picture::{Picture, SpectralBands};
 pub use reading_spectrum::{ReadingBands, ReadingSpectrum};
 pub use readings::{Reading, ReadingLayout, ReadingOwner, half_interval_with_degrees};
 pub use sink::{FilmRow, PixelSink, SplatSink};
+pub use unit::FilmUnit;

@@ -22,9 +22,11 @@ pub(super) struct PixelMean {
 }
 
 impl PixelSums {
-    pub(super) fn light(&self) -> PixelMean {
-        let y = self.y.map(|part| part.value());
-        PixelMean { xyz: [self.x.value(), y.iter().sum(), self.z.value()], y, bias: self.bias.map(|half| half.value()) }
+    /// Returns the light of sums whose terms were divided by `unit`, in W/m²/sr.
+    pub(super) fn light(&self, unit: f64) -> PixelMean {
+        let value = |sum: ExactSum| unit * sum.value();
+        let y = self.y.map(value);
+        PixelMean { xyz: [value(self.x), y.iter().sum(), value(self.z)], y, bias: self.bias.map(value) }
     }
 }
 

@@ -10,7 +10,7 @@
 //! freedom often make too small.
 
 use super::error_bars::{ErrorSquares, PixelMeans};
-use super::pixel_sums::{PixelSums, passes_by_half};
+use super::pixel_sums::{PixelMean, passes_by_half};
 use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use std::sync::Arc;
@@ -114,7 +114,7 @@ impl Reading {
 
     /// `passes` counts each replicate, and the rows may be `independent`.
     pub(super) fn of_rows(
-        rows: impl ExactSizeIterator<Item = PixelSums>,
+        rows: impl ExactSizeIterator<Item = PixelMean>,
         passes: [u64; REPLICATES],
         independent: bool,
     ) -> Self {
@@ -126,14 +126,13 @@ impl Reading {
         let (mut total, mut xz) = (0.0, [0.0; 2]);
         // The sum of the variances of independent rows, and the sum of their squares.
         let mut variances = [0.0; 2];
-        for sums in rows {
-            xz = [xz[0] + sums.x.value(), xz[1] + sums.z.value()];
-            let y = sums.y.map(|sum| sum.value());
-            total += y.iter().sum::<f64>();
+        for PixelMean { xyz, y, bias } in rows {
+            xz = [xz[0] + xyz[0], xz[1] + xyz[2]];
+            total += xyz[1];
             let mut of_row = blank;
             (0..REPLICATES).for_each(|r| of_row.y[r] = mean(y[r], passes[r]));
             (0..REPLICATES).for_each(|r| means.y[r] += of_row.y[r]);
-            (0..2).for_each(|h| means.bias[h] += mean(sums.bias[h].value(), halves[h]));
+            (0..2).for_each(|h| means.bias[h] += mean(bias[h], halves[h]));
             let variance = of_row.variance(passes).unwrap_or(0.0);
             variances = [variances[0] + variance, variances[1] + variance * variance];
         }

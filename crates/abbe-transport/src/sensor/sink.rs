@@ -39,6 +39,8 @@ pub struct SplatSink {
 pub struct FilmRow<'f> {
     pub first_pixel: usize,
     pub(super) observer: &'static Observer,
+    /// The inverse of the unit of the sums.
+    pub(super) per_unit: f64,
     pub(super) pixels: &'f mut [PixelSums],
     pub(super) channels: &'f Channels,
     pub(super) by_channel: &'f mut [ExactSum],
@@ -70,7 +72,8 @@ impl FilmRow<'_> {
             values.fill(0.0);
             hits.clear();
             let mut sink = PixelSink { hits, ..PixelSink::new(self.observer, self.channels, &mut values) };
-            let weight = 1.0 / expose(self.first_pixel + column, &mut sink) as f64;
+            let mean = 1.0 / expose(self.first_pixel + column, &mut sink) as f64;
+            let weight = self.per_unit * mean;
             sums.x += weight * sink.xyz[0];
             sums.y[replicate] += weight * sink.xyz[1];
             sums.z += weight * sink.xyz[2];
@@ -81,7 +84,7 @@ impl FilmRow<'_> {
             of_light.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
             let bands = self.channels.band_channels();
             if let Some(sums) = self.by_replicate.get_mut(replicate * bands..(replicate + 1) * bands) {
-                sums.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
+                sums.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += mean * value);
             }
             // The means divide by the number of samples, so these sums have no weight.
             of_surfaces.iter_mut().zip(&values[surfaces..]).for_each(|(sum, &value)| *sum += value);
