@@ -277,3 +277,29 @@ fn a_wide_slit_limits_the_resolving_power() {
     println!("a slit of {expected:.1} pixels has the width of {width} pixels");
     assert!((width / expected - 1.0).abs() < 0.05, "{width} and {expected} pixels");
 }
+
+/// A lossless grating in uniform surroundings looks like its surroundings, also where the strong
+/// order is evanescent.
+#[test]
+fn gratings_vanish_in_uniform_surroundings() {
+    let profiles = [
+        json!({ "blazed": { "order": 1, "nm": 550 } }),
+        json!({ "sinusoidal": { "amplitude": 1.2, "nm": 550 } }),
+        json!({ "lamellar": { "phase": 3.0, "nm": 550, "duty": 0.4 } }),
+    ];
+    for (profile, lines) in profiles.iter().flat_map(|profile| [300, 1200, 2000].map(|lines| (profile, lines))) {
+        let grating = json!({ "lines_per_mm": lines, "profile": profile, "reflectance": 0.6, "transmittance": 0.4 });
+        let scene = json!({
+            "camera": { "from": [0, 0.4, 2], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 30 } } },
+            "film": { "width": 4, "height": 4 },
+            "materials": { "grating": { "grating": grating } },
+            "objects": [{ "shape": { "rectangle": { "width": 20, "height": 20 } }, "material": "grating" }],
+            "lights": [{ "environment": { "luminance": 1, "spectrum": { "lines": [{ "nm": 560, "power": 1 }] } } }],
+            "render": { "photons": 1000 }
+        });
+        for integrator in [Integrator::Photon, Integrator::Path] {
+            let mean = render(&scene, integrator, 8).picture.mean_y();
+            assert!((mean - 1.0).abs() < 1e-3, "{profile}, {lines} per mm, {integrator:?}: {mean}");
+        }
+    }
+}

@@ -4,12 +4,14 @@
 //! which light travels. Light arrives from z > 0. A reflected order returns to z > 0, where the
 //! order 0 keeps the x component of its direction, and a transmitted order continues to z < 0.
 
+mod closed_set;
 mod profile;
 
 pub use profile::{EfficiencyTable, GratingProfile};
 
 use crate::bsdf::ScatterEvent;
 use abbe_spectra::error::{Error, Result};
+use closed_set::ClosedSet;
 use glam::DVec3;
 
 /// A grating: the period of its grooves, and their profile.
@@ -101,16 +103,33 @@ impl Grating {
         self.propagating(incident, [index; 2], nm).map(|order| self.profile.efficiency(order, nm)).sum()
     }
 
-    /// Returns the efficiency of a propagating order in one `index`; see [`Self::orders`].
-    pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
-        let sum = self.scalar_sum(incident, index, nm);
-        let fraction =
-            if sum > 0.0 { self.profile.efficiency(order, nm) / sum } else { f64::from(u8::from(order == 0)) };
-        self.profile.total(|| sum) * fraction
+    /// Returns the closed set of the directions of all orders, and its first order. `None` for a
+    /// grating with measured efficiencies, which are not scaled, and for a very large set.
+    fn closed_set(&self, incident: DVec3, index: f64, nm: f64) -> Option<(ClosedSet, i32)> {
+        if matches!(self.profile, GratingProfile::Table(_)) {
+            return None;
+        }
+        let numbers = self.propagating(incident, [index; 2], nm);
+        let first = *numbers.start();
+        let (count, from) = (numbers.count(), usize::try_from(-first).ok()?);
+        Some((ClosedSet::new(count, from, |order| self.profile.efficiency(order, nm))?, first))
     }
 
-    /// Returns the fraction of the power that all orders that propagate share; see
-    /// [`Self::orders`].
+    /// Returns the efficiency of a propagating order in one `index`. Lossless and reciprocal: it is
+    /// that of the order of the same number of light that is sent back.
+    pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
+        let fraction = match self.closed_set(incident, index, nm) {
+            Some((set, first)) => set.efficiency((order - first) as usize),
+            None => {
+                let sum = self.scalar_sum(incident, index, nm);
+                let of_zero = f64::from(u8::from(order == 0));
+                if sum > 0.0 { self.profile.efficiency(order, nm) / sum } else { of_zero }
+            }
+        };
+        self.total_efficiency(incident, index, nm) * fraction
+    }
+
+    /// Returns the fraction of the power that all orders that propagate share.
     pub fn total_efficiency(&self, incident: DVec3, index: f64, nm: f64) -> f64 {
         self.profile.total(|| self.scalar_sum(incident, index, nm))
     }
@@ -118,13 +137,17 @@ impl Grating {
     /// Selects an order that propagates in proportion to its efficiency, by the random number `u`
     /// in \[0, 1). Returns the order and its probability.
     pub fn sample_order(&self, incident: DVec3, index: f64, nm: f64, u: f64) -> (i32, f64) {
-        let sum = self.scalar_sum(incident, index, nm);
+        let set = self.closed_set(incident, index, nm);
+        let sum = set.as_ref().map_or_else(|| self.scalar_sum(incident, index, nm), |_| 1.0);
         if sum <= 0.0 {
             return (0, 1.0);
         }
         let (mut rest, mut chosen) = (u * sum, (0, 1.0));
         for order in self.propagating(incident, [index; 2], nm) {
-            let efficiency = self.profile.efficiency(order, nm);
+            let efficiency = match &set {
+                Some((set, first)) => set.efficiency((order - first) as usize),
+                None => self.profile.efficiency(order, nm),
+            };
             if efficiency > 0.0 {
                 chosen = (order, efficiency / sum);
                 rest -= efficiency;
@@ -136,11 +159,13 @@ impl Grating {
         chosen
     }
 
-    /// Returns all orders that propagate, with their efficiencies; see [`Self::direction`].
+    /// Returns all orders of one beam that propagate, with their efficiencies; see
+    /// [`Self::direction`].
     ///
     /// Scalar efficiencies are scaled, so that a phase grating loses no power to evanescent orders,
-    /// and if all are 0, the order 0 receives the power. They are not reciprocal, because a beam in
-    /// the opposite direction has other evanescent orders. Measured ones are not scaled.
+    /// and if all are 0, the order 0 receives the power. They are those of the beam alone and are
+    /// not reciprocal, because a beam in the opposite direction has other evanescent orders; see
+    /// [`Self::efficiency`] for those of a surface. Measured ones are not scaled.
     pub fn orders(&self, incident: DVec3, event: ScatterEvent, indices: [f64; 2], nm: f64) -> Vec<DiffractedOrder> {
         let numbers = self.propagating(incident, indices, nm);
         let found = numbers.filter_map(|order| {
