@@ -2,8 +2,9 @@
 //! radiance 1.
 
 use crate::common::compare::{Measured, compare_with};
-use crate::common::{all_y, block_means, diffuse, glass, mean_y, with_setting};
+use crate::common::{all_y, block_means, diffuse, glass, mean_y, render, with_setting};
 use abbe_session::render::Integrator;
+use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer, planck};
 use serde_json::{Value, json};
 
 /// Renders, and checks that the mean luminance is 1 within 0.5 %, and that the four quarters of the
@@ -269,4 +270,31 @@ fn a_white_ball_and_a_ball_of_glass_in_uniform_surroundings() {
     scene["render"] = json!({ "photons": 20000, "radius": 0.1 });
     check("white ball beside BK7", &scene, (Integrator::Photon, 24));
     check("white ball beside BK7", &scene, (Integrator::Path, 512));
+}
+
+/// A ball of glass that glows at the temperature of its surroundings vanishes: inside of the ball,
+/// the radiance of a black body is n² B.
+#[test]
+fn glass_that_glows_like_its_surroundings_vanishes() {
+    const KELVIN: f64 = 2000.0;
+    let observer = Observer::cie1931();
+    let per_nm = |nm: f64| planck(nm, KELVIN) * 1e-9 * observer.xyz_bar(nm)[1];
+    let luminance = LUMENS_PER_WATT * (360..=830).map(f64::from).map(per_nm).sum::<f64>();
+    let black_body = json!({ "blackbody": { "temperature": KELVIN } });
+    for index in [1.0, 1.5, 2.0] {
+        let scene = json!({
+            "camera": { "from": [0, 0, 5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 22 } } },
+            "film": { "width": 8, "height": 8 },
+            "media": { "hot": { "homogeneous": { "absorption": 2, "scattering": 0, "phase": "isotropic", "emission": black_body } } },
+            "materials": { "hot": { "dielectric": { "ior": index, "medium": "hot" } } },
+            "objects": [{ "shape": { "sphere": { "radius": 1 } }, "material": "hot" }],
+            "lights": [{ "environment": { "spectrum": black_body, "luminance": luminance } }],
+            "render": { "photons": 1000 }
+        });
+        for (integrator, passes) in [(Integrator::Photon, 16), (Integrator::Path, 256)] {
+            let mean = render(&scene, integrator, passes).picture.mean_y() / luminance;
+            println!("glowing glass of index {index}, {integrator:?}: {mean:.4}");
+            assert!((mean - 1.0).abs() < 0.02, "index {index}, {integrator:?}: {mean}");
+        }
+    }
 }

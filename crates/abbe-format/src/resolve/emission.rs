@@ -23,7 +23,7 @@ impl Resolver<'_> {
         let MediumEmissionFile { blackbody, spectrum, radiance, power } = file;
         if let Some(MediumBlackbodyFile { temperature: uniform }) = blackbody {
             if let Some(kelvin) = uniform {
-                return Ok(MediumEmission::uniform(absorption.product(&Spectrum::blackbodies(&[(*kelvin, 1.0)]))));
+                return Ok(MediumEmission::blackbody(absorption, *kelvin));
             }
             let missing = || Error::input("found no temperature").expected("`temperature`, or a grid that has one");
             let field = self.at(&at.key("blackbody"), temperature.ok_or_else(missing))?;

@@ -10,16 +10,16 @@ use std::sync::Arc;
 /// The emission coefficient of a medium at density 1.
 #[derive(Debug, Clone)]
 pub enum MediumEmission {
-    /// The same spectrum everywhere.
     /// The same spectrum (W/m³/sr/nm) everywhere, and its integral over the band.
-    Uniform { spectrum: Spectrum, band: f64 },
-    /// Thermal emission at a varying temperature: j = σ_a(λ) B_λ(T) (Kirchhoff).
+    Uniform { spectrum: Spectrum, band: f64, is_thermal: bool },
+    /// Thermal emission at a varying temperature: j = σ_a(λ) n²(λ) B_λ(T) (Kirchhoff).
     Thermal(Box<ThermalEmission>),
 }
 
 #[derive(Debug, Clone)]
 pub struct ThermalEmission {
     temperature: Arc<ScalarField>,
+    /// Times n² of the body that contains the medium.
     absorption: Spectrum,
     /// The log of the emission over the band in W/m³/sr, by equal steps of the inverse temperature
     /// from the hottest on, in which it is nearly linear (Wien's law).
@@ -42,7 +42,33 @@ impl MediumEmission {
     /// Creates the emission of the same spectrum (W/m³/sr/nm at density 1) everywhere.
     pub fn uniform(spectrum: Spectrum) -> Self {
         let band = spectrum.integral();
-        Self::Uniform { spectrum, band }
+        Self::Uniform { spectrum, band, is_thermal: false }
+    }
+
+    /// Creates thermal emission from absorption (1/m at density 1) and one temperature (K).
+    pub fn blackbody(absorption: &Spectrum, kelvin: f64) -> Self {
+        let spectrum = absorption.product(&Spectrum::blackbodies(&[(kelvin, 1.0)]));
+        Self::Uniform { band: spectrum.integral(), spectrum, is_thermal: true }
+    }
+
+    pub fn is_thermal(&self) -> bool {
+        !matches!(self, Self::Uniform { is_thermal: false, .. })
+    }
+
+    /// Multiplies thermal emission by the squared refractive index: inside of a body, the radiance
+    /// of a black body is n² B, so that it is B outside.
+    #[must_use]
+    pub fn in_index(&self, squared: &Spectrum) -> Self {
+        match self {
+            Self::Uniform { is_thermal: false, .. } => self.clone(),
+            Self::Uniform { spectrum, .. } => {
+                let spectrum = spectrum.product(squared);
+                Self::Uniform { band: spectrum.integral(), spectrum, is_thermal: true }
+            }
+            Self::Thermal(thermal) => {
+                Self::thermal(thermal.absorption.product(squared), Arc::clone(&thermal.temperature))
+            }
+        }
     }
 
     /// Creates thermal emission from absorption (1/m at density 1) and temperature (K).
@@ -94,7 +120,7 @@ impl MediumEmission {
     /// The relative spectrum at a temperature in K: per nm, with integral 1 over the band.
     pub fn spd_at(&self, temperature: f64, nm: f64) -> f64 {
         match self {
-            Self::Uniform { spectrum, band } => spectrum.at(nm) / band,
+            Self::Uniform { spectrum, band, .. } => spectrum.at(nm) / band,
             Self::Thermal(thermal) => thermal.spectral(temperature, nm) / thermal.band(temperature),
         }
     }
@@ -120,7 +146,7 @@ impl MediumEmission {
 
     /// Multiplies the emission by a factor. Thermal emission stays unchanged.
     pub fn scale(&mut self, factor: f64) {
-        if let Self::Uniform { spectrum, .. } = self {
+        if let Self::Uniform { spectrum, is_thermal: false, .. } = self {
             *self = Self::uniform(spectrum.scaled(factor));
         }
     }
