@@ -62,7 +62,7 @@ pub(crate) fn plain(prepared: &Prepared, maps: &SetMaps, count: u64) -> f64 {
         if surface.class() != BsdfClass::Diffuse {
             continue;
         }
-        let frame = hit.frame(ray.direction);
+        let frame = hit.frame();
         let (wo, place) = (frame.to_local(-ray.direction), hit.position);
 
         // Direct light by a shadow ray and by a scattered ray, with multiple importance sampling.

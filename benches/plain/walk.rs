@@ -65,7 +65,7 @@ pub(crate) fn plain(prepared: &Prepared, count: u64) -> StoredPhotons {
                     let photon = Photon::new(PhotonPower::new(code, power, None, stream.uniform()), to_light, facing);
                     kept.push((photon, hit.position.as_vec3().to_array()));
                 }
-                let frame = hit.frame(ray.direction);
+                let frame = hit.frame();
                 let wo = frame.to_local(to_light);
                 let u = stream.triple();
                 let Some(drawn) = surface.sample(wo, sides, nm[0], u) else {

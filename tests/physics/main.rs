@@ -56,5 +56,6 @@ mod spectral_linearity;
 mod textures;
 mod thin_films;
 mod thin_lens;
+mod total_reflection;
 mod ultraviolet;
 mod walls;

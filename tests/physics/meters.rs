@@ -230,3 +230,56 @@ fn points_in_hollows_are_noted() {
         assert!(!other.contains("hollow"), "{other}");
     }
 }
+
+/// A screen whose holes are a mixture of paint and of a pane with the index 1, as importers make of
+/// masks: shadow rays pass through the holes. A meter that no light reaches has no interval.
+#[test]
+fn light_through_a_screen_with_holes_is_measured() {
+    let hole = json!({ "thin_dielectric": { "ior": 1.0 } });
+    let scene = |lights: Json, point: [f64; 3]| {
+        json!({
+            "materials": { "paint": { "diffuse": { "reflectance": 0.5 } }, "hole": hole,
+                           "screen": { "mix": [{ "material": "paint", "weight": 1 }, { "material": "hole", "weight": 3 }] } },
+            "objects": [{ "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": "screen" }],
+            "lights": [lights], "meters": [{ "name": "m", "points": [point] }], "render": { "photons": 1000 }
+        })
+    };
+    let sun = json!({ "directional": { "toward": [0, -1, 0], "spectrum": 1, "illuminance": 100 } });
+    let lamp = json!({ "point": { "at": [0.5, 1, 0], "spectrum": 1, "luminous_intensity": 400 } });
+    for light in [&sun, &lamp] {
+        let report = measure_until(&scene(light.clone(), [0.5, -1.0, 0.0]), None, StopRules::default());
+        let point = &report.meters[0].points[0];
+        let [low, high] = point.interval_95.as_ref().expect("an interval").each_ref().map(number);
+        println!("through holes: {:?} in [{low}, {high}]", point.value);
+        assert!((number(&point.value) / 75.0 - 1.0).abs() < 0.02 && low <= 75.0 && 75.0 <= high, "{point:?}");
+    }
+    let above = measure(&scene(sun, [0.5, 1.0, 0.0]), Some(Integrator::Path), 4);
+    let [value, ..] = readings(&above)[0];
+    assert!(value > 99.0, "{value}");
+    let lamp_below = json!({ "point": { "at": [0.5, -3, 0], "spectrum": 1, "luminous_intensity": 400 } });
+    let dark = &measure(&scene(lamp_below, [0.5, 1.0, 0.0]), Some(Integrator::Path), 4).meters[0].points[0];
+    assert!(number(&dark.value) == 0.0 && dark.interval_95.is_none(), "{dark:?}");
+}
+
+/// The light of a lamp with a radius of 3 mm through a ball of glass: by hand, 3.019 W on the way
+/// around the ball and 0.282 W through it. The default integrator finds it.
+#[test]
+#[ignore = "nightly: 5 seconds of CPU time"]
+fn a_small_lamp_shines_through_a_ball_of_glass() {
+    let scene = json!({
+        "materials": { "floor": { "diffuse": { "reflectance": 0.6 } }, "glass": { "dielectric": { "ior": 1.5 } },
+                       "lamp": { "diffuse": { "reflectance": 0 } } },
+        "objects": [
+            { "name": "floor", "shape": { "rectangle": { "width": 4, "height": 4 } }, "material": "floor" },
+            { "shape": { "sphere": { "radius": 0.3 } }, "material": "glass", "transform": [{ "translate": [0, 0.8, 0] }] },
+            { "shape": { "sphere": { "radius": 0.003 } }, "material": "lamp", "emission": { "spectrum": "E", "power": 20 },
+              "transform": [{ "translate": [0, 2, 0] }] }
+        ],
+        "meters": [{ "name": "floor", "surface": "floor", "quantity": "radiant_flux" }]
+    });
+    assert_eq!(job(&scene).integrator_for_meters(), Integrator::Photon);
+    let value = readings(&measure(&scene, None, 8))[0][0];
+    assert!((value / 3.301 - 1.0).abs() < 0.01, "{value}");
+    let by_paths = measure(&scene, Some(Integrator::Path), 8);
+    assert!(by_paths.meters[0].points[0].interval_95.is_none(), "paths seldom find the lamp: {by_paths:?}");
+}

@@ -8,8 +8,8 @@ use abbe_transport::walk::{RayState, SurfaceLookup, next_interaction};
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use crate::common::compare::Measured;
-use crate::common::{diffuse, glass, job, render};
+use crate::common::compare::{Measured, compare};
+use crate::common::{all_y, block_means, diffuse, glass, job, render};
 
 /// The number of shells of the Luneburg lens.
 const SHELLS: usize = 20;
@@ -160,4 +160,54 @@ fn light_that_fog_scatters_does_not_leave_the_scene_inside_the_fog() {
     assert!(rendered.ledger.escaped > 0.0, "{:?}", rendered.ledger);
     assert_eq!(rendered.ledger.escaped_inside, 0.0);
     assert!(rendered.stats.notes.is_empty(), "{:?}", rendered.stats.notes);
+}
+
+/// One mesh joins two boxes that overlap and have coplanar sides. A ray through both sees the glass
+/// of their union, from both ends.
+#[test]
+fn joined_boxes_are_the_glass_of_their_union() {
+    let absorption = 0.5;
+    for (from, length_m) in
+        [([-6.0, 0.1, 0.15], 3.0), ([6.0, 0.1, 0.15], 3.0), ([0.1, 6.0, 0.15], 2.0), ([0.1, 0.2, -6.0], 2.0)]
+    {
+        let at = [0.1, 0.2, 0.15];
+        let along = DVec3::from_array(at) - DVec3::from_array(from);
+        let length_m = length_m * along.length() / along.abs().max_element();
+        let scene = json!({
+            "camera": { "from": from, "at": at, "up": [0.3, 0.5, 0.4], "lens": { "pinhole": { "fov": 0.2 } } },
+            "film": { "width": 2, "height": 2 },
+            "materials": { "grey": { "dielectric": { "ior": 1, "absorption": absorption } } },
+            "objects": [{ "shape": { "mesh": { "path": "physics/joined_boxes.obj" } }, "material": "grey" }],
+            "lights": [{ "environment": { "spectrum": "E", "luminance": 1 } }], "render": { "photons": 1000 }
+        });
+        let known = (-absorption * length_m).exp();
+        for integrator in [Integrator::Photon, Integrator::Path] {
+            let rendered = render(&scene, integrator, 4);
+            let seen = rendered.picture.mean_y();
+            assert!((seen / known - 1.0).abs() < 0.01, "{from:?}, {integrator:?}: {seen} for {known}");
+        }
+        let notes = job(&scene).scene.notes.join("\n");
+        assert!(notes.contains("2 closed shells"), "{notes}");
+    }
+}
+
+/// A glowing ball overlaps a ball of glass that has the priority. The part of its surface inside of
+/// the other ball is no interface, but it glows too, for photons and for camera paths.
+#[test]
+fn the_hidden_part_of_a_glowing_ball_glows_too() {
+    let scene = json!({
+        "camera": { "from": [0, 0, 4.5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 30 } } },
+        "film": { "width": 8, "height": 8 },
+        "materials": { "lamp": glass(1.5), "first": { "dielectric": { "ior": 1.3, "priority": 1 } }, "grey": diffuse(0.5) },
+        "objects": [
+            { "shape": { "sphere": { "radius": 0.5 } }, "material": "lamp", "emission": { "spectrum": "E", "power": 5 } },
+            { "shape": { "sphere": { "radius": 0.5 } }, "material": "first", "transform": [{ "translate": [0.5, 0, 0] }] },
+            { "shape": { "box": { "size": [10, 10, 10] } }, "material": "grey" }
+        ],
+        "lights": [], "render": { "photons": 5000 }
+    });
+    let seen = |way| Measured::new(&scene, way, 0..6, |rendered| block_means(&all_y(rendered), 8, 4, &[true; 64]));
+    let found = compare(&seen((Integrator::Photon, 16)), &seen((Integrator::Path, 128)));
+    println!("a glowing ball in a ball of glass: {found}");
+    assert!(found.is_equal(), "{found}");
 }

@@ -4,9 +4,9 @@
 //! the interpolated normal. The power that a photon brings arrives through the geometric surface,
 //! so photons need the correction of Veach 1997, section 5.3.
 
-use crate::common::compare::Measured;
-use crate::common::{diffuse, glass, mean_y, overhead_camera};
-use abbe_session::render::Integrator;
+use crate::common::compare::{Measured, compare};
+use crate::common::{all_y, block_means, diffuse, glass, mean_y, overhead_camera};
+use abbe_session::render::{Integrator, Rendered};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -35,7 +35,7 @@ fn under_a_distant_light(panes: &[[f64; 3]]) -> Value {
         "materials": { "grey": diffuse(ALBEDO), "clear": glass(1.0) },
         "objects": objects,
         "lights": [{ "directional": { "toward": (-TO_LIGHT).to_array(), "spectrum": "E", "illuminance": 1 } }],
-        "render": { "photons": 5000, "radius": 0.02 }
+        "render": { "photons": 5000, "radius": 0.05 }
     })
 }
 
@@ -93,4 +93,32 @@ fn a_mesh_with_tilted_normals_lights_a_wall_beside_it() {
     }
     let truth = WALL / PI * received;
     check("a wall beside a mesh", &scene(0.1), (Integrator::Photon, 64), truth, 0.08);
+}
+
+/// Far from the geometric normal, a part of each lobe lies below the surface. Photons and camera
+/// paths must scatter this part by the same rule: light of a large lamp that falls through a pane of
+/// glass is found by photons alone, or by camera paths alone.
+#[test]
+fn steep_normals_scatter_photons_and_paths_alike() {
+    let metal = json!({ "conductor": { "reflectance": 0.8, "roughness": 0.4 } });
+    for (name, material) in [("diffuse", diffuse(ALBEDO)), ("glossy", metal)] {
+        let scene = json!({
+            "camera": { "from": [0.9, 0.8, 0.4], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 40 } } },
+            "film": { "width": 8, "height": 8 },
+            "materials": { "floor": material, "clear": glass(1.5), "black": diffuse(0) },
+            "objects": [
+                { "shape": { "mesh": { "path": "physics/steep.obj" } }, "material": "floor" },
+                { "shape": { "box": { "size": [8, 0.1, 8] } }, "material": "clear", "transform": [{ "translate": [0, 1.5, 0] }] },
+                { "shape": { "sphere": { "radius": 0.8 } }, "material": "black", "emission": { "spectrum": "E", "power": 5 },
+                  "transform": [{ "translate": [-2, 3, 0] }] }
+            ],
+            "lights": [], "render": { "photons": 20000, "radius": 0.05 }
+        });
+        let take = |rendered: &Rendered| block_means(&all_y(rendered), 8, 4, &[true; 64]);
+        let photon = Measured::new(&scene, (Integrator::Photon, 16), 0..6, take);
+        let path = Measured::new(&scene, (Integrator::Path, 2000), 0..6, take);
+        let found = compare(&photon, &path);
+        println!("steep normals, {name}: {found}");
+        assert!(found.is_equal(), "{name}: {found}");
+    }
 }

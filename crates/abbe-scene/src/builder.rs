@@ -80,6 +80,7 @@ use std::sync::Arc;
 #[derive(Debug, Default)]
 pub struct ObjectSet {
     pub notes: Vec<String>,
+    /// An object whose mesh overlaps itself has a shape for each shell.
     pub(super) shapes: Vec<AnimatedShape>,
     pub(super) objects: Vec<Object>,
     pub(super) materials: Vec<Material>,
@@ -126,14 +127,29 @@ impl ObjectSet {
                 .expected("a shape that encloses a space"));
         }
         shape.validate()?;
+        let mut shells = None;
         if let (Shape::Mesh(mesh), Some(_)) = (&shape, body) {
             let note = mesh.fault_as_body(&placement.to_world);
             self.notes.extend(note.map(|note| format!("the mesh \"{name}\" is transparent but {note}")));
+            shells = mesh.overlapping_shells();
+        }
+        if let Some(shells) = &shells {
+            let count = shells.len();
+            self.notes.push(format!(
+                "the mesh \"{name}\" consists of {count} closed shells, of which some touch or overlap: its body is their union"
+            ));
         }
         let number = self.objects.len() as u32;
-        self.objects.push(Object { name, material, light: None });
-        let placed = PlacedShape { shape, to_world: placement.to_world, object: number };
-        self.shapes.push(AnimatedShape { placed, motion: placement.motion });
+        self.objects.push(Object { name, material, light: None, overlaps_itself: shells.is_some() });
+        let shapes = match shells {
+            None => vec![shape],
+            Some(shells) => shells.into_iter().map(|shell| Shape::Mesh(Arc::new(shell))).collect(),
+        };
+        let Placement { to_world, motion } = placement;
+        for shape in shapes {
+            let placed = PlacedShape { shape, to_world, object: number };
+            self.shapes.push(AnimatedShape { placed, motion: motion.clone() });
+        }
         Ok(number)
     }
 
@@ -424,7 +440,12 @@ impl SceneBuilder {
         let to_world = DAffine3::from_translation(self.centre);
         let placed = PlacedShape { shape, to_world, object: self.objects.objects.len() as u32 };
         self.objects.shapes.push(AnimatedShape { placed, motion: None });
-        self.objects.objects.push(Object { name: "atmosphere".to_owned(), material, light: None });
+        self.objects.objects.push(Object {
+            name: "atmosphere".to_owned(),
+            material,
+            light: None,
+            overlaps_itself: false,
+        });
         radius * (1.0 + 1e-6)
     }
 

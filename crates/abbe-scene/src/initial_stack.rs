@@ -102,12 +102,19 @@ impl Scene {
         self.boundaries.for_each_hit(&ray, from[1], &mut count);
         open.retain(|&mut (_, balance, _)| balance > 0);
         open.sort_by(|a, b| b.2.total_cmp(&a.2));
-        open.iter().fold(MediumStack::AIR, |medium_stack, &(object, _, _)| self.entered(medium_stack, object))
+        let times = |&(object, balance, _): &(u32, i32, f64)| {
+            let overlaps = self.objects[object as usize].overlaps_itself;
+            std::iter::repeat_n(object, if overlaps { balance as usize } else { 1 })
+        };
+        open.iter().flat_map(times).fold(MediumStack::AIR, |medium_stack, object| self.entered(medium_stack, object))
     }
 
-    fn entered(&self, medium_stack: MediumStack, object: u32) -> MediumStack {
+    #[inline]
+    pub(super) fn entered(&self, medium_stack: MediumStack, object: u32) -> MediumStack {
         if medium_stack.is_full() {
             medium_stack.entered_full(object, |object| self.body_priority(object))
+        } else if self.objects[object as usize].overlaps_itself {
+            medium_stack.entered_again(object)
         } else {
             medium_stack.entered(object)
         }

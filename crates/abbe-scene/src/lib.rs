@@ -127,6 +127,9 @@ pub struct Object {
     pub name: String,
     pub material: usize,
     pub light: Option<usize>,
+    /// True if the body consists of shells that may overlap, so that a path can be inside it several
+    /// times.
+    pub overlaps_itself: bool,
 }
 
 /// A material: a surface, and the body behind it.
@@ -346,7 +349,7 @@ impl Scene {
         match self.body_of(hit.object) {
             None => *medium_stack,
             Some(_) if medium_stack.is_full() => self.across_with_full_stack(medium_stack, ray, hit),
-            Some(_) if ray.direction.dot(hit.normal) < 0.0 => medium_stack.entered(hit.object),
+            Some(_) if ray.direction.dot(hit.normal) < 0.0 => self.entered(*medium_stack, hit.object),
             Some(_) => medium_stack.left(hit.object),
         }
     }

@@ -52,10 +52,14 @@ impl MediumStack {
     /// The stack after a path enters `object`. A stack that already contains it, as for a mesh with
     /// coincident faces, does not change. The stack must not be full.
     #[must_use]
-    pub fn entered(mut self, object: u32) -> Self {
-        if self.contains(object) {
-            return self;
-        }
+    pub fn entered(self, object: u32) -> Self {
+        if self.contains(object) { self } else { self.entered_again(object) }
+    }
+
+    /// The stack after a path enters a shell of `object`, whose shells may overlap: the stack
+    /// contains the object once for each of them. The stack must not be full.
+    #[must_use]
+    pub fn entered_again(mut self, object: u32) -> Self {
         let depth = self.bodies().count();
         debug_assert!(depth < MAX_NESTING, "`entered_full` must be called for a full stack");
         self.0[depth.min(MAX_NESTING - 1)] = object + 1;
@@ -81,10 +85,11 @@ impl MediumStack {
         stack
     }
 
-    /// The stack after a path leaves `object`. A stack without this body does not change.
+    /// The stack after a path leaves `object`, or one of its shells. A stack without this body does
+    /// not change.
     #[must_use]
     pub fn left(mut self, object: u32) -> Self {
-        let level = self.bodies().position(|body| body == object);
+        let level = self.0.iter().rposition(|&entry| entry == object + 1);
         if let Some(level) = level {
             self.0.copy_within(level + 1.., level);
             self.0[MAX_NESTING - 1] = 0;
@@ -142,6 +147,13 @@ mod tests {
         assert_eq!(dominant_dielectric(ice.left(4)), Some(5));
         assert_eq!(ice.left(4).left(5).left(2), within);
         assert_eq!(within.left(7), within);
+    }
+
+    #[test]
+    fn a_path_leaves_overlapping_shells_one_by_one() {
+        let twice = MediumStack::AIR.entered_again(3).entered(1).entered_again(3);
+        assert_eq!(twice.left(3), MediumStack::AIR.entered(3).entered(1));
+        assert_eq!(twice.left(3).left(3).left(1), MediumStack::AIR);
     }
 
     #[test]

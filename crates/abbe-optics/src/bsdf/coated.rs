@@ -99,7 +99,7 @@ impl CoatedDielectric {
             return Some(BsdfSample::delta(mirrored, ScatterEvent::Reflection, probability));
         }
         let sample = BsdfSample::delta(flip_z(refracted, sign), ScatterEvent::Transmission, 1.0 - probability);
-        let disperses = iors.here.is_dispersive() || iors.there.is_dispersive();
+        let disperses = iors.is_dispersive();
         Some(BsdfSample { disperses, ..sample })
     }
 

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::check::check_alpha;
 use super::facet::BareFacet;
 use super::hemisphere::{flip_z, z_sign};
+use super::power::PowerFractions;
 use super::rough_interface::{FacetScattering, RoughInterface};
 use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode, radiance_scale};
 use crate::fresnel;
@@ -50,8 +51,8 @@ impl Dielectric {
             BsdfSample::delta(flip_z(DVec3::new(-up.x, -up.y, up.z), sign), ScatterEvent::Reflection, reflected)
         } else {
             let wi = fresnel::refract(up, DVec3::Z, n_i, n_t)?;
-            let disperses = iors.here.is_dispersive() || iors.there.is_dispersive();
-            BsdfSample { disperses, ..BsdfSample::delta(flip_z(wi, sign), ScatterEvent::Transmission, 1.0 - reflected) }
+            let sample = BsdfSample::delta(flip_z(wi, sign), ScatterEvent::Transmission, 1.0 - reflected);
+            BsdfSample { disperses: iors.is_dispersive(), ..sample }
         };
         (sample.probability > 0.0).then_some(sample)
     }
@@ -83,11 +84,17 @@ pub(super) fn coefficient(
     mode: TransportMode,
     nm: f64,
 ) -> f64 {
-    let reflected = fresnel::dielectric(wo.z, iors.here.n(nm), iors.there.n(nm));
+    let PowerFractions { reflected, transmitted } = powers(wo, iors, nm);
     match event {
         ScatterEvent::Reflection => reflected,
-        ScatterEvent::Transmission => (1.0 - reflected) * radiance_scale(iors, mode, nm),
+        ScatterEvent::Transmission => transmitted * radiance_scale(iors, mode, nm),
     }
+}
+
+/// Returns R and T of a smooth interface.
+pub(super) fn powers(wo: DVec3, iors: InterfaceIors<'_>, nm: f64) -> PowerFractions {
+    let reflected = fresnel::dielectric(wo.z, iors.here.n(nm), iors.there.n(nm));
+    PowerFractions { reflected, transmitted: 1.0 - reflected }
 }
 
 #[cfg(test)]

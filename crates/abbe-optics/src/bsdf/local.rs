@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use super::sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 use super::texels::Texels;
-use super::{Bsdf, MixBsdf};
+use super::{Bsdf, Dielectric, MixBsdf};
 use super::{coated, dielectric, diffuse};
 use crate::texture::{LookupRandom, SurfaceSpectrum, TexturePoint};
-use abbe_spectra::spectrum::{LANES, Lanes};
+use abbe_spectra::spectrum::{LANES, Lanes, REFERENCE_NM};
 
 /// A BSDF at one point of a surface, with a selected component of a mixture and texels. The methods
 /// still treat a mixture without textures as a whole.
@@ -17,6 +17,13 @@ pub struct LocalBsdf<'a> {
     pub model: &'a Bsdf,
     /// The selected texels.
     pub texels: Texels,
+}
+
+static PLAIN_INTERFACE: Bsdf = Bsdf::Dielectric(Dielectric { facets: None });
+
+impl LocalBsdf<'_> {
+    /// A smooth interface without films. Between equal indices, light passes straight on.
+    pub const PLAIN_INTERFACE: Self = Self { model: &PLAIN_INTERFACE, texels: Texels::NONE };
 }
 
 impl Bsdf {
@@ -227,15 +234,24 @@ impl<'a> LocalBsdf<'a> {
         }
     }
 
-    /// Returns the probability with which a smooth coated interface or a film should reflect a path
-    /// of the wavelength `nm`, or the whole band if `None`; `None` for all others.
-    pub fn film_reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> Option<f64> {
+    /// Returns the probability with which a smooth interface or a film should reflect a path of the
+    /// wavelength `nm`, or of all wavelengths of the band if `None`: 1 only under total reflection
+    /// of all of them. It is 0 for a surface that is no interface.
+    pub fn reflection_probability(self, wo: DVec3, iors: InterfaceIors<'_>, nm: Option<f64>) -> f64 {
         let thickness_nm = self.texels.thickness_nm;
-        if let Bsdf::ThinFilm(film) = self.model {
-            return Some(coated::reflection_probability(nm, |nm| film.powers(wo, iors, thickness_nm, nm)));
+        match self.model {
+            Bsdf::ThinFilm(film) => coated::reflection_probability(nm, |nm| film.powers(wo, iors, thickness_nm, nm)),
+            Bsdf::CoatedDielectric(coated) => {
+                coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm))
+            }
+            Bsdf::Dielectric(_) => match nm {
+                None if iors.is_dispersive() => {
+                    coated::reflection_probability(nm, |nm| dielectric::powers(wo, iors, nm))
+                }
+                _ => dielectric::powers(wo, iors, nm.unwrap_or(REFERENCE_NM)).reflected,
+            },
+            _ => 0.0,
         }
-        let Bsdf::CoatedDielectric(coated) = self.model else { return None };
-        (!coated.is_rough()).then(|| coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm)))
     }
 
     /// Returns the coefficient of the delta distribution at `nm`, or 0 if the BSDF has none.

@@ -284,6 +284,11 @@ impl Bsdf {
         if let Self::ThinDielectric(pane) = self { Some(pane).filter(|pane| pane.coating.is_none()) } else { None }
     }
 
+    /// Returns true for a uniform pane, or a mixture with one, such as a mask with holes.
+    pub fn has_uniform_pane(&self) -> bool {
+        self.components().any(|component| component.uniform_pane().is_some())
+    }
+
     /// Iterates over the (unmixed) components of a mixture, or over the BSDF itself.
     pub fn components(&self) -> impl Iterator<Item = &Self> {
         let components = if let Self::Mix(mix) = self { mix.components() } else { std::slice::from_ref(self) };

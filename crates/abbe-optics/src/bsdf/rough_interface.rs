@@ -39,8 +39,7 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
     /// Samples a direction with its pdf per solid angle, or returns `None` if that is 0.
     pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, u: [f64; 3]) -> Option<BsdfSample> {
         let sample = self.sample_upper(flip_z(wo, z_sign(wo)), u)?;
-        let disperses =
-            sample.event == ScatterEvent::Transmission && (iors.here.is_dispersive() || iors.there.is_dispersive());
+        let disperses = sample.event == ScatterEvent::Transmission && (iors.is_dispersive());
         Some(BsdfSample { wi: flip_z(sample.wi, z_sign(wo)), disperses, ..sample })
     }
 

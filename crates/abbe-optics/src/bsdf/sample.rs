@@ -24,6 +24,14 @@ pub struct InterfaceIors<'a> {
     pub there: &'a RefractiveIndex,
 }
 
+impl InterfaceIors<'_> {
+    /// Returns true if refraction depends on the wavelength.
+    #[inline]
+    pub fn is_dispersive(self) -> bool {
+        self.here.is_dispersive() || self.there.is_dispersive()
+    }
+}
+
 /// Returns the factor of transmitted light: (n_i/n_t)² for radiance (Veach 1997, §5.2), else 1.
 pub(super) fn radiance_scale(iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
     match mode {

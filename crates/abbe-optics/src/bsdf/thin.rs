@@ -65,6 +65,11 @@ impl ThinDielectric {
         Self { transmittance: Some(transmittance), ..self }
     }
 
+    /// Returns true if the pane has the index `outside` and no films, so that it reflects nothing.
+    pub fn matches(&self, outside: &RefractiveIndex) -> bool {
+        self.index == *outside && self.coating.is_none()
+    }
+
     fn absorbs(&self) -> bool {
         let in_films = self.coating.as_ref().is_some_and(FilmStack::absorbs);
         self.optical_depth.is_some() || self.transmittance.is_some() || in_films

@@ -9,6 +9,8 @@
 //!   then it enters bodies. An open surface that touches a body thus lies just outside the body.
 //! - If a ray enters two bodies at a common surface, it first enters the body with the lower
 //!   number. If it leaves two bodies there, it first leaves the body with the higher number.
+//! - If a ray leaves a shell of an object and enters another shell of it, it enters first: the
+//!   object is the union of its shells.
 //! - If two open surfaces coincide, the smaller one lies in front of the larger one, seen from the
 //!   side that the smaller one faces. A light that is flush with a ceiling is thus visible.
 //!
@@ -71,6 +73,12 @@ impl Geometry {
         SurfaceCrossing { kind, object: self.primitives.object(surface.primitive), primitive: surface.primitive, cos }
     }
 
+    /// Returns true if both surfaces are triangles of one mesh, or of one shell.
+    fn is_same_mesh(&self, a: SurfaceId, b: SurfaceId) -> bool {
+        let mesh = self.primitives.mesh(a.primitive);
+        mesh.is_some() && mesh == self.primitives.mesh(b.primitive)
+    }
+
     /// Returns true if crossing `a` precedes crossing `b` where their surfaces coincide.
     fn is_before(&self, a: SurfaceCrossing, b: SurfaceCrossing) -> bool {
         let number = |crossing: SurfaceCrossing| (crossing.object, crossing.primitive);
@@ -84,6 +92,11 @@ impl Geometry {
                     Some(Ordering::Greater) => b.cos >= 0.0,
                     Some(Ordering::Equal) | None => false,
                 }
+            }
+            (CrossingKind::Exit, CrossingKind::Entry) | (CrossingKind::Entry, CrossingKind::Exit)
+                if a.object == b.object =>
+            {
+                a.kind == CrossingKind::Entry
             }
             (CrossingKind::Exit | CrossingKind::OpenSurface | CrossingKind::Entry, _) => a.kind < b.kind,
         }
@@ -100,9 +113,7 @@ impl Geometry {
             return candidate.t > 0.0;
         }
         let start_cos = ray.direction.dot(primitives.normal(from, ray.origin));
-        if primitives.mesh(from.primitive).is_some()
-            && primitives.mesh(from.primitive) == primitives.mesh(other.primitive)
-        {
+        if self.is_same_mesh(from, other) {
             // Both triangles belong to one mesh. If the ray crosses both into the mesh or both out
             // of it, the second crossing repeats the first one and is not valid.
             return candidate.t > 0.0 && (cos > 0.0) != (start_cos > 0.0);
@@ -124,7 +135,7 @@ impl Geometry {
         }
         let (first_crossing, second_crossing) =
             (self.crossing(first.surface, cos), self.crossing(second.surface, other_cos));
-        if first_crossing.object == second_crossing.object && first.t != second.t {
+        if self.is_same_mesh(first.surface, second.surface) && first.t != second.t {
             return first.t < second.t;
         }
         self.is_before(first_crossing, second_crossing)

@@ -1,8 +1,7 @@
 //! Surface points: ray hits and sampled points.
 
+use super::shading_frame::ShadingFrame;
 use glam::DVec3;
-
-use abbe_spectra::math::frame::Frame;
 
 /// A face of a primitive: one smooth piece of surface. A ray that starts on a face carries its
 /// identifier, so that rounding cannot make the ray hit the face again.
@@ -32,13 +31,10 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Returns the local frame in which light arriving along `incoming` is scattered. It uses the
-    /// shading normal, unless the two normals disagree about the side from which the light arrives;
-    /// then the geometric normal keeps light from leaking through the surface.
+    /// Returns the local frame in which the surface scatters light.
     #[inline]
-    pub fn frame(&self, incoming: DVec3) -> Frame {
-        let agree = incoming.dot(self.shading_normal) * incoming.dot(self.normal) > 0.0;
-        Frame::new(if agree { self.shading_normal } else { self.normal })
+    pub fn frame(&self) -> ShadingFrame {
+        ShadingFrame::new(self.shading_normal, self.normal)
     }
 
     /// Returns true if `direction` points back to the side from which `incoming` arrived.
@@ -47,16 +43,17 @@ impl Hit {
         direction.dot(self.normal) * incoming.dot(self.normal) < 0.0
     }
 
-    /// Returns the factor |ω_i·n_s||ω_o·n_g| / (|ω_i·n_g||ω_o·n_s|) on a photon's power for shading
-    /// normals (Veach 1997, equation 5.19), where ω_i points to the light and ω_o to the camera.
+    /// Returns the factor |cos θ_i||ω_o·n_g| / (|ω_i·n_g||cos θ_o|) on a photon's power for shading
+    /// normals (Veach 1997, equation 5.19), where ω_i points to the light and ω_o to the camera, and
+    /// the cosines are those in the frame.
     #[inline]
-    pub fn adjoint_correction(&self, frame: &Frame, to_light: DVec3, to_camera: DVec3) -> f64 {
-        let (n_s, n_g) = (frame.normal(), self.normal);
-        if n_s == n_g {
+    pub fn adjoint_correction(&self, frame: &ShadingFrame, to_light: DVec3, to_camera: DVec3) -> f64 {
+        if !frame.is_folded() {
             return 1.0;
         }
-        let denominator = to_light.dot(n_g) * to_camera.dot(n_s);
-        if denominator == 0.0 { 0.0 } else { (to_light.dot(n_s) * to_camera.dot(n_g) / denominator).abs() }
+        let cosine = |direction| frame.to_local(direction).z;
+        let denominator = to_light.dot(self.normal) * cosine(to_camera);
+        if denominator == 0.0 { 0.0 } else { (cosine(to_light) * to_camera.dot(self.normal) / denominator).abs() }
     }
 }
 

@@ -91,6 +91,22 @@ impl TriangleMesh {
         self
     }
 
+    /// Returns the mesh of some of the triangles, with the vertices that they use.
+    pub(super) fn part(&self, triangles: &[[u32; 3]]) -> Self {
+        let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let number = |index: u32| used.partition_point(|&other| other < index) as u32;
+        Self {
+            positions: used.iter().map(|&index| self.positions[index as usize]).collect(),
+            normals: self.normals.as_ref().map(|all| used.iter().map(|&index| all[index as usize]).collect()),
+            uvs: self.uvs.as_ref().map(|all| used.iter().map(|&index| all[index as usize]).collect()),
+            triangles: triangles.iter().map(|triangle| triangle.map(number)).collect(),
+            dropped: 0,
+            closed: self.closed,
+        }
+    }
+
     pub fn positions(&self) -> &[DVec3] {
         &self.positions
     }
@@ -195,7 +211,7 @@ fn bounds_a_volume(positions: &[DVec3], triangles: &[[u32; 3]]) -> bool {
 }
 
 /// Maps each vertex to the representative of all vertices at its position.
-fn representatives(positions: &[DVec3]) -> Vec<u32> {
+pub(super) fn representatives(positions: &[DVec3]) -> Vec<u32> {
     // The addition of 0 changes −0 to 0.
     let place = |index: u32| (positions[index as usize] + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();

@@ -21,7 +21,9 @@ mod object;
 mod primitive;
 mod ray;
 mod sample;
+mod shading_frame;
 pub mod shape;
+mod shells;
 mod spherical_rectangle;
 mod trace;
 mod world;
@@ -29,6 +31,7 @@ mod world;
 pub use hit::{Hit, SurfaceId, SurfaceSample};
 pub use luminous::LuminousFace;
 pub use ray::Ray;
+pub use shading_frame::ShadingFrame;
 pub use world::Geometry;
 
 #[cfg(test)]

@@ -78,6 +78,19 @@ impl EnvironmentMap {
         (sum, if sum > 0.0 { EmittedSpd::Mixed(weights.map(|w| w / sum)) } else { EmittedSpd::Own })
     }
 
+    /// The fraction of the power that comes from pixels with more than `contrast` times the mean
+    /// radiance.
+    pub(super) fn fraction_above(&self, contrast: f64) -> f64 {
+        let (mut above, mut all) = (0.0, 0.0);
+        for (pixel, weights) in self.weights.iter().enumerate() {
+            let radiance: f64 = weights.iter().sum();
+            let power = radiance * row_solid_angle(pixel / self.width, self.height);
+            all += power;
+            above += if radiance > contrast { power } else { 0.0 };
+        }
+        above / all
+    }
+
     /// The pdf of a point per steradian: dA of the unit square covers 2π² sin θ dA.
     pub(super) fn pdf_solid_angle(&self, point: [f64; 2]) -> f64 {
         let sin_theta = sin(PI * point[1]);

@@ -56,6 +56,7 @@ use abbe_spectra::math::sphere::BoundingSphere;
 use abbe_spectra::spectrum::{Observer, Spectrum, WavelengthDistribution};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 #[derive(Debug, Clone)]
 pub struct Light {
@@ -360,6 +361,28 @@ impl Light {
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) | Emitter::Volume(_) => {
                 true
             }
+        }
+    }
+
+    /// Returns true if a path that is sampled from a BSDF hits the light seldom or never: a light
+    /// without extent, the sun, a lamp that is small in the scene, or a surround with a bright spot.
+    pub fn is_small(&self, extent: SceneExtent<'_>) -> bool {
+        /// The largest radius of a small lamp, by the radius of the scene. From the middle of the
+        /// scene, the lamp then covers 1/400 of all directions.
+        const SMALL_RADIUS: f64 = 0.1;
+        /// A bright spot has more than this factor times the mean radiance of its surround.
+        const CONTRAST: f64 = 100.0;
+        /// The least fraction of the power from bright spots that counts.
+        const FRACTION: f64 = 0.01;
+        match &self.emitter {
+            Emitter::Area(light) => 0.25 * light.area_m2 < PI * (SMALL_RADIUS * extent.radius_m).powi(2),
+            Emitter::Directional(_) => true,
+            Emitter::Environment(light) => match &light.pattern {
+                EnvironmentPattern::Image(map) => map.fraction_above(CONTRAST) > FRACTION,
+                EnvironmentPattern::Uniform | EnvironmentPattern::Sky(_) => false,
+            },
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => true,
+            Emitter::Volume(_) => false,
         }
     }
 

@@ -6,7 +6,7 @@ use super::request::{Integrator, Request, StopRules};
 use super::session::Rendered;
 use abbe_optics::bsdf::{Bsdf, BsdfClass};
 use abbe_scene::geometry::{Hit, Ray};
-use abbe_scene::light::{Emitter, Light};
+use abbe_scene::light::Light;
 use abbe_scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind, Response, Sensor, SensorShape};
 use abbe_spectra::colour::{cct_duv, cri_in_steps, rendition_in_steps};
 use abbe_spectra::error::{Error, Result};
@@ -93,9 +93,9 @@ fn default_stop(integrator: Integrator) -> StopRules {
 }
 
 impl Job {
-    /// Returns the integrator that suits the meters. The path tracer has no bias, but it does not
-    /// find the light of lamps without extent behind glass or mirrors, and seldom the sun there.
-    /// Its shadow rays pass through thin panes, so panes alone need no photons.
+    /// Returns the integrator that suits the meters. The path tracer has no bias, but it finds the
+    /// light of small lamps and of the sun behind glass or mirrors seldom or never. Its shadow rays
+    /// pass through thin panes, so panes alone need no photons.
     pub fn integrator_for_meters(&self) -> Integrator {
         let caustics = self.plan.caustics != CausticPlan::Absent;
         let focuses = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
@@ -103,21 +103,32 @@ impl Job {
         if caustics && focusing && self.hidden_lamps().next().is_some() { Integrator::Photon } else { Integrator::Path }
     }
 
-    /// Returns the lamps that the path tracer misses after a mirror: without extent, and the sun.
+    /// Returns the lamps that the path tracer finds seldom or never after a mirror.
     fn hidden_lamps(&self) -> impl Iterator<Item = &Light> {
-        let hidden = |light: &&Light| light.is_delta() || matches!(light.emitter, Emitter::Directional(_));
-        self.scene.lights.iter().filter(hidden)
+        self.scene.lights.iter().filter(|light| light.is_small(self.scene.extent()))
     }
 
-    /// Returns a note if the path tracer leaves out light that is reflected by panes or mirrors.
+    /// Returns true if the path tracer leaves out light of the hidden lamps: that of mirrors, glass
+    /// and panes, except panes that reflect nothing.
+    fn misses_light(&self, integrator: Integrator) -> bool {
+        let deflects = |bsdf: &Bsdf| {
+            let is_hole = bsdf.uniform_pane().is_some_and(|pane| pane.matches(&self.scene.air));
+            bsdf.class() == BsdfClass::Specular && !is_hole
+        };
+        let mut surfaces = self.scene.materials.iter().flat_map(|material| material.surface.components());
+        integrator == Integrator::Path && self.plan.caustics != CausticPlan::Absent && surfaces.any(deflects)
+    }
+
+    /// Returns a note if the path tracer leaves out light that is reflected by panes or mirrors. The
+    /// errors of the readings are then unknown.
     fn note_of_missing_light(&self, integrator: Integrator) -> Option<String> {
-        if integrator == Integrator::Photon || self.plan.caustics == CausticPlan::Absent {
+        if !self.misses_light(integrator) {
             return None;
         }
         let lamp = &self.hidden_lamps().next()?.name;
         Some(format!(
-            "the path tracer does not find the light of {lamp} that mirrors or panes reflect or that glass refracts; \
-             `--integrator photon` finds it"
+            "the path tracer finds the light of {lamp} that mirrors or panes reflect or that glass refracts seldom or \
+             never, so the intervals are unknown; `--integrator photon` finds it"
         ))
     }
 
@@ -192,6 +203,7 @@ impl Job {
         let stop = if stop == StopRules::default() { default_stop(integrator) } else { stop };
         let Rendered { stats, run, interrupted, .. } = self.render(Request { integrator, stop }, monitor)?;
         let readings = run.readings();
+        let missing_light = self.note_of_missing_light(integrator);
         let mut rest = 0..readings.len();
         let meters = self.scene.meters.iter().map(|meter| {
             let own: Vec<usize> = rest.by_ref().take(meter.readings.len()).collect();
@@ -212,6 +224,10 @@ impl Job {
                     }
                     (QuantityKind::Integral, _) | (_, None) => {}
                 }
+                if missing_light.is_some() || reading.noise == Some(0.0) && reading.value == 0.0 {
+                    // Light that no path found is neither in the reading nor in its noise.
+                    (point.bias, point.interval_95) = (None, None);
+                }
                 if quantity == Quantity::UnifiedGlareRating {
                     with_glare(&mut point, &self.glare_at(number));
                 }
@@ -221,8 +237,7 @@ impl Job {
         });
         let meters = meters.collect();
         let (passes, seconds) = (stats.passes, stats.seconds.total);
-        let missing: Vec<String> =
-            self.note_of_missing_light(integrator).into_iter().chain(self.note_of_hollows(integrator)).collect();
+        let missing: Vec<String> = missing_light.into_iter().chain(self.note_of_hollows(integrator)).collect();
         let notes = [self.scene.notes.as_slice(), &stats.notes, &missing].concat();
         Ok((MeasurementReport { meters, integrator: integrator.word(), passes, seconds, notes }, interrupted))
     }

@@ -60,6 +60,8 @@ pub enum Purpose {
     Sensor,
     /// The random positions of ratio tracking. The seed is that of a sample.
     RatioTracking,
+    /// The components of mixtures with panes that a shadow ray meets. The seed is that of a sample.
+    Pane,
     /// The points of luminaires that glare.
     Glare,
 }
@@ -98,6 +100,7 @@ impl Purpose {
             Self::PortalSearch => (0x7769_6e64_6f77, 3, 0),
             Self::PortalFit => return Words { mask: 0x7769_6e64_6f77, number: None, first_pass: 0 },
             Self::Sensor => (0, 0x006d_6574_6572, 0),
+            Self::Pane => (0, 0x7061_6e65, 0),
             Self::Glare => (0, 0x0067_6c61_7265, 0),
         };
         Words { mask, number: Some(number), first_pass }
@@ -289,7 +292,7 @@ mod tests {
         }
     }
 
-    const ALL: [Purpose; 19] = [
+    const ALL: [Purpose; 20] = [
         Purpose::FreePhoton,
         Purpose::SharedPhoton,
         Purpose::Camera,
@@ -308,6 +311,7 @@ mod tests {
         Purpose::PortalFit,
         Purpose::Sensor,
         Purpose::RatioTracking,
+        Purpose::Pane,
         Purpose::Glare,
     ];
 

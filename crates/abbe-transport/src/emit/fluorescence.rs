@@ -18,9 +18,7 @@ use super::source::{PhotonSource, WavelengthSampling};
 use super::visitor::{MediumCollision, PhotonVisitor};
 use crate::plan::partition::LightPath;
 use crate::walk::ledger::Ledger;
-use crate::walk::{
-    MediumSegment, NumberedMedium, RayState, SurfaceInteraction, long_path_survival, sample_consistently,
-};
+use crate::walk::{MediumSegment, NumberedMedium, RayState, SurfaceInteraction, long_path_survival};
 use abbe_optics::bsdf::Fluorescent;
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::phase::PhaseFunction;
@@ -64,15 +62,14 @@ pub(super) fn scatter_at_fluorescent_surface(
     let survival = if before > 0.0 { (either / before).min(1.0) * long_path_survival(depth) } else { 0.0 };
     let u = stream.uniform();
     let direction_u = stream.triple();
-    let sample = sample_consistently(interaction, |wo| {
-        interaction.bsdf.sample(wo, interaction.sides, path.photon.wavelengths.hero(), direction_u)
-    });
+    let SurfaceInteraction { bsdf, wo, sides, .. } = interaction;
+    let sample = bsdf.sample(*wo, *sides, path.photon.wavelengths.hero(), direction_u);
     let Some(sample) = sample.filter(|_| u < survival) else {
         path.photon.power = [0.0; LANES];
         ledger.sampling += booked - before;
         return false;
     };
-    let direction = sample.frame.to_world(sample.sample.wi);
+    let direction = interaction.frame.to_world(sample.wi);
     let factor = either / survival * interaction.adjoint_correction(-interaction.incoming, direction);
     if u * either < reflected * survival {
         for (k, &nm) in path.photon.wavelengths.active().iter().enumerate() {

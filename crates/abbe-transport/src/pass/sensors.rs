@@ -83,15 +83,16 @@ impl<'a> SensorKernels<'a> {
         }
         let sensors = scene.camera.sensors();
         let radii_m: Vec<f64> = first_m.iter().map(|radius| radius * scale).collect();
+        let rows = scene.camera.pixel_count() / sensors.len();
+        let paths_per_sensor = rows as f64 * context.budget.camera_samples.unwrap_or(1) as f64;
         let weights = |(sensor, radius_m): (&Sensor, &f64)| {
             let area_m2 = match sensor.shape {
                 SensorShape::Point(..) => PI * radius_m.powi(2),
                 SensorShape::Surface(object, _) => scene.geometry.area(object),
             };
-            CausticWeights { photons_m2: photons_per_sample * area_m2 }
+            CausticWeights { photons_m2: photons_per_sample * area_m2 / paths_per_sensor }
         };
         let weights = sensors.iter().zip(&radii_m).map(weights).collect();
-        let rows = scene.camera.pixel_count() / sensors.len();
         let disks = PointDisks::new(sensors, |number| radii_m[number]);
         let surface = |(number, sensor): (usize, &Sensor)| match sensor.shape {
             SensorShape::Point(..) => None,

@@ -21,7 +21,7 @@ pub use depth_limit::{DepthLimit, LONG_PATH, MAX_EVENTS, TruncatedLight, long_pa
 pub use medium_segment::{MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};
 pub use ray_state::RayState;
-pub use scatter::{ConsistentBsdfSample, sample_consistently, scatter, scatter_all_wavelengths};
+pub use scatter::{scatter, scatter_all_wavelengths};
 pub use scattered_ray::ScatteredRay;
 pub use sink::{SensorResponse, Sink};
 pub use surface_interaction::{SurfaceInteraction, SurfaceLookup};

@@ -3,7 +3,7 @@
 use super::medium_segment::{MediumSegment, for_each_segment};
 use super::ray_state::RayState;
 use super::surface_interaction::{SurfaceInteraction, SurfaceLookup};
-use abbe_optics::bsdf::InterfaceIors;
+use abbe_optics::bsdf::{InterfaceIors, LocalBsdf};
 use abbe_scene::Scene;
 use abbe_scene::geometry::{Hit, Ray};
 use abbe_scene::medium_stack::MediumStack;
@@ -80,7 +80,8 @@ impl InteractionSearch {
         let dielectric_here = scene.dominant_dielectric(&medium_stack);
         let dielectric_there = if is_body { scene.dominant_dielectric(&there) } else { dielectric_here };
         // A hidden face lies inside a body of higher priority. This body dominates on both sides.
-        if is_body && dielectric_there == dielectric_here {
+        let is_hidden = is_body && dielectric_there == dielectric_here;
+        if is_hidden && scene.objects[hit.object as usize].light.is_none() {
             let ray = Ray { origin: hit.position, ..ray };
             self.ray_state = RayState { ray, from: Some(hit.surface), medium_stack: there };
             self.crossed_hidden_face = true;
@@ -90,6 +91,10 @@ impl InteractionSearch {
         let stacks = [medium_stack, there];
         let mut interaction = SurfaceInteraction::new(scene, ray.direction, hit, stacks, sides, lookup);
         (interaction.distance_m, interaction.crossed_hidden_face) = (self.distance_m, self.crossed_hidden_face);
+        if is_hidden {
+            // The whole surface of a lamp emits light, so the path must meet it here too.
+            interaction.bsdf = LocalBsdf::PLAIN_INTERFACE;
+        }
         Some(interaction)
     }
 }

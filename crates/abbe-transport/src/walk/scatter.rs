@@ -2,11 +2,10 @@
 //! dispersive refraction, where the path keeps one of them.
 
 use super::scatter_coated::scatter_at_coated_interface;
-use super::scattered_ray::{ScatteredRay, scatter_consistently, single_lane, transmitted_scale};
+use super::scattered_ray::{ScatteredRay, single_lane, transmitted_scale};
 use super::surface_interaction::SurfaceInteraction;
-use abbe_optics::bsdf::{Bsdf, BsdfSample, ScatterEvent, TransportMode};
+use abbe_optics::bsdf::{Bsdf, ScatterEvent, TransportMode};
 use abbe_optics::fresnel;
-use abbe_spectra::math::frame::Frame;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Wavelengths};
 use glam::DVec3;
@@ -22,7 +21,7 @@ pub fn scatter(
     if matches!(interaction.bsdf.model, Bsdf::Grating(_)) && wavelengths.count > 1 {
         return split_at_dispersive_facets(interaction, wavelengths, transport, stream);
     }
-    let disperses = || interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
+    let disperses = || interaction.sides.is_dispersive();
     if let Bsdf::CoatedDielectric(coated) = interaction.bsdf.model {
         match (coated.is_rough(), wavelengths.count > 1 && disperses()) {
             (false, _) => {
@@ -55,10 +54,9 @@ pub fn scatter_all_wavelengths(
     stream: &mut Stream,
 ) -> Option<ScatteredRay> {
     let u = stream.triple();
-    let (bsdf, sides) = (interaction.bsdf, interaction.sides);
-    let ConsistentBsdfSample { frame, wo, sample } =
-        sample_consistently(interaction, |wo| bsdf.sample(wo, sides, wavelengths.hero(), u))?;
-    let (weight, absorbed) = bsdf.weights(wo, &sample, sides, transport, wavelengths.active());
+    let SurfaceInteraction { bsdf, wo, sides, frame, .. } = interaction;
+    let sample = bsdf.sample(*wo, *sides, wavelengths.hero(), u)?;
+    let (weight, absorbed) = bsdf.weights(*wo, &sample, *sides, transport, wavelengths.active());
     Some(ScatteredRay {
         direction: frame.to_world(sample.wi),
         weight,
@@ -79,7 +77,7 @@ fn split_at_dispersive_facets(
     transport: TransportMode,
     stream: &mut Stream,
 ) -> Option<ScatteredRay> {
-    let kept = ((stream.uniform() * LANES as f64) as usize).min(wavelengths.count - 1);
+    let kept = ((stream.uniform() * wavelengths.count as f64) as usize).min(wavelengths.count - 1);
     let single = Wavelengths::single(wavelengths.nm[kept]);
     let one = scatter_all_wavelengths(interaction, &single, transport, stream)?;
     let in_kept_lane = |value: f64| single_lane(kept, value * wavelengths.count as f64);
@@ -101,17 +99,15 @@ fn scatter_at_smooth_interface(
 ) -> Option<ScatteredRay> {
     let [_, _, u] = stream.triple();
     let (n_here, n_there) = (interaction.sides.here.n(nm), interaction.sides.there.n(nm));
-    scatter_consistently(interaction, |interaction| {
-        let wo = interaction.wo;
-        let reflects = u < fresnel::dielectric(wo.z, n_here, n_there);
-        let (wi, event, scale) = if reflects {
-            (DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, 1.0)
-        } else {
-            let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
-            (refracted, ScatterEvent::Transmission, transmitted_scale(transport, n_here, n_there))
-        };
-        Some(ScatteredRay::specular(interaction.frame.to_world(wi), single_lane(0, scale), event))
-    })
+    let wo = interaction.wo;
+    let reflects = u < fresnel::dielectric(wo.z, n_here, n_there);
+    let (wi, event, scale) = if reflects {
+        (DVec3::new(-wo.x, -wo.y, wo.z), ScatterEvent::Reflection, 1.0)
+    } else {
+        let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
+        (refracted, ScatterEvent::Transmission, transmitted_scale(transport, n_here, n_there))
+    };
+    Some(ScatteredRay::specular(interaction.frame.to_world(wi), single_lane(0, scale), event))
 }
 
 /// Scatters at a smooth interface of dispersive media.
@@ -130,30 +126,28 @@ fn split_at_dispersive_interface(
     let u = stream.uniform();
     let sides = interaction.sides;
     let (n_here, n_there) = (wavelengths.each(|nm| sides.here.n(nm)), wavelengths.each(|nm| sides.there.n(nm)));
-    scatter_consistently(interaction, |interaction| {
-        let wo = interaction.wo;
-        let count = wavelengths.count as f64;
-        let mut reflectance = [0.0; LANES];
-        for k in 0..wavelengths.count {
-            reflectance[k] = fresnel::dielectric(wo.z.abs(), n_here[k], n_there[k]);
-        }
-        let mean = reflectance.iter().sum::<f64>() / count;
-        let reflected = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
-        let base = ScatteredRay::specular(reflected, reflectance.map(|f| f / mean), ScatterEvent::Reflection);
-        if u < mean {
-            return Some(base);
-        }
-        let kept = sample_transmitted_lane(&reflectance[..wavelengths.count], (u - mean) * count)?;
-        let (n_here, n_there) = (n_here[kept], n_there[kept]);
-        let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
-        let scale = transmitted_scale(transport, n_here, n_there);
-        Some(ScatteredRay {
-            direction: interaction.frame.to_world(refracted),
-            weight: single_lane(kept, count * scale),
-            kept: Some(kept),
-            event: ScatterEvent::Transmission,
-            ..base
-        })
+    let wo = interaction.wo;
+    let count = wavelengths.count as f64;
+    let mut reflectance = [0.0; LANES];
+    for k in 0..wavelengths.count {
+        reflectance[k] = fresnel::dielectric(wo.z.abs(), n_here[k], n_there[k]);
+    }
+    let mean = reflectance.iter().sum::<f64>() / count;
+    let reflected = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
+    let base = ScatteredRay::specular(reflected, reflectance.map(|f| f / mean), ScatterEvent::Reflection);
+    if u < mean {
+        return Some(base);
+    }
+    let kept = sample_transmitted_lane(&reflectance[..wavelengths.count], (u - mean) * count)?;
+    let (n_here, n_there) = (n_here[kept], n_there[kept]);
+    let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
+    let scale = transmitted_scale(transport, n_here, n_there);
+    Some(ScatteredRay {
+        direction: interaction.frame.to_world(refracted),
+        weight: single_lane(kept, count * scale),
+        kept: Some(kept),
+        event: ScatterEvent::Transmission,
+        ..base
     })
 }
 
@@ -164,30 +158,6 @@ fn sample_transmitted_lane(reflectance: &[f64], mut rest: f64) -> Option<usize> 
         rest < 0.0
     });
     lane.or_else(|| reflectance.iter().rposition(|&f| f < 1.0))
-}
-
-#[derive(Debug, Clone, Copy)]
-pub struct ConsistentBsdfSample {
-    /// The shading frame, or the frame of the geometric normal.
-    pub frame: Frame,
-    pub wo: DVec3,
-    pub sample: BsdfSample,
-}
-
-/// Samples a BSDF in the shading frame, or in the frame of the geometric normal if the sampled
-/// direction is on the wrong side of the geometric surface.
-#[inline(always)]
-pub fn sample_consistently(
-    interaction: &SurfaceInteraction<'_>,
-    draw: impl Fn(DVec3) -> Option<BsdfSample>,
-) -> Option<ConsistentBsdfSample> {
-    let SurfaceInteraction { mut frame, mut wo, .. } = *interaction;
-    let mut sample = draw(wo)?;
-    if !interaction.is_consistent(frame.to_world(sample.wi), sample.event) {
-        (frame, wo) = interaction.geometric_frame();
-        sample = draw(wo)?;
-    }
-    Some(ConsistentBsdfSample { frame, wo, sample })
 }
 
 #[cfg(test)]

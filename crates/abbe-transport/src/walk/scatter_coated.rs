@@ -1,6 +1,6 @@
 //! Scattering of a path at a polished interface under thin films.
 
-use super::scattered_ray::{ScatteredRay, scatter_consistently, single_lane, transmitted_scale};
+use super::scattered_ray::{ScatteredRay, single_lane, transmitted_scale};
 use super::surface_interaction::SurfaceInteraction;
 use abbe_optics::bsdf::{CoatedDielectric, ScatterEvent, TransportMode};
 use abbe_optics::fresnel;
@@ -24,43 +24,41 @@ pub(super) fn scatter_at_coated_interface(
 ) -> Option<ScatteredRay> {
     let u = stream.uniform();
     let (sides, thickness_nm) = (interaction.sides, interaction.bsdf.texels.thickness_nm);
-    let disperses = wavelengths.count > 1 && (sides.here.is_dispersive() || sides.there.is_dispersive());
-    scatter_consistently(interaction, |interaction| {
-        let wo = interaction.wo;
-        let (mut reflected, mut transmitted, mut absorbed) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for (k, &nm) in wavelengths.active().iter().enumerate() {
-            let powers = coated.powers(wo, sides, thickness_nm, nm);
-            (reflected[k], transmitted[k], absorbed[k]) = (powers.reflected, powers.transmitted, powers.absorbed());
-        }
-        let (reflected_sum, transmitted_sum) = (reflected.iter().sum::<f64>(), transmitted.iter().sum::<f64>());
-        let both = reflected_sum + transmitted_sum;
-        if both <= 0.0 {
-            return None;
-        }
-        let probability = reflected_sum / both;
-        let direction = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
-        let weight = reflected.map(|fraction| fraction / probability);
-        let base = ScatteredRay { absorbed, ..ScatteredRay::specular(direction, weight, ScatterEvent::Reflection) };
-        if u < probability {
-            return Some(base);
-        }
-        let lane = if disperses { sample_lane(&transmitted, u * both - reflected_sum)? } else { 0 };
-        let indices = |k: usize| (sides.here.n(wavelengths.nm[k]), sides.there.n(wavelengths.nm[k]));
-        let (n_here, n_there) = indices(lane);
-        let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
-        let weight = if disperses {
-            single_lane(lane, both * transmitted_scale(transport, n_here, n_there))
-        } else {
-            let scale = transmitted_scale(transport, n_here, n_there) / (1.0 - probability);
-            transmitted.map(|fraction| fraction * scale)
-        };
-        Some(ScatteredRay {
-            direction: interaction.frame.to_world(refracted),
-            weight,
-            kept: disperses.then_some(lane),
-            event: ScatterEvent::Transmission,
-            ..base
-        })
+    let disperses = wavelengths.count > 1 && sides.is_dispersive();
+    let wo = interaction.wo;
+    let (mut reflected, mut transmitted, mut absorbed) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    for (k, &nm) in wavelengths.active().iter().enumerate() {
+        let powers = coated.powers(wo, sides, thickness_nm, nm);
+        (reflected[k], transmitted[k], absorbed[k]) = (powers.reflected, powers.transmitted, powers.absorbed());
+    }
+    let (reflected_sum, transmitted_sum) = (reflected.iter().sum::<f64>(), transmitted.iter().sum::<f64>());
+    let both = reflected_sum + transmitted_sum;
+    if both <= 0.0 {
+        return None;
+    }
+    let probability = reflected_sum / both;
+    let direction = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
+    let weight = reflected.map(|fraction| fraction / probability);
+    let base = ScatteredRay { absorbed, ..ScatteredRay::specular(direction, weight, ScatterEvent::Reflection) };
+    if u < probability {
+        return Some(base);
+    }
+    let lane = if disperses { sample_lane(&transmitted, u * both - reflected_sum)? } else { 0 };
+    let indices = |k: usize| (sides.here.n(wavelengths.nm[k]), sides.there.n(wavelengths.nm[k]));
+    let (n_here, n_there) = indices(lane);
+    let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
+    let weight = if disperses {
+        single_lane(lane, both * transmitted_scale(transport, n_here, n_there))
+    } else {
+        let scale = transmitted_scale(transport, n_here, n_there) / (1.0 - probability);
+        transmitted.map(|fraction| fraction * scale)
+    };
+    Some(ScatteredRay {
+        direction: interaction.frame.to_world(refracted),
+        weight,
+        kept: disperses.then_some(lane),
+        event: ScatterEvent::Transmission,
+        ..base
     })
 }
 

@@ -45,22 +45,6 @@ pub(super) fn transmitted_scale(transport: TransportMode, n_here: f64, n_there: 
     }
 }
 
-/// Scatters all wavelengths in the shading frame, or in the frame of the geometric normal if the
-/// direction is on the wrong side of the geometric surface.
-#[inline]
-pub(super) fn scatter_consistently<'a>(
-    interaction: &SurfaceInteraction<'a>,
-    scatter: impl Fn(&SurfaceInteraction<'a>) -> Option<ScatteredRay>,
-) -> Option<ScatteredRay> {
-    let scattered = scatter(interaction)?;
-    if interaction.is_consistent(scattered.direction, scattered.event) {
-        Some(scattered)
-    } else {
-        let (frame, wo) = interaction.geometric_frame();
-        scatter(&SurfaceInteraction { frame, wo, ..*interaction })
-    }
-}
-
 #[inline]
 pub(super) fn single_lane(lane: usize, value: f64) -> Lanes {
     let mut lanes = [0.0; LANES];

@@ -1,10 +1,10 @@
 //! A point on a surface where a path scatters.
 
 use super::ray_state::RayState;
-use abbe_optics::bsdf::{DiffractionGrating, Grooves, InterfaceIors, LocalBsdf, ScatterEvent, Texels};
+use abbe_optics::bsdf::{Bsdf, DiffractionGrating, Grooves, InterfaceIors, LocalBsdf, ScatterEvent, Texels};
 use abbe_optics::texture::{LookupRandom, TexturePoint};
 use abbe_scene::camera::Camera;
-use abbe_scene::geometry::{Hit, Ray, SurfaceId};
+use abbe_scene::geometry::{Hit, Ray, ShadingFrame, SurfaceId};
 use abbe_scene::medium_stack::MediumStack;
 use abbe_scene::{Material, Scene};
 use abbe_spectra::math::elementary::atan2;
@@ -51,7 +51,7 @@ pub struct SurfaceInteraction<'a> {
     pub bsdf: LocalBsdf<'a>,
     /// True if a property of the material varies over the surface.
     pub textured: bool,
-    pub frame: Frame,
+    pub frame: ShadingFrame,
     /// The direction back along the path, in the shading frame.
     pub wo: DVec3,
     /// The bodies on the side from which the path arrived.
@@ -85,7 +85,7 @@ impl<'a> SurfaceInteraction<'a> {
         } else {
             scene.materials[material].surface.at(lookup.u)
         };
-        let frame = hit.frame(incoming);
+        let frame = hit.frame();
         let bsdf = match bsdf.model.grating() {
             Some(grating) => with_grooves(scene, bsdf, grating, &hit, &frame),
             None => bsdf,
@@ -106,19 +106,19 @@ impl<'a> SurfaceInteraction<'a> {
         }
     }
 
-    /// Returns the frame of the geometric normal, and the direction back along the path in it. It
-    /// replaces the shading frame if an interpolated normal sends a scattered direction to the
-    /// wrong side of the surface.
-    #[inline(always)]
-    pub(super) fn geometric_frame(&self) -> (Frame, DVec3) {
-        let frame = Frame::new(self.hit.normal);
-        (frame, frame.to_local(-self.incoming))
-    }
-
     /// Returns a ray that starts on the surface in this direction of world space.
     #[inline]
     pub fn spawn_ray(&self, direction: DVec3, medium_stack: MediumStack) -> RayState {
         RayState { ray: Ray { origin: self.hit.position, direction }, from: Some(self.hit.surface), medium_stack }
+    }
+
+    /// Returns true if each wavelength takes other directions at this surface.
+    #[inline]
+    pub fn disperses(&self) -> bool {
+        match self.bsdf.model {
+            Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => self.sides.is_dispersive(),
+            model => matches!(model, Bsdf::Grating(_)),
+        }
     }
 
     /// Returns true if `direction` leads back to the side from which the path arrived.
@@ -178,7 +178,7 @@ fn with_grooves<'a>(
     bsdf: LocalBsdf<'a>,
     grating: &DiffractionGrating,
     hit: &Hit,
-    frame: &Frame,
+    frame: &ShadingFrame,
 ) -> LocalBsdf<'a> {
     let Some([along_u, along_v]) = scene.geometry.uv_tangents(hit) else { return bsdf };
     let (across, turn) = match grating.grooves() {
@@ -188,9 +188,9 @@ fn with_grooves<'a>(
             ((u - 0.5) * along_u + (v - 0.5) * along_v, 0.0)
         }
     };
-    let local = frame.to_local(across);
+    let local = frame.axes().to_local(across);
     // Seen from the outside, the angle runs from u towards −v, which points upwards in a picture.
-    let outwards = if frame.to_local(along_u.cross(along_v)).z > 0.0 { -turn } else { turn };
+    let outwards = if frame.normal().dot(along_u.cross(along_v)) > 0.0 { -turn } else { turn };
     let groove_angle = (atan2(local.y, local.x) + outwards) as f32;
     LocalBsdf { texels: Texels { groove_angle, ..bsdf.texels }, ..bsdf }
 }

@@ -6,7 +6,8 @@ use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::HitWeighting;
 use crate::plan::CameraEvents;
 use crate::plan::partition::CameraView;
-use crate::walk::{CausticWeights, ConsistentBsdfSample, RayState, SurfaceInteraction};
+use crate::walk::{CausticWeights, RayState, SurfaceInteraction};
+use abbe_optics::bsdf::BsdfSample;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium_stack::MediumStack;
 use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
@@ -95,28 +96,28 @@ impl CameraPath {
         }
     }
 
-    /// Continues the path along a sampled direction, unless it is on the wrong side of the surface.
+    /// Continues the path along a sampled direction, unless it is on the wrong side of the surface,
+    /// as below a rough interface.
     pub(in crate::gather) fn continue_along<'a>(
         &mut self,
         interaction: &SurfaceInteraction<'a>,
-        consistent: &ConsistentBsdfSample,
+        sample: &BsdfSample,
         glossy: GlossyEvent,
         buffers: &mut PathBuffers<'a>,
     ) -> bool {
-        let ConsistentBsdfSample { frame, wo, sample } = consistent;
-        let direction = frame.to_world(sample.wi);
+        let SurfaceInteraction { bsdf, wo, sides, .. } = *interaction;
+        let direction = interaction.frame.to_world(sample.wi);
         if !interaction.is_consistent(direction, sample.event) {
             return false;
         }
-        let (bsdf, sides) = (interaction.bsdf, interaction.sides);
-        let factor = Factor::Scattering { bsdf, wo: *wo, sample: *sample, sides, probability: sample.probability };
+        let factor = Factor::Scattering { bsdf, wo, sample: *sample, sides, probability: sample.probability };
         self.multiply(factor, buffers);
         // Shadow rays and photons at the surface use the wavelength of the arriving path, so their
         // weights refer to the density there.
         let pdf = if sample.delta || glossy.reference_nm == self.reference_nm() {
             sample.probability
         } else {
-            bsdf.pdf(*wo, sample.wi, sides, glossy.reference_nm)
+            bsdf.pdf(wo, sample.wi, sides, glossy.reference_nm)
         };
         self.view = CameraView::Indirect;
         self.events = if sample.delta { self.events.after_specular_event() } else { self.events.after_surface() };

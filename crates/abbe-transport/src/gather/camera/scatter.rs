@@ -5,9 +5,8 @@ use super::throughput::{Factor, SpectralMode, product, relative_n2};
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::lighting::HitWeighting;
 use crate::plan::WavelengthPlan;
-use crate::walk::{Sink, SurfaceInteraction, long_path_survival, sample_consistently};
+use crate::walk::{Sink, SurfaceInteraction, long_path_survival};
 use abbe_optics::bsdf::{Bsdf, BsdfClass, ScatterEvent};
-use abbe_optics::fresnel;
 use abbe_scene::Scene;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::LANES;
@@ -51,16 +50,10 @@ impl<'a> CameraPass<'a> {
         GlossyEvent { caustic, reference_nm: path.reference_nm() }
     }
 
-    /// Returns true if refraction or diffraction at this surface depends on the wavelength.
+    /// Returns true if each wavelength takes other directions at this surface, and the plan has
+    /// shared wavelengths for it.
     fn disperses(&self, interaction: &SurfaceInteraction<'a>) -> bool {
-        if self.plan.wavelengths == WavelengthPlan::Free {
-            return false;
-        }
-        let model = interaction.bsdf.model;
-        if matches!(model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_)) {
-            return interaction.sides.here.is_dispersive() || interaction.sides.there.is_dispersive();
-        }
-        matches!(model, Bsdf::Grating(_))
+        self.plan.wavelengths != WavelengthPlan::Free && interaction.disperses()
     }
 
     /// Scatters a free path at dispersive glass: the reflected path stays free, and the refracted
@@ -95,19 +88,15 @@ impl<'a> CameraPass<'a> {
         self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
     }
 
-    /// Returns the reflectance of a smooth interface at the reference wavelength, or the mean over
-    /// the band for a free path, because films may reflect other wavelengths only.
+    /// Returns the reflectance of a smooth interface at the wavelength of the path, or a mean over
+    /// the band for a free path: films may reflect other wavelengths only, and near the critical
+    /// angle, dispersive glass refracts some wavelengths and totally reflects others.
     fn reflectance(&self, path: &CameraPath, interaction: &SurfaceInteraction<'a>) -> f64 {
-        let sides = interaction.sides;
         let nm = match path.spectral_mode {
             SpectralMode::Free => None,
             SpectralMode::Shared { nm, .. } => Some(nm),
         };
-        if let Some(probability) = interaction.bsdf.film_reflection_probability(interaction.wo, sides, nm) {
-            return probability;
-        }
-        let nm = path.reference_nm();
-        fresnel::dielectric(interaction.wo.z.abs(), sides.here.n(nm), sides.there.n(nm))
+        interaction.bsdf.reflection_probability(interaction.wo, interaction.sides, nm)
     }
 
     /// Returns true if the walk follows both paths at a smooth interface with this reflectance.
@@ -168,11 +157,10 @@ impl<'a> CameraPass<'a> {
             ScatterEvent::Transmission => [ONE_MINUS_ULP; 3],
         };
         let nm = path.reference_nm();
-        let draw = |wo| interaction.bsdf.sample(wo, interaction.sides, nm, u);
-        match sample_consistently(interaction, draw) {
-            Some(mut consistent) if consistent.sample.event == event => {
-                consistent.sample.probability = probability;
-                path.continue_along(interaction, &consistent, GlossyEvent::NONE, context.buffers)
+        match interaction.bsdf.sample(interaction.wo, interaction.sides, nm, u) {
+            Some(mut sample) if sample.event == event => {
+                sample.probability = probability;
+                path.continue_along(interaction, &sample, GlossyEvent::NONE, context.buffers)
             }
             Some(_) | None => false,
         }
@@ -188,10 +176,9 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) -> bool {
         let nm = path.reference_nm();
-        let draw = |wo| interaction.bsdf.sample(wo, interaction.sides, nm, u);
-        match sample_consistently(interaction, draw) {
-            Some(consistent) => {
-                let continues = path.continue_along(interaction, &consistent, glossy, context.buffers);
+        match interaction.bsdf.sample(interaction.wo, interaction.sides, nm, u) {
+            Some(sample) => {
+                let continues = path.continue_along(interaction, &sample, glossy, context.buffers);
                 // A light behind this rough surface is direct light at the surface. If the plan
                 // contains no direct light, the path ignores the light that it hits.
                 if self.plan.direct.is_absent() && matches!(path.hit_weighting, HitWeighting::Mis { .. }) {

@@ -9,7 +9,7 @@ use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra};
 use crate::plan::{LightOrigin, PathClass};
 use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias_of_excess};
 use abbe_optics::bsdf::{InterfaceIors, LocalBsdf, TransportMode};
-use abbe_spectra::math::frame::Frame;
+use abbe_scene::geometry::ShadingFrame;
 use abbe_spectra::spectrum::LANES;
 use glam::{DVec3, Vec3};
 
@@ -31,7 +31,7 @@ pub const PLANE_TOLERANCE: f64 = 0.3;
 pub(in crate::gather) struct GatherPoint<'e> {
     bsdf: LocalBsdf<'e>,
     sides: InterfaceIors<'e>,
-    frame: Frame,
+    frame: ShadingFrame,
     wo: DVec3,
     position: DVec3,
     normal: DVec3,
@@ -48,8 +48,6 @@ pub(in crate::gather) struct GatherPoint<'e> {
     bias: f64,
     /// True if photons on the other side of the surface contribute too.
     transmits: bool,
-    /// True if the shading normal differs from the geometric normal.
-    interpolated: bool,
 }
 
 impl<'e> GatherPoint<'e> {
@@ -79,7 +77,6 @@ impl<'e> GatherPoint<'e> {
             reference_nm: path.reference_nm(),
             bias: bias_of_excess(path.excess_depth),
             transmits: interaction.bsdf.is_transmissive(),
-            interpolated: interaction.frame.normal() != normal,
         }
     }
 
@@ -115,12 +112,11 @@ impl<'e> GatherPoint<'e> {
         let kernels = self.kernel.at(f64::from(nearby.distance2));
         // On a curved surface, the normal at the photon differs from that at the gather point.
         let own_cosine = to_light.dot(photon_normal) * side;
-        let (wi, kernels) = if self.interpolated {
-            (to_light, self.kernels_of_interpolated(kernels, to_light, own_cosine))
+        let (wi, kernels) = if self.frame.is_folded() {
+            self.with_kernels_of_interpolated(kernels, to_light, own_cosine)
         } else {
-            ((to_light + (own_cosine - to_light.dot(self.facing)) * self.facing).normalize(), kernels)
+            (self.frame.to_local(self.turned(to_light, own_cosine)), kernels)
         };
-        let wi = self.frame.to_local(wi);
         let kernels = match self.weights {
             None => kernels,
             Some(weights) => {
@@ -133,11 +129,24 @@ impl<'e> GatherPoint<'e> {
         add_photon(light, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
     }
 
-    /// Corrects the kernels for a shading normal that differs from the geometric normal.
+    /// Turns a direction so that its cosine with the own normal is that at the photon's surface.
     #[inline(always)]
-    fn kernels_of_interpolated(&self, kernels: KernelValues, to_light: DVec3, own_cosine: f64) -> KernelValues {
-        let shading_cosine = to_light.dot(self.frame.normal());
-        kernels.times(if own_cosine == 0.0 { 0.0 } else { (shading_cosine / own_cosine).abs() })
+    fn turned(&self, to_light: DVec3, own_cosine: f64) -> DVec3 {
+        (to_light + (own_cosine - to_light.dot(self.facing)) * self.facing).normalize()
+    }
+
+    /// Returns the direction to the light in the shading frame, and the kernels corrected for a
+    /// shading normal that differs from the geometric normal.
+    #[inline(always)]
+    fn with_kernels_of_interpolated(
+        &self,
+        kernels: KernelValues,
+        to_light: DVec3,
+        own_cosine: f64,
+    ) -> (DVec3, KernelValues) {
+        let is_own_side = to_light.dot(self.facing) * own_cosine > 0.0;
+        let wi = self.frame.to_local(if is_own_side { to_light } else { self.turned(to_light, own_cosine) });
+        (wi, kernels.times(if own_cosine == 0.0 { 0.0 } else { (wi.z / own_cosine).abs() }))
     }
 
     /// Adds the emission that a nearby photon excites. The photon must be a free photon.
@@ -152,13 +161,11 @@ impl<'e> GatherPoint<'e> {
     ) {
         let photon = nearby.photon;
         let normal = photon.normal();
-        if self.side_of(normal, nearby.position).is_none() {
-            return;
-        }
+        let Some(side) = self.side_of(normal, nearby.position) else { return };
         let mut kernels = self.kernel.at(f64::from(nearby.distance2));
-        if self.interpolated {
+        if self.frame.is_folded() {
             let to_light = photon.to_light();
-            kernels = self.kernels_of_interpolated(kernels, to_light, to_light.dot(normal));
+            (_, kernels) = self.with_kernels_of_interpolated(kernels, to_light, side * to_light.dot(normal));
         }
         let mut radiance = [0.0; LANES];
         photon.power.lanes(spectra).for_each(|(nm, power)| luminescence.excite(nm, power, &mut radiance));

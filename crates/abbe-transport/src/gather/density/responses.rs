@@ -75,8 +75,7 @@ impl SensorResponses {
     #[inline]
     pub(in crate::gather) fn of_surface(&self, interaction: &SurfaceInteraction<'_>) -> Option<SurfaceResponses<'_>> {
         let first = self.first_cells[interaction.material]?;
-        let interpolated = interaction.frame.normal() != interaction.hit.normal;
-        (!interpolated).then(|| SurfaceResponses(&self.cells[first..first + self.cells_per_material]))
+        (!interaction.frame.is_folded()).then(|| SurfaceResponses(&self.cells[first..first + self.cells_per_material]))
     }
 }
 

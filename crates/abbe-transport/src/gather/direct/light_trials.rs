@@ -20,7 +20,7 @@ impl DirectLighting<'_> {
         let incident = self.sample_li(light, position, selected.u).filter(|incident| {
             let ray = Ray { origin: position, direction: incident.direction };
             let towards = incident.direction.dot(normal) > 0.0 && incident.irradiance > 0.0;
-            towards && self.line_to_light(ray, from, incident.target, incident.distance).is_some()
+            towards && self.line_to_light(ray, [from, incident.target], incident.distance, selected.u).is_some()
         });
         let light_per_importance = incident.map_or(0.0, |incident| {
             // The probability of a triangle changes the density of the samples of its mesh.

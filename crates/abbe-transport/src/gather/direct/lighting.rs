@@ -12,11 +12,12 @@ use crate::walk::{
 };
 use abbe_optics::bsdf::{ThinDielectric, TransportMode};
 use abbe_optics::phase::PhaseMixture;
+use abbe_optics::texture::TexturePoint;
 use abbe_scene::Scene;
 use abbe_scene::geometry::{Hit, Ray, SurfaceId};
 use abbe_scene::light::{EmittedSpd, LiSample, Light};
 use abbe_scene::meter::SensorPoint;
-use abbe_spectra::math::random::Seed;
+use abbe_spectra::math::random::{Purpose, Seed, Stream};
 use glam::DVec3;
 
 #[derive(Debug)]
@@ -34,7 +35,8 @@ enum ShadowAttenuation {
     /// Nothing in the scene absorbs or scatters between surfaces.
     Absent,
     PerMedium,
-    /// By ratio tracking in all media. Shadow rays may pass through thin panes.
+    /// By ratio tracking in all media. Shadow rays may pass through thin panes, also through those
+    /// of a mixture, where a random number selects the component.
     Tracked {
         panes: bool,
     },
@@ -140,7 +142,7 @@ impl<'a> DirectLighting<'a> {
 
     /// Serves the reference path tracer: ratio tracking, and shadow rays through thin panes.
     pub fn tracked(scene: &'a Scene, selector: &'a LightSelector, media_plan: MediumPlan) -> Self {
-        let panes = scene.materials.iter().any(|material| material.surface.uniform_pane().is_some());
+        let panes = scene.materials.iter().any(|material| material.surface.has_uniform_pane());
         let tracked = ShadowAttenuation::Tracked { panes };
         let direct = Self::attenuated(scene, selector, media_plan, tracked);
         if panes { Self { attenuation: tracked, ..direct } } else { direct }
@@ -154,38 +156,45 @@ impl<'a> DirectLighting<'a> {
     }
 
     /// Returns the line from the ray's origin on the surface `from` to a light on the surface
-    /// `target`, or `None` if a surface blocks it.
+    /// `target`, or `None` if a surface blocks it. `u` is hashed to a seed.
     #[inline(always)]
     pub(super) fn line_to_light(
         &self,
         ray: Ray,
-        from: Option<SurfaceId>,
-        target: Option<SurfaceId>,
+        [from, target]: [Option<SurfaceId>; 2],
         length_m: f64,
+        u: [f64; 3],
     ) -> Option<ShadowLine> {
         if !self.scene.geometry.occluded(&ray, from, target, length_m) {
             return Some(ShadowLine::Clear);
         }
-        let passes = self.passes_panes() && self.cross_panes(ray, from, target, length_m, |_, _| ());
+        let passes = self.passes_panes() && self.cross_panes(ray, [from, target], length_m, u, |_, _| ());
         passes.then_some(ShadowLine::ThroughPanes(target))
     }
 
     /// Follows a line through thin panes to a light, and calls `visit` with each pane and the
-    /// cosine of incidence. Returns false if another surface blocks the line.
+    /// cosine of incidence. Returns false if another surface blocks the line. The same `u` selects
+    /// the same components of mixtures.
     #[inline(never)]
     fn cross_panes(
         &self,
         mut ray: Ray,
-        mut from: Option<SurfaceId>,
-        target: Option<SurfaceId>,
+        [mut from, target]: [Option<SurfaceId>; 2],
         mut length_m: f64,
+        u: [f64; 3],
         mut visit: impl FnMut(&'a ThinDielectric, f64),
     ) -> bool {
         let scene = self.scene;
+        let mut stream = Stream::new(Seed::of_numbers(u), Purpose::Pane, 0, 0);
         while scene.geometry.occluded(&ray, from, target, length_m) {
-            let hit = scene.geometry.intersect(&ray, from, length_m);
-            let pane = hit.and_then(|hit| Some((hit, scene.material_of(hit.object).surface.uniform_pane()?)));
-            let Some((hit, pane)) = pane else { return false };
+            let Some(hit) = scene.geometry.intersect(&ray, from, length_m) else { return false };
+            let surface = &scene.material_of(hit.object).surface;
+            let local = if surface.is_textured() {
+                surface.at_point(&TexturePoint::new(scene.geometry.uv(&hit)), stream.uniform())
+            } else {
+                surface.at(stream.uniform())
+            };
+            let Some(pane) = local.model.uniform_pane() else { return false };
             visit(pane, ray.direction.dot(hit.normal).abs());
             (ray.origin, from) = (hit.position, Some(hit.surface));
             length_m -= hit.t;
@@ -247,7 +256,7 @@ impl<'a> DirectLighting<'a> {
                 if let ShadowLine::ThroughPanes(target) = line {
                     let RayState { ray, from, medium_stack } = ray_state;
                     let outside = self.scene.index_in(&medium_stack);
-                    self.cross_panes(ray, from, target, length_m, |pane, cosine| {
+                    self.cross_panes(ray, [from, target], length_m, u, |pane, cosine| {
                         along.push(SegmentTransmittance::Pane { pane, cosine, outside });
                     });
                 }
@@ -283,7 +292,7 @@ impl<'a> DirectLighting<'a> {
         }
         tally.shadow_rays += 1;
         let ray = Ray { origin: point.position, direction };
-        let line = self.line_to_light(ray, point.from, incident.target, distance)?;
+        let line = self.line_to_light(ray, [point.from, incident.target], distance, u)?;
         let start = RayState { ray, from: point.from, medium_stack: point.medium_stack };
         let transmittance = self.path_transmittance(start, line, distance, u);
         Some(SensorLightSample { light, strength, spd, transmittance })
@@ -316,7 +325,7 @@ impl<'a> DirectLighting<'a> {
         if strength <= 0.0 {
             return None;
         }
-        let line = self.line_to_light(ray, None, incident.target, incident.distance)?;
+        let line = self.line_to_light(ray, [None, incident.target], incident.distance, u)?;
         let transmittance = self.path_transmittance(RayState { ray, ..ray_state }, line, incident.distance, u);
         Some(VolumeLightSample { light, incoming, strength, spd: incident.spd, transmittance })
     }
@@ -337,8 +346,11 @@ impl<'a> DirectLighting<'a> {
         let wi = interaction.frame.to_local(incident.direction);
         let (bsdf, wo, sides) = (interaction.bsdf, interaction.wo, interaction.sides);
         let pdf_bsdf = bsdf.pdf(wo, wi, sides, nm);
-        // If the BSDF is 0 in this direction, no shadow ray is needed.
-        if pdf_bsdf <= 0.0 && bsdf.eval(wo, wi, sides, TransportMode::Radiance, nm) <= 0.0 {
+        // If the BSDF is 0 in this direction, no shadow ray is needed. At a dispersive interface,
+        // other wavelengths may still be scattered into it.
+        let scatters =
+            pdf_bsdf > 0.0 || interaction.disperses() || bsdf.eval(wo, wi, sides, TransportMode::Radiance, nm) > 0.0;
+        if !scatters {
             return None;
         }
         let mis_weight = incident.pdf_solid_angle.map_or(1.0, |pdf| power_heuristic(pdf * probability, pdf_bsdf));
@@ -349,7 +361,7 @@ impl<'a> DirectLighting<'a> {
         if strength <= 0.0 {
             return None;
         }
-        let line = self.line_to_light(ray, Some(interaction.hit.surface), target, distance)?;
+        let line = self.line_to_light(ray, [Some(interaction.hit.surface), target], distance, u)?;
         Some(LightSample { light, wi, strength, spd, direction, line, distance_m: distance })
     }
 

@@ -152,7 +152,7 @@ impl<'a> PathTracer<'a> {
             }
             let through_pane = self.direct.passes_panes()
                 && scattered.event == ScatterEvent::Transmission
-                && self.scene.materials[interaction.material].surface.uniform_pane().is_some();
+                && interaction.bsdf.model.uniform_pane().is_some();
             path.apply_scattering(&interaction, &scattered, through_pane);
             if !path.survives(self.scene, depth, sampler) {
                 return false;

@@ -201,7 +201,7 @@ impl ReceivingPoint {
     /// A point of a surface. An opaque surface scatters only light from the side of the path.
     #[inline]
     pub(in crate::gather) fn on_surface(interaction: &SurfaceInteraction<'_>) -> Self {
-        let normal = interaction.frame.normal() * interaction.wo.z.signum();
+        let normal = interaction.hit.normal * interaction.wo.z.signum();
         let normal = if interaction.bsdf.is_transmissive() { DVec3::ZERO } else { normal };
         Self { position: interaction.hit.position, normal }
     }
