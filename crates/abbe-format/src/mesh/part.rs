@@ -14,6 +14,9 @@ pub struct MeshPart {
     pub material_number: Option<usize>,
     /// Name of the part in the file. The string is empty if the part has no name.
     pub name: String,
+    /// The colours of the vertices in linear sRGB. They multiply the base colour of the part's own
+    /// material.
+    pub colours: Option<Vec<[f32; 3]>>,
 }
 
 #[derive(Debug, Clone)]
@@ -22,12 +25,15 @@ pub struct UnplacedParts {
     /// the order of the file and without the transforms of the nodes.
     pub parts: BTreeMap<u32, MeshPart>,
     pub ignored: Vec<String>,
+    /// Sentences about the geometry.
+    pub remarks: Vec<String>,
 }
 
 #[derive(Debug, Default)]
 pub(super) struct PartsAndNotes {
     pub(super) parts: Vec<MeshPart>,
     pub(super) ignored: Vec<String>,
+    pub(super) remarks: Vec<String>,
     pub(super) has_lights: bool,
 }
 

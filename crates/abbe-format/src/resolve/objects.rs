@@ -10,6 +10,7 @@ use abbe_scene::builder::{ObjectSet, Placement};
 use abbe_scene::geometry::shape::Shape;
 use abbe_spectra::error::Result;
 use glam::{DAffine3, DVec3};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// The resolved objects, and the emission of their surfaces.
@@ -84,6 +85,8 @@ impl<'a> Resolver<'a> {
             }
             let mut objects = Vec::new();
             for part in &mesh.parts {
+                let painted = if material.is_none() { self.at(shape_at, part.painted())? } else { Cow::Borrowed(part) };
+                let part = painted.as_ref();
                 let name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
                 let own_light = part.emitter().filter(|_| material.is_none() && emission.is_none());
                 let shape = Shape::Mesh(part.mesh_for(emission.is_some() || own_light.is_some()));
@@ -133,7 +136,8 @@ impl<'a> Resolver<'a> {
     fn note_ignored(&self, path: &str, mesh: &LoadedMesh, has_own_materials: bool, notes: &mut Vec<String>) {
         let lights = (mesh.has_lights && self.scene.lights.is_empty())
             .then(|| "its lights are not part of a mesh; `abbe import` reads them".to_string());
-        for what in lights.into_iter().chain(mesh.ignored.clone().filter(|_| has_own_materials)) {
+        let ignored = mesh.ignored.clone().filter(|_| has_own_materials);
+        for what in lights.into_iter().chain(ignored).chain(mesh.remarks.iter().cloned()) {
             let note = format!("mesh \"{path}\": {what}");
             if !notes.contains(&note) {
                 notes.push(note);
