@@ -6,10 +6,7 @@ use super::picture_primaries::FilePrimaries;
 use abbe_optics::texture::ImageSize;
 use abbe_spectra::error::{Error, Result};
 use exr::meta::attribute::Chromaticities;
-use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, Vec2,
-    WritableImage, read,
-};
+use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
@@ -103,6 +100,7 @@ pub(super) fn check_size(bytes: &[u8]) -> Result<()> {
 mod tests {
     use super::super::picture_primaries::ColourUse;
     use super::*;
+    use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
 
     /// Returns a file of 2 × 1 pixels with these channels, as another program writes it.
     fn file(channels: &[(&str, f32)], chromaticities: Option<Chromaticities>) -> Vec<u8> {
