@@ -56,6 +56,6 @@ fn a_light_shines_to_the_side_of_its_normals() {
     assert_eq!(mesh(&format!("{light}{flip}"), "-1").0["reverse"], Value::Null);
     for (body, normal) in [(light, "1"), ("", "-1")] {
         let (mesh, notes) = mesh(body, normal);
-        assert_eq!((&mesh["reverse"], notes.as_str()), (&Value::Null, ""), "{mesh}");
+        assert_eq!((&mesh["reverse"], notes.contains("normals")), (&Value::Null, false), "{mesh}: {notes}");
     }
 }

@@ -162,8 +162,7 @@ impl MitsubaReader<'_> {
             let is_chosen = |number: u32| part.is_none_or(|part| part == number);
             Ok(read.parts.into_iter().filter(|(number, _)| is_chosen(*number)).map(|(_, part)| part).collect())
         };
-        let by_corners =
-            || -> Result<bool> { Ok(flat || parts()?.iter().any(|part| part.mesh.normals().is_none())) };
+        let by_corners = || -> Result<bool> { Ok(flat || parts()?.iter().any(|part| part.mesh.normals().is_none())) };
         let side = if form.emits && !flat { normal_side(&parts()?) } else { NormalSide::Front };
         let turned = side == NormalSide::Back;
         if side == NormalSide::Both {

@@ -209,7 +209,8 @@ impl ShapeReader<'_> {
         };
         let turned = side == NormalSide::Back;
         if side == NormalSide::Both {
-            self.left_out.push("the normals of a light point to both sides of its faces: it shines to their front".into());
+            self.left_out
+                .push("the normals of a light point to both sides of its faces: it shines to their front".into());
         } else if turned {
             self.left_out
                 .push("the faces of a light are turned to the side of its vertex normals, which are left out".into());

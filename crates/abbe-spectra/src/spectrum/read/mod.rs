@@ -11,7 +11,7 @@ use super::value::Spectrum;
 use crate::error::{Error, Result};
 use crate::text::without_byte_order_mark;
 
-pub use columns::parse as parse_columns;
+pub use columns::{ColumnFormat, nm_per_unit, parse as parse_columns};
 pub use spdx::parse as parse_spdx;
 pub use spectrum_samples::SpectrumSamples;
 
