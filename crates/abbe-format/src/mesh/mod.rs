@@ -39,7 +39,7 @@ pub use material::{
 #[cfg(feature = "meshes")]
 use packed::{read, unpacked};
 use part::PartsAndNotes;
-pub use part::{MeshPart, UnplacedParts};
+pub use part::{MeshPart, UnplacedParts, open_panes};
 pub(crate) use vertex_colours::painted;
 
 /// The contents of a mesh file.
@@ -49,6 +49,8 @@ pub struct MeshFile {
     pub parts: Vec<MeshPart>,
     /// What the file states about materials and this reader ignores, such as textures.
     pub ignored: Option<String>,
+    /// Sentences about what the file names and the reader cannot use, such as missing pictures.
+    pub warnings: Vec<String>,
     /// Sentences about the geometry, such as faces that were dropped.
     pub remarks: Vec<String>,
     /// True if the file also contains lights, which are not part of the mesh.
@@ -63,12 +65,13 @@ pub struct MeshFile {
 /// or malformed, or if no triangle has an area above 0.
 pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
     let read = read_parts(path, file_access).map_err(|error| error.in_file(path));
-    let PartsAndNotes { parts, ignored, remarks, has_lights } = read?;
+    let PartsAndNotes { parts, mut ignored, warnings, remarks, has_lights } = read?;
     if parts.is_empty() {
         return Err(Error::input("the mesh has no triangles").in_file(path));
     }
+    ignored.extend(open_panes(&parts));
     let ignored = (!ignored.is_empty()).then(|| ignored.join("; "));
-    Ok(MeshFile { parts, ignored, remarks, has_lights })
+    Ok(MeshFile { parts, ignored, warnings, remarks, has_lights })
 }
 
 /// Reads the parts of a mesh file like [`load`], for scenes that name them one by one.
@@ -77,8 +80,8 @@ pub fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedPar
     if matches!(extension_of(path).as_str(), "gltf" | "glb") {
         return gltf::load_unplaced(path, file_access).map_err(|error| error.in_file(path));
     }
-    let MeshFile { parts, ignored, remarks, has_lights: _ } = load(path, file_access)?;
-    Ok(UnplacedParts { parts: (0..).zip(parts).collect(), ignored: ignored.into_iter().collect(), remarks })
+    let MeshFile { parts, ignored, warnings, remarks, has_lights: _ } = load(path, file_access)?;
+    Ok(UnplacedParts { parts: (0..).zip(parts).collect(), ignored: ignored.into_iter().collect(), warnings, remarks })
 }
 
 #[cfg(feature = "meshes")]

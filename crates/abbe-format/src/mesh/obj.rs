@@ -20,24 +20,24 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
     let bytes = read(path)?;
     let text = String::from_utf8_lossy(&bytes);
     let text = joined_lines(without_byte_order_mark(&text));
-    let mut ignored = Vec::new();
+    let mut warnings = Vec::new();
     // A library counts for the whole file, wherever the file names it.
     let libraries = text.lines().filter_map(|line| value_of(line, "mtllib"));
     let libraries: Vec<MtlMaterial> =
-        libraries.flat_map(|names| read_libraries(names, path, file_access, &mut ignored)).collect();
+        libraries.flat_map(|names| read_libraries(names, path, file_access, &mut warnings)).collect();
     let used = text.lines().filter_map(|line| value_of(line, "usemtl"));
     let unknown = used.filter(|name| !libraries.iter().any(|known| known.name == *name));
     let unknown = listed(unknown).map(|names| format!("unknown materials became matt grey: {names}"));
-    ignored.extend(mtl::ignored_keys(&libraries));
-    ignored.extend(unknown);
-    let materials = mtl::converted(&libraries, path, file_access, &mut ignored);
+    let ignored = mtl::ignored_keys(&libraries);
+    warnings.extend(unknown);
+    let materials = mtl::converted(&libraries, path, file_access, &mut warnings);
     let mut reader = ObjReader::new(materials);
     for (number, line) in text.lines().enumerate() {
         reader.line(line).map_err(|error| error.at(number + 1, 1))?;
     }
     reader.finish_part()?;
     let ObjReader { parts, notes: remarks, .. } = reader;
-    Ok(PartsAndNotes { parts, ignored, remarks, has_lights: false })
+    Ok(PartsAndNotes { parts, ignored, warnings, remarks, has_lights: false })
 }
 
 /// Joins each line that ends with a backslash to the next line. The other lines keep their numbers.
@@ -64,7 +64,7 @@ fn value_of<'l>(line: &'l str, keyword: &str) -> Option<&'l str> {
 
 /// Reads the libraries of a line. The line names one file, whose name may contain blanks, or
 /// several files.
-fn read_libraries(names: &str, obj: &Path, file_access: FileAccess, ignored: &mut Vec<String>) -> Vec<MtlMaterial> {
+fn read_libraries(names: &str, obj: &Path, file_access: FileAccess, warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
     let folder = obj.parent().unwrap_or(Path::new(""));
     let open = |name: &str| -> Result<Vec<u8>> {
         let file = file_access.file(folder, Path::new(&name.replace('\\', "/")))?;
@@ -81,7 +81,7 @@ fn read_libraries(names: &str, obj: &Path, file_access: FileAccess, ignored: &mu
     for (name, library) in found {
         match library {
             Ok(bytes) => materials.extend(mtl::parse(&bytes)),
-            Err(error) => ignored.push(format!("the material library \"{name}\" cannot be used ({error})")),
+            Err(error) => warnings.push(format!("the material library \"{name}\" cannot be used ({error})")),
         }
     }
     materials

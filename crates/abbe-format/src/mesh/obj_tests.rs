@@ -147,7 +147,8 @@ fn the_dissolve_of_an_mtl_file_is_an_opacity() {
         assert!(note.contains("`Tr 1`") && note.contains("material \"a\""), "{note}");
     }
     for keys in ["illum 7", "illum 4\nd 0.1", "illum 6\nTr 1", "Ni 1.5\nd 0.1", "Ni 1.5\nTr 1"] {
-        assert_eq!(of(keys), (MeshOpacity::Opaque, 1.0, String::new()), "{keys}");
+        let pane = "glass of an open mesh is a pane (4 open edges): material \"a\"".to_owned();
+        assert_eq!(of(keys), (MeshOpacity::Opaque, 1.0, pane), "{keys}");
     }
     assert_eq!(of("d 1\nillum 7\nNi 1.5"), (MeshOpacity::Opaque, 0.0, String::new()));
 }

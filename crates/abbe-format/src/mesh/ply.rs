@@ -179,7 +179,7 @@ pub(super) fn load(bytes: &[u8]) -> Result<PartsAndNotes> {
     let has_face_colours = of_faces.is_some_and(|known| COLOURS[0].iter().all(|&name| known.contains_key(name)));
     let ignored = has_face_colours.then(|| "colours of faces are ignored; store them at the vertices".to_owned());
     let part = MeshPart { mesh, material: None, material_number: None, name: String::new(), colours };
-    Ok(PartsAndNotes { parts: vec![part], ignored: ignored.into_iter().collect(), remarks, has_lights: false })
+    Ok(PartsAndNotes { parts: vec![part], ignored: ignored.into_iter().collect(), remarks, ..PartsAndNotes::default() })
 }
 
 fn elements<E: PropertyAccess>(reader: &mut Reader<Cursor<&[u8]>>, kind: &ElementDef, all: &Header) -> Result<Vec<E>> {

@@ -13,7 +13,9 @@ pub(super) fn load(path: &Path) -> Result<Vec<MeshPart>> {
 
 /// Returns what the reader says about ignored parts of a file.
 pub(super) fn ignored(path: &Path) -> Option<String> {
-    super::load(path, FileAccess::WithinFolder).unwrap().ignored
+    let file = super::load(path, FileAccess::WithinFolder).unwrap();
+    let all: Vec<String> = file.ignored.into_iter().chain(file.warnings).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 /// The corners of a unit cube with the centre (0.5, 0.5, 0.5). The faces in `QUADS` face outwards.
@@ -294,10 +296,10 @@ fn a_mesh_file_names_no_files_outside_its_folder() {
     let path = write(&folder, "below/cube.obj", obj().replace("mtllib cube.mtl", "mtllib ../cube.mtl"));
     let [within, anywhere] =
         [FileAccess::WithinFolder, FileAccess::Anywhere].map(|access| super::load(&path, access).unwrap());
-    let note = within.ignored.unwrap();
+    let note = within.warnings.join("; ");
     assert!(note.contains("../cube.mtl") && note.contains(FileAccess::EXPECTED_WITHIN_FOLDER), "{note}");
     assert!(within.parts[0].material.is_none());
-    assert!(anywhere.parts[0].material.is_some() && anywhere.ignored.is_none());
+    assert!(anywhere.parts[0].material.is_some() && anywhere.warnings.is_empty());
 }
 
 #[test]
@@ -320,7 +322,7 @@ fn a_gltf_says_what_is_ignored() {
         .replace("\"NORMAL\": 0", "\"NORMAL\": 0, \"COLOR_0\": 0");
     let expected = "textures are ignored: occlusionTexture; material extensions are ignored: KHR_materials_sheen (cloth has no bright rim); ignored \
                     as well: vertex colours of materials with textures (their mean applies); base colours of clear glass that encloses a volume are ignored; state the \
-                    colour as attenuation of the volume; the image 0 cannot be used (";
+                    colour as attenuation of the volume; the image 0, \"a.png\", cannot be used (";
     let found = ignored(&write(&folder, "textured.gltf", &textured)).unwrap();
     assert!(found.starts_with(expected), "{found}");
     write(&folder, "a.png", small_png([[0; 3]; 4]));
@@ -328,7 +330,7 @@ fn a_gltf_says_what_is_ignored() {
     assert!(!found.contains("cannot be used"), "{found}");
     let outside = textured.replace("\"a.png\"", "\"%2e%2e/a.png\"");
     let found = ignored(&write(&folder, "outside.gltf", &outside)).unwrap();
-    assert!(found.contains("the image 0 cannot be used (the path \"../a.png\" leads out"), "{found}");
+    assert!(found.contains("the image 0, \"../a.png\", cannot be used (the path \"../a.png\" leads out"), "{found}");
 }
 
 #[test]

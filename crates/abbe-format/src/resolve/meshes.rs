@@ -18,6 +18,8 @@ pub(super) struct LoadedMesh {
     pub(super) parts: Vec<LoadedPart>,
     /// A sentence about the properties of materials that the reader ignores.
     pub(super) ignored: Option<String>,
+    /// Sentences about what the file names and the reader cannot use.
+    pub(super) warnings: Vec<String>,
     /// Sentences about the geometry.
     pub(super) remarks: Vec<String>,
     /// True if the file also contains lights.
@@ -28,6 +30,9 @@ pub(super) struct LoadedMesh {
 #[derive(Clone)]
 pub(super) struct LoadedPart {
     pub(super) mesh: Arc<TriangleMesh>,
+    /// The mesh with the copies of its triangles, which let a light shine to both sides.
+    doubled: Option<Arc<TriangleMesh>>,
+    pub(super) copies: usize,
     pub(super) material: Option<MeshMaterial>,
     /// The number of this material in the scene once it is used. Parts with it share the cell.
     pub(super) material_number: Rc<Cell<Option<usize>>>,
@@ -52,7 +57,15 @@ pub(super) struct MeshCache<'a> {
 struct LoadedFile {
     parts: BTreeMap<u32, LoadedPart>,
     ignored: Option<String>,
+    warnings: Vec<String>,
     remarks: Vec<String>,
+}
+
+impl LoadedMesh {
+    fn of(part: LoadedPart) -> Self {
+        let (warnings, remarks) = (Vec::new(), Vec::new());
+        Self { parts: vec![part], ignored: None, warnings, remarks, has_lights: false }
+    }
 }
 
 impl<'a> Resolver<'a> {
@@ -102,7 +115,7 @@ impl<'a> Resolver<'a> {
         } else if let ShapeFile::Triangles(triangles) = shape {
             let mesh = self.at(&at.key("triangles"), triangles.mesh())?;
             let part = MeshPart { mesh, material: None, material_number: None, name: String::new(), colours: None };
-            LoadedMesh { parts: vec![LoadedPart::new(part)], ignored: None, remarks: Vec::new(), has_lights: false }
+            LoadedMesh::of(LoadedPart::new(part))
         } else {
             return Ok(None);
         };
@@ -117,60 +130,69 @@ impl<'a> Resolver<'a> {
             if !(*flat || *smooth || *reverse || *flip_v) {
                 return part;
             }
-            let mut mesh = Arc::unwrap_or_clone(part.mesh);
-            mesh = if *flat { mesh.without_normals() } else { mesh };
-            mesh = if *smooth { mesh.with_normals() } else { mesh };
-            mesh = if *reverse { mesh.reversed() } else { mesh };
-            mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
+            let changed = |mesh: Arc<TriangleMesh>| {
+                let mut mesh = Arc::unwrap_or_clone(mesh);
+                mesh = if *flat { mesh.without_normals() } else { mesh };
+                mesh = if *smooth { mesh.with_normals() } else { mesh };
+                mesh = if *reverse { mesh.reversed() } else { mesh };
+                mesh = if *flip_v { mesh.with_flipped_v() } else { mesh };
+                Arc::new(mesh)
+            };
+            let (mesh, doubled) = (changed(part.mesh), part.doubled.map(changed));
             // The picture of the colours follows the triangles.
             let own = Rc::default();
             let material_number = if part.colours.is_some() { own } else { part.material_number };
-            LoadedPart { mesh: Arc::new(mesh), material_number, painted: Rc::default(), ..part }
+            LoadedPart { mesh, doubled, material_number, painted: Rc::default(), ..part }
         };
         let Some(number) = part else {
             let read = self.source.file(path).and_then(|path| mesh::load(&path, self.source.file_access()));
-            let MeshFile { parts, ignored, remarks, has_lights } = self.at(&at.key("path"), read)?;
+            let MeshFile { parts, ignored, warnings, remarks, has_lights } = self.at(&at.key("path"), read)?;
             let loaded = |part: MeshPart| changed(LoadedPart::new(part));
-            return Ok(LoadedMesh { parts: parts.into_iter().map(loaded).collect(), ignored, remarks, has_lights });
+            let parts = parts.into_iter().map(loaded).collect();
+            return Ok(LoadedMesh { parts, ignored, warnings, remarks, has_lights });
         };
         if !cache.files.contains_key(path.as_str()) {
             let read = self.source.file(path).and_then(|path| mesh::load_unplaced(&path, self.source.file_access()));
             cache.files.insert(path, LoadedFile::new(self.at(&at.key("path"), read)?));
         }
-        let LoadedFile { parts, ignored, remarks } = &cache.files[path.as_str()];
+        let LoadedFile { parts, ignored, warnings, remarks } = &cache.files[path.as_str()];
         let missing = || {
             let last = parts.keys().last().map_or("no part".into(), |last| format!("a part from 0 to {last}"));
             Error::input(format!("the mesh has no part {number}")).expected(last)
         };
         let part = self.at(&at.key("part"), parts.get(number).cloned().ok_or_else(missing))?;
-        let (ignored, remarks) = (ignored.clone(), remarks.clone());
-        Ok(LoadedMesh { parts: vec![changed(part)], ignored, remarks, has_lights: false })
+        let (ignored, warnings, remarks) = (ignored.clone(), warnings.clone(), remarks.clone());
+        Ok(LoadedMesh { ignored, warnings, remarks, ..LoadedMesh::of(changed(part)) })
     }
 }
 
 impl LoadedFile {
     fn new(file: UnplacedParts) -> Self {
-        let UnplacedParts { parts, ignored, remarks } = file;
+        let UnplacedParts { parts, ignored, warnings, remarks } = file;
         // A material with textures differs from the same material on a mesh without texture
         // coordinates, and glass differs from the same glass on an open mesh.
         let mut numbers: BTreeMap<_, Rc<Cell<Option<usize>>>> = BTreeMap::new();
         let loaded = |(number, part): (u32, MeshPart)| {
-            let (textured, closed) = (part.mesh.uvs().is_some(), part.mesh.is_closed());
-            let material_number =
-                part.material_number.map(|known| Rc::clone(numbers.entry((known, textured, closed)).or_default()));
+            let known = part.material_number;
             let loaded = LoadedPart::new(part);
+            let (textured, closed) = (loaded.mesh.uvs().is_some(), loaded.mesh.is_closed());
+            let material_number = known.map(|known| Rc::clone(numbers.entry((known, textured, closed)).or_default()));
             (number, LoadedPart { material_number: material_number.unwrap_or_default(), ..loaded })
         };
         let parts = parts.into_iter().map(loaded).collect();
-        Self { parts, remarks, ignored: (!ignored.is_empty()).then(|| ignored.join("; ")) }
+        Self { parts, warnings, remarks, ignored: (!ignored.is_empty()).then(|| ignored.join("; ")) }
     }
 }
 
 impl LoadedPart {
     fn new(part: MeshPart) -> Self {
         let MeshPart { mesh, material, material_number: _, name, colours } = part;
-        let (mesh, colours) = (Arc::new(mesh), colours.map(Arc::new));
-        Self { mesh, material, material_number: Rc::default(), name, colours, painted: Rc::default() }
+        let (mesh, doubled, copies) = match mesh.without_copies() {
+            Some((single, copies)) => (single, Some(Arc::new(mesh)), copies),
+            None => (mesh, None, 0),
+        };
+        let (mesh, colours, material_number) = (Arc::new(mesh), colours.map(Arc::new), Rc::default());
+        Self { mesh, doubled, copies, material, material_number, name, colours, painted: Rc::default() }
     }
 
     /// Returns the part whose own material has the colours of the vertices.
@@ -184,7 +206,7 @@ impl LoadedPart {
             }
         };
         let (mesh, material) = painted.clone();
-        Ok(Cow::Owned(Self { mesh, material: Some(material), colours: None, ..self.clone() }))
+        Ok(Cow::Owned(Self { mesh, doubled: None, material: Some(material), colours: None, ..self.clone() }))
     }
 
     /// Returns the part's own material if it emits light.
@@ -195,7 +217,8 @@ impl LoadedPart {
     /// Returns the mesh for an object: its own if luminous, as no points are sampled on shared
     /// ones.
     pub(super) fn mesh_for(&self, is_luminous: bool) -> Arc<TriangleMesh> {
-        if is_luminous { Arc::new(TriangleMesh::clone(&self.mesh)) } else { Arc::clone(&self.mesh) }
+        let luminous = || TriangleMesh::clone(self.doubled.as_ref().unwrap_or(&self.mesh));
+        if is_luminous { Arc::new(luminous()) } else { Arc::clone(&self.mesh) }
     }
 }
 

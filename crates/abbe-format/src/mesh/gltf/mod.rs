@@ -11,7 +11,7 @@ mod pose;
 mod specular_glossiness;
 mod texture;
 
-use super::part::{MeshPart, PartsAndNotes, UnplacedParts, fan};
+use super::part::{MeshPart, PartsAndNotes, UnplacedParts, fan, open_panes};
 use crate::FileAccess;
 use ::gltf::mesh::Mode;
 use ::gltf::{Document, Primitive, Semantic};
@@ -51,8 +51,9 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
     })?;
     let has_lights = file.document.lights().is_some_and(|mut lights| lights.next().is_some());
     let animations = file.document.animations().next().map(|_| "ignored as well: animations".to_owned());
-    let ignored = [ignored(&file.document), animations.into_iter().collect(), reader.pictures.unusable].concat();
-    Ok(PartsAndNotes { parts, ignored, has_lights, ..PartsAndNotes::default() })
+    let ignored = [ignored(&file.document), animations.into_iter().collect()].concat();
+    let warnings = reader.pictures.unusable;
+    Ok(PartsAndNotes { parts, ignored, warnings, remarks: Vec::new(), has_lights })
 }
 
 /// Reads the parts of a glTF file that the default scene uses, without the transforms of the nodes.
@@ -77,8 +78,8 @@ pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<Unpl
         }
         Ok(())
     })?;
-    let ignored = [ignored(&file.document), reader.pictures.unusable].concat();
-    Ok(UnplacedParts { parts, ignored, remarks: Vec::new() })
+    let ignored = [ignored(&file.document), open_panes(parts.values())].concat();
+    Ok(UnplacedParts { parts, ignored, warnings: reader.pictures.unusable, remarks: Vec::new() })
 }
 
 /// Returns the number of the first part of each mesh. Parts are primitives in the file's order.
