@@ -45,10 +45,18 @@ const FOREIGN: [(&str, &str, Import); 27] = [
             "`abbe lens` prints the figures of a .zmx file, and `camera.lens.system` in a scene takes pictures through it",
         ),
     ),
-    ("agf", "a glass catalogue of Zemax", Import::Other("a scene names its glasses: {\"glass\": {\"path\": \"own.agf\", \"name\": \"N-SF10\"}}")),
+    (
+        "agf",
+        "a glass catalogue of Zemax",
+        Import::Other("a scene names its glasses: {\"glass\": {\"path\": \"own.agf\", \"name\": \"N-SF10\"}}"),
+    ),
     ("exr hdr png jpg jpeg webp", "a picture", Import::Picture),
     ("csv spdx", "a table", Import::Other("a scene names the file of a spectrum: {\"file\": \"lamp.csv\"}")),
-    ("yml yaml", "a YAML file", Import::Other("a scene names the file of an index: {\"ior\": {\"file\": \"glass.yml\"}}")),
+    (
+        "yml yaml",
+        "a YAML file",
+        Import::Other("a scene names the file of an index: {\"ior\": {\"file\": \"glass.yml\"}}"),
+    ),
 ];
 
 /// The way for scenes of programs that export no format that Abbe reads.
@@ -83,6 +91,16 @@ pub(super) fn refuse_foreign(path: &Path) -> Result<()> {
     Err(Error::input(format!("found {kind}")).expected(expected).in_file(path))
 }
 
+/// Recognises a JSON text of another program by two keys that scenes of Abbe do not have.
+pub(super) fn foreign_json(text: &str) -> Option<Error> {
+    const KNOWN: [([&str; 2], &str, &str); 2] = [
+        (["\"bsdfs\"", "\"primitives\""], "a Tungsten scene", BY_HAND),
+        (["\"asset\"", "\"accessors\""], "a glTF file", "give it a name that ends with .gltf, and render it"),
+    ];
+    let (_, kind, way) = KNOWN.iter().find(|(keys, ..)| keys.iter().all(|key| text.contains(key)))?;
+    Some(Error::input(format!("found {kind}")).expected(format!("a scene file; {way} (docs/guide/import.md)")))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,6 +127,9 @@ mod tests {
             let error = refuse_foreign(&path).unwrap_err().to_string();
             assert!(error.contains(way) && error.contains("docs/guide/import.md"), "{error}");
         }
+        let tungsten = r#"{"media": [], "bsdfs": [], "primitives": [], "camera": {"type": "pinhole"}}"#;
+        let error = crate::parse(tungsten, Path::new("a.json"), &[]).unwrap_err();
+        assert!(error.to_string().starts_with("a.json: found a Tungsten scene"), "{error}");
         let scene = folder.path().join("a.json");
         std::fs::write(&scene, "{}").unwrap();
         assert!(refuse_foreign(&scene).is_ok());

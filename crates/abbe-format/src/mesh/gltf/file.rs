@@ -153,6 +153,8 @@ fn complete_images(value: &mut Value) {
     for image in value.get_mut("images").and_then(Value::as_array_mut).into_iter().flatten() {
         count += 1;
         let Some(image) = image.as_object_mut() else { continue };
+        // The crate reads `null` like a missing key.
+        image.retain(|_, value| !value.is_null());
         if image.contains_key("bufferView") {
             image.entry("mimeType").or_insert_with(|| "image/png".into());
         } else {
@@ -164,6 +166,7 @@ fn complete_images(value: &mut Value) {
         let extensions = texture.get("extensions");
         let by_extension = PICTURE_EXTENSIONS.iter().find_map(|name| extensions?.get(name)?.get("source")?.as_u64());
         let Some(texture) = texture.as_object_mut() else { continue };
+        texture.retain(|_, value| !value.is_null());
         if !texture.contains_key("source") {
             let source = by_extension.filter(|source| *source < count);
             lacks_image |= source.is_none();
