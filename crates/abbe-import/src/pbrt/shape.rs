@@ -202,7 +202,7 @@ impl ShapeReader<'_> {
         };
         // As in a triangle mesh, the vertex normals decide to which side a light shines.
         let side = if self.emits {
-            let read = mesh::load(&self.base.join(&file), self.file_access)?;
+            let read = mesh::load(&self.base.join(file), self.file_access)?;
             normal_side(&read.parts)
         } else {
             NormalSide::Front
