@@ -1,7 +1,5 @@
 //! Reads the colours of OpenEXR files.
 
-use super::picture::EncodingFile;
-use super::picture_file::{PictureFile, unreadable};
 use super::picture_primaries::FilePrimaries;
 use abbe_optics::texture::ImageSize;
 use abbe_spectra::error::{Error, Result};
@@ -10,12 +8,22 @@ use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 
+/// The linear colours of a file.
+#[derive(Debug)]
+pub(super) struct ExrColours {
+    pub(super) size: ImageSize,
+    /// The components red, green, blue and alpha, row by row from the top.
+    pub(super) pixels: Vec<[f32; 4]>,
+    /// The primaries, or `None` for those of sRGB.
+    pub(super) primaries: Option<FilePrimaries>,
+}
+
 /// The first bytes of an OpenEXR file.
 pub(super) const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 
 /// Decodes an OpenEXR file: the first layer with the channels R, G and B, or else the colours of
 /// other channels: `X Y Z`, `NAME.R NAME.G NAME.B`, `Y`, or the only channel.
-pub(super) fn decode(bytes: &[u8]) -> Result<PictureFile> {
+pub(super) fn decode(bytes: &[u8]) -> Result<ExrColours> {
     check_size(bytes)?;
     let reader = read().no_deep_data().largest_resolution_level().rgba_channels(
         |size, _| (size.0, vec![[0.0_f32; 4]; size.0 * size.1]),
@@ -34,7 +42,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<PictureFile> {
 }
 
 /// Decodes a file without the channels R, G and B.
-fn other_channels(bytes: &[u8]) -> Result<PictureFile> {
+fn other_channels(bytes: &[u8]) -> Result<ExrColours> {
     let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
     let image = reader.all_attributes().from_buffered(Cursor::new(bytes)).map_err(|error| unreadable(&error))?;
     let layer = image.layer_data;
@@ -72,14 +80,18 @@ fn other_channels(bytes: &[u8]) -> Result<PictureFile> {
     picture(layer.size, pixels([grey.clone(), grey.clone(), grey]), None)
 }
 
-fn picture(size: Vec2<usize>, pixels: Vec<[f32; 4]>, primaries: Option<FilePrimaries>) -> Result<PictureFile> {
+fn picture(size: Vec2<usize>, pixels: Vec<[f32; 4]>, primaries: Option<FilePrimaries>) -> Result<ExrColours> {
     let size = ImageSize { width: size.0, height: size.1 };
-    Ok(PictureFile { size, pixels, usual: EncodingFile::Linear, primaries })
+    Ok(ExrColours { size, pixels, primaries })
 }
 
 fn primaries(stated: Option<Chromaticities>) -> Result<Option<FilePrimaries>> {
     let Some(Chromaticities { red, green, blue, white }) = stated else { return Ok(None) };
     FilePrimaries::new([red, green, blue, white].map(|Vec2(x, y)| [f64::from(x), f64::from(y)]))
+}
+
+pub(super) fn unreadable(error: &dyn std::fmt::Display) -> Error {
+    Error::input(format!("the image cannot be read: {error}"))
 }
 
 /// Refuses a file if its header states far more pixels than the file can contain.
@@ -115,7 +127,12 @@ mod tests {
     }
 
     fn light(channels: &[(&str, f32)]) -> [f32; 3] {
-        PictureFile::decode(&file(channels, None)).unwrap().linear(None, ColourUse::Light)[1]
+        light_of(&decode(&file(channels, None)).unwrap())
+    }
+
+    fn light_of(colours: &ExrColours) -> [f32; 3] {
+        let [r, g, b, _] = colours.pixels[1];
+        colours.primaries.map_or([r, g, b], |primaries| primaries.srgb([r, g, b], ColourUse::Light))
     }
 
     #[test]
@@ -126,21 +143,21 @@ mod tests {
         assert_eq!(light(&[("diffuse.R", 0.1), ("diffuse.G", 0.2), ("diffuse.B", 0.3)]), [0.1, 0.2, 0.3]);
         let white = light(&[("X", 0.9505), ("Y", 1.0), ("Z", 1.0891)]);
         assert!(white.iter().all(|c| (c - 1.0).abs() < 1e-3), "{white:?}");
-        let error = PictureFile::decode(&file(&[("N", 1.0), ("Q", 1.0)], None)).unwrap_err();
+        let error = decode(&file(&[("N", 1.0), ("Q", 1.0)], None)).unwrap_err();
         assert!(error.to_string().contains("it has the channels N, Q"), "{error}");
-        assert!(PictureFile::decode(&file(&[("Y", 0.3)], None)[..200]).is_err());
+        assert!(decode(&file(&[("Y", 0.3)], None)[..200]).is_err());
     }
 
-    /// The primaries of ACEScg. Channels of numbers, such as a roughness, are not converted.
+    /// The primaries of ACEScg. The components of the file, such as a roughness, are kept.
     #[test]
     fn chromaticities_change_colours_only() {
         let [red, green, blue] = [Vec2(0.713, 0.293), Vec2(0.165, 0.830), Vec2(0.128, 0.044)];
         let chromaticities = Chromaticities { red, green, blue, white: Vec2(0.32168, 0.33767) };
         let bytes = file(&[("R", 0.5), ("G", 0.1), ("B", 0.1)], Some(chromaticities));
-        let picture = PictureFile::decode(&bytes).unwrap();
-        let [r, g, b] = picture.linear(None, ColourUse::Light)[0];
+        let picture = decode(&bytes).unwrap();
+        let [r, g, b] = light_of(&picture);
         let luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b;
         assert!((luminance - 0.208_89).abs() < 1e-4, "{luminance}");
-        assert_eq!(picture.linear_channel(0, EncodingFile::Linear), [0.5; 2]);
+        assert_eq!(picture.pixels[0], [0.5, 0.1, 0.1, 1.0]);
     }
 }

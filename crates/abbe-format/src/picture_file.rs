@@ -2,7 +2,7 @@
 
 use super::picture::EncodingFile;
 use super::picture_primaries::{ColourUse, FilePrimaries};
-use super::{picture_exr, radiance_hdr};
+use super::{picture_exr, picture_exr::unreadable, radiance_hdr};
 use abbe_optics::texture::ImageSize;
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::{Error, Result};
@@ -21,11 +21,11 @@ pub struct PictureFile {
     pub size: ImageSize,
     /// The components red, green, blue and alpha as the file encodes them, row by row from the top.
     /// Components of integer files lie in [0, 1].
-    pub(super) pixels: Vec<[f32; 4]>,
+    pixels: Vec<[f32; 4]>,
     /// The encoding that files of this kind have.
-    pub(super) usual: EncodingFile,
+    usual: EncodingFile,
     /// The primaries of the colours, or `None` for those of sRGB.
-    pub(super) primaries: Option<FilePrimaries>,
+    primaries: Option<FilePrimaries>,
 }
 
 impl PictureFile {
@@ -51,7 +51,8 @@ impl PictureFile {
         } else if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
             Self::of_webp(bytes)
         } else if bytes.starts_with(picture_exr::MAGIC) {
-            picture_exr::decode(bytes)
+            let picture_exr::ExrColours { size, pixels, primaries } = picture_exr::decode(bytes)?;
+            Ok(Self { size, pixels, usual: EncodingFile::Linear, primaries })
         } else if radiance_hdr::is_radiance_hdr(bytes) {
             let picture = radiance_hdr::decode(bytes)?;
             Ok(Self { primaries: picture.primaries, ..Self::of_colours(picture.size, &picture.colours) })
@@ -174,10 +175,6 @@ impl Decoder {
             }
         }
     }
-}
-
-pub(super) fn unreadable(error: &dyn std::fmt::Display) -> Error {
-    Error::input(format!("the image cannot be read: {error}"))
 }
 
 /// The largest number of pixels of a PNG or JPEG file, 16,384 × 8,192. Their headers may state
