@@ -30,10 +30,11 @@ pub(crate) fn run(arguments: &CheckArgs) -> Outcome {
 }
 
 fn check(path: &Path, scene_file: &SceneFileArgs) -> Result<()> {
-    let (scene, source) = scene_file.read(path, &[])?;
+    let (scene, source) = scene_file.read(path, &[], false)?;
     let job = Job::new(resolve_any(&scene, &source)?).map_err(|error| error.in_file(path))?;
     for note in &job.scene.notes {
-        print::remark(&format!("{}: note: {note}", path.display()));
+        let kind = print::note_kind(job.scene.warnings.contains(note));
+        print::remark(&format!("{}: {kind}: {note}", path.display()));
     }
     print::result(&format!("{}: ok\n", path.display()))
 }

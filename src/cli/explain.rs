@@ -23,7 +23,7 @@ pub(crate) struct ExplainArgs {
 }
 
 pub(crate) fn run(arguments: &ExplainArgs) -> Result<Outcome> {
-    let (scene, source) = arguments.scene_file.read(&arguments.scene, &[])?;
+    let (scene, source) = arguments.scene_file.read(&arguments.scene, &[], false)?;
     let job = Job::new(resolve(&scene, &source)?).map_err(|error| error.in_file(&arguments.scene))?;
     if arguments.json {
         print::json(&PlanReport::of(&job))?;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
-use abbe_import::import;
+use abbe_format::mesh;
+use abbe_import::{ImportedScene, import};
 use abbe_session::output::file::{check_keeps_inputs, write_whole};
 use abbe_spectra::error::{Error, Result};
 
@@ -30,7 +31,7 @@ pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
     let folder = folder_from(output.as_deref(), file, scene_file.allow_outside)?;
     let imported = import(file, &folder, scene_file.file_access())?;
     let imported = if let Some(overlay) = &scene_file.overlay { imported.with_overlay(overlay)? } else { imported };
-    let notes: Vec<String> = imported.notes().into_iter().chain(imported.ignored_by_meshes).collect();
+    let notes: Vec<String> = imported.notes().into_iter().chain(of_meshes(file, scene_file, &imported)).collect();
     if *strict && !notes.is_empty() {
         return Err(Error::input(notes.join("; ")).expected("nothing left out or added").in_file(file));
     }
@@ -43,6 +44,21 @@ pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
         None => print::result(&imported.text)?,
     }
     Ok(Outcome::Done)
+}
+
+/// Returns what the reader of meshes ignores in the imported file, in sentences.
+fn of_meshes(file: &Path, scene_file: &SceneFileArgs, imported: &ImportedScene) -> Vec<String> {
+    let extension = file.extension().unwrap_or_default();
+    if !["gltf", "glb"].iter().any(|own| extension.eq_ignore_ascii_case(own)) {
+        return imported.ignored_by_meshes.clone();
+    }
+    match mesh::load_unplaced(file, scene_file.file_access()) {
+        Ok(parts) => [parts.ignored, parts.warnings, parts.remarks].concat(),
+        Err(error) => {
+            let unreadable = format!("the meshes cannot be read: {error}");
+            imported.ignored_by_meshes.iter().cloned().chain([unreadable]).collect()
+        }
+    }
 }
 
 /// Returns the path from the folder of the scene file `scene`, or of the file itself without one,

@@ -114,8 +114,8 @@ pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     } else {
         print::result(&table(&report))?;
     }
+    print::notes(&report.notes, &job.scene.warnings, arguments.quiet);
     if !arguments.quiet {
-        report.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         let spent = time(Duration::try_from_secs_f64(report.seconds).unwrap_or_default());
         let passes = print::passes(report.passes);
         print::remark(&format!("{passes} by the {} integrator in {spent}", report.integrator));
@@ -130,7 +130,7 @@ fn plan(arguments: &MeasureArgs) -> Result<Job> {
     add("render.photons", arguments.photons.map(|photons| photons.to_string()));
     add("render.seed", arguments.seed.map(|seed| seed.to_string()));
     add("render.threads", arguments.threads.map(|threads| threads.to_string()));
-    let (mut scene, source) = arguments.scene_file.read(path, &patches)?;
+    let (mut scene, source) = arguments.scene_file.read(path, &patches, arguments.quiet)?;
     let outputs = [&arguments.csv, &arguments.html].into_iter().flatten().map(PathBuf::as_path);
     files::check_keeps_inputs(outputs, arguments.scene_file.inputs(&SceneFiles::of(&source), path))?;
     scene.render.forbid.extend(arguments.forbid.iter().cloned());

@@ -32,6 +32,21 @@ pub(crate) fn remark(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", with_command_line_hints(text));
 }
 
+/// Prints notes, of which some are warnings. If `quiet` is true, only the warnings are printed.
+pub(crate) fn notes(notes: &[String], warnings: &[String], quiet: bool) {
+    for note in notes {
+        let is_warning = warnings.contains(note);
+        if is_warning || !quiet {
+            remark(&format!("{}: {note}", note_kind(is_warning)));
+        }
+    }
+}
+
+/// Returns the word before a note.
+pub(crate) fn note_kind(is_warning: bool) -> &'static str {
+    if is_warning { "warning" } else { "note" }
+}
+
 /// Returns a number of passes as text, such as "3 passes".
 pub(crate) fn passes(count: u64) -> String {
     if count == 1 { "1 pass".to_string() } else { format!("{count} passes") }

@@ -224,8 +224,8 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
         return Ok(Outcome::Done);
     }
     let begin = checkpoint.start(arguments.part, resume)?;
+    print::notes(&job.scene.notes, &job.scene.warnings, arguments.quiet);
     if !arguments.quiet {
-        job.scene.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         let path = checkpoint.path.display();
         if resume {
             print::remark(&format!("resuming after {}, from {path}", print::passes(begin.passes())));
@@ -350,7 +350,7 @@ impl RenderArgs {
 fn plan(arguments: &RenderArgs) -> Result<(JsonSource, Job)> {
     let path = &arguments.scene;
     let mut patches = arguments.patches();
-    let (mut scene, mut source) = arguments.scene_file.read(path, &patches)?;
+    let (mut scene, mut source) = arguments.scene_file.read(path, &patches, arguments.quiet)?;
     if !(arguments.force.is_empty() && arguments.forbid.is_empty()) {
         // The effects that the options force or forbid are added to the lists of the scene.
         for (key, own, more) in
@@ -360,7 +360,7 @@ fn plan(arguments: &RenderArgs) -> Result<(JsonSource, Job)> {
             let list = serde_json::to_string(&all).expect("a list of texts is JSON");
             patches.push(format!("render.{key}={list}"));
         }
-        (scene, source) = arguments.scene_file.read(path, &patches)?;
+        (scene, source) = arguments.scene_file.read(path, &patches, arguments.quiet)?;
     }
     let resolved = resolve::resolve(&scene, &source)?;
     let job = Job::new(resolved).map_err(|error| error.in_file(path))?;

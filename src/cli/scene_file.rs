@@ -29,12 +29,12 @@ impl SceneFileArgs {
         files.paths.iter().cloned().chain([path.to_path_buf()]).chain(self.overlay.clone()).collect()
     }
 
-    /// Reads a scene file, prints what a conversion added and left out, and applies the patches
-    /// `sets` in the form `PATH=JSON`.
-    pub(crate) fn read(&self, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
+    /// Reads a scene file, prints what a conversion added and left out unless `quiet` is true, and
+    /// applies the patches `sets` in the form `PATH=JSON`.
+    pub(crate) fn read(&self, path: &Path, sets: &[String], quiet: bool) -> Result<(SceneFile, JsonSource)> {
         let access = self.file_access();
         let SceneText { text, notes } = read_scene_text(path, access, self.overlay.as_deref())?;
-        notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
+        print::notes(&notes, &[], quiet);
         format::parse_with_access(text, path, sets, access)
     }
 }

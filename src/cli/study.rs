@@ -66,7 +66,7 @@ impl StudyMonitor for StudyDisplay {
 
 pub(crate) fn run(arguments: &StudyArgs) -> Result<Outcome> {
     interrupt::watch()?;
-    let (scene, source) = arguments.scene_file.read(&arguments.scene, &[])?;
+    let (scene, source) = arguments.scene_file.read(&arguments.scene, &[], arguments.quiet)?;
     let quiet = arguments.quiet;
     let mut steps = StudyDisplay { display: ProgressDisplay::new(true, None), quiet };
     let StudyArgs { scene: path, output, budget, reference, threads, .. } = arguments;

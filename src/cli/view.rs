@@ -135,12 +135,12 @@ impl ViewHost for ViewArgs {
 
     fn load(&self, changes: &[String], forbidden: &[String]) -> Result<LoadedScene> {
         let mut patches = self.patches(changes);
-        let (mut scene, mut source) = self.scene_file.read(&self.scene, &patches)?;
+        let (mut scene, mut source) = self.scene_file.read(&self.scene, &patches, false)?;
         if !forbidden.is_empty() {
             let all: Vec<&String> = scene.render.forbid.iter().chain(forbidden).collect();
             let list = serde_json::to_string(&all).expect("a list of texts is JSON");
             patches.push(format!("render.forbid={list}"));
-            (scene, source) = self.scene_file.read(&self.scene, &patches)?;
+            (scene, source) = self.scene_file.read(&self.scene, &patches, false)?;
         }
         // The picture is written at the end, but it is too late then to refuse its name.
         let files = SceneFiles::of(&source);

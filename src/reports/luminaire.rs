@@ -27,6 +27,13 @@ pub fn rows(photometry: &Photometry, summary: &LuminaireSummary) -> Vec<(&'stati
         ("symmetry", photometry.symmetry.description().to_string()),
         ("flux", format!("{:.1} lm, {:.1} % of it downwards", summary.flux_lm, 100.0 * summary.downward)),
     ];
+    if let Some((down, flux_lm)) = pointing_down(photometry, summary) {
+        let turned: Vec<String> =
+            photometry.tilt.iter().map(|(angle, factor)| format!("{factor} at {angle}°")).collect();
+        let tilt =
+            format!("factors {}; pointing down, the light is {down} × the table: {flux_lm:.1} lm", turned.join(", "));
+        rows.push(("tilt", tilt));
+    }
     if let Some(lamps) = photometry.lamp_lumens {
         rows.push(("lamps", format!("{lamps} lm, light output ratio {:.1} %", 100.0 * summary.flux_lm / lamps)));
     }
@@ -56,6 +63,12 @@ pub fn rows(photometry: &Photometry, summary: &LuminaireSummary) -> Vec<(&'stati
     rows
 }
 
+/// Returns the tilt factor and the flux in lm of a luminaire with tilt factors that points down.
+fn pointing_down(photometry: &Photometry, summary: &LuminaireSummary) -> Option<(f64, f64)> {
+    let factor = photometry.tilt_factor(0.0);
+    (!photometry.tilt.is_empty()).then_some((factor, factor * summary.flux_lm))
+}
+
 /// The figures of a luminaire. Angles are in degrees.
 #[derive(Debug, Serialize)]
 pub struct LuminaireReport<'a> {
@@ -66,6 +79,8 @@ pub struct LuminaireReport<'a> {
     pub symmetry: &'a str,
     /// The luminous flux of the table.
     pub flux_lm: f64,
+    /// The flux of a luminaire that points down, if the file has tilt factors.
+    pub flux_pointing_down_lm: Option<f64>,
     /// The fraction of the flux in the hemisphere around the photometric axis.
     pub downward: f64,
     /// The flux of the lamps alone.
@@ -94,6 +109,7 @@ impl<'a> LuminaireReport<'a> {
             format: &photometry.format,
             symmetry: photometry.symmetry.description(),
             flux_lm: summary.flux_lm,
+            flux_pointing_down_lm: pointing_down(photometry, summary).map(|(_, flux_lm)| flux_lm),
             downward: summary.downward,
             lamp_lumens: photometry.lamp_lumens,
             peak_cd: summary.peak_cd,

@@ -9,6 +9,7 @@ use abbe_spectra::colour::regress::{
 };
 use abbe_spectra::error::{Error, Result, nearest_name};
 use abbe_spectra::spectrum::{BAND_NM, Observer};
+use abbe_spectra::text::without_byte_order_mark;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -176,7 +177,7 @@ pub fn read_colours(path: &Path) -> Result<Vec<(String, ConvertedColour)>> {
 
 fn colours_of_csv(text: &str) -> Result<Vec<(String, ConvertedColour)>> {
     let cells = |line: &str| line.split(',').map(|cell| cell.trim().trim_matches('"').to_string()).collect::<Vec<_>>();
-    let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let mut lines = without_byte_order_mark(text).lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
     let expected = || format!("the columns id, and X,Y,Z or {} or {}", COLUMNS[4..7].join(","), COLUMNS[7..].join(","));
     let (_, header) = lines.next().ok_or_else(|| Error::input("is empty").expected(expected()))?;
     let titles = cells(header);

@@ -37,6 +37,33 @@ fn a_gltf_file_is_rendered_by_one_command() {
     abbe(folder.path(), &["import", "bare.obj"]).is_error(2, &["bare.obj", ".gltf, .glb"]);
 }
 
+/// The loss of a texture is a warning, which names the file. `--quiet` prints warnings but no notes.
+#[test]
+fn quiet_commands_print_the_loss_of_a_texture() {
+    let folder = tempfile::tempdir().unwrap();
+    let rest = r#", "materials": [{"name": "Pane", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}], "textures": [{"source": 0}],
+        "images": [{"uri": "Textures/Dark%20Wood.png"}], "extensionsUsed": ["KHR_materials_transmission"]"#;
+    let text = gltf("", rest).replace(r#""POSITION": 0}"#, r#""POSITION": 0}, "material": 0"#);
+    std::fs::write(folder.path().join("a.gltf"), &text).unwrap();
+    let render = ["render", "a.gltf", "--size", "4x4", "--passes", "1", "--photons", "100"];
+    let loud = abbe(folder.path(), &render).err;
+    let quiet = abbe(folder.path(), &[&render[..], &["--quiet"]].concat()).err;
+    let lost = "warning: mesh \"a.gltf\": the image 0, \"Textures/Dark Wood.png\", cannot be used";
+    let pane = "glass of an open mesh is a pane (3 open edges): material \"Pane\"";
+    assert!(loud.contains(lost) && loud.contains(pane) && loud.contains("note: added a camera"), "{loud}");
+    assert!(quiet.contains(lost) && !quiet.contains("note: "), "{quiet}");
+    for command in ["check", "import"] {
+        let said = abbe(folder.path(), &[command, "a.gltf"]).err;
+        assert!(said.contains(pane) && said.contains("Textures/Dark Wood.png"), "{said}");
+    }
+    let no_data = text.replace("data:application/octet-stream;base64,", "mesh%20data.bin?");
+    std::fs::write(folder.path().join("b.gltf"), no_data).unwrap();
+    let said = abbe(folder.path(), &["check", "b.gltf"]);
+    assert_eq!(said.status, 2);
+    assert!(said.err.contains("the data file \"mesh data.bin"), "{}", said.err);
+}
+
 /// An imported scene file names the glTF file relative to its own folder, and can be checked.
 #[test]
 fn an_imported_scene_is_a_scene_file() {

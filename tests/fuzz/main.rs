@@ -1,12 +1,15 @@
-//! Robustness against bad input: valid files with random, repeatable changes. Every reader returns
-//! a result or an error, without a panic, within a second, and within 1 GiB of memory.
+//! Robustness against bad input: valid files with random, repeatable changes, and meshes and
+//! materials with systematic changes of their structure. Every reader returns a result or an error,
+//! without a panic, within a second, and within 1 GiB of memory.
 //!
-//! The default run makes 8,000 changes; `cargo test --release --test fuzz -- --ignored` makes
+//! The default run makes 8,000 random changes and changes each part of the structure once; `cargo test --release --test fuzz -- --ignored` makes
 //! 200,000. Failing inputs are kept in `target/tmp`.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod mutate;
+mod rich_gltf;
+mod structure;
 mod targets;
 
 use std::alloc::System;
@@ -19,7 +22,7 @@ use std::time::{Duration, Instant};
 use cap::Cap;
 use cpu_time::ProcessTime;
 use mutate::Mutator;
-use targets::{Target, all};
+use targets::{Target, all, structured};
 
 /// Counts the allocated memory. A request above the limit ends the process; the input is on disk by
 /// then.
@@ -46,33 +49,73 @@ fn changed_files_do_no_harm() {
     fuzz(all(), 200_000, 2);
 }
 
+/// Each key, value, line and word is missing, empty, doubled or of another type.
+#[test]
+fn changes_of_the_structure_do_no_harm() {
+    let _alone = ALONE.lock();
+    let scratch = scratch_folder();
+    let mut faults = Vec::new();
+    for (target, step) in structured() {
+        let path = prepare(&target, scratch.path());
+        let start = Instant::now();
+        let variants: Vec<Vec<u8>> = target.good.iter().flat_map(|good| structure::variants(good)).collect();
+        let mut accepted = 0;
+        let chosen = variants.iter().enumerate().step_by(step);
+        let count = chosen.len();
+        for (case, bytes) in chosen {
+            match run(&target, &path, case as u64, bytes) {
+                Ok(was_good) => accepted += u64::from(was_good),
+                Err(fault) => faults.push(fault),
+            }
+        }
+        println!(
+            "{}: {count} of {}, {accepted} of them still good, {:.2?}",
+            target.name,
+            variants.len(),
+            start.elapsed()
+        );
+    }
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults[..faults.len().min(20)].join("\n"));
+}
+
+/// Returns a folder on a RAM disk if there is one: writing to disk takes longer than reading a
+/// changed file.
+fn scratch_folder() -> tempfile::TempDir {
+    let memory = Path::new("/dev/shm");
+    tempfile::tempdir_in(if memory.is_dir() { memory } else { Path::new(env!("CARGO_TARGET_TMPDIR")) }).unwrap()
+}
+
+/// Writes the other files of a target, and checks that the unchanged input is accepted. Returns the
+/// path of the input.
+fn prepare(target: &Target, folder: &Path) -> PathBuf {
+    for (name, bytes) in &target.beside {
+        std::fs::write(folder.join(name), bytes).unwrap();
+    }
+    let path = folder.join(format!("{}.{}", target.name, target.extension));
+    // A scene may name files that are not here.
+    let is_good = |bytes: &Vec<u8>| {
+        std::fs::write(&path, bytes).unwrap();
+        (target.read)(&path)
+    };
+    assert!(target.good.iter().any(is_good), "all unchanged inputs of {} are refused", target.name);
+    path
+}
+
 /// Changes the valid inputs of the targets `count` times in total, by their shares.
 fn fuzz(targets: Vec<Target>, count: u64, seed: u64) {
     let _alone = ALONE.lock();
-    // Uses a RAM disk if there is one: writing to disk takes longer than reading a changed file.
-    let memory = Path::new("/dev/shm");
-    let scratch = tempfile::tempdir_in(if memory.is_dir() { memory } else { Path::new(env!("CARGO_TARGET_TMPDIR")) });
-    let scratch = scratch.unwrap();
-    let folder = scratch.path();
+    let scratch = scratch_folder();
     let shares: u64 = targets.iter().map(|target| target.share).sum();
     let mut faults = Vec::new();
     let mut done = 0;
     for target in &targets {
-        for (name, bytes) in &target.beside {
-            std::fs::write(folder.join(name), bytes).unwrap();
-        }
-        let path = folder.join(format!("{}.{}", target.name, target.extension));
-        // A scene may name files that are not here.
-        let is_good = |bytes: &Vec<u8>| {
-            std::fs::write(&path, bytes).unwrap();
-            (target.read)(&path)
-        };
-        assert!(target.good.iter().any(is_good), "all unchanged inputs of {} are refused", target.name);
+        let path = prepare(target, scratch.path());
         let start = Instant::now();
         let cases = count * target.share / shares;
         let mut accepted = 0;
         for case in 0..cases {
-            match run(target, folder, seed, case) {
+            let bytes = Mutator::new(seed, target.name, case).change(&target.good);
+            match run(target, &path, case, &bytes) {
                 Ok(was_good) => accepted += u64::from(was_good),
                 Err(fault) => faults.push(fault),
             }
@@ -88,22 +131,19 @@ fn fuzz(targets: Vec<Target>, count: u64, seed: u64) {
 static ALONE: Mutex<()> = Mutex::new(());
 
 /// Runs one changed input. Returns whether it was still valid, or the failure.
-fn run(target: &Target, folder: &Path, seed: u64, case: u64) -> Result<bool, String> {
-    let mut mutator = Mutator::new(seed, target.name, case);
-    let bytes = mutator.change(&target.good);
-    let path = folder.join(format!("{}.{}", target.name, target.extension));
-    std::fs::write(&path, &bytes).unwrap();
+fn run(target: &Target, path: &Path, case: u64, bytes: &[u8]) -> Result<bool, String> {
+    std::fs::write(path, bytes).unwrap();
     let (before, peak_before) = (MEMORY.allocated(), MEMORY.max_allocated());
-    let watch = Watch::over(path.clone());
+    let watch = Watch::over(path.to_owned());
     let start = ProcessTime::now();
-    let answer = catch_unwind(AssertUnwindSafe(|| (target.read)(&path)));
+    let answer = catch_unwind(AssertUnwindSafe(|| (target.read)(path)));
     let elapsed = start.elapsed();
     drop(watch);
     let peak = MEMORY.max_allocated();
     let kept = || {
         let kept =
             Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fuzz-{}-{case}.{}", target.name, target.extension));
-        std::fs::copy(&path, &kept).unwrap();
+        std::fs::copy(path, &kept).unwrap();
         kept.display().to_string()
     };
     let Ok(was_good) = answer else { return Err(format!("{}: panics", kept())) };

@@ -95,6 +95,27 @@ pub(crate) fn all() -> Vec<Target> {
     ]
 }
 
+/// Returns the inputs whose structure is changed, and the step with which changes are chosen.
+pub(crate) fn structured() -> Vec<(Target, usize)> {
+    let mesh = |path: &Path| mesh::load(path, FileAccess::WithinFolder).is_ok();
+    let bytes = |text: &str| text.as_bytes().to_vec();
+    let library = |path: &Path| mesh::load(&path.with_file_name("user.obj"), FileAccess::WithinFolder).is_ok();
+    let beside = vec![("a.mtl", bytes(MTL)), ("user.obj", bytes(OBJ)), ("a.png", png()), ("a.ies", bytes(IES))];
+    let mtl = format!(
+        "{MTL}Tr 0.5\nKs 1 1 1\nKe 0 0 1\nNs 10\nPm 0.5\nPr 0.1\nTf 1 1 1\nmap_Kd -s 2 2 -o 0 0 -clamp on a.png\n"
+    );
+    let gltf = || vec![super::rich_gltf::text().into_bytes()];
+    let targets = [
+        (Target::new("obj", "obj", 1, vec![bytes(OBJ)], mesh), 1),
+        (Target::new("a", "mtl", 1, vec![mtl.into_bytes()], library), 1),
+        (Target::new("ply", "ply", 1, vec![bytes(PLY)], mesh), 1),
+        (Target::new("stl", "stl", 1, vec![bytes(STL)], mesh), 1),
+        (Target::new("rich", "gltf", 1, gltf(), mesh), 1),
+        (Target::new("room", "gltf", 1, gltf(), plans), 61),
+    ];
+    targets.map(|(target, step)| (Target { beside: beside.clone(), ..target }, step)).into()
+}
+
 /// Small scenes. Scenes with a lens system are left out, because tracing their pupils takes 0.1 s;
 /// lens prescriptions are a target of their own.
 fn scenes() -> Vec<Vec<u8>> {
@@ -210,7 +231,7 @@ fn picture() -> Vec<u8> {
     .unwrap()
 }
 
-fn png() -> Vec<u8> {
+pub(crate) fn png() -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([60 * x as u8, 100 * y as u8, 200]))
         .write_to(&mut bytes, image::ImageFormat::Png)

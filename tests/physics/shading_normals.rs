@@ -35,7 +35,7 @@ fn under_a_distant_light(panes: &[[f64; 3]]) -> Value {
         "materials": { "grey": diffuse(ALBEDO), "clear": glass(1.0) },
         "objects": objects,
         "lights": [{ "directional": { "toward": (-TO_LIGHT).to_array(), "spectrum": "E", "illuminance": 1 } }],
-        "render": { "photons": 5000, "radius": 0.05 }
+        "render": { "photons": 5000, "radius": 0.02 }
     })
 }
 

@@ -8,8 +8,8 @@ use serde::de::MapAccess;
 /// The forms of a picture, for error messages.
 const PATH_OR_OBJECT: &str = "a path, or an object with the key path";
 
-/// A picture whose colours are reflectances: its path, or an object. PNG, JPEG, OpenEXR and
-/// Radiance HDR files are read. The alpha channel is not used.
+/// A picture whose colours are reflectances: its path, or an object. PNG, JPEG, WebP, OpenEXR
+/// and Radiance HDR files are read. The alpha channel is not used.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "ColourImageFile", title = "Picture of reflectances", transform = crate::schema::or_name)]

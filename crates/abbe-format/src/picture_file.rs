@@ -1,7 +1,8 @@
-//! Reads the pixels of picture files: PNG, JPEG, OpenEXR and Radiance HDR.
+//! Reads the pixels of picture files: PNG, JPEG, WebP, OpenEXR and Radiance HDR.
 
 use super::picture::EncodingFile;
-use super::radiance_hdr;
+use super::picture_primaries::{ColourUse, FilePrimaries};
+use super::{picture_exr, picture_exr::unreadable, radiance_hdr};
 use abbe_optics::texture::ImageSize;
 use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::{Error, Result};
@@ -23,21 +24,22 @@ pub struct PictureFile {
     pixels: Vec<[f32; 4]>,
     /// The encoding that files of this kind have.
     usual: EncodingFile,
+    /// The primaries of the colours, or `None` for those of sRGB.
+    primaries: Option<FilePrimaries>,
 }
 
 impl PictureFile {
-    /// Reads a file.
+    /// Reads a file. Its contents, and not its name, decide its kind.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read or is not a picture. The error contains the name
     /// of the file.
     pub fn read(path: &Path) -> Result<Self> {
-        let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-        let decode = || Self::decode(&std::fs::read(path).map_err(|error| unreadable(&error))?);
-        if is_exr { read_exr(path) } else { decode() }.map_err(|error| error.in_file(path))
+        let bytes = std::fs::read(path).map_err(|error| unreadable(&error).in_file(path))?;
+        Self::decode(&bytes).map_err(|error| error.in_file(path))
     }
 
-    /// Decodes the contents of a PNG, JPEG or Radiance HDR file.
+    /// Decodes the contents of a PNG, JPEG, WebP, OpenEXR or Radiance HDR file.
     ///
     /// # Errors
     /// Returns an error if the bytes are not a picture.
@@ -46,23 +48,43 @@ impl PictureFile {
             Self::of_png(bytes)
         } else if bytes.starts_with(b"\xff\xd8") {
             Self::of_jpeg(bytes)
+        } else if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
+            Self::of_webp(bytes)
+        } else if bytes.starts_with(picture_exr::MAGIC) {
+            let picture_exr::ExrColours { size, pixels, primaries } = picture_exr::decode(bytes)?;
+            Ok(Self { size, pixels, usual: EncodingFile::Linear, primaries })
         } else if radiance_hdr::is_radiance_hdr(bytes) {
-            let (size, colours) = radiance_hdr::decode(bytes)?;
-            Ok(Self::of_colours(size, &colours))
+            let picture = radiance_hdr::decode(bytes)?;
+            Ok(Self { primaries: picture.primaries, ..Self::of_colours(picture.size, &picture.colours) })
         } else {
-            Err(unreadable(&"it is not a PNG, JPEG or Radiance HDR file"))
+            let expected = "a PNG, JPEG, WebP, OpenEXR or Radiance HDR file";
+            Err(unreadable(&format!("it is {}", kind(bytes))).expected(expected))
         }
     }
 
     /// Creates a picture of linear sRGB colours, row by row from the top.
     pub(super) fn of_colours(size: ImageSize, colours: &[[f32; 3]]) -> Self {
         let pixels = colours.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
-        Self { size, pixels, usual: EncodingFile::Linear }
+        Self { size, pixels, usual: EncodingFile::Linear, primaries: None }
     }
 
-    /// Returns the linear components of red, green and blue. `encoding` is the encoding of the
-    /// file, or `None` for the usual one.
+    /// Returns the reflectances as linear sRGB. `encoding` is the encoding of the file, or `None`
+    /// for the usual one.
     pub fn linear_rgb(&self, encoding: Option<EncodingFile>) -> Vec<[f32; 3]> {
+        self.linear(encoding, ColourUse::Reflectance)
+    }
+
+    /// Returns the colours as linear sRGB.
+    pub(super) fn linear(&self, encoding: Option<EncodingFile>, usage: ColourUse) -> Vec<[f32; 3]> {
+        let mut colours = self.components(encoding);
+        if let Some(primaries) = &self.primaries {
+            colours.iter_mut().for_each(|colour| *colour = primaries.srgb(*colour, usage));
+        }
+        colours
+    }
+
+    /// Returns the linear components of red, green and blue in the file, which need not be colours.
+    pub(super) fn components(&self, encoding: Option<EncodingFile>) -> Vec<[f32; 3]> {
         let decode = Decoder::new(encoding.unwrap_or(self.usual));
         self.pixels.iter().map(|&[r, g, b, _]| [r, g, b].map(|component| decode.linear(component))).collect()
     }
@@ -92,9 +114,10 @@ impl BandPicture {
 
     fn of_file(path: &Path) -> Result<Self> {
         use exr::prelude::*;
-        check_size(path)?;
+        let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
+        picture_exr::check_size(&bytes)?;
         let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-        let image = reader.all_attributes().from_file(path).map_err(|error| unreadable(&error))?;
+        let image = reader.all_attributes().from_buffered(Cursor::new(&bytes)).map_err(|error| unreadable(&error))?;
         let layer = image.layer_data;
         let bands = |wavelength: fn(&str) -> Option<f64>| {
             let whole = layer.channel_data.list.iter().filter(|channel| channel.sampling == Vec2(1, 1));
@@ -154,41 +177,6 @@ impl Decoder {
     }
 }
 
-fn read_exr(path: &Path) -> Result<PictureFile> {
-    use exr::prelude::*;
-    check_size(path)?;
-    let image = read_first_rgba_layer_from_file(
-        path,
-        |size, _| (size.0, vec![[0.0_f32; 4]; size.0 * size.1]),
-        |(width, pixels), position, (r, g, b, a): (f32, f32, f32, f32)| {
-            pixels[position.1 * *width + position.0] = [r, g, b, a];
-        },
-    )
-    .map_err(|error| unreadable(&error))?;
-    let Vec2(width, height) = image.layer_data.size;
-    let pixels = image.layer_data.channel_data.pixels.1;
-    Ok(PictureFile { size: ImageSize { width, height }, pixels, usual: EncodingFile::Linear })
-}
-
-fn unreadable(error: &dyn std::fmt::Display) -> Error {
-    Error::input(format!("the image cannot be read: {error}"))
-}
-
-/// Refuses a file if its header states far more pixels than the file can contain.
-fn check_size(path: &Path) -> Result<()> {
-    const ALWAYS_ALLOWED: u64 = 1 << 24;
-    const MOST_PER_BYTE: u64 = 100;
-    let file = std::fs::File::open(path).map_err(|error| unreadable(&error))?;
-    let bytes = file.metadata().map_err(|error| unreadable(&error))?.len();
-    let reader = exr::block::read(std::io::BufReader::new(file), false).map_err(|error| unreadable(&error))?;
-    let area = |size: exr::math::Vec2<usize>| (size.0 as u64).saturating_mul(size.1 as u64);
-    let pixels = reader.headers().iter().map(|header| area(header.layer_size)).max().unwrap_or(0);
-    if pixels > ALWAYS_ALLOWED.max(bytes.saturating_mul(MOST_PER_BYTE)) {
-        return Err(Error::input(format!("the image is damaged: {bytes} bytes cannot hold {pixels} pixels")));
-    }
-    Ok(())
-}
-
 /// The largest number of pixels of a PNG or JPEG file, 16,384 × 8,192. Their headers may state
 /// sizes that no memory holds.
 const MOST_PIXELS: usize = 1 << 27;
@@ -217,7 +205,22 @@ impl PictureFile {
                 components.as_chunks().0.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect()
             }
         };
-        Ok(Self { size, pixels, usual: EncodingFile::Srgb })
+        Ok(Self { size, pixels, usual: EncodingFile::Srgb, primaries: None })
+    }
+
+    fn of_webp(bytes: &[u8]) -> Result<Self> {
+        let mut decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).map_err(|error| unreadable(&error))?;
+        let (width, height) = decoder.dimensions();
+        let size = checked_size(width as usize, height as usize)?;
+        let mut codes = vec![0; decoder.output_buffer_size().ok_or_else(|| unreadable(&"it is too large"))?];
+        decoder.read_image(&mut codes).map_err(|error| unreadable(&error))?;
+        let component = |code: u8| f32::from(code) / f32::from(u8::MAX);
+        let pixels = if decoder.has_alpha() {
+            codes.as_chunks().0.iter().map(|pixel| pixel.map(component)).collect()
+        } else {
+            codes.as_chunks().0.iter().map(|&[r, g, b]| [component(r), component(g), component(b), 1.0]).collect()
+        };
+        Ok(Self { size, pixels, usual: EncodingFile::Srgb, primaries: None })
     }
 
     fn of_jpeg(bytes: &[u8]) -> Result<Self> {
@@ -230,8 +233,28 @@ impl PictureFile {
         let codes = decoder.decode().map_err(|error| unreadable(&error))?;
         let component = |code: u8| f32::from(code) / f32::from(u8::MAX);
         let pixels = codes.as_chunks().0.iter().map(|&[r, g, b]| [component(r), component(g), component(b), 1.0]);
-        Ok(Self { size, pixels: pixels.collect(), usual: EncodingFile::Srgb })
+        Ok(Self { size, pixels: pixels.collect(), usual: EncodingFile::Srgb, primaries: None })
     }
+}
+
+/// Names the kind of a file whose pictures are not read.
+fn kind(bytes: &[u8]) -> &'static str {
+    const KINDS: [(usize, &[u8], &str); 12] = [
+        (0, b"II*\0", "a TIFF file"),
+        (0, b"MM\0*", "a TIFF file"),
+        (0, b"BM", "a BMP file"),
+        (0, b"GIF8", "a GIF file"),
+        (0, b"DDS ", "a DDS file"),
+        (0, b"\xabKTX", "a KTX file"),
+        (4, b"ftypavif", "an AVIF file"),
+        (4, b"ftyphei", "a HEIF file"),
+        (0, b"\xff\x0a", "a JPEG XL file"),
+        (0, b"\0\0\0\x0cJXL ", "a JPEG XL file"),
+        (0, b"8BPS", "a Photoshop file"),
+        (0, b"version https://git-lfs", "a pointer of Git LFS; fetch the file with `git lfs pull`"),
+    ];
+    let known = KINDS.iter().find(|(at, magic, _)| bytes.get(*at..).is_some_and(|bytes| bytes.starts_with(magic)));
+    known.map_or("a file of another kind", |(.., kind)| kind)
 }
 
 fn checked_size(width: usize, height: usize) -> Result<ImageSize> {

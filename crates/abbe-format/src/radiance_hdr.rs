@@ -1,6 +1,7 @@
 //! Reads Radiance pictures (`.hdr`), whose pixels are three mantissas with a common exponent (Ward,
 //! *Real Pixels*, Graphics Gems II, 1991).
 
+use super::picture_primaries::FilePrimaries;
 use abbe_optics::texture::ImageSize;
 use abbe_spectra::error::{Error, Result};
 
@@ -14,19 +15,41 @@ pub(super) fn is_radiance_hdr(bytes: &[u8]) -> bool {
     SIGNATURES.iter().any(|signature| bytes.starts_with(signature))
 }
 
-/// Decodes a picture. Returns its size and the components red, green and blue, row by row from the
-/// top.
-pub(super) fn decode(bytes: &[u8]) -> Result<(ImageSize, Vec<[f32; 3]>)> {
+/// A picture whose components are those of the original scene.
+#[derive(Debug)]
+pub(super) struct RadiancePicture {
+    pub(super) size: ImageSize,
+    /// The components red, green and blue, row by row from the top.
+    pub(super) colours: Vec<[f32; 3]>,
+    /// The primaries, or `None` for those of sRGB.
+    pub(super) primaries: Option<FilePrimaries>,
+}
+
+/// Decodes a picture. The pixels are divided by the product of all lines `EXPOSURE=` and
+/// `COLORCORR=`, by which programs have multiplied them.
+pub(super) fn decode(bytes: &[u8]) -> Result<RadiancePicture> {
     let mut reader = Reader { rest: bytes };
-    let mut format = String::new();
+    let (mut format, mut scale, mut primaries) = (String::new(), [1.0; 3], None);
     loop {
-        match reader.line()? {
-            "" => break,
-            line => {
-                if let Some(value) = line.strip_prefix("FORMAT=") {
-                    format = value.trim().to_string();
-                }
+        let line = reader.line()?;
+        if line.is_empty() {
+            break;
+        }
+        match line.split_once('=') {
+            Some(("FORMAT", value)) => format = value.trim().to_string(),
+            Some(("EXPOSURE", value)) => {
+                let [exposure] = numbers(value).filter(are_factors).ok_or_else(|| bad_line(line))?;
+                scale = scale.map(|factor| factor * exposure);
             }
+            Some(("COLORCORR", value)) => {
+                let correction: [f64; 3] = numbers(value).filter(are_factors).ok_or_else(|| bad_line(line))?;
+                scale = std::array::from_fn(|i| scale[i] * correction[i]);
+            }
+            Some(("PRIMARIES", value)) => {
+                let [rx, ry, gx, gy, bx, by, wx, wy] = numbers(value).ok_or_else(|| bad_line(line))?;
+                primaries = FilePrimaries::new([[rx, ry], [gx, gy], [bx, by], [wx, wy]])?;
+            }
+            _ => {}
         }
     }
     if !format.is_empty() && format != "32-bit_rle_rgbe" {
@@ -43,7 +66,26 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(ImageSize, Vec<[f32; 3]>)> {
         reader.row(&mut row)?;
         pixels.extend(row.iter().map(|pixel| rgb(*pixel)));
     }
-    Ok((size, pixels))
+    if scale != [1.0; 3] {
+        for pixel in &mut pixels {
+            *pixel = std::array::from_fn(|i| (f64::from(pixel[i]) / scale[i]) as f32);
+        }
+    }
+    Ok(RadiancePicture { size, colours: pixels, primaries })
+}
+
+/// Returns the numbers of a header line, or `None` if there are fewer or more.
+fn numbers<const N: usize>(value: &str) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = value.split_whitespace().map(|word| word.parse().ok()).collect();
+    numbers?.try_into().ok()
+}
+
+fn are_factors<const N: usize>(factors: &[f64; N]) -> bool {
+    factors.iter().all(|factor| factor.is_finite() && *factor > 0.0)
+}
+
+fn bad_line(line: &str) -> Error {
+    damaged(&format!("its header has the line {line:?}"))
 }
 
 fn damaged(what: &str) -> Error {
@@ -157,7 +199,8 @@ mod tests {
     #[test]
     fn pixels_have_the_value_of_mantissa_and_exponent() {
         let body = [128, 64, 0, 129, 255, 1, 2, 0, 1, 0, 0, 255, 200, 0, 0, 90];
-        let (size, pixels) = decode(&file(&format!("{HEADER}-Y 2 +X 2\n"), &body)).unwrap();
+        let RadiancePicture { size, colours: pixels, .. } =
+            decode(&file(&format!("{HEADER}-Y 2 +X 2\n"), &body)).unwrap();
         assert_eq!((size.width, size.height), (2, 2));
         let expected =
             [[1.0, 0.5, 0.0], [0.0; 3], [119.0_f32.exp2(), 0.0, 0.0], [200.0 * (-46.0_f32).exp2(), 0.0, 0.0]];
@@ -170,12 +213,28 @@ mod tests {
         body.extend([137, 128]); // nine times 128
         body.extend([4, 1, 2, 3, 4, 133, 7]); // four values and a run of five
         body.extend([137, 0, 137, 129]);
-        let (_, pixels) = decode(&file(&format!("{HEADER}-Y 1 +X 9\n"), &body)).unwrap();
+        let pixels = decode(&file(&format!("{HEADER}-Y 1 +X 9\n"), &body)).unwrap().colours;
         let green = [1, 2, 3, 4, 7, 7, 7, 7, 7].map(|code| f32::from(code as u8) / 128.0);
         assert_eq!(pixels, green.map(|g| [1.0, g, 0.0]));
         let old = [128, 0, 0, 129, 1, 1, 1, 3, 0, 128, 0, 129];
-        let (_, pixels) = decode(&file("#?RGBE\n\n-Y 1 +X 5\n", &old)).unwrap();
+        let pixels = decode(&file("#?RGBE\n\n-Y 1 +X 5\n", &old)).unwrap().colours;
         assert_eq!(pixels, [[1.0, 0.0, 0.0]; 4].into_iter().chain([[0.0, 1.0, 0.0]]).collect::<Vec<_>>());
+    }
+
+    /// Several exposures multiply, and `PRIMARIES` states what the components mean.
+    #[test]
+    fn the_header_scales_the_pixels() {
+        let decoded = |lines: &str| {
+            decode(&file(&format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n{lines}\n-Y 1 +X 1\n"), &[128, 128, 128, 129]))
+        };
+        let picture = decoded("EXPOSURE=2\nexr2hdr x\nEXPOSURE= 4.0\nCOLORCORR= 1 0.5 0.25\n").unwrap();
+        assert_eq!((picture.colours, picture.primaries), (vec![[0.125, 0.25, 0.5]], None));
+        let srgb = "PRIMARIES= 0.6400 0.3300 0.3000 0.6000 0.1500 0.0600 0.3127 0.3290\n";
+        assert!(decoded(srgb).unwrap().primaries.is_none());
+        assert!(decoded(&srgb.replace("0.6400 0.3300", "0.6800 0.3200")).unwrap().primaries.is_some());
+        for bad in ["EXPOSURE=0\n", "EXPOSURE=x\n", "COLORCORR=1\n", "PRIMARIES=0.3 0.3\n"] {
+            assert!(decoded(bad).unwrap_err().to_string().contains(bad.trim()), "{bad}");
+        }
     }
 
     #[test]

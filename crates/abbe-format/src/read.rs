@@ -42,6 +42,9 @@ pub(super) fn parse_source(
 ) -> Result<(SceneFile, JsonSource)> {
     let repaired = source.deserialize_repaired::<SceneFile>();
     let mut faults = repaired.faults.clone();
+    if let Some(foreign) = foreign::foreign_json(&source.text).filter(|_| !faults.is_empty()) {
+        return Err(foreign.in_file(&source.path));
+    }
     if let Some(scene) = &repaired.value {
         let mut later = scene.validate(&source).err();
         if (later.is_some() || !faults.is_empty()) && !repaired.lacks_definitions(&source) {

@@ -41,6 +41,7 @@
 //! [`abbe_spectra`] supply the model and the names of spectra and glasses.
 
 mod dark_outside;
+mod facing;
 mod gltf;
 mod imported_scene;
 mod mitsuba;

@@ -1,6 +1,7 @@
 //! Reading measured bispectral matrices (Donaldson matrices) from files.
 
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::text::without_byte_order_mark;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -37,7 +38,7 @@ impl DonaldsonMatrix {
             return Err(error.expected("a smaller file").in_file(path));
         }
         let text = String::from_utf8_lossy(&bytes);
-        Self::parse(text.trim_start_matches('\u{feff}')).map_err(|error| error.in_file(path))
+        Self::parse(without_byte_order_mark(&text)).map_err(|error| error.in_file(path))
     }
 
     fn parse(text: &str) -> Result<Self> {

@@ -80,6 +80,8 @@ use std::sync::Arc;
 #[derive(Debug, Default)]
 pub struct ObjectSet {
     pub notes: Vec<String>,
+    /// See [`crate::Scene::warnings`].
+    pub warnings: Vec<String>,
     /// An object whose mesh overlaps itself has a shape for each shell.
     pub(super) shapes: Vec<AnimatedShape>,
     pub(super) objects: Vec<Object>,
@@ -247,6 +249,8 @@ pub struct SceneBuilder {
     pub title: String,
     pub settings: Settings,
     pub notes: Vec<String>,
+    /// See [`crate::Scene::warnings`].
+    pub warnings: Vec<String>,
     pub(super) objects: ObjectSet,
     pub(super) centre: DVec3,
     pub(super) geometry: Geometry,
@@ -274,11 +278,12 @@ impl SceneBuilder {
     /// Builds the surfaces of the objects about `centre` (in m), with the errors of [`Self::new`].
     pub fn about(mut objects: ObjectSet, centre: DVec3) -> Result<Self> {
         let geometry = objects.build(false, centre)?;
-        let notes = std::mem::take(&mut objects.notes);
+        let [notes, warnings] = [&mut objects.notes, &mut objects.warnings].map(std::mem::take);
         Ok(Self {
             title: "scene".to_owned(),
             settings: Settings::default(),
             notes,
+            warnings,
             objects,
             centre,
             geometry,
@@ -386,6 +391,7 @@ impl SceneBuilder {
             medium_lights: Vec::new(),
             settings: self.settings,
             notes: self.notes,
+            warnings: self.warnings,
             air,
         };
         scene.number_fluorophores();

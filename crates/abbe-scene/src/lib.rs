@@ -118,6 +118,8 @@ pub struct Scene {
     pub settings: Settings,
     /// Remarks for the user, for example about clamped indices or open meshes.
     pub notes: Vec<String>,
+    /// The notes about a loss, such as a texture whose file is missing.
+    pub warnings: Vec<String>,
     pub air: RefractiveIndex,
 }
 

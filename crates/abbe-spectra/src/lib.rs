@@ -27,6 +27,7 @@
 //! | [`colour`] | XYZ, L\*a\*b\*, Oklab, RGB spaces, ΔE2000, CCT, CRI, TM-30, tone curves, comparisons of lamps |
 //! | [`math`] | random streams, sampling, quadrature, exact sums, and elementary functions with the same bits on every machine |
 //! | [`error`] | the [`Error`] of all crates of Abbe, with the position of the fault in a file |
+//! | [`text`] | helpers of the readers of text files |
 //!
 //! # Units and conventions
 //!
@@ -50,6 +51,7 @@ pub mod colour;
 pub mod error;
 pub mod math;
 pub mod spectrum;
+pub mod text;
 
 pub use colour::ColourReport;
 pub use error::{Error, ErrorKind, ErrorLocation, Result};

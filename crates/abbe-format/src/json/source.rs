@@ -5,12 +5,10 @@ use super::positions::{Positions, ValueKind};
 use super::{deserialize::ValueDeserializer, path, repair::Repairs, serialize::Sections, text::line_column};
 use crate::FileAccess;
 use abbe_spectra::error::{Error, MAX_FAULTS, Result};
+use abbe_spectra::text::without_byte_order_mark;
 use serde::de::DeserializeOwned;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
-
-/// The character that some programs write at the start of a text file.
-const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// A value of a text with faults.
 #[derive(Debug)]
@@ -58,9 +56,8 @@ impl JsonSource {
     /// Returns an error if the text is not JSON, or if a patch cannot be applied.
     pub fn patched(text: impl Into<String>, file: &Path, sets: &[String]) -> Result<Self> {
         let mut text = text.into();
-        if text.starts_with(BYTE_ORDER_MARK) {
-            text.drain(..BYTE_ORDER_MARK.len_utf8());
-        }
+        let mark = text.len() - without_byte_order_mark(&text).len();
+        text.drain(..mark);
         let unpatched = (!sets.is_empty()).then(|| text.clone());
         let PatchedText { text, pieces, positions } = PatchedText::new(text, file, sets)?;
         let file_access = FileAccess::default();

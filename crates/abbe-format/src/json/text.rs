@@ -1,6 +1,7 @@
 //! Reads text files within a size limit, and finds the line and column of a byte offset.
 
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::text::bytes_without_byte_order_mark;
 use std::io::Read;
 use std::path::Path;
 
@@ -18,7 +19,7 @@ pub(super) fn line_column(text: &str, offset: usize) -> (usize, usize) {
     (1 + before.bytes().filter(|&byte| byte == b'\n').count(), 1 + before[line_start..].chars().count())
 }
 
-/// Reads a UTF-8 text file of at most [`MAX_BYTES`].
+/// Reads a UTF-8 text file of at most [`MAX_BYTES`], without its byte order mark.
 ///
 /// # Errors
 /// Returns an error with the file's name if the file cannot be read, is too large or is not UTF-8.
@@ -33,6 +34,8 @@ pub fn read_text(path: &Path) -> Result<String> {
     if bytes.len() as u64 > MAX_BYTES {
         return Err(too_large().in_file(path));
     }
+    let mark = bytes.len() - bytes_without_byte_order_mark(&bytes).len();
+    bytes.drain(..mark);
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let bytes = error.as_bytes();

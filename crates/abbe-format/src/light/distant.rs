@@ -52,7 +52,7 @@ pub struct EnvironmentFile {
     /// Relative distribution of the light over wavelength, the same from all directions.
     #[schemars(extend("minimum" = 0))]
     pub spectrum: Option<SpectrumFile>,
-    /// A picture of all directions. PNG, JPEG, OpenEXR and Radiance HDR files are read.
+    /// A picture of all directions. PNG, JPEG, WebP, OpenEXR and Radiance HDR files are read.
     pub image: Option<ImageFile>,
     /// Projection of the picture.
     #[serde(default, skip_serializing_if = "forms::is_default")]

@@ -24,15 +24,20 @@ enum Lm63Version {
 }
 
 impl Lm63Version {
-    /// Recognises the version by the first line. A file of 1986 begins with any text.
+    /// Recognises the version by the first line, in which some programs write blanks. A file of 1986
+    /// begins with any text.
     fn of(first: &str) -> Result<Self> {
-        let word = first.split_whitespace().next().unwrap_or_default().to_ascii_uppercase();
-        if !word.starts_with("IESNA") && !word.starts_with("IES:LM-63") {
+        let words: String = first.split_whitespace().collect::<String>().to_ascii_uppercase();
+        let number = words.strip_prefix("IESNA").or(words.strip_prefix("IES:"));
+        let Some(number) = number.filter(|_| words.starts_with("IESNA") || words.starts_with("IES:LM-63")) else {
             return Ok(Self::Y1986);
-        }
+        };
+        let number = number.trim_start_matches(':').trim_start_matches("LM-63").trim_start_matches('-');
+        let year = number.strip_prefix("19").or(number.strip_prefix("20")).filter(|year| year.len() >= 2);
         let versions =
             [("86", Self::Y1986), ("91", Self::Y1991), ("95", Self::Y1995), ("02", Self::Y2002), ("19", Self::Y2019)];
-        let known = versions.into_iter().find(|(end, _)| word.ends_with(end)).map(|(_, version)| version);
+        let year = year.unwrap_or(number);
+        let known = versions.into_iter().find(|(short, _)| year.starts_with(short)).map(|(_, version)| version);
         known.ok_or_else(|| {
             let shown: String = first.trim().chars().take(40).collect();
             let versions = "IESNA91, IESNA:LM-63-1995, IESNA:LM-63-2002 or IES:LM-63-2019";
@@ -94,8 +99,7 @@ fn words(row: &str) -> impl Iterator<Item = (usize, &str)> {
 pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
     let lines: Vec<&str> = text.lines().collect();
     let version = Lm63Version::of(lines.first().copied().unwrap_or_default())?;
-    let is_tilt = |line: &&str| line.trim_start().get(..5).is_some_and(|start| start.eq_ignore_ascii_case("TILT="));
-    let Some(tilt_line) = lines.iter().position(is_tilt) else {
+    let Some((tilt_line, tilt)) = lines.iter().enumerate().find_map(|(i, line)| Some((i, tilt_value(line)?))) else {
         let what = "a file without a line that begins with TILT=";
         return Err(Error::input(what).expected("an IES LM-63 file"));
     };
@@ -105,7 +109,7 @@ pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
         return Err(Error::input(what).expected("a file with one luminaire").at(line + 1, 1));
     }
     let mut numbers = NumberReader::new(&lines[tilt_line + 1..], tilt_line + 2);
-    let tilt = match lines[tilt_line].trim_start()[5..].trim() {
+    let tilt = match tilt {
         none if none.eq_ignore_ascii_case("NONE") => Vec::new(),
         include if include.eq_ignore_ascii_case("INCLUDE") => tilt_factors(&mut numbers)?,
         name => other_tilt(name, tilt_file).map_err(|error| error.at(tilt_line + 1, 1))?,
@@ -120,6 +124,12 @@ pub(super) fn parse(text: &str, tilt_file: TiltFile<'_>) -> Result<Photometry> {
     photometry.name = name_of(header, version);
     photometry.tilt = tilt;
     Ok(photometry)
+}
+
+/// Returns the value of the line `TILT=`, around whose sign blanks may stand.
+fn tilt_value(line: &str) -> Option<&str> {
+    let (word, value) = line.split_once('=')?;
+    word.trim().eq_ignore_ascii_case("TILT").then(|| value.trim())
 }
 
 /// Returns the name of the luminaire from the keywords, or the first line of a file of 1986.
@@ -273,14 +283,20 @@ fn symmetry(kind: PhotometricType, vertical: &[f64], horizontal: &[f64]) -> Resu
     }
 }
 
-/// Returns the opening: the width across C0–C180, the length along it. Negative is a diameter.
+/// Returns the flat opening: the width across C0–C180, the length along it. Negative is a diameter.
+///
+/// A horizontal cylinder is as wide as it is high. Its axis has a length above 0, its diameter is
+/// the negative height, and the other side is 0 (1995) or negative (2002).
 fn opening([width, length, height]: [f64; 3]) -> OpeningSize {
+    let is_cylinder = height < 0.0 && (width > 0.0) != (length > 0.0);
     let shape = match (width, length) {
+        _ if is_cylinder => OpeningShape::Rectangle,
         (0.0, 0.0) => OpeningShape::Point,
         _ if width < 0.0 || length < 0.0 => OpeningShape::Ellipse,
         _ => OpeningShape::Rectangle,
     };
-    let (across, along) = (width.abs(), length.abs());
+    let diameter = |side: f64| if is_cylinder && side == 0.0 { height.abs() } else { side.abs() };
+    let (across, along) = (diameter(width), diameter(length));
     // A disk may state only one diameter.
     let is_disk = shape == OpeningShape::Ellipse && (across == 0.0 || along == 0.0);
     let [across, along] = if is_disk { [across.max(along); 2] } else { [across, along] };

@@ -10,6 +10,7 @@ mod tests;
 
 use crate::FileAccess;
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::text::without_byte_order_mark;
 use std::io::Read;
 use std::path::Path;
 
@@ -63,5 +64,5 @@ fn text_of(path: &Path) -> Result<String> {
     }
     let text = String::from_utf8(bytes);
     let text = text.unwrap_or_else(|error| error.as_bytes().iter().map(|&byte| char::from(byte)).collect());
-    Ok(text.trim_start_matches('\u{feff}').to_string())
+    Ok(without_byte_order_mark(&text).to_string())
 }

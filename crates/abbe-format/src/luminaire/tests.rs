@@ -200,6 +200,39 @@ fn notations_of_all_versions_are_read() {
     assert!((odd.opening.along_c0_m - 0.4572).abs() < 1e-12);
 }
 
+/// Programs write blanks into the first line and around the sign of `TILT=`.
+#[test]
+fn blanks_in_the_header_of_an_ies_file_do_not_matter() {
+    for (first, tilt) in [
+        ("IESNA: LM-63-2002", "TILT=NONE"),
+        ("IESNA:LM-63-2002 ", "TILT = NONE"),
+        ("IES: LM-63-2019", " tilt =none "),
+        ("iesna : LM-63-1995 3 lamps", "TILT= NONE"),
+        ("IESNA91 2", "TILT=NONE"),
+        ("IESNA:LM-63-1986", "TILT=NONE"),
+    ] {
+        let text = format!("{first}\n[TEST] 1\n{tilt}\n1 1000 1 3 1 1 2 0 0 0\n1 1 10\n0 45 90\n0\n100 100 100\n");
+        let lamp = parse_ies(&text).unwrap_or_else(|error| panic!("{first}: {error}"));
+        assert!((LuminaireSummary::of(&lamp).unwrap().flux_lm - 2.0 * PI * 100.0).abs() < 1e-9, "{first}");
+    }
+}
+
+/// A horizontal cylinder is flat from below: its length × its diameter.
+#[test]
+fn a_horizontal_cylinder_opens_as_a_rectangle() {
+    for (sides, expected) in [
+        ("0 1.2 -0.4", [1.2, 0.4]),
+        ("1.2 0 -0.4", [0.4, 1.2]),
+        ("-0.4 1.2 -0.4", [1.2, 0.4]),
+        ("1.2 -0.4 -0.4", [0.4, 1.2]),
+    ] {
+        let text = format!("IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 2 1 1 2 {sides}\n1 1 10\n0 90\n0\n100 100\n");
+        let opening = parse_ies(&text).unwrap().opening;
+        let found = [opening.along_c0_m, opening.along_c90_m];
+        assert_eq!((opening.shape, found), (OpeningShape::Rectangle, expected), "{sides}");
+    }
+}
+
 #[test]
 fn damaged_ies_files_are_refused_with_their_line() {
     let good = "IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 2 1 1 2 0 0 0\n1 1 40\n0 90\n0\n100 10\n";

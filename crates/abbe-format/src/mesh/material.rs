@@ -115,6 +115,16 @@ pub struct MeshFilm {
     pub thickness_texture: Option<MeshTexture>,
 }
 
+impl MeshMaterial {
+    /// Returns true if a picture over the texture coordinates changes the surface.
+    pub(crate) fn has_textures(&self) -> bool {
+        let film = self.film.as_ref().and_then(|film| film.thickness_texture.as_ref());
+        let pictures = [&self.base_colour_texture, &self.metallic_roughness_texture, &self.transmission_texture];
+        let others = [&self.emission_texture, &self.normal_texture];
+        pictures.into_iter().chain(others).any(Option::is_some) || film.is_some()
+    }
+}
+
 impl Default for MeshMaterial {
     fn default() -> Self {
         Self {

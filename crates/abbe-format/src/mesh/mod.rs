@@ -6,6 +6,8 @@
 mod gltf;
 mod material;
 #[cfg(feature = "meshes")]
+mod mtl;
+#[cfg(feature = "meshes")]
 mod obj;
 #[cfg(feature = "meshes")]
 mod packed;
@@ -13,9 +15,12 @@ mod part;
 #[cfg(feature = "meshes")]
 mod ply;
 #[cfg(feature = "meshes")]
+mod polygon;
+#[cfg(feature = "meshes")]
 mod serialized;
 #[cfg(feature = "meshes")]
 mod stl;
+mod vertex_colours;
 
 use std::path::Path;
 
@@ -34,7 +39,8 @@ pub use material::{
 #[cfg(feature = "meshes")]
 use packed::{read, unpacked};
 use part::PartsAndNotes;
-pub use part::{MeshPart, UnplacedParts};
+pub use part::{MeshPart, UnplacedParts, open_panes};
+pub(crate) use vertex_colours::painted;
 
 /// The contents of a mesh file.
 #[derive(Debug, Clone)]
@@ -43,6 +49,10 @@ pub struct MeshFile {
     pub parts: Vec<MeshPart>,
     /// What the file states about materials and this reader ignores, such as textures.
     pub ignored: Option<String>,
+    /// Sentences about what the file names and the reader cannot use, such as missing pictures.
+    pub warnings: Vec<String>,
+    /// Sentences about the geometry, such as faces that were dropped.
+    pub remarks: Vec<String>,
     /// True if the file also contains lights, which are not part of the mesh.
     pub has_lights: bool,
 }
@@ -55,12 +65,13 @@ pub struct MeshFile {
 /// or malformed, or if no triangle has an area above 0.
 pub fn load(path: &Path, file_access: FileAccess) -> Result<MeshFile> {
     let read = read_parts(path, file_access).map_err(|error| error.in_file(path));
-    let PartsAndNotes { parts, ignored, has_lights } = read?;
+    let PartsAndNotes { parts, mut ignored, warnings, remarks, has_lights } = read?;
     if parts.is_empty() {
         return Err(Error::input("the mesh has no triangles").in_file(path));
     }
+    ignored.extend(open_panes(&parts));
     let ignored = (!ignored.is_empty()).then(|| ignored.join("; "));
-    Ok(MeshFile { parts, ignored, has_lights })
+    Ok(MeshFile { parts, ignored, warnings, remarks, has_lights })
 }
 
 /// Reads the parts of a mesh file like [`load`], for scenes that name them one by one.
@@ -69,8 +80,8 @@ pub fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<UnplacedPar
     if matches!(extension_of(path).as_str(), "gltf" | "glb") {
         return gltf::load_unplaced(path, file_access).map_err(|error| error.in_file(path));
     }
-    let MeshFile { parts, ignored, has_lights: _ } = load(path, file_access)?;
-    Ok(UnplacedParts { parts: (0..).zip(parts).collect(), ignored: ignored.into_iter().collect() })
+    let MeshFile { parts, ignored, warnings, remarks, has_lights: _ } = load(path, file_access)?;
+    Ok(UnplacedParts { parts: (0..).zip(parts).collect(), ignored: ignored.into_iter().collect(), warnings, remarks })
 }
 
 #[cfg(feature = "meshes")]
@@ -78,12 +89,12 @@ fn read_parts(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     let extension = extension_of(path);
     match extension.as_str() {
         "obj" => obj::load(path, file_access),
-        "ply" => read(path).and_then(|bytes| ply::load(&bytes)).map(PartsAndNotes::of),
+        "ply" => read(path).and_then(|bytes| ply::load(&bytes)),
         "ply.gz" => {
             let unpacked = read(path).and_then(|bytes| unpacked(GzDecoder::new(&bytes[..]), "gzip file"));
-            unpacked.and_then(|bytes| ply::load(&bytes)).map(PartsAndNotes::of)
+            unpacked.and_then(|bytes| ply::load(&bytes))
         }
-        "stl" => read(path).and_then(stl::load).map(PartsAndNotes::of),
+        "stl" => read(path).and_then(|bytes| stl::load(&bytes)),
         "serialized" => read(path).and_then(|bytes| serialized::load(&bytes)).map(PartsAndNotes::of),
         "gltf" | "glb" => gltf::load(path, file_access),
         _ => Err(Error::input(format!("unknown kind of mesh file \"{extension}\""))

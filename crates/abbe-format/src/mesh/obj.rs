@@ -1,68 +1,43 @@
 //! Wavefront OBJ files with MTL materials.
 
-use super::material::{MeshMaterial, MeshTexture};
+use super::material::MeshMaterial;
 use super::packed::read;
 use super::part::{MeshPart, PartsAndNotes, listed};
-use crate::{FileAccess, PictureFile};
-use abbe_optics::texture::{Filter, UvTransform, Wrap};
+use super::polygon::PolygonSplitter;
+use super::{mtl, mtl::MtlMaterial};
+use crate::FileAccess;
 use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_spectra::colour::decode_srgb;
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::text::without_byte_order_mark;
 use glam::DVec3;
 use std::borrow::Cow;
-use std::cell::RefCell;
-use std::io::Cursor;
+use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
 
 /// Reads the parts of an OBJ file. Also returns sentences about the materials that are ignored.
 pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes> {
     let bytes = read(path)?;
     let text = String::from_utf8_lossy(&bytes);
-    let text = joined_lines(&text);
-    check_faces(&text)?;
-    let used = used_materials(&text);
-    let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
-    let missing = RefCell::new(Vec::new());
-    let (models, materials) = tobj::load_obj_buf(&mut Cursor::new(text.as_bytes()), &options, |library| {
-        let unusable = |why: &dyn std::fmt::Display| {
-            let sentence = format!("the material library \"{}\" cannot be used ({why})", library.display());
-            missing.borrow_mut().push(sentence);
-        };
-        let file = file_access.file(path.parent().unwrap_or(Path::new("")), library).map_err(|error| {
-            unusable(&error);
-            tobj::LoadError::OpenFileFailed
-        })?;
-        tobj::load_mtl(file).inspect_err(|error| unusable(error))
-    })
-    .map_err(|error| Error::input(format!("not a valid OBJ file: {error}")))?;
-    let materials = materials.unwrap_or_default();
-    let mut ignored = missing.into_inner();
-    ignored.extend(ignored_textures(&materials));
-    let unknown = used.iter().filter(|name| !materials.iter().any(|known| known.name == **name));
-    if let Some(names) = listed(unknown.map(String::as_str)) {
-        ignored.push(format!("unknown materials became matt grey: {names}"));
+    let text = joined_lines(without_byte_order_mark(&text));
+    let mut warnings = Vec::new();
+    // A library counts for the whole file, wherever the file names it.
+    let libraries = text.lines().filter_map(|line| value_of(line, "mtllib"));
+    let libraries: Vec<MtlMaterial> =
+        libraries.flat_map(|names| read_libraries(names, path, file_access, &mut warnings)).collect();
+    let used = text.lines().filter_map(|line| value_of(line, "usemtl"));
+    let unknown = used.filter(|name| !libraries.iter().any(|known| known.name == *name));
+    let unknown = listed(unknown).map(|names| format!("unknown materials became matt grey: {names}"));
+    let ignored = mtl::ignored_keys(&libraries);
+    warnings.extend(unknown);
+    let materials = mtl::converted(&libraries, path, file_access, &mut warnings);
+    let mut reader = ObjReader::new(materials);
+    for (number, line) in text.lines().enumerate() {
+        reader.line(line).map_err(|error| error.at(number + 1, 1))?;
     }
-    let textured: Vec<MeshMaterial> = materials
-        .iter()
-        .map(|file| {
-            let name = file.diffuse_texture.as_ref();
-            let picture = name.map(|name| diffuse_texture(name, path, file_access)).transpose();
-            let base_colour_texture = picture.unwrap_or_else(|error| {
-                ignored.push(format!("the texture map_Kd of \"{}\" cannot be used ({})", file.name, error.what));
-                None
-            });
-            MeshMaterial { base_colour_texture, ..material(file) }
-        })
-        .collect();
-    let parts: Result<Vec<MeshPart>> = models
-        .into_iter()
-        .filter(|model| !model.mesh.indices.is_empty())
-        .map(|model| {
-            let material = model.mesh.material_id.and_then(|index| textured.get(index)).cloned();
-            Ok(MeshPart { mesh: mesh(model.mesh)?, material, material_number: None, name: model.name })
-        })
-        .collect();
-    Ok(PartsAndNotes { parts: parts?, ignored, has_lights: false })
+    reader.finish_part()?;
+    let ObjReader { parts, notes: remarks, .. } = reader;
+    Ok(PartsAndNotes { parts, ignored, warnings, remarks, has_lights: false })
 }
 
 /// Joins each line that ends with a backslash to the next line. The other lines keep their numbers.
@@ -81,180 +56,237 @@ fn joined_lines(text: &str) -> Cow<'_, str> {
     Cow::Owned(joined)
 }
 
-/// Splits the value of a texture key into the name of the file, the map of texture coordinates, and
-/// what the picture looks like outside the unit square.
-fn texture_options(value: &str) -> Result<(&str, UvTransform, Wrap)> {
-    let (mut rest, mut scale, mut offset, mut wrap) = (value.trim(), [1.0; 2], [0.0; 2], Wrap::Repeat);
-    while rest.starts_with('-') {
-        let (option, mut after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-        match option {
-            "-s" | "-o" => {
-                let pair = if option == "-s" { &mut scale } else { &mut offset };
-                // One to three numbers follow, of which the third one is for volumes.
-                for place in 0..3 {
-                    let (word, left) = after.trim_start().split_once(char::is_whitespace).unwrap_or((after, ""));
-                    let Ok(number) = word.parse::<f64>() else { break };
-                    if let Some(component) = pair.get_mut(place) {
-                        *component = number;
-                    }
-                    after = left;
-                }
-            }
-            "-clamp" => {
-                let (word, left) = after.trim_start().split_once(char::is_whitespace).unwrap_or((after, ""));
-                wrap = if word == "on" { Wrap::Clamp } else { Wrap::Repeat };
-                after = left;
-            }
-            _ => return Err(Error::input(format!("the option {option} of \"{value}\" is not supported"))),
-        }
-        rest = after.trim_start();
-    }
-    // In OBJ files, v increases upwards.
-    let offset = [offset[0], 1.0 - scale[1] - offset[1]];
-    Ok((rest, UvTransform::new(scale, 0.0, offset), wrap))
+/// Returns the rest of a line after a keyword, or `None` if the line has another keyword.
+fn value_of<'l>(line: &'l str, keyword: &str) -> Option<&'l str> {
+    let (word, rest) = line.trim().split_once(char::is_whitespace)?;
+    (word == keyword).then(|| rest.trim())
 }
 
-/// Reads the picture of a material's diffuse colour. `value` is the value of the key `map_Kd`.
-fn diffuse_texture(value: &str, obj: &Path, file_access: FileAccess) -> Result<MeshTexture> {
-    let (name, transform, wrap) = texture_options(value)?;
-    let file = file_access.file(obj.parent().unwrap_or(Path::new("")), Path::new(&name.replace('\\', "/")))?;
-    let picture = Arc::new(PictureFile::read(&file)?);
-    Ok(MeshTexture { picture, wrap: [wrap; 2], filter: Filter::Bilinear, transform })
-}
-
-fn used_materials(text: &str) -> Vec<String> {
-    let names = text.lines().filter_map(|line| line.trim_start().strip_prefix("usemtl"));
-    names.filter(|rest| rest.starts_with(char::is_whitespace)).map(|name| name.trim().to_string()).collect()
-}
-
-/// Describes the keys of the materials that are ignored: textures, transmission filters, and the
-/// layers of the extension for physically based materials.
-fn ignored_textures(materials: &[tobj::Material]) -> Vec<String> {
-    let textures = materials.iter().flat_map(|material| {
-        let known = [
-            ("map_Ka", &material.ambient_texture),
-            ("map_Ks", &material.specular_texture),
-            ("map_Bump", &material.normal_texture),
-            ("map_Ns", &material.shininess_texture),
-            ("map_d", &material.dissolve_texture),
-        ];
-        let known = known.into_iter().filter(|(_, texture)| texture.is_some()).map(|(key, _)| key);
-        let other = material.unknown_param.keys().map(String::as_str).filter(|key| is_texture(key));
-        known.chain(other).collect::<Vec<_>>()
-    });
-    let is_set = |value: &str| value.split_whitespace().any(|number| number.parse::<f64>().is_ok_and(|it| it != 0.0));
-    let layers = materials.iter().flat_map(|material| {
-        let keys = ["Ps", "Pc", "Pcr", "aniso", "anisor"];
-        keys.into_iter().filter(|key| material.unknown_param.get(*key).is_some_and(|value| is_set(value)))
-    });
-    let filters = materials.iter().any(|material| {
-        let filter = material.unknown_param.get("Tf").map(String::as_str).unwrap_or_default();
-        filter.split_whitespace().any(|number| number.parse::<f64>().is_ok_and(|it| it < 1.0))
-    });
-    let layers: Vec<&str> = layers.chain(filters.then_some("Tf")).collect();
-    let mut textures: Vec<&str> = textures.collect();
-    textures.sort_unstable();
-    let textures = listed(textures).map(|keys| format!("textures are ignored: {keys}"));
-    textures.into_iter().chain(listed(layers).map(|keys| format!("material keys are ignored: {keys}"))).collect()
-}
-
-fn is_texture(key: &str) -> bool {
-    let key = key.to_ascii_lowercase();
-    key.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&key.as_str())
-}
-
-fn mesh(mesh: tobj::Mesh) -> Result<TriangleMesh> {
-    let count = mesh.positions.len() / 3;
-    let triples = |values: &[f64]| values.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>();
-    // If only some faces have normals, the whole mesh has no normals.
-    let normals = (mesh.normals.len() == 3 * count).then(|| triples(&mesh.normals));
-    // In OBJ files, v increases upwards.
-    let uvs = (mesh.texcoords.len() == 2 * count)
-        .then(|| mesh.texcoords.chunks_exact(2).map(|uv| [uv[0], 1.0 - uv[1]]).collect::<Vec<_>>());
-    let triangles = mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    TriangleMesh::new(triples(&mesh.positions), normals, uvs, triangles)
-}
-
-/// Checks that faces refer to vertices before them. Errors name the line of the face.
-fn check_faces(text: &str) -> Result<()> {
-    // The numbers of v, vt and vn lines so far, in the order of the indices of a corner.
-    let mut counts = [0_i64; 3];
-    for (number, line) in text.lines().enumerate() {
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => counts[0] += 1,
-            Some("vt") => counts[1] += 1,
-            Some("vn") => counts[2] += 1,
-            Some("f") => {
-                let mut corners = 0;
-                for corner in words {
-                    corners += 1;
-                    check_corner(corner, counts).map_err(|error| error.at(number + 1, 1))?;
-                }
-                if corners < 3 {
-                    let error = Error::input(format!("a face has {corners} corners")).expected("at least three");
-                    return Err(error.at(number + 1, 1));
-                }
-            }
-            _ => {}
-        }
-    }
-    Ok(())
-}
-
-fn check_corner(corner: &str, counts: [i64; 3]) -> Result<()> {
-    let wrong = || {
-        Error::input(format!("a face has the corner \"{corner}\"")).expected(format!(
-            "indices of {} positions, {} texture coordinates, {} normals",
-            counts[0], counts[1], counts[2]
-        ))
+/// Reads the libraries of a line. The line names one file, whose name may contain blanks, or
+/// several files.
+fn read_libraries(names: &str, obj: &Path, file_access: FileAccess, warnings: &mut Vec<String>) -> Vec<MtlMaterial> {
+    let folder = obj.parent().unwrap_or(Path::new(""));
+    let open = |name: &str| -> Result<Vec<u8>> {
+        let file = file_access.file(folder, Path::new(&name.replace('\\', "/")))?;
+        std::fs::read(file).map_err(|error| Error::input(error.to_string()))
     };
-    let mut parts = corner.split('/');
-    for (place, count) in counts.into_iter().enumerate() {
-        match parts.next() {
-            None | Some("") if place > 0 => {}
-            None => return Err(wrong()),
-            Some(part) => {
-                let index: i64 = part.parse().map_err(|_| wrong())?;
-                if !(1..=count).contains(&index) && !(-count..=-1).contains(&index) {
-                    return Err(wrong());
+    let mut several = names.split_whitespace().map(|name| (name, open(name)));
+    let found = match open(names) {
+        Err(_) if several.clone().count() > 1 && several.clone().any(|(_, library)| library.is_ok()) => {
+            several.by_ref().collect()
+        }
+        whole => vec![(names, whole)],
+    };
+    let mut materials = Vec::new();
+    for (name, library) in found {
+        match library {
+            Ok(bytes) => materials.extend(mtl::parse(&bytes)),
+            Err(error) => warnings.push(format!("the material library \"{name}\" cannot be used ({error})")),
+        }
+    }
+    materials
+}
+
+/// A corner of a face: the numbers of its position, its texture coordinates and its normal.
+type Corner = [Option<u32>; 3];
+
+/// Reads the lines of an OBJ file.
+struct ObjReader {
+    materials: Vec<MeshMaterial>,
+    positions: Vec<DVec3>,
+    /// One colour for each position as the file encodes it. Positions without a colour are white.
+    /// The list is empty until the first colour.
+    colours: Vec<[f32; 3]>,
+    uvs: Vec<[f64; 2]>,
+    normals: Vec<DVec3>,
+    /// The corners of the faces of the part, and the number of corners of each face.
+    corners: Vec<Corner>,
+    faces: Vec<usize>,
+    name: String,
+    material: Option<usize>,
+    parts: Vec<MeshPart>,
+    notes: Vec<String>,
+}
+
+impl ObjReader {
+    fn new(materials: Vec<MeshMaterial>) -> Self {
+        Self {
+            materials,
+            positions: Vec::new(),
+            colours: Vec::new(),
+            uvs: Vec::new(),
+            normals: Vec::new(),
+            corners: Vec::new(),
+            faces: Vec::new(),
+            name: UNNAMED.to_owned(),
+            material: None,
+            parts: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    fn line(&mut self, line: &str) -> Result<()> {
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let rest = rest.trim();
+        let data = rest.split('#').next().unwrap_or_default();
+        match keyword {
+            "v" => self.vertex(data),
+            "vt" => {
+                let [u, v] = numbers(data, "texture coordinates", "u v")?;
+                // In OBJ files, v increases upwards.
+                self.uvs.push([u, 1.0 - v]);
+                Ok(())
+            }
+            "vn" => {
+                self.normals.push(numbers(data, "a normal", "x y z")?.into());
+                Ok(())
+            }
+            "f" => self.face(data),
+            "o" | "g" => {
+                self.finish_part()?;
+                self.name = if rest.is_empty() { UNNAMED } else { rest }.to_owned();
+                Ok(())
+            }
+            "usemtl" => {
+                // Of several materials with a name, the last one counts.
+                let material = self.materials.iter().rposition(|known| known.name == rest);
+                if material != self.material {
+                    self.finish_part()?;
+                }
+                self.material = material;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Reads a position, and a weight or a colour after it.
+    fn vertex(&mut self, data: &str) -> Result<()> {
+        let expected = "x y z, and then a weight, or a colour r g b";
+        let values = data.split_whitespace().map(|word| number(word, "a vertex", expected));
+        let values: Vec<f64> = values.collect::<Result<_>>()?;
+        let (position, colour) = match values[..] {
+            [x, y, z] => (DVec3::new(x, y, z), None),
+            [x, y, z, weight] => (DVec3::new(x, y, z) / weight, None),
+            [x, y, z, r, g, b] | [x, y, z, r, g, b, _] => (DVec3::new(x, y, z), Some([r, g, b])),
+            _ => return Err(Error::input(format!("a vertex has {} numbers", values.len())).expected(expected)),
+        };
+        let white = [1.0; 3];
+        if let Some(colour) = colour {
+            self.colours.resize(self.positions.len(), white);
+            self.colours.push(colour.map(|component| component as f32));
+        } else if !self.colours.is_empty() {
+            self.colours.push(white);
+        }
+        self.positions.push(position);
+        Ok(())
+    }
+
+    fn face(&mut self, data: &str) -> Result<()> {
+        let before = self.corners.len();
+        for corner in data.split_whitespace() {
+            let corner = self.corner(corner)?;
+            self.corners.push(corner);
+        }
+        let count = self.corners.len() - before;
+        if count < 3 {
+            return Err(Error::input(format!("a face has {count} corners")).expected("at least three"));
+        }
+        self.faces.push(count);
+        Ok(())
+    }
+
+    /// Reads a corner, which refers to vertices before it.
+    fn corner(&self, text: &str) -> Result<Corner> {
+        let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
+        let wrong = || {
+            Error::input(format!("a face has the corner \"{text}\"")).expected(format!(
+                "indices of {} positions, {} texture coordinates, {} normals",
+                counts[0], counts[1], counts[2]
+            ))
+        };
+        let mut parts = text.split('/');
+        let mut corner = [None; 3];
+        for (place, count) in counts.into_iter().enumerate() {
+            match parts.next() {
+                None | Some("") if place > 0 => {}
+                None => return Err(wrong()),
+                Some(part) => {
+                    let (index, count): (i64, i64) = (part.parse().map_err(|_| wrong())?, count as i64);
+                    let from_start = if index < 0 { count.checked_add(index) } else { index.checked_sub(1) };
+                    let from_start = from_start.filter(|index| (0..count).contains(index)).ok_or_else(wrong)?;
+                    corner[place] = Some(u32::try_from(from_start).map_err(|_| wrong())?);
                 }
             }
         }
+        if parts.next().is_some() { Err(wrong()) } else { Ok(corner) }
     }
-    if parts.next().is_some() { Err(wrong()) } else { Ok(()) }
+
+    /// Makes a part of the faces since the last one.
+    fn finish_part(&mut self) -> Result<()> {
+        if self.faces.is_empty() {
+            return Ok(());
+        }
+        let (corners, faces) = (std::mem::take(&mut self.corners), std::mem::take(&mut self.faces));
+        let (mut vertices, mut indices) = (Vec::new(), Vec::with_capacity(corners.len()));
+        let mut known: HashMap<Corner, u32> = HashMap::new();
+        for corner in corners {
+            let index = *known.entry(corner).or_insert_with(|| {
+                vertices.push(corner);
+                vertices.len() as u32 - 1
+            });
+            indices.push(index);
+        }
+        let place = |corner: &Corner| corner[0].map(|index| index as usize);
+        let position = |corner: &Corner| place(corner).map_or(DVec3::ZERO, |index| self.positions[index]);
+        let positions: Vec<DVec3> = vertices.iter().map(position).collect();
+        // If only some faces have normals or texture coordinates, the whole part has none.
+        let uvs = vertices.iter().map(|corner| corner[1].map(|index| self.uvs[index as usize])).collect();
+        let normals = vertices.iter().map(|corner| corner[2].map(|index| self.normals[index as usize])).collect();
+        let encoded: Option<Vec<[f32; 3]>> =
+            vertices.iter().map(|corner| self.colours.get(place(corner)?).copied()).collect();
+        let mut splitter = PolygonSplitter::new(&positions);
+        let mut rest = indices.as_slice();
+        for count in faces {
+            let (face, others) = rest.split_at(count);
+            splitter.add(face);
+            rest = others;
+        }
+        let of_part = |note: String| format!("part \"{}\": {note}", self.name);
+        self.notes.extend(splitter.note().map(of_part));
+        let triangles = splitter.triangles;
+        let mesh = TriangleMesh::new(positions, normals, uvs, triangles)?;
+        let material = self.material.and_then(|index| self.materials.get(index)).cloned();
+        let colours = encoded.filter(|_| !self.colours.is_empty()).map(|colours| linear(&colours));
+        let name = self.name.clone();
+        self.parts.push(MeshPart { mesh, material, material_number: None, name, colours });
+        Ok(())
+    }
 }
 
-/// Converts an MTL material.
-///
-/// `Kd` is the base colour, `Ni` the index of refraction and `d` the opacity. `Tr` is 1 − `d`. If
-/// the file states neither `d` nor `Tr`, a material with the illumination model 4, 6, 7 or 9
-/// becomes glass. The Phong exponent `Ns` corresponds to the microfacet parameter α = √(2/(Ns + 2))
-/// (Walter et al. 2007). The extension key `Pm` states the metalness directly, and `Pr` states the
-/// roughness. An opaque material with a black `Kd` and a specular colour `Ks` is a metal of this
-/// colour, as in files with mirrors.
-fn material(file: &tobj::Material) -> MeshMaterial {
-    let extension = |name: &str| file.unknown_param.get(name).and_then(|value| value.trim().parse::<f64>().ok());
-    let glass = matches!(file.illumination_model, Some(4 | 6 | 7 | 9));
-    let opacity = file.dissolve.or_else(|| extension("Tr").map(|tr| 1.0 - tr));
-    let transmission = opacity.map_or(if glass { 1.0 } else { 0.0 }, |opacity| 1.0 - opacity).clamp(0.0, 1.0);
-    let shines = file.specular.is_some_and(|colour| colour.iter().any(|&c| c > 0.0));
-    let shininess = file.shininess.filter(|_| shines || transmission > 0.0);
-    let of_shininess = shininess.map(|ns| (2.0 / (ns.max(0.0) + 2.0)).sqrt().sqrt());
-    let roughness = extension("Pr").or(of_shininess).unwrap_or(if transmission > 0.0 { 0.0 } else { 1.0 });
-    let is_black = file.diffuse.is_some_and(|colour| colour == [0.0; 3]) && file.diffuse_texture.is_none();
-    let emits = file.emissive.is_some_and(|colour| colour != [0.0; 3]);
-    let metal = file.specular.filter(|_| is_black && shines && transmission < 0.5 && !emits);
-    let colour = metal.map(|colour| colour.map(|component| component.min(1.0))).or(file.diffuse);
-    MeshMaterial {
-        name: file.name.clone(),
-        base_colour: colour.unwrap_or(MeshMaterial::default().base_colour),
-        metallic: extension("Pm").unwrap_or(if metal.is_some() { 1.0 } else { 0.0 }).clamp(0.0, 1.0),
-        roughness: roughness.clamp(0.0, 1.0),
-        // A surface of an OBJ file is either glass or opaque.
-        transmission: if transmission >= 0.5 { 1.0 } else { 0.0 },
-        ior: file.optical_density.filter(|&ni| ni >= 1.0).unwrap_or(MeshMaterial::default().ior),
-        emission: file.emissive.unwrap_or([0.0; 3]),
-        ..MeshMaterial::default()
+/// The name of a part without `o` and `g`.
+const UNNAMED: &str = "unnamed_object";
+
+/// Decodes colours in sRGB. Some programs write components from 0 to 255.
+fn linear(colours: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let most = colours.iter().flatten().copied().fold(0.0, f32::max);
+    let scale = if most > 1.0 { 255.0 } else { 1.0 };
+    colours.iter().map(|colour| colour.map(|c| decode_srgb(f64::from((c / scale).clamp(0.0, 1.0))) as f32)).collect()
+}
+
+/// Returns the first `N` numbers of a line. `what` and `expected` describe them in errors.
+fn numbers<const N: usize>(data: &str, what: &str, expected: &str) -> Result<[f64; N]> {
+    let mut words = data.split_whitespace();
+    let mut values = [0.0; N];
+    for value in &mut values {
+        let word =
+            words.next().ok_or_else(|| Error::input(format!("{what}: found too few numbers")).expected(expected))?;
+        *value = number(word, what, expected)?;
     }
+    Ok(values)
+}
+
+fn number(word: &str, what: &str, expected: &str) -> Result<f64> {
+    word.parse().map_err(|_| Error::input(format!("{what}: found \"{word}\"")).expected(expected))
 }

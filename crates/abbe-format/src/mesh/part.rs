@@ -14,6 +14,9 @@ pub struct MeshPart {
     pub material_number: Option<usize>,
     /// Name of the part in the file. The string is empty if the part has no name.
     pub name: String,
+    /// The colours of the vertices in linear sRGB. They multiply the base colour of the part's own
+    /// material.
+    pub colours: Option<Vec<[f32; 3]>>,
 }
 
 #[derive(Debug, Clone)]
@@ -22,12 +25,18 @@ pub struct UnplacedParts {
     /// the order of the file and without the transforms of the nodes.
     pub parts: BTreeMap<u32, MeshPart>,
     pub ignored: Vec<String>,
+    /// Sentences about what the file names and the reader cannot use.
+    pub warnings: Vec<String>,
+    /// Sentences about the geometry.
+    pub remarks: Vec<String>,
 }
 
 #[derive(Debug, Default)]
 pub(super) struct PartsAndNotes {
     pub(super) parts: Vec<MeshPart>,
     pub(super) ignored: Vec<String>,
+    pub(super) warnings: Vec<String>,
+    pub(super) remarks: Vec<String>,
     pub(super) has_lights: bool,
 }
 
@@ -36,6 +45,28 @@ impl PartsAndNotes {
     pub(super) fn of(parts: Vec<MeshPart>) -> Self {
         Self { parts, ..Self::default() }
     }
+}
+
+/// Returns sentences about the glass without thickness on open meshes, which is a pane.
+pub fn open_panes<'p>(parts: impl IntoIterator<Item = &'p MeshPart>) -> Vec<String> {
+    const MOST: usize = 5;
+    let mut sentences: Vec<String> = Vec::new();
+    for part in parts {
+        let Some(material) = &part.material else { continue };
+        if !(material.is_sheet && material.transmission > 0.0) || part.mesh.is_closed() {
+            continue;
+        }
+        let edges = part.mesh.open_edges();
+        let edges = if edges == 1 { "1 open edge".to_owned() } else { format!("{edges} open edges") };
+        let sentence = format!("glass of an open mesh is a pane ({edges}): material \"{}\"", material.name);
+        if !sentences.contains(&sentence) {
+            sentences.push(sentence);
+        }
+    }
+    let others = sentences.len().saturating_sub(MOST);
+    sentences.truncate(MOST);
+    sentences.extend((others > 0).then(|| format!("the same holds for {others} other panes")));
+    sentences
 }
 
 /// Lists names once each, in order of occurrence: the first five, and the number of the others.

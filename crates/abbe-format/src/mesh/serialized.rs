@@ -84,7 +84,7 @@ fn part(bytes: &[u8], start: usize) -> Result<MeshPart> {
     }
     let normals = normals.filter(|_| declared & flags::FACE_NORMALS == 0);
     let mesh = TriangleMesh::new(positions, normals, uvs, triangles)?;
-    Ok(MeshPart { mesh, material: None, material_number: None, name })
+    Ok(MeshPart { mesh, material: None, material_number: None, name, colours: None })
 }
 
 /// The rest of an unpacked mesh.

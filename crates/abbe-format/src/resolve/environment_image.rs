@@ -1,5 +1,6 @@
 //! Reads image files as environment maps.
 
+use crate::picture_primaries::ColourUse;
 use crate::{PictureFile, light::ProjectionFile};
 use abbe_scene::light::EnvironmentMap;
 use abbe_spectra::error::{Error, Result};
@@ -16,11 +17,11 @@ pub(super) struct EnvironmentImage {
     pub(super) mean_luminance: f64,
 }
 
-/// Reads a picture of all directions (EXR, HDR, PNG, JPEG) as linear sRGB, rotated by `to_world`.
+/// Reads a picture of all directions (EXR, HDR, PNG, JPEG, WebP) as linear sRGB, rotated by `to_world`.
 pub(super) fn load(path: &Path, projection: ProjectionFile, to_world: DAffine3) -> Result<EnvironmentImage> {
     let picture = PictureFile::read(path)?;
     let (width, height) = (picture.size.width, picture.size.height);
-    let rgb = picture.linear_rgb(None);
+    let rgb = picture.linear(None, ColourUse::Light);
     if rgb.iter().flatten().any(|c| !c.is_finite() || *c < 0.0) {
         return Err(Error::input("the image has values that are negative or not finite").in_file(path));
     }

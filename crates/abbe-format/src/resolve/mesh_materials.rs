@@ -198,7 +198,7 @@ fn map_channel(texture: Option<&MeshTexture>, number: usize, value: impl Fn(f32)
 
 fn normal_map(texture: &MeshTexture, strength: f64) -> Result<NormalMap> {
     let scale = Vec3::new(strength as f32, strength as f32, 1.0);
-    Ok(NormalMap::from_picture(pattern(texture)?, &texture.picture.linear_rgb(Some(EncodingFile::Linear)), scale))
+    Ok(NormalMap::from_picture(pattern(texture)?, &texture.picture.components(Some(EncodingFile::Linear)), scale))
 }
 
 /// Returns the light of a surface: its colour as linear RGB, and the slide, if it has a picture.

@@ -10,6 +10,7 @@ use abbe_scene::builder::{ObjectSet, Placement};
 use abbe_scene::geometry::shape::Shape;
 use abbe_spectra::error::Result;
 use glam::{DAffine3, DVec3};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// The resolved objects, and the emission of their surfaces.
@@ -80,13 +81,23 @@ impl<'a> Resolver<'a> {
             let Some(mesh) = self.mesh(shape_at, shape, &mut resolved.meshes)? else { return Ok(Vec::new()) };
             let local = DAffine3::from_scale(DVec3::splat(self.metres));
             if let ShapeFile::Mesh(file) = shape {
-                self.note_ignored(&file.path, &mesh, material.is_none(), &mut resolved.set.notes);
+                self.note_ignored(&file.path, &mesh, material.is_none(), &mut resolved.set);
             }
             let mut objects = Vec::new();
             for part in &mesh.parts {
+                let painted = if material.is_none() { self.at(shape_at, part.painted())? } else { Cow::Borrowed(part) };
+                let part = painted.as_ref();
                 let name = if part.name.is_empty() { name.clone() } else { format!("{name}/{}", part.name) };
                 let own_light = part.emitter().filter(|_| material.is_none() && emission.is_none());
-                let shape = Shape::Mesh(part.mesh_for(emission.is_some() || own_light.is_some()));
+                let is_luminous = emission.is_some() || own_light.is_some();
+                if part.copies > 0 && !is_luminous {
+                    let copies = part.copies;
+                    resolved.set.notes.push(format!(
+                        "the mesh \"{name}\" has {copies} triangles with the corners of others, most likely doubled \
+                         faces, and the copies are dropped"
+                    ));
+                }
+                let shape = Shape::Mesh(part.mesh_for(is_luminous));
                 let own = || self.own_material(shape_at, part, resolved);
                 let material = material.map_or_else(own, Ok)?;
                 let object = self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?;
@@ -130,13 +141,21 @@ impl<'a> Resolver<'a> {
     }
 
     /// Notes what the mesh reader ignored. A material of the scene replaces those of the file.
-    fn note_ignored(&self, path: &str, mesh: &LoadedMesh, has_own_materials: bool, notes: &mut Vec<String>) {
+    fn note_ignored(&self, path: &str, mesh: &LoadedMesh, has_own_materials: bool, set: &mut ObjectSet) {
         let lights = (mesh.has_lights && self.scene.lights.is_empty())
             .then(|| "its lights are not part of a mesh; `abbe import` reads them".to_string());
-        for what in lights.into_iter().chain(mesh.ignored.clone().filter(|_| has_own_materials)) {
+        let ignored = mesh.ignored.clone().filter(|_| has_own_materials);
+        for what in lights.into_iter().chain(ignored).chain(mesh.remarks.iter().cloned()) {
             let note = format!("mesh \"{path}\": {what}");
-            if !notes.contains(&note) {
-                notes.push(note);
+            if !set.notes.contains(&note) {
+                set.notes.push(note);
+            }
+        }
+        for what in mesh.warnings.iter().filter(|_| has_own_materials) {
+            let warning = format!("mesh \"{path}\": {what}");
+            if !set.warnings.contains(&warning) {
+                set.notes.push(warning.clone());
+                set.warnings.push(warning);
             }
         }
     }

@@ -97,7 +97,7 @@ impl Resolver<'_> {
         let pattern = image_pattern(picture.size, *wrap, *filter, uv).map_err(|error| error.in_file(&path))?;
         let x = *strength as f32;
         let y = if *green == GreenFile::Up { x } else { -x };
-        let encoded = picture.linear_rgb(Some(EncodingFile::Linear));
+        let encoded = picture.components(Some(EncodingFile::Linear));
         Ok(NormalMap::from_picture(pattern, &encoded, Vec3::new(x, y, 1.0)))
     }
 

@@ -16,7 +16,7 @@ mod tests;
 use self::animation::Animations;
 use self::camera::{DEFAULT_ASPECT, file_camera, light_from_behind, whole_view};
 use self::light::{ies_light, punctual_light};
-use self::node::{NodeTree, PlacedNode, steps, unit};
+use self::node::{NodeTree, PlacedNode, steps, thickened, unit};
 use crate::scene_writer::present;
 use crate::{ImportedScene, scene_writer::SceneWriter};
 use ::gltf::{Document, Node};
@@ -188,10 +188,21 @@ impl<'d> NodeReader<'d> {
         if first_joint.is_some() && self.has_animations {
             self.scene.leave_out(&place, "the motion of the joints is left out; the skin has the pose of the file");
         }
-        if !placed.is_invertible() {
-            self.scene.leave_out(&place, "a node with a scale of 0 is left out, because its triangles have no area");
-            return;
-        }
+        let flat = (!placed.is_invertible()).then(|| thickened(&placed.own));
+        let thick = match flat {
+            Some(None) => {
+                let what = "a node with two scales of 0 is left out, because its triangles have no area";
+                self.scene.leave_out(&place, what);
+                return;
+            }
+            Some(Some(own)) => {
+                let what = "a node with a scale of 0 is flat: its thickness became a millionth of its size";
+                self.scene.leave_out(&place, what);
+                Some(PlacedNode { own, motion: placed.motion.clone(), is_sheared: placed.is_sheared })
+            }
+            None => None,
+        };
+        let placed = thick.as_ref().unwrap_or(placed);
         let first = self.first_parts[mesh.index()];
         for (part, primitive) in (first..).zip(mesh.primitives()) {
             if !has_triangles(&primitive) {

@@ -6,7 +6,7 @@ use ::gltf::scene::Transform;
 use abbe_format::mesh::affine;
 use abbe_scene::motion::DecomposedTransform;
 use abbe_spectra::math::rotation::{angle_between, slerp};
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use serde_json::{Value, json};
 
 /// The number of parts into which an interval between keyframes is divided if the motion of the
@@ -57,6 +57,26 @@ impl PlacedNode {
         let unit = [linear.x_axis, linear.y_axis, linear.z_axis].map(DVec3::try_normalize);
         matches!(unit, [Some(x), Some(y), Some(z)] if x.cross(y).dot(z).abs() > 1e-9)
     }
+}
+
+/// Returns a transform with a small thickness in the direction that another one makes flat, or
+/// `None` if the other one leaves no area.
+pub(super) fn thickened(flat: &DAffine3) -> Option<DAffine3> {
+    let linear = flat.matrix3;
+    let size = [linear.x_axis, linear.y_axis, linear.z_axis].map(DVec3::length).into_iter().fold(0.0, f64::max);
+    // The direction across the columns, and that across the rows, which becomes 0.
+    let across = |matrix: DMat3| {
+        let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+        let crosses = [x.cross(y), y.cross(z), z.cross(x)];
+        let longest = crosses.into_iter().reduce(|a, b| if a.length() >= b.length() { a } else { b })?;
+        if longest.length() > 1e-12 * size * size { longest.try_normalize() } else { None }
+    };
+    let (normal, lost) = (across(linear)?, across(linear.transpose())?);
+    let thin = (MIN_SCALE * size) * normal;
+    let thickness = DMat3::from_cols(thin * lost.x, thin * lost.y, thin * lost.z);
+    let [one, other] = [linear + thickness, linear - thickness];
+    let matrix3 = if one.determinant() > 0.0 { one } else { other };
+    Some(DAffine3 { matrix3, translation: flat.translation })
 }
 
 impl NodeTree {

@@ -1,7 +1,7 @@
 //! Tests of what the reader of Mitsuba scenes states and keeps at the edges of its tables.
 
 use super::tests::Imported;
-use serde_json::json;
+use serde_json::{Value, json};
 
 const BALL: &str = r#"<shape type="sphere"/><emitter type="constant"/>"#;
 
@@ -38,3 +38,24 @@ fn settings_that_change_the_picture_are_named() {
 
 /// A sensor for scenes whose first part has none.
 const SENSOR: &str = r#"<sensor type="perspective"/>"#;
+
+/// The vertex normals of a mesh decide to which side a light shines.
+#[test]
+fn a_light_shines_to_the_side_of_its_normals() {
+    let mesh = |body: &str, normal: &str| {
+        let quad = format!("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0 0 {normal}\nf 1//1 2//1 3//1 4//1\n");
+        let shape = format!("<shape type=\"obj\"><string name=\"filename\" value=\"q.obj\"/>{body}</shape>");
+        let imported = Imported::with_files(&shape, &[("q.obj", quad.as_bytes())]);
+        (imported.scene()["objects"][0]["shape"]["mesh"].clone(), imported.left_out())
+    };
+    let light = "<emitter type=\"area\"><rgb name=\"radiance\" value=\"1,1,1\"/></emitter>";
+    let (turned, notes) = mesh(light, "-1");
+    assert_eq!((&turned["reverse"], &turned["flat"]), (&json!(true), &json!(true)), "{turned}");
+    assert!(notes.contains("turned to the side of its vertex normals"), "{notes}");
+    let flip = "<boolean name=\"flip_normals\" value=\"true\"/>";
+    assert_eq!(mesh(&format!("{light}{flip}"), "-1").0["reverse"], Value::Null);
+    for (body, normal) in [(light, "1"), ("", "-1")] {
+        let (mesh, notes) = mesh(body, normal);
+        assert_eq!((&mesh["reverse"], notes.contains("normals")), (&Value::Null, false), "{mesh}: {notes}");
+    }
+}

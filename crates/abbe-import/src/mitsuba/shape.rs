@@ -3,8 +3,10 @@
 use super::reader::{MitsubaReader, MitsubaSurface};
 use super::transform::{affine, steps};
 use super::{primitives, primitives::BasicShape, properties::Properties, xml::XmlElement};
+use crate::facing::{NormalSide, normal_side};
 use crate::scene_writer::present;
 use abbe_format::mesh;
+use abbe_format::mesh::MeshPart;
 use abbe_spectra::error::Result;
 use glam::{DMat4, DVec3};
 use serde_json::{Value, json};
@@ -18,6 +20,8 @@ struct ShapePlacement {
     textured: bool,
     /// True if the front and the back are exchanged.
     flipped: bool,
+    /// True if the shape emits light.
+    emits: bool,
 }
 
 impl MitsubaReader<'_> {
@@ -82,6 +86,7 @@ impl MitsubaReader<'_> {
             to_world: outer * properties.transform("to_world")?,
             textured: self.is_textured(&material) || emission.as_ref().is_some_and(|it| it.get("slide").is_some()),
             flipped: properties.boolean("flip_normals", false)?,
+            emits: emission.is_some(),
         };
         let found = self.form(&properties, &form)?;
         let Some(BasicShape { shape: converted, steps: mut transform }) = found else { return Ok(()) };
@@ -150,12 +155,23 @@ impl MitsubaReader<'_> {
         let part = (shape.plugin() == "serialized").then(|| properties.number("shape_index", 0.0)).transpose()?;
         // Abbe keeps the front of a mirrored mesh. In Mitsuba, normals or else corners decide.
         let mirrored = form.to_world.determinant() < 0.0;
-        let by_corners = || -> Result<bool> {
-            let parts = mesh::load(&file, self.document.file_access).map_err(|error| shape.locate(error))?.parts;
-            Ok(flat || parts.iter().any(|part| part.mesh.normals().is_none()))
+        let part = part.map(|part| part as u32);
+        let file_access = self.document.file_access;
+        let parts = || -> Result<Vec<MeshPart>> {
+            let read = mesh::load_unplaced(&file, file_access).map_err(|error| shape.locate(error))?;
+            let is_chosen = |number: u32| part.is_none_or(|part| part == number);
+            Ok(read.parts.into_iter().filter(|(number, _)| is_chosen(*number)).map(|(_, part)| part).collect())
         };
-        let reverse = form.flipped != (mirrored && by_corners()?);
-        let (path, part) = (format!("{}{path}", self.folder), part.map(|part| part as u32));
+        let by_corners = || -> Result<bool> { Ok(flat || parts()?.iter().any(|part| part.mesh.normals().is_none())) };
+        let side = if form.emits && !flat { normal_side(&parts()?) } else { NormalSide::Front };
+        let turned = side == NormalSide::Back;
+        if side == NormalSide::Both {
+            self.note(shape, "the normals of a light point to both sides of its faces: it shines to their front");
+        } else if turned {
+            self.note(shape, "the faces of a light are turned to the side of its vertex normals, which are left out");
+        }
+        let reverse = form.flipped != ((mirrored && by_corners()?) != turned);
+        let (path, flat) = (format!("{}{path}", self.folder), flat || turned);
         let [reverse, flat, smooth, flip_v] = [reverse, flat, !flat, flip_v].map(|is_set| is_set.then_some(true));
         let mesh = present(json!({
             "path": path, "part": part, "reverse": reverse, "flat": flat, "smooth": smooth, "flip_v": flip_v

@@ -26,6 +26,7 @@ impl PbrtReader<'_> {
             reverse: self.state.reverse,
             textured: self.is_textured(&self.state.material.1)
                 || parameters.get("alpha").is_some_and(|alpha| alpha.kind == "texture"),
+            emits: self.state.area_light.is_some(),
             left_out: Vec::new(),
         };
         let shape = reader.read(class, parameters)?;

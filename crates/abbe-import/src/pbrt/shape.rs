@@ -1,8 +1,9 @@
 //! Shapes of pbrt files.
 
 use super::parameters::{Parameter, Parameters};
+use crate::facing::{NormalSide, normal_side};
 use crate::scene_writer::present;
-use abbe_format::FileAccess;
+use abbe_format::{FileAccess, mesh};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::sin_cos;
 use glam::{DMat3, DMat4, DVec2, DVec3};
@@ -47,6 +48,8 @@ pub(super) struct ShapeReader<'a> {
     pub(super) reverse: bool,
     /// True if the material has a texture.
     pub(super) textured: bool,
+    /// True if the shape emits light.
+    pub(super) emits: bool,
     pub(super) left_out: Vec<String>,
 }
 
@@ -197,8 +200,24 @@ impl ShapeReader<'_> {
             self.left_out.push("a mesh without a file name is left out".into());
             return Ok(None);
         };
-        let (path, reverse) = (format!("{}{file}", self.folder), self.reverse.then_some(true));
-        let mesh = present(json!({"path": path, "reverse": reverse}));
+        // As in a triangle mesh, the vertex normals decide to which side a light shines.
+        let side = if self.emits {
+            let read = mesh::load(&self.base.join(file), self.file_access)?;
+            normal_side(&read.parts)
+        } else {
+            NormalSide::Front
+        };
+        let turned = side == NormalSide::Back;
+        if side == NormalSide::Both {
+            self.left_out
+                .push("the normals of a light point to both sides of its faces: it shines to their front".into());
+        } else if turned {
+            self.left_out
+                .push("the faces of a light are turned to the side of its vertex normals, which are left out".into());
+        }
+        let (path, reverse) = (format!("{}{file}", self.folder), self.reverse != turned);
+        let [reverse, flat] = [reverse, turned].map(|is_set| is_set.then_some(true));
+        let mesh = present(json!({"path": path, "reverse": reverse, "flat": flat}));
         Ok(Some(ReadShape { shape: json!({"mesh": mesh}), local: DMat4::IDENTITY, area: None }))
     }
 

@@ -350,3 +350,30 @@ fn two_sided_power_and_exposure_are_known() {
     let (_, forced) = imported(&format!("Option \"bool forcediffuse\" true\n{}", scene("Shape \"sphere\"")));
     assert!(forced.left_out.join("\n").contains("a.pbrt:1: the option"), "{:?}", forced.left_out);
 }
+
+/// The vertex normals of a PLY mesh decide to which side a light shines.
+#[test]
+fn a_mesh_light_shines_to_the_side_of_its_normals() {
+    let folder = TempDir::new().unwrap();
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                  property float nx\nproperty float ny\nproperty float nz\nelement face 1\n\
+                  property list uchar int vertex_indices\nend_header\n";
+    let path = folder.path().join("a.pbrt");
+    let world = "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nShape \"plymesh\" \"string filename\" \"a.ply\"";
+    std::fs::write(&path, scene(world)).unwrap();
+    for (normal, turned) in [("0 0 1", Value::Null), ("0 0 -1", json!(true))] {
+        let ply = format!("{header}0 0 0 {normal}\n1 0 0 {normal}\n0 1 0 {normal}\n3 0 1 2\n");
+        std::fs::write(folder.path().join("a.ply"), ply).unwrap();
+        let imported = import(&path, "", FileAccess::WithinFolder).unwrap();
+        let value: Value = serde_json::from_str(&imported.text).unwrap();
+        let mesh = &value["objects"][0]["shape"]["mesh"];
+        assert_eq!((&mesh["reverse"], &mesh["flat"]), (&turned, &turned), "{mesh}");
+        assert_eq!(imported.left_out.iter().any(|what| what.contains("vertex normals")), turned == json!(true));
+    }
+}
+
+/// Windows editors begin files with a byte order mark.
+#[test]
+fn a_byte_order_mark_is_no_directive() {
+    value(&format!("\u{feff}{}", scene("Shape \"sphere\"")));
+}

@@ -12,7 +12,9 @@ use yaml_rust2::{Yaml, YamlLoader};
 use super::index::{ReferenceMedium, RefractiveIndex};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::powf;
+use abbe_spectra::spectrum::read::{ColumnFormat, nm_per_unit};
 use abbe_spectra::spectrum::{BAND_NM, Outside, Spectrum, ULTRAVIOLET_FROM_NM};
+use abbe_spectra::text::without_byte_order_mark;
 
 /// In nm, between the wavelengths at which a formula is evaluated.
 const STEP_NM: f64 = 1.0;
@@ -226,48 +228,86 @@ fn formula(number: &str, c: &[f64], um: f64) -> Result<f64> {
 }
 
 /// Reads a table whose columns are named by a header row. Another header row starts another table,
-/// as in the CSV files of refractiveindex.info.
+/// as in the CSV files of refractiveindex.info. Separators and decimal signs are those of spectra.
 fn of_csv(text: &str) -> Result<Columns> {
     let mut data = Columns::default();
-    let mut header: Vec<String> = Vec::new();
-    for (number, line) in (1..).zip(text.lines()) {
-        let line = line.trim_start_matches('\u{feff}').trim();
+    // The header row, and its columns once a row of numbers shows what separates them.
+    let mut header = "";
+    let mut columns: Option<IndexColumns> = None;
+    for (number, line) in (1..).zip(without_byte_order_mark(text).lines()) {
+        let line = line.trim();
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let cells: Vec<&str> = line.split([',', ';', '\t']).map(str::trim).collect();
         let fault = |what: String| Error::input(format!("line {number}: {what}"));
-        if cells[0].parse::<f64>().is_err() {
-            header = cells.iter().map(|cell| cell.to_lowercase()).collect();
+        let first = line.split([',', ';', '\t', '|']).next().unwrap_or_default();
+        let first = first.split_whitespace().next().unwrap_or_default().trim_matches('"');
+        if first.parse::<f64>().is_err() {
+            (header, columns) = (line, None);
             continue;
         }
-        let Some(scale) = header.first().and_then(|name| nm_per_unit(name)) else {
-            return Err(fault("found no header row".into()).expected("a row such as nm,n,k or um,n,k"));
+        let columns = match &columns {
+            Some(known) => known,
+            None => columns.insert(IndexColumns::of(header, line).map_err(|error| fault(error.what).expected(HEADER))?),
         };
-        if cells.len() != header.len() {
-            return Err(fault(format!("found {} columns", cells.len())).expected(format!("{} columns", header.len())));
+        let expected = "a number";
+        let row = columns.format.numbers(line).map_err(|cell| fault(format!("found \"{cell}\"")).expected(expected))?;
+        if row.len() != columns.names.len() {
+            let count = columns.names.len();
+            return Err(fault(format!("found {} columns", row.len())).expected(format!("{count} columns")));
         }
-        let number =
-            |cell: &str| cell.parse::<f64>().map_err(|_| fault(format!("found \"{cell}\"")).expected("a number"));
-        let nm = scale * number(cells[0])?;
-        for (name, cell) in header.iter().zip(&cells).skip(1) {
-            let points = match name.as_str() {
-                "n" => &mut data.n,
-                "k" => &mut data.k,
-                _ => return Err(fault(format!("unknown column \"{name}\"")).expected("n or k")),
-            };
-            points.get_or_insert_default().push((nm, number(cell)?));
+        for (name, value) in columns.names.iter().zip(&row).skip(1) {
+            let points = if *name == IndexColumn::N { &mut data.n } else { &mut data.k };
+            points.get_or_insert_default().push((columns.nm_per_unit * row[0], *value));
         }
     }
     Ok(data)
 }
 
-fn nm_per_unit(name: &str) -> Option<f64> {
-    match name {
-        "nm" => Some(1.0),
+/// What a header row may look like.
+const HEADER: &str = "a header row such as nm,n,k or um,n,k or Wavelength (nm),n";
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum IndexColumn {
+    Wavelength,
+    N,
+    K,
+}
+
+/// The columns of a table of indices.
+struct IndexColumns {
+    format: ColumnFormat,
+    nm_per_unit: f64,
+    names: Vec<IndexColumn>,
+}
+
+impl IndexColumns {
+    /// Reads a header row. `row` is the first row of numbers after it.
+    fn of(header: &str, row: &str) -> Result<Self> {
+        if header.is_empty() {
+            return Err(Error::input("found no header row"));
+        }
+        let Some(format) = ColumnFormat::of(row) else {
+            return Err(Error::input(format!("found \"{row}\" instead of a row of numbers")));
+        };
+        let titles = format.titles(header);
+        let first = titles.first().map(String::as_str).unwrap_or_default();
         // refractiveindex.info writes "wl" for wavelengths in µm.
-        "um" | "µm" | "wl" => Some(1e3),
-        _ => None,
+        let unit = if first.eq_ignore_ascii_case("wl") { Some(1e3) } else { nm_per_unit(first) };
+        let unit = unit.ok_or_else(|| Error::input(format!("found the title \"{first}\" without a unit")))?;
+        let name = |title: &String| {
+            let title = title.to_lowercase();
+            let mut words = title.split(|c: char| !c.is_alphabetic());
+            words.find_map(|word| match word {
+                "n" | "index" => Some(IndexColumn::N),
+                "k" | "extinction" => Some(IndexColumn::K),
+                _ => None,
+            })
+        };
+        let unknown = |title: &String| Error::input(format!("found the column \"{title}\", which is not n or k"));
+        let others = titles.iter().skip(1).map(|title| name(title).ok_or_else(|| unknown(title)));
+        let names: Result<Vec<IndexColumn>> = std::iter::once(Ok(IndexColumn::Wavelength)).chain(others).collect();
+        Ok(Self { format, nm_per_unit: unit, names: names? })
     }
 }
 
@@ -323,6 +363,11 @@ mod tests {
             (yaml, "Au.yml"),
             ("nm,n,k\n400,1.5,2\n800,0.2,4\n", "Au.csv"),
             ("wl,n\n0.4,1.5\n0.8,0.2\n\nwl,k\n0.4,2\n0.8,4\n", "Au.csv"),
+            ("nm;n;k\n400;1,5;2\n800;0,2;4,0\n", "Au.csv"),
+            ("Wavelength (nm),n,k\n400,1.5,2\n800,0.2,4\n", "Au.csv"),
+            ("\u{feff}\"Wavelength / µm\";\"Refractive index n\";\"k\"\n0,4;1,5;2\n0,8;0,2;4\n", "Au.csv"),
+            ("wavelength_um\tn\tk\n0.4\t1.5\t2\n0.8\t0.2\t4\n", "Au.csv"),
+            ("nm n k\n400 1,5 2\n800 0,2 4\n", "Au.csv"),
         ] {
             let (n, k) = parse(text, name).unwrap().n_and_k().unwrap();
             assert!((n.at(600.0) - 0.85).abs() < 1e-12 && (k.at(600.0) - 3.0).abs() < 1e-12, "{text}");
@@ -374,6 +419,10 @@ mod tests {
             ),
             ("400,1.5\n", "a.csv", "no header"),
             ("nm,n\n400,x\n", "a.csv", "line 2"),
+            ("nm,n\n400,1.5\n500,x\n", "a.csv", "line 3: found \"x\""),
+            ("nm;n\n400;1,5;2\n", "a.csv", "line 2: found 3 columns"),
+            ("wavelength,n\n400,1.5\n", "a.csv", "the title \"wavelength\" without a unit"),
+            ("nm,reflectance\n400,1.5\n", "a.csv", "the column \"reflectance\", which is not n or k"),
         ] {
             let error = parse(text, name).unwrap_err().to_string();
             assert!(error.contains(expected) && error.contains(name), "{error}");

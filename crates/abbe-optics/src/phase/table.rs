@@ -11,6 +11,7 @@
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::distribution::DiscreteDistribution;
 use abbe_spectra::math::elementary::sin;
+use abbe_spectra::text::without_byte_order_mark;
 use std::f64::consts::TAU;
 
 /// Number of steps of the guide table, which finds the cell of an angle, per cell.
@@ -199,8 +200,7 @@ fn check_wavelengths(nm: &[f64], columns: usize) -> Result<()> {
 /// Returns an error, with the line number for the text of a line, if a cell is not a number, a row
 /// has the wrong number of cells, or [`PhaseTable::new`] rejects the values.
 pub fn parse(text: &str) -> Result<PhaseTable> {
-    let mut rows = text
-        .trim_start_matches('\u{feff}')
+    let mut rows = without_byte_order_mark(text)
         .lines()
         .enumerate()
         .map(|(i, row)| (i + 1, row.trim()))

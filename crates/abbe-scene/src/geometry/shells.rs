@@ -4,7 +4,7 @@
 //! inside the mesh twice, and it must leave both before it is outside. If each shell is placed on
 //! its own, the rules for coincident surfaces also tell shells apart that touch.
 
-use super::mesh::{TriangleMesh, representatives};
+use super::mesh::{TriangleMesh, weld};
 use super::shape::bounds_of;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -26,7 +26,7 @@ impl TriangleMesh {
     }
 
     fn triangles_by_shell(&self) -> Vec<Vec<[u32; 3]>> {
-        let representatives = representatives(self.positions());
+        let (representatives, _) = weld(self.positions(), self.triangles());
         let mut parents: Vec<u32> = (0..representatives.len() as u32).collect();
         for triangle in self.triangles() {
             let [a, b, c] = triangle.map(|index| root(&mut parents, representatives[index as usize]));

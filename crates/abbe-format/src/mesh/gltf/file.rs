@@ -8,6 +8,7 @@ use ::gltf::buffer::{Buffer, Source};
 use ::gltf::json::Root;
 use ::gltf::{Document, Glb};
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::text::bytes_without_byte_order_mark;
 use serde_json::Value;
 use std::borrow::Cow;
 use std::fmt::Display;
@@ -65,8 +66,12 @@ impl GltfFile {
         if let Some(data) = decoded_data(uri) {
             return data.ok_or_else(|| invalid_address(uri));
         }
-        let read = std::fs::read(self.buffer_path(uri)?);
-        read.map_err(|cause| Error::input(format!("the glTF file or its data cannot be read: {cause}")))
+        let path = self.buffer_path(uri)?;
+        let name = decoded_address(uri).unwrap_or_default();
+        std::fs::read(path).map_err(|cause| {
+            Error::input(format!("the data file \"{name}\" cannot be read: {cause}"))
+                .expected("the file that the glTF file names, in the same place as in the export")
+        })
     }
 
     /// Returns the path of a buffer, which the file access must allow.
@@ -93,7 +98,7 @@ const PACKED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compressio
 /// Parses a glTF file. Returns the JSON text, and the binary chunk of a `.glb` file.
 fn parse(bytes: &[u8]) -> Result<(Value, Option<Vec<u8>>)> {
     if !bytes.starts_with(b"glTF") {
-        return Ok((serde_json::from_slice(bytes).map_err(malformed)?, None));
+        return Ok((serde_json::from_slice(bytes_without_byte_order_mark(bytes)).map_err(malformed)?, None));
     }
     check_length(bytes)?;
     let file = Glb::from_slice(bytes).map_err(|error| invalid(&error))?;
@@ -131,7 +136,47 @@ fn add_optional_keys(value: &mut Value) -> bool {
         channels.retain(|channel| channel.get("target").is_none_or(|target| target.get("node").is_some()));
         removed |= channels.len() < all;
     }
+    complete_images(value);
     removed
+}
+
+/// The extensions that name the picture of a texture in another format.
+const PICTURE_EXTENSIONS: [&str; 4] =
+    ["EXT_texture_webp", "EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
+
+/// Completes images and textures, because the crate `gltf` panics where a key is missing. The first
+/// bytes of a picture state its kind, so any kind can stand in the key `mimeType`. A texture
+/// without a picture that the extensions name gets an image without an address, which is reported
+/// where a material uses it.
+fn complete_images(value: &mut Value) {
+    let mut count = 0;
+    for image in value.get_mut("images").and_then(Value::as_array_mut).into_iter().flatten() {
+        count += 1;
+        let Some(image) = image.as_object_mut() else { continue };
+        // The crate reads `null` like a missing key.
+        image.retain(|_, value| !value.is_null());
+        if image.contains_key("bufferView") {
+            image.entry("mimeType").or_insert_with(|| "image/png".into());
+        } else {
+            image.entry("uri").or_insert_with(|| "".into());
+        }
+    }
+    let mut lacks_image = false;
+    for texture in value.get_mut("textures").and_then(Value::as_array_mut).into_iter().flatten() {
+        let extensions = texture.get("extensions");
+        let by_extension = PICTURE_EXTENSIONS.iter().find_map(|name| extensions?.get(name)?.get("source")?.as_u64());
+        let Some(texture) = texture.as_object_mut() else { continue };
+        texture.retain(|_, value| !value.is_null());
+        if !texture.contains_key("source") {
+            let source = by_extension.filter(|source| *source < count);
+            lacks_image |= source.is_none();
+            texture.insert("source".to_owned(), source.unwrap_or(count).into());
+        }
+    }
+    if lacks_image && let Some(file) = value.as_object_mut() {
+        let images = file.entry("images").or_insert_with(|| Value::Array(Vec::new()));
+        images.as_array_mut().into_iter().for_each(|images| images.push(serde_json::json!({"uri": ""})));
+    }
 }
 
 /// Checks the extensions that a file requires. The crate `gltf` refuses a file that requires an
@@ -148,7 +193,8 @@ fn check_extensions(root: &mut Root) -> Result<()> {
         return Err(Error::input(format!("the geometry is compressed by {name}"))
             .expected("a file without compression of meshes; switch it off in the export"));
     }
-    root.extensions_required.retain(|name| !OWN_EXTENSIONS.contains(&name.as_str()) && !extensions::is_accepted(name));
+    let is_known = |name: &str| OWN_EXTENSIONS.contains(&name) || PICTURE_EXTENSIONS.contains(&name);
+    root.extensions_required.retain(|name| !is_known(name) && !extensions::is_accepted(name));
     Ok(())
 }
 

@@ -10,23 +10,20 @@ mod node;
 mod pose;
 mod specular_glossiness;
 mod texture;
-mod vertex_colours;
 
-use super::material::{MeshMaterial, MeshTexture};
-use super::part::{MeshPart, PartsAndNotes, UnplacedParts, fan};
+use super::part::{MeshPart, PartsAndNotes, UnplacedParts, fan, open_panes};
 use crate::FileAccess;
 use ::gltf::mesh::Mode;
 use ::gltf::{Document, Primitive, Semantic};
 use abbe_scene::geometry::mesh::TriangleMesh;
 use abbe_spectra::error::{Error, Result};
-use glam::{DAffine3, DVec3};
-use material::{has_textures, read_material, uv_set};
+use glam::DAffine3;
+use material::{read_material, uv_set};
 use node::placed_normal;
 use pose::{Deformation, VertexData};
 use std::collections::BTreeMap;
 use std::path::Path;
 use texture::GltfPictures;
-use vertex_colours::ColourPicture;
 
 pub use accessor::GltfAccessors;
 pub use address::decoded_address;
@@ -54,8 +51,9 @@ pub(super) fn load(path: &Path, file_access: FileAccess) -> Result<PartsAndNotes
     })?;
     let has_lights = file.document.lights().is_some_and(|mut lights| lights.next().is_some());
     let animations = file.document.animations().next().map(|_| "ignored as well: animations".to_owned());
-    let ignored = [ignored(&file.document), animations.into_iter().collect(), reader.pictures.unusable].concat();
-    Ok(PartsAndNotes { parts, ignored, has_lights })
+    let ignored = [ignored(&file.document), animations.into_iter().collect()].concat();
+    let warnings = reader.pictures.unusable;
+    Ok(PartsAndNotes { parts, ignored, warnings, remarks: Vec::new(), has_lights })
 }
 
 /// Reads the parts of a glTF file that the default scene uses, without the transforms of the nodes.
@@ -80,8 +78,8 @@ pub(super) fn load_unplaced(path: &Path, file_access: FileAccess) -> Result<Unpl
         }
         Ok(())
     })?;
-    let ignored = [ignored(&file.document), reader.pictures.unusable].concat();
-    Ok(UnplacedParts { parts, ignored })
+    let ignored = [ignored(&file.document), open_panes(parts.values())].concat();
+    Ok(UnplacedParts { parts, ignored, warnings: reader.pictures.unusable, remarks: Vec::new() })
 }
 
 /// Returns the number of the first part of each mesh. Parts are primitives in the file's order.
@@ -132,23 +130,13 @@ impl<'b> SceneReader<'b> {
         let file = primitive.material();
         let material = file.index().map(|_| read_material(&file, &mut self.pictures)).transpose().map_err(of_part)?;
         let colours = self.vertex_colours(primitive).map_err(of_part)?;
-        let Some(colours) = colours else {
-            let (mesh, _) = self.mesh(primitive, placed, deformation, None).map_err(of_part)?;
-            return Ok(Some(MeshPart { mesh, material, material_number: file.index(), name: name.to_string() }));
-        };
-        let white = || MeshMaterial { base_colour: [1.0; 3], ..MeshMaterial::default() };
-        let mut material = material.unwrap_or_else(white);
-        let varies = colours.iter().any(|colour| *colour != colours[0]);
-        let drawn = (varies && !has_textures(&file)).then_some(colours.as_slice());
-        let (mesh, texture) = self.mesh(primitive, placed, deformation, drawn).map_err(of_part)?;
-        if texture.is_some() {
-            material.base_colour_texture = texture;
-        } else {
-            let mean = |i: usize| colours.iter().map(|colour| f64::from(colour[i])).sum::<f64>() / colours.len() as f64;
-            material.base_colour = std::array::from_fn(|i| material.base_colour[i] * mean(i));
+        let mesh = self.mesh(primitive, placed, deformation).map_err(of_part)?;
+        if colours.as_ref().is_some_and(|colours| colours.len() != mesh.positions().len()) {
+            return Err(of_part(Error::input("the mesh does not have one colour per vertex")));
         }
         // The colours belong to this part, so no other part shares the material.
-        Ok(Some(MeshPart { mesh, material: Some(material), material_number: None, name: name.to_string() }))
+        let material_number = file.index().filter(|_| colours.is_none());
+        Ok(Some(MeshPart { mesh, material, material_number, name: name.to_string(), colours }))
     }
 
     /// Returns the vertex colours in linear sRGB, or `None` if the primitive has none.
@@ -160,15 +148,7 @@ impl<'b> SceneReader<'b> {
         Ok((!colours.is_empty()).then(|| colours.into_iter().map(in_range).collect()))
     }
 
-    /// Reads the geometry. If there are vertex colours, returns a picture of them, and texture
-    /// coordinates into this picture replace those of the file.
-    fn mesh(
-        &self,
-        primitive: &Primitive,
-        placed: DAffine3,
-        deformation: &Deformation,
-        colours: Option<&[[f32; 3]]>,
-    ) -> Result<(TriangleMesh, Option<MeshTexture>)> {
+    fn mesh(&self, primitive: &Primitive, placed: DAffine3, deformation: &Deformation) -> Result<TriangleMesh> {
         let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| Error::input("it has no positions"))?;
         let normals = primitive.get(&Semantic::Normals).map(|accessor| self.accessors.vectors(&accessor));
         let normals = normals.transpose()?.map(Iterator::collect);
@@ -186,22 +166,7 @@ impl<'b> SceneReader<'b> {
         if mirrored {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
-        let Some(colours) = colours else {
-            return TriangleMesh::new(positions, normals, uvs, triangles).map(|mesh| (mesh, None));
-        };
-        if colours.len() != positions.len() || triangles.iter().flatten().any(|&i| i as usize >= positions.len()) {
-            return Err(Error::input("the mesh does not have one colour per vertex"));
-        }
-        let ColourPicture { texture, corners } = ColourPicture::new(colours, &triangles);
-        let vertices: Vec<(u32, [f64; 2])> = corners.into_iter().flatten().collect();
-        let of_vertices = |values: &[DVec3]| vertices.iter().map(|&(vertex, _)| values[vertex as usize]).collect();
-        if normals.as_ref().is_some_and(|normals: &Vec<DVec3>| normals.len() != positions.len()) {
-            return Err(Error::input("the mesh does not have one normal per vertex"));
-        }
-        let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        let uvs = vertices.iter().map(|&(_, uv)| uv).collect();
-        let normals = normals.map(|normals| of_vertices(&normals));
-        Ok((TriangleMesh::new(of_vertices(&positions), normals, Some(uvs), triangles)?, Some(texture)))
+        TriangleMesh::new(positions, normals, uvs, triangles)
     }
 }
 

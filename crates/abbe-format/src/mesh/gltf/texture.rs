@@ -6,7 +6,7 @@ use crate::{FileAccess, PictureFile};
 use ::gltf::image::Source;
 use ::gltf::material::NormalTexture;
 use ::gltf::texture::{Info, MagFilter, WrappingMode};
-use ::gltf::{Document, Texture};
+use ::gltf::{Document, Image, Texture};
 use abbe_optics::texture::{Filter, UvTransform, Wrap};
 use abbe_spectra::error::{Error, Result};
 use serde_json::Value;
@@ -73,7 +73,7 @@ impl<'b> GltfPictures<'b> {
             None => match self.read(image.source()) {
                 Ok(read) => self.known[image.index()].insert(Arc::new(read)).clone(),
                 Err(error) => {
-                    let sentence = format!("the image {} cannot be used ({})", image.index(), error.what);
+                    let sentence = format!("the image {} cannot be used ({})", named(&image), reason(&error));
                     if !self.unusable.contains(&sentence) {
                         self.unusable.push(sentence);
                     }
@@ -94,6 +94,7 @@ impl<'b> GltfPictures<'b> {
             }
             Source::Uri { uri, mime_type: _ } => match decoded_data(uri) {
                 Some(data) => PictureFile::decode(&data.ok_or_else(|| Error::input("its data address is not valid"))?),
+                None if uri.is_empty() => Err(Error::input("it has neither an address nor data")),
                 None => {
                     let decoded = decoded_address(uri).ok_or_else(|| Error::input("its address is not valid"))?;
                     PictureFile::read(&self.file_access.file(&self.folder, Path::new(&decoded))?)
@@ -101,6 +102,22 @@ impl<'b> GltfPictures<'b> {
             },
         }
     }
+}
+
+/// Returns the number of an image, and the name of its file or its own name.
+fn named(image: &Image) -> String {
+    let file = match image.source() {
+        Source::Uri { uri, .. } if !uri.is_empty() && decoded_data(uri).is_none() => decoded_address(uri),
+        Source::Uri { .. } | Source::View { .. } => None,
+    };
+    let name = file.as_deref().or(image.name()).filter(|name| !name.is_empty());
+    name.map_or_else(|| image.index().to_string(), |name| format!("{}, \"{name}\",", image.index()))
+}
+
+/// Returns the fault of a picture, and what was expected.
+fn reason(error: &Error) -> String {
+    let what = error.what.as_str();
+    error.expected.as_ref().map_or_else(|| what.to_owned(), |expected| format!("{what}; expected {expected}"))
 }
 
 /// Returns the map of texture coordinates in the JSON of KHR_texture_transform.

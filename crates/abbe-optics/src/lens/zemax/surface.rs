@@ -156,14 +156,19 @@ impl ZmxSurface {
 }
 
 /// Returns the index of a glass by name, where `___BLANK` is a model glass of a given n_d and Abbe
-/// number. For an unknown name, those of the line replace the formula.
+/// number. For an unknown name, those of the line replace the formula. The Abbe number 0 means no
+/// dispersion.
 fn glass(arguments: &[&str], catalogues: &[AgfCatalogue], notes: &mut Vec<String>) -> Result<RefractiveIndex> {
     /// Zemax writes these values into the line of a catalogue glass as placeholders.
     const PLACEHOLDER: (f64, f64) = (1.5, 40.0);
     let Some(name) = arguments.first() else { return Err(Error::input("found no glass name")) };
     // The number after the name is 1 for a model glass.
     if *name == "___BLANK" || arguments.get(1) == Some(&"1") {
-        return RefractiveIndex::abbe(number(arguments, 3)?, number(arguments, 4)?);
+        let (nd, vd) = (number(arguments, 3)?, number(arguments, 4)?);
+        if vd == 0.0 {
+            notes.push(format!("a model glass of n_d {nd} has the Abbe number 0, so it has no dispersion"));
+        }
+        return model_glass(nd, vd);
     }
     if let Some(file) = catalogues.iter().find(|file| file.has(name)) {
         return Ok(file.find(name)?.index);
@@ -173,13 +178,17 @@ fn glass(arguments: &[&str], catalogues: &[AgfCatalogue], notes: &mut Vec<String
         Err(error) => error.expected(GLASSES),
     };
     match (number(arguments, 3), number(arguments, 4)) {
-        (Ok(nd), Ok(vd)) if nd > 1.0 && vd > 0.0 && (nd, vd) != PLACEHOLDER => {
+        (Ok(nd), Ok(vd)) if nd > 1.0 && vd >= 0.0 && (nd, vd) != PLACEHOLDER => {
             notes.push(format!(
                 "the glass {name} is unknown; its n_d of {nd} and Abbe number of {vd} in the lens file replace its \
                  dispersion formula"
             ));
-            RefractiveIndex::abbe(nd, vd)
+            model_glass(nd, vd)
         }
         _ => Err(unknown),
     }
+}
+
+fn model_glass(nd: f64, vd: f64) -> Result<RefractiveIndex> {
+    if vd == 0.0 { RefractiveIndex::constant(nd) } else { RefractiveIndex::abbe(nd, vd) }
 }

@@ -97,6 +97,19 @@ fn a_central_obscuration_blocks_the_middle() {
     }
 }
 
+/// A model glass with the Abbe number 0 has no dispersion.
+#[test]
+fn a_model_glass_may_have_no_dispersion() {
+    let text = format!(
+        "{HEAD}SURF 1\n  STOP\n  CURV 0.02\n  DISZ 5\n  GLAS ___BLANK 1 0 1.6 0 0 0 0 0 0 0\nSURF 2\n  DISZ 90\nSURF 3\n  DISZ 0\n"
+    );
+    let lens = lens(&text).unwrap();
+    for nm in [lines::F_NM, lines::D_NM, lines::C_NM] {
+        assert!((lens.at(nm).paraxial().unwrap().efl_mm - 50.0 / 0.6).abs() < 1e-9);
+    }
+    assert!(lens.notes().iter().any(|note| note.contains("no dispersion")), "{:?}", lens.notes());
+}
+
 fn folded(text: &str) -> FoldedSystem {
     match parse_system(text.as_bytes(), "mirror.zmx".as_ref(), &[]).unwrap() {
         ZmxSystem::Folded(system) => system,

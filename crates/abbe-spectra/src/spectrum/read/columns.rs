@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 
 /// The separator of the cells of a row, and the decimal sign of the numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct ColumnFormat {
+pub struct ColumnFormat {
     separator: Separator,
     decimal_comma: bool,
 }
@@ -33,6 +33,24 @@ const FORMATS: [ColumnFormat; 8] = [
 type TextCell<'a> = (usize, &'a str);
 
 impl ColumnFormat {
+    /// Returns the format of a row of two or more numbers, or `None` if the row has another form.
+    pub fn of(row: &str) -> Option<Self> {
+        FORMATS.into_iter().find(|format| format.fits(row))
+    }
+
+    /// Returns the numbers of a row, or the first cell that is no number.
+    ///
+    /// # Errors
+    /// Returns the text of this cell.
+    pub fn numbers(self, row: &str) -> std::result::Result<Vec<f64>, String> {
+        self.cells(row).into_iter().map(|(_, cell)| self.number(cell).ok_or_else(|| cell.to_owned())).collect()
+    }
+
+    /// Returns the titles of a header row. If blanks separate the numbers, titles are words.
+    pub fn titles(self, row: &str) -> Vec<String> {
+        self.cells(row).into_iter().map(|(_, cell)| cell.trim_matches('"').trim().to_owned()).collect()
+    }
+
     fn cells(self, row: &str) -> Vec<TextCell<'_>> {
         let mut cells: Vec<TextCell<'_>> = match self.separator {
             Separator::Character(separator) => pieces(row, |c| c == separator).collect(),
@@ -85,7 +103,7 @@ pub fn parse(text: &str) -> Result<SpectrumSamples> {
     let mut nm_per_unit = None;
     let mut samples = Vec::new();
     for (line, row) in rows {
-        let known = format.or_else(|| FORMATS.into_iter().find(|format| format.fits(row)));
+        let known = format.or_else(|| ColumnFormat::of(row));
         let Some(known) = known else {
             if nm_per_unit.is_some() {
                 return Err(not_two_numbers(row).at(line, 1));
@@ -117,12 +135,24 @@ fn not_two_numbers(row: &str) -> Error {
 
 /// Returns the factor from the unit that a word in the title of the first column names to nm.
 fn unit_of_header(row: &str) -> f64 {
-    let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row).to_lowercase();
+    let first = row.split([';', '\t', '|', ',']).next().unwrap_or(row);
+    nm_per_unit(first).unwrap_or(1.0)
+}
+
+/// Returns the factor from the unit of length that a title names to nm, such as 1000 for
+/// "Wavelength (µm)", or `None` if it names no unit.
+pub fn nm_per_unit(title: &str) -> Option<f64> {
     // µ has two code points, and in another encoding, it is the replacement character.
-    let is_micro =
-        |word: &str| ["um", "µm", "μm", "\u{fffd}m", "micron", "microns", "micrometer", "micrometre"].contains(&word);
-    let mut words = first.split(|c: char| !(c.is_alphabetic() || c == '\u{fffd}'));
-    if words.any(is_micro) { 1000.0 } else { 1.0 }
+    const MICRO: [&str; 10] =
+        ["um", "µm", "μm", "\u{fffd}m", "micron", "microns", "micrometer", "micrometre", "micrometers", "micrometres"];
+    const NANO: [&str; 5] = ["nm", "nanometer", "nanometre", "nanometers", "nanometres"];
+    let title = title.to_lowercase();
+    let mut words = title.split(|c: char| !(c.is_alphabetic() || c == '\u{fffd}'));
+    words.find_map(|word| match word {
+        micro if MICRO.contains(&micro) => Some(1000.0),
+        nano if NANO.contains(&nano) => Some(1.0),
+        _ => None,
+    })
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@ use std::path::Path;
 use super::table::Outside;
 use super::value::Spectrum;
 use crate::error::{Error, Result};
+use crate::text::without_byte_order_mark;
 
-pub use columns::parse as parse_columns;
+pub use columns::{ColumnFormat, nm_per_unit, parse as parse_columns};
 pub use spdx::parse as parse_spdx;
 pub use spectrum_samples::SpectrumSamples;
 
@@ -20,7 +21,7 @@ pub fn samples(path: &Path) -> Result<SpectrumSamples> {
     let bytes = std::fs::read(path)
         .map_err(|error| Error::input(format!("cannot read the spectrum: {error}")).in_file(path))?;
     let text = String::from_utf8_lossy(&bytes);
-    let text = text.trim_start_matches('\u{feff}');
+    let text = without_byte_order_mark(&text);
     let is_xml = path
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("spdx") || extension.eq_ignore_ascii_case("xml"));

@@ -1,21 +1,54 @@
 //! Vertex colours of meshes as a picture.
 
-use super::super::material::MeshTexture;
+use super::material::{MeshMaterial, MeshTexture};
 use crate::PictureFile;
 use abbe_optics::texture::{Filter, ImageSize, UvTransform, Wrap};
+use abbe_scene::geometry::mesh::TriangleMesh;
+use abbe_spectra::error::{Error, Result};
+use glam::DVec3;
 use std::sync::Arc;
+
+/// Multiplies the base colour of a material by the colours of the vertices, in linear sRGB. If the
+/// colours differ, they become a picture, and the mesh gets texture coordinates into this picture.
+/// If the material has textures already, the mean of the colours applies.
+pub(crate) fn painted(
+    mesh: &Arc<TriangleMesh>,
+    material: Option<&MeshMaterial>,
+    colours: &[[f32; 3]],
+) -> Result<(Arc<TriangleMesh>, MeshMaterial)> {
+    let white = || MeshMaterial { base_colour: [1.0; 3], ..MeshMaterial::default() };
+    let mut material = material.cloned().unwrap_or_else(white);
+    if colours.len() != mesh.positions().len() {
+        return Err(Error::input("the mesh does not have one colour per vertex"));
+    }
+    let varies = colours.iter().any(|colour| *colour != colours[0]);
+    if !varies || material.has_textures() {
+        let mean = |i: usize| colours.iter().map(|colour| f64::from(colour[i])).sum::<f64>() / colours.len() as f64;
+        material.base_colour = std::array::from_fn(|i| material.base_colour[i] * mean(i));
+        return Ok((Arc::clone(mesh), material));
+    }
+    let ColourPicture { texture, corners } = ColourPicture::new(colours, mesh.triangles());
+    let vertices: Vec<(u32, [f64; 2])> = corners.into_iter().flatten().collect();
+    let of_vertices = |values: &[DVec3]| vertices.iter().map(|&(vertex, _)| values[vertex as usize]).collect();
+    let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let uvs = vertices.iter().map(|&(_, uv)| uv).collect();
+    let normals = mesh.normals().map(of_vertices);
+    let painted = TriangleMesh::new(of_vertices(mesh.positions()), normals, Some(uvs), triangles)?;
+    material.base_colour_texture = Some(texture);
+    Ok((Arc::new(painted), material))
+}
 
 /// A picture with one cell of 2 × 2 pixels for each triangle. In a cell, bilinear interpolation of
 /// the pixels equals linear interpolation of the colours of the corners.
-pub(super) struct ColourPicture {
-    pub(super) texture: MeshTexture,
+struct ColourPicture {
+    texture: MeshTexture,
     /// For each triangle, its corners by texture coordinates: the vertex and the coordinates.
-    pub(super) corners: Vec<[(u32, [f64; 2]); 3]>,
+    corners: Vec<[(u32, [f64; 2]); 3]>,
 }
 
 impl ColourPicture {
     /// Draws the picture of linear sRGB colours, which belong to the vertices.
-    pub(super) fn new(colours: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
+    fn new(colours: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
         let columns = (triangles.len() as f64).sqrt().ceil().max(1.0) as usize;
         let size = ImageSize { width: 2 * columns, height: 2 * triangles.len().div_ceil(columns) };
         let mut pixels = vec![[0.0; 3]; size.width * size.height];
