@@ -35,3 +35,23 @@ fn photons_and_paths_agree_in_orthographic_pictures() {
     scene["camera"] = json!({ "from": [0.2, 4, 5], "at": [0.2, 0.6, 0], "lens": { "orthographic": { "height": 3 } } });
     assert_integrators_agree("orthographic camera", &scene);
 }
+
+/// The left half of the picture starts inside of absorbing glass, and the right half beside it: the
+/// bodies differ from ray to ray.
+#[test]
+fn an_orthographic_picture_may_start_inside_of_a_body_in_part() {
+    let scene = json!({
+        "camera": { "from": [0, 0, 0], "at": [0, 0, -1], "lens": { "orthographic": { "height": 2 } } },
+        "film": { "width": 4, "height": 4 },
+        "materials": { "grey": { "dielectric": { "ior": 1, "absorption": 0.5 } } },
+        "objects": [{ "shape": { "box": { "size": [4, 4, 4] } }, "material": "grey", "transform": [{ "translate": [-2, 0, 0] }] }],
+        "lights": [{ "environment": { "spectrum": "E", "luminance": 1 } }], "render": { "photons": 1000 }
+    });
+    for integrator in [Integrator::Photon, Integrator::Path] {
+        let rendered = render(&scene, integrator, 4);
+        for (pixel, xyz) in rendered.picture.xyz.iter().enumerate() {
+            let known = if pixel % 4 < 2 { (-1.0_f64).exp() } else { 1.0 };
+            assert!((xyz[1] / known - 1.0).abs() < 0.02, "{integrator:?}, pixel {pixel}: {} for {known}", xyz[1]);
+        }
+    }
+}

@@ -1,9 +1,9 @@
 //! The medium stacks in which rays start, and those beyond the capacity of a stack.
 
-use super::Scene;
 use super::light::{Light, RepresentativePoint};
 use super::medium_stack::MediumStack;
 use super::meter::Sensor;
+use super::{Body, Scene};
 use crate::geometry::{Hit, Ray, SurfaceId};
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
@@ -15,6 +15,8 @@ impl Scene {
             return;
         }
         self.camera.medium_stack = self.medium_stack_at(self.camera.origin());
+        let around = self.camera.viewpoint_bounds();
+        self.camera.crosses_bodies = around.0 != around.1 && self.bodies_differ_within(around, |_| true);
         self.find_medium_stacks_of_sensors();
         let of_light = |light: &Light| (self.medium_stack_of_light(light), self.crosses_bodies(light));
         let of_lights: Vec<(MediumStack, bool)> = self.lights.iter().map(of_light).collect();
@@ -43,23 +45,31 @@ impl Scene {
         if light.crosses_bodies { self.medium_stack_along(ray, [from, None]) } else { light.medium_stack }
     }
 
-    /// Returns true unless every body whose box touches that of the light is convex and contains
-    /// the whole light; the bodies may then differ from point to point.
+    /// The bodies that contain the origin of a camera ray.
+    #[inline]
+    pub fn medium_stack_of_camera(&self, ray: Ray) -> MediumStack {
+        if self.camera.crosses_bodies { self.medium_stack_along(ray, [None; 2]) } else { self.camera.medium_stack }
+    }
+
     fn crosses_bodies(&self, light: &Light) -> bool {
-        let object_bounds = self.geometry.object_bounds();
         let own_medium = light.medium_name();
         let around = match own_medium {
             Some(_) => light.box_of_medium().map(|map| box_around(&map)),
-            None => light.bounds(&object_bounds),
+            None => light.bounds(&self.geometry.object_bounds()),
         };
-        let Some((low, high)) = around else { return false };
+        // A glowing medium emits only inside its own body.
+        let is_own =
+            |body: &Body| body.medium.is_some_and(|number| own_medium == Some(self.media[number].name.as_str()));
+        around.is_some_and(|around| self.bodies_differ_within(around, |body| !is_own(body)))
+    }
+
+    /// Returns true unless every body that counts and whose box touches this box is convex and
+    /// contains the whole box; the bodies may then differ from point to point.
+    fn bodies_differ_within(&self, (low, high): (DVec3, DVec3), counts: impl Fn(&Body) -> bool) -> bool {
         let touches = |(from, to): (DVec3, DVec3)| from.cmple(high).all() && to.cmpge(low).all();
-        let mut bodies = object_bounds.into_iter().chain(self.boundaries.object_bounds()).filter(|(object, bounds)| {
-            let Some(body) = self.body_of(*object) else { return false };
-            // A glowing medium emits only inside its own body.
-            let own = body.medium.is_some_and(|number| own_medium == Some(self.media[number].name.as_str()));
-            !own && touches(*bounds)
-        });
+        let boxes = self.geometry.object_bounds().into_iter().chain(self.boundaries.object_bounds());
+        let mut bodies =
+            boxes.filter(|(object, bounds)| self.body_of(*object).is_some_and(&counts) && touches(*bounds));
         let convex = || self.geometry.convex_bodies().chain(self.boundaries.convex_bodies());
         bodies.any(|(object, _)| !convex().any(|(body, contains)| body == object && contains((low, high))))
     }

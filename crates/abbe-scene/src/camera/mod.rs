@@ -54,7 +54,10 @@ pub struct Camera {
     pixel: f64,
     /// The sensors of meters. Empty for a camera with a picture.
     sensors: Arc<[Sensor]>,
+    /// The bodies around the middle of the lens.
     pub medium_stack: MediumStack,
+    /// True if the bodies may differ from point to point of the lens or of an orthographic picture.
+    pub crosses_bodies: bool,
     /// True if the scene enables diffraction at the aperture. A pinhole ignores it.
     pub diffracts: bool,
 }
@@ -92,7 +95,8 @@ impl Camera {
         let pixel = 2.0 * tan_half_height / size.y;
         let (right, medium_stack, diffracts) = (forward.cross(up), MediumStack::AIR, false);
         let sensors = Arc::default();
-        Self { origin, right, up, forward, aperture, size, pixel, sensors, medium_stack, diffracts }
+        let crosses_bodies = false;
+        Self { origin, right, up, forward, aperture, size, pixel, sensors, medium_stack, crosses_bodies, diffracts }
     }
 
     /// Creates the camera of a measurement, a film of one column with `rows` rows per sensor.
@@ -195,8 +199,9 @@ impl Camera {
         }
     }
 
-    /// A box around the points from which the camera sees the scene; an opening is one point.
+    /// A box around the points at which the camera's rays start.
     pub fn viewpoint_bounds(&self) -> (DVec3, DVec3) {
+        let around = |radius_m: f64| (self.origin - radius_m, self.origin + radius_m);
         match self.aperture {
             Aperture::Orthographic => {
                 let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(DVec2::from);
@@ -205,7 +210,9 @@ impl Camera {
                     .iter()
                     .fold((self.origin, self.origin), |(low, high), &corner| (low.min(corner), high.max(corner)))
             }
-            Aperture::Pinhole | Aperture::ThinLens { .. } | Aperture::System(_) => (self.origin, self.origin),
+            Aperture::Pinhole => around(0.0),
+            Aperture::ThinLens { stop, .. } => around(stop.radius_m),
+            Aperture::System(ref system) => around(system.front_radius_m()),
         }
     }
 

@@ -156,6 +156,11 @@ impl SystemLens {
         self.focus_m
     }
 
+    /// The radius in m of the surface at which rays leave the lens.
+    pub fn front_radius_m(&self) -> f64 {
+        1e-3 * self.lens.surfaces().first().map_or(0.0, |surface| surface.semi_aperture_mm)
+    }
+
     pub fn pupil_radius_m(&self) -> f64 {
         1e-3 * self.pupil_mm
     }

@@ -109,7 +109,7 @@ impl PixelSampler {
             Some(system) => self.ray_through_lens(&system.at(nm), camera, pixel, None)?.0,
             None => self.ray(camera, pixel),
         };
-        Some((RayState { ray, from: None, medium_stack: camera.medium_stack }, None))
+        Some((RayState { ray, from: None, medium_stack: scene.medium_stack_of_camera(ray) }, None))
     }
 
     /// Returns the camera ray through a pixel and a lens system at one wavelength, with its weight,

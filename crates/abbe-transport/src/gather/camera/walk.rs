@@ -37,7 +37,7 @@ impl<'a> CameraPass<'a> {
         let camera = &self.scene.camera;
         tally.camera_samples += 1;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
-        let path = |ray| CameraPath::new(ray, camera.medium_stack);
+        let path = |ray| CameraPath::new(ray, self.scene.medium_stack_of_camera(ray));
         let events = DepthLimit::of(self.scene).events();
         let mut context = PathContext { pixel, events, sampler: &mut sampler, radii, buffers, sink, tally };
         if let Some(sensor) = camera.sensor(pixel) {

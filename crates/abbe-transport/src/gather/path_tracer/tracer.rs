@@ -202,7 +202,7 @@ impl<'a> PathTracer<'a> {
             }
         };
         Some(TracedPath {
-            ray_state: RayState { ray, from: None, medium_stack: camera.medium_stack },
+            ray_state: RayState { ray, from: None, medium_stack: self.scene.medium_stack_of_camera(ray) },
             initial_count: wavelengths.count,
             observed: wavelengths.nm,
             wavelengths,
