@@ -27,6 +27,7 @@ mod lamps;
 mod layers;
 mod lens;
 mod library;
+mod many_bodies;
 mod measure;
 mod pages;
 mod pictures;

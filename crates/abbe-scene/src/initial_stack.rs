@@ -4,9 +4,11 @@ use super::Scene;
 use super::light::{Light, RepresentativePoint};
 use super::medium_stack::MediumStack;
 use super::meter::Sensor;
-use crate::geometry::{Hit, Ray, SurfaceId};
+use crate::geometry::box_tree::BoxTree;
+use crate::geometry::{ConvexBody, Hit, Ray, SurfaceId};
 use glam::{DAffine3, DVec3};
 use smallvec::SmallVec;
+use std::collections::BTreeMap;
 
 impl Scene {
     /// Finds the bodies around the camera, each sensor and each light, all in air at first.
@@ -16,7 +18,8 @@ impl Scene {
         }
         self.camera.medium_stack = self.medium_stack_at(self.camera.origin());
         self.find_medium_stacks_of_sensors();
-        let of_light = |light: &Light| (self.medium_stack_of_light(light), self.crosses_bodies(light));
+        let bodies = BodiesInSpace::of(self);
+        let of_light = |light: &Light| (self.medium_stack_of_light(light), bodies.cross(self, light));
         let of_lights: Vec<(MediumStack, bool)> = self.lights.iter().map(of_light).collect();
         for (light, (medium_stack, crosses_bodies)) in self.lights.iter_mut().zip(of_lights) {
             (light.medium_stack, light.crosses_bodies) = (medium_stack, crosses_bodies);
@@ -43,27 +46,6 @@ impl Scene {
         if light.crosses_bodies { self.medium_stack_along(ray, [from, None]) } else { light.medium_stack }
     }
 
-    /// Returns true unless every body whose box touches that of the light is convex and contains
-    /// the whole light; the bodies may then differ from point to point.
-    fn crosses_bodies(&self, light: &Light) -> bool {
-        let object_bounds = self.geometry.object_bounds();
-        let own_medium = light.medium_name();
-        let around = match own_medium {
-            Some(_) => light.box_of_medium().map(|map| box_around(&map)),
-            None => light.bounds(&object_bounds),
-        };
-        let Some((low, high)) = around else { return false };
-        let touches = |(from, to): (DVec3, DVec3)| from.cmple(high).all() && to.cmpge(low).all();
-        let mut bodies = object_bounds.into_iter().chain(self.boundaries.object_bounds()).filter(|(object, bounds)| {
-            let Some(body) = self.body_of(*object) else { return false };
-            // A glowing medium emits only inside its own body.
-            let own = body.medium.is_some_and(|number| own_medium == Some(self.media[number].name.as_str()));
-            !own && touches(*bounds)
-        });
-        let convex = || self.geometry.convex_bodies().chain(self.boundaries.convex_bodies());
-        bodies.any(|(object, _)| !convex().any(|(body, contains)| body == object && contains((low, high))))
-    }
-
     fn medium_stack_of_light(&self, light: &Light) -> MediumStack {
         match light.representative_point(&self.geometry) {
             None => MediumStack::AIR,
@@ -84,25 +66,27 @@ impl Scene {
     /// The bodies that a ray leaves more often than it enters, of which the last is the outermost.
     /// `from` is the surface, and the face of a boundary, of its start.
     fn medium_stack_along(&self, ray: Ray, from: [Option<SurfaceId>; 2]) -> MediumStack {
-        let mut open: SmallVec<[(u32, i32, f64); 8]> = SmallVec::new();
+        let mut crossings: SmallVec<[Crossing; 8]> = SmallVec::new();
         let mut count = |hit: &Hit| {
-            if self.body_of(hit.object).is_none() {
-                return;
-            }
-            let leaves = if ray.direction.dot(hit.normal) > 0.0 { 1 } else { -1 };
-            match open.iter_mut().find(|(object, _, _)| *object == hit.object) {
-                Some(entry) => {
-                    entry.1 += leaves;
-                    entry.2 = hit.t;
-                }
-                None => open.push((hit.object, leaves, hit.t)),
+            if self.body_of(hit.object).is_some() {
+                let leaves = if ray.direction.dot(hit.normal) > 0.0 { 1 } else { -1 };
+                crossings.push(Crossing { object: hit.object, leaves, t: hit.t, found: crossings.len() });
             }
         };
         self.geometry.for_each_hit(&ray, from[0], &mut count);
         self.boundaries.for_each_hit(&ray, from[1], &mut count);
-        open.retain(|&mut (_, balance, _)| balance > 0);
-        open.sort_by(|a, b| b.2.total_cmp(&a.2));
-        open.iter().fold(MediumStack::AIR, |medium_stack, &(object, _, _)| self.entered(medium_stack, object))
+        // The sort is stable, so the last crossing found of an object stays the last one.
+        crossings.sort_by_key(|crossing| crossing.object);
+        let mut open: SmallVec<[Crossing; 8]> = SmallVec::new();
+        for crossing in crossings {
+            match open.last_mut().filter(|last| last.object == crossing.object) {
+                Some(last) => (last.leaves, last.t) = (last.leaves + crossing.leaves, crossing.t),
+                None => open.push(crossing),
+            }
+        }
+        open.retain(|body| body.leaves > 0);
+        open.sort_by(|a, b| b.t.total_cmp(&a.t).then(a.found.cmp(&b.found)));
+        open.iter().fold(MediumStack::AIR, |medium_stack, body| self.entered(medium_stack, body.object))
     }
 
     fn entered(&self, medium_stack: MediumStack, object: u32) -> MediumStack {
@@ -123,6 +107,58 @@ impl Scene {
         let is_boundary = self.material_of(hit.object).is_boundary();
         let from = if is_boundary { [None, Some(hit.surface)] } else { [Some(hit.surface), None] };
         self.medium_stack_along(Ray { origin: hit.position, direction: ray.direction }, from)
+    }
+}
+
+/// One or several crossings of a ray with the surface of a body.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    object: u32,
+    /// How often the ray leaves the body minus how often it enters it.
+    leaves: i32,
+    /// Of the crossing found last.
+    t: f64,
+    /// The number of crossings that were found before.
+    found: usize,
+}
+
+/// All bodies of a scene, to find those around a light.
+struct BodiesInSpace<'a> {
+    /// The boxes of the objects with surfaces.
+    object_bounds: BTreeMap<u32, (DVec3, DVec3)>,
+    /// The object of each body, and the body if it is convex.
+    bodies: Vec<(u32, Option<ConvexBody<'a>>)>,
+    boxes: BoxTree,
+}
+
+impl<'a> BodiesInSpace<'a> {
+    fn of(scene: &'a Scene) -> Self {
+        let convex = scene.geometry.convex_bodies().chain(scene.boundaries.convex_bodies());
+        let convex: BTreeMap<u32, ConvexBody<'a>> = convex.map(|body| (body.object, body)).collect();
+        let object_bounds = scene.geometry.object_bounds();
+        let all = object_bounds.iter().map(|(&object, &around)| (object, around));
+        let all = all.chain(scene.boundaries.object_bounds()).filter(|(object, _)| scene.body_of(*object).is_some());
+        let body = |(object, around)| ((object, convex.get(&object).copied()), (around, 0.0));
+        let (bodies, boxes): (Vec<_>, Vec<_>) = all.map(body).unzip();
+        Self { boxes: BoxTree::new(&boxes), object_bounds, bodies }
+    }
+
+    /// Returns true unless every body whose box touches that of the light is convex and contains
+    /// the whole light; the bodies may then differ from point to point.
+    fn cross(&self, scene: &Scene, light: &Light) -> bool {
+        let own_medium = light.medium_name();
+        let around = match own_medium {
+            Some(_) => light.box_of_medium().map(|map| box_around(&map)),
+            None => light.bounds(&self.object_bounds),
+        };
+        let Some(around) = around else { return false };
+        self.boxes.any_touching(around, |body| {
+            let (object, convex) = self.bodies[body as usize];
+            let medium = scene.body_of(object).and_then(|body| body.medium);
+            // A glowing medium emits only inside its own body.
+            let own = medium.is_some_and(|number| own_medium == Some(scene.media[number].name.as_str()));
+            !own && !convex.is_some_and(|body| body.contains_box(around))
+        })
     }
 }
 
