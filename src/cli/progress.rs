@@ -1,10 +1,13 @@
-//! Shows the progress of a render: a bar on a terminal, and otherwise a line every few seconds.
+//! Shows the progress of a render: a bar on a terminal, and otherwise a line every few seconds, as
+//! on a terminal that cannot move its cursor.
 
 use std::io::IsTerminal;
+use std::sync::Arc;
 use std::time::Duration;
 
 use abbe_session::render::{ErrorMilestone, Monitor, Progress};
 use abbe_spectra::math::elementary::log10;
+use abbe_transport::walk::StopFlag;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt;
@@ -59,10 +62,12 @@ const PILOT: &str = "pilot: estimating photon counts and radii";
 impl ProgressDisplay {
     /// A display for standard error.
     pub(crate) fn new(quiet: bool, label: Option<String>) -> Self {
-        let output = match (quiet, std::io::stderr().is_terminal()) {
+        // A terminal that cannot move its cursor, such as `TERM=dumb`, hides a bar.
+        let bar = std::io::stderr().is_terminal().then(Self::bar).filter(|bar| !bar.is_hidden());
+        let output = match (quiet, bar) {
             (true, _) => ProgressOutput::Quiet,
-            (false, false) => ProgressOutput::Lines(None),
-            (false, true) => ProgressOutput::Bar(Self::bar()),
+            (false, None) => ProgressOutput::Lines(None),
+            (false, Some(bar)) => ProgressOutput::Bar(bar),
         };
         Self { output, label, trend: ErrorTrend::default() }
     }
@@ -90,10 +95,14 @@ impl ProgressDisplay {
 }
 
 impl Monitor for ProgressDisplay {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        interrupt::stop_flag()
+    }
+
     fn before_pilot(&mut self) {
         let line = self.label.as_deref().map_or_else(|| PILOT.to_owned(), |label| format!("{label}: {PILOT}"));
         match &self.output {
-            ProgressOutput::Bar(bar) => bar.set_message(line),
+            ProgressOutput::Bar(bar) => bar.set_message(print::visible(&line).into_owned()),
             ProgressOutput::Lines(_) => print::remark(&line),
             ProgressOutput::Quiet => {}
         }
@@ -106,7 +115,7 @@ impl Monitor for ProgressDisplay {
             ProgressOutput::Bar(bar) => {
                 let done = fraction_done(progress).unwrap_or(0.0);
                 bar.set_position((done * STEPS as f64) as u64);
-                bar.set_message(line());
+                bar.set_message(print::visible(&line()).into_owned());
             }
             ProgressOutput::Lines(last) => {
                 if last.is_none_or(|last| progress.elapsed >= last + LINE_INTERVAL) {

@@ -245,6 +245,10 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
     let rendered = on_threads(threads, || job.continue_run(request, begin, &mut watch));
     watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
+    if rendered.stats.passes == 0 {
+        print::remark("interrupted before the first pass was done, so there is nothing to save");
+        return Ok(Outcome::Interrupted);
+    }
     watch.preview.send(&rendered.picture);
     let exposure = on_threads(threads, || save(arguments, &outputs, &checkpoint, &rendered))??;
     if rendered.stats.rejected_samples > 0 {

@@ -1,6 +1,7 @@
 //! `abbe study`: measures error against time.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use crate::reports::study::{StudyFiles, study};
@@ -9,6 +10,7 @@ use crate::study::study_scene::integrator_title;
 use crate::study::{PAGE, StudyMonitor, StudyOutcome};
 use abbe_session::render::{Monitor, Progress};
 use abbe_spectra::error::Result;
+use abbe_transport::walk::StopFlag;
 
 use super::print::percent;
 use super::progress::{ProgressDisplay, time};
@@ -48,6 +50,10 @@ struct StudyDisplay {
 }
 
 impl Monitor for StudyDisplay {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        self.display.stop_flag()
+    }
+
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.display.after_pass(progress)
     }

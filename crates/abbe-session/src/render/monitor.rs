@@ -3,6 +3,8 @@
 use super::forecast::Forecast;
 use super::run::Run;
 use abbe_transport::sensor::Picture;
+use abbe_transport::walk::StopFlag;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// The progress of a render after a pass.
@@ -28,6 +30,12 @@ pub struct Progress {
 
 /// Observes a render, and may end it.
 pub trait Monitor {
+    /// Returns a flag that another thread may raise to end the render before the pilot or a pass is
+    /// done. The unfinished pass is discarded, so the result is that of the last whole pass.
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        Arc::default()
+    }
+
     fn before_pilot(&mut self) {}
 
     /// Returns true if the monitor shows a coarse picture before pass 0, which costs little.

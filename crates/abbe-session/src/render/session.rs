@@ -25,7 +25,8 @@ pub struct Rendered {
     /// The mean energy balance of a pass, in W.
     pub ledger: Ledger,
     pub stats: Stats,
-    /// True if the monitor ended the render before a stop rule was satisfied.
+    /// True if the monitor ended the render before a stop rule was satisfied. The run then contains
+    /// all whole passes, which may be none.
     pub interrupted: bool,
     /// The sums of all passes, from which the render can continue.
     pub run: Run,
@@ -72,7 +73,8 @@ impl Job {
             // Each row has random numbers of its own. Photons and shutter times belong to all rows.
             run.sums.film.assume_independent_rows();
         }
-        let context = self.pass_context();
+        let flag = monitor.stop_flag();
+        let context = PassContext { stop: &flag, ..self.pass_context() };
         let portals = if stopped { Portals::default() } else { find_portals(&context, &mut run.sums.seconds) };
         let responses = self.responses(&run.sums.film);
         let context = PassContext { portals: &portals, responses: responses.as_ref(), ..context };
@@ -93,12 +95,18 @@ impl Job {
             }
             Integrator::Photon | Integrator::Path => None,
         };
-        let (mut interrupted, mut light_maps) = (false, LightMaps::default());
+        let (mut interrupted, mut light_maps) = (!stopped && flag.is_raised(), LightMaps::default());
         while !(stopped || interrupted) {
             let pass = run.part.pass(run.done);
-            match &pilot {
+            let before = (run.sums.seconds, run.sums.tally);
+            let is_whole = match &pilot {
                 Some(pilot) => photon_pass(context, &pilot.parameters, &mut light_maps, pass, &mut run.sums)?,
                 None => path_pass(context, pass, &mut run.sums)?,
+            };
+            if !is_whole {
+                (run.sums.seconds, run.sums.tally) = before;
+                interrupted = true;
+                break;
             }
             run.done += 1;
             context.add_wavelengths(pass, &mut run.coverage);

@@ -65,7 +65,7 @@ impl StopConditions {
         let target = self.rules.target_error.filter(|_| ErrorTracker::decides_after(run.done));
         self.error.update(run, elapsed, target.is_some());
         self.wanted.is_some_and(|wanted| run.done >= wanted)
-            || self.rules.time.is_some_and(|limit| elapsed >= limit)
+            || self.rules.time.is_some_and(|limit| elapsed + mean_pass(run) > limit)
             || target.zip(self.error.history.latest()).is_some_and(|(target, error)| error <= target)
     }
 
@@ -87,6 +87,13 @@ impl StopConditions {
         self.error.history.add(run.done, squares?);
         self.error.forecast(run)
     }
+}
+
+/// Returns the mean time of a pass, which the next pass is expected to take. A time limit ends the
+/// render before a pass that would exceed it.
+fn mean_pass(run: &Run) -> Duration {
+    let RunTimes { passes, total_s, before_first_pass_s } = RunTimes::of(run.done, &run.sums.seconds);
+    Duration::try_from_secs_f64((total_s - before_first_pass_s) / passes.max(1) as f64).unwrap_or_default()
 }
 
 fn elapsed(run: &Run) -> Duration {

@@ -25,4 +25,4 @@ pub use layers::LayerSet;
 pub use picture::{Picture, SpectralBands};
 pub use reading_spectrum::{ReadingBands, ReadingSpectrum};
 pub use readings::{Reading, ReadingLayout, ReadingOwner, half_interval_with_degrees};
-pub use sink::{FilmRow, PixelSink, SplatSink};
+pub use sink::{ExposedRow, FilmRow, PixelSink, SplatSink};
