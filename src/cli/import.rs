@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
             write_whole(output, imported.text.as_bytes())?;
             print::remark(&format!("wrote {}", output.display()));
         }
-        None => print::result(&imported.text)?,
+        None => print::data(&imported.text)?,
     }
     Ok(Outcome::Done)
 }
