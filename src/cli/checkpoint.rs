@@ -32,7 +32,8 @@ impl CheckpointFile<'_> {
             return Ok(Run::new(self.job, part));
         }
         if !self.path.exists() {
-            let expected = "the checkpoint of an interrupted render, or one kept with --keep-checkpoint";
+            let expected = "the checkpoint of an interrupted render, or one kept with --keep-checkpoint; \
+                            `--resume auto` starts without one";
             return Err(Error::input("the checkpoint does not exist").expected(expected).in_file(&self.path));
         }
         SavedRun::resume(&self.path, self.job, self.identity, part)

@@ -77,20 +77,20 @@ pub(crate) fn exposure(factor: f64) -> String {
     format!("EV {:.2}", log2(factor))
 }
 
-/// Returns the error of a picture as text: the median and the 95th percentile of its pixels, the
-/// root mean square, and the worst region if it dominates this.
+/// Returns the error of a picture as text: that of a typical pixel, the 95th percentile, the root
+/// mean square, and the worst region if it dominates this.
 pub(crate) fn picture_error(error: &ErrorStats) -> String {
     /// A region is named if it contains at least this fraction of the mean square error.
     const DOMINANT: f64 = 0.25;
-    let Some(((median, p95), relative)) = error.median.zip(error.p95).zip(error.relative) else {
+    let Some(((typical, p95), relative)) = error.typical.zip(error.p95).zip(error.relative) else {
         return "the error is not known yet".to_string();
     };
-    let [median, p95, relative] = [median, p95, relative].map(percent);
+    let [typical, p95, relative] = [typical, p95, relative].map(percent);
     let worst = error.worst_region.zip(error.worst_fraction).filter(|(_, fraction)| *fraction >= DOMINANT);
     let worst = worst.map_or(String::new(), |([x0, y0, x1, y1], fraction)| {
         format!(", {:.0} % of it from the region {x0},{y0},{x1},{y1}", 100.0 * fraction)
     });
-    format!("error of half of the pixels below {median}, of 95 % below {p95}, RMS of the picture {relative}{worst}")
+    format!("error of a typical pixel {typical}, of 95 % of the pixels below {p95}; RMSE {relative} of the mean{worst}")
 }
 
 /// Hints for error messages of the library, each after the fragment of a message.
@@ -146,6 +146,7 @@ mod tests {
             noise: 1.0,
             bias: 0.0,
             relative: Some(0.4),
+            typical: Some(0.015),
             median: Some(0.011),
             p95: Some(0.05),
             worst_region: Some([8, 0, 16, 8]),
@@ -153,7 +154,7 @@ mod tests {
             unknown_pixels: 0,
             edge_pixels: 0,
         };
-        let text = "error of half of the pixels below 1.10 %, of 95 % below 5.00 %, RMS of the picture 40 %";
+        let text = "error of a typical pixel 1.50 %, of 95 % of the pixels below 5.00 %; RMSE 40 % of the mean";
         assert_eq!(picture_error(&error(0.1)), text);
         assert_eq!(picture_error(&error(0.9)), format!("{text}, 90 % of it from the region 8,0,16,8"));
         assert_eq!(picture_error(&ErrorStats { relative: None, ..error(0.1) }), "the error is not known yet");

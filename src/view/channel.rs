@@ -57,6 +57,8 @@ pub(super) struct ViewProgress {
     pub(super) elapsed_s: f64,
     pub(super) photons_per_second: f64,
     pub(super) relative_error: Option<f64>,
+    /// That of a typical pixel.
+    pub(super) typical_error: Option<f64>,
 }
 
 impl ViewProgress {
@@ -69,6 +71,7 @@ impl ViewProgress {
             elapsed_s,
             photons_per_second: progress.photons_per_second * total_s / elapsed_s,
             relative_error: progress.relative_error,
+            typical_error: progress.typical_error,
         }
     }
 
@@ -283,6 +286,7 @@ impl ViewChannel {
             "left_s": progress.left_s(),
             "photons_per_second": progress.photons_per_second,
             "relative_error": progress.relative_error,
+            "typical_error": progress.typical_error,
             "picture": snapshot.as_ref().map(|snapshot| snapshot.summary()),
             "reference": reference.as_ref().map(|reference| reference.reference_summary()),
         })

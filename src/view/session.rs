@@ -130,6 +130,7 @@ fn render(
             passes: rendered.stats.passes,
             passes_wanted: stop.passes_wanted(&job.budget),
             relative_error: rendered.stats.error.relative.or(monitor.last.relative_error),
+            typical_error: rendered.stats.error.typical.or(monitor.last.typical_error),
             ..monitor.last
         };
         publisher.publish(&rendered.run, rendered.picture.clone());

@@ -20,11 +20,14 @@ pub struct Progress {
     pub time_wanted: Option<Duration>,
     /// The mean number of photons per second so far.
     pub photons_per_second: f64,
-    /// The relative error at the last measurement.
+    /// The root mean square error, divided by the mean luminance, at the last measurement.
     pub relative_error: Option<f64>,
-    /// The relative error at which the render stops, or `None` if no stop rule sets a target error.
+    /// The relative error of a typical pixel at the last measurement.
+    pub typical_error: Option<f64>,
+    /// The error of a typical pixel at which the render stops, or `None` if no stop rule sets a
+    /// target error.
     pub error_wanted: Option<f64>,
-    /// The forecast of the error at the last measurement.
+    /// The forecast of the typical error at the last measurement.
     pub forecast: Option<Forecast>,
 }
 

@@ -122,11 +122,11 @@ impl Job {
         }
         let unlit = pilot.map_or_else(Vec::new, |pilot| pilot.unlit);
         let develop_start = Instant::now();
-        let (picture, squares) = run.sums.film.picture_and_error();
-        let squares = squares.filter(|_| run.coverage.is_complete());
+        let (picture, errors) = run.sums.film.picture_and_errors();
+        let errors = errors.filter(|_| run.coverage.is_complete());
         run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
         clock.update(&mut run);
-        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares), &unlit);
+        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, errors), &unlit);
         let mut ledger = run.sums.ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
         Ok(Rendered { picture, ledger, stats, interrupted, run })

@@ -19,7 +19,7 @@ mod sink;
 
 pub use develop::{Codes, Development, DisplayImage, develop};
 pub use diffraction::DiffractionPsf;
-pub use error_bars::ErrorSquares;
+pub use error_bars::{ErrorSquares, PictureErrors};
 pub use film::Film;
 pub use layers::LayerSet;
 pub use picture::{Picture, SpectralBands};
