@@ -107,7 +107,11 @@ fn the_included_files_of_foreign_scenes_stay() {
     let at = folder.path();
     std::fs::write(at.join("s.pbrt"), "WorldBegin\nInclude \"part.json\"\n").unwrap();
     std::fs::write(at.join("part.json"), "Shape \"sphere\"\n").unwrap();
-    std::fs::write(at.join("s.xml"), r#"<scene version="3.0.0"><include filename="part.exr"/></scene>"#).unwrap();
+    std::fs::write(
+        at.join("s.xml"),
+        r#"<scene version="3.0.0"><sensor type="perspective"/><include filename="part.exr"/></scene>"#,
+    )
+    .unwrap();
     std::fs::write(at.join("part.exr"), r#"<scene version="3.0.0"><shape type="sphere"/></scene>"#).unwrap();
     is_refused(at, &["import", "s.pbrt", "-o", "part.json"]);
     is_refused(at, &["import", "s.xml", "-o", "part.exr"]);

@@ -21,6 +21,7 @@ mod film;
 mod films_and_gratings;
 mod frames;
 mod gates;
+mod guides;
 mod import;
 mod inputs_stay;
 mod lamps;

@@ -115,7 +115,8 @@ fn a_render_with_recommended_settings_has_the_promised_error() {
         let error = stats["error"]["typical"].as_f64().unwrap();
         // A film of another size has other noise at edges.
         assert!((0.5..1.6).contains(&(error / promised)), "{error} instead of {promised}: {words:?}");
-        let said = abbe(at, &["render", "ball.json", "--quiet", "--target-error", &format!("{error}"), "--passes", "16"]);
+        let said =
+            abbe(at, &["render", "ball.json", "--quiet", "--target-error", &format!("{error}"), "--passes", "16"]);
         assert_eq!(said.status, 0, "{}", said.err);
     }
     let compared = abbe(at, &["compare", "a.exr", "b.exr", "--json"]).json();
