@@ -296,12 +296,12 @@ mod tests {
     /// is left even if the error is below the target.
     #[test]
     fn near_the_target_the_time_left_is_that_of_the_next_round() {
-        let mut progress = after(18, 9.0);
+        let mut progress = after(18, 13.5);
         progress.forecast = Some(forecast(0.0, 0.0016));
         progress.error_wanted = Some(0.039);
-        assert_eq!(time_left(&progress), Some(Duration::from_secs(3)));
+        assert_eq!(time_left(&progress), Some(Duration::from_millis(4500)));
         progress.typical_error = Some(0.0385);
-        assert!(line(&progress, false).starts_with("18 passes, 3.0 s left, error 3.85 %, 3.9 % in "));
+        assert!(line(&progress, false).starts_with("18 passes, 4.5 s left, error 3.85 %, 3.9 % in "));
     }
 
     #[test]

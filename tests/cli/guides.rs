@@ -21,11 +21,10 @@ use crate::abbe_command::abbe;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-const GUIDES: [&str; 5] = [
+const GUIDES: [&str; 4] = [
     "docs/guide/first-scene.md",
     "docs/guide/lens-and-chromatic-aberration.md",
     "docs/guide/compare-two-lamps.md",
-    "docs/guide/spectral-to-rgb-in-ci.md",
     "docs/method/plan.md",
 ];
 
