@@ -97,6 +97,6 @@ mod tests {
         let part = write("part.xml", "<scene><include filename=\"scene.xml\"/></scene>");
         assert_eq!(scene_inputs(&xml), [part, xml.clone()]);
         let json = write("scene.json", r#"{"title": "scene.xml"}"#);
-        assert_eq!(scene_inputs(&json), [json.clone()]);
+        assert_eq!(scene_inputs(&json), std::slice::from_ref(&json));
     }
 }

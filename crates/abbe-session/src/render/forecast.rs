@@ -382,7 +382,7 @@ mod tests {
         let error = variance_of_mean(320.0, 1.2).sqrt();
         let [least, most] = interval(&history(&dense, at), 80, error).unwrap();
         assert!(least < 320.0 && 320.0 < most && most < 3.0 * least, "{least} to {most}");
-        let rare = |n: f64| [0.0, 0.0, 1.0 / n * if (n as u64 / 16) % 2 == 0 { 1.0 } else { 16.0 }];
+        let rare = |n: f64| [0.0, 0.0, 1.0 / n * if (n as u64 / 16).is_multiple_of(2) { 1.0 } else { 16.0 }];
         let [least, most] = interval(&history(&dense, rare), 80, 0.02).unwrap_or([1.0, f64::INFINITY]);
         assert!(most > 10.0 * least, "{least} to {most}");
         let [least, most] = interval(&history(&[8], at), 8, variance_of_mean(64.0, 1.2).sqrt()).unwrap();
