@@ -131,27 +131,36 @@ fn shows(shown: &[String], printed: &[String]) -> bool {
 }
 
 /// Returns the shown lines with the values of the printed ones: each line shows the next printed
-/// line that begins with the same words, up to two spaces.
+/// line that begins with the same words, up to two spaces. Lines that are left out become a gap.
 fn renewed(shown: &[String], printed: &[String]) -> Vec<String> {
     if !shown.iter().any(|line| is_gap(line) || line.ends_with("...") || line.ends_with('…')) {
         return printed.to_vec();
     }
     let label =
         |line: &str| line.trim_start().split("  ").next().unwrap_or_default().split(':').next().unwrap().to_owned();
-    let mut next = 0;
-    let renew = |line: &String| {
+    let (mut next, mut new) = (0, Vec::<String>::new());
+    for line in shown {
         let found = printed[next..].iter().position(|now| is_same(line, now));
         let found = found.or_else(|| printed[next..].iter().position(|now| label(now) == label(line)));
-        let Some(found) = found.filter(|_| !is_gap(line)) else { return line.clone() };
+        let Some(found) = found.filter(|_| !is_gap(line)) else {
+            new.push(line.clone());
+            continue;
+        };
+        if found > 0 && !new.last().is_some_and(|last| is_gap(last)) {
+            new.push("...".to_owned());
+        }
         let now = &printed[next + found];
         next += found + 1;
-        match line.strip_suffix("...") {
+        new.push(match line.strip_suffix("...") {
             _ if is_same(line, now) => line.clone(),
             Some(start) => format!("{}...", now.chars().take(start.chars().count()).collect::<String>()),
             None => now.clone(),
-        }
-    };
-    shown.iter().map(renew).collect()
+        });
+    }
+    if next < printed.len() && !new.last().is_some_and(|last| is_gap(last)) {
+        new.push("...".to_owned());
+    }
+    new
 }
 
 /// Runs a guide in a folder of its own, and compares or, with `ABBE_BLESS`, writes its blocks.
