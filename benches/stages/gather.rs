@@ -5,6 +5,7 @@ use abbe_spectra::math::random::{Purpose, Seed};
 use abbe_transport::gather::{DirectLighting, PathBuffers, PathTracer, PixelSampler, SurfaceExtents};
 use abbe_transport::map::{LightMaps, PixelRadii};
 use abbe_transport::plan::Tally;
+use abbe_transport::walk::NEVER_STOP;
 use criterion::{Criterion, Throughput};
 
 /// Every this many pixels one is sampled.
@@ -36,8 +37,15 @@ pub(crate) fn benches(c: &mut Criterion) {
     let scene = load("s3_box.json", &[]);
     let direct = DirectLighting::new(&scene, &prepared.selector, prepared.plan.media_plan);
     let (wavelengths, media_plan) = (&prepared.choice.wavelengths, prepared.plan.media_plan);
-    let tracer =
-        PathTracer { scene: &scene, direct, wavelengths, spectra: &prepared.spectra, excitation: &[], media_plan };
+    let tracer = PathTracer {
+        scene: &scene,
+        direct,
+        wavelengths,
+        spectra: &prepared.spectra,
+        excitation: &[],
+        media_plan,
+        stop: &NEVER_STOP,
+    };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();
     group.throughput(Throughput::Elements(pixels.len() as u64));
     group.bench_function("path tracer/s3_box", |b| {

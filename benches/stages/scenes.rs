@@ -12,7 +12,7 @@ use abbe_transport::plan::partition::PerSet;
 use abbe_transport::plan::partition::{LightPath, kept_in_map};
 use abbe_transport::plan::{LightOrigin, PathClass, Plan, prepare};
 use abbe_transport::walk::ledger::Ledger;
-use abbe_transport::walk::{SensorResponse, Sink};
+use abbe_transport::walk::{NEVER_STOP, SensorResponse, Sink};
 use std::path::Path;
 
 /// A scene with what transport needs to know of it.
@@ -55,6 +55,7 @@ impl Prepared {
             count,
             streams: Seed::new(1).streams(Purpose::FreePhoton).pass(0),
             media_plan: self.plan.media_plan,
+            stop: &NEVER_STOP,
         })
     }
 
@@ -147,5 +148,6 @@ pub(crate) fn camera_pass<'a>(
         explicit_radius_m: None,
         photons_per_sample: PerSet { free: 1.0, shared: 1.0 },
         truncated: None,
+        stop: &NEVER_STOP,
     }
 }

@@ -16,10 +16,11 @@ pub(crate) fn benches(c: &mut Criterion) {
     group.bench_function("expose a pixel to four wavelengths", |b| {
         b.iter(|| {
             for mut row in film.rows() {
-                row.expose(0, |pixel, sink| {
+                let exposed = row.expose(|pixel, sink| {
                     (0..4).for_each(|k| sink.radiance((0, 0), 430.0 + 60.0 * f64::from(k), pixel as f64));
                     1
                 });
+                row.add(0, &exposed);
             }
         });
     });

@@ -118,8 +118,14 @@ class Picture:
         return _read_only(values)
 
     @property
+    def typical_error(self) -> Optional[float]:
+        """The error of a typical pixel: the root mean square of the relative errors of all pixels
+        except the worst 2 %. `target_error` refers to it."""
+        return self._native.typical_error
+
+    @property
     def relative_error(self) -> Optional[float]:
-        """The relative error of the whole picture: √mean(noise² + bias²) / mean luminance."""
+        """The root mean square error of the picture: √mean(noise² + bias²) / mean luminance."""
         return self._native.relative_error
 
     @cached_property
@@ -162,7 +168,7 @@ class Picture:
         return self._native.png()
 
     def __repr__(self) -> str:
-        error = "unknown error" if self.relative_error is None else f"error {100 * self.relative_error:.3g} %"
+        error = "unknown error" if self.typical_error is None else f"error {100 * self.typical_error:.3g} %"
         return f"<abbe.Picture {self.width} × {self.height}, {self.passes} passes, {error}>"
 
     def __reduce__(self) -> tuple[Any, ...]:

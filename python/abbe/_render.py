@@ -21,8 +21,9 @@ _Path = Union[str, "os.PathLike[str]"]
 class Progress:
     """The progress of a render after a pass.
 
-    `passes_wanted` is None if the number of passes is not limited. `relative_error` is None if the
-    error is not known yet.
+    `passes_wanted` is None if the number of passes is not limited. `typical_error`, the error of a
+    typical pixel, and `relative_error`, the root mean square error of the picture, are None if they
+    are not known yet.
     """
 
     passes: int
@@ -30,10 +31,11 @@ class Progress:
     seconds: float
     relative_error: Optional[float]
     photons_per_second: float
+    typical_error: Optional[float] = None
 
     def __str__(self) -> str:
         passes = f"{self.passes}" if self.passes_wanted is None else f"{self.passes} of {self.passes_wanted}"
-        error = "" if self.relative_error is None else f", error {100 * self.relative_error:.3g} %"
+        error = "" if self.typical_error is None else f", error {100 * self.typical_error:.3g} %"
         return f"{passes} passes, {self.seconds:.1f} s{error}"
 
 

@@ -34,6 +34,7 @@ def test_arrays_have_the_documented_shapes(scene: dict[str, Any]) -> None:
     known = np.isfinite(low)
     assert known.any() and (low[known] <= picture.luminance[known]).all() and (high[known] >= low[known]).all()
     assert picture.stats.passes == 8 and picture.stats.error.relative == picture.relative_error
+    assert picture.stats.error.typical == picture.typical_error
     assert picture._repr_png_().startswith(b"\x89PNG")
 
 
@@ -94,7 +95,7 @@ def test_leaving_the_loop_stops_the_render(scene: dict[str, Any], tmp_path: Path
 def test_limits_stop_the_render(scene: dict[str, Any]) -> None:
     assert abbe.render(scene, time=datetime.timedelta(seconds=0.05)).passes >= 1
     picture = abbe.render(scene, target_error=0.5)
-    assert picture.relative_error is not None and picture.relative_error <= 0.5
+    assert picture.typical_error is not None and picture.typical_error <= 0.5
 
 
 def test_progress_reports_every_pass(scene: dict[str, Any]) -> None:

@@ -16,4 +16,4 @@ pub use options::RenderOptions;
 pub use plan_report::PlanReport;
 pub use rendered_image::{Image, PixelSpectrum};
 pub use scene::Scene;
-pub use scene_text::{SceneText, read_scene_text};
+pub use scene_text::{SceneText, read_scene_text, scene_inputs};

@@ -1,9 +1,10 @@
 //! Images with error bars.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::provenance;
 use abbe_session::output::exr::{read, write};
+use abbe_session::output::file::check_keeps_inputs;
 use abbe_session::output::metadata::Metadata;
 use abbe_session::output::png::{encode as encode_png, write as write_png};
 use abbe_session::render::{DisplaySettings, Job, Rendered, Run, Stats};
@@ -24,6 +25,8 @@ pub struct Image {
     stats: Option<Stats>,
     metadata: Metadata,
     interrupted: bool,
+    /// The files from which the scene was read, which no method replaces.
+    inputs: Vec<PathBuf>,
 }
 
 /// The spectral radiance of a pixel in bands of equal width.
@@ -46,13 +49,20 @@ impl Image {
             stats: Some(rendered.stats),
             metadata,
             interrupted: rendered.interrupted,
+            inputs: Vec::new(),
         }
+    }
+
+    /// Protects the files from which the scene was read.
+    pub(super) fn with_inputs(self, inputs: &[PathBuf]) -> Self {
+        // The working directory may change before a file is written.
+        Self { inputs: inputs.iter().filter_map(|path| path.canonicalize().ok()).collect(), ..self }
     }
 
     /// Creates the image of an unfinished render. `metadata` describes the scene and the passes.
     pub(super) fn of_run(run: &Run, job: &Job, metadata: Metadata) -> Self {
         let (picture, display) = (run.picture(), DisplaySettings::of(job));
-        Self { picture, display, stats: None, metadata, interrupted: false }
+        Self { picture, display, stats: None, metadata, interrupted: false, inputs: Vec::new() }
     }
 
     /// Reads an image from an EXR file written by Abbe.
@@ -62,7 +72,8 @@ impl Image {
     pub fn read_exr(path: impl AsRef<Path>) -> Result<Self> {
         let file = read(path.as_ref())?;
         let display = DisplaySettings::of_header(&file.metadata).unwrap_or(DisplaySettings::automatic());
-        Ok(Self { picture: file.picture, display, stats: None, metadata: file.metadata, interrupted: false })
+        let (picture, metadata) = (file.picture, file.metadata);
+        Ok(Self { picture, display, stats: None, metadata, interrupted: false, inputs: Vec::new() })
     }
 
     /// The number of pixels in a row.
@@ -138,8 +149,15 @@ impl Image {
         self.picture.half_interval_95(self.index(x, y), 0.0)
     }
 
-    /// The relative error of the whole picture, or `None` if this error is unknown. The formula is
-    /// √mean(noise² + bias²) / mean Y.
+    /// The relative error of a typical pixel, or `None` if this error is unknown: the root mean
+    /// square of the relative errors of all pixels except the worst 2 %. The target error of a
+    /// render refers to it.
+    pub fn typical_error(&self) -> Option<f64> {
+        self.picture.error_distribution().map(|errors| errors.typical)
+    }
+
+    /// The root mean square error of the whole picture, or `None` if this error is unknown. The
+    /// formula is √mean(noise² + bias²) / mean Y.
     pub fn relative_error(&self) -> Option<f64> {
         self.picture.error_means().relative
     }
@@ -158,8 +176,9 @@ impl Image {
     /// statistics.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be written.
+    /// Returns an error if the file cannot be written, or is one from which the scene was read.
     pub fn write_exr(&self, path: impl AsRef<Path>) -> Result<()> {
+        check_keeps_inputs([path.as_ref()], &self.inputs)?;
         write(path.as_ref(), &self.picture, &self.metadata)
     }
 
@@ -167,8 +186,9 @@ impl Image {
     /// gamut mapping. A picture of another program is written in sRGB with automatic exposure.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be written.
+    /// Returns an error if the file cannot be written, or is one from which the scene was read.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
+        check_keeps_inputs([path.as_ref()], &self.inputs)?;
         write_png(path.as_ref(), &self.display.screen(&self.picture))
     }
 

@@ -7,12 +7,13 @@ use super::Image;
 use super::observer::{self, ProgressFunction, RenderObserver};
 use super::options::RenderOptions;
 use super::provenance::{self, SceneFiles};
+use super::scene_inputs;
 use abbe_format::resolve::resolve;
 use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
 use abbe_scene as model;
 use abbe_session::render::{Job, Progress, on_threads};
 use abbe_spectra::error::{Error, Result};
-use abbe_transport::plan::explain;
+use abbe_transport::plan::explain::{self, DescribedEffects};
 
 /// A scene that can be rendered.
 ///
@@ -135,7 +136,7 @@ impl Scene {
     /// Returns the same errors as [`check`](Self::check).
     pub fn explain(&self) -> Result<String> {
         let (job, _) = self.job(&RenderOptions::default())?;
-        Ok(explain::text(&job.scene, &job.plan, &job.rows, &job.budget))
+        Ok(explain::text(&job.scene, &job.plan, &job.rows, &job.budget, DescribedEffects::All))
     }
 
     /// Renders the scene.
@@ -191,7 +192,9 @@ impl Scene {
             on_threads(threads, || observer::render(&job, options.request, &metadata, checkpoint, observer))?;
         let rendered =
             rendered.map_err(|error| self.path().map_or_else(|| error.clone(), |path| error.clone().in_file(path)))?;
-        Ok(Image::of_render(rendered, &job, &metadata))
+        let inputs = files.iter().flat_map(|files| &files.paths).cloned();
+        let inputs: Vec<PathBuf> = inputs.chain(self.path().into_iter().flat_map(scene_inputs)).collect();
+        Ok(Image::of_render(rendered, &job, &metadata).with_inputs(&inputs))
     }
 
     /// The path of the scene's text.
@@ -296,6 +299,23 @@ mod tests {
         // A file that is no checkpoint is an error.
         std::fs::write(&path, "no picture").unwrap();
         assert!(scene.render(&kept).is_err());
+    }
+
+    #[test]
+    fn an_image_replaces_no_file_of_its_scene() {
+        let folder = tempfile::tempdir().unwrap();
+        let [scene, texture] = ["scene.json", "wood.png"].map(|name| folder.path().join(name));
+        let options = RenderOptions::default().passes(1).photons(100);
+        Scene::parse(TEXT).unwrap().render(&options).unwrap().write_png(&texture).unwrap();
+        std::fs::write(&scene, TEXT.replace("0.5}", r#"{"image": "wood.png"}}"#)).unwrap();
+        let image = Scene::load(&scene).unwrap().render(&options).unwrap();
+        for path in [&scene, &texture] {
+            let before = std::fs::read(path).unwrap();
+            let error = image.write_png(path).unwrap_err().to_string();
+            assert!(error.contains("would replace"), "{error}");
+            assert!(image.write_exr(path).is_err() && std::fs::read(path).unwrap() == before);
+        }
+        image.write_png(folder.path().join("other.png")).unwrap();
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
+use abbe_format::is_json_schema;
 use abbe_format::resolve::resolve_any;
 use abbe_session::render::Job;
 use abbe_spectra::error::Result;
@@ -30,6 +31,10 @@ pub(crate) fn run(arguments: &CheckArgs) -> Outcome {
 }
 
 fn check(path: &Path, scene_file: &SceneFileArgs) -> Result<()> {
+    if std::fs::read_to_string(path).is_ok_and(|text| is_json_schema(&text)) {
+        print::remark(&format!("{}: note: this is a JSON Schema and not a scene; it was skipped", path.display()));
+        return Ok(());
+    }
     let (scene, source) = scene_file.read(path, &[], false)?;
     let job = Job::new(resolve_any(&scene, &source)?).map_err(|error| error.in_file(path))?;
     for note in &job.scene.notes {

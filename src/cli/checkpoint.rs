@@ -1,6 +1,7 @@
 //! Writes checkpoints during a render.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use abbe_session::output::file as files;
@@ -8,6 +9,7 @@ use abbe_session::output::metadata::{Metadata, names};
 use abbe_session::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Run, SavedRun};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;
+use abbe_transport::walk::StopFlag;
 
 use super::preview::Preview;
 use super::print;
@@ -30,7 +32,8 @@ impl CheckpointFile<'_> {
             return Ok(Run::new(self.job, part));
         }
         if !self.path.exists() {
-            let expected = "the checkpoint of an interrupted render, or one kept with --keep-checkpoint";
+            let expected = "the checkpoint of an interrupted render, or one kept with --keep-checkpoint; \
+                            `--resume auto` starts without one";
             return Err(Error::input("the checkpoint does not exist").expected(expected).in_file(&self.path));
         }
         SavedRun::resume(&self.path, self.job, self.identity, part)
@@ -100,6 +103,10 @@ impl<'a> RenderMonitor<'a> {
 }
 
 impl Monitor for RenderMonitor<'_> {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        self.display.stop_flag()
+    }
+
     fn before_pilot(&mut self) {
         self.display.before_pilot();
     }

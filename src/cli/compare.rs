@@ -120,7 +120,14 @@ fn text(comparison: &Comparison) -> String {
         let fraction = 100.0 * covered.fraction;
         format!("the 95 % interval of A contains B in {fraction:.1} % of {} pixels", covered.pixels)
     });
-    let mut text = format!(
+    let typical = [comparison.typical_error, comparison.typical_difference].map(print::percent);
+    let of_b = if comparison.typical_error < comparison.typical_difference {
+        format!("; with the error of B {}", typical[1])
+    } else {
+        String::new()
+    };
+    let mut text = format!("typical error  {} of a pixel of A{of_b}\n", typical[0]);
+    text += &format!(
         "relative MSE   {:.6}   without the worst 2 %: {:.6}\nRMSE of Y      {:.6} cd/m²\nmean Y, A / B  {:.6}\n\
          ΔE2000         {:.3} mean, {:.3} at 95 % (at EV {:.2})\nz-test         {z}\nerror bars     {covered}\npixels         {}\n",
         comparison.relative_mse,

@@ -14,7 +14,7 @@ pub(crate) struct CompletionsArgs {
 }
 
 pub(crate) fn run(arguments: &CompletionsArgs) -> Result<Outcome> {
-    print::result(&script(arguments.shell))?;
+    print::data(&script(arguments.shell))?;
     Ok(Outcome::Done)
 }
 

@@ -40,7 +40,7 @@ pub(crate) struct DevelopArgs {
 pub(crate) struct DisplayArgs {
     /// The exposure: auto, none, or a number of stops such as -7.5 [default: the setting of the
     /// picture's scene, else auto]
-    #[arg(long, value_name = "auto|none|EV", value_parser = values::exposure, allow_negative_numbers = true)]
+    #[arg(long, visible_alias = "ev", value_name = "auto|none|EV", value_parser = values::exposure, allow_negative_numbers = true)]
     exposure: Option<Exposure>,
     /// The light that is shown as white: none, scene (all lights together), or a spectrum: a name
     /// of the scene or of the library, a file, or JSON [default: the setting of the scene, else

@@ -8,13 +8,16 @@ use crate::api::PlanReport;
 use abbe_format::resolve::resolve;
 use abbe_session::render::Job;
 use abbe_spectra::error::Result;
-use abbe_transport::plan::explain;
+use abbe_transport::plan::explain::{self, DescribedEffects};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ExplainArgs {
     /// The scene file
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
+    /// Describe also the effects of which the scene has no cause, which are otherwise only listed
+    #[arg(long)]
+    all: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -28,7 +31,8 @@ pub(crate) fn run(arguments: &ExplainArgs) -> Result<Outcome> {
     if arguments.json {
         print::json(&PlanReport::of(&job))?;
     } else {
-        print::result(&explain::text(&job.scene, &job.plan, &job.rows, &job.budget))?;
+        let described = if arguments.all { DescribedEffects::All } else { DescribedEffects::OfScene };
+        print::result(&explain::text(&job.scene, &job.plan, &job.rows, &job.budget, described))?;
     }
     Ok(Outcome::Done)
 }

@@ -20,7 +20,7 @@ pub(crate) struct GlassArgs {
     #[arg(long, value_name = "FILE.agf")]
     catalogue: Option<PathBuf>,
     /// Print the index at these wavelengths in nm
-    #[arg(long, value_name = "NM,...", value_delimiter = ',', value_parser = values::wavelength_nm)]
+    #[arg(long, visible_alias = "nm", value_name = "NM,...", value_delimiter = ',', value_parser = values::wavelength_nm)]
     at: Vec<f64>,
     /// Plot the index against wavelength
     #[arg(long, value_name = "FILE.svg")]

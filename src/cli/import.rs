@@ -27,7 +27,7 @@ pub(crate) struct ImportArgs {
 
 pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
     let ImportArgs { file, output, scene_file, strict } = arguments;
-    check_keeps_inputs(output.as_deref(), [Some(file), scene_file.overlay.as_ref()].into_iter().flatten())?;
+    check_keeps_inputs(output.as_deref(), scene_file.inputs_of_conversion(file))?;
     let folder = folder_from(output.as_deref(), file, scene_file.allow_outside)?;
     let imported = import(file, &folder, scene_file.file_access())?;
     let imported = if let Some(overlay) = &scene_file.overlay { imported.with_overlay(overlay)? } else { imported };
@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &ImportArgs) -> Result<Outcome> {
             write_whole(output, imported.text.as_bytes())?;
             print::remark(&format!("wrote {}", output.display()));
         }
-        None => print::result(&imported.text)?,
+        None => print::data(&imported.text)?,
     }
     Ok(Outcome::Done)
 }

@@ -1,18 +1,24 @@
-//! Handles Ctrl-C and termination: the first signal finishes the pass and saves the run, and the
-//! second ends the program at once.
+//! Handles Ctrl-C and termination: the first signal discards the unfinished pass and saves the run,
+//! and the second ends the program at once.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, LazyLock};
 
 use super::print;
 use abbe_spectra::error::{Error, Result};
+use abbe_transport::walk::StopFlag;
 
 static SIGNALS: AtomicUsize = AtomicUsize::new(0);
+
+/// Ends the pass of a running render.
+static STOP: LazyLock<Arc<StopFlag>> = LazyLock::new(Arc::default);
 
 /// Installs a handler for Ctrl-C (SIGINT) and for termination (SIGTERM, SIGHUP) in this process.
 pub(crate) fn watch() -> Result<()> {
     let installed = ctrlc::set_handler(|| {
         if SIGNALS.fetch_add(1, Ordering::SeqCst) == 0 {
-            print::remark("interrupted: finishing this step and saving; interrupt again to quit at once");
+            STOP.raise();
+            print::remark("interrupted: saving what is finished; interrupt again to quit at once");
         } else {
             std::process::exit(130);
         }
@@ -22,6 +28,11 @@ pub(crate) fn watch() -> Result<()> {
         Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
         Err(error) => Err(Error::machine(format!("the handler of Ctrl-C cannot be installed: {error}"))),
     }
+}
+
+/// Returns the flag that the first signal raises.
+pub(crate) fn stop_flag() -> Arc<StopFlag> {
+    Arc::clone(&STOP)
 }
 
 /// Returns true if the user has interrupted the program.

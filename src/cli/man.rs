@@ -22,14 +22,14 @@ pub(crate) fn run(arguments: &ManArgs) -> Result<Outcome> {
     let mut root = Cli::command();
     match (&arguments.command, &arguments.output) {
         (_, Some(folder)) => write_all(root, folder)?,
-        (None, None) => print::result(&page(root)?)?,
+        (None, None) => print::data(&page(root)?)?,
         (Some(name), None) => {
             // `build` gives the subcommands their full names, such as abbe-render.
             root.build();
             let names: Vec<String> = root.get_subcommands().map(|command| command.get_name().to_string()).collect();
             let known = root.get_subcommands().find(|command| command.get_name() == name);
             let known = known.ok_or_else(|| Error::unknown_name("command", name, names.iter().map(String::as_str)))?;
-            print::result(&page(known.clone())?)?;
+            print::data(&page(known.clone())?)?;
         }
     }
     Ok(Outcome::Done)

@@ -103,6 +103,10 @@ pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     let measured = measure(&job, &arguments.scene, integrator, stop, &mut display);
     display.finish();
     let (report, interrupted) = measured?;
+    if report.passes == 0 {
+        print::remark("interrupted before the first pass was done, so there is no reading");
+        return Ok(Outcome::Interrupted);
+    }
     if let Some(path) = &arguments.csv {
         files::write_whole(path, csv(&report).as_bytes())?;
     }

@@ -25,7 +25,7 @@ pub(crate) struct MergeArgs {
     /// Merge even if passes are missing, and print which ones
     #[arg(long, conflicts_with = "watch")]
     allow_gaps: bool,
-    /// Exit with status 3 if the relative error of the picture is above this value, such as 2%.
+    /// Exit with status 3 if the error of a typical pixel is above this value, such as 2%.
     /// With --watch: continue until the error is at or below this value
     #[arg(long, value_name = "RATIO", value_parser = values::fraction)]
     target_error: Option<f64>,
@@ -70,8 +70,8 @@ fn once(arguments: &MergeArgs, outputs: &OutputFiles) -> Result<Outcome> {
     let Some(target) = arguments.target_error.filter(|target| !is_reached(&stats, *target)) else {
         return Ok(Outcome::Done);
     };
-    let found = stats.error.relative.map_or("unknown".to_string(), |error| format!("{error:.6}"));
-    print::remark(&format!("failed: the relative error is {found}, which is above the target {target}"));
+    let found = stats.error.typical.map_or("unknown".to_string(), |error| format!("{error:.6}"));
+    print::remark(&format!("failed: the error of a typical pixel is {found}, which is above the target {target}"));
     Ok(Outcome::Exceeded)
 }
 
@@ -84,7 +84,7 @@ fn save(parts: PartSet, outputs: &OutputFiles) -> Result<(Stats, f64)> {
 }
 
 fn is_reached(stats: &Stats, target: f64) -> bool {
-    stats.error.relative.is_some_and(|error| error <= target)
+    stats.error.typical.is_some_and(|error| error <= target)
 }
 
 /// The shortest time between two merges of `--watch`. The time is longer if merging takes long.

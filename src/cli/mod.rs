@@ -18,6 +18,7 @@ mod folded_lens;
 mod frames;
 mod glass;
 mod grating;
+mod hints;
 #[cfg(feature = "meshes")]
 mod import;
 mod interrupt;
@@ -182,9 +183,9 @@ fn capture_panic_message() -> &'static Mutex<String> {
 
 /// Parses the command line and runs the command. Returns the exit status.
 fn execute(arguments: &[OsString]) -> u8 {
-    let outcome = match Cli::try_parse_from(arguments) {
+    let outcome = match Cli::try_parse_from(hints::with_resume_value(arguments)) {
         Ok(cli) => run(&cli.command),
-        Err(error) => report_usage(&error),
+        Err(error) => report_usage(&error, arguments),
     };
     match outcome {
         Ok(outcome) => outcome.exit_status(),
@@ -228,7 +229,7 @@ fn run(command: &Command) -> Result<Outcome> {
 
 /// Prints clap's message: the help and the version to standard output, but help because of a
 /// missing argument to standard error. Any other message becomes a one-line error.
-fn report_usage(error: &clap::Error) -> Result<Outcome> {
+fn report_usage(error: &clap::Error, arguments: &[OsString]) -> Result<Outcome> {
     let text = error.to_string();
     let kind = error.kind();
     if matches!(kind, ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
@@ -238,7 +239,7 @@ fn report_usage(error: &clap::Error) -> Result<Outcome> {
         print::remark(text.trim_end());
         return Ok(Outcome::Reported(2));
     }
-    Err(Error::input(one_line(&text)))
+    Err(Error::input(hints::with_known_option(one_line(&text), error, arguments)))
 }
 
 /// Joins the lines of clap's message into one line, up to the usage section.

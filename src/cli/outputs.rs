@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use abbe_session::output::Metadata;
-use abbe_session::output::exr::{ExrFile, read, write as write_exr};
+use abbe_session::output::exr::{ExrFile, read, read_metadata, write as write_exr};
 use abbe_session::output::file as files;
 use abbe_session::output::metadata::names;
 use abbe_session::output::png::write as write_png;
@@ -66,6 +66,11 @@ impl OutputFiles {
 
     pub(crate) fn named(&self) -> String {
         format!("{} and {}", self.exr.display(), self.png.display())
+    }
+
+    /// Returns true if a render was killed before its end and left the preview of its picture.
+    pub(crate) fn holds_preview(&self) -> bool {
+        read_metadata(&self.exr).is_ok_and(|found| found.get(names::PREVIEW).is_some())
     }
 
     /// Returns false for pipes and devices, which receive only the finished picture.

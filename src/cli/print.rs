@@ -1,6 +1,8 @@
 //! Output of the commands. Results go to standard output. All other output goes to standard error.
 
+use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use abbe_format::{FileAccess, PATCH_LABEL};
@@ -11,8 +13,14 @@ use abbe_spectra::math::elementary::log2;
 use abbe_spectra::spectrum::library;
 use serde::Serialize;
 
-/// Prints a result. A closed pipe, as in `abbe ... | head`, is not an error.
+/// Prints a report. Names in it may come from files, so its control characters are shown as text.
 pub(crate) fn result(text: &str) -> Result<()> {
+    data(&visible(text))
+}
+
+/// Prints data for other programs, unchanged. A closed pipe, as in `abbe ... | head`, is not an
+/// error.
+pub(crate) fn data(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Ok(()) => Ok(()),
@@ -24,12 +32,34 @@ pub(crate) fn result(text: &str) -> Result<()> {
 /// Prints a result as one JSON object. Numbers that are not finite become `null`.
 pub(crate) fn json<T: Serialize>(value: &T) -> Result<()> {
     let text = serde_json::to_string_pretty(value).expect("reports have text keys and no fallible values");
-    result(&(text + "\n"))
+    data(&(text + "\n"))
 }
 
-/// Prints a line on standard error. A failure cannot be reported, so it is ignored.
+/// Prints a line on standard error, with control characters shown as text. A failure cannot be
+/// reported, so it is ignored.
 pub(crate) fn remark(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{}", with_command_line_hints(text));
+    let _ = writeln!(std::io::stderr().lock(), "{}", visible(&with_command_line_hints(text)));
+}
+
+/// Shows control characters as text, such as `\x1b`, because they would command the terminal: they
+/// move the cursor, change its title, or turn the direction of the text. Only line breaks and tabs
+/// stay.
+pub(crate) fn visible(text: &str) -> Cow<'_, str> {
+    /// Characters that turn the direction of the text, so that a name looks like another one.
+    const DIRECTIONS: [RangeInclusive<char>; 2] = ['\u{202a}'..='\u{202e}', '\u{2066}'..='\u{2069}'];
+    let commands = |c: char| {
+        let turns = DIRECTIONS.iter().any(|range| range.contains(&c));
+        (c.is_control() || turns) && c != '\n' && c != '\t'
+    };
+    if !text.contains(commands) {
+        return Cow::Borrowed(text);
+    }
+    let shown = |text: String, c: char| match c {
+        c if !commands(c) => text + c.encode_utf8(&mut [0; 4]),
+        c if c.is_ascii() => text + &format!("\\x{:02x}", u32::from(c)),
+        c => text + &c.escape_unicode().to_string(),
+    };
+    Cow::Owned(text.chars().fold(String::new(), shown))
 }
 
 /// Prints notes, of which some are warnings. If `quiet` is true, only the warnings are printed.
@@ -62,20 +92,20 @@ pub(crate) fn exposure(factor: f64) -> String {
     format!("EV {:.2}", log2(factor))
 }
 
-/// Returns the error of a picture as text: the median and the 95th percentile of its pixels, the
-/// root mean square, and the worst region if it dominates this.
+/// Returns the error of a picture as text: that of a typical pixel, the 95th percentile, the root
+/// mean square, and the worst region if it dominates this.
 pub(crate) fn picture_error(error: &ErrorStats) -> String {
     /// A region is named if it contains at least this fraction of the mean square error.
     const DOMINANT: f64 = 0.25;
-    let Some(((median, p95), relative)) = error.median.zip(error.p95).zip(error.relative) else {
+    let Some(((typical, p95), relative)) = error.typical.zip(error.p95).zip(error.relative) else {
         return "the error is not known yet".to_string();
     };
-    let [median, p95, relative] = [median, p95, relative].map(percent);
+    let [typical, p95, relative] = [typical, p95, relative].map(percent);
     let worst = error.worst_region.zip(error.worst_fraction).filter(|(_, fraction)| *fraction >= DOMINANT);
     let worst = worst.map_or(String::new(), |([x0, y0, x1, y1], fraction)| {
         format!(", {:.0} % of it from the region {x0},{y0},{x1},{y1}", 100.0 * fraction)
     });
-    format!("error of half of the pixels below {median}, of 95 % below {p95}, RMS of the picture {relative}{worst}")
+    format!("error of a typical pixel {typical}, of 95 % of the pixels below {p95}; RMSE {relative} of the mean{worst}")
 }
 
 /// Hints for error messages of the library, each after the fragment of a message.
@@ -131,6 +161,7 @@ mod tests {
             noise: 1.0,
             bias: 0.0,
             relative: Some(0.4),
+            typical: Some(0.015),
             median: Some(0.011),
             p95: Some(0.05),
             worst_region: Some([8, 0, 16, 8]),
@@ -138,10 +169,18 @@ mod tests {
             unknown_pixels: 0,
             edge_pixels: 0,
         };
-        let text = "error of half of the pixels below 1.10 %, of 95 % below 5.00 %, RMS of the picture 40 %";
+        let text = "error of a typical pixel 1.50 %, of 95 % of the pixels below 5.00 %; RMSE 40 % of the mean";
         assert_eq!(picture_error(&error(0.1)), text);
         assert_eq!(picture_error(&error(0.9)), format!("{text}, 90 % of it from the region 8,0,16,8"));
         assert_eq!(picture_error(&ErrorStats { relative: None, ..error(0.1) }), "the error is not known yet");
+    }
+
+    #[test]
+    fn control_characters_are_shown_as_text() {
+        let title = "a\u{1b}]0;title\u{7}\u{1b}[31m\r\0\u{7f}\u{9b}2J\u{202e}\tλ\n";
+        let shown = "a\\x1b]0;title\\x07\\x1b[31m\\x0d\\x00\\x7f\\u{9b}2J\\u{202e}\tλ\n";
+        assert_eq!(visible(title), shown);
+        assert_eq!(visible(shown), shown);
     }
 
     #[test]

@@ -1,10 +1,13 @@
-//! Shows the progress of a render: a bar on a terminal, and otherwise a line every few seconds.
+//! Shows the progress of a render: a bar on a terminal, and otherwise a line every few seconds, as
+//! on a terminal that cannot move its cursor.
 
 use std::io::IsTerminal;
+use std::sync::Arc;
 use std::time::Duration;
 
-use abbe_session::render::{ErrorMilestone, Monitor, Progress};
+use abbe_session::render::{ErrorMilestone, Monitor, Progress, StopRules};
 use abbe_spectra::math::elementary::log10;
+use abbe_transport::walk::StopFlag;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt;
@@ -59,10 +62,12 @@ const PILOT: &str = "pilot: estimating photon counts and radii";
 impl ProgressDisplay {
     /// A display for standard error.
     pub(crate) fn new(quiet: bool, label: Option<String>) -> Self {
-        let output = match (quiet, std::io::stderr().is_terminal()) {
+        // A terminal that cannot move its cursor, such as `TERM=dumb`, hides a bar.
+        let bar = std::io::stderr().is_terminal().then(Self::bar).filter(|bar| !bar.is_hidden());
+        let output = match (quiet, bar) {
             (true, _) => ProgressOutput::Quiet,
-            (false, false) => ProgressOutput::Lines(None),
-            (false, true) => ProgressOutput::Bar(Self::bar()),
+            (false, None) => ProgressOutput::Lines(None),
+            (false, Some(bar)) => ProgressOutput::Bar(bar),
         };
         Self { output, label, trend: ErrorTrend::default() }
     }
@@ -90,23 +95,27 @@ impl ProgressDisplay {
 }
 
 impl Monitor for ProgressDisplay {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        interrupt::stop_flag()
+    }
+
     fn before_pilot(&mut self) {
         let line = self.label.as_deref().map_or_else(|| PILOT.to_owned(), |label| format!("{label}: {PILOT}"));
         match &self.output {
-            ProgressOutput::Bar(bar) => bar.set_message(line),
+            ProgressOutput::Bar(bar) => bar.set_message(print::visible(&line).into_owned()),
             ProgressOutput::Lines(_) => print::remark(&line),
             ProgressOutput::Quiet => {}
         }
     }
 
     fn after_pass(&mut self, progress: &Progress) -> bool {
-        let rises = self.trend.rises(progress.relative_error);
+        let rises = self.trend.rises(progress.typical_error);
         let line = || Self::line(self.label.as_deref(), progress, rises);
         match &mut self.output {
             ProgressOutput::Bar(bar) => {
                 let done = fraction_done(progress).unwrap_or(0.0);
                 bar.set_position((done * STEPS as f64) as u64);
-                bar.set_message(line());
+                bar.set_message(print::visible(&line()).into_owned());
             }
             ProgressOutput::Lines(last) => {
                 if last.is_none_or(|last| progress.elapsed >= last + LINE_INTERVAL) {
@@ -127,9 +136,16 @@ fn time_left(progress: &Progress) -> Option<Duration> {
     let by_time = progress.time_wanted.map(|wanted| wanted.as_secs_f64() - elapsed);
     let by_error =
         progress.error_wanted.zip(progress.forecast).and_then(|(wanted, forecast)| forecast.milestone(wanted));
-    let by_error = by_error.map(|milestone| milestone.seconds - elapsed);
+    let by_error = by_error.filter(|milestone| milestone.seconds_interval.is_some());
+    let by_error = by_error.map(|milestone| (milestone.seconds - elapsed).max(time_to_decision(progress)));
     let left = [by_passes, by_time, by_error].into_iter().flatten().reduce(f64::min)?;
     Duration::try_from_secs_f64(left.max(0.0)).ok()
+}
+
+/// The time until the passes after which the target error may next end the render.
+fn time_to_decision(progress: &Progress) -> f64 {
+    let next = StopRules::next_decision(progress.passes);
+    progress.elapsed.as_secs_f64() / progress.passes.max(1) as f64 * (next - progress.passes) as f64
 }
 
 fn fraction_done(progress: &Progress) -> Option<f64> {
@@ -144,8 +160,27 @@ fn predicted_milestones(progress: &Progress) -> Vec<String> {
         Some(wanted) => forecast.milestone(wanted).into_iter().collect(),
         None => forecast.milestones().collect(),
     };
-    let left = |milestone: &ErrorMilestone| (milestone.seconds - progress.elapsed.as_secs_f64()).max(0.0);
-    milestones.iter().map(|at| format!("{} % in about {}", round(100.0 * at.error), about(left(at)))).collect()
+    let elapsed = progress.elapsed.as_secs_f64();
+    let least = if progress.error_wanted.is_some() { time_to_decision(progress) } else { 0.0 };
+    // Since the last measurement, the error may have fallen to a round value without a target.
+    let ahead = milestones.iter().filter(|at| progress.error_wanted.is_some() || at.seconds > elapsed);
+    let text = |at: &ErrorMilestone| format!("{} % {}", round(100.0 * at.error), when(at, elapsed, least));
+    ahead.map(text).collect()
+}
+
+/// Writes when an error is reached: the interval of the time left, or one time if it is narrow.
+/// `least` is the shortest possible time in s.
+fn when(at: &ErrorMilestone, elapsed: f64, least: f64) -> String {
+    /// A wider interval says nothing.
+    const WIDEST: f64 = 30.0;
+    /// The ends of a narrower interval would be the same number.
+    const NARROW: f64 = 1.5;
+    let left = |seconds: f64| (seconds - elapsed).max(least);
+    match at.seconds_interval.map(|interval| interval.map(left)) {
+        Some([low, high]) if high <= NARROW * low => format!("in about {}", about(left(at.seconds))),
+        Some([low, high]) if high <= WIDEST * low.max(1.0) => format!("in {} to {}", about(low), about(high)),
+        Some(_) | None => "at a time that cannot be foretold yet".to_owned(),
+    }
 }
 
 /// Writes a number with three significant digits, or as an integer from 100.
@@ -173,7 +208,7 @@ fn line(progress: &Progress, error_rises: bool) -> String {
     if let Some(left) = time_left(progress) {
         parts.push(format!("{} left", time(left)));
     }
-    if let Some(error) = progress.relative_error {
+    if let Some(error) = progress.typical_error {
         let reason = if error_rises { " (rising: the latest passes found rare bright light)" } else { "" };
         parts.push(format!("error {}{reason}", percent(error)));
     }
@@ -225,20 +260,17 @@ mod tests {
             time_wanted: None,
             photons_per_second: 2.5e6,
             relative_error: None,
+            typical_error: None,
             error_wanted: None,
             forecast: None,
         }
     }
 
-    /// Returns a forecast after 16 passes in 12 s. The error of 4 % is bias only, which is
-    /// inversely proportional to the fourth root of time.
-    fn forecast() -> Forecast {
-        let squares = ErrorSquares { bias: 0.0016, kernel_noise: 0.0, sampling: 0.0 };
-        Forecast::without_history(
-            squares,
-            abbe_session::render::RunTimes { passes: 16, total_s: 12.0, before_first_pass_s: 0.0 },
-        )
-        .unwrap()
+    /// Returns a forecast after 16 passes in 12 s, from an error of 4 %.
+    fn forecast(bias: f64, sampling: f64) -> Forecast {
+        let squares = ErrorSquares { bias, kernel_noise: 0.0, sampling };
+        let times = abbe_session::render::RunTimes { passes: 16, total_s: 12.0, before_first_pass_s: 0.0 };
+        Forecast::without_history(squares, times).unwrap()
     }
 
     #[test]
@@ -248,13 +280,28 @@ mod tests {
         assert_eq!(left(&progress), None);
         progress.passes_wanted = Some(64);
         assert_eq!(left(&progress), Some(30.0));
-        progress.error_wanted = Some(0.032);
-        progress.forecast = Some(forecast());
-        // The error falls from 4 % to 3.2 % in (4/3.2)⁴ = 2.44140625 times the time.
-        assert!((left(&progress).unwrap() - 19.296_875).abs() < 1e-6);
+        progress.error_wanted = Some(0.02);
+        progress.forecast = Some(forecast(0.0, 0.0016));
+        let at = progress.forecast.unwrap().milestone(0.02).unwrap().seconds;
+        assert!((left(&progress).unwrap() - (at - 10.0)).abs() < 1e-6, "{at}");
+        // Bias alone falls too slowly for a promise, so the error does not tell when the render ends.
+        progress.forecast = Some(forecast(0.0016, 0.0));
+        assert_eq!(left(&progress), Some(30.0));
         progress.time_wanted = Some(Duration::from_secs(15));
         assert_eq!(left(&progress), Some(5.0));
         assert!((fraction_done(&progress).unwrap() - 10.0 / 15.0).abs() < 1e-9);
+    }
+
+    /// A target error ends a render only after whole rounds of the replicates. Until then, some time
+    /// is left even if the error is below the target.
+    #[test]
+    fn near_the_target_the_time_left_is_that_of_the_next_round() {
+        let mut progress = after(18, 13.5);
+        progress.forecast = Some(forecast(0.0, 0.0016));
+        progress.error_wanted = Some(0.039);
+        assert_eq!(time_left(&progress), Some(Duration::from_millis(4500)));
+        progress.typical_error = Some(0.0385);
+        assert!(line(&progress, false).starts_with("18 passes, 4.5 s left, error 3.85 %, 3.9 % in "));
     }
 
     #[test]
@@ -263,13 +310,23 @@ mod tests {
         let line = |progress: &Progress| line(progress, false);
         assert_eq!(line(&progress), "16 passes, 2.5 M photons/s");
         progress.passes_wanted = Some(64);
-        progress.relative_error = Some(0.0312);
+        progress.typical_error = Some(0.0312);
         assert_eq!(line(&progress), "16/64 passes, 30 s left, error 3.12 %, 2.5 M photons/s");
-        progress.forecast = Some(forecast());
-        let milestones = "2 % in about 3 min, 1 % in about 51 min";
+        progress.forecast = Some(forecast(0.0016, 0.0));
+        let milestones = "2 % at a time that cannot be foretold yet, 1 % at a time that cannot be foretold yet";
         assert_eq!(line(&progress), format!("16/64 passes, 30 s left, error 3.12 %, {milestones}, 2.5 M photons/s"));
-        (progress.passes_wanted, progress.error_wanted) = (None, Some(0.025));
-        assert_eq!(line(&progress), "16 passes, 1 min 09 s left, error 3.12 %, 2.5 % in about 69 s, 2.5 M photons/s");
+    }
+
+    #[test]
+    fn a_milestone_has_an_interval() {
+        let at = |interval: Option<[f64; 2]>| {
+            let milestone = ErrorMilestone { error: 0.02, passes: 40.0, seconds: 130.0, seconds_interval: interval };
+            when(&milestone, 10.0, 0.0)
+        };
+        assert_eq!(at(Some([110.0, 150.0])), "in about 2 min");
+        assert_eq!(at(Some([60.0, 310.0])), "in 50 s to 5 min");
+        assert_eq!(at(Some([20.0, 3610.0])), "at a time that cannot be foretold yet");
+        assert_eq!(at(None), "at a time that cannot be foretold yet");
     }
 
     #[test]
@@ -279,7 +336,7 @@ mod tests {
         let rises: Vec<bool> = measured.into_iter().map(|error| trend.rises(error)).collect();
         assert_eq!(rises, [false, false, false, true, true, false]);
         let mut progress = after(16, 10.0);
-        progress.relative_error = Some(0.06);
+        progress.typical_error = Some(0.06);
         let text = "16 passes, error 6.00 % (rising: the latest passes found rare bright light), 2.5 M photons/s";
         assert_eq!(line(&progress, true), text);
     }

@@ -40,7 +40,7 @@ pub(crate) struct RenderArgs {
     /// Stop after this time, such as 90s, 5m or 1h30m
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     time: Option<Duration>,
-    /// Stop when the relative error of the picture falls to this value, such as 2%
+    /// Stop when the relative error of a typical pixel falls to this value, such as 2%
     #[arg(long, value_name = "RATIO", value_parser = values::fraction)]
     target_error: Option<f64>,
     /// The number of photon paths in a pass
@@ -87,9 +87,11 @@ pub(crate) struct RenderArgs {
     part: PassPart,
     /// Continue from the checkpoint beside the output. This finishes an interrupted render, or
     /// extends a render with more --passes, more --time or a smaller --target-error. All limits
-    /// count from the beginning of the first run
-    #[arg(long)]
-    resume: bool,
+    /// count from the beginning of the first run. With `--resume auto`, a render without a
+    /// checkpoint starts from the beginning, as on the first start of a batch job
+    #[arg(long, value_enum, value_name = "auto", num_args = 0..=1, require_equals = true, hide_possible_values = true)]
+    #[arg(default_missing_value = "always", default_value_t, hide_default_value = true)]
+    resume: Resume,
     /// Keep the checkpoint OUT.checkpoint.exr when the picture is complete
     #[arg(long)]
     keep_checkpoint: bool,
@@ -128,6 +130,17 @@ impl HeaderArgs {
     }
 }
 
+/// Whether a render continues from its checkpoint.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Resume {
+    #[default]
+    Never,
+    /// A missing checkpoint is an error.
+    Always,
+    /// If there is a checkpoint.
+    Auto,
+}
+
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 pub(crate) enum IntegratorName {
     #[default]
@@ -153,9 +166,9 @@ pub(crate) fn run(arguments: &RenderArgs) -> Result<Outcome> {
 }
 
 /// Checks the scene and the options of a render whose parts are jobs of a cluster. Returns the
-/// number of passes, or an input error if the scene is wrong or the scripts of the jobs set an
-/// option themselves.
-pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<Option<u64>> {
+/// number of passes and the files that the scene is read from, or an input error if the scene is
+/// wrong or the scripts of the jobs set an option themselves.
+pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<(Option<u64>, Vec<PathBuf>)> {
     let owned = [
         ("--output", arguments.output.is_some()),
         ("--passes", arguments.passes.is_some()),
@@ -163,7 +176,7 @@ pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<Option<u64>> 
         ("--target-error", arguments.target_error.is_some()),
         ("--threads", arguments.threads.is_some()),
         ("--part", arguments.part != PassPart::WHOLE),
-        ("--resume", arguments.resume),
+        ("--resume", arguments.resume != Resume::Never),
         ("--keep-checkpoint", arguments.keep_checkpoint),
         ("--frames", arguments.sequence.frames().is_some()),
         ("--stats", arguments.stats.is_some()),
@@ -175,8 +188,9 @@ pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<Option<u64>> 
         let what = format!("{option} after --: the scripts of the jobs do not allow this option");
         return Err(Error::input(what).expected("options that change the picture, such as --size"));
     }
-    let (_, job) = plan(arguments)?;
-    Ok(arguments.request().stop.passes_wanted(&job.budget))
+    let (source, job) = plan(arguments)?;
+    let inputs = arguments.scene_file.inputs(&SceneFiles::of(&source), &arguments.scene);
+    Ok((arguments.request().stop.passes_wanted(&job.budget), inputs))
 }
 
 /// Renders the picture, or all frames of an image sequence.
@@ -207,9 +221,12 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
     files::check_writable(&checkpoint.path)?;
     let label = frame.map(SequenceFrame::label);
     // With `--resume`, some frames may be finished, and others may have no checkpoint yet.
-    let resume = arguments.resume && (frame.is_none() || checkpoint.path.exists());
-    if frame.is_some()
-        && arguments.resume
+    let resume = match arguments.resume {
+        Resume::Never => false,
+        Resume::Always if frame.is_none() => true,
+        Resume::Always | Resume::Auto => checkpoint.path.exists(),
+    };
+    if arguments.resume != Resume::Never
         && !resume
         && let Some(found) = provenance::finished(&outputs.exr, &of_scene, request, &job)
     {
@@ -233,6 +250,9 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
             print::remark(&format!(
                 "note: starting from the beginning and replacing {path}; --resume would continue from it"
             ));
+        } else if arguments.resume == Resume::Auto {
+            let preview = if outputs.holds_preview() { ", and its preview is replaced" } else { "" };
+            print::remark(&format!("note: there is no {path}, so the render starts from the beginning{preview}"));
         }
     }
     let threads = job.scene.settings.threads;
@@ -245,6 +265,10 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
     let rendered = on_threads(threads, || job.continue_run(request, begin, &mut watch));
     watch.display.finish();
     let rendered = rendered?.map_err(|error| error.in_file(&arguments.scene))?;
+    if rendered.stats.passes == 0 {
+        print::remark("interrupted before the first pass was done, so there is nothing to save");
+        return Ok(Outcome::Interrupted);
+    }
     watch.preview.send(&rendered.picture);
     let exposure = on_threads(threads, || save(arguments, &outputs, &checkpoint, &rendered))??;
     if rendered.stats.rejected_samples > 0 {

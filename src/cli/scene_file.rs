@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::print;
 use crate::api::provenance::SceneFiles;
-use crate::api::{SceneText, read_scene_text};
+use crate::api::{SceneText, read_scene_text, scene_inputs};
 use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
 use abbe_spectra::error::Result;
 
@@ -26,7 +26,13 @@ impl SceneFileArgs {
 
     /// Returns the files that a scene is read from: its own, those that it names, and the overlay.
     pub(crate) fn inputs(&self, files: &SceneFiles, path: &Path) -> Vec<PathBuf> {
-        files.paths.iter().cloned().chain([path.to_path_buf()]).chain(self.overlay.clone()).collect()
+        files.paths.iter().cloned().chain(self.inputs_of_conversion(path)).collect()
+    }
+
+    /// Returns the files that a scene is converted from: its own, those that it includes, and the
+    /// overlay.
+    pub(crate) fn inputs_of_conversion(&self, path: &Path) -> Vec<PathBuf> {
+        scene_inputs(path).into_iter().chain(self.overlay.clone()).collect()
     }
 
     /// Reads a scene file, prints what a conversion added and left out unless `quiet` is true, and

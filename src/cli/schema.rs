@@ -14,7 +14,7 @@ pub(crate) struct SchemaArgs {
 
 pub(crate) fn run(arguments: &SchemaArgs) -> Result<Outcome> {
     if arguments.markdown {
-        print::result(&format::scene_reference())?;
+        print::data(&format::scene_reference())?;
     } else {
         print::json(&format::schema())?;
     }

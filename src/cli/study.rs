@@ -1,6 +1,7 @@
 //! `abbe study`: measures error against time.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use crate::reports::study::{StudyFiles, study};
@@ -9,6 +10,7 @@ use crate::study::study_scene::integrator_title;
 use crate::study::{PAGE, StudyMonitor, StudyOutcome};
 use abbe_session::render::{Monitor, Progress};
 use abbe_spectra::error::Result;
+use abbe_transport::walk::StopFlag;
 
 use super::print::percent;
 use super::progress::{ProgressDisplay, time};
@@ -48,6 +50,10 @@ struct StudyDisplay {
 }
 
 impl Monitor for StudyDisplay {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        self.display.stop_flag()
+    }
+
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.display.after_pass(progress)
     }
@@ -100,12 +106,12 @@ fn text(report: &StudyReport) -> String {
         let fitted = curve.fit.map_or("too few points".to_string(), |fit| fit.words());
         text += &format!("  {:<18} {fitted:>16} {:>16}\n", integrator_title(curve.integrator), theory(curve));
     }
-    text += "\nwanted error (relative MSE) and predicted time on this machine\n";
+    text += "\nerror of a typical pixel, and predicted time on this machine\n";
     for row in &report.recommendations {
         let seconds = Duration::try_from_secs_f64(row.seconds_own_film.max(0.1)).unwrap_or_default();
         let guess = if row.extrapolated { " (extrapolated)" } else { "" };
-        let typical = percent(row.relative_mse.sqrt());
-        text += &format!("  {:<7} {typical:>7}  {:>12}  {}{guess}\n", row.relative_mse, time(seconds), row.command);
+        let typical = percent(row.typical_error);
+        text += &format!("  {typical:>7}  {:>12}  {}{guess}\n", time(seconds), row.command);
     }
     text
 }

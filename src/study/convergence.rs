@@ -1,11 +1,13 @@
 //! The error of a render as a function of the number of passes.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::monitor::StudyMonitor;
 use super::reference::{PictureError, ReferencePicture};
 use abbe_session::render::{Monitor, Progress, Run};
 use abbe_transport::sensor::Picture;
+use abbe_transport::walk::StopFlag;
 use serde::{Deserialize, Serialize};
 
 /// The error of a render after some passes.
@@ -51,6 +53,10 @@ impl<'a> ConvergenceMonitor<'a> {
 }
 
 impl Monitor for ConvergenceMonitor<'_> {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        self.monitor.stop_flag()
+    }
+
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.seconds = (progress.elapsed.saturating_sub(self.measuring)).as_secs_f64();
         self.monitor.after_pass(progress)

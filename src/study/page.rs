@@ -104,7 +104,7 @@ fn summary(report: &StudyReport) -> Markup {
     html! {
         p {
             @if let Some((point, error)) = report.sweep.default.zip(error) {
-                "With the scene's own settings (" (passes) " passes), the error of the picture is " strong { (typical(error.value)) }
+                "With the scene's own settings (" (passes) " passes), the error of a typical pixel is " strong { (root(point.error.typical.value)) }
                 " (relMSE " (short(error.value)) ") after " strong { (time(point.seconds)) } ". "
             } @else {
                 "The study ended before the " (passes) " passes that the scene states. "
@@ -161,7 +161,7 @@ fn recommendations(report: &StudyReport) -> Markup {
                         th.number { "error" } th.number { "relMSE" } th.number { "time" } th { "settings" } th.number { "passes" } th { "command" }
                     } }
                     tbody { @for row in &report.recommendations { tr {
-                        td.number { strong { (typical(row.relative_mse)) } }
+                        td.number { strong { (percent(row.typical_error)) } }
                         td.number { (short(row.relative_mse)) }
                         td.number { strong { (time(row.seconds_own_film)) } @if row.extrapolated { " *" } }
                         td { (row.settings) }
@@ -261,7 +261,7 @@ fn sweep(report: &StudyReport) -> Markup {
 fn place_row(point: &ConvergencePoint, settings: &RenderSettings, class: &str) -> Markup {
     html! { tr class=(class) {
         td.number { (time(point.seconds)) }
-        td.number { (typical(point.error.whole.value)) }
+        td.number { (root(point.error.typical.value)) }
         td.number { (point.passes) }
         td { (if settings.integrator == Integrator::Path { "path tracer".to_string() } else { settings.words() }) @if class == "default" { " (default)" } }
     } }
@@ -351,7 +351,7 @@ fn measured(
             tr { th { "time" } td { (time(with.seconds)) " → " (time(cost.seconds)) " (" (change) ")" } }
             tr { th { "memory" } td { (bytes(with.memory_bytes)) " → " (bytes(cost.memory_bytes)) } }
             tr { th { "difference" } td { "ΔE " (format!("{:.2}", delta_e.mean)) ", 95 %: " (format!("{:.1}", delta_e.p95)) "; relMSE " (short(relative_mse)) } }
-            tr { th { "error" } td { (typical(effects.error.value)) " → " (typical(error.value)) } }
+            tr { th { "RMS error" } td { (root(effects.error.value)) " → " (root(error.value)) } }
         } }
     }
 }
@@ -371,11 +371,11 @@ fn method(report: &StudyReport) -> Markup {
                         (time(reference.seconds)) ". "
                     }
                 }
-                "Its own noise is " (typical(reference.relative_variance)) " (relMSE " (short(reference.relative_variance))
+                "Its own RMS noise is " (root(reference.relative_variance)) " (relMSE " (short(reference.relative_variance))
                 "). This noise is subtracted from every error, pixel by pixel. Plots and fits leave out errors below three standard errors. "
                 @if reference.origin == "photon" {
                     "Its kernels have a tenth of the area of the scene's kernels, and so about a tenth of the bias. Bias cannot be subtracted; the reference estimates its own bias as "
-                    (typical(reference.relative_bias_square)) ". "
+                    (root(reference.relative_bias_square)) ". "
                 }
             }
             p { strong { "Smooth regions: " } (report.smooth_rule) "." }
@@ -411,7 +411,7 @@ fn slope(fit: Option<super::fit::PowerLawFit>) -> String {
 }
 
 /// Writes the square root of a relative mean square error in percent.
-fn typical(relative_mse: f64) -> String {
+fn root(relative_mse: f64) -> String {
     if relative_mse.is_nan() { "unknown".to_string() } else { percent(relative_mse.max(0.0).sqrt()) }
 }
 

@@ -13,6 +13,9 @@ use serde::Serialize;
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Recommendation {
+    /// The wanted error of a typical pixel, to which `abbe render --target-error` refers too.
+    pub typical_error: f64,
+    /// The relative mean square error over all pixels after these passes.
     pub relative_mse: f64,
     pub settings: String,
     pub passes: u64,
@@ -25,8 +28,8 @@ pub struct Recommendation {
     pub extrapolated: bool,
 }
 
-/// The relative mean square errors of the table.
-pub const ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];
+/// The errors of a typical pixel in the table.
+pub const ERRORS: [f64; 6] = [0.3, 0.2, 0.1, 0.05, 0.02, 0.01];
 
 /// The limit of extrapolation, as a multiple of the passes of the last measured point.
 const MAX_EXTRAPOLATION: f64 = 1000.0;
@@ -45,7 +48,7 @@ fn slope_at_the_end(points: &[&ConvergencePoint], curve: &ConvergenceCurve) -> O
     const LAST_POINTS: usize = 4;
     const SHALLOWEST: f64 = -0.3;
     let last = points[points.len().saturating_sub(LAST_POINTS)..].iter();
-    let fit = PowerLawFit::of(last.map(|point| (point.passes as f64, point.error.whole.value)))?;
+    let fit = PowerLawFit::of(last.map(|point| (point.passes as f64, point.error.typical.value)))?;
     (fit.slope < SHALLOWEST).then(|| curve.slopes_in_theory().into_iter().fold(fit.slope, f64::max))
 }
 
@@ -66,12 +69,13 @@ pub(super) fn table(
         .chain(path)
         .map(|(settings, points, render_time, curve)| {
             let points: Vec<&ConvergencePoint> =
-                points.iter().filter(|point| point.error.whole.is_significant()).collect();
+                points.iter().filter(|point| point.error.typical.is_significant()).collect();
             let slope = slope_at_the_end(&points, curve);
             TriedSettings { settings, points, render_time, slope }
         })
         .collect();
-    let row = |&error: &f64| {
+    let row = |&typical_error: &f64| {
+        let error = typical_error * typical_error;
         let reached = tried.iter().filter_map(|tried| Some((tried.passes_to(error)?, tried, false)));
         let reached = reached.min_by(|a, b| a.1.seconds(a.0).total_cmp(&b.1.seconds(b.0)));
         let beyond = || {
@@ -81,7 +85,8 @@ pub(super) fn table(
         let (passes, tried, extrapolated) = reached.or_else(beyond)?;
         let passes = passes.ceil();
         Some(Recommendation {
-            relative_mse: error,
+            typical_error,
+            relative_mse: tried.whole_after(passes),
             settings: tried.settings.words(),
             passes: passes as u64,
             command: tried.settings.command(study_scene, passes as u64),
@@ -100,7 +105,7 @@ impl TriedSettings<'_> {
 
     /// Returns after how many passes the error was first reached, by logarithms.
     fn passes_to(&self, error: f64) -> Option<f64> {
-        let value = |i: usize| self.points[i].error.whole.value;
+        let value = |i: usize| self.points[i].error.typical.value;
         let passes = |i: usize| self.points[i].passes as f64;
         let i = (0..self.points.len()).find(|&i| value(i) <= error)?;
         if i == 0 {
@@ -113,7 +118,23 @@ impl TriedSettings<'_> {
     /// Returns after how many passes the error is reached with the expected slope.
     fn passes_beyond(&self, error: f64) -> Option<f64> {
         let last = self.points.last()?;
-        let more = powf(error / last.error.whole.value, 1.0 / self.slope?);
+        let more = powf(error / last.error.typical.value, 1.0 / self.slope?);
         (more < MAX_EXTRAPOLATION).then_some(more * last.passes as f64)
+    }
+
+    /// Returns the relative mean square error after this many passes, by logarithms between the
+    /// measured points, and beyond them with the expected slope.
+    fn whole_after(&self, passes: f64) -> f64 {
+        let at = |i: usize| (self.points[i].passes as f64, self.points[i].error.whole.value);
+        let Some(last) = self.points.len().checked_sub(1) else { return f64::NAN };
+        let next = (0..=last).find(|&i| at(i).0 >= passes);
+        match next {
+            Some(0) => at(0).1,
+            Some(i) => {
+                let ((n0, e0), (n1, e1)) = (at(i - 1), at(i));
+                exp(ln(e0) + ln(passes / n0) / ln(n1 / n0) * ln(e1 / e0))
+            }
+            None => at(last).1 * powf(passes / at(last).0, self.slope.unwrap_or(0.0)),
+        }
     }
 }

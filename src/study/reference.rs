@@ -4,6 +4,7 @@ use super::smooth_regions;
 use abbe_session::output::compare::ErrorScale;
 use abbe_spectra::math::elementary::hypot;
 use abbe_transport::sensor::Picture;
+use abbe_transport::sensor::error_distribution::TRIMMED;
 use serde::{Deserialize, Serialize};
 
 /// A mean over pixels, and the standard error of this mean.
@@ -35,6 +36,8 @@ pub struct PictureError {
     pub whole: MeanEstimate,
     /// The error over the pixels of smooth regions, if there are enough such pixels.
     pub smooth: Option<MeanEstimate>,
+    /// The squared error of a typical pixel: of Y, over all pixels except the worst 2 %.
+    pub typical: MeanEstimate,
 }
 
 #[derive(Debug, Clone)]
@@ -42,6 +45,8 @@ pub struct ReferencePicture {
     pub picture: Picture,
     scale: ErrorScale,
     variance: Vec<f64>,
+    /// The squared relative noise of Y.
+    variance_of_y: Vec<f64>,
     /// For each pixel, whether it is in a smooth region. Empty if there are too few.
     smooth: Vec<bool>,
 }
@@ -78,13 +83,34 @@ impl ReferencePicture {
     fn new(picture: Picture, scale: ErrorScale, variance: Vec<f64>, noise: Vec<f64>) -> Self {
         let smooth = smooth_regions::find(&picture, &noise);
         let enough = smooth.iter().filter(|&&smooth| smooth).count() as f64 >= LEAST_SMOOTH * smooth.len() as f64;
-        Self { picture, scale, variance, smooth: if enough { smooth } else { Vec::new() } }
+        let of_y =
+            |(noise, xyz): (&f64, &[f64; 3])| if *noise > 0.0 { noise / scale.unit(xyz[1], 1).powi(2) } else { 0.0 };
+        let variance_of_y = noise.iter().zip(&picture.xyz).map(of_y).collect();
+        Self { picture, scale, variance, variance_of_y, smooth: if enough { smooth } else { Vec::new() } }
     }
 
     /// Returns the error of a picture, without pixels that are not finite in the reference.
     pub fn error_of(&self, picture: &Picture) -> PictureError {
         let square = |i: usize| self.scale.relative_square(picture.xyz[i], self.picture.xyz[i]) - self.variance[i];
-        self.estimate(square)
+        let typical = |i: usize| {
+            let (a, b) = (picture.xyz[i][1], self.picture.xyz[i][1]);
+            let square = if a == b { 0.0 } else { ((a - b) / self.scale.unit(b, 1)).powi(2) };
+            [square, self.variance_of_y[i]]
+        };
+        PictureError { typical: self.typical(typical), ..self.estimate(square) }
+    }
+
+    /// Returns the mean of the differences of two numbers over all pixels except the worst 2 %,
+    /// those with the largest first numbers.
+    fn typical(&self, of: impl Fn(usize) -> [f64; 2]) -> MeanEstimate {
+        let mut squares: Vec<[f64; 2]> = (0..self.variance.len())
+            .filter(|&i| self.variance_of_y[i].is_finite() && self.picture.xyz[i][1].is_finite())
+            .map(of)
+            .collect();
+        squares.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        squares.truncate(squares.len() - (TRIMMED * squares.len() as f64) as usize);
+        let differences: Vec<f64> = squares.iter().map(|[square, variance]| square - variance).collect();
+        MeanEstimate::mean(&differences).unwrap_or(MeanEstimate { value: f64::NAN, standard_error: f64::NAN })
     }
 
     pub fn own_variance(&self) -> PictureError {
@@ -113,7 +139,8 @@ impl ReferencePicture {
         let whole: Vec<f64> = pixels.iter().map(|&i| of(i)).collect();
         let smooth: Vec<f64> = pixels.iter().filter(|&&i| self.smooth.get(i) == Some(&true)).map(|&i| of(i)).collect();
         let none = MeanEstimate { value: f64::NAN, standard_error: f64::NAN };
-        PictureError { whole: MeanEstimate::mean(&whole).unwrap_or(none), smooth: MeanEstimate::mean(&smooth) }
+        let typical = self.typical(|i| [self.variance_of_y[i], 0.0]);
+        PictureError { whole: MeanEstimate::mean(&whole).unwrap_or(none), smooth: MeanEstimate::mean(&smooth), typical }
     }
 }
 

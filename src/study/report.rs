@@ -152,7 +152,16 @@ impl StudyReport {
     }
 
     fn settings_csv(&self) -> String {
-        let head = ["relative_mse", "settings", "passes", "seconds", "seconds_own_film", "extrapolated", "command"];
+        let head = [
+            "relative_mse",
+            "settings",
+            "passes",
+            "seconds",
+            "seconds_own_film",
+            "extrapolated",
+            "command",
+            "typical_error",
+        ];
         let rows = self.recommendations.iter().map(|row| {
             vec![
                 number(row.relative_mse),
@@ -162,6 +171,7 @@ impl StudyReport {
                 number(row.seconds_own_film),
                 row.extrapolated.to_string(),
                 row.command.clone(),
+                number(row.typical_error),
             ]
         });
         csv(&head, rows)

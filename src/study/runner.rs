@@ -123,6 +123,7 @@ impl Runner<'_> {
         let mut hash = IdentityHash::default();
         let parts = [
             env!("CARGO_PKG_VERSION"),
+            "with the error of a typical pixel",
             &self.study_scene.hash,
             &step.name,
             &format!("{:?}", step.request),

@@ -175,7 +175,7 @@ mod tests {
     fn run(points: &[(f64, f64)]) -> SweepRun {
         let point = |&(seconds, value): &(f64, f64)| {
             let whole = MeanEstimate { value, standard_error: 0.01 };
-            ConvergencePoint { passes: 1, seconds, error: PictureError { whole, smooth: None } }
+            ConvergencePoint { passes: 1, seconds, error: PictureError { whole, smooth: None, typical: whole } }
         };
         let render_time = RenderTime { pilot: 0.5, fixed: 0.1, gather: 0.2 };
         SweepRun { change: None, points: points.iter().map(point).collect(), render_time }

@@ -4,6 +4,7 @@ use super::host::LoadedScene;
 use super::scene_panels::ScenePanels;
 use super::snapshot::Snapshot;
 use abbe_session::render::Progress;
+use abbe_transport::walk::StopFlag;
 use serde_json::{Value, json};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -56,6 +57,8 @@ pub(super) struct ViewProgress {
     pub(super) elapsed_s: f64,
     pub(super) photons_per_second: f64,
     pub(super) relative_error: Option<f64>,
+    /// That of a typical pixel.
+    pub(super) typical_error: Option<f64>,
 }
 
 impl ViewProgress {
@@ -68,6 +71,7 @@ impl ViewProgress {
             elapsed_s,
             photons_per_second: progress.photons_per_second * total_s / elapsed_s,
             relative_error: progress.relative_error,
+            typical_error: progress.typical_error,
         }
     }
 
@@ -81,6 +85,8 @@ impl ViewProgress {
 #[derive(Debug, Clone)]
 struct ViewState {
     orders: Orders,
+    /// Ends the render of this revision of the scene.
+    stop: (u64, Arc<StopFlag>),
     session: SessionState,
     progress: ViewProgress,
     error: Option<String>,
@@ -90,6 +96,15 @@ struct ViewState {
     snapshot: Option<Arc<Snapshot>>,
     /// The picture with which the page compares the published one.
     reference: Option<Arc<Snapshot>>,
+}
+
+impl ViewState {
+    fn stop_if_over(&self) {
+        let (revision, flag) = &self.stop;
+        if self.orders.interrupted || self.orders.revision != *revision {
+            flag.raise();
+        }
+    }
 }
 
 /// The state that the threads share. Each lock is held only for a short time.
@@ -106,6 +121,7 @@ impl ViewChannel {
     pub(super) fn new() -> Self {
         let state = ViewState {
             orders: Orders::default(),
+            stop: (0, Arc::default()),
             session: SessionState::Starting,
             progress: ViewProgress::default(),
             error: None,
@@ -128,8 +144,20 @@ impl ViewChannel {
     }
 
     pub(super) fn order(&self, change: impl FnOnce(&mut Orders)) {
-        self.update(|state| change(&mut state.orders));
+        self.update(|state| {
+            change(&mut state.orders);
+            state.stop_if_over();
+        });
         self.changed.notify_all();
+    }
+
+    /// Returns the flag that ends the render of a revision if the scene changes or the user
+    /// interrupts.
+    pub(super) fn stop_flag(&self, revision: u64) -> Arc<StopFlag> {
+        let mut state = self.lock();
+        state.stop = (revision, Arc::default());
+        state.stop_if_over();
+        Arc::clone(&state.stop.1)
     }
 
     pub(super) fn scene_file_changed(&self) {
@@ -258,6 +286,7 @@ impl ViewChannel {
             "left_s": progress.left_s(),
             "photons_per_second": progress.photons_per_second,
             "relative_error": progress.relative_error,
+            "typical_error": progress.typical_error,
             "picture": snapshot.as_ref().map(|snapshot| snapshot.summary()),
             "reference": reference.as_ref().map(|reference| reference.reference_summary()),
         })

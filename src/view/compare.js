@@ -7,7 +7,7 @@ const keyOf = of => of ? of.name + " " + of.number : "";
 const fits = () => reference && picture && reference.width === picture.width && reference.height === picture.height;
 const comparison = () => fits() ? $("compare").value : "off";
 const isSplit = () => comparison() === "wipe";
-const described = of => of.name + (of.without.length ? " without " + of.without.join(", ") : "") + (of.passes ? `, ${of.passes} passes` : "");
+const described = of => of.name + (of.without.length ? " without " + of.without.join(", ") : "") + (of.passes ? `, ${of.passes} ${of.passes === 1 ? "pass" : "passes"}` : "");
 
 /// Fetches the reference if the state names another one.
 async function showReference(next) {

@@ -55,7 +55,7 @@ async function show(next) {
   state = next;
   if (next.scene !== null && (next.scene !== scene?.number || hasOldPanels && !next.draft)) await showScene();
   $("passes").textContent = next.passes + (next.passes_wanted ? " of " + next.passes_wanted : "");
-  $("error").textContent = percent(next.relative_error);
+  $("error").textContent = percent(next.typical_error);
   $("left").textContent = next.session === "rendering" ? time(next.left_s) : "–";
   $("rate").textContent = next.photons_per_second ? short(next.photons_per_second) : "–";
   $("session").textContent = next.paused && next.session === "rendering" ? "paused" : next.session;

@@ -26,6 +26,7 @@ pub(super) fn run(channel: &Arc<ViewChannel>, path: &Path, is_interrupted: fn() 
                 let progress = ViewProgress {
                     passes: snapshot.passes,
                     relative_error: snapshot.picture.error_means().relative,
+                    typical_error: snapshot.picture.error_distribution().map(|errors| errors.typical),
                     ..ViewProgress::default()
                 };
                 channel.begin(Arc::clone(&snapshot.scene), None);

@@ -7,6 +7,7 @@ use super::scene_panels::ScenePanels;
 use abbe_session::render::{Integrator, Monitor, PassPart, Progress, Rendered, Request, Run, StopRules, on_threads};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;
+use abbe_transport::walk::StopFlag;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ pub struct SessionEnd {
 }
 
 /// Renders until the host is interrupted, each render on its own thread. If the scene changes, the
-/// session starts the next render at once, and the abandoned one ends after its pass. Returns an
+/// session starts the next render at once, and the abandoned one ends soon. Returns an
 /// error if the first load of the scene fails, or if a thread cannot be started.
 pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRules) -> Result<SessionEnd> {
     let mut number = 0;
@@ -119,12 +120,17 @@ fn render(
             revision: orders.revision,
             paused: Duration::ZERO,
             last: ViewProgress::default(),
+            stop: channel.stop_flag(orders.revision),
         };
         let rendered = job.continue_run(request, run, &mut monitor)?;
+        if rendered.stats.passes == 0 {
+            return Ok(None);
+        }
         let progress = ViewProgress {
             passes: rendered.stats.passes,
             passes_wanted: stop.passes_wanted(&job.budget),
             relative_error: rendered.stats.error.relative.or(monitor.last.relative_error),
+            typical_error: rendered.stats.error.typical.or(monitor.last.typical_error),
             ..monitor.last
         };
         publisher.publish(&rendered.run, rendered.picture.clone());
@@ -153,9 +159,14 @@ struct ViewMonitor<'a, 'p> {
     revision: u64,
     paused: Duration,
     last: ViewProgress,
+    stop: Arc<StopFlag>,
 }
 
 impl Monitor for ViewMonitor<'_, '_> {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        Arc::clone(&self.stop)
+    }
+
     fn wants_coarse_picture(&self) -> bool {
         true
     }

@@ -82,6 +82,30 @@ fn a_kept_checkpoint_extends_to_the_picture_of_a_single_run() {
     assert!(!at.join("ball.checkpoint.exr").exists());
 }
 
+/// A batch job starts with the same command whether it starts first, after a kill or at the end.
+#[test]
+fn resume_auto_starts_continues_and_ends() {
+    let folder = scene();
+    let at = folder.path();
+    let words = ["render", "ball.json", "--threads", "1", "--resume", "auto", "--keep-checkpoint", "--passes"];
+    let auto = |passes: &str| abbe(at, &[&words[..], &[passes]].concat());
+    render(at, &["--resume"]).is_error(2, &["the checkpoint does not exist", "--resume auto"]);
+    let said = auto("4");
+    done(&said);
+    assert!(
+        said.err.contains("there is no ball.checkpoint.exr, so the render starts from the beginning"),
+        "{}",
+        said.err
+    );
+    let said = auto("9");
+    done(&said);
+    assert!(said.err.contains("resuming after 4 passes"), "{}", said.err);
+    std::fs::remove_file(at.join("ball.checkpoint.exr")).unwrap();
+    let said = auto("9");
+    done(&said);
+    assert!(said.err.contains("ball.exr is already finished"), "{}", said.err);
+}
+
 #[test]
 fn the_path_tracer_resumes_too_and_on_any_number_of_threads() {
     let folder = scene();

@@ -118,7 +118,11 @@ fn motion_is_explained_by_how_far_it_goes_over_the_picture() {
         );
         std::fs::write(folder.path().join("card.json"), scene).unwrap();
         let json = abbe(folder.path(), &["explain", "card.json", "--json"]).json();
-        (json, abbe(folder.path(), &["explain", "card.json"]).out)
+        let brief = abbe(folder.path(), &["explain", "card.json"]).out;
+        // An effect without a cause in the scene is only listed.
+        assert!(brief.contains("off, because the scene has nothing that needs them: dispersion, "), "{brief}");
+        assert!(!brief.contains("no surface and no medium is fluorescent"), "{brief}");
+        (json, abbe(folder.path(), &["explain", "card.json", "--all"]).out)
     };
     let effect = |json: &Value| {
         let effects = json["effects"].as_array().unwrap().clone();

@@ -99,3 +99,38 @@ fn other_commands_keep_what_they_read() {
     is_refused(at, &["regress", "lamp.csv", "--junit", "lamp.csv"]);
     is_refused(at, &["import", "lamp.csv", "-o", "lamp.csv"]);
 }
+
+/// Mitsuba and pbrt scenes include other files, which the converted scene no longer names.
+#[test]
+fn the_included_files_of_foreign_scenes_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    std::fs::write(at.join("s.pbrt"), "WorldBegin\nInclude \"part.json\"\n").unwrap();
+    std::fs::write(at.join("part.json"), "Shape \"sphere\"\n").unwrap();
+    std::fs::write(
+        at.join("s.xml"),
+        r#"<scene version="3.0.0"><sensor type="perspective"/><include filename="part.exr"/></scene>"#,
+    )
+    .unwrap();
+    std::fs::write(at.join("part.exr"), r#"<scene version="3.0.0"><shape type="sphere"/></scene>"#).unwrap();
+    is_refused(at, &["import", "s.pbrt", "-o", "part.json"]);
+    is_refused(at, &["import", "s.xml", "-o", "part.exr"]);
+    let before = files(at);
+    for arguments in [["s.pbrt", "-o", "a.exr", "--stats", "part.json"].as_slice(), &["s.xml", "-o", "part.exr"]] {
+        let said = abbe(at, &[&["render"], arguments].concat());
+        assert!(said.status == 2 && said.err.contains("would replace part."), "{}", said.err);
+        assert!(before == files(at), "{arguments:?} changed the folder");
+    }
+    assert_eq!(abbe(at, &["import", "s.xml", "-o", "s.json"]).status, 0);
+}
+
+/// The last job writes the merged picture and its statistics into the folder of the scripts.
+#[test]
+fn the_jobs_of_a_cluster_keep_the_files_of_the_scene() {
+    let folder = folder();
+    let at = folder.path();
+    for scene in ["sky.json", "wood.json"] {
+        is_refused(at, &["slurm", scene, "--parts", "2", "--passes", "4", "-o", "."]);
+    }
+    assert_eq!(abbe(at, &["slurm", "sky.json", "--parts", "2", "--passes", "4", "-o", "jobs"]).status, 0);
+}

@@ -320,3 +320,22 @@ fn files_outside_the_scene_folder_need_permission() {
     let said = abbe(folder.path(), &["check", "below/far.json", "--allow-outside"]);
     assert_eq!(said.status, 0, "{}", said.err);
 }
+
+/// A pass of this render takes minutes. A stop in it discards it, and nothing is left.
+#[cfg(unix)]
+#[test]
+fn a_stop_does_not_wait_for_the_end_of_the_pass() {
+    for wait_ms in [300, 1500] {
+        let folder = scene();
+        let arguments = ["render", "ball.json", "--photons", "20000000", "--threads", "1", "--quiet"];
+        let child = command(folder.path()).args(arguments).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(wait_ms));
+        let start = Instant::now();
+        crate::abbe_command::signal::signal(&child, "-TERM");
+        let said = Said::from(child.wait_with_output().unwrap());
+        assert!(start.elapsed() < Duration::from_secs(4), "{:?}", start.elapsed());
+        assert_eq!(said.status, 130, "{}", said.err);
+        assert!(said.err.contains("interrupted before the first pass was done"), "{}", said.err);
+        assert_eq!(names_in(folder.path()), ["ball.json"]);
+    }
+}

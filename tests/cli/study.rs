@@ -95,6 +95,35 @@ fn a_study_leaves_its_files_and_takes_up_what_is_there() {
     assert_eq!(kept, steps - 2, "{}", again.err);
 }
 
+/// The study, the render and the comparison speak of the same error.
+#[test]
+fn a_render_with_recommended_settings_has_the_promised_error() {
+    let folder = scene();
+    let at = folder.path();
+    assert_eq!(study(at, &["--budget", "6s", "--quiet"]).status, 0);
+    let found = report(at);
+    let rows = found["wanted"].as_array().unwrap();
+    let row = rows.iter().rfind(|row| row["extrapolated"] == false).expect("a measured error");
+    let promised = row["typical_error"].as_f64().unwrap();
+    let words: Vec<&str> = row["command"].as_str().unwrap().split(' ').skip(1).collect();
+    assert!(words[..2] == ["render", "ball.json"] && words.contains(&"--passes"), "{words:?}");
+    for (seed, name) in [("7", "a"), ("8", "b")] {
+        let (exr, json) = (format!("{name}.exr"), format!("{name}.json"));
+        let more = ["-o", &exr, "--stats", &json, "--seed", seed, "--quiet"];
+        assert_eq!(abbe(at, &[&words[..], &more].concat()).status, 0);
+        let stats: Value = serde_json::from_slice(&std::fs::read(at.join(json)).unwrap()).unwrap();
+        let error = stats["error"]["typical"].as_f64().unwrap();
+        // A film of another size has other noise at edges.
+        assert!((0.5..1.6).contains(&(error / promised)), "{error} instead of {promised}: {words:?}");
+        let said =
+            abbe(at, &["render", "ball.json", "--quiet", "--target-error", &format!("{error}"), "--passes", "16"]);
+        assert_eq!(said.status, 0, "{}", said.err);
+    }
+    let compared = abbe(at, &["compare", "a.exr", "b.exr", "--json"]).json();
+    let error = compared["typical_error"].as_f64().unwrap();
+    assert!((0.5..1.6).contains(&(error / promised)), "{error} instead of {promised}");
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_study_keeps_its_steps() {

@@ -26,6 +26,25 @@ fn assert_faults(text: &str, expected: &[(&str, &str)]) {
     }
 }
 
+/// The reader and the geometry both check the sizes of a shape.
+#[test]
+fn a_wrong_size_of_a_shape_is_told_once() {
+    for (shape, path) in [
+        (r#"{"prism": {"side": -1, "length": 2}}"#, "prism.side: found -1"),
+        (r#"{"sphere": {"radius": -1}}"#, "sphere.radius: found -1"),
+        (r#"{"cylinder": {"radius": 1, "height": 0}}"#, "cylinder.height: found 0"),
+        (r#"{"box": {"size": [1, -1, 1]}}"#, "box.size[1]: found -1"),
+    ] {
+        let scene = format!(
+            r#"{{"camera": {{"from": [0, 1, 5], "at": [0, 0, 0], "lens": {{"pinhole": {{"fov": 40}}}}}},
+            "film": {{"width": 8, "height": 6}}, "materials": {{"paint": {{"diffuse": {{"reflectance": 0.5}}}}}},
+            "objects": [{{"shape": {shape}, "material": "paint"}}],
+            "lights": [{{"environment": {{"spectrum": 1, "luminance": 1}}}}]}}"#
+        );
+        assert_faults(&scene, &[("3:", &format!("objects[0].shape.{path}"))]);
+    }
+}
+
 #[test]
 fn all_faults_of_all_kinds_are_reported_together() {
     assert_faults(

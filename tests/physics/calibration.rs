@@ -215,7 +215,7 @@ impl Monitor for Watching {
     }
 
     fn checkpoint(&mut self, run: &Run) {
-        let error = || run.relative_error().expect("a picture that is lit");
+        let error = || run.typical_error().expect("a picture that is lit");
         if run.passes() == 4 * FROM {
             self.came = Some(error());
         }

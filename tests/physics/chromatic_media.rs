@@ -17,6 +17,7 @@ use abbe_transport::emit::{
     WavelengthSampling, trace,
 };
 use abbe_transport::map::PhotonSpectra;
+use abbe_transport::walk::NEVER_STOP;
 use abbe_transport::walk::ledger::Ledger;
 use serde_json::{Value, json};
 
@@ -111,6 +112,7 @@ fn no_photon_grows_heavier_than_it_set_out() {
         count: PHOTONS,
         streams: Seed::new(1).streams(Purpose::FreePhoton).pass(0),
         media_plan: job.plan.media_plan,
+        stop: &NEVER_STOP,
     };
     let (points, mut heaviest, mut ledger) = (emitters.points(), Heaviest::default(), Ledger::new(1));
     let mut growth = 0.0_f64;

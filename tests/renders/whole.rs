@@ -333,7 +333,7 @@ impl Monitor for Errors {
 
     fn checkpoint(&mut self, run: &Run) {
         if run.passes().is_multiple_of(8) {
-            self.0.extend(run.relative_error());
+            self.0.extend(run.typical_error());
         }
     }
 }
@@ -353,7 +353,7 @@ fn the_error_falls_and_a_render_stops_at_its_target() {
     let stop = StopRules { target_error: Some(after(met)), ..StopRules::default() };
     let stats = job.render(Request { stop, ..Request::default() }, &mut NoMonitor).unwrap().stats;
     assert_eq!(stats.passes, met as u64);
-    assert!((stats.error.relative.unwrap() / after(met) - 1.0).abs() < 1e-6, "what it says of its error is the target");
+    assert!((stats.error.typical.unwrap() / after(met) - 1.0).abs() < 1e-6, "what it says of its error is the target");
 }
 
 #[test]

@@ -52,6 +52,7 @@
 mod camera;
 mod check;
 mod coating;
+mod contents;
 mod date_time;
 mod emission;
 mod field;
@@ -102,6 +103,7 @@ pub mod volume_file;
 
 pub use camera::{CameraFile, CameraKeyframeFile, ShutterFile};
 pub use coating::{CoatingFile, CoatingIndexFile, CoatingLayerFile, ComplexIndexFile};
+pub use contents::is_json_schema;
 pub use emission::EmissionFile;
 pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, SphereFieldFile};
 pub use film::{

@@ -1,8 +1,8 @@
 //! Reads scene files, and parts of scenes from their text.
 
 use crate::{
-    CoatingFile, FileAccess, JsonPath, JsonSource, PrescriptionFile, SceneFile, SpectrumFile, foreign, json::read_text,
-    spectrum::SpectrumUse,
+    CoatingFile, FileAccess, JsonPath, JsonSource, PrescriptionFile, SceneFile, SpectrumFile, contents, foreign,
+    json::read_text, spectrum::SpectrumUse,
 };
 use abbe_spectra::error::{Error, Result};
 use std::path::Path;
@@ -25,6 +25,7 @@ pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
 /// program. In the last case, the error says how to bring the file into a scene.
 pub fn read_scene_text(path: &Path) -> Result<String> {
     foreign::refuse_foreign(path)?;
+    contents::refuse_contents(path)?;
     read_text(path)
 }
 

@@ -1,6 +1,8 @@
 //! Finds objects enclosed in an opaque body, which no light reaches and no camera sees.
 
 use super::Scene;
+use crate::geometry::ConvexBody;
+use crate::geometry::box_tree::BoxTree;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -12,7 +14,7 @@ impl Scene {
     pub fn enclosures(&self) -> BTreeMap<u32, u32> {
         let mut enclosures = BTreeMap::new();
         let opaque = |object: u32| !self.material_of(object).surface.is_transmissive();
-        let mut containers = self.geometry.convex_bodies().filter(|(object, _)| opaque(*object)).peekable();
+        let mut containers = self.geometry.convex_bodies().filter(|body| opaque(body.object)).peekable();
         if containers.peek().is_none() || self.moves() {
             return enclosures;
         }
@@ -20,15 +22,16 @@ impl Scene {
         let Some(open) = self.boxes_of_camera_and_lights(&boxes) else {
             return enclosures;
         };
-        for (container, holds) in containers {
-            let Some(&(low, high)) = boxes.get(&container) else { continue };
-            let clear = |&(from, to): &(DVec3, DVec3)| from.cmpgt(high).any() || to.cmplt(low).any();
-            if open.iter().all(clear) {
-                let within =
-                    |(from, to): (DVec3, DVec3)| from.cmpge(low).all() && to.cmple(high).all() && holds((from, to));
-                boxes.iter().filter(|(_, around)| within(**around)).for_each(|(&object, _)| {
-                    enclosures.entry(object).or_insert(container);
-                });
+        let open = BoxTree::new(&open.into_iter().map(|around| (around, 0.0)).collect::<Vec<_>>());
+        let placed = containers.filter_map(|body| Some((body, *boxes.get(&body.object)?)));
+        let closed = placed.filter(|&(_, around)| !open.any_touching(around, |_| true));
+        let (bodies, of_bodies): (Vec<ConvexBody<'_>>, Vec<_>) =
+            closed.map(|(body, around)| (body, (around, body.diameter_m()))).unzip();
+        let tree = BoxTree::new(&of_bodies);
+        for (&object, &(low, high)) in &boxes {
+            let holds = |body: u32| bodies[body as usize].contains_box((low, high));
+            if let Some(first) = tree.first_around((low, high), (high - low).length(), holds) {
+                enclosures.insert(object, bodies[first as usize].object);
             }
         }
         enclosures

@@ -78,7 +78,7 @@ fn object_with_light_maps(scene: &Scene) -> Option<&str> {
     let (Some((number, medium)), None) = (filled.next(), filled.next()) else { return None };
     let (medium, lights) = (&scene.media[medium], &scene.lights);
     let uniform = medium.scatters() && medium.is_uniform() && !scene.moves();
-    let convex = scene.boundaries.convex_bodies().any(|(body, _)| body == number);
+    let convex = scene.boundaries.convex_bodies().any(|body| body.object == number);
     let inside = |light: &Light| light.has_virtual_lights() && light.is_delta() && light.medium_stack.contains(number);
     let lit = (1..=MAX_LIGHTS).contains(&lights.len()) && lights.iter().all(inside);
     if !(uniform && convex && lit) {

@@ -60,6 +60,11 @@ impl NativePicture {
         self.image.relative_error()
     }
 
+    #[getter]
+    fn typical_error(&self) -> Option<f64> {
+        self.image.typical_error()
+    }
+
     /// The CIE tristimulus values X, Y and Z.
     fn xyz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let values = self.image.picture().xyz.clone().into_flattened();

@@ -186,11 +186,11 @@ pub(super) struct RenderTask {
 }
 
 /// The progress after a pass: passes, wanted passes, seconds, relative error, photons per second.
-type ProgressTuple = (u64, Option<u64>, f64, Option<f64>, f64);
+type ProgressTuple = (u64, Option<u64>, f64, Option<f64>, f64, Option<f64>);
 
 fn progress_tuple(progress: &Progress) -> ProgressTuple {
-    let Progress { passes, passes_wanted, elapsed, relative_error, photons_per_second, .. } = *progress;
-    (passes, passes_wanted, elapsed.as_secs_f64(), relative_error, photons_per_second)
+    let Progress { passes, passes_wanted, elapsed, relative_error, typical_error, photons_per_second, .. } = *progress;
+    (passes, passes_wanted, elapsed.as_secs_f64(), relative_error, photons_per_second, typical_error)
 }
 
 #[pymethods]

@@ -70,11 +70,13 @@ pub(crate) struct SlurmArgs {
 }
 
 pub(crate) fn run(arguments: &SlurmArgs) -> Result<Outcome> {
-    let passes = arguments.check_render()?;
+    let (passes, inputs) = arguments.check_render()?;
     let folder = match &arguments.output {
         Some(folder) => folder.clone(),
         None => PathBuf::from(format!("{}-slurm", arguments.name())),
     };
+    let outputs: Vec<PathBuf> = arguments.outputs().iter().map(|name| folder.join(name)).collect();
+    file::check_keeps_inputs(outputs.iter().map(PathBuf::as_path), &inputs)?;
     std::fs::create_dir_all(&folder)
         .map_err(|error| Error::machine(format!("cannot be created: {error}")).in_file(&folder))?;
     file::write_whole(&folder.join("settings.sh"), arguments.settings(passes)?.as_bytes())?;
@@ -101,8 +103,15 @@ impl SlurmArgs {
         self.scene.file_stem().unwrap_or("scene".as_ref()).to_string_lossy().into_owned()
     }
 
-    /// Checks the scene and the options. Returns the number of passes, `None` without limit.
-    fn check_render(&self) -> Result<Option<u64>> {
+    /// Returns the names of the files in the folder: the scripts, and what the last job merges.
+    fn outputs(&self) -> Vec<String> {
+        let merged = ["exr", "png", "json"].map(|extension| format!("{}.{extension}", self.name()));
+        SCRIPTS.iter().map(|(name, _)| (*name).to_owned()).chain(["settings.sh".to_owned()]).chain(merged).collect()
+    }
+
+    /// Checks the scene and the options. Returns the number of passes, `None` without limit, and
+    /// the files that the scene is read from.
+    fn check_render(&self) -> Result<(Option<u64>, Vec<PathBuf>)> {
         let words = ["abbe".into(), "render".into(), self.scene.clone().into_os_string()];
         let options = self.render_options.iter().map(Into::into);
         let cli = Cli::try_parse_from(words.into_iter().chain(options));
@@ -110,13 +119,13 @@ impl SlurmArgs {
         let Command::Render(arguments) = cli.command else {
             return Err(Error::input("the options after -- are not options of a render"));
         };
-        let passes = render::check_part_options(&arguments)?;
+        let (passes, inputs) = render::check_part_options(&arguments)?;
         let passes = self.passes.or(passes.filter(|_| self.target_error.is_none()));
         if let Some(passes) = passes.filter(|&passes| passes < u64::from(self.parts)) {
             let what = format!("{} for {} parts", print::passes(passes), self.parts);
             return Err(Error::input(what).expected("more passes, or fewer parts"));
         }
-        Ok(passes)
+        Ok((passes, inputs))
     }
 
     fn settings(&self, passes: Option<u64>) -> Result<String> {

@@ -25,14 +25,10 @@ if [ ! -e "$checkpoint" ]; then
     if [ -e "$earlier" ]; then mv -f -- "$earlier" "$checkpoint"; fi
   done
 fi
-resume=()
-if [ -e "$checkpoint" ]; then
-  echo "part $part continues from its checkpoint"
-  resume=(--resume)
-fi
+if [ -e "$checkpoint" ]; then echo "part $part continues from its checkpoint"; fi
 
 "$abbe" render "$scene" "${render_options[@]}" --passes "$passes" --part "$part/$parts" -o "$run.exr" \
-  --threads "${SLURM_CPUS_PER_TASK:-1}" --keep-checkpoint --quiet "${resume[@]}" 9>&- &
+  --threads "${SLURM_CPUS_PER_TASK:-1}" --keep-checkpoint --quiet --resume auto 9>&- &
 child=$!
 # Slurm sends USR1 before the time limit. The task then saves its passes and queues itself again.
 signalled='' again=''

@@ -76,7 +76,12 @@ impl<'a> Resolver<'a> {
                     let expected = "a material for shapes other than meshes";
                     return Err(self.source.fault(at, "the shape has no material", expected));
                 };
-                return Ok(vec![self.at(shape_at, resolved.set.add_object(name, material, shape, placed(local)))?]);
+                // The error of a shape names its key, such as `side`, but not the place of the shape.
+                let added = resolved.set.add_object(name, material, shape, placed(local)).map_err(|mut error| {
+                    error.location.path = None;
+                    error
+                });
+                return Ok(vec![self.at(shape_at, added)?]);
             }
             let Some(mesh) = self.mesh(shape_at, shape, &mut resolved.meshes)? else { return Ok(Vec::new()) };
             let local = DAffine3::from_scale(DVec3::splat(self.metres));

@@ -35,6 +35,14 @@ const MAX_LISTED_PRIMITIVES: usize = 4;
 /// Largest depth of a hierarchy for which the fixed traversal stack suffices.
 const MAX_DEPTH: u32 = 31;
 
+/// Largest depth of a binary hierarchy that `obvhs` converts, because it recurses: about 200 bytes
+/// of the stack per level.
+const MAX_BINARY_DEPTH: u32 = 2000;
+
+/// Largest number of boxes with the same middle for which clustering is used: it merges only a few
+/// of them in each of its passes, so that its time grows with the square of their number.
+const MAX_AT_ONE_PLACE: usize = 1024;
+
 #[derive(Debug, Clone)]
 pub(crate) struct Bvh {
     low: DVec3,
@@ -74,10 +82,12 @@ impl Bvh {
             return Ok((bvh, (0..count).collect()));
         }
         let padded: Vec<Aabb> = boxes.iter().map(|&(low, high)| bvh.padded(low, high)).collect();
-        let mut wide = to_cwbvh(&build_by_surface_area(&padded));
-        if depth(&wide) > MAX_DEPTH {
-            wide = to_cwbvh(&build_by_median_splits(&padded));
-        }
+        let by_surface_area = (most_at_one_place(&padded) <= MAX_AT_ONE_PLACE)
+            .then(|| build_by_surface_area(&padded))
+            .filter(|binary| binary_depth(binary) <= MAX_BINARY_DEPTH)
+            .map(|binary| to_cwbvh(&binary))
+            .filter(|wide| depth(wide) <= MAX_DEPTH);
+        let mut wide = by_surface_area.unwrap_or_else(|| to_cwbvh(&build_by_median_splits(&padded)));
         wide.nodes.shrink_to_fit();
         let order = std::mem::take(&mut wide.primitive_indices);
         bvh.nodes = BvhNodes::Wide(wide);
@@ -207,6 +217,31 @@ fn build_by_median_splits(boxes: &[Aabb]) -> Bvh2 {
 
 fn to_cwbvh(binary: &Bvh2) -> CwBvh {
     bvh2_to_cwbvh(binary, 3, true, false)
+}
+
+/// Returns the largest number of boxes whose middles agree to 2⁻²¹ of the frame's width, to which
+/// clustering sorts them.
+fn most_at_one_place(boxes: &[Aabb]) -> usize {
+    if boxes.len() <= MAX_AT_ONE_PLACE {
+        return boxes.len();
+    }
+    let mut cells: Vec<[i32; 3]> =
+        boxes.iter().map(|around| (around.center() * 1024.0).to_array().map(|x| x as i32)).collect();
+    cells.sort_unstable();
+    cells.chunk_by(|a, b| a == b).map(<[_]>::len).max().unwrap_or(0)
+}
+
+/// Returns the number of levels of a binary hierarchy below the root.
+fn binary_depth(binary: &Bvh2) -> u32 {
+    let mut deepest = 0;
+    let mut open = vec![(0_u32, 0_u32)];
+    while let Some((index, level)) = open.pop() {
+        deepest = deepest.max(level);
+        if let Some(node) = binary.nodes.get(index as usize).filter(|node| !node.is_leaf()) {
+            open.extend([(node.first_index, level + 1), (node.first_index + 1, level + 1)]);
+        }
+    }
+    deepest
 }
 
 /// Returns the number of levels below the root.

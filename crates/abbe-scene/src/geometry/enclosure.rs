@@ -1,5 +1,6 @@
 //! Queries: bounding boxes, the distance to the nearest surface, flat objects, convex bodies.
 
+use super::build::is_similarity;
 use super::primitive::{PlacedSolid, Primitive};
 use super::shape::Solid;
 use super::world::Geometry;
@@ -36,20 +37,40 @@ impl Geometry {
         flat.map(|analytic| analytic.object)
     }
 
-    /// Iterates over the convex bodies, each with a test whether it contains an axis-aligned box.
-    pub fn convex_bodies(&self) -> impl Iterator<Item = (u32, impl Fn((DVec3, DVec3)) -> bool + '_)> {
+    /// Iterates over the convex bodies.
+    pub fn convex_bodies(&self) -> impl Iterator<Item = ConvexBody<'_>> {
         let convex = self.primitives.analytic.iter().filter(|analytic| match analytic.solid {
             Solid::Sphere(_) | Solid::Polyhedron(_) | Solid::Cylinder(_) => true,
             Solid::Flat(_) | Solid::Lens(_) => false,
         });
-        convex.map(|analytic| (analytic.object, move |around| analytic.contains_box(around)))
+        convex.map(|analytic| ConvexBody { object: analytic.object, analytic })
     }
 }
 
-impl PlacedSolid {
-    /// Returns true if the convex body contains all corners of a box, and therefore the box.
-    fn contains_box(&self, (low, high): (DVec3, DVec3)) -> bool {
+/// A convex body of a geometry.
+#[derive(Debug, Clone, Copy)]
+pub struct ConvexBody<'a> {
+    pub object: u32,
+    analytic: &'a PlacedSolid,
+}
+
+impl ConvexBody<'_> {
+    /// Returns true if the body contains all corners of a box, and therefore the box.
+    pub fn contains_box(&self, (low, high): (DVec3, DVec3)) -> bool {
+        let analytic = self.analytic;
         let corner = |i: usize| DVec3::select(glam::BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), high, low);
-        (0..8).all(|i| self.solid.contains(self.to_local * (corner(i) - self.position)))
+        (0..8).all(|i| analytic.solid.contains(analytic.to_local * (corner(i) - analytic.position)))
+    }
+
+    /// Returns an upper bound of the distance in m between two points of the body.
+    pub fn diameter_m(&self) -> f64 {
+        let PlacedSolid { solid, to_world, .. } = self.analytic;
+        match solid.sphere_radius().filter(|_| is_similarity(to_world)) {
+            Some(radius) => 2.0 * radius * to_world.x_axis.length() * (1.0 + 1e-9),
+            None => {
+                let (low, high) = solid.bounds(to_world);
+                (high - low).length()
+            }
+        }
     }
 }

@@ -9,6 +9,7 @@
 //! such as a prism on a floor or cemented lenses, are crossed in one fixed order; see
 //! `coincidence`.
 
+pub mod box_tree;
 mod build;
 mod bvh;
 mod coincidence;
@@ -28,6 +29,7 @@ mod spherical_rectangle;
 mod trace;
 mod world;
 
+pub use enclosure::ConvexBody;
 pub use hit::{Hit, SurfaceId, SurfaceSample};
 pub use luminous::LuminousFace;
 pub use ray::Ray;

@@ -7,6 +7,7 @@ use super::selection::Selection;
 use abbe_spectra::colour::{RgbSpace, delta_e_2000, lab};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::{hypot, log2};
+use abbe_transport::sensor::error_distribution::{TRIMMED, typical_squares};
 use abbe_transport::sensor::{Picture, exposure};
 
 /// Colour differences ΔE2000 over the selected pixels.
@@ -48,6 +49,12 @@ pub struct Comparison {
     pub relative_mse: f64,
     /// The relative mean square error without the 2 % of the pixels that have the largest errors.
     pub relative_mse_trimmed: f64,
+    /// The error of a typical pixel of A, if B is right: the root mean square of the relative
+    /// differences of Y of all pixels except the worst 2 %. If B reports its own error, its part is
+    /// subtracted. `abbe render` predicts this error.
+    pub typical_error: f64,
+    /// The same without the subtraction.
+    pub typical_difference: f64,
     /// The root mean square difference of Y in cd/m².
     pub rmse: f64,
     /// The mean Y of A divided by the mean Y of B.
@@ -67,9 +74,6 @@ pub struct Comparison {
     pub non_finite_pixels: usize,
 }
 
-/// The trimmed error leaves out this fraction of the pixels.
-const TRIMMED: f64 = 0.02;
-
 /// Compares at the automatic exposure of the reference; see [`compare_at`].
 pub fn compare(picture: &Picture, reference: &Picture, selection: &Selection) -> Result<Comparison> {
     compare_at(picture, reference, selection, exposure::automatic(reference))
@@ -87,7 +91,10 @@ pub fn compare_at(picture: &Picture, reference: &Picture, selection: &Selection,
     let mean_y = |of: &Picture| selected.iter().map(|&i| of.xyz[i][1]).sum::<f64>() / count;
     let finite = |of: &Picture, i: usize| of.xyz[i].iter().all(|value| value.is_finite());
     let differences = delta_e_map(picture, reference, exposure);
+    let typical = typical(picture, reference, &selected, &scale);
     Ok(Comparison {
+        typical_error: (typical.square * (1.0 - typical.of_reference)).max(0.0).sqrt(),
+        typical_difference: typical.square.sqrt(),
         relative_mse: errors.iter().sum::<f64>() / count,
         relative_mse_trimmed: trimmed_mean(errors),
         rmse: (squares / count).sqrt(),
@@ -134,6 +141,31 @@ impl ErrorScale {
     pub fn unit(&self, reference: f64, c: usize) -> f64 {
         (reference.powi(2) + 0.01 * self.0[c].powi(2)).sqrt()
     }
+}
+
+/// The typical difference of two pictures.
+struct TypicalDifference {
+    /// The mean square of the relative differences of Y, without the worst.
+    square: f64,
+    /// The fraction of it that is the error of the reference.
+    of_reference: f64,
+}
+
+fn typical(picture: &Picture, reference: &Picture, selected: &[usize], scale: &ErrorScale) -> TypicalDifference {
+    let part = |error: f64, unit: f64| if error == 0.0 { 0.0 } else { (error / unit).powi(2) };
+    let square = |&i: &usize| {
+        let (a, b) = (picture.xyz[i][1], reference.xyz[i][1]);
+        let unit = scale.unit(b, 1);
+        let square = part(a - b, unit);
+        let reported = |of: &Picture| of.error(i).map_or(0.0, |error| part(error, unit));
+        [if square.is_nan() { f64::INFINITY } else { square }, reported(picture), reported(reference)]
+    };
+    let squares = selected.iter().map(square).collect();
+    let [square, of_picture, of_reference] = typical_squares(squares, |[square, ..]| *square).unwrap_or_default();
+    // If A reports its error too, its part of the differences is known better than their size: the
+    // worst differences, which are left out, belong to both pictures.
+    let all = if of_picture > 0.0 { of_picture + of_reference } else { square };
+    TypicalDifference { square, of_reference: if all > 0.0 { (of_reference / all).min(1.0) } else { 0.0 } }
 }
 
 /// Returns the mean without the fraction [`TRIMMED`] of largest values, rounded down in number.
@@ -234,6 +266,28 @@ mod tests {
         assert!(two.relative_mse > 1e4 && two.relative_mse_trimmed == 0.0, "{two:?}");
         fireflies.xyz[50] = [1000.0; 3];
         assert!(all(&fireflies, &reference).relative_mse_trimmed > 1e3);
+    }
+
+    /// The noise of the reference is not an error of the picture.
+    #[test]
+    fn the_typical_error_is_that_of_the_picture_alone() {
+        let reference = grey(20, 20, 1.0);
+        let noisy = |sigma: f64, signs: fn(usize) -> bool| {
+            let mut picture = reference.clone();
+            (picture.noise, picture.bias) = (vec![Some(sigma as f32); 400], vec![Some(0.0); 400]);
+            (0..400).for_each(|i| picture.xyz[i][1] *= 1.0 + if signs(i) { sigma } else { -sigma });
+            picture
+        };
+        let picture = noisy(0.03, |i| i % 2 == 0);
+        let unit = 1.01_f64.sqrt();
+        let exact = all(&picture, &reference);
+        assert!((exact.typical_error - 0.03 / unit).abs() < 1e-6 && exact.typical_difference == exact.typical_error);
+        // The differences are ±0.01 and ±0.07.
+        let found = all(&picture, &noisy(0.04, |i| i % 4 < 2));
+        assert!((found.typical_difference / (0.0025_f64 / 1.01).sqrt() - 1.0).abs() < 0.1, "{found:?}");
+        assert!((found.typical_error / (0.03 / unit) - 1.0).abs() < 0.1, "{found:?}");
+        let same = all(&picture, &picture);
+        assert_eq!((same.typical_error, same.typical_difference), (0.0, 0.0));
     }
 
     #[test]

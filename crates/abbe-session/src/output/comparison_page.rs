@@ -78,6 +78,7 @@ fn table(comparison: &Comparison) -> Markup {
         table {
             @for (name, value) in [
                 ("Relative mean square error", number(comparison.relative_mse)),
+                ("Error of a typical pixel of A (Y, without the worst 2 % of the pixels, and without the error of B)", number(comparison.typical_error)),
                 ("Relative mean square error without the worst 2 % of the pixels", number(comparison.relative_mse_trimmed)),
                 ("RMSE of Y in cd/m²", number(comparison.rmse)),
                 ("Mean Y, A / B", number(comparison.mean_ratio)),

@@ -19,11 +19,13 @@ pub enum GateSide {
 
 impl Comparison {
     /// Returns all figures that a gate can limit, `None` without the error layers that one needs.
-    pub fn figures(&self) -> [(&'static str, Option<f64>); 12] {
+    pub fn figures(&self) -> [(&'static str, Option<f64>); 14] {
         let count = |pixels: usize| Some(pixels as f64);
         [
             ("relative_mse", Some(self.relative_mse)),
             ("relative_mse_trimmed", Some(self.relative_mse_trimmed)),
+            ("typical_error", Some(self.typical_error)),
+            ("typical_difference", Some(self.typical_difference)),
             ("rmse", Some(self.rmse)),
             ("mean_ratio", Some(self.mean_ratio)),
             ("delta_e_2000.mean", Some(self.delta_e_2000.mean)),

@@ -11,6 +11,7 @@ use abbe_transport::map::PhotonSpectra;
 use abbe_transport::pass::PassContext;
 use abbe_transport::plan::{Budget, EffectRow, IndirectPlan, Plan, WavelengthPlan};
 use abbe_transport::sensor::{Film, LayerSet, ReadingLayout, ReadingOwner};
+use abbe_transport::walk::NEVER_STOP;
 use std::sync::Arc;
 
 #[derive(Debug)]
@@ -93,6 +94,7 @@ impl Job {
             spectra: &self.spectra,
             responses: None,
             portals: Portals::NONE,
+            stop: &NEVER_STOP,
         }
     }
 }

@@ -97,9 +97,9 @@ impl PartSet {
             saved.add_to(path, sum.insert(film))?;
         }
         self.gaps = gaps(&self.parts)?;
-        let (picture, squares) = sum.ok_or_else(|| Error::input("no parts to merge"))?.picture_and_error();
+        let (picture, errors) = sum.ok_or_else(|| Error::input("no parts to merge"))?.picture_and_errors();
         let stats: Vec<&Stats> = self.parts.iter().map(|(_, saved)| &saved.stats).collect();
-        let stats = Stats::merged(&stats, &picture, squares);
+        let stats = Stats::merged(&stats, &picture, errors);
         let display = self.parts[0].1.display;
         let metadata = self.metadata(&stats);
         Ok(MergedPicture { picture, stats, display, metadata })

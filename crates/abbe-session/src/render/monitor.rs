@@ -3,6 +3,8 @@
 use super::forecast::Forecast;
 use super::run::Run;
 use abbe_transport::sensor::Picture;
+use abbe_transport::walk::StopFlag;
+use std::sync::Arc;
 use std::time::Duration;
 
 /// The progress of a render after a pass.
@@ -18,16 +20,25 @@ pub struct Progress {
     pub time_wanted: Option<Duration>,
     /// The mean number of photons per second so far.
     pub photons_per_second: f64,
-    /// The relative error at the last measurement.
+    /// The root mean square error, divided by the mean luminance, at the last measurement.
     pub relative_error: Option<f64>,
-    /// The relative error at which the render stops, or `None` if no stop rule sets a target error.
+    /// The relative error of a typical pixel at the last measurement.
+    pub typical_error: Option<f64>,
+    /// The error of a typical pixel at which the render stops, or `None` if no stop rule sets a
+    /// target error.
     pub error_wanted: Option<f64>,
-    /// The forecast of the error at the last measurement.
+    /// The forecast of the typical error at the last measurement.
     pub forecast: Option<Forecast>,
 }
 
 /// Observes a render, and may end it.
 pub trait Monitor {
+    /// Returns a flag that another thread may raise to end the render before the pilot or a pass is
+    /// done. The unfinished pass is discarded, so the result is that of the last whole pass.
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        Arc::default()
+    }
+
     fn before_pilot(&mut self) {}
 
     /// Returns true if the monitor shows a coarse picture before pass 0, which costs little.

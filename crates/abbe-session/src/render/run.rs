@@ -5,7 +5,7 @@ use super::part::PassPart;
 use abbe_transport::emit::SpectrumCoverage;
 use abbe_transport::pass::{PassSums, StageSeconds};
 use abbe_transport::plan::Tally;
-use abbe_transport::sensor::{ErrorSquares, Film, FilmUnit, Picture, Reading, ReadingSpectrum};
+use abbe_transport::sensor::{Film, FilmUnit, Picture, PictureErrors, Reading, ReadingSpectrum};
 use abbe_transport::walk::ledger::Ledger;
 
 /// The state of a render between two passes, which can continue elsewhere and be merged.
@@ -57,14 +57,20 @@ impl Run {
         self.done
     }
 
-    /// Returns the relative error of the picture, or `None` if it is unknown.
+    /// Returns the root mean square error of the picture, divided by its mean luminance, or `None`
+    /// if it is unknown.
     pub fn relative_error(&self) -> Option<f64> {
-        self.error_squares().map(|squares| squares.relative())
+        self.errors().map(|errors| errors.whole.relative())
     }
 
-    /// Returns the parts of the squared relative error, or `None` if it is unknown, or if the
+    /// Returns the error of a typical pixel, or `None` if it is unknown.
+    pub fn typical_error(&self) -> Option<f64> {
+        self.errors().map(|errors| errors.typical.relative())
+    }
+
+    /// Returns the parts of the squared relative errors, or `None` if they are unknown, or if the
     /// passes lack the light of a spectrum.
-    pub(super) fn error_squares(&self) -> Option<ErrorSquares> {
-        self.coverage.is_complete().then(|| self.sums.film.error_squares()).flatten()
+    pub(super) fn errors(&self) -> Option<PictureErrors> {
+        self.coverage.is_complete().then(|| self.sums.film.errors()).flatten()
     }
 }

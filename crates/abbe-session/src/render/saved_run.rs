@@ -3,7 +3,7 @@
 
 use super::diffraction::DiffractionSetup;
 use super::display::DisplaySettings;
-use super::forecast::{Forecast, RunTimes};
+use super::forecast::{Forecasts, RunTimes};
 use super::identity::RenderIdentity;
 use super::job::Job;
 use super::part::PassPart;
@@ -49,9 +49,9 @@ impl SavedRun {
     /// machine error if the file cannot be written.
     pub fn write(path: &Path, job: &Job, identity: &RenderIdentity, run: &Run, metadata: Metadata) -> Result<()> {
         let PassSums { film, ledger, tally, seconds } = &run.sums;
-        let (picture, squares) = film.picture_and_error();
+        let (picture, errors) = film.picture_and_errors();
         let times = RunTimes::of(run.done, seconds);
-        let forecast = squares.and_then(|squares| Forecast::without_history(squares, times));
+        let forecast = errors.and_then(|errors| Forecasts::without_history(errors, times));
         let mut record = Self {
             identity: identity.clone(),
             part: run.part,

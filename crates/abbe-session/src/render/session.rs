@@ -25,7 +25,8 @@ pub struct Rendered {
     /// The mean energy balance of a pass, in W.
     pub ledger: Ledger,
     pub stats: Stats,
-    /// True if the monitor ended the render before a stop rule was satisfied.
+    /// True if the monitor ended the render before a stop rule was satisfied. The run then contains
+    /// all whole passes, which may be none.
     pub interrupted: bool,
     /// The sums of all passes, from which the render can continue.
     pub run: Run,
@@ -72,7 +73,8 @@ impl Job {
             // Each row has random numbers of its own. Photons and shutter times belong to all rows.
             run.sums.film.assume_independent_rows();
         }
-        let context = self.pass_context();
+        let flag = monitor.stop_flag();
+        let context = PassContext { stop: &flag, ..self.pass_context() };
         let portals = if stopped { Portals::default() } else { find_portals(&context, &mut run.sums.seconds) };
         let responses = self.responses(&run.sums.film);
         let context = PassContext { portals: &portals, responses: responses.as_ref(), ..context };
@@ -93,12 +95,18 @@ impl Job {
             }
             Integrator::Photon | Integrator::Path => None,
         };
-        let (mut interrupted, mut light_maps) = (false, LightMaps::default());
+        let (mut interrupted, mut light_maps) = (!stopped && flag.is_raised(), LightMaps::default());
         while !(stopped || interrupted) {
             let pass = run.part.pass(run.done);
-            match &pilot {
+            let before = (run.sums.seconds, run.sums.tally);
+            let is_whole = match &pilot {
                 Some(pilot) => photon_pass(context, &pilot.parameters, &mut light_maps, pass, &mut run.sums)?,
                 None => path_pass(context, pass, &mut run.sums)?,
+            };
+            if !is_whole {
+                (run.sums.seconds, run.sums.tally) = before;
+                interrupted = true;
+                break;
             }
             run.done += 1;
             context.add_wavelengths(pass, &mut run.coverage);
@@ -114,11 +122,11 @@ impl Job {
         }
         let unlit = pilot.map_or_else(Vec::new, |pilot| pilot.unlit);
         let develop_start = Instant::now();
-        let (picture, squares) = run.sums.film.picture_and_error();
-        let squares = squares.filter(|_| run.coverage.is_complete());
+        let (picture, errors) = run.sums.film.picture_and_errors();
+        let errors = errors.filter(|_| run.coverage.is_complete());
         run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
         clock.update(&mut run);
-        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, squares), &unlit);
+        let stats = Stats::new(self, &run, &picture, conditions.forecast_at_end(&run, errors), &unlit);
         let mut ledger = run.sums.ledger.clone();
         ledger.scale(1.0 / run.done.max(1) as f64);
         Ok(Rendered { picture, ledger, stats, interrupted, run })

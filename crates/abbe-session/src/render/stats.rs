@@ -1,12 +1,12 @@
 //! The statistics of a render, for reports and file headers.
 
-use super::forecast::{ErrorMilestone, Forecast, RunTimes};
+use super::forecast::{ErrorMilestone, Forecast, Forecasts, RunTimes};
 use super::job::Job;
 use super::run::Run;
 use abbe_transport::pass::{PassSums, StageSeconds};
 use abbe_transport::plan::{Tally, explain};
 use abbe_transport::sensor::picture::ErrorMeans;
-use abbe_transport::sensor::{ErrorSquares, Picture};
+use abbe_transport::sensor::{Picture, PictureErrors};
 use abbe_transport::walk::MAX_EVENTS;
 use abbe_transport::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
@@ -56,6 +56,10 @@ pub struct ErrorStats {
     pub bias: f64,
     /// The relative error: √mean(noise² + bias²) / mean Y. `None` means that the error is unknown.
     pub relative: Option<f64>,
+    /// The error of a typical pixel: the root mean square of the relative errors of all pixels
+    /// except the worst 2 %. `--target-error` refers to it. `None` means that it is unknown.
+    #[serde(default)]
+    pub typical: Option<f64>,
     /// The median of the pixels' relative errors, or `None` if no error is known.
     #[serde(default)]
     pub median: Option<f64>,
@@ -79,7 +83,19 @@ pub struct ErrorStats {
 /// The forecast of the error if the render continued.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ForecastStats {
-    /// The relative error after four times the time of the run.
+    /// The relative root mean square error after four times the time of the run.
+    pub error_after_four_times: f64,
+    /// When the render reaches the two largest round values of this error below the present one.
+    pub milestones: Vec<ErrorMilestone>,
+    /// The forecast of the error of a typical pixel.
+    #[serde(default)]
+    pub typical: Option<TypicalForecastStats>,
+}
+
+/// The forecast of the error of a typical pixel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TypicalForecastStats {
+    /// The error after four times the time of the run.
     pub error_after_four_times: f64,
     /// When the render reaches the two largest round errors below the present one.
     pub milestones: Vec<ErrorMilestone>,
@@ -141,7 +157,7 @@ pub struct Stats {
 
 impl Stats {
     /// `unlit` names the specular objects that no pilot photon reached.
-    pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecast>, unlit: &[String]) -> Self {
+    pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecasts>, unlit: &[String]) -> Self {
         let PassSums { tally, seconds, .. } = &run.sums;
         let unsampled_lights: Vec<String> = run.coverage.missing().map(str::to_owned).collect();
         Self {
@@ -167,8 +183,8 @@ impl Stats {
 
     /// Merges the statistics of several runs of one scene: sums of counts and times, the mean
     /// energy balance over all passes, and the error and the forecast of the merged picture, as if
-    /// one machine had rendered all passes. `squares` is its squared error, if known.
-    pub(super) fn merged(runs: &[&Self], picture: &Picture, squares: Option<ErrorSquares>) -> Self {
+    /// one machine had rendered all passes. `errors` are its squared errors, if known.
+    pub(super) fn merged(runs: &[&Self], picture: &Picture, errors: Option<PictureErrors>) -> Self {
         let count = |of: fn(&Self) -> u64| runs.iter().map(|run| of(run)).sum::<u64>();
         let mut effects: BTreeMap<String, EffectStats> = BTreeMap::new();
         for (name, effect) in runs.iter().flat_map(|run| &run.effects) {
@@ -181,8 +197,8 @@ impl Stats {
         let passes = count(|run| run.passes);
         let times = RunTimes::of(passes, &seconds);
         let unsampled_lights = common_unsampled_lights(runs);
-        let squares = squares.filter(|_| unsampled_lights.is_empty());
-        let forecast = squares.and_then(|squares| Forecast::without_history(squares, times));
+        let errors = errors.filter(|_| unsampled_lights.is_empty());
+        let forecast = errors.and_then(|errors| Forecasts::without_history(errors, times));
         Self {
             passes,
             photons_emitted: emitted,
@@ -361,6 +377,7 @@ impl ErrorStats {
             noise,
             bias,
             relative: relative.filter(|_| unsampled_lights.is_empty()),
+            typical: distribution.map(|errors| errors.typical).filter(|_| unsampled_lights.is_empty()),
             median: distribution.map(|errors| errors.median),
             p95: distribution.map(|errors| errors.p95),
             worst_region: distribution.map(|errors| errors.worst.corners),
@@ -372,9 +389,18 @@ impl ErrorStats {
 }
 
 impl ForecastStats {
-    fn of(forecast: &Forecast, seconds: f64) -> Self {
-        let error_after_four_times = forecast.error_after_seconds(4.0 * seconds);
-        Self { error_after_four_times, milestones: forecast.milestones().collect() }
+    fn of(forecasts: &Forecasts, seconds: f64) -> Self {
+        let after = |forecast: &Forecast| forecast.error_after_seconds(4.0 * seconds);
+        let milestones = |forecast: &Forecast| forecast.milestones().collect();
+        let Forecasts { typical, whole } = forecasts;
+        Self {
+            error_after_four_times: after(whole),
+            milestones: milestones(whole),
+            typical: Some(TypicalForecastStats {
+                error_after_four_times: after(typical),
+                milestones: milestones(typical),
+            }),
+        }
     }
 }
 

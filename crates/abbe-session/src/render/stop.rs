@@ -1,12 +1,12 @@
 //! Checks the stop rules of a run.
 
-use super::forecast::{ErrorHistory, Forecast, RunTimes};
+use super::forecast::{ErrorHistory, Forecasts, RunTimes};
 use super::job::Job;
 use super::monitor::Progress;
 use super::request::StopRules;
 use super::run::Run;
 use abbe_spectra::error::{Error, Result};
-use abbe_transport::sensor::ErrorSquares;
+use abbe_transport::sensor::PictureErrors;
 use std::time::{Duration, Instant};
 
 /// The time of a run, without that between an interruption and the continuation.
@@ -65,8 +65,10 @@ impl StopConditions {
         let target = self.rules.target_error.filter(|_| ErrorTracker::decides_after(run.done));
         self.error.update(run, elapsed, target.is_some());
         self.wanted.is_some_and(|wanted| run.done >= wanted)
-            || self.rules.time.is_some_and(|limit| elapsed >= limit)
-            || target.zip(self.error.history.latest()).is_some_and(|(target, error)| error <= target)
+            || self.rules.time.is_some_and(|limit| elapsed >= limit || elapsed + mean_pass(run) > limit + OVERRUN)
+            || target
+                .zip(self.error.history.latest())
+                .is_some_and(|(target, errors)| errors.typical.relative() <= target)
     }
 
     pub(super) fn progress(&self, run: &Run) -> Progress {
@@ -76,17 +78,27 @@ impl StopConditions {
             elapsed: elapsed(run),
             time_wanted: self.rules.time,
             photons_per_second: run.sums.tally.photons as f64 / run.sums.seconds.total,
-            relative_error: self.error.history.latest(),
+            relative_error: self.error.history.latest().map(|errors| errors.whole.relative()),
+            typical_error: self.error.history.latest().map(|errors| errors.typical.relative()),
             error_wanted: self.rules.target_error,
-            forecast: self.error.forecast(run),
+            forecast: self.error.forecast(run).map(|forecasts| forecasts.typical),
         }
     }
 
-    /// `squares` is the final squared error, if it is known.
-    pub(super) fn forecast_at_end(&mut self, run: &Run, squares: Option<ErrorSquares>) -> Option<Forecast> {
-        self.error.history.add(run.done, squares?);
+    /// `errors` are the final squared errors, if they are known.
+    pub(super) fn forecast_at_end(&mut self, run: &Run, errors: Option<PictureErrors>) -> Option<Forecasts> {
+        self.error.history.add(run.done, errors?);
         self.error.forecast(run)
     }
+}
+
+/// A time limit ends the render before a pass that would exceed the limit by more than this time.
+const OVERRUN: Duration = Duration::from_millis(500);
+
+/// Returns the mean time of a pass, which the next pass is expected to take.
+fn mean_pass(run: &Run) -> Duration {
+    let RunTimes { passes, total_s, before_first_pass_s } = RunTimes::of(run.done, &run.sums.seconds);
+    Duration::try_from_secs_f64((total_s - before_first_pass_s) / passes.max(1) as f64).unwrap_or_default()
 }
 
 fn elapsed(run: &Run) -> Duration {
@@ -105,11 +117,9 @@ struct ErrorTracker {
 }
 
 impl ErrorTracker {
-    /// Returns true if the error may stop the run after this many passes: fixed numbers, so that
-    /// the result does not depend on the speed of the machine, with at least two passes per
-    /// replicate to estimate the noise.
+    /// Returns true if the error may stop the run after this many passes.
     fn decides_after(passes: u64) -> bool {
-        passes >= 16 && passes.is_multiple_of(8)
+        passes > 0 && StopRules::next_decision(passes - 1) == passes
     }
 
     /// Measures the error if a stop rule needs the error, or if a measurement is due.
@@ -119,15 +129,14 @@ impl ErrorTracker {
         let due = run.done >= self.next_pass.max(FIRST) && elapsed >= self.next_time;
         if needed || due {
             let start = Instant::now();
-            let squares = run.error_squares();
-            squares.into_iter().for_each(|squares| self.history.add(run.done, squares));
+            run.errors().into_iter().for_each(|errors| self.history.add(run.done, errors));
             let pause = start.elapsed() * if run.done < FIRST + 2 { 5 } else { 50 };
             self.next_pass = run.done + (run.done / 8).max(1);
             self.next_time = elapsed + pause;
         }
     }
 
-    fn forecast(&self, run: &Run) -> Option<Forecast> {
+    fn forecast(&self, run: &Run) -> Option<Forecasts> {
         self.history.forecast(RunTimes::of(run.done, &run.sums.seconds))
     }
 }

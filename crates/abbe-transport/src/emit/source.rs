@@ -6,7 +6,7 @@ use super::visitor::PhotonVisitor;
 use crate::map::PhotonSpectra;
 use crate::plan::MediumPlan;
 use crate::plan::partition::LightPath;
-use crate::walk::{BodyMode, RayDensities, RayDensity, RayState};
+use crate::walk::{BodyMode, RayDensities, RayDensity, RayState, StopFlag};
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::{LeRandoms, LeSample, Light};
@@ -42,6 +42,8 @@ pub struct PhotonSource<'a> {
     /// The streams of the set in a pass, one per path.
     pub streams: StreamKey,
     pub media_plan: MediumPlan,
+    /// No further photon is emitted after it is raised.
+    pub stop: &'a StopFlag,
 }
 
 impl PhotonSource<'_> {

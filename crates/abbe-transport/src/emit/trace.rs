@@ -29,6 +29,7 @@ pub fn trace<V: PhotonVisitor>(
 ) {
     // The energy balance does not contain truncated paths.
     let mut truncated = DepthLimit::of(source.scene).is_explicit().then(|| Ledger::new(ledger.absorbed.len()));
+    let indices = indices.take_while(|_| !source.stop.is_raised());
     match source.media_plan {
         MediumPlan::Air => indices.for_each(|index| {
             trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger, truncated.as_mut())

@@ -9,7 +9,7 @@ use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, PixelRadii, SetMaps};
 use crate::plan::partition::PerSet;
 use crate::plan::{Plan, Tally};
-use crate::walk::{CausticWeights, MAX_EVENTS, Sink, TruncatedLight};
+use crate::walk::{CausticWeights, MAX_EVENTS, Sink, StopFlag, TruncatedLight};
 use abbe_scene::Scene;
 use abbe_scene::camera::SystemAt;
 use abbe_spectra::spectrum::{LANES, Lanes};
@@ -41,6 +41,8 @@ pub struct CameraPass<'a> {
     pub scales: PerKernel<f64>,
     /// The first kernel radius (m) of the scene file. Without it, each pixel has its own.
     pub explicit_radius_m: Option<f64>,
+    /// Samples are black after it is raised.
+    pub stop: &'a StopFlag,
 }
 
 /// The light of photon paths beyond their limit, which changes only the estimated bias.

@@ -7,6 +7,7 @@ use crate::map::radius::PerKernel;
 use crate::map::{LightMaps, PhotonSpectra, SetMaps};
 use crate::plan::partition::{PerSet, PhotonSet};
 use crate::plan::{Budget, MotionPlan, Plan};
+use crate::walk::StopFlag;
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::kronecker::{golden_ratio, sqrt3};
@@ -28,6 +29,8 @@ pub struct PassContext<'a> {
     /// `None` if the sensor needs the wavelengths.
     pub responses: Option<&'a SensorResponses>,
     pub portals: &'a Portals,
+    /// Ends the work early; its result must then be discarded.
+    pub stop: &'a StopFlag,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +81,7 @@ impl<'a> PassContext<'a> {
             count,
             streams: self.budget.seed.streams(purpose).pass(pass),
             media_plan: self.plan.media_plan,
+            stop: self.stop,
         }
     }
 
@@ -111,6 +115,7 @@ impl<'a> PassContext<'a> {
             responses: self.responses,
             surface_extents,
             sensors: &[],
+            stop: self.stop,
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::sums::PassSums;
 use crate::plan::{LightOrigin, PathClass, Tally};
-use crate::sensor::{FilmRow, PixelSink};
-use crate::walk::{SensorResponse, Sink};
+use crate::sensor::{ExposedRow, FilmRow, PixelSink};
+use crate::walk::{SensorResponse, Sink, StopFlag};
 use rayon::prelude::*;
 
 /// Adds the radiance of camera paths to a pixel.
@@ -29,17 +29,32 @@ impl Sink for PixelSink<'_> {
     }
 }
 
-/// Exposes all rows of the film in parallel. `expose` returns the number of rejected samples.
-pub(super) fn expose_rows(sums: &mut PassSums, expose: impl Fn(&mut FilmRow<'_>, &mut Tally) -> u64 + Sync) {
+/// Exposes all rows of the film in parallel, and then adds the pass to `sums`. Returns false if the
+/// flag is raised; `sums` has not changed then.
+pub(super) fn expose_rows(
+    sums: &mut PassSums,
+    (pass, stop): (u64, &StopFlag),
+    expose: impl Fn(&FilmRow<'_>, &mut Tally) -> ExposedRow + Sync,
+) -> bool {
     let rows: Vec<FilmRow<'_>> = sums.film.rows().collect();
-    let tallies = rows
+    let exposed = rows
         .into_par_iter()
-        .map(|mut row| {
+        .map(|row| {
             let mut tally = Tally::default();
-            let rejected = expose(&mut row, &mut tally);
-            tally.rejected += rejected;
+            let exposed = expose(&row, &mut tally);
+            (row, exposed, tally)
+        })
+        .collect::<Vec<_>>();
+    if stop.is_raised() {
+        return false;
+    }
+    let tallies = exposed
+        .into_par_iter()
+        .map(|(mut row, exposed, mut tally)| {
+            tally.rejected += row.add(pass, &exposed);
             tally
         })
         .collect::<Vec<_>>();
     tallies.iter().for_each(|tally| sums.tally.add(tally));
+    true
 }

@@ -9,8 +9,9 @@ use abbe_spectra::error::Result;
 use abbe_spectra::math::random::Purpose;
 use std::time::Instant;
 
-/// Traces one pass and adds it to `sums`. Returns an error if the scene cannot be posed.
-pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Result<()> {
+/// Traces one pass and adds it to `sums`. Returns false if the context's flag is raised before the
+/// end of the pass, whose light is then not added, and an error if the scene cannot be posed.
+pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Result<bool> {
     let PassContext { plan, budget, lights, .. } = context;
     let scene = context.scene_of_pass(pass, sums)?;
     let start = Instant::now();
@@ -24,24 +25,27 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         wavelengths: &lights.wavelengths,
         spectra: context.spectra,
         excitation: &lights.excitation,
+        stop: context.stop,
     };
     let records_surfaces = sums.film.records_surfaces();
     let streams = budget.seed.streams(Purpose::Camera);
     // A picture has one sample per pixel and pass, so that the first picture appears early.
     let samples = if sums.film.measures() { budget.camera_samples.unwrap_or(1) } else { 1 };
-    expose_rows(sums, |row, tally| {
-        row.expose(pass, |pixel, sink| {
+    let is_whole = expose_rows(sums, (pass, context.stop), |row, tally| {
+        row.expose(|pixel, sink| {
             for nth in 0..samples {
                 let sampler = || PixelSampler::nth(streams, pass, pixel as u64, (nth, samples));
                 tracer.sample(pixel as u64, sampler(), tally, sink);
-                if records_surfaces {
+                if records_surfaces && !context.stop.is_raised() {
                     sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
                 }
             }
             samples
         })
     });
-    sums.film.count_pass(pass);
+    if is_whole {
+        sums.film.count_pass(pass);
+    }
     sums.seconds.gather += start.elapsed().as_secs_f64();
-    Ok(())
+    Ok(is_whole)
 }

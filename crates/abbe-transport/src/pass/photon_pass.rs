@@ -21,15 +21,17 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 /// Traces one pass of photon mapping and adds it to `sums`. `light_maps` holds those of earlier
-/// passes, which a still scene reuses or updates. Returns an error if the scene cannot be posed.
+/// passes, which a still scene reuses or updates. Returns false if the context's flag is raised
+/// before the end of the pass, whose light is then not added, and an error if the scene cannot be
+/// posed.
 pub fn photon_pass<'a>(
     context: PassContext<'a>,
     parameters: &PassParameters,
     light_maps: &mut LightMaps<'a>,
     pass: u64,
     sums: &mut PassSums,
-) -> Result<()> {
-    let PassContext { plan, budget, .. } = context;
+) -> Result<bool> {
+    let PassContext { plan, budget, stop, .. } = context;
     let scene = context.scene_of_pass(pass, sums)?;
 
     let start = Instant::now();
@@ -52,6 +54,9 @@ pub fn photon_pass<'a>(
         trace_photons(&source, plan, set, recording, || film.splat_sink())
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
+    if stop.is_raised() {
+        return Ok(false);
+    }
 
     let start = Instant::now();
     let PerSet { free, shared: on_shared } = traced;
@@ -74,20 +79,23 @@ pub fn photon_pass<'a>(
     };
     let records_surfaces = sums.film.records_surfaces();
     let streams = budget.seed.streams(Purpose::Camera);
-    expose_rows(sums, |row, tally| {
+    let is_whole = expose_rows(sums, (pass, stop), |row, tally| {
         let mut buffers = PathBuffers::default();
-        row.expose(pass, |pixel, sink| {
+        row.expose(|pixel, sink| {
             let samples = parameters.camera_samples.of(pixel);
             for nth in 0..samples {
                 let sampler = || PixelSampler::nth(streams, pass, pixel as u64, (nth, samples));
                 camera_pass.sample(pixel as u64, sampler(), &parameters.radii.of(pixel), &mut buffers, tally, sink);
-                if records_surfaces {
+                if records_surfaces && !stop.is_raised() {
                     sink.add_surface(first_surface(&scene, pixel as u64, sampler()).as_ref());
                 }
             }
             samples
         })
     });
+    if !is_whole {
+        return Ok(false);
+    }
     for (splats, tally) in [(&free.splats, &free.tally), (&on_shared.splats, &on_shared.tally)] {
         for splats in splats {
             sums.tally.rejected += sums.film.add_splats(pass, splats);
@@ -107,7 +115,7 @@ pub fn photon_pass<'a>(
         ledger.scale(count as f64 / total);
         sums.ledger.add(&ledger);
     }
-    Ok(())
+    Ok(true)
 }
 
 /// Returns the light that is missing because photon paths ended at a limit, from the photons within

@@ -42,7 +42,7 @@ pub(super) struct CoarseScene {
 pub fn coarse_path_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
     let Some(coarse) = CoarseScene::of(context, context.scene) else { return Ok(None) };
     let passes = |context: PassContext<'_>, sums: &mut PassSums| {
-        (0..CAMERA_SAMPLES).try_for_each(|pass| path_pass(context, pass, sums))
+        (0..CAMERA_SAMPLES).try_for_each(|pass| path_pass(context, pass, sums).map(|_| ()))
     };
     coarse.picture(context, passes).map(Some)
 }
@@ -59,7 +59,7 @@ pub(super) fn coarse_photon_picture(
         let visible = measure(parameters, &context, &[Cow::Borrowed(context.scene)]);
         measure_surface_extents(parameters, &context, context.scene, &visible);
         parameters.camera_samples = CameraSamples::Same(CAMERA_SAMPLES);
-        photon_pass(context, parameters, &mut LightMaps::default(), 0, sums)
+        photon_pass(context, parameters, &mut LightMaps::default(), 0, sums).map(|_| ())
     };
     coarse.picture(context, pass).map(Some)
 }

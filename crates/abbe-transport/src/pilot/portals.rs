@@ -9,8 +9,7 @@
 
 use crate::gather::{PORTAL_FRACTION, PixelSampler, PortalSpheres, Portals};
 use crate::pass::{PassContext, StageSeconds};
-use crate::walk::SurfaceLookup;
-use crate::walk::{BodyMode, WithBodies, scatter};
+use crate::walk::{BodyMode, StopFlag, SurfaceLookup, WithBodies, scatter};
 use abbe_optics::bsdf::TransportMode;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
@@ -81,7 +80,8 @@ pub fn find_portals(context: &PassContext<'_>, seconds: &mut StageSeconds) -> Po
     let start = Instant::now();
     let (scene, seed) = (context.scene, context.budget.seed);
     let Some(sky) = scene.lights.iter().find(|light| light.surrounds()) else { return Portals::default() };
-    let lines = escaped_lines(scene, seed.streams(Purpose::PortalSearch), |direction| sky.pdf_li_escaped(direction));
+    let pdf_solid_angle = |direction: DVec3| sky.pdf_li_escaped(direction);
+    let lines = escaped_lines(scene, seed.streams(Purpose::PortalSearch), pdf_solid_angle, context.stop);
     let (open, glazed): (Vec<_>, Vec<_>) = lines.into_iter().partition(|line| !line.glazed);
     let fit = |lines: &[EscapedLine]| {
         let mut spheres = fit_spheres(&thinned(lines), seed);
@@ -101,12 +101,20 @@ fn thinned(lines: &[EscapedLine]) -> Vec<EscapedLine> {
 
 /// Returns the lines along which camera paths leave the scene. `pdf_solid_angle` is the density
 /// with which shadow rays find a direction.
-fn escaped_lines(scene: &Scene, streams: Streams, pdf_solid_angle: impl Fn(DVec3) -> f64 + Sync) -> Vec<EscapedLine> {
+fn escaped_lines(
+    scene: &Scene,
+    streams: Streams,
+    pdf_solid_angle: impl Fn(DVec3) -> f64 + Sync,
+    stop: &StopFlag,
+) -> Vec<EscapedLine> {
     let mut lines: Vec<EscapedLine> = Vec::new();
     let batches = if scene.measures() { MAX_BATCHES_OF_MEASUREMENT } else { MAX_BATCHES };
     for batch in 0..batches {
         let first = |task: u64| batch * BATCH + task * TASK;
-        let trace = |task: u64| trace_lines(scene, streams, first(task)..first(task + 1), &pdf_solid_angle);
+        let trace = |task: u64| match stop.is_raised() {
+            true => Vec::new(),
+            false => trace_lines(scene, streams, first(task)..first(task + 1), &pdf_solid_angle),
+        };
         lines.extend((0..BATCH / TASK).into_par_iter().map(trace).collect::<Vec<_>>().into_iter().flatten());
         if lines.len() >= MAX_LINES || (batch + 1 >= MAX_BATCHES && lines.len() >= FEW_LINES) {
             break;

@@ -57,7 +57,8 @@ fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
 
 impl Pilot {
     /// Runs the pilot, and adds its duration to `seconds`. Calls `show` with a coarse picture as
-    /// soon as possible, unless the film is small. Returns an error if the scene cannot be posed.
+    /// soon as possible, unless the film is small. If the context's flag is raised, the pilot ends
+    /// early and must not be used. Returns an error if the scene cannot be posed.
     pub fn run(
         context: &PassContext<'_>,
         seconds: &mut StageSeconds,
@@ -74,13 +75,24 @@ impl Pilot {
             pilot.set_aims(learn_aims(context, &scenes), context);
         }
         pilot.show_coarse_picture(context, &scenes[0], after)?;
-        let parameters = &mut pilot.parameters;
-        let visible = measure(parameters, context, &scenes);
+        pilot.measure(context, &scenes);
+        seconds.pilot += start.elapsed().as_secs_f64();
+        Ok(pilot)
+    }
+
+    /// Makes the measurements one after the other, as long as the flag is not raised.
+    fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
+        let parameters = &mut self.parameters;
+        if context.stop.is_raised() {
+            return;
+        }
+        let visible = measure(parameters, context, scenes);
+        if context.stop.is_raised() {
+            return;
+        }
         balance(parameters, context, &scenes[0]);
         measure_surface_extents(parameters, context, &scenes[0], &visible);
         parameters.sensor_radii = first_radii(context, &scenes[0], &parameters.strata, parameters.photons.free);
-        seconds.pilot += start.elapsed().as_secs_f64();
-        Ok(pilot)
     }
 
     /// Renders only the coarse picture, with fewer photons for the aims. `None` if small.
@@ -134,6 +146,7 @@ impl Pilot {
     ) -> Result<()> {
         if let Some(show) = show
             && let Some(picture) = coarse_photon_picture(context, scene, &mut self.parameters)?
+            && !context.stop.is_raised()
         {
             show(&picture);
         }

@@ -60,6 +60,9 @@ pub(super) fn surface_extents(
             let columns = column..(column + BLOCK).min(width);
             let block = rows.clone().flat_map(|y| columns.clone().map(move |x| y * width + x));
             let needs: Vec<(usize, Need<'_>)> = block.map(|pixel| (pixel - row * width, survey(pixel))).collect();
+            if context.stop.is_raised() {
+                break;
+            }
             measure_block(&scene.geometry, &needs, &mut of_pixels);
         }
         SurfaceExtents::new(width, of_pixels)

@@ -1,7 +1,7 @@
 //! The text of `abbe explain`.
 
 use super::budget::{Budget, PHOTON_DOUBLINGS, PHOTON_HALVINGS};
-use super::decide::EffectRow;
+use super::decide::{EffectRow, EffectState};
 use super::fields::{Plan, WavelengthPlan};
 use abbe_scene::Scene;
 use abbe_scene::camera::{ApertureDiffraction, Camera, DepthOfField, Shutter};
@@ -15,14 +15,30 @@ pub fn wavelengths_word(plan: &Plan) -> &'static str {
     }
 }
 
+/// Which effects the text describes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DescribedEffects {
+    All,
+    /// Those of whose cause the scene has something. The others are only listed.
+    OfScene,
+}
+
 /// Returns the plan as text: two lines per effect (the state with its reason, and the consequence),
 /// then the wavelengths, the film, the camera, the budget and the notes.
-pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget) -> String {
+pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget, described: DescribedEffects) -> String {
     let mut lines = vec![format!("{}", scene.title), String::new(), "Effects:".to_string()];
-    for row in rows {
+    let (absent, described): (Vec<&EffectRow>, Vec<_>) = rows.iter().partition(|row| {
+        let lacks_cause = row.state == EffectState::Off && row.because == row.effect.not_required;
+        described == DescribedEffects::OfScene && lacks_cause
+    });
+    for row in described {
         lines.push(format!("  {:<15} {:<9} {}", row.effect.name, row.state.word(), row.because));
         let consequence = if row.state.is_on() { row.effect.cost } else { row.effect.absent };
         lines.push(format!("  {:<15} {:<9} → {consequence}", "", ""));
+    }
+    if !absent.is_empty() {
+        let names: Vec<&str> = absent.iter().map(|row| row.effect.name).collect();
+        lines.push(format!("  off, because the scene has nothing that needs them: {}", names.join(", ")));
     }
     let film = &scene.film;
     lines.push(String::new());

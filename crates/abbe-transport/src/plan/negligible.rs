@@ -13,6 +13,7 @@ use abbe_scene::{Material, Scene};
 use abbe_spectra::math::elementary::tan;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::WavelengthDistribution;
+use std::collections::BTreeSet;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct NegligibleEffect {
@@ -79,7 +80,8 @@ fn unreachable(scene: &Scene, facts: &Facts) -> Vec<NegligibleEffect> {
     let name = |object: u32| scene.objects[object as usize].name.clone();
     let inside = EFFECTS.iter().filter_map(|effect| {
         let requirers = (effect.requires)(&everything);
-        let container = enclosures.iter().find(|(object, _)| requirers.contains(&name(**object)))?.1;
+        let names: BTreeSet<&str> = requirers.iter().map(String::as_str).collect();
+        let container = enclosures.iter().find(|(object, _)| names.contains(name(**object).as_str()))?.1;
         let because = format!(
             "enclosed: {} in {}, an opaque body that contains neither a light nor the camera",
             listed(&requirers),

@@ -13,6 +13,7 @@
 //! kernels have the same radius, so they measure only the curvature of the illumination. Pixels
 //! near an edge are marked.
 
+use super::error_distribution::{dark_square, typical_squares};
 use abbe_spectra::math::random::REPLICATES;
 
 /// The measured means of a pixel over passes, in cd/m².
@@ -106,8 +107,23 @@ impl ErrorBars {
         bars
     }
 
+    /// Returns the errors of a picture with these colours. `None` if the error is unknown.
+    pub(super) fn errors(&self, xyz: &[[f64; 3]]) -> Option<PictureErrors> {
+        let mean_y = xyz.iter().map(|xyz| xyz[1]).sum::<f64>() / xyz.len() as f64;
+        let whole = self.squares(mean_y)?;
+        let bars = self.noise.iter().zip(&self.bias).zip(xyz).filter_map(|((noise, bias), xyz)| {
+            let squares = [(*noise)?, bias.unwrap_or(0.0)].map(|bar| f64::from(bar).powi(2));
+            Some(squares.map(|square| square / (xyz[1].powi(2) + dark_square(mean_y))))
+        });
+        let [noise, bias] = typical_squares(bars.collect(), |[noise, bias]| noise + bias)?;
+        // The variance of the kernel estimates is known only for all pixels together.
+        let of_noise = whole.kernel_noise / (whole.kernel_noise + whole.sampling).max(f64::MIN_POSITIVE);
+        let kernel_noise = of_noise * noise;
+        Some(PictureErrors { whole, typical: ErrorSquares { bias, kernel_noise, sampling: noise - kernel_noise } })
+    }
+
     /// `mean_y` is that of the picture. `None` if the error is unknown.
-    pub(super) fn squares(&self, mean_y: f64) -> Option<ErrorSquares> {
+    fn squares(&self, mean_y: f64) -> Option<ErrorSquares> {
         let known = self.noise.iter().flatten().count();
         if known == 0 || mean_y <= 0.0 {
             return None;
@@ -121,6 +137,16 @@ impl ErrorBars {
         // Lit pixels that all have the error 0 do not represent those without light yet.
         (squares.relative() > 0.0 || known == self.noise.len()).then_some(squares)
     }
+}
+
+/// The squared relative errors of a picture in two norms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PictureErrors {
+    /// The mean square error of all pixels, divided by the squared mean of Y. A few glints may
+    /// dominate it.
+    pub whole: ErrorSquares,
+    /// The error of a typical pixel; see [`typical_squares`].
+    pub typical: ErrorSquares,
 }
 
 impl ErrorSquares {

@@ -2,7 +2,7 @@
 
 use super::channels::{Channels, band_nm};
 use super::diffraction::{Convolution, DiffractionPsf, add_product};
-use super::error_bars::{ErrorBars, ErrorSquares, PixelMeans};
+use super::error_bars::{ErrorBars, PictureErrors, PixelMeans};
 use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
 use super::picture::{Picture, SpectralBands};
 use super::pixel_sums::{PixelMean, PixelSums, passes_by_half, replicate};
@@ -288,24 +288,28 @@ impl Film {
 
     /// Returns the picture so far: means over the passes, with error bars.
     pub fn picture(&self) -> Picture {
-        self.picture_and_error().0
+        self.picture_and_errors().0
     }
 
-    /// Returns also the parts of the squared relative error, `None` if it is unknown.
-    pub fn picture_and_error(&self) -> (Picture, Option<ErrorSquares>) {
-        let (picture, squares) = self.picture_without_layers();
-        (Picture { layers: self.layers(), ..picture }, squares)
+    /// Returns also the parts of the squared relative errors, `None` if they are unknown.
+    pub fn picture_and_errors(&self) -> (Picture, Option<PictureErrors>) {
+        let (picture, errors) = self.picture_without_layers();
+        (Picture { layers: self.layers(), ..picture }, errors)
     }
 
-    /// Returns `None` if the error is unknown.
-    pub fn error_squares(&self) -> Option<ErrorSquares> {
+    /// Returns `None` if the error is unknown. For a measurement, both norms are the largest error of
+    /// a reading.
+    pub fn errors(&self) -> Option<PictureErrors> {
         match &self.measurement {
-            Some(measurement) => measurement.layout.largest_error(&self.readings()),
+            Some(measurement) => {
+                let largest = measurement.layout.largest_error(&self.readings());
+                largest.map(|largest| PictureErrors { whole: largest, typical: largest })
+            }
             None => self.picture_without_layers().1,
         }
     }
 
-    fn picture_without_layers(&self) -> (Picture, Option<ErrorSquares>) {
+    fn picture_without_layers(&self) -> (Picture, Option<PictureErrors>) {
         let passes = self.passes() as f64;
         let diffracted = self.channels.diffraction.as_deref().map(|diffraction| self.diffracted_light(diffraction));
         let light = |pixel: usize| diffracted.as_ref().map_or_else(|| self.light_of(pixel), |(light, _)| light[pixel]);
@@ -314,7 +318,7 @@ impl Film {
         let (width, height) = (self.width, self.height);
         let mut picture = Picture { width, height, xyz, ..Picture::black(0, 0) };
         let bars = self.error_bars(light);
-        let squares = bars.squares(picture.mean_y());
+        let errors = bars.errors(&picture.xyz);
         (picture.noise, picture.bias, picture.edge) = (bars.noise, bars.bias, bars.edge);
         let bands = self.channels.bands;
         if bands > 0 {
@@ -330,7 +334,7 @@ impl Film {
             };
             picture.bands = Some(SpectralBands { centres_nm, values });
         }
-        (picture, squares)
+        (picture, errors)
     }
 
     /// Returns the light of a spectral channel or a layer.

@@ -20,11 +20,11 @@ mod unit;
 
 pub use develop::{Codes, Development, DisplayImage, develop};
 pub use diffraction::DiffractionPsf;
-pub use error_bars::ErrorSquares;
+pub use error_bars::{ErrorSquares, PictureErrors};
 pub use film::Film;
 pub use layers::LayerSet;
 pub use picture::{Picture, SpectralBands};
 pub use reading_spectrum::{ReadingBands, ReadingSpectrum};
 pub use readings::{Reading, ReadingLayout, ReadingOwner, half_interval_with_degrees};
-pub use sink::{FilmRow, PixelSink, SplatSink};
+pub use sink::{ExposedRow, FilmRow, PixelSink, SplatSink};
 pub use unit::FilmUnit;

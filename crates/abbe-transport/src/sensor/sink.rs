@@ -49,6 +49,18 @@ pub struct FilmRow<'f> {
     pub(super) names: Vec<NameRow<'f>>,
 }
 
+/// The light of a row of the film in one pass, which is not yet added to the film.
+#[derive(Debug)]
+pub struct ExposedRow {
+    /// X, Y, Z and the bias of Y, pixel by pixel.
+    light: Vec<[f64; 4]>,
+    /// The values of the channels, pixel by pixel.
+    by_channel: Vec<f64>,
+    /// The pixels and the objects and materials that their samples hit.
+    hits: Vec<(u32, [usize; 2])>,
+    rejected: u64,
+}
+
 /// Returns whether a sample is finite and not negative. Others are bugs, and discarded.
 #[inline]
 fn is_valid_radiance(weight: f64) -> bool {
@@ -59,46 +71,65 @@ fn is_valid_radiance(weight: f64) -> bool {
 
 impl FilmRow<'_> {
     /// Calls `expose(pixel, sink)`, which returns the camera samples of the pixel, for every pixel
-    /// of the row in this pass. The light in the sink is divided by that number. Returns the number
-    /// of samples that were NaN, infinite or negative and were discarded.
-    pub fn expose(&mut self, pass: u64, mut expose: impl FnMut(usize, &mut PixelSink<'_>) -> u64) -> u64 {
-        let replicate = replicate(pass);
-        let count = self.channels.count();
+    /// of the row. The light in the sink is divided by that number. The film does not change before
+    /// [`Self::add`], so that a pass can end early without a trace.
+    pub fn expose(&self, mut expose: impl FnMut(usize, &mut PixelSink<'_>) -> u64) -> ExposedRow {
         let surfaces = self.channels.first_surface_channel();
-        let mut values = vec![0.0; count];
-        let mut hits = Vec::new();
-        let mut rejected = 0;
-        for (column, sums) in self.pixels.iter_mut().enumerate() {
-            values.fill(0.0);
-            hits.clear();
-            let mut sink = PixelSink { hits, ..PixelSink::new(self.observer, self.channels, &mut values) };
-            let mean = 1.0 / expose(self.first_pixel + column, &mut sink) as f64;
-            let weight = self.per_unit * mean;
-            sums.x += weight * sink.xyz[0];
-            sums.y[replicate] += weight * sink.xyz[1];
-            sums.z += weight * sink.xyz[2];
-            sums.bias[replicate % 2] += weight * sink.bias_y;
-            rejected += sink.rejected;
-            hits = sink.hits;
-            let (of_light, of_surfaces) = self.by_channel[column * count..(column + 1) * count].split_at_mut(surfaces);
-            of_light.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += weight * value);
-            let bands = self.channels.band_channels();
-            if let Some(sums) = self.by_replicate.get_mut(replicate * bands..(replicate + 1) * bands) {
-                sums.iter_mut().zip(&values).for_each(|(sum, &value)| *sum += mean * value);
+        let mut exposed = ExposedRow {
+            light: Vec::with_capacity(self.pixels.len()),
+            by_channel: vec![0.0; self.by_channel.len()],
+            hits: Vec::new(),
+            rejected: 0,
+        };
+        let mut by_channel = exposed.by_channel.chunks_mut(self.channels.count().max(1));
+        for column in 0..self.pixels.len() {
+            let values = by_channel.next().unwrap_or_default();
+            let mut sink = PixelSink::new(self.observer, self.channels, values);
+            let weight = 1.0 / expose(self.first_pixel + column, &mut sink) as f64;
+            let [x, y, z] = sink.xyz;
+            exposed.light.push([x, y, z, sink.bias_y].map(|sum| weight * sum));
+            exposed.rejected += sink.rejected;
+            if !self.names.is_empty() {
+                exposed.hits.extend(sink.hits.iter().map(|&hit| (column as u32, hit)));
             }
-            // The means divide by the number of samples, so these sums have no weight.
-            of_surfaces.iter_mut().zip(&values[surfaces..]).for_each(|(sum, &value)| *sum += value);
-            for NameRow { kind, hashes, pixels } in &mut self.names {
-                for [object, material] in &hits {
-                    let number = match kind {
-                        NameKind::Object => *object,
-                        NameKind::Material => *material,
-                    };
-                    pixels[column].add(hashes[number], 1);
-                }
+            // The means of surfaces divide by the number of samples, so their sums have no weight.
+            values[..surfaces].iter_mut().for_each(|value| *value *= weight);
+        }
+        exposed
+    }
+
+    /// Adds the light of the row in a pass to the film. Returns the number of samples that were
+    /// NaN, infinite or negative and were discarded.
+    pub fn add(&mut self, pass: u64, exposed: &ExposedRow) -> u64 {
+        let replicate = replicate(pass);
+        for (sums, light) in self.pixels.iter_mut().zip(&exposed.light) {
+            let [x, y, z, bias] = light.map(|sum| self.per_unit * sum);
+            sums.x += x;
+            sums.y[replicate] += y;
+            sums.z += z;
+            sums.bias[replicate % 2] += bias;
+        }
+        let (count, surfaces) = (self.channels.count().max(1), self.channels.first_surface_channel());
+        for (sums, values) in self.by_channel.chunks_mut(count).zip(exposed.by_channel.chunks(count)) {
+            for (channel, (sum, &value)) in sums.iter_mut().zip(values).enumerate() {
+                *sum += if channel < surfaces { self.per_unit * value } else { value };
             }
         }
-        rejected
+        // The row of a measurement is one pixel.
+        let bands = self.channels.band_channels();
+        if let Some(sums) = self.by_replicate.get_mut(replicate * bands..(replicate + 1) * bands) {
+            sums.iter_mut().zip(&exposed.by_channel).for_each(|(sum, &value)| *sum += value);
+        }
+        for NameRow { kind, hashes, pixels } in &mut self.names {
+            for &(column, [object, material]) in &exposed.hits {
+                let number = match kind {
+                    NameKind::Object => object,
+                    NameKind::Material => material,
+                };
+                pixels[column as usize].add(hashes[number], 1);
+            }
+        }
+        exposed.rejected
     }
 }
 

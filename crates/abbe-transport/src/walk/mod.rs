@@ -12,6 +12,7 @@ mod scatter;
 mod scatter_coated;
 mod scattered_ray;
 mod sink;
+mod stop_flag;
 mod surface_interaction;
 mod transmittance;
 
@@ -24,6 +25,7 @@ pub use ray_state::RayState;
 pub use scatter::{scatter, scatter_all_wavelengths};
 pub use scattered_ray::ScatteredRay;
 pub use sink::{SensorResponse, Sink};
+pub use stop_flag::{NEVER_STOP, StopFlag};
 pub use surface_interaction::{SurfaceInteraction, SurfaceLookup};
 pub use transmittance::{
     PathTransmittance, SegmentTransmittance, bias_of_excess, excess_optical_depth, path_transmittance,

@@ -34,6 +34,9 @@ impl<'a> CameraPass<'a> {
         buffers.factors.clear();
         buffers.visible_points.clear();
         buffers.camera_segments.clear();
+        if self.stop.is_raised() {
+            return;
+        }
         let camera = &self.scene.camera;
         tally.camera_samples += 1;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());

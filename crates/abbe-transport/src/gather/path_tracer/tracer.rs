@@ -14,7 +14,7 @@ use crate::map::PhotonSpectra;
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::walk::{
-    DepthLimit, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, SurfaceInteraction, SurfaceLookup,
+    DepthLimit, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, StopFlag, SurfaceInteraction, SurfaceLookup,
     TruncatedLight, WithBodies, long_path_survival, next_interaction, scatter, transmittance,
 };
 use abbe_optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
@@ -43,6 +43,8 @@ pub struct PathTracer<'a> {
     pub excitation: &'a [Option<WavelengthDistribution>],
     /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
     pub media_plan: MediumPlan,
+    /// Samples are black after it is raised.
+    pub stop: &'a StopFlag,
 }
 
 pub(super) struct TracedPath {
@@ -65,6 +67,9 @@ pub(super) struct TracedPath {
 impl<'a> PathTracer<'a> {
     /// Estimates the radiance of one sample of a pixel and adds it to the sink.
     pub fn sample<S: Sink>(&self, pixel: u64, mut sampler: PixelSampler, tally: &mut Tally, sink: &mut S) {
+        if self.stop.is_raised() {
+            return;
+        }
         tally.camera_samples += 1;
         let started = match self.scene.camera.sensor(pixel) {
             Some((_, sensor)) => Some(self.start_at_sensor(sensor, &sampler, tally, sink)),

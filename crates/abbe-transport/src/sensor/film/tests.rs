@@ -9,10 +9,11 @@ fn exposed(passes: &[u64], bias: impl Fn(u64) -> f64) -> Film {
     let mut film = Film::new(1, 1, Observer::cie1931(), 0);
     for &pass in passes {
         film.rows().for_each(|mut row| {
-            row.expose(pass, |_, sink| {
+            let exposed = row.expose(|_, sink| {
                 sink.biased((0, 0), NM, 1.0, bias(pass));
                 1
             });
+            row.add(pass, &exposed);
         });
         film.count_pass(pass);
     }
@@ -42,10 +43,11 @@ fn samples_and_splats_have_the_colour_of_their_wavelength() {
         let bar = Observer::cie1931().xyz_bar(nm).map(|bar| 0.3 * bar * LUMENS_PER_WATT);
         let [mut samples, mut splats] = [0, 1].map(|_| Film::new(1, 1, Observer::cie1931(), 0));
         samples.rows().for_each(|mut row| {
-            row.expose(0, |_, sink| {
+            let exposed = row.expose(|_, sink| {
                 sink.radiance((0, 0), nm, 0.3);
                 1
             });
+            row.add(0, &exposed);
         });
         let mut sink = splats.splat_sink();
         sink.splat((0, 0), 0, [(nm, 0.3)].into_iter());
