@@ -70,7 +70,8 @@ fn once(arguments: &MergeArgs, outputs: &OutputFiles) -> Result<Outcome> {
     let Some(target) = arguments.target_error.filter(|target| !is_reached(&stats, *target)) else {
         return Ok(Outcome::Done);
     };
-    let found = stats.error.typical.map_or("unknown".to_string(), |error| format!("{error:.6}"));
+    let found = stats.error.typical.map_or("unknown".to_string(), print::percent);
+    let target = print::percent(target);
     print::remark(&format!("failed: the error of a typical pixel is {found}, which is above the target {target}"));
     Ok(Outcome::Exceeded)
 }

@@ -148,7 +148,11 @@ pub(crate) fn error_line(text: &str) {
 
 /// Writes a ratio in percent.
 pub(crate) fn percent(fraction: f64) -> String {
-    if fraction < 0.1 { format!("{:.2} %", 100.0 * fraction) } else { format!("{:.0} %", 100.0 * fraction) }
+    match 100.0 * fraction {
+        percent if percent > 0.0 && percent < 0.01 => format!("{percent:.1e} %"),
+        percent if percent < 10.0 => format!("{percent:.2} %"),
+        percent => format!("{percent:.0} %"),
+    }
 }
 
 #[cfg(test)]

@@ -283,3 +283,26 @@ fn a_small_lamp_shines_through_a_ball_of_glass() {
     let by_paths = measure(&scene, Some(Integrator::Path), 8);
     assert!(by_paths.meters[0].points[0].interval_95.is_none(), "paths seldom find the lamp: {by_paths:?}");
 }
+
+/// Two parallel panes under the sun: shadow rays do not find the light that is reflected back and
+/// forth between them, and the interval contains it.
+#[test]
+fn the_interval_contains_the_light_between_two_panes() {
+    let pane = |height: f64| json!({ "shape": { "rectangle": { "width": 20, "height": 20 } }, "material": "pane", "transform": [{ "translate": [0, height, 0] }] });
+    let scene = json!({
+        "materials": { "pane": { "thin_dielectric": { "ior": 1.5 } } },
+        "objects": [pane(1.0), pane(1.2)],
+        "lights": [{ "directional": { "toward": [0, -1, 0], "spectrum": 1, "illuminance": 100 } }],
+        "meters": [{ "name": "m", "points": [[0, 0, 0]] }], "render": { "photons": 1000 }
+    });
+    // Each pane reflects R = 2r/(1 + r) for the reflectance r of a face, and n panes transmit
+    // 1/(1 + n R/(1 − R)).
+    let (r, panes) = (0.04, 2.0);
+    let reflected = 2.0 * r / (1.0 + r);
+    let known = 100.0 / (1.0 + panes * reflected / (1.0 - reflected));
+    let report = measure(&scene, Some(Integrator::Path), 16);
+    let point = &report.meters[0].points[0];
+    let [low, high] = point.interval_95.as_ref().expect("an interval").each_ref().map(number);
+    println!("two panes: {:?} in [{low}, {high}] for {known}", point.value);
+    assert!(low <= known && known <= high && high - low < 0.05 * known, "{point:?} for {known}");
+}

@@ -48,7 +48,7 @@ fn an_orthographic_picture_may_start_inside_of_a_body_in_part() {
         "lights": [{ "environment": { "spectrum": "E", "luminance": 1 } }], "render": { "photons": 1000 }
     });
     for integrator in [Integrator::Photon, Integrator::Path] {
-        let rendered = render(&scene, integrator, 4);
+        let rendered = render(&scene, integrator, 64);
         for (pixel, xyz) in rendered.picture.xyz.iter().enumerate() {
             let known = if pixel % 4 < 2 { (-1.0_f64).exp() } else { 1.0 };
             assert!((xyz[1] / known - 1.0).abs() < 0.02, "{integrator:?}, pixel {pixel}: {} for {known}", xyz[1]);

@@ -403,6 +403,7 @@ impl SceneBuilder {
         scene.renumber_lights();
         scene.rank_bodies();
         scene.find_medium_stacks();
+        scene.notes.extend(scene.notes_of_touching_bodies());
         if let Some(white) = white(&scene, &white_balance)? {
             scene.film.white = Some(white);
         }

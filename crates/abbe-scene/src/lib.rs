@@ -62,6 +62,7 @@ pub mod meter;
 pub mod motion;
 mod sensor_point;
 pub mod sweep;
+mod touching;
 pub mod view;
 
 use crate::geometry::{Geometry, Hit, Ray};

@@ -45,7 +45,8 @@ impl MediumStack {
         highest_of(self.bodies(), priority, counts)
     }
 
-    fn bodies(&self) -> impl Iterator<Item = u32> {
+    /// The objects, from the outermost to the innermost.
+    pub fn bodies(&self) -> impl Iterator<Item = u32> {
         self.0.iter().take_while(|&&entry| entry > 0).map(|entry| entry - 1)
     }
 

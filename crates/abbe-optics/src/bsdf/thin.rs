@@ -65,6 +65,11 @@ impl ThinDielectric {
         Self { transmittance: Some(transmittance), ..self }
     }
 
+    /// Returns R and T of a pane without films; see [`Self::transmittance`].
+    pub fn plain_powers(&self, cosine: f64, outside: &RefractiveIndex, nm: f64) -> PowerFractions {
+        self.powers_at(cosine, outside.n(nm), 0.0, nm)
+    }
+
     /// Returns true if the pane has the index `outside` and no films, so that it reflects nothing.
     pub fn matches(&self, outside: &RefractiveIndex) -> bool {
         self.index == *outside && self.coating.is_none()

@@ -62,8 +62,9 @@ impl ClosedSet {
         if largest > 0.0 { self.scalar[self.count - 1 + j - i] / largest } else { 0.0 }
     }
 
-    /// Returns the efficiency from the light's direction to direction `to`.
-    pub(super) fn efficiency(&self, to: usize) -> f64 {
+    /// Returns the efficiency from the light's direction to direction `to`, 0 outside of the set.
+    pub(super) fn efficiency(&self, to: i32) -> f64 {
+        let Some(to) = usize::try_from(to).ok().filter(|&to| to < self.count) else { return 0.0 };
         let rest = self.missing[self.from] * self.missing[self.count - 1 - to];
         let rest = if self.missing_sum > 0.0 { rest / self.missing_sum } else { 0.0 };
         self.scaled_once(self.from, to) + rest
@@ -78,7 +79,7 @@ mod tests {
     fn matrix(count: usize, scalar: impl Fn(i32) -> f64) -> Vec<Vec<f64>> {
         let row = |from| {
             let set = ClosedSet::new(count, from, &scalar).expect("a small set");
-            (0..count).map(|to| set.efficiency(to)).collect()
+            (0..count as i32).map(|to| set.efficiency(to)).collect()
         };
         (0..count).map(row).collect()
     }
@@ -103,7 +104,7 @@ mod tests {
                     for j in 0..count {
                         // Light back along −j has the numbers in reverse order and negative orders.
                         let back = ClosedSet::new(count, count - 1 - j, |order| profile.efficiency(order, nm));
-                        let back = back.expect("a small set").efficiency(count - 1 - i);
+                        let back = back.expect("a small set").efficiency((count - 1 - i) as i32);
                         assert!((matrix[i][j] - back).abs() < 1e-12, "{profile:?}, {nm} nm, {count}");
                     }
                 }

@@ -119,7 +119,7 @@ impl Grating {
     /// that of the order of the same number of light that is sent back.
     pub fn efficiency(&self, incident: DVec3, order: i32, index: f64, nm: f64) -> f64 {
         let fraction = match self.closed_set(incident, index, nm) {
-            Some((set, first)) => set.efficiency((order - first) as usize),
+            Some((set, first)) => set.efficiency(order - first),
             None => {
                 let sum = self.scalar_sum(incident, index, nm);
                 let of_zero = f64::from(u8::from(order == 0));
@@ -145,7 +145,7 @@ impl Grating {
         let (mut rest, mut chosen) = (u * sum, (0, 1.0));
         for order in self.propagating(incident, [index; 2], nm) {
             let efficiency = match &set {
-                Some((set, first)) => set.efficiency((order - first) as usize),
+                Some((set, first)) => set.efficiency(order - first),
                 None => self.profile.efficiency(order, nm),
             };
             if efficiency > 0.0 {

@@ -108,27 +108,28 @@ impl Job {
         self.scene.lights.iter().filter(|light| light.is_small(self.scene.extent()))
     }
 
-    /// Returns true if the path tracer leaves out light of the hidden lamps: that of mirrors, glass
-    /// and panes, except panes that reflect nothing.
-    fn misses_light(&self, integrator: Integrator) -> bool {
+    /// Returns true if the errors of the readings are unknown, because the path tracer leaves out
+    /// light of hidden lamps that glass or mirrors deflect. Panes pass most of their light straight;
+    /// the bias contains the light between several of them.
+    fn errors_are_unknown(&self, integrator: Integrator) -> bool {
+        integrator == Integrator::Path && self.integrator_for_meters() == Integrator::Photon
+    }
+
+    /// Returns a note if the path tracer leaves out light that panes, glass or mirrors deflect.
+    fn note_of_missing_light(&self, integrator: Integrator) -> Option<String> {
         let deflects = |bsdf: &Bsdf| {
             let is_hole = bsdf.uniform_pane().is_some_and(|pane| pane.matches(&self.scene.air));
             bsdf.class() == BsdfClass::Specular && !is_hole
         };
         let mut surfaces = self.scene.materials.iter().flat_map(|material| material.surface.components());
-        integrator == Integrator::Path && self.plan.caustics != CausticPlan::Absent && surfaces.any(deflects)
-    }
-
-    /// Returns a note if the path tracer leaves out light that is reflected by panes or mirrors. The
-    /// errors of the readings are then unknown.
-    fn note_of_missing_light(&self, integrator: Integrator) -> Option<String> {
-        if !self.misses_light(integrator) {
+        if integrator == Integrator::Photon || self.plan.caustics == CausticPlan::Absent || !surfaces.any(deflects) {
             return None;
         }
         let lamp = &self.hidden_lamps().next()?.name;
+        let unknown = if self.errors_are_unknown(integrator) { ", so the intervals are unknown" } else { "" };
         Some(format!(
             "the path tracer finds the light of {lamp} that mirrors or panes reflect or that glass refracts seldom or \
-             never, so the intervals are unknown; `--integrator photon` finds it"
+             never{unknown}; `--integrator photon` finds it"
         ))
     }
 
@@ -203,7 +204,8 @@ impl Job {
         let stop = if stop == StopRules::default() { default_stop(integrator) } else { stop };
         let Rendered { stats, run, interrupted, .. } = self.render(Request { integrator, stop }, monitor)?;
         let readings = run.readings();
-        let missing_light = self.note_of_missing_light(integrator);
+        let (missing_light, errors_are_unknown) =
+            (self.note_of_missing_light(integrator), self.errors_are_unknown(integrator));
         let mut rest = 0..readings.len();
         let meters = self.scene.meters.iter().map(|meter| {
             let own: Vec<usize> = rest.by_ref().take(meter.readings.len()).collect();
@@ -224,7 +226,7 @@ impl Job {
                     }
                     (QuantityKind::Integral, _) | (_, None) => {}
                 }
-                if missing_light.is_some() || reading.noise == Some(0.0) && reading.value == 0.0 {
+                if errors_are_unknown || reading.noise == Some(0.0) && reading.value == 0.0 {
                     // Light that no path found is neither in the reading nor in its noise.
                     (point.bias, point.interval_95) = (None, None);
                 }

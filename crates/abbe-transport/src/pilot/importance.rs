@@ -240,8 +240,10 @@ impl PhotonVisitor for Importance<'_> {
     }
 
     fn on_arrival(&mut self, arrival: &SurfaceArrival<'_>) {
-        let object = arrival.interaction.hit.object;
-        self.reached[object as usize] = true;
+        let interaction = arrival.interaction;
+        self.reached[interaction.hit.object as usize] = true;
+        // A path passes through the faces of a body inside of a body of higher priority.
+        interaction.here.bodies().for_each(|object| self.reached[object as usize] = true);
     }
 }
 

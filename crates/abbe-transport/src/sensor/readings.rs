@@ -66,6 +66,10 @@ const ONE_SIDED: [f64; REPLICATES - 2] = [6.314, 2.920, 2.353, 2.132, 2.015, 1.9
 /// The 97.5 % and the 95 % quantile of the normal distribution.
 const NORMAL: [f64; 2] = [1.959_964, 1.644_854];
 
+/// The largest bias of a reading with an interval, as a fraction of the value. The estimate is the
+/// first term of a series in the radius of the kernel, so a large bias has large further terms.
+const LARGEST_BIAS: f64 = 0.1;
+
 /// The least divisor of a reading's relative error, by the largest reading of its meter.
 const LEAST_FRACTION: f64 = 0.1;
 
@@ -107,9 +111,11 @@ impl ReadingLayout {
 }
 
 impl Reading {
-    /// Returns half the width of the 95 % interval of the value. `None` if the noise is unknown.
+    /// Returns half the width of the 95 % interval of the value. `None` if the noise is unknown, or
+    /// if the bias is so large that its estimate is uncertain.
     pub fn half_interval_95(&self) -> Option<f64> {
-        Some(half_interval_with_degrees(self.noise?, self.bias.unwrap_or(0.0), self.degrees))
+        let (noise, bias) = (self.noise?, self.bias.unwrap_or(0.0));
+        (bias <= LARGEST_BIAS * self.value).then(|| half_interval_with_degrees(noise, bias, self.degrees))
     }
 
     /// `passes` counts each replicate, and the rows may be `independent`.

@@ -1,7 +1,8 @@
 //! The unit of a film's sums.
 
 use abbe_scene::Scene;
-use abbe_scene::light::Emitter;
+use abbe_scene::meter::Sensor;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// The unit of the sums of light: 2 to the power of an integer, in W/m²/sr.
@@ -14,23 +15,29 @@ pub struct FilmUnit {
     exponent: i32,
 }
 
+/// The least distance between the camera and a light, as a fraction of the radius of the scene.
+const LEAST_DISTANCE: f64 = 1e-3;
+
 /// Up to this exponent, a unit and its inverse are normal numbers of double precision.
 const LARGEST_EXPONENT: i32 = 1000;
 
 impl FilmUnit {
-    /// Returns the unit for the lights of a scene: about the power of its local lights per m², or
-    /// per squared radius of a smaller scene, plus the irradiance by its distant lights.
+    /// Returns the unit for the lights of a scene: about the irradiance of a surface at the distance
+    /// from which the camera sees the light.
     pub fn of(scene: &Scene) -> Self {
-        let extent = scene.extent();
+        let (extent, bounds) = (scene.extent(), scene.geometry.object_bounds());
+        let sensors = scene.camera.sensors().iter().filter_map(Sensor::position);
+        let viewpoints: Vec<DVec3> = sensors.chain([scene.camera.origin()]).collect();
         let radius2 = extent.radius_m * extent.radius_m;
-        let per_m2 = scene.lights.iter().map(|light| {
-            let area_m2 = match light.emitter {
-                Emitter::Directional(_) | Emitter::Environment(_) => radius2,
-                _ => radius2.min(1.0),
-            };
-            light.power_w(extent) / area_m2
+        let irradiance = scene.lights.iter().map(|light| {
+            let distance2 = light.bounds(&bounds).map_or(radius2, |(low, high)| {
+                let middle = 0.5 * (low + high);
+                let distances2 = viewpoints.iter().map(|viewpoint| viewpoint.distance_squared(middle));
+                distances2.fold(radius2, f64::min).max(LEAST_DISTANCE * LEAST_DISTANCE * radius2)
+            });
+            light.power_w(extent) / distance2
         });
-        Self::near(per_m2.sum())
+        Self::near(irradiance.sum())
     }
 
     /// Returns the largest unit that does not exceed `radiance`, or 1 if that is 0 or unusable.

@@ -2,7 +2,7 @@
 
 use super::medium_segment::{MediumSegment, for_each_segment};
 use super::ray_state::RayState;
-use abbe_optics::bsdf::ThinDielectric;
+use abbe_optics::bsdf::{PowerFractions, ThinDielectric};
 use abbe_optics::glass::RefractiveIndex;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
@@ -96,6 +96,23 @@ pub fn excess_optical_depth(path_transmittance: &[SegmentTransmittance<'_>], nm:
 #[inline]
 pub fn bias_of_excess(excess: f64) -> f64 {
     if excess == 0.0 { 0.0 } else { -exp_m1(excess) }
+}
+
+/// Returns the light that is reflected back and forth between the panes on a straight line, relative
+/// to the light that passes straight, for parallel panes. No shadow ray finds it.
+pub fn light_between_panes(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {
+    let (mut stack, mut straight) = (PowerFractions { reflected: 0.0, transmitted: 1.0 }, 1.0);
+    for segment in path_transmittance {
+        let SegmentTransmittance::Pane { pane, cosine, outside } = segment else { continue };
+        let next = pane.plain_powers(*cosine, outside, nm);
+        let series = 1.0 / (1.0 - stack.reflected * next.reflected);
+        stack = PowerFractions {
+            reflected: next.reflected + next.transmitted * next.transmitted * stack.reflected * series,
+            transmitted: stack.transmitted * next.transmitted * series,
+        };
+        straight *= next.transmitted;
+    }
+    if straight > 0.0 { stack.transmitted / straight - 1.0 } else { 0.0 }
 }
 
 /// Returns the transmittance of the whole path at the wavelength `nm`.

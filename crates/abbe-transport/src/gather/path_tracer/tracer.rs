@@ -15,7 +15,7 @@ use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::walk::{
     DepthLimit, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, StopFlag, SurfaceInteraction, SurfaceLookup,
-    TruncatedLight, WithBodies, long_path_survival, next_interaction, scatter, transmittance,
+    TruncatedLight, WithBodies, light_between_panes, long_path_survival, next_interaction, scatter, transmittance,
 };
 use abbe_optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
@@ -248,7 +248,8 @@ impl<'a> PathTracer<'a> {
             let origin = LightOrigin { class: PathClass::Direct, light: selected.number };
             for (k, &nm) in nm.iter().enumerate() {
                 let arriving = sample.light.spd_at(sample.spd, nm) * sample.strength;
-                sink.radiance(origin, nm, inverse_pdf[k] * arriving * transmittance(&sample.transmittance, nm));
+                let radiance = inverse_pdf[k] * arriving * transmittance(&sample.transmittance, nm);
+                sink.biased(origin, nm, radiance, -radiance * light_between_panes(&sample.transmittance, nm));
             }
         }
         TracedPath {
@@ -304,7 +305,8 @@ impl<'a> PathTracer<'a> {
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
                 let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
-                sink.radiance(origin, path.observed[k], scattered * sample.strength * transmittance(&along, nm));
+                let radiance = scattered * sample.strength * transmittance(&along, nm);
+                sink.biased(origin, path.observed[k], radiance, -radiance * light_between_panes(&along, nm));
             }
             if let Some(surface) = bsdf.model.as_fluorescent()
                 && bsdf.pdf(wo, sample.wi, sides, path.wavelengths.hero()) > 0.0
