@@ -168,7 +168,7 @@ impl<'a> BodiesInSpace<'a> {
         let counts = |object| {
             let medium = scene.body_of(object).and_then(|body| body.medium);
             // A glowing medium emits only inside its own body.
-            !medium.is_some_and(|number| own_medium == Some(scene.media[number].name.as_str()))
+            medium.is_none_or(|number| own_medium != Some(scene.media[number].name.as_str()))
         };
         around.is_some_and(|around| self.differ_within(around, counts))
     }

@@ -250,7 +250,8 @@ impl<'a> LocalBsdf<'a> {
                 }
                 _ => dielectric::powers(wo, iors, nm.unwrap_or(REFERENCE_NM)).reflected,
             },
-            _ => 0.0,
+            Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Fluorescent(_) | Bsdf::Translucent(_) | Bsdf::Mirror(_) => 0.0,
+            Bsdf::Conductor(_) | Bsdf::ThinDielectric(_) | Bsdf::Grating(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => 0.0,
         }
     }
 

@@ -96,16 +96,16 @@ mod tests {
         {
             for count in [1, 2, 3, 5, 12, 40] {
                 let matrix = matrix(count, |order| profile.efficiency(order, nm));
-                for i in 0..count {
-                    let row: f64 = matrix[i].iter().sum();
+                for (i, row) in matrix.iter().enumerate() {
+                    let sum: f64 = row.iter().sum();
                     let column: f64 = matrix.iter().map(|row| row[i]).sum();
-                    assert!((row - 1.0).abs() < 1e-12, "{profile:?}, {nm} nm, {count}: row {row}");
+                    assert!((sum - 1.0).abs() < 1e-12, "{profile:?}, {nm} nm, {count}: row {sum}");
                     assert!((column - 1.0).abs() < 1e-12, "{profile:?}, {nm} nm, {count}: column {column}");
-                    for j in 0..count {
+                    for (j, forward) in row.iter().enumerate() {
                         // Light back along −j has the numbers in reverse order and negative orders.
                         let back = ClosedSet::new(count, count - 1 - j, |order| profile.efficiency(order, nm));
                         let back = back.expect("a small set").efficiency((count - 1 - i) as i32);
-                        assert!((matrix[i][j] - back).abs() < 1e-12, "{profile:?}, {nm} nm, {count}");
+                        assert!((forward - back).abs() < 1e-12, "{profile:?}, {nm} nm, {count}");
                     }
                 }
             }

@@ -115,10 +115,8 @@ impl<'a> SurfaceInteraction<'a> {
     /// Returns true if each wavelength takes other directions at this surface.
     #[inline]
     pub fn disperses(&self) -> bool {
-        match self.bsdf.model {
-            Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => self.sides.is_dispersive(),
-            model => matches!(model, Bsdf::Grating(_)),
-        }
+        let refracts = matches!(self.bsdf.model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_));
+        matches!(self.bsdf.model, Bsdf::Grating(_)) || refracts && self.sides.is_dispersive()
     }
 
     /// Returns true if `direction` leads back to the side from which the path arrived.
