@@ -211,3 +211,23 @@ fn the_hidden_part_of_a_glowing_ball_glows_too() {
     println!("a glowing ball in a ball of glass: {found}");
     assert!(found.is_equal(), "{found}");
 }
+
+/// Plates of glass that touch exactly are named, because a film of air remains between them. Plates
+/// that overlap or that are apart are not.
+#[test]
+fn touching_plates_are_named() {
+    for (height, touches) in [(0.25, true), (0.24, false), (0.26, false)] {
+        let plate = |name: &str, y: f64| {
+            json!({ "name": name, "shape": { "box": { "size": [4, 0.25, 4] } }, "material": "glass",
+                    "transform": [{ "translate": [0, y, 0] }, { "rotate": { "axis": [1, 2, 0.5], "degrees": 37 } }] })
+        };
+        let scene = json!({
+            "camera": { "from": [0, 0, 9], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 20 } } },
+            "film": { "width": 2, "height": 2 }, "materials": { "glass": glass(1.5) },
+            "objects": [plate("upper", height), plate("lower", 0.0)],
+            "lights": [{ "environment": { "spectrum": "E", "luminance": 1 } }]
+        });
+        let notes = job(&scene).scene.notes.join("\n");
+        assert_eq!(notes.contains("\"upper\" and \"lower\" touch"), touches, "{height}: {notes}");
+    }
+}

@@ -8,15 +8,16 @@ use abbe_spectra::math::sobol::Sobol;
 
 impl Scene {
     /// Returns a note for each pair of touching bodies, at most a few. Very small areas of contact
-    /// are not found.
+    /// are not found, and scenes of very many bodies are not searched.
     pub(super) fn notes_of_touching_bodies(&self) -> Vec<String> {
         /// The largest number of notes, and of pairs whose faces are compared.
         const MOST_NOTES: usize = 3;
         const MOST_PAIRS: usize = 500;
+        const MOST_BODIES: usize = 1000;
         let refracts = |object: u32| self.body_of(object).is_some_and(|body| body.index.is_some());
         let bodies = self.geometry.object_bounds().into_iter().filter(|(object, _)| refracts(*object));
         let (objects, boxes): (Vec<u32>, Vec<_>) = bodies.map(|(object, around)| (object, (around, 0.0))).unzip();
-        if objects.len() < 2 {
+        if !(2..=MOST_BODIES).contains(&objects.len()) {
             return Vec::new();
         }
         let (tree, mut notes, mut pairs) = (BoxTree::new(&boxes), Vec::new(), 0);
