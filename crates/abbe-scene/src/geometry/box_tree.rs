@@ -25,7 +25,7 @@ struct Node {
 }
 
 impl BoxTree {
-    /// Builds the hierarchy over boxes, each with an extent for which [`Self::first`] can prune.
+    /// Builds the hierarchy over boxes, each with an extent for which [`Self::first_around`] can prune.
     /// The number of a box is its position in the list.
     pub fn new(boxes: &[(BoxCorners, f64)]) -> Self {
         let leaf = |number: u32| {
