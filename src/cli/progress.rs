@@ -284,7 +284,8 @@ mod tests {
         progress.forecast = Some(forecast(0.0, 0.0016));
         let at = progress.forecast.unwrap().milestone(0.02).unwrap().seconds;
         assert!((left(&progress).unwrap() - (at - 10.0)).abs() < 1e-6, "{at}");
-        // Bias alone falls too slowly for a promise, so the error does not tell when the render ends.
+        // Bias alone falls too slowly for a promise, so the error does not tell when the render
+        // ends.
         progress.forecast = Some(forecast(0.0016, 0.0));
         assert_eq!(left(&progress), Some(30.0));
         progress.time_wanted = Some(Duration::from_secs(15));
@@ -292,8 +293,8 @@ mod tests {
         assert!((fraction_done(&progress).unwrap() - 10.0 / 15.0).abs() < 1e-9);
     }
 
-    /// A target error ends a render only after whole rounds of the replicates. Until then, some time
-    /// is left even if the error is below the target.
+    /// A target error ends a render only after whole rounds of the replicates. Until then, some
+    /// time is left even if the error is below the target.
     #[test]
     fn near_the_target_the_time_left_is_that_of_the_next_round() {
         let mut progress = after(18, 13.5);

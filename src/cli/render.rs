@@ -130,7 +130,7 @@ impl HeaderArgs {
     }
 }
 
-/// Whether a render continues from its checkpoint.
+/// Tells whether a render continues from its checkpoint.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
 enum Resume {
     #[default]

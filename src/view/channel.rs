@@ -57,7 +57,7 @@ pub(super) struct ViewProgress {
     pub(super) elapsed_s: f64,
     pub(super) photons_per_second: f64,
     pub(super) relative_error: Option<f64>,
-    /// That of a typical pixel.
+    /// The relative error of a typical pixel.
     pub(super) typical_error: Option<f64>,
 }
 

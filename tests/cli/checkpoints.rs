@@ -428,8 +428,8 @@ fn a_render_killed_repeatedly_resumes_to_the_same_bits() {
 }
 
 /// Twelve lamps with different spectral lines light a floor behind dispersive glass. A few passes
-/// have no wavelength that suits some of the lamps. The replicates cannot show the missing light, so
-/// the error is unknown, in a single run as well as after merging.
+/// have no wavelength that suits some of the lamps. The replicates cannot show the missing light,
+/// so the error is unknown, in a single run as well as after merging.
 #[test]
 fn the_error_is_unknown_until_each_spectrum_is_sampled() {
     let mut scene: Value = serde_json::from_str(SCENE).unwrap();

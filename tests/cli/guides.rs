@@ -10,10 +10,10 @@
 //! | `<!-- guide: prints COMMAND -->` | the next block is what this command prints |
 //! | `<!-- guide: picture FILE -->` | the next picture is this file |
 //!
-//! Several commands are joined by `&&`. `slow` after `guide:` leaves the step to a test that renders the pictures of a guide and takes
-//! minutes. In a block, a line `...` stands for any number of lines, and `...` at the end of a line
-//! for the rest of this line. `tests/bless` writes the blocks again, and `tests/bless --all` also
-//! those that need renders, and the pictures.
+//! Several commands are joined by `&&`. `slow` after `guide:` leaves the step to a test that
+//! renders the pictures of a guide and takes minutes. In a block, a line `...` stands for any
+//! number of lines, and `...` at the end of a line for the rest of this line. `tests/bless` writes
+//! the blocks again, and `tests/bless --all` also those that need renders, and the pictures.
 
 #![cfg(unix)]
 

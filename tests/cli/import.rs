@@ -37,7 +37,8 @@ fn a_gltf_file_is_rendered_by_one_command() {
     abbe(folder.path(), &["import", "bare.obj"]).is_error(2, &["bare.obj", ".gltf, .glb"]);
 }
 
-/// The loss of a texture is a warning, which names the file. `--quiet` prints warnings but no notes.
+/// The loss of a texture is a warning, which names the file. `--quiet` prints warnings but no
+/// notes.
 #[test]
 fn quiet_commands_print_the_loss_of_a_texture() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,8 +2,8 @@
 //! materials with systematic changes of their structure. Every reader returns a result or an error,
 //! without a panic, within a second, and within 1 GiB of memory.
 //!
-//! The default run makes 8,000 random changes and changes each part of the structure once; `cargo test --release --test fuzz -- --ignored` makes
-//! 200,000. Failing inputs are kept in `target/tmp`.
+//! The default run makes 8,000 random changes and changes each part of the structure once; `cargo
+//! test --release --test fuzz -- --ignored` makes 200,000. Failing inputs are kept in `target/tmp`.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -1,5 +1,6 @@
-//! Systematic changes of the structure of a text: each key, value, line and word in turn is missing,
-//! empty, doubled or of another type. Random changes seldom find the one key whose absence matters.
+//! Systematic changes of the structure of a text: each key, value, line and word in turn is
+//! missing, empty, doubled or of another type. Random changes seldom find the one key whose absence
+//! matters.
 
 use serde_json::{Value, json};
 

@@ -96,8 +96,8 @@ fn a_mesh_with_tilted_normals_lights_a_wall_beside_it() {
 }
 
 /// Far from the geometric normal, a part of each lobe lies below the surface. Photons and camera
-/// paths must scatter this part by the same rule: light of a large lamp that falls through a pane of
-/// glass is found by photons alone, or by camera paths alone.
+/// paths must scatter this part by the same rule: light of a large lamp that falls through a pane
+/// of glass is found by photons alone, or by camera paths alone.
 #[test]
 fn steep_normals_scatter_photons_and_paths_alike() {
     let metal = json!({ "conductor": { "reflectance": 0.8, "roughness": 0.4 } });

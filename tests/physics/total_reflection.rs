@@ -9,7 +9,8 @@ use abbe_spectra::spectrum::Observer;
 use serde_json::json;
 
 /// The direction of view in the middle of the picture, and half of the angle of view, in degrees
-/// from the normal: just beyond the critical angle of 550 nm, where only red light leaves the glass.
+/// from the normal: just beyond the critical angle of 550 nm, where only red light leaves the
+/// glass.
 const VIEW_DEG: f64 = 34.15;
 const HALF_VIEW_DEG: f64 = 0.1;
 

@@ -61,10 +61,10 @@ impl SceneBuilder {
     fn index_around(&self, placed: &PlacedShape) -> Option<RefractiveIndex> {
         let (low, high) = placed.shape.bounds()?;
         let middle = placed.to_world.transform_point3(0.5 * (low + high)) - self.centre;
+        let ray = Ray::new(middle, DVec3::new(0.39, 0.80, 0.45));
         let mut balances = BTreeMap::<u32, i32>::new();
-        self.geometry.for_each_hit(&Ray::new(middle, DVec3::new(0.39, 0.80, 0.45)), None, |hit| {
-            *balances.entry(hit.object).or_default() +=
-                if hit.normal.dot(DVec3::new(0.39, 0.80, 0.45)) > 0.0 { 1 } else { -1 };
+        self.geometry.for_each_hit(&ray, None, |hit| {
+            *balances.entry(hit.object).or_default() += if hit.normal.dot(ray.direction) > 0.0 { 1 } else { -1 };
         });
         let boxes = self.geometry.object_bounds();
         let around = balances.into_iter().filter(|(_, balance)| *balance > 0).filter_map(|(object, _)| {

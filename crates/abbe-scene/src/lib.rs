@@ -130,8 +130,8 @@ pub struct Object {
     pub name: String,
     pub material: usize,
     pub light: Option<usize>,
-    /// True if the body consists of shells that may overlap, so that a path can be inside it several
-    /// times.
+    /// True if the body consists of shells that may overlap, so that a path can be inside it
+    /// several times.
     pub overlaps_itself: bool,
 }
 

@@ -50,7 +50,8 @@ impl Scene {
     /// Returns true if a ray that leaves `object` at one of some points enters `other` at the same
     /// place.
     fn touches(&self, object: u32, other: u32) -> bool {
-        /// The number of points on the surface. They find contacts of more than a few percent of it.
+        /// The number of points on the surface. They find contacts of more than a few percent of
+        /// it.
         const POINTS: u32 = 64;
         let sobol = Sobol::new(7);
         (0..POINTS).any(|i| {

@@ -24,8 +24,8 @@ enum Lm63Version {
 }
 
 impl Lm63Version {
-    /// Recognises the version by the first line, in which some programs write blanks. A file of 1986
-    /// begins with any text.
+    /// Recognises the version by the first line, in which some programs write blanks. A file of
+    /// 1986 begins with any text.
     fn of(first: &str) -> Result<Self> {
         let words: String = first.split_whitespace().collect::<String>().to_ascii_uppercase();
         let number = words.strip_prefix("IESNA").or(words.strip_prefix("IES:"));

@@ -37,7 +37,8 @@ pub(super) fn parse(bytes: &[u8]) -> Vec<MtlMaterial> {
 }
 
 /// Converts the materials of all libraries of an OBJ file, and adds sentences about the pictures
-/// that cannot be used. `obj` is the path of the OBJ file, to whose folder their names are relative.
+/// that cannot be used. `obj` is the path of the OBJ file, to whose folder their names are
+/// relative.
 pub(super) fn converted(
     materials: &[MtlMaterial],
     obj: &Path,

@@ -230,7 +230,8 @@ fn a_gltf_glass_keeps_all_its_extensions() {
     assert_eq!(parts[0].material.as_ref(), Some(&expected));
 }
 
-/// If a file is cut after any byte, the error names the file. A text STL file may end after a facet.
+/// If a file is cut after any byte, the error names the file. A text STL file may end after a
+/// facet.
 #[test]
 fn truncated_files_are_errors() {
     let folder = TempDir::new().unwrap();

@@ -17,7 +17,8 @@ pub(super) struct EnvironmentImage {
     pub(super) mean_luminance: f64,
 }
 
-/// Reads a picture of all directions (EXR, HDR, PNG, JPEG, WebP) as linear sRGB, rotated by `to_world`.
+/// Reads a picture of all directions (EXR, HDR, PNG, JPEG, WebP) as linear sRGB, rotated by
+/// `to_world`.
 pub(super) fn load(path: &Path, projection: ProjectionFile, to_world: DAffine3) -> Result<EnvironmentImage> {
     let picture = PictureFile::read(path)?;
     let (width, height) = (picture.size.width, picture.size.height);

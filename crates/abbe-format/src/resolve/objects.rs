@@ -76,7 +76,8 @@ impl<'a> Resolver<'a> {
                     let expected = "a material for shapes other than meshes";
                     return Err(self.source.fault(at, "the shape has no material", expected));
                 };
-                // The error of a shape names its key, such as `side`, but not the place of the shape.
+                // The error of a shape names its key, such as `side`, but not the place of the
+                // shape.
                 let added = resolved.set.add_object(name, material, shape, placed(local)).map_err(|mut error| {
                     error.location.path = None;
                     error

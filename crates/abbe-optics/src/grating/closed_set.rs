@@ -112,8 +112,8 @@ mod tests {
         }
     }
 
-    /// A grating with two directions is reciprocal only if both orders that exchange them are equal,
-    /// although scalar theory gives one of them nearly all the power and the other none.
+    /// A grating with two directions is reciprocal only if both orders that exchange them are
+    /// equal, although scalar theory gives one of them nearly all the power and the other none.
     #[test]
     fn two_directions_exchange_equal_powers() {
         let blazed = GratingProfile::Blazed { order: 1, blaze_nm: 550.0 };

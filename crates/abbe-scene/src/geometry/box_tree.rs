@@ -25,8 +25,8 @@ struct Node {
 }
 
 impl BoxTree {
-    /// Builds the hierarchy over boxes, each with an extent for which [`Self::first_around`] can prune.
-    /// The number of a box is its position in the list.
+    /// Builds the hierarchy over boxes, each with an extent for which [`Self::first_around`] can
+    /// prune. The number of a box is its position in the list.
     pub fn new(boxes: &[(BoxCorners, f64)]) -> Self {
         let leaf = |number: u32| {
             let (around, extent) = boxes[number as usize];

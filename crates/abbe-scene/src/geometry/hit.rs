@@ -44,8 +44,8 @@ impl Hit {
     }
 
     /// Returns the factor |cos θ_i||ω_o·n_g| / (|ω_i·n_g||cos θ_o|) on a photon's power for shading
-    /// normals (Veach 1997, equation 5.19), where ω_i points to the light and ω_o to the camera, and
-    /// the cosines are those in the frame.
+    /// normals (Veach 1997, equation 5.19), where ω_i points to the light and ω_o to the camera,
+    /// and the cosines are those in the frame.
     #[inline]
     pub fn adjoint_correction(&self, frame: &ShadingFrame, to_light: DVec3, to_camera: DVec3) -> f64 {
         if !frame.is_folded() {

@@ -41,7 +41,8 @@ impl ShadingFrame {
         self.is_folded
     }
 
-    /// Returns the axes, for vectors in the surface. Use [`Self::to_local`] for directions of light.
+    /// Returns the axes, for vectors in the surface. Use [`Self::to_local`] for directions of
+    /// light.
     #[inline]
     pub fn axes(&self) -> &Frame {
         &self.axes

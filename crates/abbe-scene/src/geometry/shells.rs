@@ -14,8 +14,8 @@ type Corners = (DVec3, DVec3);
 
 impl TriangleMesh {
     /// Divides a closed mesh into its shells, in the order of their first triangles. Returns `None`
-    /// if the mesh is open, or if the bounding boxes of its shells are apart, so that no path can be
-    /// inside two of them. A shell that faces inwards is a cavity and counts for no overlap.
+    /// if the mesh is open, or if the bounding boxes of its shells are apart, so that no path can
+    /// be inside two of them. A shell that faces inwards is a cavity and counts for no overlap.
     pub(crate) fn overlapping_shells(&self) -> Option<Vec<TriangleMesh>> {
         if !self.is_closed() {
             return None;

@@ -365,7 +365,8 @@ impl Light {
     }
 
     /// Returns true if a path that is sampled from a BSDF hits the light seldom or never: a light
-    /// without extent, the sun, a lamp that is small in the scene, or a surround with a bright spot.
+    /// without extent, the sun, a lamp that is small in the scene, or a surround with a bright
+    /// spot.
     pub fn is_small(&self, extent: SceneExtent<'_>) -> bool {
         /// The largest radius of a small lamp, by the radius of the scene. From the middle of the
         /// scene, the lamp then covers 1/400 of all directions.

@@ -109,8 +109,8 @@ impl Job {
     }
 
     /// Returns true if the errors of the readings are unknown, because the path tracer leaves out
-    /// light of hidden lamps that glass or mirrors deflect. Panes pass most of their light straight;
-    /// the bias contains the light between several of them.
+    /// light of hidden lamps that glass or mirrors deflect. Panes pass most of their light
+    /// straight; the bias contains the light between several of them.
     fn errors_are_unknown(&self, integrator: Integrator) -> bool {
         integrator == Integrator::Path && self.integrator_for_meters() == Integrator::Photon
     }

@@ -297,8 +297,8 @@ impl Film {
         (Picture { layers: self.layers(), ..picture }, errors)
     }
 
-    /// Returns `None` if the error is unknown. For a measurement, both norms are the largest error of
-    /// a reading.
+    /// Returns `None` if the error is unknown. For a measurement, both norms are the largest error
+    /// of a reading.
     pub fn errors(&self) -> Option<PictureErrors> {
         match &self.measurement {
             Some(measurement) => {

@@ -22,8 +22,8 @@ const LEAST_DISTANCE: f64 = 1e-3;
 const LARGEST_EXPONENT: i32 = 1000;
 
 impl FilmUnit {
-    /// Returns the unit for the lights of a scene: about the irradiance of a surface at the distance
-    /// from which the camera sees the light.
+    /// Returns the unit for the lights of a scene: about the irradiance of a surface at the
+    /// distance from which the camera sees the light.
     pub fn of(scene: &Scene) -> Self {
         let (extent, bounds) = (scene.extent(), scene.geometry.object_bounds());
         let sensors = scene.camera.sensors().iter().filter_map(Sensor::position);

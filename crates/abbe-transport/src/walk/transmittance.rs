@@ -98,8 +98,8 @@ pub fn bias_of_excess(excess: f64) -> f64 {
     if excess == 0.0 { 0.0 } else { -exp_m1(excess) }
 }
 
-/// Returns the light that is reflected back and forth between the panes on a straight line, relative
-/// to the light that passes straight, for parallel panes. No shadow ray finds it.
+/// Returns the light that is reflected back and forth between the panes on a straight line,
+/// relative to the light that passes straight, for parallel panes. No shadow ray finds it.
 pub fn light_between_panes(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {
     let (mut stack, mut straight) = (PowerFractions { reflected: 0.0, transmitted: 1.0 }, 1.0);
     for segment in path_transmittance {
