@@ -52,6 +52,7 @@ impl Prepared {
             ray_densities: None,
             wavelengths: WavelengthSampling::Free,
             fluorescent: false,
+            photons_per_ribbon: 0,
             count,
             streams: Seed::new(1).streams(Purpose::FreePhoton).pass(0),
             media_plan: self.plan.media_plan,

@@ -109,6 +109,7 @@ fn no_photon_grows_heavier_than_it_set_out() {
         ray_densities: None,
         wavelengths: WavelengthSampling::Free,
         fluorescent: false,
+        photons_per_ribbon: 0,
         count: PHOTONS,
         streams: Seed::new(1).streams(Purpose::FreePhoton).pass(0),
         media_plan: job.plan.media_plan,

@@ -50,6 +50,7 @@ mod photon_and_path;
 mod prism;
 mod rainbow;
 mod references;
+mod ribbons;
 mod shading_normals;
 mod sky;
 mod spectral_linearity;

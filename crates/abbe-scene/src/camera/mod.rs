@@ -65,8 +65,8 @@ pub struct Camera {
 /// The connection from a point of the scene to the film, through the lens.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraConnection {
-    /// The number of the pixel, row by row.
-    pub pixel: u32,
+    /// The position on the film in pixels, from the upper left corner.
+    pub film: DVec2,
     /// The unit vector from the point to the lens.
     pub direction: DVec3,
     /// In m, from the point to the lens.
@@ -228,6 +228,11 @@ impl Camera {
         (self.size.x * self.size.y) as usize
     }
 
+    /// Returns the width and the height of the film in pixels.
+    pub fn film_size(&self) -> DVec2 {
+        self.size
+    }
+
     pub fn width(&self) -> usize {
         self.size.x as usize
     }
@@ -292,6 +297,11 @@ impl Camera {
     /// outside the film, or if the camera has no picture. `lens` samples the opening of a thin
     /// lens. A lens system is treated as an ideal lens, as in [`ray`](Self::ray).
     pub fn connect(&self, point: DVec3, lens: [f64; 2]) -> Option<CameraConnection> {
+        self.connect_to_plane(point, lens).filter(|connection| self.pixel_at(connection.film).is_some())
+    }
+
+    /// Does the same as [`Self::connect`], but also for images beside the film.
+    pub fn connect_to_plane(&self, point: DVec3, lens: [f64; 2]) -> Option<CameraConnection> {
         if !self.sensors.is_empty() {
             return None;
         }
@@ -309,11 +319,10 @@ impl Camera {
         let sideways = DVec2::new(-offset.dot(self.right), -offset.dot(self.up));
         // Where the line from the lens to the point meets the plane in focus, at distance 1.
         let on_plane = sideways / depth + shift / focus_m;
-        let pixel = self.pixel_of(self.on_film(on_plane))?;
         let distance = offset.length();
         let cos = depth / distance;
         Some(CameraConnection {
-            pixel,
+            film: self.on_film(on_plane),
             direction: offset / distance,
             distance,
             importance: 1.0 / (distance * distance * cos * cos * cos * self.pixel * self.pixel),
@@ -321,14 +330,14 @@ impl Camera {
     }
 
     fn connect_orthographic(&self, point: DVec3) -> Option<CameraConnection> {
-        let pixel = self.pixel_of(self.project(point)?)?;
+        let film = self.project(point)?;
         let distance = (point - self.origin).dot(self.forward);
         let importance = (self.pixel * self.pixel).recip();
-        Some(CameraConnection { pixel, direction: -self.forward, distance, importance })
+        Some(CameraConnection { film, direction: -self.forward, distance, importance })
     }
 
-    /// The number of the pixel at a film position, or `None` outside the film.
-    fn pixel_of(&self, film: DVec2) -> Option<u32> {
+    /// The number of the pixel at a film position, row by row, or `None` outside the film.
+    pub fn pixel_at(&self, film: DVec2) -> Option<u32> {
         let is_inside = film.x >= 0.0 && film.y >= 0.0 && film.x < self.size.x && film.y < self.size.y;
         is_inside.then(|| film.y as u32 * self.size.x as u32 + film.x as u32)
     }
@@ -362,7 +371,7 @@ mod tests {
                 let lens = [0.2 + 0.3 * i as f64, 0.7];
                 let ray = camera.ray(DVec2::from(film), lens);
                 let connection = camera.connect(ray.origin + ray.direction * 4.2, lens).unwrap();
-                assert_eq!(connection.pixel, film[1] as u32 * 40 + film[0] as u32);
+                assert_eq!(camera.pixel_at(connection.film), Some(film[1] as u32 * 40 + film[0] as u32));
                 assert!((connection.distance - 4.2).abs() < 1e-12);
                 let seen = camera.project(camera.origin() + (ray.origin - camera.origin()) + ray.direction * 4.2);
                 assert!(camera.aperture() != &Aperture::Pinhole || (seen.unwrap() - DVec2::from(film)).length() < 1e-9);
@@ -407,7 +416,7 @@ mod tests {
             assert!((camera.project(point).unwrap() - film).length() < 1e-9);
             assert!((camera.viewpoint_of(point) - ray.origin).length() < 1e-9);
             let connection = camera.connect(point, [0.5; 2]).unwrap();
-            assert_eq!((connection.pixel, connection.direction), (4 * 40 + 35, DVec3::Z));
+            assert_eq!((camera.pixel_at(connection.film), connection.direction), (Some(4 * 40 + 35), DVec3::Z));
             assert!((connection.distance - distance).abs() < 1e-9);
             assert!((connection.importance * 0.04 * 0.04 - 1.0).abs() < 1e-12);
             assert!((camera.pixel_width_m(distance) - 0.04).abs() < 1e-15);

@@ -258,12 +258,18 @@ impl Light {
         match (spd, &self.emitter) {
             (EmittedSpd::Mixed(weights), Emitter::Environment(light)) => light.mixture_at(weights, nm),
             (EmittedSpd::Thermal(temperature), Emitter::Volume(light)) => light.spd_at(temperature, nm),
-            (EmittedSpd::Filtered(texel), Emitter::Area(light)) => {
-                self.spectrum.at(nm) * light.transmittance(texel, nm)
-            }
             (EmittedSpd::Own | EmittedSpd::Mixed(_) | EmittedSpd::Filtered(_) | EmittedSpd::Thermal(_), _) => {
-                self.spectrum.at(nm)
+                self.spectrum.at(nm) * self.filter_at(spd, nm)
             }
+        }
+    }
+
+    /// Returns the factor of the light's own spectrum at a wavelength in nm: the transmittance of a
+    /// slide, or 1.
+    pub fn filter_at(&self, spd: EmittedSpd, nm: f64) -> f64 {
+        match (spd, &self.emitter) {
+            (EmittedSpd::Filtered(texel), Emitter::Area(light)) => light.transmittance(texel, nm),
+            (EmittedSpd::Own | EmittedSpd::Mixed(_) | EmittedSpd::Filtered(_) | EmittedSpd::Thermal(_), _) => 1.0,
         }
     }
 

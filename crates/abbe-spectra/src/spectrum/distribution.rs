@@ -65,6 +65,13 @@ impl PdfSegment {
         }
     }
 
+    /// Returns the probability of the segment below `nm`, which lies in the segment.
+    #[inline]
+    fn below(&self, nm: f64) -> f64 {
+        let t = ((nm - self.lower) * self.per_width).clamp(0.0, 1.0);
+        t * self.width * (self.pdf_per_nm + 0.5 * t * self.rise)
+    }
+
     #[inline]
     fn at(&self, nm: f64) -> f64 {
         self.pdf_per_nm + ((nm - self.lower) * self.per_width).min(1.0) * self.rise
@@ -236,6 +243,21 @@ impl WavelengthDistribution {
         let segment = &self.segments[i];
         let nm = segment.quantile(((u - segment.before) * segment.per_mass).clamp(0.0, 1.0));
         (nm, segment.at(nm))
+    }
+
+    /// Returns the wavelengths (nm) between which the whole probability lies.
+    pub fn support(&self) -> (f64, f64) {
+        (self.segments[0].lower, self.segments[self.segments.len() - 1].last)
+    }
+
+    /// Returns the probability of the wavelengths below `nm`.
+    #[inline]
+    pub fn cdf(&self, nm: f64) -> f64 {
+        if nm < self.segments[0].lower {
+            return 0.0;
+        }
+        let segment = &self.segments[self.by_wavelength.find(nm, |i| self.segments[i].lower)];
+        segment.before + segment.below(nm)
     }
 
     /// Returns the pdf in 1/nm at a wavelength in nm, which is 0 outside the band.

@@ -136,7 +136,7 @@ impl Observer {
     }
 
     /// Returns x̄ + ȳ + z̄, which measures the importance of a wavelength for a picture.
-    pub(crate) fn sum_bar(&self) -> &Spectrum {
+    pub fn sum_bar(&self) -> &Spectrum {
         &self.sum
     }
 

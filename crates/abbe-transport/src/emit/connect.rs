@@ -3,12 +3,14 @@
 use super::photon_path::PhotonState;
 use super::visitor::SurfaceArrival;
 use crate::plan::MediumPlan;
-use crate::walk::{CausticWeights, RayDensity, path_transmittance, transmittance};
+use crate::walk::{CausticWeights, RayDensity, SurfaceInteraction, path_transmittance, transmittance};
 use abbe_optics::bsdf::{BsdfClass, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_scene::Scene;
+use abbe_scene::camera::CameraConnection;
 use abbe_spectra::math::random::Seed;
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
+use glam::DVec2;
 use std::f64::consts::FRAC_1_PI;
 
 #[derive(Debug, Clone, Copy)]
@@ -40,23 +42,14 @@ impl PhotonConnector<'_> {
     /// it. `lens` in [0, 1)² selects the point of the aperture, and `emission` in [0, 1) the
     /// wavelengths of the emission at a fluorescent surface.
     pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2], emission: f64) -> Option<Splat> {
-        let Self { scene, media_plan, photons_per_sample } = *self;
+        let Self { scene, media_plan, .. } = *self;
         let SurfaceArrival { interaction, photon, .. } = arrival;
         let connection = scene.camera.connect(interaction.hit.position, lens)?;
+        let pixel = scene.camera.pixel_at(connection.film)?;
         let to_camera = interaction.frame.to_local(connection.direction);
         let to_light = interaction.wo;
         let sides = interaction.sides_towards(connection.direction);
-        let geometry = to_camera.z.abs()
-            * interaction.adjoint_correction(arrival.to_light(), connection.direction)
-            * connection.importance;
-        let geometry = if photon.ray_density == RayDensity::NONE || interaction.bsdf.class() != BsdfClass::Glossy {
-            geometry
-        } else {
-            let pixel_m = scene.camera.pixel_width_m(connection.distance);
-            let weights = CausticWeights { photons_m2: photons_per_sample * pixel_m * pixel_m };
-            let pdf = interaction.bsdf.pdf(to_camera, to_light, sides, REFERENCE_NM);
-            geometry * weights.of_photon(photon.ray_density, pdf)
-        };
+        let geometry = self.geometry(interaction, photon.ray_density, &connection);
         let mut lanes = [(0.0, 0.0); 2 * LANES];
         let mut count = photon.wavelengths.count;
         for (k, &nm) in photon.wavelengths.active().iter().enumerate() {
@@ -78,11 +71,61 @@ impl PhotonConnector<'_> {
             let medium_stack = interaction.medium_stack_towards(connection.direction);
             let ray_state = interaction.spawn_ray(connection.direction, medium_stack);
             // A pinhole has one point, so the numbers of the lens would not separate the photons.
-            let seed = Seed::of_pixel(u64::from(connection.pixel), interaction.hit.position.to_array());
+            let seed = Seed::of_pixel(u64::from(pixel), interaction.hit.position.to_array());
             let along = path_transmittance(scene, ray_state, connection.distance, seed);
             lanes[..count].iter_mut().for_each(|(nm, radiance)| *radiance *= transmittance(&along, *nm));
         }
-        Some(Splat { pixel: connection.pixel, lanes, count })
+        Some(Splat { pixel, lanes, count })
+    }
+
+    /// Returns the film position of a surface point, which may lie beside the film, and the
+    /// radiance that the camera sees there at the wavelength `nm` per watt that arrives. Returns
+    /// `None` if the camera does not see the point.
+    pub(super) fn response(
+        &self,
+        interaction: &SurfaceInteraction<'_>,
+        ray_density: RayDensity,
+        nm: f64,
+        lens: [f64; 2],
+    ) -> Option<(DVec2, f64)> {
+        let connection = self.scene.camera.connect_to_plane(interaction.hit.position, lens)?;
+        let CameraConnection { film, direction, distance, .. } = connection;
+        let to_camera = interaction.frame.to_local(direction);
+        let sides = interaction.sides_towards(direction);
+        let f = interaction.bsdf.eval(to_camera, interaction.wo, sides, TransportMode::Radiance, nm);
+        let response = f * self.geometry(interaction, ray_density, &connection);
+        if !(response > 0.0 && interaction.is_unoccluded(self.scene, direction, distance, None)) {
+            return None;
+        }
+        if self.media_plan.is_clear() {
+            return Some((film, response));
+        }
+        let ray_state = interaction.spawn_ray(direction, interaction.medium_stack_towards(direction));
+        let seed = Seed::of_numbers(interaction.hit.position.to_array());
+        let along = path_transmittance(self.scene, ray_state, distance, seed);
+        Some((film, response * transmittance(&along, nm)))
+    }
+
+    /// Returns the factor of the light that a surface scatters into a connection: its projection,
+    /// the importance of the camera, and the weight of this technique.
+    fn geometry(
+        &self,
+        interaction: &SurfaceInteraction<'_>,
+        ray_density: RayDensity,
+        connection: &CameraConnection,
+    ) -> f64 {
+        let to_camera = interaction.frame.to_local(connection.direction);
+        let geometry = to_camera.z.abs()
+            * interaction.adjoint_correction(-interaction.incoming, connection.direction)
+            * connection.importance;
+        if ray_density == RayDensity::NONE || interaction.bsdf.class() != BsdfClass::Glossy {
+            return geometry;
+        }
+        let pixel_m = self.scene.camera.pixel_width_m(connection.distance);
+        let weights = CausticWeights { photons_m2: self.photons_per_sample * pixel_m * pixel_m };
+        let sides = interaction.sides_towards(connection.direction);
+        let pdf = interaction.bsdf.pdf(to_camera, interaction.wo, sides, REFERENCE_NM);
+        geometry * weights.of_photon(ray_density, pdf)
     }
 }
 

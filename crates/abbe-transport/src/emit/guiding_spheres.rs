@@ -137,6 +137,7 @@ impl<'a> DistantSpheres<'a> {
 mod tests {
     use super::*;
     use crate::emit::photon_path::PhotonState;
+    use crate::emit::ribbon::RibbonPart;
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
     use crate::walk::{RayDensity, RayState, SurfaceLookup, WithoutBodies};
@@ -169,6 +170,7 @@ mod tests {
             power: [0.25; LANES],
             wavelength_code: WavelengthCode::default(),
             lane: None,
+            ribbon: RibbonPart::Missed,
             excitation: false,
             ray_density: RayDensity::NONE,
         };

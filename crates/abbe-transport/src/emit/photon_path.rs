@@ -1,5 +1,6 @@
 //! A photon path and its state.
 
+use super::ribbon::RibbonPart;
 use crate::map::WavelengthCode;
 use crate::plan::partition::LightPath;
 use crate::walk::{RayDensity, RayState};
@@ -18,6 +19,8 @@ pub struct PhotonState {
     pub wavelength_code: WavelengthCode,
     /// The lane that a dispersive refraction left: the index of the wavelength for shared photons.
     pub lane: Option<usize>,
+    /// The relation of the path to the ribbon of the same emission.
+    pub ribbon: RibbonPart,
     /// True for a photon of the shared set with wavelengths of its own, which serves only to excite
     /// fluorophores and is not recorded.
     pub excitation: bool,

@@ -1,6 +1,7 @@
 //! The emission of a set of photons.
 
 use super::photon_path::{PhotonPath, PhotonState};
+use super::ribbon::{Launch, RibbonPart};
 use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
 use crate::map::PhotonSpectra;
@@ -38,6 +39,8 @@ pub struct PhotonSource<'a> {
     pub ray_densities: Option<&'a RayDensities>,
     pub wavelengths: WavelengthSampling,
     pub fluorescent: bool,
+    /// One of this many photons paints a ribbon. 0 if there are no ribbons.
+    pub photons_per_ribbon: u64,
     pub count: u64,
     /// The streams of the set in a pass, one per path.
     pub streams: StreamKey,
@@ -64,7 +67,7 @@ impl PhotonSource<'_> {
         index: u32,
         stream: &mut Stream,
         visitor: &mut impl PhotonVisitor,
-    ) -> PhotonPath {
+    ) -> (PhotonPath, Launch) {
         let mixed = self.has_excitation_photons();
         let excitation = mixed && stream.uniform() < EXCITATION_FRACTION;
         let u = points.point(index);
@@ -83,22 +86,49 @@ impl PhotonSource<'_> {
         }
         let ray = Ray { origin: emission.origin, direction: emission.direction };
         let medium_stack = M::initial_medium_stack(|| self.scene.medium_stack_of_emission(light, ray, emission.from));
-        PhotonPath {
-            ray_state: RayState { ray, from: emission.from, medium_stack },
-            photon: PhotonState {
-                light_path: LightPath::Direct,
-                truncated: false,
-                wavelengths,
-                power: power_of_watt.map(|s| s * flux),
-                wavelength_code: self.spectra.code(stratum.light, u[0]),
-                lane: None,
-                excitation,
-                ray_density: self
-                    .ray_densities
-                    .map_or(RayDensity::NONE, |densities| densities.of_stratum(number, light.radiance_of(&emission))),
-            },
-            watts: self.watts(excitation),
+        let ray_state = RayState { ray, from: emission.from, medium_stack };
+        let wavelength_code = self.spectra.code(stratum.light, u[0]);
+        let ray_density = self
+            .ray_densities
+            .map_or(RayDensity::NONE, |densities| densities.of_stratum(number, light.radiance_of(&emission)));
+        let launch = Launch {
+            light: stratum.light,
+            spd: emission.spd,
+            flux_w: flux,
+            ray_state,
+            ray_density,
+            wavelength_code,
+            streams: self.streams.second_sequence().part(u64::from(index)),
+            hero_nm: wavelengths.hero(),
+        };
+        let photon = PhotonState {
+            light_path: LightPath::Direct,
+            truncated: false,
+            wavelengths,
+            power: power_of_watt.map(|s| s * flux),
+            wavelength_code,
+            lane: None,
+            ribbon: if self.has_ribbons() { RibbonPart::Ahead } else { RibbonPart::Missed },
+            excitation,
+            ray_density,
+        };
+        (PhotonPath { ray_state, photon, watts: self.watts(excitation) }, launch)
+    }
+
+    pub(super) fn has_ribbons(&self) -> bool {
+        self.photons_per_ribbon > 0
+    }
+
+    /// Returns the factor of the flux of a photon's ribbon, or `None` if it has none. Whole blocks
+    /// of photons have ribbons, because low-discrepancy points are well distributed in each block.
+    pub(super) fn ribbon_factor(&self, index: u64) -> Option<f64> {
+        const BLOCK: u64 = 64;
+        let blocks = BLOCK * self.photons_per_ribbon;
+        if blocks == 0 || index % blocks >= BLOCK {
+            return None;
         }
+        let with_ribbons = self.count / blocks * BLOCK + (self.count % blocks).min(BLOCK);
+        Some(self.count as f64 / with_ribbons as f64)
     }
 
     /// Samples the wavelengths of a photon from this light. Also returns the power of each lane for

@@ -4,6 +4,7 @@ use super::fluorescence::scatter_at_fluorescent_surface;
 use super::guiding_spheres::scatter_with_guiding;
 use super::medium::advance_through_media;
 use super::photon_path::PhotonPath;
+use super::ribbon::Launch;
 use super::source::PhotonSource;
 use super::visitor::{PhotonFlight, PhotonVisitor, SurfaceArrival};
 use crate::plan::MediumPlan;
@@ -51,7 +52,7 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
 ) {
     let limit = DepthLimit::of(source.scene);
     let mut stream = source.stream(index);
-    let mut path = source.emit::<M>(points, index as u32, &mut stream, visitor);
+    let (mut path, launch) = source.emit::<M>(points, index as u32, &mut stream, visitor);
     let emitted = path.total_w();
     if emitted <= 0.0 {
         return;
@@ -62,6 +63,11 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
         ledger.ultraviolet += path.ultraviolet_w();
     }
     visitor.on_start(&path.ray_state.ray, &path.photon);
+    if M::HAS_BODIES
+        && let Some(factor) = source.ribbon_factor(index)
+    {
+        visitor.on_launch(&Launch { flux_w: launch.flux_w * factor, ..launch });
+    }
     if !follow::<M, V>(source, &mut path, 1..limit.events() + 1, &mut stream, visitor, ledger) {
         return;
     }
@@ -135,6 +141,9 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
             ledger.absorbed[interaction.material] += path.total_w();
             return false;
         };
+        if M::HAS_BODIES && source.has_ribbons() {
+            path.photon.ribbon = path.photon.ribbon.after(interaction, scattered.kept.is_some());
+        }
         if !apply_scattering::<M>(path, interaction, &scattered, depth, ledger, stream) {
             return false;
         }

@@ -1,6 +1,7 @@
 //! The interface between photon tracing and the code that stores or connects photons.
 
 use super::photon_path::PhotonState;
+use super::ribbon::Launch;
 use crate::walk::{MediumSegment, NumberedMedium, PathTransmittance, SurfaceInteraction};
 use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::{Seed, Stream};
@@ -63,6 +64,9 @@ pub trait PhotonVisitor {
     #[inline]
     fn on_start(&mut self, _ray: &Ray, _photon: &PhotonState) {}
 
+    /// Called after [`Self::on_start`] if the photon paints a ribbon.
+    fn on_launch(&mut self, _launch: &Launch) {}
+
     #[inline]
     fn on_arrival(&mut self, _arrival: &SurfaceArrival<'_>) {}
 
@@ -95,6 +99,7 @@ impl SurfaceArrival<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::emit::ribbon::RibbonPart;
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
     use crate::walk::{NumberedMedium, RayDensity, transmittance};
@@ -125,6 +130,7 @@ mod tests {
             power: [0.25; LANES],
             wavelength_code: WavelengthCode::default(),
             lane: None,
+            ribbon: RibbonPart::Missed,
             excitation: false,
             ray_density: RayDensity::NONE,
         };

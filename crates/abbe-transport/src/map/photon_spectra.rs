@@ -1,5 +1,6 @@
 //! The wavelengths of stored photons, in a compact form.
 
+use crate::emit::EmittedPower;
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_scene::Scene;
 use abbe_spectra::error::{Error, Result};
@@ -22,6 +23,8 @@ pub struct WavelengthCode {
 pub struct PhotonSpectra {
     distributions: Vec<WavelengthDistribution>,
     of_light: Vec<u16>,
+    /// The power of each light spectrum, by its number.
+    power: Vec<Option<EmittedPower>>,
     /// For each number, the first light that has it, or for a fluorophore a light of the group.
     first_lights: Vec<usize>,
     /// For each number of a light's spectrum, the group of the light.
@@ -92,6 +95,10 @@ impl PhotonSpectra {
         let excitation = excitation.collect();
         let _last = code_number(distributions.len().saturating_sub(1))?;
         Ok(Self {
+            power: first_lights[..light_spectra]
+                .iter()
+                .map(|&light| EmittedPower::of(&lights[light], scene.film.observer))
+                .collect(),
             distributions,
             of_light,
             first_lights,
@@ -101,6 +108,11 @@ impl PhotonSpectra {
             excitation,
             different,
         })
+    }
+
+    /// Returns the power that a light emits at each wavelength, or `None` if it emits none.
+    pub fn power(&self, light: usize) -> Option<&EmittedPower> {
+        self.power[usize::from(self.of_light[light])].as_ref()
     }
 
     /// Returns the wavelengths that a fluorophore absorbs in the light with the number `light`.

@@ -71,6 +71,7 @@ impl<'a> PassContext<'a> {
         'a: 's,
     {
         let EmissionRequest { wavelengths, count, purpose, pass } = request;
+        let free = matches!(wavelengths, WavelengthSampling::Free);
         PhotonSource {
             scene,
             strata,
@@ -78,6 +79,7 @@ impl<'a> PassContext<'a> {
             ray_densities: None,
             wavelengths,
             fluorescent: self.plan.fluorescence,
+            photons_per_ribbon: u64::from(free && self.plan.ribbons),
             count,
             streams: self.budget.seed.streams(purpose).pass(pass),
             media_plan: self.plan.media_plan,

@@ -22,6 +22,8 @@ pub struct PassParameters {
     pub(crate) sensor_radii: Vec<f64>,
     pub(crate) surface_extents: SurfaceExtents,
     pub(crate) photons: PerSet<u64>,
+    /// One of this many photons paints a ribbon, if the plan has ribbons.
+    pub(crate) photons_per_ribbon: u64,
     pub(crate) camera_samples: CameraSamples,
     /// The number of photons that a pass stores, divided by the number for which the first radii
     /// are chosen. Always 1 if the scene sets the first radius.
@@ -52,9 +54,11 @@ impl PassParameters {
         scene: &'s Scene,
         request: EmissionRequest,
     ) -> PhotonSource<'s> {
+        let source = context.photon_source(scene, &self.strata, request);
         PhotonSource {
             ray_densities: self.ray_densities.as_ref(),
-            ..context.photon_source(scene, &self.strata, request)
+            photons_per_ribbon: source.photons_per_ribbon * self.photons_per_ribbon,
+            ..source
         }
     }
 

@@ -4,7 +4,8 @@ use super::deposits::PhotonDeposits;
 use super::keep_probability::KeepProbability;
 use super::sensors::SensorKernels;
 use crate::emit::{
-    MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, SurfaceArrival, connect::PhotonConnector,
+    Launch, MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, RibbonPainter, RibbonPart,
+    RibbonTally, SurfaceArrival, connect::PhotonConnector,
 };
 use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
 use crate::plan::partition::{CameraView, Estimator, PerClass, PhotonClass, PhotonSet, estimator, kept_in_map};
@@ -41,6 +42,7 @@ pub(crate) struct PhotonRecorder<'a> {
     pub(crate) truncated: PhotonDeposits,
     pub(crate) truncated_splats: SplatSink,
     pub(crate) tally: Tally,
+    ribbons: Option<RibbonPainter<'a>>,
 }
 
 impl<'a> PhotonRecorder<'a> {
@@ -52,14 +54,19 @@ impl<'a> PhotonRecorder<'a> {
         options: RecordingOptions<'a>,
         splat_sink: impl Fn() -> SplatSink,
     ) -> Self {
+        let splats = splat_sink();
+        let photons_per_sample = options.photons_per_sample;
+        let connector = PhotonConnector { scene, media_plan: plan.media_plan, photons_per_sample };
+        let has_ribbons = plan.ribbons && set == PhotonSet::Free;
         Self {
             scene,
             spectra,
             plan,
             set,
             options,
+            ribbons: has_ribbons.then(|| RibbonPainter::new(connector, splats.bands())),
             deposits: PhotonDeposits::default(),
-            splats: splat_sink(),
+            splats,
             truncated: PhotonDeposits::default(),
             truncated_splats: splat_sink(),
             tally: Tally::default(),
@@ -71,6 +78,21 @@ impl<'a> PhotonRecorder<'a> {
         if photon.truncated { &mut self.truncated } else { &mut self.deposits }
     }
 
+    /// Ends the recording after the last photon.
+    pub(crate) fn finish(&mut self) {
+        self.splats.gather_painted();
+        let RibbonTally { ribbons, nodes, pixels } =
+            self.ribbons.as_ref().map(RibbonPainter::tally).unwrap_or_default();
+        let tally = &mut self.tally;
+        (tally.ribbons, tally.ribbon_nodes, tally.ribbon_pixels) = (ribbons, nodes, pixels);
+    }
+
+    /// Returns true if a ribbon contains this light.
+    fn is_painted(&self, arrival: &SurfaceArrival<'_>) -> bool {
+        let SurfaceArrival { interaction, photon, .. } = arrival;
+        photon.ribbon == RibbonPart::Painted && !photon.truncated && interaction.bsdf.model.as_fluorescent().is_none()
+    }
+
     /// Connects the photon, with its power times `factor`, if the plan connects its class.
     fn connect(&mut self, arrival: &SurfaceArrival<'_>, factor: f64, stream: &mut Stream) {
         let class = arrival.interaction.bsdf.class();
@@ -78,7 +100,7 @@ impl<'a> PhotonRecorder<'a> {
         // If camera paths carry shared wavelengths from the camera on, all views count as indirect:
         // camera paths read the photon map, and no photon is connected.
         let free = self.set == PhotonSet::Free && self.plan.wavelengths != WavelengthPlan::Shared;
-        if !(free && connects) {
+        if !(free && connects) || self.is_painted(arrival) {
             return;
         }
         let lens = match self.plan.aperture {
@@ -143,6 +165,13 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             let splats = if flight.photon.truncated { &mut self.truncated_splats } else { &mut self.splats };
             sensors.add_flight(flight, light, splats);
         }
+    }
+
+    fn on_launch(&mut self, launch: &Launch) {
+        let Self { ribbons: Some(painter), splats, spectra, .. } = self else { return };
+        let Some(power) = spectra.power(launch.light) else { return };
+        let origin = (PathClass::Caustic.number(), spectra.light_of(launch.wavelength_code));
+        painter.paint(launch, power, |pixel, nm, radiance| splats.paint(origin, pixel, nm, radiance));
     }
 
     fn on_body_face(&mut self) {

@@ -43,6 +43,7 @@ pub(crate) fn trace_photons(
             let mut ledger = Ledger::new(source.scene.materials.len());
             let indices = task * PHOTONS_PER_TASK..((task + 1) * PHOTONS_PER_TASK).min(source.count);
             trace(source, &points, indices, &mut recorder, &mut ledger);
+            recorder.finish();
             (recorder, ledger)
         })
         .collect::<Vec<_>>();

@@ -1,12 +1,12 @@
 //! The balance of a pass: the numbers of photon paths, of stored photons and of camera samples.
 //!
-//! A pass traces N photon paths and S camera samples per pixel. It stores the fraction q of the
-//! indirect photons on surfaces, and m times as many photons of each path in media as the pilot
-//! measured. The variance V of a pixel and the work W of a pass are
+//! A pass traces N photon paths and S camera samples per pixel. One of r paths paints a ribbon. The
+//! pass stores the fraction q of the indirect photons on surfaces, and m times as many photons of
+//! each path in media as the pilot measured. The variance V of a pixel and the work W of a pass are
 //!
-//! > V = `traced`/N + `surfaces`/(q N) + `media`/(m N) + `camera`/S,
+//! > V = `traced`/N + r `ribbons`/N + `surfaces`/(q N) + `media`/(m N) + `camera`/S,
 //!
-//! > W = `pass` + (`trace` + q `store_on_surfaces` + m `store_in_media`) N
+//! > W = `pass` + (`trace` + `paint`/r + q `store_on_surfaces` + m `store_in_media`) N
 //! > + (`sample` + (q `gather_on_surfaces` + m `gather_in_media`) N) S,
 //!
 //! because the kernels of a camera sample contain more photons if a pass stores more. After n
@@ -26,6 +26,8 @@ pub(super) struct Balance {
     pub(super) stored_fraction: f64,
     /// The factor on the number of photons that a path stores in media.
     pub(super) medium_factor: f64,
+    /// One of this many photons paints a ribbon.
+    pub(super) photons_per_ribbon: u64,
     pub(super) camera_samples: u64,
 }
 
@@ -45,6 +47,8 @@ pub(super) struct BalanceLimits {
 pub(super) struct Variances {
     /// The variance of the photons that are connected to the camera.
     pub(super) traced: f64,
+    /// The variance of the ribbons, if each photon paints one.
+    pub(super) ribbons: f64,
     pub(super) surfaces: f64,
     /// The variance of the photons that are stored in media.
     pub(super) media: f64,
@@ -75,7 +79,13 @@ impl BalanceLimits {
     /// The plain division, which is taken if there is nothing to choose.
     pub(super) fn plain(self) -> Balance {
         let Self { photons, camera_samples, .. } = self;
-        Balance { photons, stored_fraction: 1.0, medium_factor: 1.0, camera_samples: camera_samples.unwrap_or(1) }
+        Balance {
+            photons,
+            stored_fraction: 1.0,
+            medium_factor: 1.0,
+            photons_per_ribbon: 1,
+            camera_samples: camera_samples.unwrap_or(1),
+        }
     }
 
     pub(super) fn is_fixed(self) -> bool {
@@ -87,7 +97,8 @@ impl BalanceLimits {
         let of_plain = self.plain().work(work);
         let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
         let cost_of = |choice: &Balance| cost(variance(choice), choice.work(work) / of_plain, MEASURES);
-        let choices = || self.choices().filter(|choice| choice.work(work) <= LONGEST_PASS * of_plain);
+        let has_ribbons = work.paint > 0.0;
+        let choices = || self.choices(has_ribbons).filter(|choice| choice.work(work) <= LONGEST_PASS * of_plain);
         let least = choices().map(|choice| cost_of(&choice)).fold(f64::INFINITY, f64::min);
         let most = TOLERANCE.powi(MEASURES as i32) * least;
         choices()
@@ -99,7 +110,7 @@ impl BalanceLimits {
     /// Returns all divisions within the limits. A pass stores at most as many photons on surfaces
     /// as the plain division, and at least as many as if it traced the least number of paths and
     /// stored all photons.
-    fn choices(self) -> impl Iterator<Item = Balance> {
+    fn choices(self, has_ribbons: bool) -> impl Iterator<Item = Balance> {
         let Self { photons, photons_are_explicit, camera_samples, largest_medium_factor } = self;
         let of_photons = if photons_are_explicit { 0..=0 } else { -HALVINGS..=PHOTON_DOUBLINGS as i32 };
         let most_samples = if camera_samples.is_some() { 0 } else { DOUBLINGS_OF_SAMPLES };
@@ -114,11 +125,15 @@ impl BalanceLimits {
         divisions.flat_map(move |(of_photons, stored_fraction, camera_samples)| {
             let factors = (-HALVINGS - of_photons..=HALVINGS - of_photons).map(|of_media| 2_f64.powi(of_media));
             let effective = factors.filter(move |&factor| factor <= largest_medium_factor);
-            effective.map(move |medium_factor| Balance {
-                photons: ((photons as f64 * 2_f64.powi(of_photons)) as u64).max(1),
-                stored_fraction,
-                medium_factor,
-                camera_samples,
+            let of_ribbons = if has_ribbons { 0..=HALVINGS } else { 0..=0 };
+            effective.flat_map(move |medium_factor| {
+                of_ribbons.clone().map(move |of_ribbons| Balance {
+                    photons: ((photons as f64 * 2_f64.powi(of_photons)) as u64).max(1),
+                    stored_fraction,
+                    medium_factor,
+                    photons_per_ribbon: 1 << of_ribbons,
+                    camera_samples,
+                })
             })
         })
     }
@@ -163,8 +178,8 @@ impl Balance {
     }
 
     fn variance_of_photons(self, of_one: &Variances) -> f64 {
-        let of_photons = of_one.traced + of_one.surfaces / self.stored_fraction + of_one.media / self.medium_factor;
-        of_photons / self.photons as f64
+        let stored = of_one.surfaces / self.stored_fraction + of_one.media / self.medium_factor;
+        (of_one.traced + of_one.ribbons * self.photons_per_ribbon as f64 + stored) / self.photons as f64
     }
 
     fn work(self, work: Work) -> f64 {
@@ -173,7 +188,8 @@ impl Balance {
 
     /// Returns the work of a pass without camera samples.
     fn work_of_photons(self, work: Work) -> f64 {
-        let Work { pass, trace, store_on_surfaces, store_in_media, .. } = work;
+        let Work { pass, trace, paint, store_on_surfaces, store_in_media, .. } = work;
+        let trace = trace + paint / self.photons_per_ribbon as f64;
         let stored = store_on_surfaces * self.stored_fraction + store_in_media * self.medium_factor;
         pass + (trace + stored) * self.photons as f64
     }
@@ -203,6 +219,7 @@ mod tests {
     const SMALL_FILM: Work = Work {
         pass: 1e6,
         trace: 6_000.0,
+        paint: 0.0,
         store_on_surfaces: 500.0,
         store_in_media: 0.0,
         sample: 2e7,
@@ -210,7 +227,7 @@ mod tests {
         gather_in_media: 0.0,
     };
 
-    const NO_NOISE: Variances = Variances { traced: 0.0, surfaces: 0.0, media: 0.0, camera: 0.0 };
+    const NO_NOISE: Variances = Variances { traced: 0.0, ribbons: 0.0, surfaces: 0.0, media: 0.0, camera: 0.0 };
 
     #[test]
     fn noisy_camera_samples_get_more_of_a_pass() {
@@ -241,7 +258,7 @@ mod tests {
                     let cost = |choice: Balance| choice.variance(variances) * choice.work(work);
                     let chosen = FREE.choose([variances], work);
                     assert!(chosen.work(work) <= LONGEST_PASS * FREE.plain().work(work));
-                    let allowed = FREE.choices().filter(|choice| choice.work(work) <= chosen.work(work));
+                    let allowed = FREE.choices(false).filter(|choice| choice.work(work) <= chosen.work(work));
                     assert!(allowed.into_iter().all(|other| cost(chosen) <= 1.0501 * cost(other)));
                 }
             }

@@ -118,6 +118,7 @@ impl Pilot {
             sensor_radii: Vec::new(),
             surface_extents: SurfaceExtents::default(),
             photons: PerSet::default(),
+            photons_per_ribbon: 1,
             camera_samples: CameraSamples::Same(1),
             stored_photons: PerKernel::splat(1.0),
             keep: KEEP_ALL,
@@ -166,7 +167,8 @@ fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &S
         balanced(context, scene, parameters, limits)
     };
     parameters.camera_samples = camera_samples;
-    let Balance { photons: chosen, stored_fraction, medium_factor, .. } = balance;
+    let Balance { photons: chosen, stored_fraction, medium_factor, photons_per_ribbon, .. } = balance;
+    parameters.photons_per_ribbon = photons_per_ribbon;
     let fraction = chosen as f64 / photons as f64;
     let plain = parameters.keep;
     parameters.keep = PerClass::from_fn(|class| plain[class].with_medium_factor(medium_factor));

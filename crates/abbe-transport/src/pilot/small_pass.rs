@@ -37,6 +37,8 @@ pub(super) struct TrialPhotons {
     number: u64,
     pub(super) maps: PerSet<SetMaps>,
     pub(super) splats: Vec<[f64; 3]>,
+    /// The part of the splats that ribbons paint. Empty without ribbons.
+    pub(super) painted: Vec<[f64; 3]>,
     pub(super) tally: Tally,
 }
 
@@ -79,15 +81,20 @@ impl TrialPhotons {
             trace_photons(&source, context.plan, set, parameters.recording(set), || blank.splat_sink())
         });
         let mut splats = vec![[0.0; 3]; scene.camera.pixel_count()];
+        let mut painted = if context.plan.ribbons { splats.clone() } else { Vec::new() };
         let mut tally = Tally::default();
         for set in [&traced.free, &traced.shared] {
             tally.add(&set.tally);
-            for (pixel, xyz) in set.splats.iter().flat_map(SplatSink::splats) {
-                (0..3).for_each(|c| splats[pixel as usize][c] += f64::from(xyz[c]));
+            for (pixel, xyz, is_painted) in set.splats.iter().flat_map(SplatSink::splats) {
+                let pixel = pixel as usize;
+                (0..3).for_each(|c| splats[pixel][c] += f64::from(xyz[c]));
+                if is_painted {
+                    (0..3).for_each(|c| painted[pixel][c] += f64::from(xyz[c]));
+                }
             }
         }
         let maps = PerSet { free: traced.free.deposits.into_maps(), shared: traced.shared.deposits.into_maps() };
-        Self { number, maps, splats, tally }
+        Self { number, maps, splats, painted, tally }
     }
 }
 

@@ -144,7 +144,8 @@ pub(super) fn balanced(
     let photons = traced.iter().map(|traced| traced.tally).sum();
     let samples = passes.iter().map(|pass| pass.tally).sum();
     let paths = (counts.free + counts.shared) as f64;
-    let variances = variances(&of_tiles, splats, width, paths);
+    let painted = traced.each_ref().map(|traced| traced.painted.as_slice());
+    let variances = variances(&of_tiles, splats, painted, width, paths);
     let work = Work::of_trial(&photons, &samples, paths, pixels as f64);
     let balance = limits.choose(variances, work);
     let probe = |pixels: &[usize]| {
@@ -239,16 +240,18 @@ impl Reference {
 /// Measures the variance of the picture for one photon path and one camera sample: the mean of the
 /// relative variances of the pixels, their variance relative to the mean of the picture, and the
 /// mean of the relative variances of the means of square blocks. Camera samples are known in some
-/// blocks, splats in all. `photons` is the number of paths in a pass of the trial.
+/// blocks, splats in all; `painted` is the part of them that ribbons paint. `photons` is the number of paths in a pass of the trial.
 fn variances(
     [of_pixels, of_means]: &[Vec<TileVariance>; 2],
     splats: [&[[f64; 3]]; 2],
+    painted: [&[[f64; 3]]; 2],
     width: usize,
     photons: f64,
 ) -> [Variances; 3] {
     let tiles = of_pixels.len() as f64;
     let pixels = splats[0].len() as f64;
     let blocks = SplatBlock::of_film(splats, width);
+    let painted_blocks = SplatBlock::of_film(painted, width);
     let mean_sampled: [f64; 3] =
         std::array::from_fn(|c| of_pixels.iter().map(|tile| tile.mean_sampled[c]).sum::<f64>() / tiles);
     let mean: [f64; 3] = std::array::from_fn(|c| {
@@ -265,24 +268,33 @@ fn variances(
         };
         Variances {
             traced: 0.0,
+            ribbons: 0.0,
             surfaces: of_part(|tile| tile.surfaces) * photons,
             media: of_part(|tile| tile.media) * photons,
             camera: of_part(|tile| tile.camera),
         }
     };
-    let traced = |variance: fn(&SplatBlock, usize) -> f64, reference: Reference| {
-        let of_block = |block: &SplatBlock, c: usize| 0.5 * (block.mean(0, c) + block.mean(1, c)) + mean_sampled[c];
-        let relative = |block: &SplatBlock| {
-            block.pixels * mean_of_components(|c| variance(block, c) / reference.square(of_block(block, c), mean[c]))
+    // The splats of ribbons and the others have independent noise, because they are different paths.
+    let of_splats = |variance: fn(&SplatBlock, usize) -> f64, reference: Reference| {
+        let square = |block: &SplatBlock, c: usize| {
+            reference.square(0.5 * (block.mean(0, c) + block.mean(1, c)) + mean_sampled[c], mean[c])
         };
-        photons * blocks.iter().map(relative).sum::<f64>() / pixels
+        let sum_of = |parts: &[SplatBlock]| {
+            let relative = |(part, block): (&SplatBlock, &SplatBlock)| {
+                block.pixels * mean_of_components(|c| variance(part, c) / square(block, c))
+            };
+            photons * parts.iter().zip(&blocks).map(relative).sum::<f64>() / pixels
+        };
+        let (all, ribbons) = (sum_of(&blocks), sum_of(&painted_blocks));
+        ((all - ribbons).max(0.0), ribbons)
     };
     let of_pixel = |block: &SplatBlock, c: usize| block.variances[c] / block.pixels;
     let of_mean = |block: &SplatBlock, c: usize| half_square(block.mean(0, c), block.mean(1, c));
+    let with_splats = |variances: Variances, (traced, ribbons): (f64, f64)| Variances { traced, ribbons, ..variances };
     [
-        Variances { traced: traced(of_pixel, Reference::Block), ..sampled(of_pixels, Reference::Block) },
-        Variances { traced: traced(of_pixel, Reference::Picture), ..sampled(of_pixels, Reference::Picture) },
-        Variances { traced: traced(of_mean, Reference::Block), ..sampled(of_means, Reference::Block) },
+        with_splats(sampled(of_pixels, Reference::Block), of_splats(of_pixel, Reference::Block)),
+        with_splats(sampled(of_pixels, Reference::Picture), of_splats(of_pixel, Reference::Picture)),
+        with_splats(sampled(of_means, Reference::Block), of_splats(of_mean, Reference::Block)),
     ]
 }
 
@@ -321,7 +333,8 @@ mod tests {
         let splats =
             passes.each_ref().map(|tiles| tiles.iter().flatten().map(|pixel| pixel.splats).collect::<Vec<_>>());
         let of_tiles = TileVariance::of_tiles(passes.each_ref().map(Vec::as_slice));
-        let [_, of_picture, of_blocks] = variances(&of_tiles, splats.each_ref().map(Vec::as_slice), 100, 100.0);
+        let [_, of_picture, of_blocks] =
+            variances(&of_tiles, splats.each_ref().map(Vec::as_slice), [&[]; 2], 100, 100.0);
         let expected = |amplitude: f64| amplitude * amplitude / 3.0 / 9.0;
         for (found, in_blocks, expected) in [
             (of_picture.camera, of_blocks.camera, expected(0.6)),

@@ -12,6 +12,8 @@ mod instructions {
     pub(super) const RAY: f64 = 2_700.0;
     pub(super) const STORED_PHOTON: f64 = 600.0;
     pub(super) const CONNECTION: f64 = 4_000.0;
+    pub(super) const RIBBON_NODE: f64 = 12_000.0;
+    pub(super) const RIBBON_PIXEL: f64 = 300.0;
     pub(super) const CAMERA_SAMPLE: f64 = 3_000.0;
     pub(super) const GATHERED_PHOTON: f64 = 700.0;
     pub(super) const TABULATED_PHOTON: f64 = 200.0;
@@ -25,6 +27,8 @@ pub(super) struct Work {
     /// The work that depends neither on the photons nor on the camera samples.
     pub(super) pass: f64,
     pub(super) trace: f64,
+    /// The work to paint the ribbon of one path.
+    pub(super) paint: f64,
     /// The work to store the indirect photons of one path on surfaces.
     pub(super) store_on_surfaces: f64,
     pub(super) store_in_media: f64,
@@ -52,12 +56,14 @@ impl Work {
         let trace = EMITTED_PHOTON * photons.photons as f64
             + RAY * photons.photon_segments as f64
             + CONNECTION * photons.connections as f64;
+        let paint = RIBBON_NODE * photons.ribbon_nodes as f64 + RIBBON_PIXEL * photons.ribbon_pixels as f64;
         let per_path = 1.0 / (paths * TRIALS as f64);
         let per_sample = pixels / samples.camera_samples as f64;
         let SampleWork { sample, gather_on_surfaces, gather_in_media } = SampleWork::of(samples);
         Self {
             pass: PIXEL * pixels,
             trace: trace * per_path,
+            paint: paint * per_path,
             store_on_surfaces: STORED_PHOTON * photons.stored as f64 * per_path,
             store_in_media: STORED_PHOTON * stored_in_media * per_path,
             sample: sample * per_sample,

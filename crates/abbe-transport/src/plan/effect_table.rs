@@ -91,6 +91,25 @@ const fn row(id: EffectId) -> Effect {
             events: |tally, _| tally.connections,
             removal: Removal::FromPlan,
         },
+        EffectId::Ribbons => Effect {
+            id,
+            name: "ribbons",
+            field: "ribbons",
+            cost: "per photon at dispersive glass: a path for each of about nine wavelengths, and the pixels between them",
+            absent: "behind dispersive glass, each photon adds one wavelength at one point to the picture",
+            required_by: "dispersive glass or gratings that throw light on surfaces in a picture",
+            not_required: "no picture shows a surface that receives light from dispersive glass or a grating by a simple \
+                           lens",
+            requires: |facts| {
+                let painted = facts.receives() && facts.lens_system.is_none() && facts.meters.is_empty();
+                if painted { facts.dispersive.clone() } else { Vec::new() }
+            },
+            set: |plan, _, on| {
+                plan.ribbons = on && plan.caustics != CausticPlan::Absent && plan.wavelengths != WavelengthPlan::Shared;
+            },
+            events: |tally, _| tally.ribbons,
+            removal: Removal::FromPlan,
+        },
         EffectId::Indirect => Effect {
             id,
             name: "indirect",

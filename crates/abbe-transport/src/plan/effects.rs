@@ -17,6 +17,8 @@ pub enum EffectId {
     Shared,
     /// Light reaches surfaces through glass and from mirrors.
     Caustics,
+    /// Photons paint dispersed light with their whole spectrum.
+    Ribbons,
     /// Light is scattered from surface to surface.
     Indirect,
     /// Light reaches surfaces straight from its source.
@@ -87,10 +89,11 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Dispersion,
         Self::Shared,
         Self::Caustics,
+        Self::Ribbons,
         Self::Indirect,
         Self::Direct,
         Self::DepthOfField,

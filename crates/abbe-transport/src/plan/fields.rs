@@ -10,6 +10,9 @@ pub struct Plan {
     pub wavelengths: WavelengthPlan,
     /// Light arriving at a surface through glass or from mirrors.
     pub caustics: CausticPlan,
+    /// True if photons paint the dispersed light on surfaces that the camera sees with their whole
+    /// spectrum.
+    pub ribbons: bool,
     /// Light scattered from surface to surface.
     pub indirect: IndirectPlan,
     pub direct: DirectPlan,
@@ -28,6 +31,7 @@ impl Plan {
     pub(super) const EMPTY: Self = Self {
         wavelengths: WavelengthPlan::Free,
         caustics: CausticPlan::Absent,
+        ribbons: false,
         indirect: IndirectPlan::Absent,
         direct: DirectPlan::Absent,
         aperture: AperturePlan::Pinhole,

@@ -26,6 +26,12 @@ pub struct Tally {
     /// Dispersive refractions that split a camera path, plus surface arrivals of photons that carry
     /// one wavelength after a dispersive refraction.
     pub dispersions: u64,
+    /// Ribbons of photons that reached a dispersive surface.
+    pub ribbons: u64,
+    /// Wavelengths that ribbons traced.
+    pub ribbon_nodes: u64,
+    /// Pixels that the lines between nodes crossed.
+    pub ribbon_pixels: u64,
     /// Camera paths that continued at one of the pass's shared wavelengths.
     pub shared_paths: u64,
     pub shadow_rays: u64,
@@ -93,6 +99,9 @@ impl Tally {
         self.volume_gathered += other.volume_gathered;
         self.map_queries += other.map_queries;
         self.dispersions += other.dispersions;
+        self.ribbons += other.ribbons;
+        self.ribbon_nodes += other.ribbon_nodes;
+        self.ribbon_pixels += other.ribbon_pixels;
         self.shared_paths += other.shared_paths;
         self.shadow_rays += other.shadow_rays;
         self.environment_rays += other.environment_rays;

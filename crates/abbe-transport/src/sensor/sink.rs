@@ -8,6 +8,9 @@ use abbe_spectra::math::sum::ExactSum;
 use abbe_spectra::spectrum::Observer;
 use std::sync::Arc;
 
+/// The number of pixels whose painted light is kept together.
+const PIXELS_OF_BLOCK: usize = 128;
+
 /// Collects the light of one pixel in one pass.
 #[derive(Debug)]
 pub struct PixelSink<'f> {
@@ -27,7 +30,11 @@ pub struct SplatSink {
     observer: &'static Observer,
     channels: Channels,
     pub(super) splats: Vec<([f32; 3], u32)>,
+    /// The number of the first splat that is a sum of painted light.
+    first_painted: usize,
     pub(super) channel_splats: Vec<(f32, u32, u32)>,
+    /// The sums of painted light in blocks of pixels. `None` for a block without light.
+    painted: Vec<Option<Box<[f64]>>>,
     /// The biases of Y, and their pixels.
     pub(super) bias_splats: Vec<(f32, u32)>,
     /// The readings of the film, if it belongs to a measurement.
@@ -229,8 +236,18 @@ impl<'f> PixelSink<'f> {
 
 impl SplatSink {
     pub(super) fn new(observer: &'static Observer, channels: Channels) -> Self {
-        let (splats, channel_splats, bias_splats) = (Vec::new(), Vec::new(), Vec::new());
-        Self { observer, channels, splats, channel_splats, bias_splats, layout: None, rejected: 0 }
+        let (splats, channel_splats, painted, bias_splats) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self {
+            observer,
+            channels,
+            splats,
+            first_painted: 0,
+            channel_splats,
+            painted,
+            bias_splats,
+            layout: None,
+            rejected: 0,
+        }
     }
 
     pub(super) fn with_layout(self, layout: Option<Arc<ReadingLayout>>) -> Self {
@@ -273,9 +290,58 @@ impl SplatSink {
         self.splats.push((xyz.map(|c| c as f32), pixel));
     }
 
-    /// Returns the pixel of each splat, and X, Y and Z in W/m²/sr.
-    pub fn splats(&self) -> impl Iterator<Item = (u32, [f32; 3])> {
-        self.splats.iter().map(|&(xyz, pixel)| (pixel, xyz))
+    /// Returns the number of spectral bands.
+    pub fn bands(&self) -> usize {
+        self.channels.bands
+    }
+
+    /// Adds radiance (W/m²/sr) at a wavelength (nm) to a sum for each pixel, which is cheaper than
+    /// many splats. [`Self::gather_painted`] then makes one splat of each sum. The film must not
+    /// belong to a measurement.
+    #[inline]
+    pub fn paint(&mut self, (class, light): (usize, usize), pixel: u32, nm: f64, weight: f64) {
+        if !is_valid_radiance(weight) {
+            self.rejected += 1;
+            return;
+        }
+        let xyz = self.observer.xyz_bar(nm).map(|bar| weight * bar);
+        let (block, within) = (pixel as usize / PIXELS_OF_BLOCK, pixel as usize % PIXELS_OF_BLOCK);
+        if block >= self.painted.len() {
+            self.painted.resize_with(block + 1, || None);
+        }
+        let channels = self.channels.first_surface_channel();
+        let values = 3 + channels;
+        let sums = self.painted[block].get_or_insert_with(|| vec![0.0; values * PIXELS_OF_BLOCK].into());
+        let sums = &mut sums[values * within..values * (within + 1)];
+        (0..3).for_each(|c| sums[c] += xyz[c]);
+        if channels > 0 {
+            let mut add = |channel: usize, value: f64| sums[3 + channel] += value;
+            self.channels.distribute(nm, weight, xyz, &mut add);
+            self.channels.distribute_to_layers((Some(class), Some(light)), xyz, &mut add);
+        }
+    }
+
+    /// Makes splats of the sums of [`Self::paint`], which are the last splats of the sink.
+    pub fn gather_painted(&mut self) {
+        self.first_painted = self.splats.len();
+        let values = 3 + self.channels.first_surface_channel();
+        for (block, sums) in std::mem::take(&mut self.painted).iter().enumerate() {
+            for (within, sums) in sums.iter().flat_map(|sums| sums.chunks_exact(values).enumerate()) {
+                let pixel = (block * PIXELS_OF_BLOCK + within) as u32;
+                let (xyz, channels) = sums.split_at(3);
+                if xyz.iter().any(|&sum| sum > 0.0) {
+                    self.splats.push(([xyz[0], xyz[1], xyz[2]].map(|c| c as f32), pixel));
+                }
+                let channels = (0..).zip(channels).filter(|(_, sum)| **sum != 0.0);
+                self.channel_splats.extend(channels.map(|(channel, &sum)| (sum as f32, pixel, channel)));
+            }
+        }
+    }
+
+    /// Returns the pixel of each splat, X, Y and Z in W/m²/sr, and whether it is painted light.
+    pub fn splats(&self) -> impl Iterator<Item = (u32, [f32; 3], bool)> {
+        let numbered = self.splats.iter().enumerate();
+        numbered.map(|(number, &(xyz, pixel))| (pixel, xyz, number >= self.first_painted))
     }
 
     pub fn len(&self) -> usize {

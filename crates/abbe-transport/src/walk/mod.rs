@@ -24,6 +24,7 @@ pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air
 pub use ray_state::RayState;
 pub use scatter::{scatter, scatter_all_wavelengths};
 pub use scattered_ray::ScatteredRay;
+pub(crate) use scattered_ray::single_lane;
 pub use sink::{SensorResponse, Sink};
 pub use stop_flag::{NEVER_STOP, StopFlag};
 pub use surface_interaction::{SurfaceInteraction, SurfaceLookup};

@@ -24,7 +24,7 @@ pub struct ScatteredRay {
 
 impl ScatteredRay {
     /// Creates an event of a delta distribution that absorbs nothing and keeps all wavelengths.
-    pub(super) fn specular(direction: DVec3, weight: Lanes, event: ScatterEvent) -> Self {
+    pub(crate) fn specular(direction: DVec3, weight: Lanes, event: ScatterEvent) -> Self {
         Self { direction, weight, absorbed: [0.0; LANES], kept: None, delta: true, pdf: 0.0, event }
     }
 }
@@ -46,7 +46,7 @@ pub(super) fn transmitted_scale(transport: TransportMode, n_here: f64, n_there: 
 }
 
 #[inline]
-pub(super) fn single_lane(lane: usize, value: f64) -> Lanes {
+pub(crate) fn single_lane(lane: usize, value: f64) -> Lanes {
     let mut lanes = [0.0; LANES];
     lanes[lane] = value;
     lanes
