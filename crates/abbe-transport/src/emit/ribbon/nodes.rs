@@ -299,3 +299,64 @@ impl Parabola {
             && (landing.radiance - expected.radiance).abs() <= LARGEST_DEVIATION_RADIANCE * landing.radiance
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::WavelengthCode;
+    use crate::plan::MediumPlan;
+    use crate::walk::{RayDensity, RayState};
+    use abbe_format::{self as format, resolve::resolve};
+    use abbe_scene::geometry::Ray;
+    use abbe_scene::light::EmittedSpd;
+    use abbe_scene::medium_stack::MediumStack;
+    use abbe_spectra::math::random::{Purpose, Seed};
+    use glam::DVec3;
+
+    const PRISM: &str = r#"{
+  "camera": {"from": [0.3, -0.1, 0.4], "at": [0.7, -0.35, 0], "lens": {"pinhole": {"fov": 40}}},
+  "film": {"width": 64, "height": 64},
+  "materials": {"flint": {"dielectric": {"ior": "N-SF11"}}, "white": {"diffuse": {"reflectance": 0.8}}},
+  "objects": [
+    {"shape": {"prism": {"side": 0.3, "length": 0.3, "apex": 60}}, "material": "flint"},
+    {"shape": {"rectangle": {"width": 1, "height": 1}}, "material": "white",
+     "transform": [{"rotate": {"axis": [0, 0, 1], "degrees": 61}}, {"translate": [0.7, -0.39, 0]}]}
+  ],
+  "lights": [{"beam": {"from": [-0.83, -0.447, 0], "to": [-0.075, 0.043, 0], "radius": 0.01, "power": 1, "spectrum": "E"}}]
+}"#;
+
+    /// Two ribbons of one emission, with different random numbers, have different nodes. Their
+    /// light differs by less than the deviation from parabolas.
+    #[test]
+    fn ribbons_of_one_emission_have_other_nodes_and_the_same_light() {
+        let (written, source) = format::parse(PRISM, "prism.json".as_ref(), &[]).unwrap();
+        let scene = resolve(&written, &source).unwrap();
+        let connector = PhotonConnector { scene: &scene, media_plan: MediumPlan::Clear, photons_per_sample: 1.0 };
+        let power = EmittedPower::of(&scene.lights[0], scene.film.observer).unwrap();
+        let from = DVec3::new(-0.83, -0.447, 0.0) - scene.centre;
+        let ray = Ray::new(from, DVec3::new(0.755, 0.49, 0.0).normalize());
+        let light_of = |number: u64| {
+            let launch = Launch {
+                light: 0,
+                spd: EmittedSpd::Own,
+                flux_w: 1.0,
+                ray_state: RayState { ray, from: None, medium_stack: MediumStack::AIR },
+                ray_density: RayDensity::NONE,
+                wavelength_code: WavelengthCode::default(),
+                streams: Seed::new(number).streams(Purpose::FreePhoton).pass(0),
+                hero_nm: 550.0,
+            };
+            let mut light = Vec::new();
+            RibbonPainter::new(connector, 0).paint(&launch, &power, |_, _, radiance| light.push(radiance));
+            light
+        };
+        // Most ribbons pass both faces of the prism.
+        let painted: Vec<Vec<f64>> = (0..12).map(light_of).filter(|light| light.len() > 10).collect();
+        let sums: Vec<f64> = painted.iter().map(|light| light.iter().sum()).collect();
+        assert!(sums.len() > 6, "{sums:?}");
+        for (light, sum) in painted.iter().zip(&sums).skip(1) {
+            assert!((sum / sums[0] - 1.0).abs() < 0.005, "{sums:?}");
+            assert_ne!(light, &painted[0]);
+        }
+    }
+}
