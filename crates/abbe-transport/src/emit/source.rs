@@ -1,6 +1,6 @@
 //! The emission of a set of photons.
 
-use super::photon_path::{PhotonPath, PhotonState};
+use super::photon_path::{PhotonDepth, PhotonPath, PhotonState};
 use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
 use crate::map::PhotonSpectra;
@@ -87,7 +87,7 @@ impl PhotonSource<'_> {
             ray_state: RayState { ray, from: emission.from, medium_stack },
             photon: PhotonState {
                 light_path: LightPath::Direct,
-                truncated: false,
+                depth: PhotonDepth::Unlimited,
                 wavelengths,
                 power: power_of_watt.map(|s| s * flux),
                 wavelength_code: self.spectra.code(stratum.light, u[0]),

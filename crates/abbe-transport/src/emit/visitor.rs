@@ -95,6 +95,7 @@ impl SurfaceArrival<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::emit::PhotonDepth;
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
     use crate::walk::{NumberedMedium, RayDensity, transmittance};
@@ -120,7 +121,7 @@ mod tests {
         scene.media[0].transmittance = TransmittanceEstimator::Ratio;
         let photon = PhotonState {
             light_path: LightPath::Direct,
-            truncated: false,
+            depth: PhotonDepth::Unlimited,
             wavelengths: Wavelengths::single(550.0),
             power: [0.25; LANES],
             wavelength_code: WavelengthCode::default(),
