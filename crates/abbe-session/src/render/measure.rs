@@ -165,7 +165,11 @@ impl Job {
         let integrator = integrator.unwrap_or_else(|| self.integrator_for_meters());
         let stop = if stop == StopRules::default() { default_stop(integrator) } else { stop };
         let Rendered { stats, run, interrupted, .. } = self.render(Request { integrator, stop }, monitor)?;
-        let readings = run.readings();
+        let mut readings = run.readings();
+        if let Some((target, errors)) = stop.target_error.zip(run.errors()) {
+            let widening = errors.whole.widening(target);
+            readings.iter_mut().for_each(|reading| reading.widening = widening);
+        }
         let errors_are_unknown = self.errors_are_unknown(integrator);
         // The statistics contain the note if the errors are unknown.
         let missing_light = self.note_of_missing_light(integrator).filter(|_| !errors_are_unknown);
@@ -300,7 +304,8 @@ fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f
     let relative_bias = reading.bias.filter(|_| reading.value > 0.0).map_or(0.0, |bias| bias / reading.value);
     let bias: Vec<f64> = values.iter().map(|value| value * relative_bias).collect();
     report.interval_95 = noise.as_ref().map(|noise| {
-        let half = |band: usize| half_interval_with_degrees(noise[band], bias[band], spectrum.degrees());
+        let half =
+            |band: usize| half_interval_with_degrees(reading.widening * noise[band], bias[band], spectrum.degrees());
         let halves: Vec<f64> = (0..values.len()).map(half).collect();
         [-1.0, 1.0].map(|sign| {
             Value::Spectrum(values.iter().zip(&halves).map(|(value, half)| (value + sign * half).max(0.0)).collect())
@@ -342,7 +347,7 @@ fn with_function_of_spectrum(
     report.value = Value::Number(value.unwrap_or(f64::NAN));
     (report.noise, report.bias) = (noise.map(Value::Number), bias.map(Value::Number));
     report.interval_95 = value.zip(noise).map(|(value, noise)| {
-        let half = half_interval_with_degrees(noise, bias.unwrap_or(0.0), spectrum.degrees());
+        let half = half_interval_with_degrees(reading.widening * noise, bias.unwrap_or(0.0), spectrum.degrees());
         [value - half, value + half].map(Value::Number)
     });
 }
