@@ -1,6 +1,6 @@
 //! Intervals of 95 % contain the truth about as often as they claim, or they are unknown.
 
-use crate::common::{diffuse, render, with_setting};
+use crate::common::{diffuse, job, render, with_setting};
 use abbe_session::render::Integrator;
 use abbe_transport::sensor::Picture;
 use serde_json::{Value, json};
@@ -55,44 +55,43 @@ fn truth(scene: &Value, passes: u64) -> Vec<(f64, f64)> {
     (0..runs[0].xyz.len()).map(of).collect()
 }
 
-/// Returns the fraction of the known intervals that contain the truth, and of the known ones.
-fn coverage(scene: &Value, (integrator, passes): (Integrator, u64), seeds: u64, truth: &[(f64, f64)]) -> [f64; 4] {
-    let (mut inside, mut known, mut all) = (0.0, 0.0, 0.0);
-    let (mut square, mut claimed) = (0.0, 0.0);
+/// Returns the fraction of the intervals that contain the truth. All intervals must be known.
+fn coverage(scene: &Value, (integrator, passes): (Integrator, u64), seeds: u64, truth: &[(f64, f64)]) -> f64 {
+    let mut inside = 0;
     for seed in 0..seeds {
         let picture = render(&with_setting(scene, "seed", seed), integrator, passes).picture;
         for (pixel, &(mean, error)) in truth.iter().enumerate() {
-            all += 1.0;
-            if let Some(half) = picture.half_interval_95(pixel, error) {
-                known += 1.0;
-                let off = (picture.xyz[pixel][1] - mean).abs();
-                inside += f64::from(u8::from(off <= half));
-                square += off * off;
-                claimed += picture.error(pixel).unwrap_or(0.0).powi(2);
-            }
+            let half = picture.half_interval_95(pixel, error).expect("a known interval");
+            inside += usize::from((picture.xyz[pixel][1] - mean).abs() <= half);
         }
     }
-    [inside / known, known / all, (square / all).sqrt(), (claimed / all).sqrt()]
+    inside as f64 / (seeds as usize * truth.len()) as f64
 }
 
 #[test]
-#[ignore = "slow: explore"]
-fn explore_coverage() {
-    for (name, scene, long) in [("fog", fog_under_sky(), 2000), ("metal", lamp_in_rough_metal(), 4000)] {
-        let truth = truth(&scene, long);
-        let mean = truth.iter().map(|(y, _)| y).sum::<f64>() / truth.len() as f64;
-        let error = (truth.iter().map(|(_, e)| e * e).sum::<f64>() / truth.len() as f64).sqrt();
-        println!("{name}: mean {mean:.4}, error of the truth {error:.4}");
-        for integrator in [Integrator::Path, Integrator::Photon] {
-            for passes in [2, 4, 8, 16, 64] {
-                if integrator == Integrator::Photon && passes > 16 {
-                    continue;
-                }
-                let [inside, known, rms, claimed] = coverage(&scene, (integrator, passes), 10, &truth);
-                println!(
-                    "{name} {integrator:?} {passes}: {inside:.3} of {known:.2}, true {rms:.4}, claimed {claimed:.4}"
-                );
-            }
+#[ignore = "slow: minutes of CPU time"]
+fn intervals_cover_fog_under_an_even_sky() {
+    let scene = fog_under_sky();
+    let truth = truth(&scene, 2000);
+    for (integrator, most) in [(Integrator::Path, 64), (Integrator::Photon, 16)] {
+        for passes in [2, 4, 8, 16, 64].into_iter().filter(|&passes| passes <= most) {
+            let inside = coverage(&scene, (integrator, passes), 20, &truth);
+            println!("fog, {integrator:?}, {passes} passes: {inside:.3} of the intervals contain the truth");
+            assert!((0.92..0.98).contains(&inside), "{inside}");
         }
     }
+}
+
+/// The path tracer finds the lamp in the metal by way of the wall seldom: at 16,000 passes, it still
+/// lacks a third of the light, and its noise is small.
+#[test]
+fn errors_are_unknown_where_paths_miss_rough_metal() {
+    let scene = lamp_in_rough_metal();
+    let rendered = render(&scene, Integrator::Path, 4);
+    assert!((0..rendered.picture.xyz.len()).all(|pixel| rendered.picture.error(pixel).is_none()));
+    assert_eq!((rendered.stats.warnings.len(), rendered.stats.error.typical), (1, None));
+    assert_eq!(job(&scene).integrator_for_meters(), Integrator::Photon);
+    let mut rough = scene;
+    rough["materials"]["rough"]["conductor"]["roughness"] = json!(0.4);
+    assert!(render(&rough, Integrator::Path, 4).stats.warnings.is_empty());
 }
