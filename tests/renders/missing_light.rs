@@ -51,7 +51,7 @@ fn more_media_than_their_numbers_are_an_error() {
     scene["materials"]["fog"] = json!({ "boundary": { "medium": "fog" } });
     scene["objects"][1]["material"] = json!("fog");
     assert_eq!(job(&scene).scene.media.len(), 1);
-    let (file, source) = format::parse(&scene.to_string(), Path::new("tests/inline.json"), &[]).unwrap();
+    let (file, source) = format::parse(scene.to_string(), Path::new("tests/inline.json"), &[]).unwrap();
     let mut resolved = resolve::resolve(&file, &source).unwrap();
     resolved.media = vec![resolved.media[0].clone(); 65_537];
     let error = Job::new(resolved).unwrap_err().to_string();
