@@ -118,7 +118,7 @@ pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     } else {
         print::result(&table(&report))?;
     }
-    print::notes(&report.notes, &job.scene.warnings, arguments.quiet);
+    print::notes(&report.notes, &report.warnings, arguments.quiet);
     if !arguments.quiet {
         let spent = time(Duration::try_from_secs_f64(report.seconds).unwrap_or_default());
         let passes = print::passes(report.passes);

@@ -283,8 +283,8 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
         print::remark(&format!("interrupted after {passes}; saved {named}; --resume continues from {path}"));
         return Ok(Outcome::Interrupted);
     }
+    print::notes(&rendered.stats.notes, &rendered.stats.warnings, arguments.quiet);
     if !arguments.quiet {
-        rendered.stats.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
         print::remark(&summary(&rendered, &outputs, exposure));
     }
     Ok(Outcome::Done)

@@ -11,6 +11,7 @@ mod camera_samples;
 mod coarse_picture;
 mod example_scenes;
 mod layers;
+mod missing_light;
 mod photon_paths;
 mod plan_films;
 mod plan_forced;

@@ -187,6 +187,9 @@ fn random_scenes_cover_lights_materials_and_media() {
         "angular_diameter",
     ];
     let scenes: Vec<Value> = SEEDS.map(scenes::scene).collect();
+    let overlapping: Vec<Value> = (refined::FIRST_OVERLAP..refined::FIRST_OVERLAP + 60).map(scenes::scene).collect();
+    let with_overlaps = overlapping.iter().filter(|scene| scene.to_string().contains("over medium")).count();
+    assert!(with_overlaps >= 6, "{with_overlaps} scenes with glowing bodies that overlap others");
     let rare: Vec<&str> = WORDS.into_iter().filter(|word| count_of(&scenes, word) < 3).collect();
     assert!(rare.is_empty(), "{rare:?} occur in fewer than 3 scenes");
     let lights = |scene: &Value| {

@@ -1,5 +1,5 @@
-//! Refinements of random scenes: coatings, textures, gratings, ratio tracking, dyes, and cameras
-//! inside glass.
+//! Refinements of random scenes: coatings, textures, gratings, ratio tracking, dyes, cameras inside
+//! glass, and glowing bodies that overlap other bodies.
 
 use crate::random::Pcg;
 use crate::spectra;
@@ -7,6 +7,53 @@ use serde_json::{Value, json};
 
 /// The first seed whose scene is refined.
 pub(crate) const FIRST_SEED: u64 = 128;
+
+/// The first seed whose glowing bodies overlap other bodies.
+pub(crate) const FIRST_OVERLAP: u64 = 300;
+
+/// Gives glowing media a priority, fills some of them into glass, and adds another body over each.
+pub(crate) fn overlap_glowing_bodies(scene: &mut Value, rng: &mut Pcg, smooth: bool, scale: f64) {
+    let media = scene["media"].as_object().cloned().unwrap_or_default();
+    let glowing: Vec<String> = media
+        .iter()
+        .filter(|(_, medium)| !medium["homogeneous"]["emission"].is_null())
+        .map(|(name, _)| name.clone())
+        .collect();
+    for name in glowing {
+        scene["media"][&name]["homogeneous"]["priority"] = json!(rng.below(3) as i32 - 1);
+        let filled = |material: &Value| material["boundary"]["medium"] == json!(name);
+        let Some(material) = scene["materials"].as_object().and_then(|all| all.iter().find(|(_, m)| filled(m))) else {
+            continue;
+        };
+        let material = material.0.clone();
+        let objects = scene["objects"].as_array().expect("the objects");
+        let Some(mut other) = objects.iter().find(|object| object["material"] == json!(material)).cloned() else {
+            continue;
+        };
+        if smooth && rng.chance(0.5) {
+            scene["materials"][&material] = json!({ "dielectric": { "ior": spectra::index(rng), "medium": name } });
+        }
+        let over = format!("over {name}");
+        let priority = rng.below(3) as i32 - 1;
+        scene["materials"][&over] = if smooth && rng.chance(0.5) {
+            json!({ "dielectric": { "ior": spectra::index(rng), "priority": priority } })
+        } else {
+            let coefficient = rng.log_between(0.1, 2.0) / scale;
+            scene["media"][&over] = json!({ "homogeneous": {
+                "scattering": coefficient, "absorption": 0.3 * coefficient, "phase": "isotropic", "priority": priority
+            } });
+            json!({ "boundary": { "medium": over } })
+        };
+        other["material"] = json!(over);
+        let shift = rng.direction().map(|x| 0.15 * scale * x);
+        match other["transform"].as_array_mut() {
+            Some(steps) => steps.push(json!({ "translate": shift })),
+            None => other["transform"] = json!([{ "translate": shift }]),
+        }
+        other["motion"] = json!([]);
+        scene["objects"].as_array_mut().expect("the objects").push(other);
+    }
+}
 
 /// Refines a scene. If `smooth` is true, the path tracer finds all light by way of ideally smooth
 /// surfaces. `scale` is the length in scene units that belongs to a length of 1 of the generator.

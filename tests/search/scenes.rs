@@ -151,6 +151,9 @@ impl Generator {
         if seed >= refined::FIRST_SEED {
             refined::refine(&mut scene, &mut self.rng, self.smooth, self.scale);
         }
+        if seed >= refined::FIRST_OVERLAP {
+            refined::overlap_glowing_bodies(&mut scene, &mut self.rng, self.smooth, self.scale);
+        }
         scene
     }
 

@@ -21,9 +21,12 @@ pub struct RenderFile {
     /// Number of camera samples in each pixel and pass.
     #[schemars(range(min = 1, max = 1024), extend("x-default" = "1 to 16, chosen from the noise of photons and of camera samples"))]
     pub camera_samples: Option<u32>,
-    /// Largest number of surface interactions on a path. Without this key, paths end by Russian
-    /// roulette, and no light is lost. The light that the limit removes from the picture is in the
-    /// bias bars.
+    /// Largest number of surface events on the whole way of the light from its source to the camera
+    /// or to a meter. A reflection at a surface is an event, and so is each transmission through
+    /// one: light passes a glass ball in two events. Emission, scattering in a medium and the
+    /// arrival at a meter are none, so a lamp that the camera sees directly has 0 events, and
+    /// direct light on a wall has 1. Without this key, paths end by Russian roulette, and no light
+    /// is lost. The light that the limit removes from the picture is in the bias bars.
     #[schemars(range(min = 1), extend("x-default" = "no limit"))]
     pub max_depth: Option<u32>,
     /// Number of photons that the gather radius of the first pass encloses, if the pilot does not

@@ -166,7 +166,7 @@ impl<'a> PathRecorder<'a> {
 
     /// Adds a vertex, unless the path has arrived at the target.
     fn add(&mut self, end: DVec3, photon: &PhotonState) {
-        let Some(path) = self.path.as_mut().filter(|_| !self.has_arrived && !photon.truncated) else { return };
+        let Some(path) = self.path.as_mut().filter(|_| !self.has_arrived && !photon.is_truncated()) else { return };
         if path.segments.len() < MOST_SEGMENTS {
             path.segments.push(RecordedSegment { end, wavelengths: photon.wavelengths, power_w: photon.power });
             self.has_arrived = self.target.is_some_and(|target| target.centre.distance(end) <= target.radius_m);

@@ -61,6 +61,11 @@ impl CoatedDielectric {
         self.facets.is_some()
     }
 
+    /// Returns the roughness α, or `None` if the surface is smooth.
+    pub(super) fn alpha(&self) -> Option<f64> {
+        self.facets.as_ref().map(|facets| facets.interface.ggx.alpha())
+    }
+
     pub(super) fn without_films(self) -> Dielectric {
         Dielectric { facets: self.facets.map(|facets| facets.interface) }
     }

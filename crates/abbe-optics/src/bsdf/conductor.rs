@@ -159,6 +159,11 @@ impl Conductor {
         self.facets.is_some()
     }
 
+    /// Returns the roughness α, or `None` if the surface is smooth.
+    pub(super) fn alpha(&self) -> Option<f64> {
+        self.facets.as_ref().map(|facets| facets.ggx.alpha())
+    }
+
     pub(super) fn fresnel(&self, cos: f64, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
         match &self.fresnel {
             MetalFresnel::Index { n, k } => fresnel::conductor(cos, n.at(nm), k.at(nm), iors.here.n(nm)),

@@ -36,6 +36,11 @@ impl Dielectric {
         self.facets.is_some()
     }
 
+    /// Returns the roughness α, or `None` if the surface is smooth.
+    pub(super) fn alpha(&self) -> Option<f64> {
+        self.facets.as_ref().map(|facets| facets.ggx.alpha())
+    }
+
     pub(super) fn sample(&self, wo: DVec3, iors: InterfaceIors<'_>, nm: f64, u: [f64; 3]) -> Option<BsdfSample> {
         let (n_i, n_t) = (iors.here.n(nm), iors.there.n(nm));
         if n_i == n_t {

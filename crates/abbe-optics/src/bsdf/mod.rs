@@ -139,6 +139,18 @@ impl Bsdf {
         }
     }
 
+    /// Returns the GGX roughness α of a rough metal or of rough glass, or `None` for a mixture and
+    /// for any other surface.
+    pub fn alpha(&self) -> Option<f64> {
+        match self {
+            Self::Conductor(conductor) => conductor.alpha(),
+            Self::Dielectric(dielectric) => dielectric.alpha(),
+            Self::CoatedDielectric(coated) => coated.alpha(),
+            Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) | Self::Mirror(_) => None,
+            Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) | Self::Glossy(_) | Self::Mix(_) => None,
+        }
+    }
+
     /// Returns the thin films of the BSDF, or `None` for a mixture and for an empty stack.
     #[inline]
     pub fn films(&self) -> Option<&FilmStack> {

@@ -2,6 +2,12 @@
 //! of a box around the medium are measured by probes (the points of a finer grid). Most samples
 //! select a cell in proportion to its emission, and a small fraction selects all cells alike,
 //! because the probes may miss emission. Directions are uniform.
+//!
+//! Shadow rays from points in or near the box need a second technique. The irradiance from a point
+//! of the medium at the distance d falls as 1/d², so that near points, which a cell selects seldom,
+//! would give estimates of infinite variance: pictures would be too dark apart from rare bright
+//! samples. Half of these rays therefore sample a direction and a distance on the chord of the box,
+//! with a density proportional to 1/d², and the balance heuristic combines both.
 
 use super::lit_interval::LitInterval;
 use super::sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint};
@@ -48,6 +54,9 @@ const OBLIQUE: DVec3 = DVec3::new(0.391_827, 0.803_153, 0.448_713);
 
 /// The fraction of the points that are sampled uniformly over all cells.
 const DEFENSIVE_FRACTION: f64 = 0.05;
+
+/// Points are near the box up to this distance, as a fraction of its sides.
+const NEAR: f64 = 0.5;
 
 struct VolumeSample {
     position: DVec3,
@@ -177,10 +186,30 @@ impl VolumeLight {
     }
 
     /// Samples a direction towards a point of the medium, a point light of the sampled flux.
-    pub(super) fn sample_li(&self, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
-        let VolumeSample { position, flux_w, spd } = self.sample(u);
+    pub(super) fn sample_li(&self, from: DVec3, [u, v, w]: [f64; 3]) -> Option<LiSample> {
+        let to_unit = self.from_unit.inverse();
+        let local = to_unit.transform_point3(from);
+        let is_near = (local - 0.5).abs().max_element() < 0.5 + NEAR;
+        let (position, cell) = if is_near && u >= 0.5 {
+            let direction = warp::sphere([v, w]);
+            let (first, last) = chord(local, to_unit.transform_vector3(direction))?;
+            let position = from + (first + rest_of_half(u) * (last - first)) * direction;
+            (position, cell_of(to_unit.transform_point3(position)))
+        } else {
+            self.sample_cell([rest_of_half(u), v, w])
+        };
+        let (emission, spd) = self.emission_at(position)?;
         let (direction, distance) = (position - from).normalize_and_length();
-        let irradiance = flux_w / (4.0 * PI * distance * distance);
+        let d2 = distance * distance;
+        let of_cell = d2 * self.cells.probability(cell) / self.cell_m3();
+        // The densities per unit of solid angle and of distance.
+        let pdf = if is_near {
+            let (first, last) = chord(local, to_unit.transform_vector3(direction))?;
+            0.5 * of_cell + 0.5 / (4.0 * PI * (last - first))
+        } else {
+            of_cell
+        };
+        let irradiance = emission / pdf;
         (irradiance > 0.0 && irradiance.is_finite()).then_some(LiSample {
             direction,
             distance,
@@ -191,27 +220,40 @@ impl VolumeLight {
         })
     }
 
-    pub(super) fn lit_interval(&self, (from, to): (f64, f64), u: [f64; 3]) -> LitInterval {
-        LitInterval { from, to, pivot: Some(self.sample(u).position) }
+    /// The pivot is the point that [`Self::sample_li`] selects by its cell with the same numbers.
+    pub(super) fn lit_interval(&self, (from, to): (f64, f64), [u, v, w]: [f64; 3]) -> LitInterval {
+        LitInterval { from, to, pivot: Some(self.sample_cell([rest_of_half(u), v, w]).0) }
     }
 
-    fn sample(&self, [mut u, v, w]: [f64; 3]) -> VolumeSample {
+    fn sample(&self, u: [f64; 3]) -> VolumeSample {
+        let (position, cell) = self.sample_cell(u);
+        match self.emission_at(position) {
+            Some((emission, spd)) => {
+                let flux_w = 4.0 * PI * emission * self.cell_m3() / self.cells.probability(cell);
+                VolumeSample { position, flux_w, spd }
+            }
+            None => VolumeSample { position, flux_w: 0.0, spd: EmittedSpd::Own },
+        }
+    }
+
+    /// Samples a cell and a point in it.
+    fn sample_cell(&self, [mut u, v, w]: [f64; 3]) -> (DVec3, usize) {
         let cell = self.cells.sample(&mut u);
         let corner = DVec3::new((cell % CELLS) as f64, (cell / CELLS % CELLS) as f64, (cell / (CELLS * CELLS)) as f64);
-        let position = self.from_unit.transform_point3((corner + DVec3::new(u, v, w)) / CELLS as f64);
-        let dark = VolumeSample { position, flux_w: 0.0, spd: EmittedSpd::Own };
+        (self.from_unit.transform_point3((corner + DVec3::new(u, v, w)) / CELLS as f64), cell)
+    }
+
+    /// Returns the radiance per length (W/m³/sr over the band) that the medium emits at a point.
+    fn emission_at(&self, position: DVec3) -> Option<(f64, EmittedSpd)> {
         let density = self.medium.density_at(position);
-        let Some(emission) = self.medium.emission.as_ref().filter(|_| density > 0.0 && self.contains(position)) else {
-            return dark;
-        };
+        let emission = self.medium.emission.as_ref().filter(|_| density > 0.0 && self.contains(position))?;
         let (band, temperature) = emission.band_at(position);
         // The spectrum of cold matter is not defined.
-        if band <= 0.0 {
-            return dark;
-        }
-        let cell_m3 = self.box_m3() / (CELLS.pow(3)) as f64;
-        let flux_w = 4.0 * PI * density * band * cell_m3 / self.cells.probability(cell);
-        VolumeSample { position, flux_w, spd: temperature.map_or(EmittedSpd::Own, EmittedSpd::Thermal) }
+        (band > 0.0).then(|| (density * band, temperature.map_or(EmittedSpd::Own, EmittedSpd::Thermal)))
+    }
+
+    fn cell_m3(&self) -> f64 {
+        self.box_m3() / (CELLS.pow(3)) as f64
     }
 
     fn box_m3(&self) -> f64 {
@@ -246,6 +288,25 @@ impl VolumeLight {
         body.for_each_hit(&Ray::new(point, direction), None, |hit| balance += leaves(hit.normal, direction));
         balance > 0
     }
+}
+
+/// Maps each half of [0, 1) to all of it.
+fn rest_of_half(u: f64) -> f64 {
+    if u < 0.5 { 2.0 * u } else { 2.0 * u - 1.0 }
+}
+
+/// Returns the number of the cell that contains a point of the unit cube.
+fn cell_of(point: DVec3) -> usize {
+    let [x, y, z] = (point * CELLS as f64).to_array().map(|x| (x.max(0.0) as usize).min(CELLS - 1));
+    x + CELLS * (y + CELLS * z)
+}
+
+/// Returns the interval of a ray inside the unit cube, or `None` if the ray misses it.
+fn chord(origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+    let (to_low, to_high) = (-origin / direction, (1.0 - origin) / direction);
+    let first = to_low.min(to_high).max_element().max(0.0);
+    let last = to_low.max(to_high).min_element();
+    (last > first).then_some((first, last))
 }
 
 /// Returns 1 if a ray leaves the body at a surface with this normal, and −1 if it enters the body.

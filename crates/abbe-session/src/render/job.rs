@@ -7,7 +7,7 @@ use abbe_scene::meter::{Meter, QuantityKind};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::emit::LightSampler;
 use abbe_transport::gather::{LightSelector, Portals, SensorResponses};
-use abbe_transport::map::PhotonSpectra;
+use abbe_transport::map::{MOST_MEDIA, PhotonSpectra};
 use abbe_transport::pass::PassContext;
 use abbe_transport::plan::{Budget, EffectRow, IndirectPlan, Plan, WavelengthPlan};
 use abbe_transport::sensor::{Film, LayerSet, ReadingLayout, ReadingOwner};
@@ -34,8 +34,12 @@ pub struct Job {
 
 impl Job {
     /// Plans a scene. Returns an input error if the scene forces or forbids an unknown effect,
-    /// forbids a necessary one, or has no light between 360 nm and 830 nm.
+    /// forbids a necessary one, has no light between 360 nm and 830 nm, or has too many media.
     pub fn new(mut scene: Scene) -> Result<Self> {
+        if scene.media.len() > MOST_MEDIA {
+            let error = Error::input(format!("the scene contains {} media", scene.media.len()));
+            return Err(error.expected(format!("at most {MOST_MEDIA}")));
+        }
         let (plan, rows) = abbe_transport::plan::prepare(&mut scene)?;
         let lights = LightSampler::new(&scene)
             .ok_or_else(|| Error::input("no light in the scene has power within 360–830 nm"))?;

@@ -4,7 +4,6 @@ use super::job::Job;
 use super::monitor::Monitor;
 use super::request::{Integrator, Request, StopRules};
 use super::session::Rendered;
-use abbe_optics::bsdf::{Bsdf, BsdfClass};
 use abbe_scene::geometry::{Hit, Ray};
 use abbe_scene::light::Light;
 use abbe_scene::meter::{Meter, MeterGrid, MeterReading, Quantity, QuantityKind, Response, Sensor, SensorShape};
@@ -30,6 +29,9 @@ pub struct MeasurementReport {
     /// The time in s.
     pub seconds: f64,
     pub notes: Vec<String>,
+    /// The notes that are warnings.
+    #[serde(skip)]
+    pub warnings: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -93,46 +95,6 @@ fn default_stop(integrator: Integrator) -> StopRules {
 }
 
 impl Job {
-    /// Returns the integrator that suits the meters. The path tracer has no bias, but it finds the
-    /// light of small lamps and of the sun behind glass or mirrors seldom or never. Its shadow rays
-    /// pass through thin panes, so panes alone need no photons.
-    pub fn integrator_for_meters(&self) -> Integrator {
-        let caustics = self.plan.caustics != CausticPlan::Absent;
-        let focuses = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
-        let focusing = self.scene.materials.iter().any(|material| material.surface.components().any(focuses));
-        if caustics && focusing && self.hidden_lamps().next().is_some() { Integrator::Photon } else { Integrator::Path }
-    }
-
-    /// Returns the lamps that the path tracer finds seldom or never after a mirror.
-    fn hidden_lamps(&self) -> impl Iterator<Item = &Light> {
-        self.scene.lights.iter().filter(|light| light.is_small(self.scene.extent()))
-    }
-
-    /// Returns true if the errors of the readings are unknown, because the path tracer leaves out
-    /// light of hidden lamps that glass or mirrors deflect. Panes pass most of their light
-    /// straight; the bias contains the light between several of them.
-    fn errors_are_unknown(&self, integrator: Integrator) -> bool {
-        integrator == Integrator::Path && self.integrator_for_meters() == Integrator::Photon
-    }
-
-    /// Returns a note if the path tracer leaves out light that panes, glass or mirrors deflect.
-    fn note_of_missing_light(&self, integrator: Integrator) -> Option<String> {
-        let deflects = |bsdf: &Bsdf| {
-            let is_hole = bsdf.uniform_pane().is_some_and(|pane| pane.matches(&self.scene.air));
-            bsdf.class() == BsdfClass::Specular && !is_hole
-        };
-        let mut surfaces = self.scene.materials.iter().flat_map(|material| material.surface.components());
-        if integrator == Integrator::Photon || self.plan.caustics == CausticPlan::Absent || !surfaces.any(deflects) {
-            return None;
-        }
-        let lamp = &self.hidden_lamps().next()?.name;
-        let unknown = if self.errors_are_unknown(integrator) { ", so the intervals are unknown" } else { "" };
-        Some(format!(
-            "the path tracer finds the light of {lamp} that mirrors or panes reflect or that glass refracts seldom or \
-             never{unknown}; `--integrator photon` finds it"
-        ))
-    }
-
     /// Notes a point sensor in a hollow, where photons through glass may not reach its disk.
     fn note_of_hollows(&self, integrator: Integrator) -> Option<String> {
         /// The distance at which the surface below a sensor is found, by the radius of the scene;
@@ -203,9 +165,14 @@ impl Job {
         let integrator = integrator.unwrap_or_else(|| self.integrator_for_meters());
         let stop = if stop == StopRules::default() { default_stop(integrator) } else { stop };
         let Rendered { stats, run, interrupted, .. } = self.render(Request { integrator, stop }, monitor)?;
-        let readings = run.readings();
-        let (missing_light, errors_are_unknown) =
-            (self.note_of_missing_light(integrator), self.errors_are_unknown(integrator));
+        let mut readings = run.readings();
+        if let Some((target, errors)) = stop.target_error.zip(run.errors()) {
+            let widening = errors.whole.widening(target);
+            readings.iter_mut().for_each(|reading| reading.widening = widening);
+        }
+        let errors_are_unknown = self.errors_are_unknown(integrator);
+        // The statistics contain the note if the errors are unknown.
+        let missing_light = self.note_of_missing_light(integrator).filter(|_| !errors_are_unknown);
         let mut rest = 0..readings.len();
         let meters = self.scene.meters.iter().map(|meter| {
             let own: Vec<usize> = rest.by_ref().take(meter.readings.len()).collect();
@@ -241,7 +208,8 @@ impl Job {
         let (passes, seconds) = (stats.passes, stats.seconds.total);
         let missing: Vec<String> = missing_light.into_iter().chain(self.note_of_hollows(integrator)).collect();
         let notes = [self.scene.notes.as_slice(), &stats.notes, &missing].concat();
-        Ok((MeasurementReport { meters, integrator: integrator.word(), passes, seconds, notes }, interrupted))
+        let warnings = [self.scene.warnings.as_slice(), &stats.warnings].concat();
+        Ok((MeasurementReport { meters, integrator: integrator.word(), passes, seconds, notes, warnings }, interrupted))
     }
 }
 
@@ -336,7 +304,8 @@ fn with_spectrum(report: &mut PointReport, spectrum: &ReadingSpectrum, factor: f
     let relative_bias = reading.bias.filter(|_| reading.value > 0.0).map_or(0.0, |bias| bias / reading.value);
     let bias: Vec<f64> = values.iter().map(|value| value * relative_bias).collect();
     report.interval_95 = noise.as_ref().map(|noise| {
-        let half = |band: usize| half_interval_with_degrees(noise[band], bias[band], spectrum.degrees());
+        let half =
+            |band: usize| half_interval_with_degrees(reading.widening * noise[band], bias[band], spectrum.degrees());
         let halves: Vec<f64> = (0..values.len()).map(half).collect();
         [-1.0, 1.0].map(|sign| {
             Value::Spectrum(values.iter().zip(&halves).map(|(value, half)| (value + sign * half).max(0.0)).collect())
@@ -378,7 +347,7 @@ fn with_function_of_spectrum(
     report.value = Value::Number(value.unwrap_or(f64::NAN));
     (report.noise, report.bias) = (noise.map(Value::Number), bias.map(Value::Number));
     report.interval_95 = value.zip(noise).map(|(value, noise)| {
-        let half = half_interval_with_degrees(noise, bias.unwrap_or(0.0), spectrum.degrees());
+        let half = half_interval_with_degrees(reading.widening * noise, bias.unwrap_or(0.0), spectrum.degrees());
         [value - half, value + half].map(Value::Number)
     });
 }

@@ -10,6 +10,7 @@ mod job;
 mod layers;
 mod measure;
 mod merge;
+mod missing_light;
 mod monitor;
 mod part;
 mod photon_paths;

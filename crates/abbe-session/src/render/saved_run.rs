@@ -123,7 +123,10 @@ impl SavedRun {
             return Err(Error::input("is damaged: its size differs from the size in its record").in_file(path));
         }
         let diffraction = self.diffraction.as_ref().map(|diffraction| diffraction.for_film((width, height)).into());
-        let film = Film::new(width, height, observer, bands).with_unit(self.unit);
+        let mut film = Film::new(width, height, observer, bands).with_unit(self.unit);
+        if !self.stats.unfound_lights.is_empty() {
+            film.assume_missing_light();
+        }
         Ok(film.with_diffraction(diffraction).with_layers(layers))
     }
 

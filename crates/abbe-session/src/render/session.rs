@@ -73,6 +73,9 @@ impl Job {
             // Each row has random numbers of its own. Photons and shutter times belong to all rows.
             run.sums.film.assume_independent_rows();
         }
+        if self.errors_are_unknown(request.integrator) {
+            run.sums.film.assume_missing_light();
+        }
         let flag = monitor.stop_flag();
         let context = PassContext { stop: &flag, ..self.pass_context() };
         let portals = if stopped { Portals::default() } else { find_portals(&context, &mut run.sums.seconds) };

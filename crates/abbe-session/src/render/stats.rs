@@ -2,6 +2,7 @@
 
 use super::forecast::{ErrorMilestone, Forecast, Forecasts, RunTimes};
 use super::job::Job;
+use super::request::Integrator;
 use super::run::Run;
 use abbe_transport::pass::{PassSums, StageSeconds};
 use abbe_transport::plan::{Tally, explain};
@@ -150,9 +151,16 @@ pub struct Stats {
     /// dispersive glass, the picture lacks their light, and its error is unknown.
     #[serde(default)]
     pub unsampled_lights: Vec<String>,
+    /// The names of lights whose light the path tracer finds seldom or never behind the glass and
+    /// the mirrors of the scene. The bias of the picture is then unknown.
+    #[serde(default)]
+    pub unfound_lights: Vec<String>,
     /// Notes on light that the picture lacks.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// The notes that are warnings: light is missing, and the error is unknown.
+    #[serde(default)]
+    pub warnings: Vec<String>,
 }
 
 impl Stats {
@@ -160,6 +168,11 @@ impl Stats {
     pub(super) fn new(job: &Job, run: &Run, picture: &Picture, forecast: Option<Forecasts>, unlit: &[String]) -> Self {
         let PassSums { tally, seconds, .. } = &run.sums;
         let unsampled_lights: Vec<String> = run.coverage.missing().map(str::to_owned).collect();
+        let misses_light = run.sums.film.misses_light();
+        let unfound_lights: Vec<String> =
+            job.hidden_lamps().filter(|_| misses_light).map(|light| light.name.clone()).collect();
+        let unfound = job.note_of_missing_light(Integrator::Path).filter(|_| misses_light);
+        let warnings: Vec<String> = unfound.into_iter().chain(unsampled_note(&unsampled_lights)).collect();
         Self {
             passes: run.done,
             photons_emitted: tally.photons,
@@ -170,14 +183,16 @@ impl Stats {
             photons_per_second: if seconds.emit > 0.0 { tally.photons as f64 / seconds.emit } else { 0.0 },
             peak_memory_bytes: peak_memory_bytes(),
             ledger_w: run.ledger_stats(job),
-            error: ErrorStats::of(picture, &unsampled_lights),
+            error: ErrorStats::of(picture, unsampled_lights.is_empty() && !misses_light),
             forecast: forecast.map(|forecast| ForecastStats::of(&forecast, seconds.total)),
             effects: effect_stats(job, tally),
             wavelengths: explain::wavelengths_word(&job.plan).to_string(),
             rejected_samples: tally.rejected,
             threads: rayon::current_num_threads(),
-            notes: notes(job, run, unlit).into_iter().chain(unsampled_note(&unsampled_lights)).collect(),
+            notes: notes(job, run, unlit).into_iter().chain(warnings.iter().cloned()).collect(),
             unsampled_lights,
+            unfound_lights,
+            warnings,
         }
     }
 
@@ -197,6 +212,10 @@ impl Stats {
         let passes = count(|run| run.passes);
         let times = RunTimes::of(passes, &seconds);
         let unsampled_lights = common_unsampled_lights(runs);
+        let unfound_lights = runs.first().map_or_else(Vec::new, |run| run.unfound_lights.clone());
+        let notes: Vec<String> = merged_notes(runs).into_iter().chain(unsampled_note(&unsampled_lights)).collect();
+        let warned = |note: &&String| runs.iter().any(|run| run.warnings.contains(note));
+        let warnings = notes.iter().filter(warned).cloned().collect();
         let errors = errors.filter(|_| unsampled_lights.is_empty());
         let forecast = errors.and_then(|errors| Forecasts::without_history(errors, times));
         Self {
@@ -209,14 +228,16 @@ impl Stats {
             photons_per_second: if seconds.emit > 0.0 { emitted as f64 / seconds.emit } else { 0.0 },
             peak_memory_bytes: runs.iter().map(|run| run.peak_memory_bytes).max().unwrap_or(0),
             ledger_w: LedgerStats::mean(runs),
-            error: ErrorStats::of(picture, &unsampled_lights),
+            error: ErrorStats::of(picture, unsampled_lights.is_empty() && unfound_lights.is_empty()),
             forecast: forecast.map(|forecast| ForecastStats::of(&forecast, seconds.total)),
             effects,
             wavelengths: runs.first().map_or(String::new(), |run| run.wavelengths.clone()),
             rejected_samples: count(|run| run.rejected_samples),
             threads: runs.iter().map(|run| run.threads).max().unwrap_or(0),
-            notes: merged_notes(runs).into_iter().chain(unsampled_note(&unsampled_lights)).collect(),
+            notes,
             unsampled_lights,
+            unfound_lights,
+            warnings,
         }
     }
 }
@@ -369,15 +390,15 @@ impl LedgerStats {
 }
 
 impl ErrorStats {
-    /// Returns the error of a picture. Without the light of a spectrum, the error is unknown.
-    fn of(picture: &Picture, unsampled_lights: &[String]) -> Self {
+    /// Returns the error of a picture. If it lacks light, the error is not `known`.
+    fn of(picture: &Picture, known: bool) -> Self {
         let ErrorMeans { noise, bias, relative, unknown_pixels, edge_pixels } = picture.error_means();
         let distribution = picture.error_distribution();
         Self {
             noise,
             bias,
-            relative: relative.filter(|_| unsampled_lights.is_empty()),
-            typical: distribution.map(|errors| errors.typical).filter(|_| unsampled_lights.is_empty()),
+            relative: relative.filter(|_| known),
+            typical: distribution.map(|errors| errors.typical).filter(|_| known),
             median: distribution.map(|errors| errors.median),
             p95: distribution.map(|errors| errors.p95),
             worst_region: distribution.map(|errors| errors.worst.corners),

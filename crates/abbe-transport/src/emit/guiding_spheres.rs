@@ -136,7 +136,7 @@ impl<'a> DistantSpheres<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::emit::photon_path::PhotonState;
+    use crate::emit::photon_path::{PhotonDepth, PhotonState};
     use crate::emit::ribbon::RibbonPart;
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
@@ -165,7 +165,7 @@ mod tests {
         let scene = resolve(&written, &source).unwrap();
         let photon = PhotonState {
             light_path: LightPath::Direct,
-            truncated: false,
+            depth: PhotonDepth::Unlimited,
             wavelengths: Wavelengths::new([450.0, 500.0, 550.0, 600.0]),
             power: [0.25; LANES],
             wavelength_code: WavelengthCode::default(),

@@ -16,7 +16,7 @@ mod visitor;
 
 pub use aim::{Aim, CELLS};
 pub use light_sampler::LightSampler;
-pub use photon_path::PhotonState;
+pub use photon_path::{PhotonDepth, PhotonState};
 pub use ribbon::{EmittedPower, Launch, RibbonPainter, RibbonPart, RibbonTally};
 pub use source::{PhotonSource, WavelengthSampling};
 pub use spectrum_coverage::SpectrumCoverage;

@@ -3,6 +3,7 @@
 use super::ribbon::RibbonPart;
 use crate::map::WavelengthCode;
 use crate::plan::partition::LightPath;
+use crate::walk::ledger::Ledger;
 use crate::walk::{RayDensity, RayState};
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
@@ -10,8 +11,7 @@ use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
 #[derive(Debug, Clone, Copy)]
 pub struct PhotonState {
     pub light_path: LightPath,
-    /// True beyond the depth limit, where the photon contributes only to the estimated bias.
-    pub truncated: bool,
+    pub depth: PhotonDepth,
     pub wavelengths: Wavelengths,
     /// The power at each wavelength. The unit is W for free photons, and W/nm for shared photons.
     pub power: Lanes,
@@ -27,6 +27,25 @@ pub struct PhotonState {
     /// The density of the light's rays around the photon's first ray, or 0 if the plan does not
     /// compare photons with camera paths (see [`crate::walk::CausticWeights`]).
     pub ray_density: RayDensity,
+}
+
+/// The number of surface events on a photon path so far, which only scenes with an explicit depth
+/// limit need.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PhotonDepth {
+    /// The scene sets no limit.
+    Unlimited,
+    Within(u16),
+    /// Beyond the limit, the photon contributes only to the estimated bias.
+    Beyond(u16),
+}
+
+impl PhotonState {
+    /// Returns true beyond the depth limit.
+    #[inline]
+    pub fn is_truncated(&self) -> bool {
+        matches!(self.depth, PhotonDepth::Beyond(_))
+    }
 }
 
 pub(super) struct PhotonPath {
@@ -51,10 +70,12 @@ impl PhotonPath {
         below.map(|k| self.photon.power[k] * self.watts[k]).sum()
     }
 
-    /// Continues the path beyond the depth limit, and multiplies its power by `factor`.
-    pub(super) fn truncate(&mut self, factor: f64) {
-        self.photon.truncated = true;
-        self.multiply_power(factor);
+    /// Books the power of a photon whose path ends at the depth limit.
+    pub(super) fn book_at_limit(&self, ledger: &mut Ledger) {
+        ledger.depth_limit += self.total_w();
+        if self.photon.light_path == LightPath::Indirect {
+            ledger.depth_limit_indirect += self.total_w();
+        }
     }
 
     #[inline]

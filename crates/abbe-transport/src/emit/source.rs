@@ -1,6 +1,6 @@
 //! The emission of a set of photons.
 
-use super::photon_path::{PhotonPath, PhotonState};
+use super::photon_path::{PhotonDepth, PhotonPath, PhotonState};
 use super::ribbon::{Launch, RibbonPart};
 use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
@@ -103,7 +103,7 @@ impl PhotonSource<'_> {
         };
         let photon = PhotonState {
             light_path: LightPath::Direct,
-            truncated: false,
+            depth: PhotonDepth::Unlimited,
             wavelengths,
             power: power_of_watt.map(|s| s * flux),
             wavelength_code,

@@ -3,7 +3,7 @@
 use super::fluorescence::scatter_at_fluorescent_surface;
 use super::guiding_spheres::scatter_with_guiding;
 use super::medium::advance_through_media;
-use super::photon_path::PhotonPath;
+use super::photon_path::{PhotonDepth, PhotonPath};
 use super::ribbon::Launch;
 use super::source::PhotonSource;
 use super::visitor::{PhotonFlight, PhotonVisitor, SurfaceArrival};
@@ -20,7 +20,8 @@ use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{BAND_NM, LANES};
 use std::ops::Range;
 
-/// Traces the photons with these indices. Only this function chooses their [`BodyMode`].
+/// Traces the photons with these indices. Only this function and [`trace_limited`] choose their
+/// [`BodyMode`].
 pub fn trace<V: PhotonVisitor>(
     source: &PhotonSource<'_>,
     points: &Sobol,
@@ -28,19 +29,46 @@ pub fn trace<V: PhotonVisitor>(
     visitor: &mut V,
     ledger: &mut Ledger,
 ) {
-    // The energy balance does not contain truncated paths.
-    let mut truncated = DepthLimit::of(source.scene).is_explicit().then(|| Ledger::new(ledger.absorbed.len()));
+    let limit = DepthLimit::of(source.scene);
     let indices = indices.take_while(|_| !source.stop.is_raised());
+    if limit.is_explicit() {
+        return trace_limited(source, points, (indices, limit), visitor, ledger);
+    }
     match source.media_plan {
-        MediumPlan::Air => indices.for_each(|index| {
-            trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger, truncated.as_mut())
-        }),
-        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => indices
-            .for_each(|index| trace_one::<WithBodies, V>(source, points, index, visitor, ledger, truncated.as_mut())),
+        MediumPlan::Air => {
+            indices.for_each(|index| trace_one::<WithoutBodies, V>(source, points, index, visitor, ledger))
+        }
+        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
+            indices.for_each(|index| trace_one::<WithBodies, V>(source, points, index, visitor, ledger));
+        }
     }
 }
 
-/// Traces one photon. `truncated` is the ledger of truncated paths.
+/// Traces photons whose paths end at an explicit limit.
+#[inline(never)]
+fn trace_limited<V: PhotonVisitor>(
+    source: &PhotonSource<'_>,
+    points: &Sobol,
+    (indices, limit): (impl Iterator<Item = u64>, DepthLimit),
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) {
+    // The energy balance does not contain truncated paths.
+    let ledgers = &mut [ledger, &mut Ledger::new(source.scene.materials.len())];
+    match source.media_plan {
+        MediumPlan::Air => {
+            indices.for_each(|index| {
+                trace_one_limited::<WithoutBodies, V>(source, points, (index, limit), visitor, ledgers);
+            });
+        }
+        MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
+            indices.for_each(|index| {
+                trace_one_limited::<WithBodies, V>(source, points, (index, limit), visitor, ledgers);
+            });
+        }
+    }
+}
+
 #[inline(always)]
 fn trace_one<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
@@ -48,14 +76,65 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
     index: u64,
     visitor: &mut V,
     ledger: &mut Ledger,
-    truncated: Option<&mut Ledger>,
 ) {
-    let limit = DepthLimit::of(source.scene);
     let mut stream = source.stream(index);
-    let (mut path, launch) = source.emit::<M>(points, index as u32, &mut stream, visitor);
+    let Some(mut path) = start::<M, V>(source, points, index, &mut stream, visitor, ledger) else { return };
+    if follow::<M, V>(source, &mut path, 1..MAX_EVENTS + 1, &mut stream, visitor, ledger) {
+        path.book_at_limit(ledger);
+    }
+}
+
+/// Traces one photon through as many surface events as the limit allows, and to the next surface.
+/// Some photons then continue, and contribute only to the estimated bias. `ledgers` are those of
+/// paths within the limit and of truncated paths.
+fn trace_one_limited<M: BodyMode, V: PhotonVisitor>(
+    source: &PhotonSource<'_>,
+    points: &Sobol,
+    (index, limit): (u64, DepthLimit),
+    visitor: &mut V,
+    [ledger, truncated]: &mut [&mut Ledger; 2],
+) {
+    let mut stream = source.stream(index);
+    let Some(mut path) = start::<M, V>(source, points, index, &mut stream, visitor, ledger) else { return };
+    let last = limit.events();
+    for depth in 1..=last {
+        path.photon.depth = PhotonDepth::Within((depth - 1) as u16);
+        if !follow_to_next::<M, V>(source, &mut path, depth, &mut stream, visitor, ledger) {
+            return;
+        }
+    }
+    path.photon.depth = PhotonDepth::Within(last as u16);
+    let next = arrive::<M, V>(source, &mut path, last + 1, &mut stream, visitor, ledger);
+    let Some(interaction) = next else { return };
+    path.book_at_limit(ledger);
+    let Some(factor) = limit.sample_truncated_path(&mut stream) else { return };
+    path.multiply_power(factor);
+    path.photon.depth = PhotonDepth::Beyond(last as u16);
+    if !interact::<M, V>(source, &mut path, (&interaction, last + 1), &mut stream, visitor, truncated) {
+        return;
+    }
+    for depth in last + 2..=MAX_EVENTS {
+        path.photon.depth = PhotonDepth::Beyond((depth - 1) as u16);
+        if !follow_to_next::<M, V>(source, &mut path, depth, &mut stream, visitor, truncated) {
+            return;
+        }
+    }
+}
+
+/// Emits a photon, or returns `None` if it has no power.
+#[inline(always)]
+fn start<M: BodyMode, V: PhotonVisitor>(
+    source: &PhotonSource<'_>,
+    points: &Sobol,
+    index: u64,
+    stream: &mut Stream,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) -> Option<PhotonPath> {
+    let (path, launch) = source.emit::<M>(points, index as u32, stream, visitor);
     let emitted = path.total_w();
     if emitted <= 0.0 {
-        return;
+        return None;
     }
     ledger.emitted += emitted;
     // The wavelengths of a photon ascend.
@@ -68,31 +147,20 @@ fn trace_one<M: BodyMode, V: PhotonVisitor>(
     {
         visitor.on_launch(&Launch { flux_w: launch.flux_w * factor, ..launch });
     }
-    if !follow::<M, V>(source, &mut path, 1..limit.events() + 1, &mut stream, visitor, ledger) {
-        return;
-    }
-    ledger.depth_limit += path.total_w();
-    if path.photon.light_path == LightPath::Indirect {
-        ledger.depth_limit_indirect += path.total_w();
-    }
-    if let Some(truncated) = truncated {
-        follow_truncated::<M, V>(source, limit, &mut path, &mut stream, visitor, truncated);
-    }
+    Some(path)
 }
 
-/// Follows some photons that reach the depth limit and contribute only to the estimated bias.
+/// Follows a photon through surface event number `depth`. Returns true if it survives.
 #[inline(never)]
-fn follow_truncated<M: BodyMode, V: PhotonVisitor>(
+fn follow_to_next<M: BodyMode, V: PhotonVisitor>(
     source: &PhotonSource<'_>,
-    limit: DepthLimit,
     path: &mut PhotonPath,
+    depth: u32,
     stream: &mut Stream,
     visitor: &mut V,
     ledger: &mut Ledger,
-) {
-    let Some(factor) = limit.sample_truncated_path(stream) else { return };
-    path.truncate(factor);
-    follow::<M, V>(source, path, limit.events() + 1..MAX_EVENTS + 1, stream, visitor, ledger);
+) -> bool {
+    follow::<M, V>(source, path, depth..depth + 1, stream, visitor, ledger)
 }
 
 /// Follows a photon through these surface events, from 1. Returns true if it survives.
@@ -105,50 +173,76 @@ fn follow<M: BodyMode, V: PhotonVisitor>(
     visitor: &mut V,
     ledger: &mut Ledger,
 ) -> bool {
-    let scene = source.scene;
     for depth in events {
-        let next = advance::<M, V>(source, path, stream, visitor, ledger);
+        let next = arrive::<M, V>(source, path, depth, stream, visitor, ledger);
         let Some(interaction) = &next else { return false };
-        visitor.on_arrival(&SurfaceArrival { interaction, photon: &path.photon, depth });
-        if M::HAS_BODIES && scene.body_of(interaction.hit.object).is_some() {
-            visitor.on_body_face();
-        }
-        if interaction.crossed_hidden_face && path.photon.light_path == LightPath::Direct {
-            path.photon.light_path = LightPath::Caustic;
-        }
-        // A photon at a mixed material is reported for any selected component, because camera paths
-        // select a component independently. Direct lighting already includes photons straight from
-        // a light.
-        if path.photon.light_path != LightPath::Direct
-            && !path.photon.excitation
-            && scene.materials[interaction.material].surface.class() >= BsdfClass::Glossy
-        {
-            visitor.on_surface(&SurfaceArrival { interaction, photon: &path.photon, depth }, stream);
-        }
-        if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
-            if scatter_at_fluorescent_surface(source, path, interaction, surface, depth, ledger, stream) {
-                continue;
-            }
-            return false;
-        }
-        let guiding_spheres = &source.strata.guiding_spheres[..];
-        let scattered = if guiding_spheres.is_empty() {
-            M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream)
-        } else {
-            scatter_with_guiding::<M>(guiding_spheres, path, interaction, stream, ledger)
-        };
-        let Some(scattered) = scattered else {
-            ledger.absorbed[interaction.material] += path.total_w();
-            return false;
-        };
-        if M::HAS_BODIES && source.has_ribbons() {
-            path.photon.ribbon = path.photon.ribbon.after(interaction, scattered.kept.is_some());
-        }
-        if !apply_scattering::<M>(path, interaction, &scattered, depth, ledger, stream) {
+        if !interact::<M, V>(source, path, (interaction, depth), stream, visitor, ledger) {
             return false;
         }
     }
     true
+}
+
+/// Advances a photon to its surface number `depth`.
+#[inline(always)]
+fn arrive<'a, M: BodyMode, V: PhotonVisitor>(
+    source: &PhotonSource<'a>,
+    path: &mut PhotonPath,
+    depth: u32,
+    stream: &mut Stream,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) -> Option<SurfaceInteraction<'a>> {
+    let next = advance::<M, V>(source, path, stream, visitor, ledger);
+    if let Some(interaction) = &next {
+        visitor.on_arrival(&SurfaceArrival { interaction, photon: &path.photon, depth });
+    }
+    next
+}
+
+/// Records a photon at a surface, and scatters it there. Returns true if it survives.
+#[inline(always)]
+fn interact<M: BodyMode, V: PhotonVisitor>(
+    source: &PhotonSource<'_>,
+    path: &mut PhotonPath,
+    (interaction, depth): (&SurfaceInteraction<'_>, u32),
+    stream: &mut Stream,
+    visitor: &mut V,
+    ledger: &mut Ledger,
+) -> bool {
+    let scene = source.scene;
+    if M::HAS_BODIES && scene.body_of(interaction.hit.object).is_some() {
+        visitor.on_body_face();
+    }
+    if interaction.crossed_hidden_face && path.photon.light_path == LightPath::Direct {
+        path.photon.light_path = LightPath::Caustic;
+    }
+    // A photon at a mixed material is reported for any selected component, because camera paths
+    // select a component independently. Direct lighting already includes photons straight from
+    // a light.
+    if path.photon.light_path != LightPath::Direct
+        && !path.photon.excitation
+        && scene.materials[interaction.material].surface.class() >= BsdfClass::Glossy
+    {
+        visitor.on_surface(&SurfaceArrival { interaction, photon: &path.photon, depth }, stream);
+    }
+    if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
+        return scatter_at_fluorescent_surface(source, path, interaction, surface, depth, ledger, stream);
+    }
+    let guiding_spheres = &source.strata.guiding_spheres[..];
+    let scattered = if guiding_spheres.is_empty() {
+        M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream)
+    } else {
+        scatter_with_guiding::<M>(guiding_spheres, path, interaction, stream, ledger)
+    };
+    let Some(scattered) = scattered else {
+        ledger.absorbed[interaction.material] += path.total_w();
+        return false;
+    };
+    if M::HAS_BODIES && source.has_ribbons() {
+        path.photon.ribbon = path.photon.ribbon.after(interaction, scattered.kept.is_some());
+    }
+    apply_scattering::<M>(path, interaction, &scattered, depth, ledger, stream)
 }
 
 #[inline(always)]

@@ -99,6 +99,7 @@ impl SurfaceArrival<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::emit::PhotonDepth;
     use crate::emit::ribbon::RibbonPart;
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
@@ -125,7 +126,7 @@ mod tests {
         scene.media[0].transmittance = TransmittanceEstimator::Ratio;
         let photon = PhotonState {
             light_path: LightPath::Direct,
-            truncated: false,
+            depth: PhotonDepth::Unlimited,
             wavelengths: Wavelengths::single(550.0),
             power: [0.25; LANES],
             wavelength_code: WavelengthCode::default(),

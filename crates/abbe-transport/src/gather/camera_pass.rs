@@ -22,6 +22,7 @@ pub struct CameraPass<'a> {
     pub maps: PerSet<&'a SetMaps>,
     /// The number of photon paths of each set, divided by the number of camera samples per pixel.
     pub photons_per_sample: PerSet<f64>,
+    /// `None` if no photon path reaches a limit.
     pub truncated: Option<TruncatedMaps<'a>>,
     /// The pass's shared wavelengths in nm.
     pub shared_nm: Lanes,
@@ -47,10 +48,55 @@ pub struct CameraPass<'a> {
 
 /// The light of photon paths beyond their limit, which changes only the estimated bias.
 #[derive(Debug, Clone, Copy)]
-pub struct TruncatedMaps<'a> {
-    pub maps: PerSet<&'a SetMaps>,
-    /// The ratio of the missing light to the light of these photons.
-    pub factor: f64,
+pub enum TruncatedMaps<'a> {
+    /// The cap ended some paths. The factor is the ratio of the missing light to the light of the
+    /// photons within the cap.
+    Cap { factor: f64 },
+    /// The scene sets a limit, beyond which these photons have been followed. The photons within
+    /// the limit have numbers of events.
+    Explicit { beyond: PerSet<&'a SetMaps> },
+}
+
+/// Selects the photons of a map by their numbers of surface events.
+pub(super) trait EventFilter: Copy {
+    fn admits(self, events: impl FnOnce() -> u32) -> bool;
+}
+
+/// Selects all photons. Their maps need no numbers of events.
+#[derive(Clone, Copy)]
+pub(super) struct AllPhotons;
+
+impl EventFilter for AllPhotons {
+    #[inline(always)]
+    fn admits(self, _events: impl FnOnce() -> u32) -> bool {
+        true
+    }
+}
+
+/// Selects photons with a number of events in this range.
+#[derive(Clone, Copy)]
+pub(super) struct EventRange {
+    least: u32,
+    most: u32,
+}
+
+impl EventRange {
+    pub(super) const ANY: Self = Self { least: 0, most: u32::MAX };
+
+    pub(super) fn up_to(most: u32) -> Self {
+        Self { least: 0, most }
+    }
+
+    pub(super) fn beyond(most: u32) -> Self {
+        Self { least: most + 1, most: u32::MAX }
+    }
+}
+
+impl EventFilter for EventRange {
+    #[inline(always)]
+    fn admits(self, events: impl FnOnce() -> u32) -> bool {
+        (self.least..=self.most).contains(&events())
+    }
 }
 
 pub(super) struct PathContext<'s, 'a, S> {
@@ -65,6 +111,11 @@ pub(super) struct PathContext<'s, 'a, S> {
 }
 
 impl<'a, S: Sink> PathContext<'_, 'a, S> {
+    /// Returns true beyond an explicit limit of the scene, where the light changes only the bias.
+    pub(super) fn is_truncated(&self) -> bool {
+        self.events >= MAX_EVENTS
+    }
+
     /// Calls `gather` with a context in which all light, times `factor`, changes only the estimated
     /// bias, and only the cap limits the number of events of a path.
     pub(super) fn with_truncated_light(

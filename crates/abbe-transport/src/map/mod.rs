@@ -21,5 +21,6 @@ pub use radius::{FirstRadii, PixelRadii};
 pub use set_maps::{ClassMaps, SetMaps};
 pub use sphere_tree::SphereTree;
 pub use volume::{
-    BeamPath, LightMap, LightMapLookup, LightMaps, PhotonBeam, PhotonNearRay, VolumeMap, VolumeMaps, VolumePhoton,
+    BeamPath, LightMap, LightMapLookup, LightMaps, MOST_MEDIA, PhotonBeam, PhotonNearRay, VolumeMap, VolumeMaps,
+    VolumePhoton,
 };

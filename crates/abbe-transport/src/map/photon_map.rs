@@ -8,12 +8,16 @@ use std::num::NonZero;
 #[derive(Debug, Default)]
 pub struct PhotonMap {
     photons: Vec<Photon>,
+    /// The number of surface events of each photon. Empty if the scene does not limit it.
+    events: Vec<u16>,
     tree: Option<PointTree>,
 }
 
 #[derive(Debug, Clone, Copy)]
 pub struct NearbyPhoton<'m> {
     pub photon: &'m Photon,
+    /// The number of the photon in the map.
+    pub number: usize,
     /// The photon's position in m, relative to the scene's centre.
     pub position: [f32; 3],
     /// The squared distance from the query's centre, in m².
@@ -23,11 +27,24 @@ pub struct NearbyPhoton<'m> {
 impl PhotonMap {
     /// Builds the map on the current thread pool, with the same result for any number of threads.
     pub fn build(photons: &[(Photon, [f32; 3])]) -> Self {
+        Self::build_with_events(photons, &[])
+    }
+
+    /// Builds the map of photons with these numbers of surface events, which may be empty.
+    pub fn build_with_events(photons: &[(Photon, [f32; 3])], events: &[u16]) -> Self {
         if photons.is_empty() {
             return Self::default();
         }
         let (tree, order) = PointTree::build(photons.iter().map(|(_, position)| *position));
-        Self { photons: order.iter().map(|&number| photons[number as usize].0).collect(), tree: Some(tree) }
+        let events = if events.is_empty() { Vec::new() } else { order.iter().map(|&i| events[i as usize]).collect() };
+        Self { photons: order.iter().map(|&i| photons[i as usize].0).collect(), events, tree: Some(tree) }
+    }
+
+    /// Returns the number of surface events of the photon with this number, its arrival included.
+    /// The map must have been built with these numbers.
+    #[inline]
+    pub fn events(&self, number: usize) -> u32 {
+        u32::from(self.events[number])
     }
 
     pub fn len(&self) -> usize {
@@ -43,7 +60,7 @@ impl PhotonMap {
     pub fn within(&self, centre: [f32; 3], radius: f32, mut visit: impl FnMut(NearbyPhoton<'_>)) {
         if let Some(tree) = &self.tree {
             tree.within(centre, radius * radius, |number, position, distance2| {
-                visit(NearbyPhoton { photon: &self.photons[number], position, distance2 });
+                visit(NearbyPhoton { photon: &self.photons[number], number, position, distance2 });
             });
         }
     }
@@ -126,6 +143,14 @@ mod tests {
             seen += 1;
         });
         assert_eq!(seen, 200);
+    }
+
+    #[test]
+    fn photons_and_their_events_stay_together() {
+        let photons: Vec<_> = (0..200).map(|i| (numbered(i), [(i * 37 % 101) as f32, 0.0, i as f32])).collect();
+        let events: Vec<u16> = (0..200).collect();
+        let map = PhotonMap::build_with_events(&photons, &events);
+        map.within([50.0, 0.0, 100.0], 1e4, |found| assert_eq!(map.events(found.number) as f32, found.position[2]));
     }
 
     #[test]

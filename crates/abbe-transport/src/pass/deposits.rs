@@ -19,6 +19,8 @@ pub(crate) struct VolumeDeposits {
 #[derive(Debug, Default)]
 pub(crate) struct PhotonDeposits {
     pub(crate) surface: PerClass<Vec<PositionedPhoton>>,
+    /// The number of surface events of each photon in `surface`, only with an explicit limit.
+    pub(crate) surface_events: PerClass<Vec<u16>>,
     pub(crate) volume: PerClass<VolumeDeposits>,
 }
 
@@ -38,14 +40,15 @@ impl PhotonDeposits {
     pub(crate) fn append(&mut self, other: &Self) {
         for class in PhotonClass::ALL {
             self.surface[class].extend_from_slice(&other.surface[class]);
+            self.surface_events[class].extend_from_slice(&other.surface_events[class]);
             self.volume[class].append(&other.volume[class]);
         }
     }
 
     pub(crate) fn into_maps(self) -> SetMaps {
-        self.surface.zip_with(self.volume, |surface, volume| ClassMaps {
-            surface: PhotonMap::build(&surface),
-            volume: volume.into_maps(),
-        })
+        let surface = self
+            .surface
+            .zip_with(self.surface_events, |photons, events| PhotonMap::build_with_events(&photons, &events));
+        surface.zip_with(self.volume, |surface, volume| ClassMaps { surface, volume: volume.into_maps() })
     }
 }

@@ -72,7 +72,7 @@ pub fn photon_pass<'a>(
     let start = Instant::now();
     let selector = context.light_selector(&scene);
     let camera_pass = CameraPass {
-        truncated: truncated_maps(&context, [&free.ledger, &on_shared.ledger], &maps, &truncated),
+        truncated: truncated_maps(&context, [&free.ledger, &on_shared.ledger], &truncated),
         scales,
         sensors: sensors.as_ref().map_or(&[], SensorKernels::weights),
         ..parameters.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
@@ -129,15 +129,14 @@ pub fn photon_pass<'a>(
 fn truncated_maps<'m>(
     context: &PassContext<'_>,
     ledgers: [&Ledger; 2],
-    maps: &'m PerSet<SetMaps>,
     truncated: &'m PerSet<SetMaps>,
 ) -> Option<TruncatedMaps<'m>> {
     if DepthLimit::of(context.scene).is_explicit() {
-        return Some(TruncatedMaps { maps: truncated.as_ref(), factor: 1.0 });
+        return Some(TruncatedMaps::Explicit { beyond: truncated.as_ref() });
     }
     let sum = |power: fn(&Ledger) -> f64| ledgers.iter().map(|ledger| power(ledger)).sum::<f64>();
     let (capped, emitted) = (sum(|ledger| ledger.depth_limit_indirect), sum(|ledger| ledger.emitted));
-    (capped > 0.0).then(|| TruncatedMaps { maps: maps.as_ref(), factor: ratio_beyond_cap(capped, emitted) })
+    (capped > 0.0).then(|| TruncatedMaps::Cap { factor: ratio_beyond_cap(capped, emitted) })
 }
 
 /// Returns the ratio of the power beyond the cap and before. `capped` of `emitted` reaches it.

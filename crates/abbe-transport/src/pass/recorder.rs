@@ -4,8 +4,8 @@ use super::deposits::PhotonDeposits;
 use super::keep_probability::KeepProbability;
 use super::sensors::SensorKernels;
 use crate::emit::{
-    Launch, MediumCollision, MediumCrossing, PhotonFlight, PhotonState, PhotonVisitor, RibbonPainter, RibbonPart,
-    RibbonTally, SurfaceArrival, connect::PhotonConnector,
+    Launch, MediumCollision, MediumCrossing, PhotonDepth, PhotonFlight, PhotonState, PhotonVisitor, RibbonPainter,
+    RibbonPart, RibbonTally, SurfaceArrival, connect::PhotonConnector,
 };
 use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
 use crate::plan::partition::{CameraView, Estimator, PerClass, PhotonClass, PhotonSet, estimator, kept_in_map};
@@ -73,9 +73,14 @@ impl<'a> PhotonRecorder<'a> {
         }
     }
 
+    /// Returns the deposits for a photon, and its number of surface events if the scene limits it.
     #[inline]
-    fn deposits_for(&mut self, photon: &PhotonState) -> &mut PhotonDeposits {
-        if photon.truncated { &mut self.truncated } else { &mut self.deposits }
+    fn deposits_for(&mut self, photon: &PhotonState) -> (&mut PhotonDeposits, Option<u16>) {
+        match photon.depth {
+            PhotonDepth::Unlimited => (&mut self.deposits, None),
+            PhotonDepth::Within(events) => (&mut self.deposits, Some(events)),
+            PhotonDepth::Beyond(events) => (&mut self.truncated, Some(events)),
+        }
     }
 
     /// Ends the recording after the last photon.
@@ -90,7 +95,9 @@ impl<'a> PhotonRecorder<'a> {
     /// Returns true if a ribbon contains this light.
     fn is_painted(&self, arrival: &SurfaceArrival<'_>) -> bool {
         let SurfaceArrival { interaction, photon, .. } = arrival;
-        photon.ribbon == RibbonPart::Painted && !photon.truncated && interaction.bsdf.model.as_fluorescent().is_none()
+        photon.ribbon == RibbonPart::Painted
+            && !photon.is_truncated()
+            && interaction.bsdf.model.as_fluorescent().is_none()
     }
 
     /// Connects the photon, with its power times `factor`, if the plan connects its class.
@@ -114,7 +121,7 @@ impl<'a> PhotonRecorder<'a> {
         if let Some(splat) = camera.connect(arrival, lens, emission) {
             self.tally.connections += 1;
             let lanes = splat.lanes().map(|(nm, radiance)| (nm, radiance * factor));
-            let splats = if arrival.photon.truncated { &mut self.truncated_splats } else { &mut self.splats };
+            let splats = if arrival.photon.is_truncated() { &mut self.truncated_splats } else { &mut self.splats };
             // Only caustic photons on directly visible surfaces are connected.
             let light = self.spectra.light_of(arrival.photon.wavelength_code);
             splats.splat((PathClass::Caustic.number(), light), splat.pixel, lanes);
@@ -145,7 +152,11 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.stored += 1;
             let position = arrival.interaction.hit.position.as_vec3().to_array();
             let photon = surface_photon(arrival, factor / probability, stream);
-            self.deposits_for(arrival.photon).surface[class].push((photon, position));
+            let (deposits, events) = self.deposits_for(arrival.photon);
+            deposits.surface[class].push((photon, position));
+            if let Some(before) = events {
+                deposits.surface_events[class].push(before + 1);
+            }
         }
     }
 
@@ -153,7 +164,7 @@ impl PhotonVisitor for PhotonRecorder<'_> {
         self.tally.photon_segments += 1;
         if let Some(sensors) = self.options.sensors {
             let light = self.spectra.light_of(arrival.photon.wavelength_code);
-            let splats = if arrival.photon.truncated { &mut self.truncated_splats } else { &mut self.splats };
+            let splats = if arrival.photon.is_truncated() { &mut self.truncated_splats } else { &mut self.splats };
             sensors.add_arrival(arrival, light, splats);
         }
     }
@@ -162,7 +173,7 @@ impl PhotonVisitor for PhotonRecorder<'_> {
     fn on_flight(&mut self, flight: &PhotonFlight<'_>) {
         if let Some(sensors) = self.options.sensors {
             let light = self.spectra.light_of(flight.photon.wavelength_code);
-            let splats = if flight.photon.truncated { &mut self.truncated_splats } else { &mut self.splats };
+            let splats = if flight.photon.is_truncated() { &mut self.truncated_splats } else { &mut self.splats };
             sensors.add_flight(flight, light, splats);
         }
     }
@@ -187,7 +198,8 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.volume_beams += 1;
             let ends = [segment.ray.origin, segment.ray.at(segment.length_m)];
             let beam = PhotonBeam::new(ends, number, kept_power(photon, probability, stream));
-            self.deposits_for(photon).volume[class].beams.push(beam);
+            let (deposits, events) = self.deposits_for(photon);
+            deposits.volume[class].beams.push(events.map_or(beam, |events| beam.with_events(events)));
         }
     }
 
@@ -200,7 +212,8 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.volume_points += 1;
             let power = kept_power(photon, probability, stream);
             let point = VolumePhoton::new(position, incoming, number, power);
-            self.deposits_for(photon).volume[class].points.push(point);
+            let (deposits, events) = self.deposits_for(photon);
+            deposits.volume[class].points.push(events.map_or(point, |events| point.with_events(events)));
         }
     }
 

@@ -199,7 +199,7 @@ fn smoothed(raw: &[f64], side: usize, cell: usize) -> f64 {
 
 impl PhotonVisitor for Importance<'_> {
     fn on_surface(&mut self, arrival: &SurfaceArrival<'_>, _stream: &mut Stream) {
-        if arrival.photon.truncated {
+        if arrival.photon.is_truncated() {
             return;
         }
         let in_view = self.scene.camera.connect(arrival.interaction.hit.position, [0.5; 2]).is_some();
@@ -217,7 +217,7 @@ impl PhotonVisitor for Importance<'_> {
     fn on_medium_crossing(&mut self, crossing: &MediumCrossing<'_>, _stream: &mut Stream) {
         let MediumCrossing { segment, medium, photon } = crossing;
         let Some(class) = photon.light_path.photon_class() else { return };
-        if photon.truncated || !medium.medium.scatters() || !segment.length_m.is_finite() {
+        if photon.is_truncated() || !medium.medium.scatters() || !segment.length_m.is_finite() {
             return;
         }
         // Estimates the visible fraction of the segment from five points.

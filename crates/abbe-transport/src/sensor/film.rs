@@ -37,6 +37,8 @@ pub struct Film {
     /// The data of a measurement with meters. `None` if the film records a picture.
     pub(super) measurement: Option<Measurement>,
     pub(super) passes: [u64; REPLICATES],
+    /// True if the passes miss light of an unknown amount.
+    misses_light: bool,
 }
 
 /// The index of the first plane of the bias, after X and Z.
@@ -60,6 +62,7 @@ impl Film {
             names: Vec::new(),
             measurement: None,
             passes: [0; REPLICATES],
+            misses_light: false,
         }
     }
 
@@ -318,8 +321,11 @@ impl Film {
         let (width, height) = (self.width, self.height);
         let mut picture = Picture { width, height, xyz, ..Picture::black(0, 0) };
         let bars = self.error_bars(light);
-        let errors = bars.errors(&picture.xyz);
+        let errors = bars.errors(&picture.xyz).filter(|_| !self.misses_light);
         (picture.noise, picture.bias, picture.edge) = (bars.noise, bars.bias, bars.edge);
+        if self.misses_light {
+            picture.bias.fill(None);
+        }
         let bands = self.channels.bands;
         if bands > 0 {
             let centres_nm = SpectralBands::centres_nm(bands);
@@ -387,6 +393,16 @@ impl Film {
     /// it.
     pub fn assume_independent_rows(&mut self) {
         self.measurement.iter_mut().for_each(|measurement| measurement.independent_rows = true);
+    }
+
+    /// Declares that the passes miss light of an unknown amount, so that the bias of a picture is
+    /// unknown.
+    pub fn assume_missing_light(&mut self) {
+        self.misses_light = true;
+    }
+
+    pub fn misses_light(&self) -> bool {
+        self.misses_light
     }
 
     /// Returns the number of passes of the even replicates and of the odd replicates.

@@ -55,6 +55,8 @@ pub struct Reading {
     pub xyz: [f64; 3],
     /// The number of degrees of freedom of the noise.
     pub degrees: f64,
+    /// The factor on the noise in intervals, at least 1; see [`ErrorSquares::widening`].
+    pub widening: f64,
 }
 
 /// The 97.5 % quantiles of Student's t with 1 to 6 degrees of freedom.
@@ -115,7 +117,8 @@ impl Reading {
     /// if the bias is so large that its estimate is uncertain.
     pub fn half_interval_95(&self) -> Option<f64> {
         let (noise, bias) = (self.noise?, self.bias.unwrap_or(0.0));
-        (bias <= LARGEST_BIAS * self.value).then(|| half_interval_with_degrees(noise, bias, self.degrees))
+        (bias <= LARGEST_BIAS * self.value)
+            .then(|| half_interval_with_degrees(self.widening * noise, bias, self.degrees))
     }
 
     /// `passes` counts each replicate, and the rows may be `independent`.
@@ -156,6 +159,7 @@ impl Reading {
             noise: variance.map(f64::sqrt),
             bias: means.squared_bias(known).map(|square| square.max(0.0).sqrt()),
             degrees,
+            widening: 1.0,
         }
     }
 }

@@ -29,6 +29,6 @@ pub use sink::{SensorResponse, Sink};
 pub use stop_flag::{NEVER_STOP, StopFlag};
 pub use surface_interaction::{SurfaceInteraction, SurfaceLookup};
 pub use transmittance::{
-    PathTransmittance, SegmentTransmittance, bias_of_excess, excess_optical_depth, light_between_panes,
-    path_transmittance, path_transmittance_tracked, transmittance,
+    PathTransmittance, SegmentTransmittance, bias_of_excess, crosses_more_panes, excess_optical_depth,
+    light_between_panes, path_transmittance, path_transmittance_tracked, transmittance,
 };

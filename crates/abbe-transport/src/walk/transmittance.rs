@@ -98,6 +98,13 @@ pub fn bias_of_excess(excess: f64) -> f64 {
     if excess == 0.0 { 0.0 } else { -exp_m1(excess) }
 }
 
+/// Returns true if a path crosses more than `most` panes.
+#[inline]
+pub fn crosses_more_panes(path_transmittance: &[SegmentTransmittance<'_>], most: u32) -> bool {
+    let is_pane = |segment: &&SegmentTransmittance<'_>| matches!(segment, SegmentTransmittance::Pane { .. });
+    (most as usize) < path_transmittance.len() && path_transmittance.iter().filter(is_pane).count() > most as usize
+}
+
 /// Returns the light that is reflected back and forth between the panes on a straight line,
 /// relative to the light that passes straight, for parallel panes. No shadow ray finds it.
 pub fn light_between_panes(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {

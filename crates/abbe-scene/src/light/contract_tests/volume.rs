@@ -81,3 +81,25 @@ fn a_volume_light_has_the_power_and_spectrum_of_its_matter() {
         mean.agrees(exactly(expected), 0.006, &format!("{nm} nm"));
     }
 }
+
+/// A point inside a glowing body gets the irradiance of the closed form, and no sample exceeds a
+/// bound: points of the body near the sampled point do not make the variance infinite.
+#[test]
+fn samples_inside_a_volume_light_are_bounded() {
+    let [tube, _] = cases().try_into().unwrap_or_else(|_| panic!("two cases"));
+    let Emitter::Volume(volume) = &tube.light.emitter else { panic!("a volume light") };
+    let centre = volume.box_map().transform_point3(DVec3::splat(0.5));
+    let (radius, half) = (0.2_f64, 0.3_f64);
+    // The integral of 1/d² over the cylinder around its centre.
+    let closed = 2.0 * PI * (half * (1.0 + (radius / half).powi(2)).ln() + 2.0 * radius * (half / radius).atan());
+    let longest_chord = (radius * radius + half * half + radius * radius).sqrt();
+    let (mut stream, mut largest) = (stream(21), 0.0_f64);
+    let mean = SampleMean::of(200_000, || {
+        let incident = tube.light.sample_li(tube.extent(), centre, stream.triple());
+        let irradiance = incident.map_or(0.0, |incident| incident.irradiance);
+        largest = largest.max(irradiance);
+        irradiance
+    });
+    mean.agrees(exactly(3.0 * closed), 0.01, "inside the tube");
+    assert!(largest <= 2.0 * 3.0 * 4.0 * PI * longest_chord, "{largest}");
+}

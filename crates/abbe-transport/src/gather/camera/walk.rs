@@ -126,45 +126,68 @@ impl<'a> CameraPass<'a> {
     fn follow_in_mode<M: BodyMode, S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         let mut path = *path;
         while path.depth < context.events {
-            let next = if M::HAS_BODIES && !self.plan.media_plan.is_clear() {
-                self.advance_through_media(&mut path, context)
-            } else {
-                let lookup = self.lookup(&path, context.sampler.stream.uniform());
-                M::next_interaction(self.scene, path.ray_state, lookup)
-            };
-            context.tally.camera_segments += 1;
-            if M::HAS_BODIES {
-                let face = next.as_ref().is_some_and(|next| {
-                    self.scene.body_of(next.hit.object).is_some() || next.bsdf.model.grating().is_some()
-                });
-                context.tally.body_events += u64::from(face);
-            }
-            let Some(interaction) = next else {
-                return self.add_emitters_hit(&path, path.ray_state.ray.direction, None, context);
-            };
-            path.depth += 1;
-            path.distance_m += interaction.distance_m;
-            if interaction.crossed_hidden_face {
-                path.view = CameraView::Indirect;
-                path.events = path.events.after_specular_event();
-                path.hit_weighting = path.hit_weighting.after_specular_event();
-            }
-            self.add_emitters_hit(&path, interaction.incoming, Some(&interaction.hit), context);
-            context.tally.texture_lookups += u64::from(interaction.textured);
-            let class = interaction.bsdf.class();
-            if class >= BsdfClass::Glossy {
-                self.gather_at_surface::<M, S>(&path, &interaction, class, context);
-            }
-            if matches!(class, BsdfClass::Absorbing | BsdfClass::Diffuse) {
-                return;
-            }
-            let (path_copy, interaction_copy) = (path, interaction);
-            match self.scatter(&path_copy, &interaction_copy, context) {
+            let Some(interaction) = self.arrive::<M, S>(&mut path, context) else { return };
+            match self.interact::<M, S>(&path, &interaction, context) {
                 Some(scattered) => path = scattered,
                 None => return,
             }
         }
-        self.end_at_limit(&path, context);
+        self.end_at_limit::<M, S>(&path, context);
+    }
+
+    /// Advances a path to the next surface, and adds the lights at the end of the segment.
+    #[inline(always)]
+    fn arrive<M: BodyMode, S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> Option<SurfaceInteraction<'a>> {
+        let next = if M::HAS_BODIES && !self.plan.media_plan.is_clear() {
+            self.advance_through_media(path, context)
+        } else {
+            let lookup = self.lookup(path, context.sampler.stream.uniform());
+            M::next_interaction(self.scene, path.ray_state, lookup)
+        };
+        context.tally.camera_segments += 1;
+        if M::HAS_BODIES {
+            let face = next.as_ref().is_some_and(|next| {
+                self.scene.body_of(next.hit.object).is_some() || next.bsdf.model.grating().is_some()
+            });
+            context.tally.body_events += u64::from(face);
+        }
+        let Some(interaction) = next else {
+            self.add_emitters_hit(path, path.ray_state.ray.direction, None, context);
+            return None;
+        };
+        path.depth += 1;
+        path.distance_m += interaction.distance_m;
+        if interaction.crossed_hidden_face {
+            path.view = CameraView::Indirect;
+            path.events = path.events.after_specular_event();
+            path.hit_weighting = path.hit_weighting.after_specular_event();
+        }
+        self.add_emitters_hit(path, interaction.incoming, Some(&interaction.hit), context);
+        Some(interaction)
+    }
+
+    /// Gathers light at a surface and scatters the path there. Returns `None` if the path ends.
+    #[inline(always)]
+    fn interact<M: BodyMode, S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> Option<CameraPath> {
+        context.tally.texture_lookups += u64::from(interaction.textured);
+        let class = interaction.bsdf.class();
+        if class >= BsdfClass::Glossy {
+            self.gather_at_surface::<M, S>(path, interaction, class, context);
+        }
+        if matches!(class, BsdfClass::Absorbing | BsdfClass::Diffuse) {
+            return None;
+        }
+        let (path_copy, interaction_copy) = (*path, *interaction);
+        self.scatter(&path_copy, &interaction_copy, context)
     }
 
     #[inline(always)]
@@ -172,19 +195,24 @@ impl<'a> CameraPass<'a> {
         SurfaceLookup::of_camera(&self.scene.camera, path.distance_m, u)
     }
 
-    /// Ends a path at the limit of its number of events. If the limit is explicit, some paths
-    /// continue as truncated paths.
+    /// Ends a path at the limit of its number of events. If the limit is explicit, the path still
+    /// adds the light up to the next surface, and some paths continue as truncated paths.
     #[inline(never)]
-    fn end_at_limit<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
+    fn end_at_limit<M: BodyMode, S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
         if context.events >= MAX_EVENTS {
             context.tally.capped_paths += 1;
             return;
         }
+        let mut path = *path;
+        let Some(interaction) = self.arrive::<M, S>(&mut path, context) else { return };
         let factor = DepthLimit::of(self.scene).sample_truncated_path(&mut context.sampler.stream);
         let Some(factor) = factor.filter(|_| !context.buffers.records) else { return };
-        let mut path = *path;
         path.multiply(Factor::Grey(factor), context.buffers);
-        context.with_truncated_light(1.0, |truncated| self.follow_shared(&path, truncated));
+        context.with_truncated_light(1.0, |truncated| {
+            if let Some(scattered) = self.interact::<M, _>(&path, &interaction, truncated) {
+                self.follow_shared(&scattered, truncated);
+            }
+        });
     }
 
     /// Gathers direct light and light from photons. The path ends at diffuse surfaces.

@@ -5,7 +5,7 @@ use super::responses::SurfaceResponses;
 use super::surface_extent::{PixelSurfaceExtent, SurfaceExtent};
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
-use crate::gather::camera_pass::{CameraPass, PathContext, TruncatedMaps};
+use crate::gather::camera_pass::{AllPhotons, CameraPass, EventFilter, EventRange, PathContext, TruncatedMaps};
 use crate::gather::luminescence::Luminescence;
 use crate::map::kernel::BoundaryCorrection;
 use crate::map::{NearbyPhoton, PhotonMap, PhotonSpectra, SetMaps, radius};
@@ -45,11 +45,9 @@ impl<'a> CameraPass<'a> {
     ) {
         let set = path.spectral_mode.photon_set();
         let gathered = Gathered { set, luminescence: None };
-        self.gather_set(self.maps[set], gathered, path, interaction, bsdf_class, context);
-        if let Some(TruncatedMaps { maps, factor }) = self.truncated {
-            context.with_truncated_light(factor, |truncated| {
-                self.gather_set(maps[set], gathered, path, interaction, bsdf_class, truncated);
-            });
+        match self.truncated {
+            None => self.gather_set(self.maps[set], (gathered, AllPhotons), path, interaction, bsdf_class, context),
+            Some(beyond) => self.gather_to_limit(beyond, gathered, path, (interaction, bsdf_class), context),
         }
     }
 
@@ -64,11 +62,48 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let gathered = Gathered { set: PhotonSet::Free, luminescence: Some(luminescence) };
-        self.gather_set(self.maps.free, gathered, path, interaction, BsdfClass::Diffuse, context);
-        if let Some(TruncatedMaps { maps, factor }) = self.truncated {
-            context.with_truncated_light(factor, |truncated| {
-                self.gather_set(maps.free, gathered, path, interaction, BsdfClass::Diffuse, truncated);
-            });
+        let class = BsdfClass::Diffuse;
+        match self.truncated {
+            None => self.gather_set(self.maps.free, (gathered, AllPhotons), path, interaction, class, context),
+            Some(beyond) => self.gather_to_limit(beyond, gathered, path, (interaction, class), context),
+        }
+    }
+
+    /// Gathers the photons within a limit, and those beyond for the estimated bias.
+    #[inline(never)]
+    fn gather_to_limit<S: Sink>(
+        &self,
+        truncated: TruncatedMaps<'a>,
+        gathered: Gathered<'_, 'a>,
+        path: &CameraPath,
+        (interaction, bsdf_class): (&SurfaceInteraction<'a>, BsdfClass),
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let within = self.maps[gathered.set];
+        match truncated {
+            TruncatedMaps::Cap { factor } => {
+                self.gather_set(within, (gathered, AllPhotons), path, interaction, bsdf_class, context);
+                context.with_truncated_light(factor, |bias| {
+                    self.gather_set(within, (gathered, AllPhotons), path, interaction, bsdf_class, bias);
+                });
+            }
+            TruncatedMaps::Explicit { beyond } if context.is_truncated() => {
+                for maps in [within, beyond[gathered.set]] {
+                    self.gather_set(maps, (gathered, EventRange::ANY), path, interaction, bsdf_class, context);
+                }
+            }
+            TruncatedMaps::Explicit { beyond } => {
+                // The photon and the camera path arrive at the same surface, so it counts once.
+                let most = context.events + 1 - path.depth;
+                let admitted = (gathered, EventRange::up_to(most));
+                self.gather_set(within, admitted, path, interaction, bsdf_class, context);
+                context.with_truncated_light(1.0, |bias| {
+                    let admitted = (gathered, EventRange::beyond(most));
+                    self.gather_set(within, admitted, path, interaction, bsdf_class, bias);
+                    let admitted = (gathered, EventRange::ANY);
+                    self.gather_set(beyond[gathered.set], admitted, path, interaction, bsdf_class, bias);
+                });
+            }
         }
     }
 
@@ -142,7 +177,7 @@ impl<'a> CameraPass<'a> {
     fn gather_set<S: Sink>(
         &self,
         maps: &SetMaps,
-        Gathered { set, luminescence }: Gathered<'_, 'a>,
+        (Gathered { set, luminescence }, filter): (Gathered<'_, 'a>, impl EventFilter),
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
         bsdf_class: BsdfClass,
@@ -167,7 +202,7 @@ impl<'a> CameraPass<'a> {
             let gather_point =
                 GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
             let centre = interaction.hit.position.as_vec3().to_array();
-            let photons = PhotonsAround { map, centre, radius: radius as f32, surface_extent };
+            let photons = PhotonsAround { map, filter, centre, radius: radius as f32, surface_extent };
             let (spectra, path_class) = (self.spectra, path.events.class_at_surface(class.light_path()));
             let responses = if gather_point.is_plain() { self.responses } else { None };
             let sink = &mut *context.sink;
@@ -209,8 +244,9 @@ impl KernelExtent<'_> {
     }
 }
 
-struct PhotonsAround<'m> {
+struct PhotonsAround<'m, F> {
     map: &'m PhotonMap,
+    filter: F,
     centre: [f32; 3],
     /// The kernel radius in m.
     radius: f32,
@@ -218,12 +254,15 @@ struct PhotonsAround<'m> {
     surface_extent: Option<&'m SurfaceExtent>,
 }
 
-impl PhotonsAround<'_> {
+impl<F: EventFilter> PhotonsAround<'_, F> {
     /// Calls `add` for each photon within the surface extent. Returns the number within the radius.
     #[inline(always)]
     fn visit(&self, mut add: impl FnMut(&NearbyPhoton<'_>)) -> u64 {
         let mut count = 0;
         self.map.within(self.centre, self.radius, |nearby| {
+            if !self.filter.admits(|| self.map.events(nearby.number)) {
+                return;
+            }
             count += 1;
             if self.surface_extent.is_none_or(|surface_extent| surface_extent.contains(nearby.position)) {
                 add(&nearby);
@@ -236,7 +275,7 @@ impl PhotonsAround<'_> {
 /// Adds the responses to the photons around a gather point. Returns their number within the radius.
 #[inline(always)]
 fn add_responses<S: Sink>(
-    photons: &PhotonsAround<'_>,
+    photons: &PhotonsAround<'_, impl EventFilter>,
     gather_point: &GatherPoint<'_>,
     surface: SurfaceResponses<'_>,
     spectra: &PhotonSpectra,

@@ -4,7 +4,7 @@ use super::segment::segment_seed;
 use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera::visible_point::CameraSegment;
-use crate::gather::camera_pass::{CameraPass, PathContext, TruncatedMaps};
+use crate::gather::camera_pass::{AllPhotons, CameraPass, EventFilter, EventRange, PathContext, TruncatedMaps};
 use crate::gather::density::gather_point::{PhotonLight, add_photon, biased_by};
 use crate::gather::luminescence::Luminescence;
 use crate::map::kernel::{KernelDomain, KernelValues};
@@ -67,11 +67,43 @@ impl<'a> CameraPass<'a> {
             VolumeGather { set: PhotonSet::Free, scatters: false, luminescence: other },
         ];
         for gathered in gathered.into_iter().filter(|gathered| gathered.scatters || gathered.luminescence.is_some()) {
-            let set = gathered.set;
-            self.gather_volume_set(self.maps[set], gathered, path, (segment, filling, behind_m), context);
-            if let Some(TruncatedMaps { maps, factor }) = self.truncated {
-                context.with_truncated_light(factor, |truncated| {
-                    self.gather_volume_set(maps[set], gathered, path, (segment, filling, behind_m), truncated);
+            let (maps, along) = (self.maps[gathered.set], (segment, filling, behind_m));
+            match self.truncated {
+                None => self.gather_volume_set(maps, (gathered, AllPhotons), path, along, context),
+                Some(truncated) => self.gather_volume_to_limit(truncated, gathered, path, along, context),
+            }
+        }
+    }
+
+    /// Gathers the photons within a limit, and those beyond for the estimated bias.
+    #[inline(never)]
+    fn gather_volume_to_limit<S: Sink>(
+        &self,
+        truncated: TruncatedMaps<'a>,
+        gathered: VolumeGather<'_, 'a>,
+        path: &CameraPath,
+        along: (&MediumSegment<'a>, NumberedMedium<'a>, f64),
+        context: &mut PathContext<'_, 'a, S>,
+    ) {
+        let within = self.maps[gathered.set];
+        match truncated {
+            TruncatedMaps::Cap { factor } => {
+                self.gather_volume_set(within, (gathered, AllPhotons), path, along, context);
+                context.with_truncated_light(factor, |bias| {
+                    self.gather_volume_set(within, (gathered, AllPhotons), path, along, bias);
+                });
+            }
+            TruncatedMaps::Explicit { beyond } if context.is_truncated() => {
+                for maps in [within, beyond[gathered.set]] {
+                    self.gather_volume_set(maps, (gathered, EventRange::ANY), path, along, context);
+                }
+            }
+            TruncatedMaps::Explicit { beyond } => {
+                let most = context.events - path.depth;
+                self.gather_volume_set(within, (gathered, EventRange::up_to(most)), path, along, context);
+                context.with_truncated_light(1.0, |bias| {
+                    self.gather_volume_set(within, (gathered, EventRange::beyond(most)), path, along, bias);
+                    self.gather_volume_set(beyond[gathered.set], (gathered, EventRange::ANY), path, along, bias);
                 });
             }
         }
@@ -81,7 +113,7 @@ impl<'a> CameraPass<'a> {
     fn gather_volume_set<S: Sink>(
         &self,
         maps: &SetMaps,
-        gathered: VolumeGather<'_, 'a>,
+        (gathered, filter): (VolumeGather<'_, 'a>, impl EventFilter),
         path: &CameraPath,
         (segment, filling, behind_m): (&MediumSegment<'a>, NumberedMedium<'a>, f64),
         context: &mut PathContext<'_, 'a, S>,
@@ -104,7 +136,7 @@ impl<'a> CameraPass<'a> {
                     None => KernelWidth::PerDistance(slope * scale),
                 };
                 let cone = QueryCone::of_camera(segment.ray, segment.length_m, behind_m, width);
-                self.gather_volume_map((map, &cone), gathered, path, (segment, filling), context);
+                self.gather_volume_map((map, &cone), (gathered, filter), path, (segment, filling), context);
             }
         }
     }
@@ -113,7 +145,7 @@ impl<'a> CameraPass<'a> {
     fn gather_volume_map<S: Sink>(
         &self,
         (map, cone): (&VolumeMap, &QueryCone),
-        VolumeGather { scatters, luminescence, .. }: VolumeGather<'_, 'a>,
+        (VolumeGather { scatters, luminescence, .. }, filter): (VolumeGather<'_, 'a>, impl EventFilter),
         path: &CameraPath,
         (segment, NumberedMedium { number, medium }): (&MediumSegment<'a>, NumberedMedium<'a>),
         context: &mut PathContext<'_, 'a, S>,
@@ -123,7 +155,7 @@ impl<'a> CameraPass<'a> {
         let class = path.events.class_in_medium();
         let mut gathered = 0;
         map.along(cone, |photon: PhotonNearRay<'_>| {
-            if photon.medium != number {
+            if photon.medium != number || !filter.admits(|| photon.events) {
                 return;
             }
             gathered += 1;

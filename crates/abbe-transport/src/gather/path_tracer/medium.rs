@@ -8,8 +8,8 @@ use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{HitWeighting, VolumeLightSampleContext};
 use crate::plan::{LightOrigin, Tally};
 use crate::walk::{
-    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, SurfaceLookup,
-    next_interaction_through_media, transmittance,
+    MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SegmentEnd, Sink, SurfaceLookup, TruncatedLight,
+    crosses_more_panes, next_interaction_through_media, transmittance,
 };
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::phase::{PhaseFunction, PhaseMixture};
@@ -89,10 +89,16 @@ impl<'a> PathTracer<'a> {
             let Some(sample) = self.direct.sample_direct_in_medium(point, selected, tally) else { continue };
             let cosine = -sample.incoming.dot(incoming);
             let origin = LightOrigin { class: path.events.class_in_medium(), light: selected.number };
-            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+            let arriving = path.wavelengths.active().iter().enumerate().map(|(k, &nm)| {
                 let arriving =
                     sample.light.spd_at(sample.spd, nm) * sample.strength * transmittance(&sample.transmittance, nm);
-                sink.radiance(origin, path.observed[k], path.throughput[k] * phase.eval(cosine, nm) * arriving);
+                (path.observed[k], path.throughput[k] * phase.eval(cosine, nm) * arriving)
+            });
+            if crosses_more_panes(&sample.transmittance, path.events_left) {
+                let truncated = &mut TruncatedLight { sink, factor: 1.0 };
+                arriving.for_each(|(nm, radiance)| truncated.radiance(origin, nm, radiance));
+            } else {
+                arriving.for_each(|(nm, radiance)| sink.radiance(origin, nm, radiance));
             }
         }
         let direction = mixture.sample(incoming, sampler.stream.pair());

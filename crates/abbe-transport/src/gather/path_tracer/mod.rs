@@ -1,4 +1,5 @@
 //! The reference path tracer.
 
+mod limit;
 mod medium;
 pub(super) mod tracer;

@@ -8,14 +8,15 @@
 use crate::gather::camera::sampler::{PixelSampler, sensor_pdf};
 use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::light_tree::ReceivingPoint;
-use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSampleContext};
+use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSample, LightSampleContext};
 use crate::gather::luminescence::{ExcitingLight, Luminescence};
 use crate::map::PhotonSpectra;
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::walk::{
-    DepthLimit, MAX_EVENTS, RayState, ScatteredRay, SegmentEnd, Sink, StopFlag, SurfaceInteraction, SurfaceLookup,
-    TruncatedLight, WithBodies, light_between_panes, long_path_survival, next_interaction, scatter, transmittance,
+    DepthLimit, MAX_EVENTS, PathTransmittance, RayState, ScatteredRay, SegmentEnd, Sink, StopFlag, SurfaceInteraction,
+    SurfaceLookup, TruncatedLight, WithBodies, crosses_more_panes, light_between_panes, long_path_survival,
+    next_interaction, scatter, transmittance,
 };
 use abbe_optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
@@ -56,12 +57,14 @@ pub(super) struct TracedPath {
     /// The throughput at each wavelength, divided by all sampling densities.
     pub(super) throughput: Lanes,
     /// The throughput at the start of the path, for Russian roulette.
-    initial_throughput: Lanes,
+    pub(super) initial_throughput: Lanes,
     /// The number of wavelengths at the start of the path.
     initial_count: usize,
     pub(super) hit_weighting: HitWeighting,
     /// The events that decide the class of the path's light.
     pub(super) events: CameraEvents,
+    /// The number of surface events before the limit of the scene, at the start of the segment.
+    pub(super) events_left: u32,
 }
 
 impl<'a> PathTracer<'a> {
@@ -95,26 +98,15 @@ impl<'a> PathTracer<'a> {
         sink: &mut S,
     ) {
         let limit = DepthLimit::of(self.scene);
-        if !self.follow(&mut path, 0..limit.events(), sampler, tally, sink) {
-            return;
-        }
-        if !limit.is_explicit() {
+        if limit.is_explicit() {
+            self.follow_to_limit(path, limit, sampler, tally, sink);
+        } else if self.follow(&mut path, 0..MAX_EVENTS, sampler, tally, sink) {
             tally.capped_paths += 1;
-        } else if let Some(factor) = limit.sample_truncated_path(&mut sampler.stream) {
-            path.throughput.iter_mut().for_each(|throughput| *throughput *= factor);
-            path.initial_throughput.iter_mut().for_each(|throughput| *throughput *= factor);
-            self.follow(
-                &mut path,
-                limit.events()..MAX_EVENTS,
-                sampler,
-                tally,
-                &mut TruncatedLight { sink, factor: 1.0 },
-            );
         }
     }
 
     /// Follows a path through these surface events, from 0. Returns true if it survives.
-    fn follow<S: Sink>(
+    pub(super) fn follow<S: Sink>(
         &self,
         path: &mut TracedPath,
         events: Range<u32>,
@@ -123,47 +115,73 @@ impl<'a> PathTracer<'a> {
         sink: &mut S,
     ) -> bool {
         for depth in events {
-            let interaction = match self.advance(path, sampler, tally, sink) {
-                ControlFlow::Continue(Some(interaction)) => interaction,
-                ControlFlow::Continue(None) => {
-                    self.add_emitters_hit(path, path.ray_state.ray.direction, None, tally, sink);
-                    return false;
-                }
-                ControlFlow::Break(()) => return false,
-            };
-            if interaction.crossed_hidden_face && !matches!(path.hit_weighting, HitWeighting::Full) {
-                // Shadow rays stop at hidden faces, so only the path counts lights behind them.
-                path.hit_weighting = HitWeighting::Full;
-                path.events = path.events.after_specular_event();
-            }
-            self.add_emitters_hit(path, interaction.incoming, Some(interaction.hit), tally, sink);
-            if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
-                // A path from a sensor has used these numbers at the sensor.
-                let first = depth == 0 && path.events == CameraEvents::Specular;
-                let u = if first { sampler.light() } else { sampler.stream.triple() };
-                let fluorescent = interaction.bsdf.model.as_fluorescent();
-                let excitation_u = fluorescent.map_or(0.0, |_| sampler.stream.uniform());
-                self.sample_lights(path, &interaction, (u, excitation_u), tally, sink);
-            }
-            let Some(mut scattered) =
-                scatter(&interaction, &path.wavelengths, TransportMode::Radiance, &mut sampler.stream)
-            else {
-                return false;
-            };
-            if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
-                tally.fluorescent_events += 1;
-                let excitation = self.excitation[surface.fluorophore.number].as_ref();
-                path.select_emission(surface, excitation, &mut scattered, depth, sampler);
-            }
-            let through_pane = self.direct.passes_panes()
-                && scattered.event == ScatterEvent::Transmission
-                && interaction.bsdf.model.uniform_pane().is_some();
-            path.apply_scattering(&interaction, &scattered, through_pane);
-            if !path.survives(self.scene, depth, sampler) {
+            let Some(interaction) = self.arrive(path, sampler, tally, sink) else { return false };
+            if !self.interact(path, (&interaction, depth), sampler, tally, sink) {
                 return false;
             }
         }
         true
+    }
+
+    /// Advances a path to the next surface, and adds the lights at the end of the segment.
+    #[inline(always)]
+    pub(super) fn arrive<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> Option<SurfaceInteraction<'a>> {
+        let interaction = match self.advance(path, sampler, tally, sink) {
+            ControlFlow::Continue(Some(interaction)) => interaction,
+            ControlFlow::Continue(None) => {
+                self.add_emitters_hit(path, path.ray_state.ray.direction, None, tally, sink);
+                return None;
+            }
+            ControlFlow::Break(()) => return None,
+        };
+        if interaction.crossed_hidden_face && !matches!(path.hit_weighting, HitWeighting::Full) {
+            // Shadow rays stop at hidden faces, so only the path counts lights behind them.
+            path.hit_weighting = HitWeighting::Full;
+            path.events = path.events.after_specular_event();
+        }
+        self.add_emitters_hit(path, interaction.incoming, Some(interaction.hit), tally, sink);
+        Some(interaction)
+    }
+
+    /// Adds direct light at surface event number `depth`, from 0, and scatters the path there.
+    /// Returns true if it survives.
+    #[inline(always)]
+    pub(super) fn interact<S: Sink>(
+        &self,
+        path: &mut TracedPath,
+        (interaction, depth): (&SurfaceInteraction<'a>, u32),
+        sampler: &mut PixelSampler,
+        tally: &mut Tally,
+        sink: &mut S,
+    ) -> bool {
+        if matches!(interaction.bsdf.class(), BsdfClass::Diffuse | BsdfClass::Glossy) {
+            // A path from a sensor has used these numbers at the sensor.
+            let first = depth == 0 && path.events == CameraEvents::Specular;
+            let u = if first { sampler.light() } else { sampler.stream.triple() };
+            let fluorescent = interaction.bsdf.model.as_fluorescent();
+            let excitation_u = fluorescent.map_or(0.0, |_| sampler.stream.uniform());
+            self.sample_lights(path, interaction, (u, excitation_u), tally, sink);
+        }
+        let Some(mut scattered) = scatter(interaction, &path.wavelengths, TransportMode::Radiance, &mut sampler.stream)
+        else {
+            return false;
+        };
+        if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
+            tally.fluorescent_events += 1;
+            let excitation = self.excitation[surface.fluorophore.number].as_ref();
+            path.select_emission(surface, excitation, &mut scattered, depth, sampler);
+        }
+        let through_pane = self.direct.passes_panes()
+            && scattered.event == ScatterEvent::Transmission
+            && interaction.bsdf.model.uniform_pane().is_some();
+        path.apply_scattering(interaction, &scattered, through_pane);
+        path.survives(self.scene, depth, sampler)
     }
 
     fn advance<S: Sink>(
@@ -215,6 +233,7 @@ impl<'a> PathTracer<'a> {
             initial_throughput: throughput,
             hit_weighting: HitWeighting::Full,
             events: CameraEvents::Specular,
+            events_left: TracedPath::UNLIMITED,
         })
     }
 
@@ -241,15 +260,24 @@ impl<'a> PathTracer<'a> {
         let (nm, inverse_pdf) = self.stratified_wavelengths(sampler);
         let start = sampler.sensor_sample(self.scene, sensor, self.direct.portals);
         let from = ReceivingPoint::on_sensor(&start.point);
+        let limit = DepthLimit::of(self.scene);
         let pdf = |direction| sensor_pdf((start.point.position, start.point.response), self.direct.portals, direction);
         for selected in self.direct.select_lights(from, sampler.light()) {
             let sample = self.direct.sample_direct_at_sensor(&start.point, pdf, selected, tally);
             let Some(sample) = sample else { continue };
             let origin = LightOrigin { class: PathClass::Direct, light: selected.number };
+            let along = &sample.transmittance;
+            let radiance = |k: usize| {
+                let arriving = sample.light.spd_at(sample.spd, nm[k]) * sample.strength;
+                inverse_pdf[k] * arriving * transmittance(along, nm[k])
+            };
+            if limit.is_explicit() && crosses_more_panes(along, limit.events()) {
+                let truncated = &mut TruncatedLight { sink, factor: 1.0 };
+                (0..LANES).for_each(|k| truncated.radiance(origin, nm[k], radiance(k)));
+                continue;
+            }
             for (k, &nm) in nm.iter().enumerate() {
-                let arriving = sample.light.spd_at(sample.spd, nm) * sample.strength;
-                let radiance = inverse_pdf[k] * arriving * transmittance(&sample.transmittance, nm);
-                sink.biased(origin, nm, radiance, -radiance * light_between_panes(&sample.transmittance, nm));
+                sink.biased(origin, nm, radiance(k), -radiance(k) * light_between_panes(along, nm));
             }
         }
         TracedPath {
@@ -261,6 +289,7 @@ impl<'a> PathTracer<'a> {
             initial_throughput: inverse_pdf,
             hit_weighting: HitWeighting::Mis { from, pdf: start.pdf, caustic: None },
             events: CameraEvents::Surface,
+            events_left: TracedPath::UNLIMITED,
         }
     }
 
@@ -295,32 +324,53 @@ impl<'a> PathTracer<'a> {
         tally: &mut Tally,
         sink: &mut S,
     ) {
-        let SurfaceInteraction { bsdf, wo, sides, .. } = *interaction;
         for selected in self.direct.select_lights(ReceivingPoint::on_surface(interaction), u) {
             let point = LightSampleContext { interaction, nm: path.wavelengths.hero() };
             let Some(sample) = self.direct.sample_direct(point, selected, tally) else { continue };
             let (towards, distance_m) = ((sample.direction, sample.line), sample.distance_m);
             let along = self.direct.transmittance_from::<WithBodies>(interaction, towards, distance_m, selected.u);
-            let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
-            for (k, &nm) in path.wavelengths.active().iter().enumerate() {
-                let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
-                let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
-                let radiance = scattered * sample.strength * transmittance(&along, nm);
-                sink.biased(origin, path.observed[k], radiance, -radiance * light_between_panes(&along, nm));
+            if crosses_more_panes(&along, path.events_left.saturating_sub(1)) {
+                let truncated = &mut TruncatedLight { sink, factor: 1.0 };
+                self.add_light_sample(path, interaction, (&sample, selected.number, &along), excitation_u, truncated);
+            } else {
+                self.add_light_sample(path, interaction, (&sample, selected.number, &along), excitation_u, sink);
             }
-            if let Some(surface) = bsdf.model.as_fluorescent()
-                && bsdf.pdf(wo, sample.wi, sides, path.wavelengths.hero()) > 0.0
-            {
-                let exciting = ExcitingLight::of_sample(selected.number, &sample, &along);
-                let luminescence = Luminescence::of_surface(surface, &path.wavelengths, &path.throughput);
-                let radiance = luminescence.excited_radiance(&exciting, self.spectra, excitation_u);
-                luminescence.observed_at(&path.observed).add(origin, &radiance, (1.0, 0.0), sink);
-            }
+        }
+    }
+
+    /// Adds the direct light of one shadow ray to a surface.
+    #[inline(always)]
+    fn add_light_sample<S: Sink>(
+        &self,
+        path: &TracedPath,
+        interaction: &SurfaceInteraction<'a>,
+        (sample, number, along): (&LightSample<'a>, usize, &PathTransmittance<'a>),
+        excitation_u: f64,
+        sink: &mut S,
+    ) {
+        let SurfaceInteraction { bsdf, wo, sides, .. } = *interaction;
+        let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: number };
+        for (k, &nm) in path.wavelengths.active().iter().enumerate() {
+            let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
+            let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
+            let radiance = scattered * sample.strength * transmittance(along, nm);
+            sink.biased(origin, path.observed[k], radiance, -radiance * light_between_panes(along, nm));
+        }
+        if let Some(surface) = bsdf.model.as_fluorescent()
+            && bsdf.pdf(wo, sample.wi, sides, path.wavelengths.hero()) > 0.0
+        {
+            let exciting = ExcitingLight::of_sample(number, sample, along);
+            let luminescence = Luminescence::of_surface(surface, &path.wavelengths, &path.throughput);
+            let radiance = luminescence.excited_radiance(&exciting, self.spectra, excitation_u);
+            luminescence.observed_at(&path.observed).add(origin, &radiance, (1.0, 0.0), sink);
         }
     }
 }
 
 impl TracedPath {
+    /// The value of `events_left` without an explicit limit, and beyond it.
+    pub(super) const UNLIMITED: u32 = u32::MAX;
+
     /// Applies a scattering event, or none at a pane that shadow rays pass too.
     fn apply_scattering(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay, through_pane: bool) {
         (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);

@@ -15,6 +15,8 @@ pub struct PhotonBeam {
     start: [f32; 3],
     end: [f32; 3],
     medium: u16,
+    /// The number of surface events before, or 0 if the scene does not limit it.
+    events: u16,
     power: PhotonPower,
 }
 
@@ -33,7 +35,12 @@ impl PhotonBeam {
     /// and the power at the start.
     pub fn new([start, end]: [DVec3; 2], medium: usize, power: PhotonPower) -> Self {
         let point = |p: DVec3| p.as_vec3().to_array();
-        Self { start: point(start), end: point(end), medium: medium as u16, power }
+        Self { start: point(start), end: point(end), medium: medium as u16, events: 0, power }
+    }
+
+    #[must_use]
+    pub fn with_events(self, events: u16) -> Self {
+        Self { events, ..self }
     }
 
     fn ends(&self) -> (DVec3, DVec3) {
@@ -81,6 +88,7 @@ impl PhotonBeam {
             power: &self.power,
             incoming,
             medium: usize::from(self.medium),
+            events: u32::from(self.events),
             t,
             offset,
             radius_m: radius,

@@ -11,6 +11,9 @@ pub use light_map::{LightMap, LightMapLookup, LightMaps};
 pub use near_ray::{BeamPath, PhotonNearRay};
 pub use point::VolumePhoton;
 
+/// The largest number of media in a scene: photons store the number of their medium in 16 bits.
+pub const MOST_MEDIA: usize = 1 << u16::BITS;
+
 use super::query_cone::QueryCone;
 use beam::BeamMap;
 use point::PointMap;

@@ -9,6 +9,8 @@ pub struct PhotonNearRay<'m> {
     pub power: &'m PhotonPower,
     pub incoming: DVec3,
     pub medium: usize,
+    /// The number of surface events before, or 0 if the scene does not limit it.
+    pub events: u32,
     /// The distance (m) along the ray to the point of closest approach.
     pub t: f64,
     /// The vector from the point of closest approach on the ray to the photon, in m.

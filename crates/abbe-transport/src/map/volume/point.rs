@@ -16,6 +16,8 @@ pub struct VolumePhoton {
     pub position: [f32; 3],
     incoming: Octahedral<16>,
     medium: u16,
+    /// The number of surface events before, or 0 if the scene does not limit it.
+    events: u16,
     /// The power scattered by the medium, summed over all directions.
     power: PhotonPower,
 }
@@ -27,8 +29,14 @@ impl VolumePhoton {
             position: position.as_vec3().to_array(),
             incoming: Octahedral::encode(incoming),
             medium: medium as u16,
+            events: 0,
             power,
         }
+    }
+
+    #[must_use]
+    pub fn with_events(self, events: u16) -> Self {
+        Self { events, ..self }
     }
 
     pub(super) fn near_ray(&self, cone: &QueryCone) -> Option<PhotonNearRay<'_>> {
@@ -43,6 +51,7 @@ impl VolumePhoton {
             power: &self.power,
             incoming: self.incoming.decode(),
             medium: usize::from(self.medium),
+            events: u32::from(self.events),
             t,
             offset,
             radius_m: r,
