@@ -43,7 +43,7 @@ class MachineError(Error, RuntimeError):
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C stopped a render. `picture` contains the passes that were done."""
+    """Ctrl-C stopped a render. `picture` contains the passes that were done, at least one."""
 
     def __init__(self, picture: Picture) -> None:
         super().__init__(f"interrupted after {picture.passes} passes")

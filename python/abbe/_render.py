@@ -73,8 +73,9 @@ def render(
     the number of passes. `set` changes values of the scene, such as ``{"film.width": 64}``. With
     the same scene, passes and seed, the picture has the same bits as the picture of `abbe render`.
 
-    Ctrl-C stops the render after the current pass and raises `Interrupted`, whose attribute
-    `picture` contains the passes so far. With a `checkpoint` (an EXR file), the passes are also
+    Ctrl-C discards the current pass, stops the render and raises `Interrupted`, whose attribute
+    `picture` contains the passes before. Before the end of the first pass, it raises a plain
+    `KeyboardInterrupt`. With a `checkpoint` (an EXR file), the passes are also
     saved about once per minute and at an interruption, and `resume` continues from this file if it
     exists. A complete render removes the file.
 
@@ -125,7 +126,7 @@ def passes(
 
     The arguments are those of `render`. The last picture is the picture that `render` returns. The
     next pass runs while the caller works on a picture. If the caller leaves the loop, the render
-    stops after the current pass.
+    stops and discards the current pass.
 
     A live picture in a notebook::
 
@@ -235,6 +236,9 @@ def _last_picture(task: _native.RenderTask) -> Picture:
 
 
 def _interrupt(task: _native.RenderTask) -> NoReturn:
-    """Stops a render after the current pass. Another Ctrl-C does not wait for the pass."""
+    """Stops a render, and discards its current pass. Another Ctrl-C does not wait for the end."""
     task.stop()
-    raise Interrupted(_last_picture(task)) from None
+    picture = _last_picture(task)
+    if picture.passes == 0:
+        raise KeyboardInterrupt from None
+    raise Interrupted(picture) from None

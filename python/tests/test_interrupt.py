@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 import pytest
@@ -52,6 +52,31 @@ def test_ctrl_c_during_the_iterator(scene: dict[str, Any]) -> None:
         for last in abbe.passes(scene, passes=10**9, time=60):
             pass
     assert last is not None and last.passes > 0
+
+
+@pytest.mark.parametrize("integrator", ["photon", "path"])
+def test_ctrl_c_does_not_wait_for_a_pass(scene: dict[str, Any], tmp_path: Path, integrator: Any) -> None:
+    """A pass of this picture takes more than ten seconds."""
+    checkpoint = tmp_path / "run.exr"
+    changes = {"film.width": 1920, "film.height": 1080, "render.photons": 10**6, "render.camera_samples": 256}
+    assert_ends_soon(lambda: abbe.render(scene, set=changes, passes=1, integrator=integrator, checkpoint=checkpoint))
+    # There is no whole pass to keep.
+    assert not checkpoint.exists()
+
+
+def test_ctrl_c_stops_a_measurement_within_a_pass(scene: dict[str, Any]) -> None:
+    meters = [{"name": "desk", "quantity": "illuminance", "points": [[0, 0, 0]]}]
+    assert_ends_soon(lambda: abbe.measure({**scene, "meters": meters}, photons=10**8, passes=64))
+
+
+def assert_ends_soon(render: Callable[[], object]) -> None:
+    """Interrupts a long call after a second, and checks that it ends within two more seconds."""
+    interrupt_after(1.0)
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt) as caught:
+        render()
+    assert not isinstance(caught.value, abbe.Interrupted)
+    assert time.monotonic() - start < 3.0
 
 
 def test_other_threads_run_during_a_render(scene: dict[str, Any]) -> None:

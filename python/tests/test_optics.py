@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import pickle
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,8 @@ import numpy as np
 import pytest
 
 import abbe
+
+from conftest import ROOT
 
 
 def command_line(*words: object) -> Any:
@@ -188,3 +191,12 @@ def test_mirrors_of_optiland_are_refused() -> None:
     optic.wavelengths.add(0.5876, is_primary=True)
     with pytest.raises(ValueError, match="surface 1 of the lens: a mirror is not supported"):
         abbe.lens_from_optiland(optic)
+
+
+def test_the_guide_shows_the_values() -> None:
+    """A number in a comment behind an expression of the guide is the value of the expression."""
+    guide = (ROOT / "docs" / "guide" / "python.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^(abbe\..*\S)\s+# (\d+\.(\d+))$", guide, re.MULTILINE)
+    assert shown
+    for expression, number, digits in shown:
+        assert f"{eval(expression, {'abbe': abbe}):.{len(digits)}f}" == number, expression

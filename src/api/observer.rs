@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Image;
@@ -10,6 +11,7 @@ use abbe_session::output::metadata::{Metadata, names};
 use abbe_session::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Rendered, Request, Run, SavedRun};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::plan::Budget;
+use abbe_transport::walk::StopFlag;
 
 /// Observes a render, and may stop it.
 pub trait RenderObserver: Send {
@@ -19,6 +21,12 @@ pub trait RenderObserver: Send {
     /// An error refuses the render.
     fn planned(&mut self, _budget: &Budget) -> Result<()> {
         Ok(())
+    }
+
+    /// Returns a flag that another thread may raise to stop the render at once. The unfinished pass
+    /// is discarded, and the image contains the whole passes, which may be none.
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        Arc::default()
     }
 
     /// Receives the progress after each pass. Returns [`ControlFlow::Break`] to stop the render.
@@ -95,6 +103,7 @@ pub(super) fn render(
     let note = |error: &Error| format!("a checkpoint could not be written during the render: {error}");
     rendered.stats.notes.extend(monitor.failed.as_ref().map(note));
     match &saver {
+        Some(_) if rendered.stats.passes == 0 => {}
         Some(saver) if rendered.interrupted => saver.save(&rendered.run)?,
         Some(saver) => file::remove_if_present(saver.path)?,
         None => {}
@@ -138,6 +147,10 @@ struct ObserverMonitor<'a> {
 }
 
 impl Monitor for ObserverMonitor<'_> {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        self.observer.stop_flag()
+    }
+
     fn after_pass(&mut self, progress: &Progress) -> bool {
         self.progress = Some(*progress);
         self.observer.after_pass(progress).is_continue()

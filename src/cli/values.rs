@@ -39,15 +39,17 @@ pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     }
 }
 
-/// Parses a ratio such as `2%` or `0.02`. The ratio must be above 0.
+/// Parses a ratio such as `2%` or `0.02`. The ratio must be above 0. A number of 1 or more is
+/// meant as a percentage, so it needs the sign.
 pub(crate) fn fraction(text: &str) -> Result<f64, String> {
-    let (number, unit) = match text.trim().strip_suffix('%') {
-        Some(percent) => (percent.trim_end(), 0.01),
-        None => (text.trim(), 1.0),
+    let (number, unit, end) = match text.trim().strip_suffix('%') {
+        Some(percent) => (percent.trim_end(), 0.01, f64::INFINITY),
+        None => (text.trim(), 1.0, 1.0),
     };
     match number.parse::<f64>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value * unit),
-        _ => Err("expected a ratio above 0 such as 2% or 0.02".to_string()),
+        Ok(value) if value > 0.0 && value < end => Ok(value * unit),
+        Ok(value) if value >= 1.0 && value.is_finite() => Err(format!("expected a ratio below 1, or {value}%")),
+        Ok(_) | Err(_) => Err("expected a ratio above 0 such as 2% or 0.02".to_string()),
     }
 }
 
@@ -231,6 +233,8 @@ mod tests {
     fn fractions() {
         assert_eq!(fraction("2%"), Ok(0.02));
         assert_eq!(fraction("0.02"), Ok(0.02));
+        assert_eq!(fraction("2"), Err("expected a ratio below 1, or 2%".to_string()));
+        assert_eq!(fraction("1000%"), Ok(10.0));
         assert!(["0", "-1%", "nan", "inf", "", "%", "two"].iter().all(|text| fraction(text).is_err()));
     }
 

@@ -85,9 +85,9 @@ fn diffraction_is_measured_and_named_where_it_would_show() {
     let (json, words) = lens(true);
     let report = &json["camera"]["diffraction"];
     assert!(report["simulated"] == true && !words.contains("would spread"), "{words}");
-    // The sums of a slice take 48 bytes per pixel, and a picture takes up to a quarter of the film.
-    // The convolution needs 320 bytes per pixel.
-    let more = (60 * report["slices"].as_u64().unwrap() + 320) * 300 * 200;
+    // The sums of a slice take 48 bytes per pixel and the light of a pass 24, and a picture takes up
+    // to a quarter of the film. The convolution needs 320 bytes per pixel.
+    let more = (90 * report["slices"].as_u64().unwrap() + 320) * 300 * 200;
     assert_eq!(json["memory_bytes"].as_u64().unwrap(), plain_bytes + more);
     let (json, words) =
         explain(r#"{"thin": {"focal_length_mm": 50, "f_number": 2, "focus_distance": 5, "sensor_height_mm": 24}}"#);

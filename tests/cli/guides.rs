@@ -12,8 +12,12 @@
 //!
 //! Several commands are joined by `&&`. `slow` after `guide:` leaves the step to a test that
 //! renders the pictures of a guide and takes minutes. In a block, a line `...` stands for any
-//! number of lines, and `...` at the end of a line for the rest of this line. `tests/bless` writes
-//! the blocks again, and `tests/bless --all` also those that need renders, and the pictures.
+//! number of lines, and `...` at the end of a line for the rest of this line. A line that begins
+//! with `$ ` is a command, and not its output. `tests/bless` writes the blocks again, and
+//! `tests/bless --all` also those that need renders, and the pictures.
+//!
+//! The picture of an example scene in `docs/pictures` has the name of the scene, and is what `abbe
+//! render` writes.
 
 #![cfg(unix)]
 
@@ -21,10 +25,21 @@ use crate::abbe_command::abbe;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-const GUIDES: [&str; 4] = [
-    "docs/guide/first-scene.md",
-    "docs/guide/lens-and-chromatic-aberration.md",
+const GUIDES: [&str; 15] = [
     "docs/guide/compare-two-lamps.md",
+    "docs/guide/exposure-and-white-balance.md",
+    "docs/guide/first-scene.md",
+    "docs/guide/fluorescence.md",
+    "docs/guide/fog-and-beams.md",
+    "docs/guide/import.md",
+    "docs/guide/install.md",
+    "docs/guide/layers-and-light-groups.md",
+    "docs/guide/lens-and-chromatic-aberration.md",
+    "docs/guide/motion-and-sequences.md",
+    "docs/guide/spectral-to-rgb-in-ci.md",
+    "docs/guide/what-accuracy-costs.md",
+    "docs/method/lenses.md",
+    "docs/method/pilot.md",
     "docs/method/plan.md",
 ];
 
@@ -53,7 +68,7 @@ fn steps(lines: &[String]) -> Vec<Step> {
         let (kind, argument) = comment.split_once(' ').expect("a kind and an argument");
         let from =
             |start: &str| number + 1 + lines[number + 1..].iter().position(|line| line.starts_with(start)).unwrap();
-        let block = match kind {
+        let mut block = match kind {
             "run" | "write" => number..number,
             "picture" => from("![")..from("![") + 1,
             _ => {
@@ -61,6 +76,9 @@ fn steps(lines: &[String]) -> Vec<Step> {
                 first..first + lines[first..].iter().position(|line| line == "```").unwrap()
             }
         };
+        while lines.get(block.start).is_some_and(|line| kind == "prints" && line.starts_with("$ ")) {
+            block.start += 1;
+        }
         steps.push(Step { is_slow, kind: kind.to_owned(), argument: argument.to_owned(), block });
     }
     steps
@@ -222,6 +240,40 @@ fn the_guides_show_what_the_commands_print() {
 #[ignore = "slow: renders the pictures of the guides, which takes minutes"]
 fn the_guides_show_what_renders_print_and_draw() {
     GUIDES.into_iter().for_each(|guide| check(guide, true));
+}
+
+/// With `ABBE_PICTURE=NAME`, only the picture of the scene NAME.
+#[test]
+#[ignore = "slow: renders all example scenes that have a picture, which takes an hour"]
+fn the_guides_show_the_example_scenes() {
+    let wanted = std::env::var("ABBE_PICTURE").ok();
+    let is_blessed = std::env::var_os("ABBE_BLESS").is_some();
+    let (mut known, mut stale) = (0, Vec::new());
+    for folder in ["docs/pictures", "docs/pictures/guide"] {
+        for entry in std::fs::read_dir(root(folder)).unwrap() {
+            let picture = entry.unwrap().path();
+            let name = picture.file_stem().unwrap().to_string_lossy().into_owned();
+            let scene = root("scenes").join(&name).with_extension("json");
+            let is_png = picture.extension().is_some_and(|extension| extension == "png");
+            // The picture of `zoom` shows three focal lengths.
+            if !is_png || !scene.exists() || name == "zoom" || wanted.as_ref().is_some_and(|wanted| *wanted != name) {
+                continue;
+            }
+            known += 1;
+            let work = TempDir::new().unwrap();
+            let said = abbe(work.path(), &["render", scene.to_str().unwrap(), "--quiet"]);
+            assert_eq!(said.status, 0, "{name}: {}", said.err);
+            let now = std::fs::read(work.path().join(format!("{name}.png"))).unwrap();
+            if std::fs::read(&picture).unwrap() != now {
+                stale.push(name);
+                if is_blessed {
+                    std::fs::write(&picture, now).unwrap();
+                }
+            }
+        }
+    }
+    assert!(known > 0, "no example scene has this picture");
+    assert!(is_blessed || stale.is_empty(), "run tests/bless --all: other pictures of {stale:?}");
 }
 
 #[test]

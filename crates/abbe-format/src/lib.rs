@@ -52,12 +52,11 @@
 mod camera;
 mod check;
 mod coating;
-mod contents;
 mod date_time;
 mod emission;
 mod field;
+mod file_kinds;
 mod film;
-mod foreign;
 mod forms;
 #[cfg(all(test, feature = "schema"))]
 mod forms_tests;
@@ -103,9 +102,9 @@ pub mod volume_file;
 
 pub use camera::{CameraFile, CameraKeyframeFile, ShutterFile};
 pub use coating::{CoatingFile, CoatingIndexFile, CoatingLayerFile, ComplexIndexFile};
-pub use contents::is_json_schema;
 pub use emission::EmissionFile;
 pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, SphereFieldFile};
+pub use file_kinds::is_json_schema;
 pub use film::{
     ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
 };
@@ -134,7 +133,7 @@ pub use read::{parse, parse_coating, parse_prescription, parse_spectrum, read, r
 pub use reference::scene_reference;
 pub use render::{LightMapFile, RenderFile};
 pub use resolve::parse_with_access;
-pub use scene_file::{SceneFile, UnitFile};
+pub use scene_file::{SceneFile, UnitFile, without_nulls};
 pub use shape::{MeshShapeFile, ShapeFile, TrianglesFile};
 pub use spectrum::{ImageFile, LineFile, SpectrumFile, WeightedSpectrumFile};
 pub use srgb::{SrgbFile, is_hex_colour, linear_of_hex};

@@ -1,5 +1,6 @@
 //! Reads the pixels of picture files: PNG, JPEG, WebP, OpenEXR and Radiance HDR.
 
+use super::file_kinds::refuse_as_picture;
 use super::picture::EncodingFile;
 use super::picture_primaries::{ColourUse, FilePrimaries};
 use super::{picture_exr, picture_exr::unreadable, radiance_hdr};
@@ -57,8 +58,7 @@ impl PictureFile {
             let picture = radiance_hdr::decode(bytes)?;
             Ok(Self { primaries: picture.primaries, ..Self::of_colours(picture.size, &picture.colours) })
         } else {
-            let expected = "a PNG, JPEG, WebP, OpenEXR or Radiance HDR file";
-            Err(unreadable(&format!("it is {}", kind(bytes))).expected(expected))
+            Err(refuse_as_picture(bytes))
         }
     }
 
@@ -235,26 +235,6 @@ impl PictureFile {
         let pixels = codes.as_chunks().0.iter().map(|&[r, g, b]| [component(r), component(g), component(b), 1.0]);
         Ok(Self { size, pixels: pixels.collect(), usual: EncodingFile::Srgb, primaries: None })
     }
-}
-
-/// Names the kind of a file whose pictures are not read.
-fn kind(bytes: &[u8]) -> &'static str {
-    const KINDS: [(usize, &[u8], &str); 12] = [
-        (0, b"II*\0", "a TIFF file"),
-        (0, b"MM\0*", "a TIFF file"),
-        (0, b"BM", "a BMP file"),
-        (0, b"GIF8", "a GIF file"),
-        (0, b"DDS ", "a DDS file"),
-        (0, b"\xabKTX", "a KTX file"),
-        (4, b"ftypavif", "an AVIF file"),
-        (4, b"ftyphei", "a HEIF file"),
-        (0, b"\xff\x0a", "a JPEG XL file"),
-        (0, b"\0\0\0\x0cJXL ", "a JPEG XL file"),
-        (0, b"8BPS", "a Photoshop file"),
-        (0, b"version https://git-lfs", "a pointer of Git LFS; fetch the file with `git lfs pull`"),
-    ];
-    let known = KINDS.iter().find(|(at, magic, _)| bytes.get(*at..).is_some_and(|bytes| bytes.starts_with(magic)));
-    known.map_or("a file of another kind", |(.., kind)| kind)
 }
 
 fn checked_size(width: usize, height: usize) -> Result<ImageSize> {

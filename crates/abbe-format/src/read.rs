@@ -1,7 +1,7 @@
 //! Reads scene files, and parts of scenes from their text.
 
 use crate::{
-    CoatingFile, FileAccess, JsonPath, JsonSource, PrescriptionFile, SceneFile, SpectrumFile, contents, foreign,
+    CoatingFile, FileAccess, JsonPath, JsonSource, PrescriptionFile, SceneFile, SpectrumFile, file_kinds,
     json::read_text, spectrum::SpectrumUse,
 };
 use abbe_spectra::error::{Error, Result};
@@ -24,8 +24,7 @@ pub fn read(path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
 /// Returns an error if the file cannot be read, is too large, is not UTF-8, or is a file of another
 /// program. In the last case, the error says how to bring the file into a scene.
 pub fn read_scene_text(path: &Path) -> Result<String> {
-    foreign::refuse_foreign(path)?;
-    contents::refuse_contents(path)?;
+    file_kinds::refuse_as_scene(path)?;
     read_text(path)
 }
 
@@ -43,7 +42,7 @@ pub(super) fn parse_source(
 ) -> Result<(SceneFile, JsonSource)> {
     let repaired = source.deserialize_repaired::<SceneFile>();
     let mut faults = repaired.faults.clone();
-    if let Some(foreign) = foreign::foreign_json(&source.text).filter(|_| !faults.is_empty()) {
+    if let Some(foreign) = file_kinds::foreign_json(&source.text).filter(|_| !faults.is_empty()) {
         return Err(foreign.in_file(&source.path));
     }
     if let Some(scene) = &repaired.value {

@@ -104,22 +104,22 @@ impl<'de> Deserialize<'de> for SceneFile {
 impl Serialize for SceneFile {
     /// Writes the scene without the keys that have no value.
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        let mut scene = Self::serialize(self, serde_json::value::Serializer).map_err(S::Error::custom)?;
-        remove_nulls(&mut scene);
-        scene.serialize(serializer)
+        let scene = Self::serialize(self, serde_json::value::Serializer).map_err(S::Error::custom)?;
+        without_nulls(scene).serialize(serializer)
     }
 }
 
-/// Removes the entries of all objects whose value is null.
-fn remove_nulls(value: &mut Value) {
-    match value {
+/// Removes the entries of all objects in a value that are null: keys without a value.
+pub fn without_nulls(mut value: Value) -> Value {
+    match &mut value {
         Value::Object(entries) => {
             entries.retain(|_, entry| !entry.is_null());
-            entries.values_mut().for_each(remove_nulls);
+            entries.values_mut().for_each(|entry| *entry = without_nulls(entry.take()));
         }
-        Value::Array(elements) => elements.iter_mut().for_each(remove_nulls),
+        Value::Array(elements) => elements.iter_mut().for_each(|element| *element = without_nulls(element.take())),
         Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
     }
+    value
 }
 
 impl UnitFile {

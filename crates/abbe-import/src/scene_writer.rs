@@ -213,12 +213,6 @@ impl SceneWriter {
     }
 }
 
-/// Returns an object without its entries that are null.
-pub(crate) fn present(mut object: Value) -> Value {
-    object.as_object_mut().into_iter().for_each(|entries| entries.retain(|_, value| !value.is_null()));
-    object
-}
-
 /// Adds an entry under `wanted`, or under `wanted` and a number if another entry has this name.
 fn add(entries: &mut Map<String, Value>, wanted: &str, value: Value) -> String {
     let wanted = if wanted.is_empty() { "unnamed" } else { wanted };

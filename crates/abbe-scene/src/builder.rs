@@ -344,7 +344,8 @@ impl SceneBuilder {
     /// media, and finds the bounding sphere, the dense media, the distant lights, the white of the
     /// film, and the medium stacks of the camera and the lights.
     ///
-    /// Returns an error if the scene has no light, a body refers to a medium that does not exist,
+    /// Returns an error if the scene has no light, more than 1000 objects are at one place, a body
+    /// refers to a medium that does not exist,
     /// an emitting medium has no bounds, emits nothing in the band or is inside a moving body, the
     /// camera and the film have different sizes, or the light of the white balance is too
     /// saturated.
@@ -401,6 +402,7 @@ impl SceneBuilder {
             if farthest_m.is_finite() { radius.max(farthest_m) } else { radius }
         });
         scene.renumber_lights();
+        scene.check_copies()?;
         scene.rank_bodies();
         scene.find_medium_stacks();
         scene.notes.extend(scene.notes_of_touching_bodies());

@@ -49,6 +49,7 @@ mod animation;
 mod body_ranks;
 pub mod builder;
 pub mod camera;
+mod copies;
 mod emitting_media;
 mod enclosure;
 pub mod facts;

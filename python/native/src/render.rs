@@ -5,7 +5,6 @@
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -20,6 +19,7 @@ use abbe::{Image, Integrator, Progress, RenderOptions, Scene};
 use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::plan::Budget;
+use abbe_transport::walk::StopFlag;
 
 /// The time between two checks for Ctrl-C.
 pub(super) const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
@@ -150,7 +150,7 @@ enum Event {
 /// Sends the events of a render to the thread of the caller.
 struct EventSender {
     sender: SyncSender<Event>,
-    stop: Arc<AtomicBool>,
+    stop: Arc<StopFlag>,
     sends_pictures: bool,
 }
 
@@ -159,10 +159,13 @@ impl RenderObserver for EventSender {
         memory::check(budget)
     }
 
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        Arc::clone(&self.stop)
+    }
+
     fn after_pass(&mut self, progress: &Progress) -> ControlFlow<()> {
-        let is_stopped = self.stop.load(Ordering::SeqCst);
         // The channel is closed if the caller has lost interest in the render.
-        if is_stopped || (!self.sends_pictures && self.sender.send(Event::Progress(*progress)).is_err()) {
+        if self.stop.is_raised() || (!self.sends_pictures && self.sender.send(Event::Progress(*progress)).is_err()) {
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())
@@ -172,7 +175,7 @@ impl RenderObserver for EventSender {
         if self.sends_pictures {
             let event = Event::Picture(*unfinished.progress(), Box::new(unfinished.image()));
             if self.sender.send(event).is_err() {
-                self.stop.store(true, Ordering::SeqCst);
+                self.stop.raise();
             }
         }
     }
@@ -182,7 +185,7 @@ impl RenderObserver for EventSender {
 #[pyclass(module = "abbe._native", frozen)]
 pub(super) struct RenderTask {
     receiver: Mutex<Receiver<Event>>,
-    stop: Arc<AtomicBool>,
+    stop: Arc<StopFlag>,
 }
 
 /// The progress after a pass: passes, wanted passes, seconds, relative error, photons per second.
@@ -202,7 +205,7 @@ impl RenderTask {
         let options = options.options().or_exception(py)?;
         let scene = py.detach(|| scene.scene()).or_exception(py)?;
         let (sender, receiver) = sync_channel(1);
-        let stop = Arc::new(AtomicBool::new(false));
+        let stop = Arc::<StopFlag>::default();
         let mut observer = EventSender { sender, stop: Arc::clone(&stop), sends_pictures };
         let work = move || {
             let image = scene.render_observed(&options, &mut observer);
@@ -216,9 +219,9 @@ impl RenderTask {
         Ok(Self { receiver: Mutex::new(receiver), stop })
     }
 
-    /// Asks the render to stop after the current pass.
+    /// Stops the render. The current pass is discarded.
     fn stop(&self) {
-        self.stop.store(true, Ordering::SeqCst);
+        self.stop.raise();
     }
 
     /// Waits for the next event. Returns the progress and the picture, either of which may be

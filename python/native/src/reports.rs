@@ -1,7 +1,6 @@
 //! Reports as JSON text: lenses, comparisons of lamps, regression tests, measurements and studies.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -29,6 +28,7 @@ use abbe_session::render::{Monitor, Progress, StopRules};
 use abbe_spectra::colour::regress::{RegressionTolerances, compare_given};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::Observer;
+use abbe_transport::walk::StopFlag;
 
 /// Analyses a lens. `field` is half the field of view in degrees. Draws the cross-section to the
 /// file `svg`.
@@ -143,25 +143,29 @@ enum ReportEvent {
 #[pyclass(module = "abbe._native", frozen)]
 pub(super) struct ReportTask {
     receiver: Mutex<Receiver<ReportEvent>>,
-    stop: Arc<AtomicBool>,
+    stop: Arc<StopFlag>,
 }
 
 /// Sends the steps of the computation to the thread of the caller.
 struct StepSender {
     sender: Sender<ReportEvent>,
-    stop: Arc<AtomicBool>,
+    stop: Arc<StopFlag>,
 }
 
 impl Monitor for StepSender {
+    fn stop_flag(&self) -> Arc<StopFlag> {
+        Arc::clone(&self.stop)
+    }
+
     fn after_pass(&mut self, _: &Progress) -> bool {
-        !self.stop.load(Ordering::SeqCst)
+        !self.stop.is_raised()
     }
 }
 
 impl StudyMonitor for StepSender {
     fn begin(&mut self, step: &str, _: bool) {
         if self.sender.send(ReportEvent::Step(step.to_string())).is_err() {
-            self.stop.store(true, Ordering::SeqCst);
+            self.stop.raise();
         }
     }
 }
@@ -194,7 +198,7 @@ impl ReportTask {
         work: impl FnOnce(&mut StepSender) -> Result<Option<String>> + Send + 'static,
     ) -> PyResult<Self> {
         let (sender, receiver) = channel();
-        let stop = Arc::new(AtomicBool::new(false));
+        let stop = Arc::<StopFlag>::default();
         let mut steps = StepSender { sender, stop: Arc::clone(&stop) };
         let run = move || {
             let report = work(&mut steps);
@@ -249,9 +253,9 @@ impl ReportTask {
         })
     }
 
-    /// Asks the task to stop after the current pass.
+    /// Stops the task. The current pass is discarded.
     fn stop(&self) {
-        self.stop.store(true, Ordering::SeqCst);
+        self.stop.raise();
     }
 
     /// Waits for the next event. Returns whether the study has ended, and a text: the name of a

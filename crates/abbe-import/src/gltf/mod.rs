@@ -17,11 +17,11 @@ use self::animation::Animations;
 use self::camera::{DEFAULT_ASPECT, file_camera, light_from_behind, whole_view};
 use self::light::{ies_light, punctual_light};
 use self::node::{NodeTree, PlacedNode, steps, thickened, unit};
-use crate::scene_writer::present;
 use crate::{ImportedScene, scene_writer::SceneWriter};
 use ::gltf::{Document, Node};
 use abbe_format::FileAccess;
 use abbe_format::mesh::{GltfAccessors, GltfFile, RestPose, first_parts, for_each_node, has_triangles, ignored};
+use abbe_format::without_nulls;
 use abbe_spectra::error::{Error, Result};
 use glam::{DAffine3, DQuat, DVec3};
 use serde_json::{Value, json};
@@ -216,7 +216,7 @@ impl<'d> NodeReader<'d> {
                 let keys = placed.motion.iter().map(|(time, at)| json!({"time": time, "transform": steps(at)}));
                 let motion = (!placed.motion.is_empty()).then(|| keys.collect::<Value>());
                 let object = json!({"name": name, "shape": shape, "transform": transform, "motion": motion});
-                self.scene.add_object(present(object));
+                self.scene.add_object(without_nulls(object));
             }
             let material = primitive.material();
             let brightest = material.emissive_factor().into_iter().fold(0.0, f32::max);

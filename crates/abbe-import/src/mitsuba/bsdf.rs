@@ -2,7 +2,7 @@
 
 use super::reader::{MitsubaReader, MitsubaSurface};
 use super::{properties::Properties, texture::Textured, xml::XmlElement};
-use crate::scene_writer::present;
+use abbe_format::without_nulls;
 use abbe_optics::fresnel;
 use abbe_spectra::error::Result;
 use serde_json::{Value, json};
@@ -196,7 +196,7 @@ impl MitsubaReader<'_> {
     fn glass(&mut self, properties: &Properties, roughness: Option<Value>, context: &BsdfContext) -> Result<Value> {
         self.note_factors(properties, &["specular_reflectance", "specular_transmittance"])?;
         let ior = self.index_inside(properties, 1.5046)?;
-        Ok(json!({"dielectric": present(json!({"ior": ior, "roughness": roughness, "medium": context.medium}))}))
+        Ok(json!({"dielectric": without_nulls(json!({"ior": ior, "roughness": roughness, "medium": context.medium}))}))
     }
 
     fn conductor(&mut self, properties: &Properties, roughness: Option<Value>) -> Result<Value> {

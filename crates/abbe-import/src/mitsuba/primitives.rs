@@ -2,7 +2,7 @@
 //!
 //! Shapes with textures become triangles, which can have Mitsuba's texture coordinates.
 
-use crate::scene_writer::present;
+use abbe_format::without_nulls;
 use abbe_spectra::math::elementary::sin_cos;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -71,7 +71,7 @@ pub(super) fn sphere(centre: DVec3, radius: f64, textured: bool) -> BasicShape {
         return BasicShape { shape, steps: vec![facing_z(false), json!({"translate": centre.to_array()})] };
     }
     let center = (centre != DVec3::ZERO).then(|| centre.to_array());
-    BasicShape::new(json!({"sphere": present(json!({"radius": radius, "center": center}))}))
+    BasicShape::new(json!({"sphere": without_nulls(json!({"radius": radius, "center": center}))}))
 }
 
 /// Returns the cube from (−1, −1, −1) to (1, 1, 1).

@@ -7,7 +7,7 @@
 
 use super::reader::{MitsubaReader, MitsubaSurface};
 use super::{bsdf::BsdfContext, properties::Properties};
-use crate::scene_writer::present;
+use abbe_format::without_nulls;
 use abbe_optics::bsdf::Glossy;
 use abbe_optics::glass::RefractiveIndex;
 use abbe_spectra::error::Result;
@@ -32,7 +32,7 @@ impl MitsubaReader<'_> {
         let transmission = self.textured(properties, "spec_trans")?.map_or(0.0, |it| it.mean().mean());
         let metallic = self.weight(properties, "metallic")?;
         if transmission >= 0.5 {
-            let glass = present(json!({"ior": ior, "roughness": roughness, "medium": context.medium}));
+            let glass = without_nulls(json!({"ior": ior, "roughness": roughness, "medium": context.medium}));
             return Ok(self.add(context, json!({"dielectric": glass}), false));
         }
         let [weight, rest] = metallic.unwrap_or([json!(0.0), json!(1.0)]);

@@ -4,9 +4,9 @@ use super::reader::{MitsubaReader, MitsubaSurface};
 use super::transform::{affine, steps};
 use super::{primitives, primitives::BasicShape, properties::Properties, xml::XmlElement};
 use crate::facing::{NormalSide, normal_side};
-use crate::scene_writer::present;
 use abbe_format::mesh;
 use abbe_format::mesh::MeshPart;
+use abbe_format::without_nulls;
 use abbe_spectra::error::Result;
 use glam::{DMat4, DVec3};
 use serde_json::{Value, json};
@@ -94,7 +94,7 @@ impl MitsubaReader<'_> {
         self.note_open_shape(&properties, &material, one_sided && emission.is_none())?;
         transform.extend(steps(affine(shape, form.to_world)?));
         let (name, transform) = (shape.attribute("id"), (!transform.is_empty()).then_some(transform));
-        self.scene.add_object(present(json!({
+        self.scene.add_object(without_nulls(json!({
             "shape": converted, "material": material, "name": name, "transform": transform, "emission": emission
         })));
         Ok(())
@@ -173,7 +173,7 @@ impl MitsubaReader<'_> {
         let reverse = form.flipped != ((mirrored && by_corners()?) != turned);
         let (path, flat) = (format!("{}{path}", self.folder), flat || turned);
         let [reverse, flat, smooth, flip_v] = [reverse, flat, !flat, flip_v].map(|is_set| is_set.then_some(true));
-        let mesh = present(json!({
+        let mesh = without_nulls(json!({
             "path": path, "part": part, "reverse": reverse, "flat": flat, "smooth": smooth, "flip_v": flip_v
         }));
         Ok(BasicShape { shape: json!({"mesh": mesh}), steps: Vec::new() })

@@ -3,7 +3,7 @@
 //! In both programs, the texture coordinate v = 0 is the upper row of a picture.
 
 use super::{properties::Properties, reader::MitsubaReader, spectrum::MitsubaSpectrum, xml::XmlElement};
-use crate::scene_writer::present;
+use abbe_format::without_nulls;
 use abbe_format::{EncodingFile, PictureFile};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::atan2;
@@ -122,13 +122,13 @@ impl Bitmap {
         };
         let wrap = (self.wrap != "repeat").then_some(self.wrap);
         let filter = (self.filter != "bilinear").then_some(self.filter);
-        present(json!({"path": self.path, "encoding": encoding, "wrap": wrap, "filter": filter, "uv": self.uv}))
+        without_nulls(json!({"path": self.path, "encoding": encoding, "wrap": wrap, "filter": filter, "uv": self.uv}))
     }
 }
 
 /// Returns the checkerboard of two values. Mitsuba has 2 × 2 squares per unit of uv.
 fn checker(a: &Value, b: &Value, uv: Option<&Value>) -> Value {
-    json!({"checker": present(json!({"a": a, "b": b, "scale": 2, "uv": uv}))})
+    json!({"checker": without_nulls(json!({"a": a, "b": b, "scale": 2, "uv": uv}))})
 }
 
 fn fraction(spectrum: &MitsubaSpectrum) -> MitsubaSpectrum {

@@ -5,7 +5,7 @@ use super::state::{is_placement, transform};
 use super::texture::{is_uniform, map_numbers};
 use super::token::{Place, Tokens};
 use super::{light::read_emission, material::ReadMaterial, parameters::Parameters, reader::PbrtReader};
-use crate::scene_writer::present;
+use abbe_format::without_nulls;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::cbrt;
 use serde_json::{Value, json};
@@ -147,7 +147,7 @@ impl PbrtReader<'_> {
         let PbrtShape { shape, to_world, material, emission } = placed;
         let steps = transform(&to_world);
         let steps = (steps != json!([])).then_some(steps);
-        self.scene.add_object(present(json!({
+        self.scene.add_object(without_nulls(json!({
             "shape": shape, "material": material, "transform": steps, "emission": emission
         })));
     }

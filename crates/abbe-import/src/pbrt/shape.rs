@@ -2,7 +2,7 @@
 
 use super::parameters::{Parameter, Parameters};
 use crate::facing::{NormalSide, normal_side};
-use crate::scene_writer::present;
+use abbe_format::without_nulls;
 use abbe_format::{FileAccess, mesh};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::sin_cos;
@@ -217,7 +217,7 @@ impl ShapeReader<'_> {
         }
         let (path, reverse) = (format!("{}{file}", self.folder), self.reverse != turned);
         let [reverse, flat] = [reverse, turned].map(|is_set| is_set.then_some(true));
-        let mesh = present(json!({"path": path, "reverse": reverse, "flat": flat}));
+        let mesh = without_nulls(json!({"path": path, "reverse": reverse, "flat": flat}));
         Ok(Some(ReadShape { shape: json!({"mesh": mesh}), local: DMat4::IDENTITY, area: None }))
     }
 
@@ -341,6 +341,6 @@ impl Triangles {
         let uv = self.uv.iter().map(|uv| [uv[0], 1.0 - uv[1]]).collect::<Vec<_>>();
         let (positions, uv) = (list(&self.positions), (!uv.is_empty()).then_some(uv));
         let shape = json!({"positions": positions, "indices": self.indices, "normals": normals, "uv": uv});
-        json!({"triangles": present(shape)})
+        json!({"triangles": without_nulls(shape)})
     }
 }

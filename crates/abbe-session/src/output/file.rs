@@ -52,6 +52,9 @@ pub fn check_writable(path: &Path) -> Result<()> {
     if target.is_dir() {
         return refused("it is a folder");
     }
+    if let Some(folder) = target.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists()) {
+        return refused(&format!("there is no folder {}", folder.display()));
+    }
     if is_special(&target) {
         return fs::OpenOptions::new().write(true).open(&target).map(drop).map_err(|error| unwritable(path, &error));
     }

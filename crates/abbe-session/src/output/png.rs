@@ -128,13 +128,12 @@ pub fn read(path: &Path) -> Result<Picture> {
     let wrong = |what: String| Error::input(what).in_file(path);
     let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let broken = |error: String| wrong(format!("is not a valid PNG file: {error}"));
-    let decoder = ::png::Decoder::new(Cursor::new(&bytes)).read_info().map_err(|error| broken(error.to_string()))?;
-    let space = explicit_space(decoder.info())?.ok_or_else(|| {
+    let (info, pixels) = rgb16(&bytes).map_err(|error| broken(error.to_string()))?;
+    let space = explicit_space(&info)?.ok_or_else(|| {
         let names = RgbSpace::ALL.map(RgbSpace::name).join(", ");
         wrong("has a colour space that abbe does not know".to_string()).expected(names)
     })?;
-    let (width, height, pixels) = rgb16(&bytes).map_err(|error| broken(error.to_string()))?;
-    let mut picture = Picture::black(width, height);
+    let mut picture = Picture::black(info.width as usize, info.height as usize);
     let adapt = |xyz| adapt(xyz, space.white(), RgbSpace::Srgb.white(), AdaptationTransform::Bradford);
     for (xyz, pixel) in picture.xyz.iter_mut().zip(&pixels) {
         *xyz = adapt(space.to_xyz(pixel.map(|code| space.decode(f64::from(code) / 65_535.0))));
@@ -166,17 +165,17 @@ fn explicit_space(info: &Info<'_>) -> Result<Option<RgbSpace>> {
 pub fn read_mask(path: &Path, width: usize, height: usize) -> Result<Vec<bool>> {
     let wrong = |what: String| Error::input(what).in_file(path);
     let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
-    let (w, h, pixels) = rgb16(&bytes).map_err(|error| wrong(format!("is not a valid PNG file: {error}")))?;
-    if (w, h) != (width, height) {
+    let (Info { width: w, height: h, .. }, pixels) =
+        rgb16(&bytes).map_err(|error| wrong(format!("is not a valid PNG file: {error}")))?;
+    if (w as usize, h as usize) != (width, height) {
         let what = format!("the mask has {w} × {h} pixels");
         return Err(wrong(what).expected(format!("the pictures' size, {width} × {height}")));
     }
     Ok(pixels.iter().map(|pixel| *pixel != [0; 3]).collect())
 }
 
-/// Returns the width, the height and the pixels of a PNG file, with codes of 16 bits and without
-/// opacity.
-fn rgb16(bytes: &[u8]) -> std::result::Result<(usize, usize, Vec<[u16; 3]>), ::png::DecodingError> {
+/// Returns the header and the pixels of a PNG file, with codes of 16 bits and without opacity.
+fn rgb16(bytes: &[u8]) -> std::result::Result<(Info<'static>, Vec<[u16; 3]>), ::png::DecodingError> {
     let mut decoder = ::png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info()?;
@@ -196,7 +195,7 @@ fn rgb16(bytes: &[u8]) -> std::result::Result<(usize, usize, Vec<[u16; 3]>), ::p
         [v, ..] => [v; 3],
         [] => [0; 3],
     });
-    Ok((frame.width as usize, frame.height as usize, pixels.collect()))
+    Ok((reader.info().clone(), pixels.collect()))
 }
 
 #[cfg(test)]
@@ -208,13 +207,18 @@ mod tests {
         DisplayImage { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[1, 0x1234, 0xfffe]]) }
     }
 
+    fn decoded(screen: &DisplayImage) -> (u32, u32, Vec<[u16; 3]>) {
+        let (info, pixels) = rgb16(&encode(screen).unwrap()).unwrap();
+        (info.width, info.height, pixels)
+    }
+
     #[test]
     fn a_png_contains_the_pixels() {
         let screen = DisplayImage::of_srgb(2, 1, vec![[1, 2, 3], [250, 128, 0]]);
         let codes = [[1, 2, 3], [250, 128, 0]].map(|pixel: [u16; 3]| pixel.map(|code| 257 * code));
-        assert_eq!(rgb16(&encode(&screen).unwrap()).unwrap(), (2, 1, codes.to_vec()));
+        assert_eq!(decoded(&screen), (2, 1, codes.to_vec()));
         let pixel = [1, 0x1234, 0xfffe];
-        assert_eq!(rgb16(&encode(&wide(RgbSpace::Rec2020)).unwrap()).unwrap(), (1, 1, vec![pixel]));
+        assert_eq!(decoded(&wide(RgbSpace::Rec2020)), (1, 1, vec![pixel]));
     }
 
     #[test]

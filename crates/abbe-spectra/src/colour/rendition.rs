@@ -13,7 +13,7 @@ use super::rendering::RANGE_K;
 use super::temperature::{CorrelatedTemperature, cct_duv};
 use super::tristimulus::Xyz;
 use crate::math::elementary::{atan2, cbrt, exp, hypot, ln_1p, powf, sin_cos};
-use crate::spectrum::{Observer, Outside, Spectrum, daylight_extended, library};
+use crate::spectrum::{BAND_NM, Observer, Spectrum, daylight_extended, library};
 use serde::Serialize;
 
 const SAMPLES: usize = 99;
@@ -202,11 +202,8 @@ fn node_weights(light: &Spectrum, observer: &Observer, step_nm: u32) -> NodeWeig
         distribute(&mut nodes, nm, observer.xyz_bar(nm).map(|bar| bar * power));
     }
     if let Some(narrow) = &narrow {
-        // Triangles that are 1 nm apart add up to 1.
-        for nm in (RANGE_NM.0..=RANGE_NM.1).map(f64::from) {
-            let triangle = Spectrum::table(&[nm - 1.0, nm, nm + 1.0], &[0.0, 1.0, 0.0], Outside::Zero)
-                .expect("the wavelengths ascend");
-            distribute(&mut nodes, nm, observer.xyz_under(&triangle, narrow));
+        for (nm, xyz) in (BAND_NM.0 as u32..).map(f64::from).zip(observer.xyz_near_each_nm(narrow)) {
+            distribute(&mut nodes, nm, xyz);
         }
     }
     for line in light.line_segments() {
@@ -350,7 +347,7 @@ fn achromatic([red, green, blue]: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spectrum::SpectralLine;
+    use crate::spectrum::{Outside, SpectralLine};
 
     #[test]
     fn bins_average_the_samples_of_the_reference_hue() {
@@ -405,6 +402,30 @@ mod tests {
             let found = rendition(&light).unwrap();
             assert!((found.rf - 100.0).abs() < 0.01 && (found.rg - 100.0).abs() < 0.01, "{cct_k}: {found:?}");
             assert!(found.samples.iter().all(|sample| *sample > 99.9), "{cct_k}: {found:?}");
+        }
+    }
+
+    /// A comb of narrow teeth is a narrow part with many knots.
+    #[test]
+    fn the_light_near_each_nm_adds_up() {
+        let nm: Vec<f64> = (0..=4700).map(|i| 360.0 + 0.1 * f64::from(i)).collect();
+        let values: Vec<f64> = (0..=4700).map(|i| f64::from(i % 7) + 0.001 * f64::from(i)).collect();
+        let comb = Spectrum::table(&nm, &values, Outside::Zero).unwrap();
+        for observer in [Observer::cie1931(), Observer::cie1964()] {
+            let near = observer.xyz_near_each_nm(&comb);
+            let whole = observer.xyz(&comb);
+            for (c, whole) in whole.iter().enumerate() {
+                let sum: f64 = near.iter().map(|xyz| xyz[c]).sum();
+                assert!((sum / whole - 1.0).abs() < 1e-12, "{sum} for {whole}");
+            }
+            for at in [437, 438, 555] {
+                let at_nm = f64::from(at);
+                let triangle = [at_nm - 1.0, at_nm, at_nm + 1.0];
+                let triangle = Spectrum::table(&triangle, &[0.0, 1.0, 0.0], Outside::Zero).unwrap();
+                for (one, expected) in near[at as usize - 360].iter().zip(observer.xyz_under(&triangle, &comb)) {
+                    assert!((one - expected).abs() <= 1e-12 * expected, "{one} for {expected}");
+                }
+            }
         }
     }
 

@@ -130,6 +130,30 @@ impl Observer {
         self.bars.each_ref().map(|bar| sweep::product_integral([reflectance, light, bar].map(Spectrum::parts)))
     }
 
+    /// Returns for each whole nm of the band the exact integrals of triangle · light · (x̄, ȳ, z̄).
+    /// The triangle is 1 at this wavelength and 0 at all other whole nm, so the integrals add up to
+    /// [`xyz`](Self::xyz).
+    pub(crate) fn xyz_near_each_nm(&self, light: &Spectrum) -> Vec<[f64; 3]> {
+        let mut near = vec![[0.0; 3]; self.every_nm.len()];
+        // The sum of the triangles at odd distances from the beginning of the band. It has a knot
+        // at each whole nm.
+        let knots: Vec<(f64, f64)> = (BAND_NM.0 as u32..=BAND_NM.1 as u32)
+            .zip([0.0, 1.0].into_iter().cycle())
+            .map(|(nm, odd)| (f64::from(nm), odd))
+            .collect();
+        let odd = Spectrum::from_continuum(Continuum::from_knots(&knots));
+        let [x, y, z] = &self.bars;
+        sweep::sweep([&odd, light, x, y, z].map(Spectrum::parts), |nm, [odd, light, bars @ ..]| {
+            let first = (nm.0 - BAND_NM.0) as usize;
+            let even = (1.0 - odd.0, 1.0 - odd.1);
+            for (number, triangle) in [(first.next_multiple_of(2), even), (first | 1, odd)] {
+                let integrals = bars.map(|bar| sweep::interval_integral(nm, [triangle, light, bar]));
+                near[number].iter_mut().zip(integrals).for_each(|(sum, integral)| *sum += integral);
+            }
+        });
+        near
+    }
+
     /// Returns x̄, ȳ and z̄ as spectra.
     pub fn bars(&self) -> &[Spectrum; 3] {
         &self.bars

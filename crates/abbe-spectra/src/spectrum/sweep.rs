@@ -41,17 +41,20 @@ pub(crate) fn sweep<const N: usize>(
     }
 }
 
-/// Integrates the product of at most three spectra over the band, exactly, because Simpson's rule
-/// is exact for cubic polynomials.
+/// Integrates the product of at most three spectra over the band, exactly.
 pub(crate) fn product_integral<const N: usize>(spectra: [SpectrumParts<'_>; N]) -> f64 {
-    const { assert!(N <= 3, "four linear factors make a quartic, which Simpson's rule does not integrate") }
     let mut sum = 0.0;
-    sweep(spectra, |nm, values| {
-        let mut product = (1.0, 1.0, 1.0);
-        for (from, to) in values {
-            product = (product.0 * from, product.1 * (0.5 * from + 0.5 * to), product.2 * to);
-        }
-        sum += (nm.1 - nm.0) * ((product.0 + 4.0 * product.1 + product.2) / 6.0);
-    });
+    sweep(spectra, |nm, values| sum += interval_integral(nm, values));
     sum
+}
+
+/// Integrates the product of at most three linear functions over an interval. They have these
+/// values at its ends. Simpson's rule is exact for cubic polynomials.
+pub(crate) fn interval_integral<const N: usize>(nm: (f64, f64), values: [(f64, f64); N]) -> f64 {
+    const { assert!(N <= 3, "four linear factors make a quartic, which Simpson's rule does not integrate") }
+    let mut product = (1.0, 1.0, 1.0);
+    for (from, to) in values {
+        product = (product.0 * from, product.1 * (0.5 * from + 0.5 * to), product.2 * to);
+    }
+    (nm.1 - nm.0) * ((product.0 + 4.0 * product.1 + product.2) / 6.0)
 }

@@ -41,13 +41,11 @@ pub(super) fn expose_rows(
         .into_par_iter()
         .map(|row| {
             let mut tally = Tally::default();
-            let exposed = expose(&row, &mut tally);
-            (row, exposed, tally)
+            let exposed = (!stop.is_raised()).then(|| expose(&row, &mut tally))?;
+            Some((row, exposed, tally))
         })
-        .collect::<Vec<_>>();
-    if stop.is_raised() {
-        return false;
-    }
+        .collect::<Option<Vec<_>>>();
+    let Some(exposed) = exposed.filter(|_| !stop.is_raised()) else { return false };
     let tallies = exposed
         .into_par_iter()
         .map(|(mut row, exposed, mut tally)| {

@@ -7,7 +7,7 @@ use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
 use super::picture::{Picture, SpectralBands};
 use super::pixel_sums::{PixelMean, PixelSums, passes_by_half, replicate};
 use super::readings::{Measurement, Reading, ReadingLayout};
-use super::sink::{FilmRow, SplatSink};
+use super::sink::{ExposedRow, FilmRow, SplatSink};
 use super::unit::FilmUnit;
 use abbe_spectra::colour::xyz_to_linear_srgb;
 use abbe_spectra::math::random::REPLICATES;
@@ -139,11 +139,13 @@ impl Film {
         self.passes.iter().sum()
     }
 
-    /// Counts also spectral bands, slices for diffraction, and layers.
+    /// Counts also spectral bands, slices for diffraction, layers, and the light of a pass that is
+    /// not yet added.
     pub fn memory_bytes(pixels: usize, bands: usize, slices: usize, layers: &LayerSet) -> usize {
         let channels = bands + 3 * slices + layers.planes();
         let names = layers.name_tables().count() * NameLayer::BYTES_PER_PIXEL;
-        pixels.saturating_mul(size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names)
+        let sums = size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names;
+        pixels.saturating_mul(sums + ExposedRow::bytes_per_pixel(channels))
     }
 
     /// Counts a pass. The light of the pass must already be added.

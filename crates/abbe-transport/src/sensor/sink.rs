@@ -76,6 +76,13 @@ fn is_valid_radiance(weight: f64) -> bool {
     is_valid_radiance
 }
 
+impl ExposedRow {
+    /// Returns the bytes of a pixel without the hits, of which most renders have none.
+    pub(super) fn bytes_per_pixel(channels: usize) -> usize {
+        size_of::<[f64; 4]>() + channels * size_of::<f64>()
+    }
+}
+
 impl FilmRow<'_> {
     /// Calls `expose(pixel, sink)`, which returns the camera samples of the pixel, for every pixel
     /// of the row. The light in the sink is divided by that number. The film does not change before

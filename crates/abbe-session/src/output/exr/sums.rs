@@ -1,6 +1,6 @@
 //! The exact sums of a film as channels of an EXR. A 128-bit sum is four 32-bit words, the lowest
 //! first, each in its own channel `sums.<plane>.<word>`. The upper words are almost always 0, and
-//! the lower words of splats often, so ZIP compresses the channels well.
+//! the lower words of splats often, so run lengths compress these channels well.
 
 use std::path::Path;
 

@@ -38,7 +38,7 @@ pub fn write_uncompressed(path: &Path, picture: &Picture, metadata: &Metadata) -
 /// Atomically writes a file that contains the exact sums of a film and the film's current picture.
 pub fn write_with_sums(path: &Path, film: &Film, picture: &Picture, metadata: &Metadata) -> Result<()> {
     let channels = channels(picture).into_iter().chain(sums::channels(film)).collect();
-    write_whole_with(path, |file| write_channels(file, channels, picture, metadata, Encoding::SMALL_LOSSLESS))
+    write_whole_with(path, |file| write_channels(file, channels, picture, metadata, PICTURE_ENCODING))
 }
 
 /// Returns the bytes of a picture's file. Returns a machine error if the picture cannot be encoded.
