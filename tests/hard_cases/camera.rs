@@ -82,7 +82,11 @@ pub(crate) const CASES: &[Case] = &[
                 let film = DVec2::new(f64::from(pixel % 48) + 0.5, f64::from(pixel / 48) + 0.5);
                 let chief = camera.ray(film, [0.5; 2]);
                 let point = chief.at(3.0 / chief.direction.dot(DVec3::NEG_Z));
-                let seen = |lens| camera.connect(point, lens).is_some_and(|connection| camera.pixel_at(connection.film) == Some(pixel));
+                let seen = |lens| {
+                    camera
+                        .connect(point, lens)
+                        .is_some_and(|connection| camera.pixel_at(connection.film) == Some(pixel))
+                };
                 wrong += openings().filter(|&lens| !seen(lens)).count() as u32;
             }
             f64::from(wrong)

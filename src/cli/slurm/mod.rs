@@ -144,7 +144,8 @@ impl SlurmArgs {
         let mut sbatch = vec![format!("--cpus-per-task={}", self.cpus)];
         sbatch.extend(self.time.map(|time| format!("--time={}", time.as_secs().div_ceil(60))));
         sbatch.extend(self.sbatch.iter().cloned());
-        let merge: Vec<String> = self.target_error.map(|error| format!("--target-error={error}")).into_iter().collect();
+        let merge: Vec<String> =
+            self.target_error.map(|error| format!("--target-error={}%", 100.0 * error)).into_iter().collect();
         // A job's name may be part of a file name.
         let name: String =
             self.name().chars().map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect();

@@ -136,8 +136,8 @@ impl<'a> DistantSpheres<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::emit::launch::RibbonPart;
     use crate::emit::photon_path::{PhotonDepth, PhotonState};
-    use crate::emit::ribbon::RibbonPart;
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
     use crate::walk::{RayDensity, RayState, SurfaceLookup, WithoutBodies};

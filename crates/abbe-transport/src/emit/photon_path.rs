@@ -1,6 +1,6 @@
 //! A photon path and its state.
 
-use super::ribbon::RibbonPart;
+use super::launch::RibbonPart;
 use crate::map::WavelengthCode;
 use crate::plan::partition::LightPath;
 use crate::walk::ledger::Ledger;

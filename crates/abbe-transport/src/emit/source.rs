@@ -1,7 +1,7 @@
 //! The emission of a set of photons.
 
+use super::launch::{Launch, RibbonPart};
 use super::photon_path::{PhotonDepth, PhotonPath, PhotonState};
-use super::ribbon::{Launch, RibbonPart};
 use super::strata::EmissionStrata;
 use super::visitor::PhotonVisitor;
 use crate::map::PhotonSpectra;

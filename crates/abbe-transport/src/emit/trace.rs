@@ -2,9 +2,9 @@
 
 use super::fluorescence::scatter_at_fluorescent_surface;
 use super::guiding_spheres::scatter_with_guiding;
+use super::launch::Launch;
 use super::medium::advance_through_media;
 use super::photon_path::{PhotonDepth, PhotonPath};
-use super::ribbon::Launch;
 use super::source::PhotonSource;
 use super::visitor::{PhotonFlight, PhotonVisitor, SurfaceArrival};
 use crate::plan::MediumPlan;

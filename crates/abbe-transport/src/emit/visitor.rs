@@ -1,7 +1,7 @@
 //! The interface between photon tracing and the code that stores or connects photons.
 
+use super::launch::Launch;
 use super::photon_path::PhotonState;
-use super::ribbon::Launch;
 use crate::walk::{MediumSegment, NumberedMedium, PathTransmittance, SurfaceInteraction};
 use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::{Seed, Stream};
@@ -100,7 +100,7 @@ impl SurfaceArrival<'_> {
 mod tests {
     use super::*;
     use crate::emit::PhotonDepth;
-    use crate::emit::ribbon::RibbonPart;
+    use crate::emit::launch::RibbonPart;
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
     use crate::walk::{NumberedMedium, RayDensity, transmittance};

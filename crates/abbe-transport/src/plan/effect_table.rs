@@ -88,7 +88,7 @@ const fn row(id: EffectId) -> Effect {
             not_required: "there is no mirror or glass, or no surface or meter that could receive its light",
             requires: |facts| if facts.receives() { facts.specular.clone() } else { Vec::new() },
             set: |plan, _, on| plan.caustics = if on { CausticPlan::Photons } else { CausticPlan::Absent },
-            events: |tally, _| tally.connections,
+            events: |tally, _| tally.connections + tally.ribbons,
             removal: Removal::FromPlan,
         },
         EffectId::Ribbons => Effect {

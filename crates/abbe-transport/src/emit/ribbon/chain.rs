@@ -1,7 +1,7 @@
 //! One wavelength of a ribbon: its way from the light to a surface that the camera sees.
 
-use super::Launch;
 use crate::emit::connect::PhotonConnector;
+use crate::emit::launch::Launch;
 use crate::walk::{
     DepthLimit, RayState, ScatteredRay, SurfaceInteraction, SurfaceLookup, long_path_survival, next_interaction,
     path_transmittance, scatter, single_lane, transmittance,
