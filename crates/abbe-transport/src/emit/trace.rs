@@ -20,7 +20,7 @@ use abbe_spectra::math::sobol::Sobol;
 use abbe_spectra::spectrum::{BAND_NM, LANES};
 use std::ops::Range;
 
-/// Traces the photons with these indices. Only this function and [`trace_limited`] choose their
+/// Traces the photons with these indices. Only this function and `trace_limited` choose their
 /// [`BodyMode`].
 pub fn trace<V: PhotonVisitor>(
     source: &PhotonSource<'_>,

@@ -19,7 +19,7 @@ pub(super) fn for_each_pixel(a: DVec2, b: DVec2, size: DVec2, mut visit: impl Fn
         from = from.max(ends[0].min(ends[1]));
         to = to.min(ends[0].max(ends[1]));
     }
-    if !(from < to) {
+    if from >= to {
         return;
     }
     // The first crossing of a grid line after `t`, and the step between crossings, on each axis.
