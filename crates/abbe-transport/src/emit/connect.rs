@@ -3,7 +3,9 @@
 use super::photon_path::PhotonState;
 use super::visitor::SurfaceArrival;
 use crate::plan::MediumPlan;
-use crate::walk::{CausticWeights, RayDensity, SurfaceInteraction, path_transmittance, transmittance};
+use crate::walk::{
+    CausticWeights, PathTransmittance, RayDensity, SurfaceInteraction, path_transmittance, transmittance,
+};
 use abbe_optics::bsdf::{BsdfClass, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_scene::Scene;
@@ -42,7 +44,7 @@ impl PhotonConnector<'_> {
     /// it. `lens` in [0, 1)² selects the point of the aperture, and `emission` in [0, 1) the
     /// wavelengths of the emission at a fluorescent surface.
     pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2], emission: f64) -> Option<Splat> {
-        let Self { scene, media_plan, .. } = *self;
+        let scene = self.scene;
         let SurfaceArrival { interaction, photon, .. } = arrival;
         let connection = scene.camera.connect(interaction.hit.position, lens)?;
         let pixel = scene.camera.pixel_at(connection.film)?;
@@ -67,12 +69,10 @@ impl PhotonConnector<'_> {
         if !(any && interaction.is_unoccluded(scene, connection.direction, connection.distance, None)) {
             return None;
         }
-        if !media_plan.is_clear() {
-            let medium_stack = interaction.medium_stack_towards(connection.direction);
-            let ray_state = interaction.spawn_ray(connection.direction, medium_stack);
+        if !self.media_plan.is_clear() {
             // A pinhole has one point, so the numbers of the lens would not separate the photons.
             let seed = Seed::of_pixel(u64::from(pixel), interaction.hit.position.to_array());
-            let along = path_transmittance(scene, ray_state, connection.distance, seed);
+            let along = self.path_to_camera(interaction, &connection, seed);
             lanes[..count].iter_mut().for_each(|(nm, radiance)| *radiance *= transmittance(&along, *nm));
         }
         Some(Splat { pixel, lanes, count })
@@ -100,10 +100,20 @@ impl PhotonConnector<'_> {
         if self.media_plan.is_clear() {
             return Some((film, response));
         }
-        let ray_state = interaction.spawn_ray(direction, interaction.medium_stack_towards(direction));
         let seed = Seed::of_numbers(interaction.hit.position.to_array());
-        let along = path_transmittance(self.scene, ray_state, distance, seed);
-        Some((film, response * transmittance(&along, nm)))
+        Some((film, response * transmittance(&self.path_to_camera(interaction, &connection, seed), nm)))
+    }
+
+    /// Returns the media between a surface and the camera.
+    fn path_to_camera(
+        &self,
+        interaction: &SurfaceInteraction<'_>,
+        connection: &CameraConnection,
+        seed: Seed,
+    ) -> PathTransmittance<'_> {
+        let medium_stack = interaction.medium_stack_towards(connection.direction);
+        let ray_state = interaction.spawn_ray(connection.direction, medium_stack);
+        path_transmittance(self.scene, ray_state, connection.distance, seed)
     }
 
     /// Returns the factor of the light that a surface scatters into a connection: its projection,

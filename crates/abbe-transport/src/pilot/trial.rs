@@ -240,7 +240,8 @@ impl Reference {
 /// Measures the variance of the picture for one photon path and one camera sample: the mean of the
 /// relative variances of the pixels, their variance relative to the mean of the picture, and the
 /// mean of the relative variances of the means of square blocks. Camera samples are known in some
-/// blocks, splats in all; `painted` is the part of them that ribbons paint. `photons` is the number of paths in a pass of the trial.
+/// blocks, splats in all; `painted` is the part of them that ribbons paint. `photons` is the number
+/// of paths in a pass of the trial.
 fn variances(
     [of_pixels, of_means]: &[Vec<TileVariance>; 2],
     splats: [&[[f64; 3]]; 2],

@@ -214,9 +214,6 @@ impl<P: FnMut(u32, f64, f64)> Ribbon<'_, '_, P> {
 
     /// Samples one wavelength, and paints its point if it is in one of the collected parts.
     fn sample(&mut self) {
-        if self.painter.sampled.is_empty() {
-            return;
-        }
         let (nm, pdf) = self.light.photon_wavelengths().sample(self.stream.uniform());
         let s = nm.powi(-2);
         if !self.painter.sampled.iter().any(|&(from, to)| s >= from && s < to) {
