@@ -15,7 +15,7 @@ mod strata;
 mod trace;
 mod visitor;
 
-pub use aim::{Aim, AimTree};
+pub use aim::{Aim, CELLS};
 pub use launch::{Launch, RibbonPart};
 pub use light_sampler::LightSampler;
 pub use photon_path::{PhotonDepth, PhotonState};

@@ -1,9 +1,8 @@
 //! Learns emission distributions, which send more photons where they contribute.
 
-use super::aim_tree::{AimedPath, learned_aim};
 use super::guiding_spheres::GuidingSpheres;
-use super::importance::{Importance, ScoredPath};
-use crate::emit::{Aim, EmissionStrata, WavelengthSampling, trace};
+use super::importance::{GridLayout, Importance};
+use crate::emit::{EmissionStrata, WavelengthSampling, trace};
 use crate::pass::{EmissionRequest, PassContext};
 use crate::walk::ledger::Ledger;
 use abbe_optics::bsdf::BsdfClass;
@@ -13,16 +12,16 @@ use abbe_spectra::math::random::Purpose;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The pilot paths per stratum in each round, which emits photons as the preceding ones learned. If
-/// these learned nothing, the rounds end.
-const PATHS_PER_STRATUM: [u64; 3] = [1 << 14, 1 << 14, 1 << 15];
+/// The pilot paths per stratum in each round, which emits photons as the preceding round learned.
+/// If that learned nothing, the rounds end.
+const PATHS_PER_STRATUM: [u64; 2] = [1 << 14, 1 << 15];
 
 /// The number of paths per round grows with the number of strata, up to this many strata.
 const MAX_STRATA: u64 = 4;
 
-/// The largest number of paths per round, as a fraction of a pass. All rounds together then take
-/// about a tenth of the time of eight passes.
-const LARGEST_ROUND: f64 = 0.3;
+/// The largest number of paths per round, as a fraction of a pass. Both rounds together then take
+/// at most a tenth of the time of eight passes.
+const LARGEST_ROUND: f64 = 0.4;
 
 /// The photon paths of one parallel task, which fix the order in which results are added.
 const PATHS_PER_TASK: u64 = 4096;
@@ -60,14 +59,14 @@ pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
     let affordable = (LARGEST_ROUND * context.budget.photons as f64) as u64;
     let mut reached = Vec::new();
     let mut contributions = Vec::new();
-    let mut learning = vec![Learning::default(); strata.list.len()];
     for (round, per_stratum) in (0..).zip(PATHS_PER_STRATUM) {
         // The paths of one stratum take a fraction of a second.
         let paths = (counted * per_stratum).min(affordable.max(per_stratum));
-        let found = trace_round(context, scenes, &strata, (round, paths));
+        let layout = GridLayout::new(&strata, paths);
+        let found = trace_round(context, scenes, &strata, &layout, (round, paths));
         contributions.clear();
-        for ((stratum, learning), paths) in strata.list.iter_mut().zip(&mut learning).zip(found.paths) {
-            let (aim, mean_score) = learning.learn(&stratum.aim, paths);
+        for (number, stratum) in strata.list.iter_mut().enumerate() {
+            let (aim, mean_score) = found.aim(number);
             stratum.aim = aim;
             contributions.push(stratum.fraction * lights.probability(stratum.light) * mean_score);
         }
@@ -90,33 +89,6 @@ pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
     LearnedAims { strata, unlit: unlit_objects(context.scene, &reached) }
 }
 
-/// The paths of all rounds so far in one stratum.
-#[derive(Default, Clone)]
-struct Learning {
-    /// Two halves, which test each other.
-    paths: [Vec<ScoredPath>; 2],
-    /// For each round: the number of its paths and their distribution.
-    rounds: Vec<(f64, Aim)>,
-}
-
-impl Learning {
-    /// Adds the paths of a round that followed `aim`, and returns what all rounds together teach:
-    /// an emission distribution and the mean score. The paths count as samples of one mixture of
-    /// all distributions so far (multiple importance sampling: Veach and Guibas 1995).
-    fn learn(&mut self, aim: &Aim, round: [Vec<ScoredPath>; 2]) -> (Aim, f64) {
-        let count: usize = round.iter().map(Vec::len).sum();
-        self.rounds.push((count as f64, aim.clone()));
-        self.paths.iter_mut().zip(round).for_each(|(paths, round)| paths.extend(round));
-        let aimed = |path: &ScoredPath| {
-            let ScoredPath { point, score } = *path;
-            let density: f64 = self.rounds.iter().map(|(count, aim)| count * aim.relative_pdf(point)).sum();
-            AimedPath { point, weight: 1.0 / density, square: score * score }
-        };
-        let [even, odd] = [0, 1].map(|half| self.paths[half].par_iter().map(aimed).collect::<Vec<_>>());
-        learned_aim([&even, &odd])
-    }
-}
-
 fn unlit_objects(scene: &Scene, reached: &[bool]) -> Vec<String> {
     let enclosures = scene.enclosures();
     let objects = (0..).zip(&scene.objects).zip(reached);
@@ -134,6 +106,7 @@ fn trace_round<'a>(
     context: &PassContext<'a>,
     scenes: &'a [Cow<'_, Scene>],
     strata: &EmissionStrata,
+    layout: &'a GridLayout,
     (round, count): (u64, u64),
 ) -> Importance<'a> {
     let tasks = count.div_ceil(PATHS_PER_TASK);
@@ -145,7 +118,7 @@ fn trace_round<'a>(
             let scene = &scenes[(task * scenes.len() as u64 / tasks) as usize];
             let source = context.photon_source(scene, strata, request);
             let points = source.points();
-            let mut part = Importance::new(scene, strata.list.len(), task);
+            let mut part = Importance::new(scene, layout, task);
             let mut ledger = Ledger::new(context.scene.materials.len());
             for index in task * PATHS_PER_TASK..((task + 1) * PATHS_PER_TASK).min(count) {
                 trace(&source, &points, index..index + 1, &mut part, &mut ledger);
@@ -154,7 +127,7 @@ fn trace_round<'a>(
             part
         })
         .collect::<Vec<_>>();
-    let mut whole = Importance::new(context.scene, strata.list.len(), 0);
+    let mut whole = Importance::new(context.scene, layout, 0);
     parts.iter().for_each(|part| whole.add(part));
     whole
 }

@@ -10,7 +10,6 @@
 //! `balance` and `camera_samples` decide how many photons and camera samples a pass has.
 //! `sensor_radii` fixes the kernels of meters. `coarse` renders a picture before the first pass.
 
-mod aim_tree;
 mod aims;
 mod balance;
 mod camera_samples;
