@@ -1,60 +1,98 @@
-//! The mean of the two halves, the guard, and the error bars.
+//! The mean of the two halves, its return to the original where the filter is wrong, and its error
+//! bars.
 
-use crate::features::Demodulation;
-use crate::half::{Half, OWN};
-use crate::planes::{Size, mean_around};
+use crate::features::Surfaces;
+use crate::half::{Half, Spread};
+use crate::planes::mean_around;
 use crate::samples::Samples;
-use crate::{Denoised, GROUPS, REPLICATES};
+use crate::{Denoised, REPLICATES};
+use rayon::prelude::*;
 
-pub(crate) fn combine(samples: &Samples, demodulation: &Demodulation, halves: &[Half; 2]) -> Denoised {
-    let size = Size { width: samples.width, height: samples.height };
-    let total: f32 = samples.passes.iter().map(|n| *n as f32).sum();
-    let f: [f32; REPLICATES] = samples.passes.map(|n| n as f32 / total);
-    let albedo = &demodulation.albedo;
-    let var = |v: &[f32; REPLICATES]| {
-        let mean: f32 = v.iter().zip(f).map(|(v, f)| f * v).sum();
-        let spread: f32 = v.iter().zip(f).map(|(v, f)| f * (v - mean) * (v - mean)).sum();
-        (mean, spread / (REPLICATES - 1) as f32)
+/// The distance (pixels) over which the errors of the filter are pooled.
+const GUARD_RADIUS_PX: usize = 3;
+
+/// The distance (pixels) over which the squared bias is averaged.
+const BIAS_RADIUS_PX: usize = 2;
+
+/// The degrees of freedom of the neighbours in the noise of a pixel, and of its own replicates.
+const NEIGHBOUR_DEGREES: f32 = 2.0;
+const DEGREES: f32 = (REPLICATES - 1) as f32;
+
+/// Y of each replicate in one pixel.
+type Values = [f32; REPLICATES];
+
+/// Joins two halves, of which the half with the number h holds the filtered replicates of the
+/// other.
+pub(crate) fn combine(samples: &Samples, surfaces: &Surfaces, halves: &[Half; 2]) -> Denoised {
+    let (size, spread) = (samples.size(), Spread::new(samples.passes));
+    let original = |i: usize| -> Values { std::array::from_fn(|r| samples.y[r][i]) };
+    let filtered =
+        |i: usize| -> Values { std::array::from_fn(|r| halves[1 - r % 2].luma[r / 2][i] * surfaces.divisor[i][1]) };
+    let errors: Vec<(f32, f32)> =
+        (0..size.count()).into_par_iter().map(|i| removed_and_added(&spread, original(i), filtered(i))).collect();
+    let (removed, added): (Vec<f32>, Vec<f32>) = errors.into_iter().unzip();
+    let [removed, added] = [removed, added].map(|plane| {
+        // Twice, so that a bright pixel has no square around it.
+        let once = mean_around(&plane, size, GUARD_RADIUS_PX, 1);
+        mean_around(&once, size, GUARD_RADIUS_PX, 1)
+    });
+    let guarded = |i: usize| -> Values {
+        let (original, filtered) = (original(i), filtered(i));
+        let trust = trust(removed[i], added[i]);
+        std::array::from_fn(|r| original[r] + trust * (filtered[r] - original[r]))
     };
-    let filtered = |i: usize| -> [f32; REPLICATES] {
-        // The half with the number h holds the planes of the other replicates.
-        std::array::from_fn(|r| halves[1 - r % 2].luma[r / 2][i] * albedo[i][1])
-    };
-    let raw = |i: usize| -> [f32; REPLICATES] { std::array::from_fn(|r| samples.y[r][i]) };
-    let count = size.count();
-    let mut own = vec![0.0; count];
-    let mut gain = vec![0.0; count];
-    for i in 0..count {
-        let (a, b) = (filtered(i), raw(i));
-        let d: [f32; REPLICATES] = std::array::from_fn(|r| a[r] - b[r]);
-        let (dm, _) = var(&d);
-        let (_, vb) = var(&b);
-        let ((am, _), (bm, _)) = (var(&a), var(&b));
-        let cov: f32 = (0..REPLICATES).map(|r| f[r] * (a[r] - am) * (b[r] - bm)).sum::<f32>() / 7.0;
-        own[i] = vb - cov;
-        gain[i] = dm * dm;
-    }
-    let (own, gain) = (mean_around(&own, size, 3, 1), mean_around(&gain, size, 3, 1));
-    let guard = std::env::var("GUARD").map_or(true, |v| v != "0");
-    let lambda: Vec<f32> =
-        own.iter().zip(&gain).map(|(v, g)| if guard { (v.max(0.0) / g.max(1e-30)).min(1.0) } else { 1.0 }).collect();
-    let (mut xyz, mut variance, mut square) = (Vec::new(), Vec::new(), Vec::new());
-    let [even, odd] = samples.fractions_of_halves();
-    for i in 0..count {
-        let (a, b) = (filtered(i), raw(i));
-        let l = lambda[i];
-        let v: [f32; REPLICATES] = std::array::from_fn(|r| b[r] + l * (a[r] - b[r]));
-        let (mean, noise) = var(&v);
-        variance.push(noise);
-        let of_half = |h: usize| (0..OWN).map(|k| f[2 * k + h] * (v[2 * k + h] - b[2 * k + h])).sum::<f32>();
-        square.push((of_half(0) / even) * (of_half(1) / odd));
-        let c: [f32; 3] = std::array::from_fn(|c| even * halves[1].colour[c][i] + odd * halves[0].colour[c][i]);
-        let scale = if c[1] > 0.0 { mean / albedo[i][1] / c[1] } else { 1.0 };
-        xyz.push([albedo[i][0] * c[0] * scale, mean, albedo[i][2] * c[2] * scale]);
-        let _ = GROUPS;
-    }
+    let own: Vec<(f32, f32)> = (0..size.count())
+        .into_par_iter()
+        .map(|i| {
+            let values = guarded(i);
+            (spread.variance(values), squared_bias(&spread, original(i), values))
+        })
+        .collect();
+    let (variance, square): (Vec<f32>, Vec<f32>) = own.into_iter().unzip();
     let around = mean_around(&variance, size, 1, 1);
-    let noise = variance.iter().zip(&around).map(|(own, around)| ((7.0 * own + 2.0 * around) / 9.0).sqrt()).collect();
-    let bias = mean_around(&square, size, 2, 1).into_iter().map(|square| square.max(0.0).sqrt()).collect();
-    Denoised { xyz, noise, bias }
+    let pooled =
+        |(own, around): (&f32, &f32)| (DEGREES * own + NEIGHBOUR_DEGREES * around) / (DEGREES + NEIGHBOUR_DEGREES);
+    // The half 0 holds the odd replicates.
+    let of_halves = [1, 0].map(|first| spread.weights.iter().skip(first).step_by(2).sum::<f32>());
+    let xyz = |i: usize| {
+        let y = spread.mean(guarded(i));
+        let colour = [0, 1, 2].map(|c| of_halves[0] * halves[0].colour[c][i] + of_halves[1] * halves[1].colour[c][i]);
+        // The colour is that of the wider means, at the luminance of the narrower ones.
+        let scale = if colour[1] > 0.0 { y / (surfaces.divisor[i][1] * colour[1]) } else { 1.0 };
+        [surfaces.divisor[i][0] * colour[0] * scale, y, surfaces.divisor[i][2] * colour[2] * scale]
+    };
+    Denoised {
+        xyz: (0..size.count()).into_par_iter().map(xyz).collect(),
+        noise: variance.iter().zip(&around).map(pooled).map(f32::sqrt).collect(),
+        bias: mean_around(&square, size, BIAS_RADIUS_PX, 1).into_iter().map(|square| square.max(0.0).sqrt()).collect(),
+    }
+}
+
+/// Returns estimates of the variance of the original that the filter removes, and of the mean square
+/// of its change.
+///
+/// With the original mean m, its error e, and the filtered mean f, the mean square error of
+/// m + t (f − m) is least for t = E[e (m − f)] / E[(m − f)²]. Since m has no bias, the numerator is
+/// Var(m) − Cov(m, f).
+fn removed_and_added(spread: &Spread<REPLICATES>, original: Values, filtered: Values) -> (f32, f32) {
+    let change = spread.mean(std::array::from_fn(|r| filtered[r] - original[r]));
+    (spread.variance(original) - spread.covariance(original, filtered), change * change)
+}
+
+/// Returns the largest fraction t of the filter's change, up to 1, that does not make the picture
+/// worse. Since the mean square error is quadratic in t, it is equal to that of the original at
+/// twice the t of the least error.
+fn trust(removed: f32, added: f32) -> f32 {
+    if added > 0.0 { (2.0 * removed.max(0.0) / added).min(1.0) } else { 1.0 }
+}
+
+/// Returns the product of the mean changes in both halves. They have independent noise, so its mean
+/// is the squared bias.
+fn squared_bias(spread: &Spread<REPLICATES>, original: Values, filtered: Values) -> f32 {
+    let change = |half: usize| {
+        let own = (half..REPLICATES).step_by(2);
+        let passes: f32 = own.clone().map(|r| spread.weights[r]).sum();
+        own.map(|r| spread.weights[r] * (filtered[r] - original[r])).sum::<f32>() / passes
+    };
+    change(0) * change(1)
 }

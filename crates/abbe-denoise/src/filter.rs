@@ -1,40 +1,64 @@
-//! One level of the filter: a weighted mean over 25 pixels, 2ⁿ pixels apart at level n (Dammertz et
-//! al. 2010, "Edge-avoiding À-Trous wavelet transform").
+//! One level of the filter: a weighted mean over nine pixels, 2ⁿ pixels apart at level n (Dammertz
+//! et al. 2010, "Edge-avoiding À-Trous wavelet transform").
 //!
-//! The weight of a pixel is that of a B₃ spline, if the guiding replicates do not tell it apart
-//! from the pixel in the middle.
+//! A pixel has its full weight if the guiding replicates do not tell it apart from the pixel in
+//! the middle, and less if they do, or if it is noisier.
 
 use crate::features::Surfaces;
-use crate::half::{Half, OWN, Spread};
+use crate::half::{Half, OWN};
 use crate::planes::{ROWS, Size, by_rows, mean_around};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The levels of the filter.
-pub(crate) const LEVELS: usize = 6;
+/// The levels of the filter: those of luma, and one more for chroma.
+pub(crate) const LEVELS: usize = LUMA_LEVELS + 1;
 
-fn tune(name: &str, default: f32) -> f32 {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default)
-}
+const LUMA_LEVELS: usize = 5;
 
-/// The weights of the spline for offsets of 0, 1 and 2 steps.
-const SPLINE: [f32; 3] = [0.375, 0.25, 0.0625];
+/// The largest distance of the nine pixels over which a comparison is pooled.
+pub(crate) const LARGEST_PATCH: usize = 4;
 
-/// An offset between two pixels, with the weight of the spline.
+/// The weights of pixels in the middle and beside it, in each direction.
+const KERNEL: [f32; 2] = [0.375, 0.25];
+
+/// A test statistic has the mean 1 if two pixels are equal. Pixels with less than this are.
+const EQUAL: f32 = 1.0;
+
+/// Pixels whose pooled statistic exceeds [`EQUAL`] by this much are not averaged: of luma, and of
+/// chroma, which has fewer degrees of freedom.
+const LARGEST_LUMA: f32 = 2.0;
+const LARGEST_CHROMA: f32 = 3.0;
+
+/// The same for luma and a single pair of pixels with the pooled variance, so that details of one
+/// pixel do not disappear among the pixels around it.
+const EQUAL_SINGLE: f32 = 2.0;
+const LARGEST_SINGLE: f32 = 8.0;
+
+/// Pixels with more than this multiple of a pixel's variance have less weight.
+const LARGEST_VARIANCE: f32 = 4.0;
+
+/// The distance, in those of a pooled comparison, over which the variance around a pixel is the
+/// mean. A single bright sample does not dominate it, and many of them do.
+const VARIANCE_RADIUS: usize = 4;
+
+/// Keeps quotients of 0 finite. Below the square of any luminance that matters.
+const TINY: f32 = 1e-30;
+
+/// An offset between two pixels, with its weight in the kernel.
 #[derive(Debug, Clone, Copy)]
 struct Offset {
     dx: isize,
     dy: isize,
-    spline: f32,
+    kernel: f32,
 }
 
 impl Offset {
     fn all(step: usize) -> impl Iterator<Item = Self> {
-        (-2_isize..=2).flat_map(move |y| (-2_isize..=2).map(move |x| Self::new(x, y, step as isize)))
+        [-1, 0, 1].into_iter().flat_map(move |y| [-1, 0, 1].map(|x| Self::new(x, y, step as isize)))
     }
 
     fn new(x: isize, y: isize, step: isize) -> Self {
-        Self { dx: x * step, dy: y * step, spline: SPLINE[x.unsigned_abs()] * SPLINE[y.unsigned_abs()] }
+        Self { dx: x * step, dy: y * step, kernel: KERNEL[x.unsigned_abs()] * KERNEL[y.unsigned_abs()] }
     }
 
     /// Returns the columns whose partners lie in the picture.
@@ -64,8 +88,10 @@ struct Level<'h> {
     patch: usize,
     /// The mean ratios of X and Z to Y around each pixel.
     ratios: [Vec<f32>; 2],
-    /// The variance around each pixel: of luma and of chroma.
+    /// The variance of each pixel: of luma and of chroma.
     variances: [Vec<f32>; 2],
+    /// The mean variance around each pixel.
+    around: [Vec<f32>; 2],
     luma: bool,
 }
 
@@ -76,7 +102,7 @@ const STATISTICS: usize = 6;
 impl<'h> Level<'h> {
     fn new(half: &'h Half, surfaces: &'h Surfaces, nth: usize) -> Self {
         let (size, step) = (half.size, 1 << nth);
-        let patch = step.min(tune("PATCH", 4.0) as usize);
+        let patch = step.min(LARGEST_PATCH);
         let mean = |c: usize| {
             let [a, b] = [0, 1].map(|group| &half.guide_colour[group][c]);
             let f = half.groups.weights;
@@ -84,13 +110,15 @@ impl<'h> Level<'h> {
             mean_around(&own, size, 1, patch)
         };
         let [x, y, z] = [0, 1, 2].map(mean);
-        let ratio = |c: &Vec<f32>| -> Vec<f32> {
-            c.iter().zip(&y).map(|(c, y)| if *y > 0.0 { c / y } else { 0.0 }).collect()
-        };
+        let ratio =
+            |c: &Vec<f32>| -> Vec<f32> { c.iter().zip(&y).map(|(c, y)| if *y > 0.0 { c / y } else { 0.0 }).collect() };
         let ratios = [ratio(&x), ratio(&z)];
+        // Both halves, because rare bright samples may be in one of them only.
         let luma = by_rows(size, |y, row| {
             for (x, value) in row.iter_mut().enumerate() {
-                *value = half.replicates.variance_at(&half.guide, y * size.width + x);
+                let i = y * size.width + x;
+                let of_others = half.others.variance_at(&half.luma, i);
+                *value = 0.5 * (half.replicates.variance_at(&half.guide, i) + of_others);
             }
         });
         let chroma = by_rows(size, |y, row| {
@@ -103,8 +131,9 @@ impl<'h> Level<'h> {
                 *value = (0..2).map(|c| half.groups.variance([of(0, c), of(1, c)])).sum();
             }
         });
-        let variances = [luma, chroma].map(|plane| mean_around(&plane, size, 1, patch));
-        Self { half, surfaces, step, patch, ratios, variances, luma: nth < tune("LUMA_LEVELS", 5.0) as usize }
+        let around = [&luma, &chroma].map(|plane| mean_around(plane, size, VARIANCE_RADIUS, patch));
+        let variances = [luma, chroma];
+        Self { half, surfaces, step, patch, ratios, variances, around, luma: nth < LUMA_LEVELS }
     }
 
     /// Compares the pixels of a row with their partners. Writes the sums over three columns.
@@ -203,7 +232,7 @@ pub(crate) fn level(half: &Half, surfaces: &Surfaces, nth: usize) -> Half {
             for row in 0..rows {
                 let Some((p, q)) = offset.pair((first + row) as isize, &columns, size) else { continue };
                 if is_centre {
-                    weights.iter_mut().flatten().for_each(|weight| *weight = offset.spline);
+                    weights.iter_mut().flatten().for_each(|weight| *weight = offset.kernel);
                 } else {
                     let around = [0, 1, 2].map(|k| &comparisons[row + k * level.patch]);
                     level.weigh(offset, (p, q), &columns, around, &mut weights);
@@ -237,43 +266,43 @@ impl Level<'_> {
         around: [&Comparisons; 3],
         weights: &mut [Vec<f32>; 2],
     ) {
-        let s9 = tune_cached().s9;
-        let T { s1, sc, t9, t1, precision, .. } = *tune_cached();
         let count = columns.len();
-        let sums: [[&[f32]; 3]; STATISTICS] =
-            std::array::from_fn(|k| around.map(|row| &row.sums[k][columns.clone()]));
+        let sums: [[&[f32]; 3]; STATISTICS] = std::array::from_fn(|k| around.map(|row| &row.sums[k][columns.clone()]));
         let own = &around[1].luma[columns.clone()];
         let [luma, chroma] = weights;
         let (luma, chroma) = (&mut luma[..count], &mut chroma[..count]);
-        self.surfaces.penalties(offset.dx, offset.dy, (p, q), luma);
-        let [vl, vc] = [0, 1].map(|k| (&self.variances[k][p..][..count], &self.variances[k][q..][..count]));
+        self.surfaces.penalties((offset.dx, offset.dy), (p, q), luma);
+        // Of the pixels in the middle, and of their partners.
+        let [luma_variances, chroma_variances] = [0, 1].map(|kind| {
+            let (own, around) = (&self.variances[kind], &self.around[kind]);
+            (&around[p..][..count], [&own[q..][..count], &around[q..][..count]])
+        });
         for i in 0..count {
             let pooled: [f32; STATISTICS] = std::array::from_fn(|k| sums[k][0][i] + sums[k][1][i] + sums[k][2][i]);
             let [square, variance, x2, vx, z2, vz] = pooled;
             let surface = luma[i];
             let ratio = square / (variance + TINY);
             let single = 9.0 * own[i] / (variance + TINY);
-            let of_luma = ((ratio - t9).max(0.0) / s9).max((single - t1).max(0.0) / s1) + surface;
+            let of_luma =
+                excess(ratio, EQUAL, LARGEST_LUMA).max(excess(single, EQUAL_SINGLE, LARGEST_SINGLE)) + surface;
             let of_chroma = (x2 / (vx + TINY)).max(z2 / (vz + TINY));
-            let of_chroma = (of_chroma - t9).max(0.0) / sc + surface;
-            let precise = |v: (&[f32], &[f32])| (precision * v.0[i] / (v.1[i] + TINY)).min(1.0);
+            let of_chroma = excess(of_chroma, EQUAL, LARGEST_CHROMA) + surface;
+            let precise = |(middle, partner): (&[f32], [&[f32]; 2])| {
+                (LARGEST_VARIANCE * middle[i] / (partner[0][i].max(partner[1][i]) + TINY)).min(1.0)
+            };
+            let precision = precise(luma_variances);
             let smooth = |penalty: f32| {
                 let rest = (1.0 - penalty * penalty).max(0.0);
-                offset.spline * rest * rest
+                offset.kernel * rest * rest
             };
-            luma[i] = if self.luma { smooth(of_luma) * precise(vl) } else { 0.0 };
-            chroma[i] = smooth(of_chroma) * precise(vc);
+            luma[i] = if self.luma { smooth(of_luma) * precision } else { 0.0 };
+            chroma[i] = smooth(of_chroma) * precision.min(precise(chroma_variances));
         }
     }
 }
 
-/// Below the square of any luminance that matters.
-const TINY: f32 = 1e-30;
-
-#[derive(Clone, Copy)]
-struct T { s9: f32, s1: f32, sc: f32, t9: f32, t1: f32, precision: f32 }
-fn tune_cached() -> &'static T {
-    static CELL: std::sync::LazyLock<T> = std::sync::LazyLock::new(|| T {
-        s9: tune("S9", 2.0), s1: tune("S1", 8.0), sc: tune("SC", 3.0), t9: tune("T9", 1.0), t1: tune("T1", 2.0), precision: tune("PREC", 4.0) });
-    &CELL
+/// Returns by how much a statistic exceeds the value of equal pixels, relative to the largest
+/// excess.
+fn excess(statistic: f32, equal: f32, largest: f32) -> f32 {
+    (statistic - equal).max(0.0) / largest
 }

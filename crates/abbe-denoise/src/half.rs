@@ -1,6 +1,6 @@
 //! One half of the replicates, which decides over the averages of the other half.
 
-use crate::features::{Demodulation, Surfaces};
+use crate::features::Surfaces;
 use crate::filter::{LEVELS, level};
 use crate::planes::Size;
 use crate::samples::Samples;
@@ -16,7 +16,7 @@ pub(crate) struct Spread<const N: usize> {
 }
 
 impl<const N: usize> Spread<N> {
-    fn new(passes: [u64; N]) -> Self {
+    pub(crate) fn new(passes: [u64; N]) -> Self {
         let all: u64 = passes.iter().sum();
         Self { weights: passes.map(|passes| passes as f32 / all as f32) }
     }
@@ -41,6 +41,13 @@ impl<const N: usize> Spread<N> {
         spread / (N - 1) as f32
     }
 
+    /// Returns the covariance of two means, from the values of the same replicates.
+    pub(crate) fn covariance(&self, a: [f32; N], b: [f32; N]) -> f32 {
+        let (mean_a, mean_b) = (self.mean(a), self.mean(b));
+        let products = a.iter().zip(b).zip(self.weights).map(|((a, b), weight)| weight * (a - mean_a) * (b - mean_b));
+        products.sum::<f32>() / (N - 1) as f32
+    }
+
     pub(crate) fn variance_at(&self, planes: &[Vec<f32>; N], i: usize) -> f32 {
         self.variance(std::array::from_fn(|k| planes[k][i]))
     }
@@ -51,6 +58,8 @@ impl<const N: usize> Spread<N> {
 pub(crate) struct Half {
     pub(crate) size: Size,
     pub(crate) replicates: Spread<OWN>,
+    /// The weights of the other replicates.
+    pub(crate) others: Spread<OWN>,
     pub(crate) groups: Spread<{ GROUPS / 2 }>,
     /// Y of the guiding replicates.
     pub(crate) guide: [Vec<f32>; OWN],
@@ -63,8 +72,8 @@ pub(crate) struct Half {
 }
 
 impl Half {
-    pub(crate) fn new(samples: &Samples, demodulation: &Demodulation, half: usize) -> Self {
-        let albedo = &demodulation.albedo;
+    pub(crate) fn new(samples: &Samples, surfaces: &Surfaces, half: usize) -> Self {
+        let albedo = &surfaces.divisor;
         let divided = |plane: &[f32], c: usize| -> Vec<f32> {
             plane.iter().zip(albedo).map(|(value, albedo)| value / albedo[c]).collect()
         };
@@ -84,8 +93,9 @@ impl Half {
         let spread = groups(other);
         let mean = |c: usize| a[c].iter().zip(&b[c]).map(|(a, b)| spread.mean([*a, *b])).collect();
         Self {
-            size: Size { width: samples.width, height: samples.height },
+            size: samples.size(),
             replicates: Spread::new(std::array::from_fn(|k| samples.passes[2 * k + half])),
+            others: Spread::new(std::array::from_fn(|k| samples.passes[2 * k + other])),
             groups: groups(half),
             guide: std::array::from_fn(|k| divided(&samples.y[2 * k + half], 1)),
             guide_colour: [half, half + 2].map(colour),

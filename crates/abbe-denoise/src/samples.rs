@@ -1,21 +1,24 @@
 //! The input of the denoiser: means over the replicates of a picture.
 
+use crate::planes::Size;
 use crate::{GROUPS, REPLICATES};
+use std::ops::Range;
 
 /// The means of a picture over groups of its passes, row by row from the top.
 ///
-/// All planes have `width` × `height` values in one unit, such as cd/m².
+/// All planes have `width` × `height` values, and X, Y and Z one unit, such as cd/m².
 #[derive(Debug, Clone, Default)]
 pub struct Samples {
     /// The number of columns.
     pub width: usize,
     /// The number of rows.
     pub height: usize,
-    /// The number of passes of each replicate. None may be 0.
+    /// The number of passes of each replicate, which is above 0.
     pub passes: [u64; REPLICATES],
     /// The mean Y of each replicate.
     pub y: [Vec<f32>; REPLICATES],
-    /// The mean X of each group: the replicates r whose remainder modulo [`GROUPS`] is its number.
+    /// The mean X of each group: of the replicates r whose remainder modulo [`GROUPS`] is its
+    /// number.
     pub x: [Vec<f32>; GROUPS],
     /// The mean Z of each group.
     pub z: [Vec<f32>; GROUPS],
@@ -36,22 +39,36 @@ pub struct Feature {
 }
 
 impl Feature {
-    /// A pixel whose samples hit no surface.
+    /// The features of a pixel whose samples hit no surface.
     pub const NONE: Self = Self { albedo: [1.0; 3], normal: [0.0; 3], log_depth: 0.0 };
 }
 
 impl Samples {
-    /// Returns the mean of one channel over all passes.
-    pub(crate) fn weights_of_half(&self, half: usize) -> [f32; REPLICATES / 2] {
-        let passes: [u64; REPLICATES / 2] = std::array::from_fn(|k| self.passes[2 * k + half]);
-        let all: u64 = passes.iter().sum();
-        passes.map(|passes| passes as f32 / all as f32)
+    pub(crate) fn size(&self) -> Size {
+        Size { width: self.width, height: self.height }
     }
 
-    /// Returns the fraction of all passes that belongs to each half.
-    pub(crate) fn fractions_of_halves(&self) -> [f32; 2] {
-        let of_half = |half: usize| self.passes.iter().skip(half).step_by(2).sum::<u64>() as f32;
-        let halves = [of_half(0), of_half(1)];
-        halves.map(|half| half / (halves[0] + halves[1]))
+    /// Panics if the samples are incomplete.
+    pub(crate) fn check(&self) {
+        let count = self.size().count();
+        let planes = self.y.iter().chain(&self.x).chain(&self.z);
+        let complete = planes.map(Vec::len).chain(self.features.iter().map(Vec::len)).all(|length| length == count);
+        assert!(complete, "each plane has {count} values");
+        assert!(!self.passes.contains(&0), "each replicate has passes");
+    }
+
+    /// Returns the samples of some rows.
+    pub(crate) fn rows(&self, rows: Range<usize>) -> Self {
+        let pixels = rows.start * self.width..rows.end * self.width;
+        let cut = |plane: &Vec<f32>| plane[pixels.clone()].to_vec();
+        Self {
+            width: self.width,
+            height: rows.len(),
+            passes: self.passes,
+            y: self.y.each_ref().map(cut),
+            x: self.x.each_ref().map(cut),
+            z: self.z.each_ref().map(cut),
+            features: self.features.each_ref().map(|plane| plane[pixels.clone()].to_vec()),
+        }
     }
 }

@@ -28,7 +28,13 @@ impl Film {
         let unit = self.unit.value() * LUMENS_PER_WATT;
         let mean = |sum: f64, passes: u64| (unit * sum / passes as f64) as f32;
         let of_group: [u64; GROUPS] = std::array::from_fn(|group| self.passes.iter().skip(group).step_by(GROUPS).sum());
-        let mut means = DenoisingMeans::default();
+        let blank = || Vec::with_capacity(self.pixel_count());
+        let mut means = DenoisingMeans {
+            y: std::array::from_fn(|_| blank()),
+            x: std::array::from_fn(|_| blank()),
+            z: std::array::from_fn(|_| blank()),
+            surfaces: std::array::from_fn(|_| Vec::with_capacity(self.pixel_count())),
+        };
         for (sums, own) in self.pixels.iter().zip(&self.denoising) {
             for ((plane, sum), passes) in means.y.iter_mut().zip(sums.y).zip(self.passes) {
                 plane.push(mean(sum.value(), passes));
