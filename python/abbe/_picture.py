@@ -90,6 +90,15 @@ class Picture:
         """True near an edge of the illumination, where the bias may be larger than estimated."""
         return _read_only(self._native.edge() > 0)
 
+    @property
+    def denoised(self) -> Optional[Picture]:
+        """The denoised picture with its own noise and bias.
+
+        None if the render did not denoise, or has fewer than eight passes.
+        """
+        native = self._native.denoised
+        return None if native is None else Picture(native)
+
     def interval(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Returns the lower and the upper limit of the 95 % interval of the luminance in cd/m².
 

@@ -34,7 +34,7 @@ fn refusal(budget: &Budget, available: u64) -> Error {
     let gigabytes = |bytes: u64| format!("{:.1} GB", bytes as f64 * 1e-9);
     let what = format!("not enough memory: film and photons need {}", gigabytes(budget.memory_bytes));
     let remedy = match budget.photons_within(available) {
-        0 => "a smaller --size, fewer --spectral-bands or a smaller `render.light_map`".to_string(),
+        0 => "a smaller --size, --no-denoise, fewer --spectral-bands or a smaller `render.light_map`".to_string(),
         photons => format!("at most --photons {photons}"),
     };
     Error::machine(what).expected(format!("at most {}, which are available; use {remedy}", gigabytes(available)))

@@ -162,6 +162,18 @@ impl Image {
         self.picture.error_means().relative
     }
 
+    /// The denoised image, whose noise and bias are those of its own pixels, or `None` if the
+    /// render did not denoise or has fewer than eight passes. It has no spectrum and no edges.
+    pub fn denoised(&self) -> Option<Self> {
+        Some(Self { picture: self.picture.denoised()?, ..self.clone() })
+    }
+
+    /// Returns true if [`write_png`](Self::write_png) shows the denoised image: if the scene
+    /// requests it, or if it is safe by its own error bars.
+    pub fn shows_denoised(&self) -> bool {
+        self.display.shows_denoised(&self.picture)
+    }
+
     /// The statistics of the render, or `None` for a picture from a file.
     pub fn stats(&self) -> Option<&Stats> {
         self.stats.as_ref()

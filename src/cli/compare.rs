@@ -30,6 +30,9 @@ pub(crate) struct CompareArgs {
     /// Compare only pixels that are not black in this image
     #[arg(long, value_name = "FILE.png")]
     mask: Option<PathBuf>,
+    /// Compare the denoised picture of A, with its own error bars, instead of A as it was rendered
+    #[arg(long)]
+    denoised: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -80,6 +83,12 @@ pub(crate) fn run(arguments: &CompareArgs) -> Result<Outcome> {
     let inputs = [&arguments.picture, &arguments.reference].into_iter().chain(&arguments.mask);
     file::check_keeps_inputs(arguments.html.as_deref(), inputs)?;
     let Inputs { picture, reference, exposure, tone } = Inputs::read(&arguments.picture, &arguments.reference)?;
+    let picture = if arguments.denoised {
+        let error = || Error::input("contains no denoised picture").in_file(&arguments.picture);
+        picture.denoised().ok_or_else(error)?
+    } else {
+        picture
+    };
     let mask = match &arguments.mask {
         Some(path) => Some(read_mask(path, reference.width, reference.height)?),
         None => None,

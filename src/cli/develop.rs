@@ -1,19 +1,20 @@
 //! `abbe develop`: converts a finished or running picture to a PNG file, without rendering.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use abbe_scene::Exposure;
 use abbe_session::output::Metadata;
-use abbe_session::output::exr::read;
+use abbe_session::output::exr::{ExrFile, read};
 use abbe_session::output::file;
 use abbe_session::output::metadata::names;
 use abbe_session::output::png::write as write_png;
-use abbe_session::render::{DisplaySettings, on_threads};
+use abbe_session::render::{DisplaySettings, PartSet, SavedRun, on_threads};
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
 use abbe_spectra::colour::{AdaptationTransform, RgbSpace, Xyz};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::Observer;
+use abbe_transport::sensor::DenoisedPicture;
 use serde_json::Value;
 
 use super::spectrum::light;
@@ -30,9 +31,30 @@ pub(crate) struct DevelopArgs {
     output: PathBuf,
     #[command(flatten)]
     display: DisplayArgs,
+    #[command(flatten)]
+    denoise: DenoiseArgs,
     /// Print only warnings and errors
     #[arg(long)]
     quiet: bool,
+}
+
+/// Whether a picture is denoised.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(crate) struct DenoiseArgs {
+    /// Show the denoised picture in the PNG [default: the setting of the scene, else if it is safe
+    /// by its own error bars]
+    #[arg(long, overrides_with = "no_denoise")]
+    denoise: bool,
+    /// Show the picture as it was rendered
+    #[arg(long)]
+    no_denoise: bool,
+}
+
+impl DenoiseArgs {
+    /// Returns the choice, or `None` without an option.
+    pub(crate) fn choice(self) -> Option<bool> {
+        (self.denoise || self.no_denoise).then_some(self.denoise)
+    }
 }
 
 /// The conversion of a picture to a PNG file.
@@ -68,8 +90,12 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
         return Err(Error::input(what).expected("a name that ends in .png"));
     }
     file::check_keeps_inputs([output.as_path()], [&arguments.picture])?;
-    let file = read(&arguments.picture)?;
-    let settings = arguments.display.settings(&file.metadata)?;
+    let mut file = read(&arguments.picture)?;
+    let mut settings = arguments.display.settings(&file.metadata)?;
+    settings.denoise = arguments.denoise.choice().or(settings.denoise);
+    if settings.denoise == Some(true) {
+        file.picture.denoised = Some(denoised(&arguments.picture, &file)?);
+    }
     let exposure = on_threads(None, || {
         let exposure = settings.factor(&file.picture);
         write_png(output, &settings.screen_at(&file.picture, exposure)).map(|()| exposure)
@@ -78,6 +104,19 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
         print::remark(&format!("wrote {}: exposure {}", output.display(), print::exposure(exposure)));
     }
     Ok(Outcome::Done)
+}
+
+/// Returns the denoised picture of a file, or computes it from the exact sums of a checkpoint.
+fn denoised(path: &Path, file: &ExrFile) -> Result<DenoisedPicture> {
+    let found = match &file.picture.denoised {
+        Some(denoised) => Some(denoised.clone()),
+        None if SavedRun::read(path).is_ok() => {
+            on_threads(None, || PartSet::new(&[path.to_path_buf()])?.merge())??.picture.denoised
+        }
+        None => None,
+    };
+    let expected = "a picture with at least eight passes of a render without --no-denoise, or its checkpoint";
+    found.ok_or_else(|| Error::input("contains no denoised picture").expected(expected).in_file(path))
 }
 
 impl DisplayArgs {

@@ -27,7 +27,9 @@ pub(crate) struct ExplainArgs {
 
 pub(crate) fn run(arguments: &ExplainArgs) -> Result<Outcome> {
     let (scene, source) = arguments.scene_file.read(&arguments.scene, &[], false)?;
-    let job = Job::new(resolve(&scene, &source)?).map_err(|error| error.in_file(&arguments.scene))?;
+    let mut resolved = resolve(&scene, &source)?;
+    resolved.film.denoise = resolved.film.denoise.or_where_possible();
+    let job = Job::new(resolved).map_err(|error| error.in_file(&arguments.scene))?;
     if arguments.json {
         print::json(&PlanReport::of(&job))?;
     } else {

@@ -56,6 +56,10 @@ impl OutputFiles {
         // Attributes without the prefix belong to the format. They are written anew.
         let own = metadata.iter().filter(|(name, _)| name.starts_with("abbe."));
         let metadata = own.chain(explicit).fold(Metadata::new(), |metadata, (name, value)| metadata.with(name, value));
+        if display.denoise == Some(true) && picture.denoised.is_none() {
+            let error = Error::input("contains no denoised picture").in_file(&self.exr);
+            return Err(error.expected("a file of a render without --no-denoise, or no file"));
+        }
         write_exr(&self.exr, &picture, &metadata)?;
         write_png(&self.png, &display.screen(&picture))
     }

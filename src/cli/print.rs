@@ -11,6 +11,7 @@ use abbe_session::render::ErrorStats;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::log2;
 use abbe_spectra::spectrum::library;
+use abbe_transport::sensor::Picture;
 use serde::Serialize;
 
 /// Prints a report. Names in it may come from files, so its control characters are shown as text.
@@ -106,6 +107,13 @@ pub(crate) fn picture_error(error: &ErrorStats) -> String {
         format!(", {:.0} % of it from the region {x0},{y0},{x1},{y1}", 100.0 * fraction)
     });
     format!("error of a typical pixel {typical}, of 95 % of the pixels below {p95}; RMSE {relative} of the mean{worst}")
+}
+
+/// Returns the error of a denoised picture as text, and whether the PNG shows this picture.
+pub(crate) fn denoised(picture: &Picture, is_shown: bool) -> String {
+    let typical = picture.error_distribution().map_or("unknown".to_string(), |errors| percent(errors.typical));
+    let shown = if is_shown { "the PNG shows the denoised picture" } else { "the PNG shows the picture as rendered" };
+    format!("{shown}; denoised, the error of a typical pixel is {typical}")
 }
 
 /// Hints for error messages of the library, each after the fragment of a message.

@@ -15,6 +15,7 @@ use abbe_session::render::{
 use abbe_spectra::error::{Error, Result};
 
 use super::checkpoint::{CheckpointFile, CheckpointInterval, RenderMonitor};
+use super::develop::DenoiseArgs;
 use super::display_server::{DisplayServer, ServerAddress};
 use super::frames::{SequenceArgs, SequenceFrame};
 use super::outputs::OutputFiles;
@@ -80,6 +81,8 @@ pub(crate) struct RenderArgs {
     /// object, material, uv, samples, paths, lights
     #[arg(long, value_name = "LAYER,...", value_delimiter = ',', value_parser = clap::builder::NonEmptyStringValueParser::new())]
     layers: Option<Vec<String>>,
+    #[command(flatten)]
+    denoise: DenoiseArgs,
     /// Render only one of N parts: the passes whose index modulo N is I, with I from 0 to N-1.
     /// `abbe merge` merges the parts
     #[arg(long, value_name = "I/N", value_parser = values::part, default_value = "0/1", hide_default_value = true)]
@@ -285,7 +288,7 @@ fn picture(arguments: &RenderArgs, frame: Option<&SequenceFrame>, server: Option
     }
     print::notes(&rendered.stats.notes, &rendered.stats.warnings, arguments.quiet);
     if !arguments.quiet {
-        print::remark(&summary(&rendered, &outputs, exposure));
+        print::remark(&summary(&rendered, &outputs, &DisplaySettings::of(&job), exposure));
     }
     Ok(Outcome::Done)
 }
@@ -363,6 +366,7 @@ impl RenderArgs {
         add("film.height", self.size.map(|(_, height)| height.to_string()));
         add("film.spectral_bands", self.spectral_bands.map(|bands| bands.to_string()));
         add("film.layers", self.layers.as_ref().map(|layers| format!("{layers:?}")));
+        add("film.denoise", self.denoise.choice().map(|denoise| denoise.to_string()));
         add("render.photons", self.photons.map(|photons| photons.to_string()));
         add("render.seed", self.seed.map(|seed| seed.to_string()));
         add("render.threads", self.threads.map(|threads| threads.to_string()));
@@ -386,17 +390,22 @@ fn plan(arguments: &RenderArgs) -> Result<(JsonSource, Job)> {
         }
         (scene, source) = arguments.scene_file.read(path, &patches, arguments.quiet)?;
     }
-    let resolved = resolve::resolve(&scene, &source)?;
+    let mut resolved = resolve::resolve(&scene, &source)?;
+    resolved.film.denoise = resolved.film.denoise.or_where_possible();
     let job = Job::new(resolved).map_err(|error| error.in_file(path))?;
     Ok((source, job))
 }
 
-fn summary(rendered: &Rendered, outputs: &OutputFiles, exposure: f64) -> String {
+fn summary(rendered: &Rendered, outputs: &OutputFiles, display: &DisplaySettings, exposure: f64) -> String {
     let stats = &rendered.stats;
     let spent = time(Duration::try_from_secs_f64(stats.seconds.total).unwrap_or_default());
     let error = print::picture_error(&stats.error);
     let (passes, exposure) = (print::passes(stats.passes), print::exposure(exposure));
-    format!("wrote {}: {passes} in {spent}, exposure {exposure}\n{error}", outputs.named())
+    let mut text = format!("wrote {}: {passes} in {spent}, exposure {exposure}\n{error}", outputs.named());
+    if let Some(denoised) = rendered.picture.denoised() {
+        text += &format!("\n{}", print::denoised(&denoised, display.shows_denoised(&rendered.picture)));
+    }
+    text
 }
 
 #[cfg(test)]

@@ -145,7 +145,8 @@ impl ViewHost for ViewArgs {
         // The picture is written at the end, but it is too late then to refuse its name.
         let files = SceneFiles::of(&source);
         OutputFiles::new(self.exr(), None)?.check_keeps(&self.scene_file.inputs(&files, &self.scene))?;
-        let resolved = resolve::resolve(&scene, &source)?;
+        let mut resolved = resolve::resolve(&scene, &source)?;
+        resolved.film.denoise = resolved.film.denoise.or_where_possible();
         let job = memory::plan(resolved, &self.scene)?;
         let metadata =
             provenance::reproducible(provenance::of_scene(Some((&source, &files)), &job, Integrator::Photon));

@@ -248,6 +248,7 @@ $("orbit").onclick = toggleOrbit;
 $("play").onclick = play;
 $("pin").onclick = pinArea;
 $("unpin").onclick = () => { pins = []; paint(); showProbes(); };
+$("denoise").onchange = () => draw();
 ["tone", "space"].forEach(id => { $(id).onchange = () => { if (photons) colourPhotons(); draw(); showProbes(); }; });
 $("mode").onchange = () => { if (comparison() === "off") draw(); else setComparison("off"); };
 $("ev").oninput = () => { $("ev-value").textContent = (ev() < 0 ? "−" : "+") + Math.abs(ev()).toFixed(1) + " EV"; draw(); };

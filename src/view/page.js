@@ -95,7 +95,7 @@ async function draw() {
   const how = { space: space(), tone: $("tone").value, gamut: scene.gamut, factor };
   let legend = current.passes ? "" : "coarse picture";
   if (comparison() !== "off") legend = await compare(current, pixels, how);
-  else if (mode === "colour") develop(current.xyz, pixels.data, how);
+  else if (mode === "colour") develop(await shownXyz(current), pixels.data, how);
   else if (mode === "band") {
     const band = Number($("band").value), values = await plane("band?band=" + band);
     if (values) {
@@ -120,6 +120,9 @@ async function draw() {
   image.getContext("2d", { colorSpace: space().name }).putImageData(new ImageData(pixels.data, width, height, { colorSpace: space().name }), 0, 0);
   paint();
 }
+
+/// Returns the denoised picture if the reader wants it and the render has one, and else the picture.
+const shownXyz = async current => ($("denoise").checked ? await plane("denoised") : null) ?? current.xyz;
 
 /// Fetches a plane of the shown picture. Returns null if the picture has no such plane.
 async function plane(path) {

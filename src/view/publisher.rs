@@ -53,7 +53,7 @@ impl<'a> Publisher<'a> {
     pub(super) fn update(&mut self, run: &Run) {
         let start = Instant::now();
         if self.schedule.is_due(start) {
-            self.publish(run, run.picture());
+            self.publish(run, run.picture_with_denoised());
             self.schedule.published(start, start.elapsed());
         }
     }

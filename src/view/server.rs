@@ -107,9 +107,10 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
         (&Method::GET, "") => Ok(typed("text/html; charset=utf-8", PAGE.concat())),
         (&Method::GET, "state") => Ok(state(channel, query).await),
         (&Method::GET, "scene") => json(channel.scene().ok_or(StatusCode::NOT_FOUND)?.text.clone()),
-        (&Method::GET, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
-            pictured(channel, path, query).await
-        }
+        (
+            &Method::GET,
+            "picture" | "denoised" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png",
+        ) => pictured(channel, path, query).await,
         (&Method::GET, "reference" | "reference_probe" | "delta_e" | "comparison") => {
             compared(channel, path, query).await
         }
@@ -119,7 +120,7 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
             follow(channel, serde_json::from_slice(&body).map_err(|_| StatusCode::BAD_REQUEST)?)
         }
         (_, "" | "state" | "scene" | "orders" | "photons") => Err(StatusCode::METHOD_NOT_ALLOWED),
-        (_, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
+        (_, "picture" | "denoised" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
             Err(StatusCode::METHOD_NOT_ALLOWED)
         }
         (_, "reference" | "reference_probe" | "delta_e" | "comparison") => Err(StatusCode::METHOD_NOT_ALLOWED),
@@ -227,6 +228,7 @@ async fn pictured(channel: &ViewChannel, path: &str, query: &str) -> Result<Resp
     let snapshot = channel.snapshot().ok_or(StatusCode::NOT_FOUND)?;
     match path {
         "picture" => Ok(plane(&snapshot, snapshot.xyz())),
+        "denoised" => Ok(plane(&snapshot, snapshot.denoised().ok_or(StatusCode::NOT_FOUND)?)),
         "errors" => Ok(plane(&snapshot, snapshot.errors())),
         "samples" => Ok(plane(&snapshot, snapshot.samples().ok_or(StatusCode::NOT_FOUND)?)),
         "classes" => Ok(plane(&snapshot, snapshot.classes().ok_or(StatusCode::NOT_FOUND)?)),

@@ -187,7 +187,7 @@ impl Monitor for ViewMonitor<'_, '_> {
             self.publisher.update(run);
             return;
         }
-        self.publisher.publish(run, run.picture());
+        self.publisher.publish(run, run.picture_with_denoised());
         let begin = Instant::now();
         self.channel.wait(None, |now| !now.paused || now.interrupted || now.revision != self.revision);
         self.paused += begin.elapsed();

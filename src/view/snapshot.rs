@@ -125,6 +125,12 @@ impl Snapshot {
         self.xyz_bytes.get_or_init(|| bytes().into()).clone()
     }
 
+    /// Returns X, Y and Z of all pixels of the denoised picture, if there is one.
+    pub(super) fn denoised(&self) -> Option<Vec<u8>> {
+        let denoised = self.picture.denoised.as_ref()?;
+        Some(float_bytes(denoised.xyz.iter().flatten().map(|&value| value as f32)))
+    }
+
     /// Returns the noise and the bias of all pixels in cd/m², and NaN if they are unknown.
     pub(super) fn errors(&self) -> Vec<u8> {
         let pairs = self.picture.noise.iter().zip(&self.picture.bias);

@@ -9,7 +9,7 @@ use abbe_spectra::error::Result;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Film", example = json!({"width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0,
-    "layers": ["albedo", "paths"], "gamut": "desaturate", "tone": "roll_off", "white_balance": "none",
+    "layers": ["albedo", "paths"], "denoise": true, "gamut": "desaturate", "tone": "roll_off", "white_balance": "none",
     "output_space": "srgb", "exposure": "auto"}))]
 pub struct FilmFile {
     /// Width of the picture.
@@ -29,6 +29,11 @@ pub struct FilmFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub layers: Vec<LayerFile>,
+    /// Whether the EXR holds the denoised picture in addition to the picture as it was rendered, and
+    /// the PNG shows it. Without this key, both do so where it is possible and safe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
+    pub denoise: Option<bool>,
     /// How colours outside the PNG's colour space are mapped into it. The EXR keeps colours outside
     /// the gamut.
     #[serde(default, skip_serializing_if = "is_default")]

@@ -13,7 +13,7 @@
 //! use abbe_scene::builder::{ObjectSet, SceneBuilder, SceneView, WhiteBalance};
 //! use abbe_scene::camera::{Aperture, Camera, Shutter, look_at_axes};
 //! use abbe_scene::light::{Emitter, Light, LightSpectrum, PointLight};
-//! use abbe_scene::{Body, Exposure, FilmSpec, Material};
+//! use abbe_scene::{Body, Denoise, Exposure, FilmSpec, Material};
 //! use abbe_spectra::{Observer, Spectrum};
 //! use glam::{DAffine3, DVec3};
 //!
@@ -43,6 +43,7 @@
 //!     tone: ToneCurve::RollOff,
 //!     exposure: Exposure::Auto,
 //!     layers: Vec::new(),
+//!     denoise: Denoise::Off,
 //! };
 //! let lamp = PointLight { position: DVec3::new(1.0, 3.0, 0.0) - centre, intensity: 10.0 };
 //! let tungsten = LightSpectrum::new(&Spectrum::blackbody(2856.0)?);

@@ -175,6 +175,31 @@ pub struct FilmSpec {
     pub exposure: Exposure,
     /// The layers that the EXR contains in addition to the colours.
     pub layers: Vec<Layer>,
+    pub denoise: Denoise,
+}
+
+/// Whether the film records what a denoiser needs, so that the picture has a denoised layer.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Denoise {
+    /// The scene leaves the choice to the program. The film of [`Denoise::Off`] is used unless the
+    /// program changes it.
+    #[default]
+    Unset,
+    Off,
+    /// Unless the picture has an effect that the denoiser cannot handle.
+    WherePossible,
+    On,
+}
+
+impl Denoise {
+    /// Returns the choice of a program that denoises pictures unless the scene says otherwise.
+    #[must_use]
+    pub fn or_where_possible(self) -> Self {
+        match self {
+            Self::Unset => Self::WherePossible,
+            Self::Off | Self::WherePossible | Self::On => self,
+        }
+    }
 }
 
 /// The mapping from luminance to the brightness of the PNG.

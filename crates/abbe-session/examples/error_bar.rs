@@ -9,7 +9,7 @@ use abbe_scene::builder::{ObjectSet, SceneBuilder, SceneView, WhiteBalance};
 use abbe_scene::camera::{Aperture, Camera, Shutter, look_at_axes};
 use abbe_scene::geometry::shape::Shape;
 use abbe_scene::light::{Emitter, Light, LightSpectrum, PointLight};
-use abbe_scene::{Exposure, FilmSpec, Material, Scene};
+use abbe_scene::{Denoise, Exposure, FilmSpec, Material, Scene};
 use abbe_session::render::{Integrator, Job, NoMonitor, Request, StopRules};
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::colour::gamut::GamutMapping;
@@ -29,7 +29,19 @@ fn scene() -> Result<Scene> {
     let (observer, space) = (Observer::cie1931(), RgbSpace::Srgb);
     let (gamut, tone, exposure) = (GamutMapping::Desaturate, ToneCurve::RollOff, Exposure::Auto);
     let (width, height, spectral_bands, white, layers) = (16, 12, 0, None, Vec::new());
-    let film = FilmSpec { width, height, observer, spectral_bands, space, white, gamut, tone, exposure, layers };
+    let film = FilmSpec {
+        width,
+        height,
+        observer,
+        spectral_bands,
+        space,
+        white,
+        gamut,
+        tone,
+        exposure,
+        layers,
+        denoise: Denoise::Off,
+    };
     let lamp = PointLight { position: DVec3::new(1.0, 3.0, 0.0) - centre, intensity: 10.0 };
     let spectrum = LightSpectrum::new(&Spectrum::blackbody(2856.0)?);
     builder.add_light(Light::new("lamp".into(), Emitter::Point(lamp), &spectrum, observer)?)?;

@@ -65,6 +65,12 @@ impl NativePicture {
         self.image.typical_error()
     }
 
+    /// The denoised picture, if there is one.
+    #[getter]
+    fn denoised(&self) -> Option<Self> {
+        self.image.denoised().map(|image| Self { image })
+    }
+
     /// The CIE tristimulus values X, Y and Z.
     fn xyz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let values = self.image.picture().xyz.clone().into_flattened();

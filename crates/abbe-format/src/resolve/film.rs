@@ -6,7 +6,7 @@ use crate::{
     SpectrumFile, ToneFile, WhiteBalanceFile,
 };
 use abbe_scene::builder::WhiteBalance;
-use abbe_scene::{Exposure, FilmSpec, Layer};
+use abbe_scene::{Denoise, Exposure, FilmSpec, Layer};
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
@@ -16,8 +16,7 @@ use abbe_spectra::spectrum::Observer;
 impl Resolver<'_> {
     /// Resolves the film, without the white that the scene builder finds from the white balance.
     pub(super) fn film(&self, at: &JsonPath, film: &FilmFile, camera: &CameraFile) -> Result<FilmSpec> {
-        let FilmFile { width, height, observer, spectral_bands, layers, gamut, tone, output_space, exposure, .. } =
-            film;
+        let FilmFile { width, height, observer, spectral_bands, layers, gamut, tone, exposure, .. } = film;
         let exposure = match exposure {
             ExposureFile::Auto => Exposure::Auto,
             ExposureFile::None => Exposure::None,
@@ -43,7 +42,7 @@ impl Resolver<'_> {
             ToneFile::PbrNeutral => ToneCurve::PbrNeutral,
             ToneFile::Agx => ToneCurve::Agx,
         };
-        let space = match output_space {
+        let space = match film.output_space {
             OutputSpaceFile::Srgb => RgbSpace::Srgb,
             OutputSpaceFile::DisplayP3 => RgbSpace::DisplayP3,
             OutputSpaceFile::Rec2020 => RgbSpace::Rec2020,
@@ -62,7 +61,13 @@ impl Resolver<'_> {
             LayerFile::Lights => Layer::Lights,
         });
         let layers = layers.collect();
-        Ok(FilmSpec { width, height, observer, spectral_bands, space, white: None, gamut, tone, exposure, layers })
+        let denoise = match film.denoise {
+            None => Denoise::Unset,
+            Some(false) => Denoise::Off,
+            Some(true) => Denoise::On,
+        };
+        let white = None;
+        Ok(FilmSpec { width, height, observer, spectral_bands, space, white, gamut, tone, exposure, layers, denoise })
     }
 
     /// Returns the luminance L, in cd/m², that appears white on a film with the saturation-based

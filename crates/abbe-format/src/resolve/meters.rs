@@ -5,7 +5,7 @@ use crate::{JsonPath, MeterFile, MeterGridFile};
 use abbe_scene::builder::SceneBuilder;
 use abbe_scene::camera::Camera;
 use abbe_scene::meter::{Meter, MeterReading, ReceivingSide, Response, Sensor};
-use abbe_scene::{Exposure, FilmSpec};
+use abbe_scene::{Denoise, Exposure, FilmSpec};
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
@@ -59,6 +59,7 @@ impl Resolver<'_> {
             tone: ToneCurve::Clip,
             exposure: Exposure::None,
             layers: Vec::new(),
+            denoise: Denoise::Off,
         };
         Ok((Camera::of_sensors(sensors.into(), rows), film, meters))
     }

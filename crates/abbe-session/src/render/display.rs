@@ -2,11 +2,12 @@
 
 use super::job::Job;
 use crate::output::metadata::{Metadata, names};
-use abbe_scene::Exposure;
+use abbe_scene::{Denoise, Exposure};
 use abbe_spectra::colour::{RgbSpace, Xyz};
 use abbe_spectra::math::elementary::exp2;
 use abbe_transport::sensor::{Development, DisplayImage, Picture, develop, exposure};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -15,18 +16,26 @@ pub struct DisplaySettings {
     pub exposure: Exposure,
     /// The XYZ of all lights of the scene together, for white balance. `None` without a scene.
     pub lights: Option<Xyz>,
+    /// Whether the denoised picture is shown. `None` shows it if it is safe by its own error bars.
+    #[serde(default)]
+    pub denoise: Option<bool>,
 }
 
 impl DisplaySettings {
     /// The settings of a picture without a scene: automatic exposure and sRGB.
     pub fn automatic() -> Self {
-        Self { development: Development::default(), exposure: Exposure::Auto, lights: None }
+        Self { development: Development::default(), exposure: Exposure::Auto, lights: None, denoise: None }
     }
 
     pub fn of(job: &Job) -> Self {
         let film = &job.scene.film;
         let development = Development { space: film.space, white: film.white, gamut: film.gamut, tone: film.tone };
-        Self { development, exposure: film.exposure, lights: Some(job.scene.xyz_of_lights()) }
+        let denoise = match film.denoise {
+            Denoise::Unset | Denoise::WherePossible => None,
+            Denoise::Off => Some(false),
+            Denoise::On => Some(true),
+        };
+        Self { development, exposure: film.exposure, lights: Some(job.scene.xyz_of_lights()), denoise }
     }
 
     /// Returns the settings in the header of a picture, if this version can read them.
@@ -39,10 +48,21 @@ impl DisplaySettings {
         Self { development: Development { space, ..self.development }, ..self }
     }
 
+    /// Returns true if the denoised picture is shown.
+    pub fn shows_denoised(&self, picture: &Picture) -> bool {
+        picture.denoised.is_some() && self.denoise.unwrap_or_else(|| picture.is_safe_to_denoise())
+    }
+
+    /// Returns the picture that is shown: the denoised one or the picture itself.
+    pub fn shown<'p>(&self, picture: &'p Picture) -> Cow<'p, Picture> {
+        let denoised = if self.shows_denoised(picture) { picture.denoised() } else { None };
+        denoised.map_or(Cow::Borrowed(picture), Cow::Owned)
+    }
+
     /// Returns the factor that multiplies the luminances of a picture, in 1/(cd/m²).
     pub fn factor(&self, picture: &Picture) -> f64 {
         match self.exposure {
-            Exposure::Auto => exposure::automatic(picture),
+            Exposure::Auto => exposure::automatic(&self.shown(picture)),
             Exposure::Ev(ev) => exp2(ev),
             Exposure::White(luminance) => luminance.recip(),
             Exposure::None => 1.0,
@@ -55,6 +75,6 @@ impl DisplaySettings {
 
     /// Converts a picture for a display with a given exposure in 1/(cd/m²).
     pub fn screen_at(&self, picture: &Picture, factor: f64) -> DisplayImage {
-        develop(picture, factor, &self.development)
+        develop(&self.shown(picture), factor, &self.development)
     }
 }

@@ -2,8 +2,8 @@
 
 use super::diffraction::DiffractionSetup;
 use super::layers::layer_set;
-use abbe_scene::Scene;
 use abbe_scene::meter::{Meter, QuantityKind};
+use abbe_scene::{Denoise, Scene};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::emit::LightSampler;
 use abbe_transport::gather::{LightSelector, Portals, SensorResponses};
@@ -44,7 +44,7 @@ impl Job {
         let lights = LightSampler::new(&scene)
             .ok_or_else(|| Error::input("no light in the scene has power within 360–830 nm"))?;
         let selector = LightSelector::new(&scene, &lights.lights);
-        let layers = layer_set(&scene)?;
+        let mut layers = layer_set(&scene)?;
         let spectra = PhotonSpectra::new(&scene, !layers.light_groups.is_empty())?;
         let film = &scene.film;
         let diffraction = DiffractionSetup::of(&scene.camera, &plan, &lights);
@@ -53,6 +53,7 @@ impl Job {
         let pixels = width.saturating_mul(height);
         let readings = reading_layout(&scene).map(Arc::new);
         let channels = readings.as_ref().map_or(bands, |layout| layout.equivalent_channels(bands));
+        layers.denoising = denoises(&scene, slices > 0)?;
         let film_bytes = Film::memory_bytes(pixels, channels, slices, &layers) as u64;
         if slices > 0 && layers.separates_light() {
             let error = Error::input("the layers `paths` and `lights` do not contain the diffraction at the aperture");
@@ -100,6 +101,20 @@ impl Job {
             portals: Portals::NONE,
             stop: &NEVER_STOP,
         }
+    }
+}
+
+/// Returns whether the film records what a denoiser needs, or an input error if that is impossible.
+fn denoises(scene: &Scene, diffraction: bool) -> Result<bool> {
+    let is_possible = !diffraction && scene.meters.is_empty();
+    match scene.film.denoise {
+        Denoise::Unset | Denoise::Off => Ok(false),
+        Denoise::WherePossible => Ok(is_possible),
+        Denoise::On if !is_possible && diffraction => {
+            let error = Error::input("a denoised picture does not contain the diffraction at the aperture");
+            Err(error.expected("no denoising, or a render that forbids the effect `diffraction`"))
+        }
+        Denoise::On => Ok(is_possible),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Merges the parts of a picture to that of a single run with all their passes.
 
+use super::denoise::denoised;
 use super::display::DisplaySettings;
 use super::identity::RenderIdentity;
 use super::part::PassPart;
@@ -97,7 +98,9 @@ impl PartSet {
             saved.add_to(path, sum.insert(film))?;
         }
         self.gaps = gaps(&self.parts)?;
-        let (picture, errors) = sum.ok_or_else(|| Error::input("no parts to merge"))?.picture_and_errors();
+        let film = sum.ok_or_else(|| Error::input("no parts to merge"))?;
+        let (mut picture, errors) = film.picture_and_errors();
+        picture.denoised = denoised(&film, &picture);
         let stats: Vec<&Stats> = self.parts.iter().map(|(_, saved)| &saved.stats).collect();
         let stats = Stats::merged(&stats, &picture, errors);
         let display = self.parts[0].1.display;

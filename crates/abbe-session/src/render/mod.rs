@@ -2,6 +2,7 @@
 //! passes until a stop rule is satisfied. A [`Run`] contains the sums of the passes so far, and can
 //! be saved, continued, and merged with the runs of other passes.
 
+mod denoise;
 mod diffraction;
 mod display;
 mod forecast;
@@ -25,6 +26,7 @@ mod threads;
 
 pub use abbe_transport::pass::StageSeconds;
 pub use abbe_transport::photon_paths::{PathQuery, PhotonPaths, RecordedPath, RecordedSegment};
+pub use denoise::denoised;
 pub use diffraction::DiffractionSetup;
 pub use display::DisplaySettings;
 pub use forecast::{ErrorMilestone, Forecast, Forecasts, RunTimes};

@@ -1,5 +1,6 @@
 //! The state of a render between two passes.
 
+use super::denoise::denoised;
 use super::job::Job;
 use super::part::PassPart;
 use abbe_transport::emit::SpectrumCoverage;
@@ -42,6 +43,12 @@ impl Run {
 
     pub fn picture(&self) -> Picture {
         self.sums.film.picture()
+    }
+
+    /// Returns the picture so far with its denoised picture, if the film has the sums for it.
+    pub fn picture_with_denoised(&self) -> Picture {
+        let picture = self.picture();
+        Picture { denoised: denoised(&self.sums.film, &picture), ..picture }
     }
 
     pub fn readings(&self) -> Vec<Reading> {

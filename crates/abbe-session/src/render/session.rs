@@ -1,5 +1,6 @@
 //! The loop over passes.
 
+use super::denoise::denoised;
 use super::job::Job;
 use super::monitor::Monitor;
 use super::part::PassPart;
@@ -125,7 +126,8 @@ impl Job {
         }
         let unlit = pilot.map_or_else(Vec::new, |pilot| pilot.unlit);
         let develop_start = Instant::now();
-        let (picture, errors) = run.sums.film.picture_and_errors();
+        let (mut picture, errors) = run.sums.film.picture_and_errors();
+        picture.denoised = denoised(&run.sums.film, &picture);
         let errors = errors.filter(|_| run.coverage.is_complete());
         run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
         clock.update(&mut run);

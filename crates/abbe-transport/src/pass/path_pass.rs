@@ -27,7 +27,7 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
         excitation: &lights.excitation,
         stop: context.stop,
     };
-    let records_surfaces = sums.film.records_surfaces();
+    let records_surfaces = sums.film.records_surfaces(pass);
     let streams = budget.seed.streams(Purpose::Camera);
     // A picture has one sample per pixel and pass, so that the first picture appears early.
     let samples = if sums.film.measures() { budget.camera_samples.unwrap_or(1) } else { 1 };

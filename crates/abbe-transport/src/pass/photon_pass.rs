@@ -77,7 +77,7 @@ pub fn photon_pass<'a>(
         sensors: sensors.as_ref().map_or(&[], SensorKernels::weights),
         ..parameters.camera_pass(&context, (&scene, &selector), (&maps, light_maps), shared)
     };
-    let records_surfaces = sums.film.records_surfaces();
+    let records_surfaces = sums.film.records_surfaces(pass);
     let streams = budget.seed.streams(Purpose::Camera);
     let is_whole = expose_rows(sums, (pass, stop), |row, tally| {
         let mut buffers = PathBuffers::default();

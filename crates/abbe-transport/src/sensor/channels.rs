@@ -68,6 +68,11 @@ impl Channels {
         bands.chain(moments).chain(slices).chain(xyz("path", paths)).chain(xyz("light", groups)).chain(surfaces)
     }
 
+    /// Returns true if the film has the sums for a denoiser.
+    pub(super) fn denoises(&self) -> bool {
+        self.layers.as_ref().is_some_and(|layers| layers.denoising)
+    }
+
     pub(super) fn separates_lights(&self) -> bool {
         self.layers.as_ref().is_some_and(|layers| !layers.light_groups.is_empty())
     }

@@ -1,7 +1,8 @@
 //! The film: exact sums per pixel, separate for each replicate.
 
 use super::channels::{Channels, band_nm};
-use super::diffraction::{Convolution, DiffractionPsf, add_product};
+use super::denoising::{self, DenoisingSums};
+use super::diffraction::DiffractionPsf;
 use super::error_bars::{ErrorBars, PictureErrors, PixelMeans};
 use super::layers::{LayerSet, NameKind, NameLayer, PictureLayers};
 use super::picture::{Picture, SpectralBands};
@@ -32,6 +33,8 @@ pub struct Film {
     /// The sums of the channels, pixel by pixel. Empty if the film is unexposed. Those of light are
     /// divided by the unit, those of surfaces are not.
     by_channel: Vec<ExactSum>,
+    /// The sums for a denoiser, if the film has them. Empty if it has none or is unexposed.
+    denoising: Vec<DenoisingSums>,
     /// The names that camera samples hit: one layer for each requested kind of names.
     names: Vec<NameLayer>,
     /// The data of a measurement with meters. `None` if the film records a picture.
@@ -59,6 +62,7 @@ impl Film {
             pixels: Vec::new(),
             channels: Channels { bands, ..Channels::default() },
             by_channel: Vec::new(),
+            denoising: Vec::new(),
             names: Vec::new(),
             measurement: None,
             passes: [0; REPLICATES],
@@ -105,6 +109,8 @@ impl Film {
         if self.pixels.is_empty() {
             self.pixels = vec![PixelSums::default(); self.pixel_count()];
             self.by_channel = vec![ExactSum::default(); self.pixel_count() * self.channels.count()];
+            let denoising = if self.channels.denoises() { self.pixel_count() } else { 0 };
+            self.denoising = vec![DenoisingSums::default(); denoising];
         }
     }
 
@@ -125,9 +131,10 @@ impl Film {
         self.channels.spectral_count() > 0 || self.measurement.is_some()
     }
 
-    /// Returns true if the film records the first surfaces of camera rays.
-    pub fn records_surfaces(&self) -> bool {
-        self.channels.layers.as_ref().is_some_and(|layers| layers.has_surfaces())
+    /// Returns true if the film records the first surfaces of camera rays in a pass.
+    pub fn records_surfaces(&self, pass: u64) -> bool {
+        let of_layers = self.channels.layers.as_ref().is_some_and(|layers| layers.has_surfaces());
+        of_layers || (self.channels.denoises() && pass < denoising::SURFACE_PASSES)
     }
 
     /// Returns true if the film belongs to a measurement with meters.
@@ -144,8 +151,9 @@ impl Film {
     pub fn memory_bytes(pixels: usize, bands: usize, slices: usize, layers: &LayerSet) -> usize {
         let channels = bands + 3 * slices + layers.planes();
         let names = layers.name_tables().count() * NameLayer::BYTES_PER_PIXEL;
-        let sums = size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names;
-        pixels.saturating_mul(sums + ExposedRow::bytes_per_pixel(channels))
+        let denoising = if layers.denoising { size_of::<DenoisingSums>() } else { 0 };
+        let sums = size_of::<PixelSums>() + channels * size_of::<ExactSum>() + names + denoising;
+        pixels.saturating_mul(sums + ExposedRow::bytes_per_pixel(channels, layers.denoising))
     }
 
     /// Counts a pass. The light of the pass must already be added.
@@ -159,6 +167,7 @@ impl Film {
         let (observer, width, channels) = (self.observer, self.width, &self.channels);
         let per_unit = self.unit.inverse();
         let mut by_channel = self.by_channel.chunks_mut((width * channels.count()).max(1));
+        let mut denoising = self.denoising.chunks_mut(width);
         let mut names: Vec<_> = self.names.iter_mut().map(|layer| layer.rows(width)).collect();
         let bands = self.channels.band_channels() * REPLICATES;
         let (layout, mut by_replicate) = match &mut self.measurement {
@@ -173,6 +182,7 @@ impl Film {
             pixels,
             by_channel: by_channel.next().unwrap_or_default(),
             channels,
+            denoising: denoising.next().unwrap_or_default(),
             names: names.iter_mut().filter_map(|rows| rows.next()).collect(),
         })
     }
@@ -194,6 +204,7 @@ impl Film {
             sums.x += x;
             sums.y[replicate] += y;
             sums.z += z;
+            self.denoising.get_mut(pixel as usize).into_iter().for_each(|own| own.add_light(pass, [x, z]));
         }
         let count = self.channels.count();
         for &(value, pixel, channel) in &sink.channel_splats {
@@ -230,7 +241,7 @@ impl Film {
     pub fn light_plane_names(&self) -> Vec<String> {
         let replicates = (0..REPLICATES).map(|r| format!("Y{r}"));
         let first = ["X", "Z", "bias0", "bias1"].map(String::from);
-        first.into_iter().chain(replicates).chain(self.channels.names()).collect()
+        first.into_iter().chain(replicates).chain(self.channels.names()).chain(self.denoising_plane_names()).collect()
     }
 
     /// Yields the sums pixel by pixel, for an index into [`Self::plane_names`].
@@ -241,14 +252,17 @@ impl Film {
     /// Returns a function of the pixel, for an index into [`Self::plane_names`].
     pub fn plane_sums(&self, plane: usize) -> impl Fn(usize) -> ExactSum {
         let count = self.channels.count();
-        let names = plane.checked_sub(FIRST_CHANNEL + count).and_then(|plane| self.list_of_names(plane));
+        let first_denoising = FIRST_CHANNEL + count;
+        let names =
+            plane.checked_sub(first_denoising + self.denoising_planes()).and_then(|plane| self.list_of_names(plane));
         move |pixel| match plane {
             _ if let Some((layer, place)) = names => layer.pixels[pixel].to_sum(place),
             0 => self.sums_of(pixel).x,
             1 => self.sums_of(pixel).z,
             _ if plane < FIRST_Y => self.sums_of(pixel).bias[plane - FIRST_BIAS],
             _ if plane < FIRST_CHANNEL => self.sums_of(pixel).y[plane - FIRST_Y],
-            _ => self.channel_sum(pixel, plane - FIRST_CHANNEL),
+            _ if plane < first_denoising => self.channel_sum(pixel, plane - FIRST_CHANNEL),
+            _ => self.denoising.get(pixel).map_or_else(ExactSum::default, |own| own.plane(plane - first_denoising)),
         }
     }
 
@@ -281,6 +295,11 @@ impl Film {
         self.allocate();
         let count = self.channels.count();
         for ((pixel, own), sum) in self.pixels.iter_mut().enumerate().skip(first).zip(sums) {
+            let channel = plane.checked_sub(FIRST_CHANNEL);
+            if let Some(plane) = channel.and_then(|channel| channel.checked_sub(count)) {
+                self.denoising[pixel].add_to_plane(plane, sum);
+                continue;
+            }
             *match plane {
                 0 => &mut own.x,
                 1 => &mut own.z,
@@ -430,62 +449,14 @@ impl Film {
         ErrorBars::new((self.width, self.pixel_count()), measured, self.passes)
     }
 
-    /// Returns the light of all pixels and their bands after diffraction. Each slice and each band
-    /// has its own kernel. The replicates and the bias, stored only as Y over all wavelengths, are
-    /// convolved with the mean kernel of all slices, weighted by their Y.
-    fn diffracted_light(&self, diffraction: &DiffractionPsf) -> (Vec<PixelMean>, Vec<f64>) {
-        let convolution = Convolution::new(diffraction, (self.width, self.height));
-        let value = |pixel: usize, channel: usize| self.channel(pixel, channel);
-        let blank = || vec![Default::default(); 4 * self.pixel_count()];
-        let (mut xy, mut z, mut mean, mut whole) = (blank(), blank(), blank(), 0.0);
-        for slice in 0..diffraction.slices() {
-            let [of_x, of_y, of_z] = [0, 1, 2].map(|component| self.channels.of_slice(slice, component));
-            let kernel = convolution.kernel(diffraction.slice_nm(slice));
-            add_product(&mut xy, &kernel, &convolution.transform(|pixel| [value(pixel, of_x), value(pixel, of_y)]));
-            add_product(&mut z, &kernel, &convolution.transform(|pixel| [value(pixel, of_z), 0.0]));
-            let y = (0..self.pixel_count()).map(|pixel| value(pixel, of_y)).sum::<f64>().max(f64::MIN_POSITIVE);
-            mean.iter_mut().zip(kernel).for_each(|(mean, kernel)| *mean += kernel * y);
-            whole += y;
-        }
-        mean.iter_mut().for_each(|value| *value = *value * (1.0 / whole));
-        let (xy, z) = (convolution.planes(xy), convolution.planes(z));
-        let mut light: Vec<PixelMean> = (0..self.pixel_count()).map(|pixel| self.light_of(pixel)).collect();
-        // Rounding may give values slightly below 0.
-        let positive = |value: f64| value.max(0.0);
-        for ((light, xy), z) in light.iter_mut().zip(xy).zip(z) {
-            light.xyz = [xy[0], xy[1], z[0]].map(positive);
-        }
-        let spread = |plane: &(dyn Fn(usize) -> [f64; 2] + Sync)| {
-            let mut sum = blank();
-            add_product(&mut sum, &mean, &convolution.transform(plane));
-            convolution.planes(sum)
-        };
-        for replicate in (0..REPLICATES).step_by(2) {
-            let both = spread(&|pixel| [0, 1].map(|next| self.light_of(pixel).y[replicate + next]));
-            light
-                .iter_mut()
-                .zip(both)
-                .for_each(|(light, both)| light.y[replicate..replicate + 2].copy_from_slice(&both));
-        }
-        let bias = spread(&|pixel| self.light_of(pixel).bias);
-        light.iter_mut().zip(bias).for_each(|(light, bias)| light.bias = bias);
-        let bands = self.channels.bands;
-        let mut values = vec![0.0; bands * self.pixel_count()];
-        for band in 0..bands {
-            let mut sum = blank();
-            let kernel = convolution.kernel(band_nm(band, bands));
-            add_product(&mut sum, &kernel, &convolution.transform(|pixel| [value(pixel, band), 0.0]));
-            let plane = convolution.planes(sum);
-            values.iter_mut().skip(band).step_by(bands).zip(plane).for_each(|(to, from)| *to = positive(from[0]));
-        }
-        (light, values)
-    }
-
     pub fn overflowed(&self) -> bool {
         let pixel = |p: &PixelSums| p.x.overflowed() || p.z.overflowed() || p.y.iter().any(|y| y.overflowed());
         self.pixels.iter().any(pixel) || self.by_channel.iter().any(|sum| sum.overflowed())
     }
 }
+
+mod denoised;
+mod diffracted;
 
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@
 //! matter.
 
 use super::cryptomatte::{NameCounts, hash_name, normal_hash};
+use super::denoising;
 use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum, library};
 use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
@@ -24,6 +25,9 @@ pub struct LayerSet {
     pub light_groups: Vec<String>,
     /// For each light, the number of its group. Empty if the film does not separate lights.
     pub group_of_light: Vec<u16>,
+    /// True if the film has the sums for a denoiser.
+    #[serde(default)]
+    pub denoising: bool,
 }
 
 /// A quantity of the first surfaces on camera rays.
@@ -85,6 +89,14 @@ fn d65() -> Spectrum {
 
 pub(super) const COMPONENTS: usize = 3;
 
+impl FirstSurface {
+    /// Returns the albedo under D65 in linear sRGB.
+    pub(super) fn albedo_rgb(&self) -> [f64; 3] {
+        let lit = || self.albedo.iter().zip(ALBEDO_RGB.iter());
+        [0, 1, 2].map(|c| lit().map(|(albedo, rgb)| albedo * rgb[c]).sum())
+    }
+}
+
 impl LayerSet {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
@@ -115,6 +127,7 @@ impl LayerSet {
             (self.has(SurfaceLayer::Samples), "samples"),
             (!self.paths.is_empty(), "paths"),
             (!self.light_groups.is_empty(), "lights"),
+            (self.denoising, "denoised"),
         ];
         let words: Vec<&str> = flags.into_iter().filter(|(on, _)| *on).map(|(_, word)| word).collect();
         if words.is_empty() { "no layers".to_string() } else { format!("the layers {}", words.join(", ")) }
@@ -122,7 +135,7 @@ impl LayerSet {
 
     /// Returns the planes of sums in any case. Lists of names may need more.
     pub fn planes(&self) -> usize {
-        self.light_channels() + self.surface_channels().len()
+        self.light_channels() + self.surface_channels().len() + if self.denoising { denoising::PLANES } else { 0 }
     }
 
     /// Returns the number of channels for the light of path classes and light groups.
@@ -162,8 +175,7 @@ impl LayerSet {
         let Some(surface) = surface else { return add(&[1.0]) };
         add(&[1.0, 1.0]);
         if self.has(SurfaceLayer::Albedo) {
-            let lit = || surface.albedo.iter().zip(ALBEDO_RGB.iter());
-            add(&[0, 1, 2].map(|c| lit().map(|(albedo, rgb)| albedo * rgb[c]).sum()));
+            add(&surface.albedo_rgb());
         }
         if self.has(SurfaceLayer::Normal) {
             add(&surface.normal);

@@ -4,6 +4,7 @@
 
 mod channels;
 pub mod cryptomatte;
+pub mod denoising;
 pub mod develop;
 pub mod diffraction;
 mod error_bars;
@@ -23,7 +24,7 @@ pub use diffraction::DiffractionPsf;
 pub use error_bars::{ErrorSquares, PictureErrors};
 pub use film::Film;
 pub use layers::LayerSet;
-pub use picture::{Picture, SpectralBands};
+pub use picture::{DenoisedPicture, Picture, SpectralBands};
 pub use reading_spectrum::{ReadingBands, ReadingSpectrum};
 pub use readings::{Reading, ReadingLayout, ReadingOwner, half_interval_with_degrees};
 pub use sink::{ExposedRow, FilmRow, PixelSink, SplatSink};

@@ -19,6 +19,19 @@ pub struct Picture {
     pub edge: Vec<Option<bool>>,
     pub bands: Option<SpectralBands>,
     pub layers: PictureLayers,
+    /// The denoised picture, if it was computed.
+    pub denoised: Option<DenoisedPicture>,
+}
+
+/// The XYZ of a denoised picture, with error bars of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DenoisedPicture {
+    /// X, Y and Z of each pixel. Y is in cd/m².
+    pub xyz: Vec<[f64; 3]>,
+    /// The standard error of Y in cd/m², if it is known.
+    pub noise: Vec<Option<f32>>,
+    /// The magnitude of the estimated bias of Y in cd/m², if it is known.
+    pub bias: Vec<Option<f32>>,
 }
 
 /// Spectral radiance in bands of equal width.
@@ -76,6 +89,7 @@ impl Picture {
             edge: vec![None; count],
             bands: None,
             layers: PictureLayers::default(),
+            denoised: None,
         }
     }
 
@@ -100,6 +114,25 @@ impl Picture {
             }
         }
         enlarged
+    }
+
+    /// Returns the denoised picture with its error bars, without bands, layers and edges. `None` if
+    /// it was not computed.
+    pub fn denoised(&self) -> Option<Self> {
+        let DenoisedPicture { xyz, noise, bias } = self.denoised.clone()?;
+        Some(Self { xyz, noise, bias, ..Self::black(self.width, self.height) })
+    }
+
+    /// Returns true if the denoised picture is better by its own error bars: its RMS error and
+    /// the error of its typical pixel are known, and below those of this picture.
+    pub fn is_safe_to_denoise(&self) -> bool {
+        let Some(denoised) = self.denoised() else { return false };
+        let errors = |picture: &Self| {
+            let typical = picture.error_distribution().map(|errors| errors.typical);
+            picture.error_means().relative.zip(typical)
+        };
+        let is_below = |(own, raw): ((f64, f64), (f64, f64))| own.0 < raw.0 && own.1 < raw.1;
+        errors(&denoised).zip(errors(self)).is_some_and(is_below)
     }
 
     /// Returns the mean of Y (cd/m²) over all pixels.

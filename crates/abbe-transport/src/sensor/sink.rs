@@ -1,6 +1,7 @@
 //! The sinks of a film: they collect the light of camera samples and of splats.
 
 use super::channels::Channels;
+use super::denoising::{DenoisingSums, SurfaceSums};
 use super::layers::{FirstSurface, NameKind, NameRow};
 use super::pixel_sums::{PixelSums, replicate};
 use super::readings::ReadingLayout;
@@ -21,6 +22,8 @@ pub struct PixelSink<'f> {
     by_channel: &'f mut [f64],
     /// The objects and materials that the samples hit.
     hits: Vec<[usize; 2]>,
+    /// The first surfaces of the samples, for a denoiser.
+    surfaces: SurfaceSums,
     rejected: u64,
 }
 
@@ -53,6 +56,8 @@ pub struct FilmRow<'f> {
     pub(super) by_channel: &'f mut [ExactSum],
     /// The bands of each replicate, if the film belongs to a measurement.
     pub(super) by_replicate: &'f mut [f64],
+    /// The sums for a denoiser. Empty if the film has none.
+    pub(super) denoising: &'f mut [DenoisingSums],
     pub(super) names: Vec<NameRow<'f>>,
 }
 
@@ -65,6 +70,8 @@ pub struct ExposedRow {
     by_channel: Vec<f64>,
     /// The pixels and the objects and materials that their samples hit.
     hits: Vec<(u32, [usize; 2])>,
+    /// The first surfaces of each pixel for a denoiser. Empty if the film has no sums for it.
+    surfaces: Vec<SurfaceSums>,
     rejected: u64,
 }
 
@@ -78,8 +85,9 @@ fn is_valid_radiance(weight: f64) -> bool {
 
 impl ExposedRow {
     /// Returns the bytes of a pixel without the hits, of which most renders have none.
-    pub(super) fn bytes_per_pixel(channels: usize) -> usize {
-        size_of::<[f64; 4]>() + channels * size_of::<f64>()
+    pub(super) fn bytes_per_pixel(channels: usize, denoising: bool) -> usize {
+        let surfaces = if denoising { size_of::<SurfaceSums>() } else { 0 };
+        size_of::<[f64; 4]>() + channels * size_of::<f64>() + surfaces
     }
 }
 
@@ -93,6 +101,7 @@ impl FilmRow<'_> {
             light: Vec::with_capacity(self.pixels.len()),
             by_channel: vec![0.0; self.by_channel.len()],
             hits: Vec::new(),
+            surfaces: Vec::with_capacity(self.denoising.len()),
             rejected: 0,
         };
         let mut by_channel = exposed.by_channel.chunks_mut(self.channels.count().max(1));
@@ -103,6 +112,9 @@ impl FilmRow<'_> {
             let [x, y, z] = sink.xyz;
             exposed.light.push([x, y, z, sink.bias_y].map(|sum| weight * sum));
             exposed.rejected += sink.rejected;
+            if !self.denoising.is_empty() {
+                exposed.surfaces.push(sink.surfaces);
+            }
             if !self.names.is_empty() {
                 exposed.hits.extend(sink.hits.iter().map(|&hit| (column as u32, hit)));
             }
@@ -122,6 +134,10 @@ impl FilmRow<'_> {
             sums.y[replicate] += y;
             sums.z += z;
             sums.bias[replicate % 2] += bias;
+        }
+        for (sums, (light, surfaces)) in self.denoising.iter_mut().zip(exposed.light.iter().zip(&exposed.surfaces)) {
+            sums.add_light(pass, [light[0], light[2]].map(|sum| self.per_unit * sum));
+            sums.add_surfaces(pass, surfaces);
         }
         let (count, surfaces) = (self.channels.count().max(1), self.channels.first_surface_channel());
         for (sums, values) in self.by_channel.chunks_mut(count).zip(exposed.by_channel.chunks(count)) {
@@ -149,7 +165,8 @@ impl FilmRow<'_> {
 
 impl<'f> PixelSink<'f> {
     pub(super) fn new(observer: &'static Observer, channels: &'f Channels, by_channel: &'f mut [f64]) -> Self {
-        Self { observer, xyz: [0.0; 3], bias_y: 0.0, channels, by_channel, hits: Vec::new(), rejected: 0 }
+        let (hits, surfaces) = (Vec::new(), SurfaceSums::default());
+        Self { observer, xyz: [0.0; 3], bias_y: 0.0, channels, by_channel, hits, surfaces, rejected: 0 }
     }
 
     /// Returns X, Y and Z (W/m²/sr) of each path class that `expose` adds to a pixel.
@@ -236,6 +253,9 @@ impl<'f> PixelSink<'f> {
         let first = self.channels.first_surface_channel();
         if let Some(layers) = &self.channels.layers {
             layers.add_surface(&mut self.by_channel[first..], surface);
+        }
+        if self.channels.denoises() {
+            self.surfaces.add_sample(surface);
         }
         self.hits.extend(surface.map(|surface| [surface.object, surface.material]));
     }

@@ -9,6 +9,14 @@ pub(super) const BIAS: &str = "error.bias";
 /// The channel that marks pixels near an edge of the illumination.
 pub(super) const EDGE: &str = "error.edge";
 
+pub(super) const DENOISED_XYZ: [&str; 3] = ["denoised.X", "denoised.Y", "denoised.Z"];
+
+pub(super) const DENOISED_RGB: [&str; 3] = ["denoised.R", "denoised.G", "denoised.B"];
+
+pub(super) const DENOISED_NOISE: &str = "denoised.noise";
+
+pub(super) const DENOISED_BIAS: &str = "denoised.bias";
+
 /// The names of the channels of layers begin with one of these prefixes.
 pub(super) const LAYER_PREFIXES: [&str; 9] =
     ["albedo.", "normal.", "depth.", "uv.", "samples", "path.", "light.", "CryptoObject", "CryptoMaterial"];

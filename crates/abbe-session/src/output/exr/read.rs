@@ -7,7 +7,9 @@ use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::{AnyChannels, FlatSamples, Layer, Text, Vec2};
 use glam::{DMat3, DVec3};
 
-use super::channel_names::{BIAS, EDGE, LAYER_PREFIXES, NOISE, SUMS_PREFIX, XYZ};
+use super::channel_names::{
+    BIAS, DENOISED_BIAS, DENOISED_NOISE, DENOISED_XYZ, EDGE, LAYER_PREFIXES, NOISE, SUMS_PREFIX, XYZ,
+};
 use super::cryptomatte;
 use super::open::{header_texts, read_layers};
 use crate::output::Metadata;
@@ -16,7 +18,7 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::sort::sort_by_number;
 use abbe_spectra::spectrum::emissive_wavelength_nm;
 use abbe_transport::sensor::layers::{LayerChannel, PictureLayers};
-use abbe_transport::sensor::{Picture, SpectralBands};
+use abbe_transport::sensor::{DenoisedPicture, Picture, SpectralBands};
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExrFile {
@@ -61,6 +63,7 @@ fn decode(path: &Path) -> Result<ExrFile> {
     if let Some(samples) = channels.get(EDGE) {
         picture.edge = samples.iter().map(|&sample| known(sample).map(|edge| edge > 0.0)).collect();
     }
+    picture.denoised = denoised(&channels);
     picture.bands = bands(&channels);
     let texts = image.attributes.other.iter().chain(&first.attributes.other);
     let metadata = header_texts(texts, &first.attributes);
@@ -160,6 +163,14 @@ fn colours(channels: &BTreeMap<String, Vec<f32>>, rgb: &RgbToXyz) -> Result<Vec<
         channels.get("Y").ok_or_else(|| Error::input("contains no colour channels").expected(COLOUR_CHANNELS))?;
     let white = RgbSpace::Srgb.white();
     Ok(grey.iter().map(|&y| white.map(|value| value * f64::from(y))).collect())
+}
+
+/// Returns the denoised picture, if the file has all of its channels.
+fn denoised(channels: &BTreeMap<String, Vec<f32>>) -> Option<DenoisedPicture> {
+    let [x, y, z] = DENOISED_XYZ.map(|name| channels.get(name));
+    let xyz = x?.iter().zip(y?).zip(z?).map(|((&x, &y), &z)| [x, y, z].map(f64::from)).collect();
+    let errors = |name: &str| Some(channels.get(name)?.iter().map(|&sample| known(sample)).collect());
+    Some(DenoisedPicture { xyz, noise: errors(DENOISED_NOISE)?, bias: errors(DENOISED_BIAS)? })
 }
 
 /// Returns the layers of a picture of Abbe, whose `header` names the Cryptomatte layers.

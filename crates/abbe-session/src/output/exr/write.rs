@@ -9,7 +9,7 @@ use ::exr::prelude::{
     Text, Vec2, WritableImage,
 };
 
-use super::channel_names::{BIAS, EDGE, NOISE, XYZ};
+use super::channel_names::{BIAS, DENOISED_BIAS, DENOISED_NOISE, DENOISED_RGB, DENOISED_XYZ, EDGE, NOISE, XYZ};
 use super::samples::ChannelSamples;
 use super::{cryptomatte, sums};
 use crate::output::Metadata;
@@ -129,6 +129,17 @@ fn channels<'a>(picture: &'a Picture) -> Vec<AnyChannel<ChannelSamples<'a>>> {
     }
     for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
         add(text(name), ChannelSamples::floats(move |pixel| xyz_to_linear_srgb(picture.xyz[pixel])[c] as f32));
+    }
+    if let Some(denoised) = &picture.denoised {
+        for (name, errors) in [(DENOISED_NOISE, &denoised.noise), (DENOISED_BIAS, &denoised.bias)] {
+            add(text(name), ChannelSamples::floats(|pixel| errors[pixel].unwrap_or(UNKNOWN_ERROR)));
+        }
+        for (c, name) in DENOISED_XYZ.into_iter().enumerate() {
+            add(text(name), ChannelSamples::floats(move |pixel| denoised.xyz[pixel][c] as f32));
+        }
+        for (c, name) in DENOISED_RGB.into_iter().enumerate() {
+            add(text(name), ChannelSamples::floats(move |pixel| xyz_to_linear_srgb(denoised.xyz[pixel])[c] as f32));
+        }
     }
     if let Some(SpectralBands { centres_nm, values }) = &picture.bands {
         for (band, &nm) in centres_nm.iter().enumerate() {

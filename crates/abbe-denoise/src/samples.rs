@@ -1,0 +1,74 @@
+//! The input of the denoiser: means over the replicates of a picture.
+
+use crate::planes::Size;
+use crate::{GROUPS, REPLICATES};
+use std::ops::Range;
+
+/// The means of a picture over groups of its passes, row by row from the top.
+///
+/// All planes have `width` × `height` values, and X, Y and Z one unit, such as cd/m².
+#[derive(Debug, Clone, Default)]
+pub struct Samples {
+    /// The number of columns.
+    pub width: usize,
+    /// The number of rows.
+    pub height: usize,
+    /// The number of passes of each replicate, which is above 0.
+    pub passes: [u64; REPLICATES],
+    /// The mean Y of each replicate.
+    pub y: [Vec<f32>; REPLICATES],
+    /// The mean X of each group: of the replicates r whose remainder modulo [`GROUPS`] is its
+    /// number.
+    pub x: [Vec<f32>; GROUPS],
+    /// The mean Z of each group.
+    pub z: [Vec<f32>; GROUPS],
+    /// What camera rays hit first, measured twice with independent samples.
+    pub features: [Vec<Feature>; 2],
+}
+
+/// The first surfaces of a pixel: means over its camera samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feature {
+    /// The fraction of light that the surface reflects or transmits, as X, Y and Z relative to
+    /// those of white. Samples that hit no surface count as white.
+    pub albedo: [f32; 3],
+    /// The mean of the unit normals. Samples that hit no surface count as 0.
+    pub normal: [f32; 3],
+    /// The mean binary logarithm of the distance, over samples that hit a surface.
+    pub log_depth: f32,
+}
+
+impl Feature {
+    /// The features of a pixel whose samples hit no surface.
+    pub const NONE: Self = Self { albedo: [1.0; 3], normal: [0.0; 3], log_depth: 0.0 };
+}
+
+impl Samples {
+    pub(crate) fn size(&self) -> Size {
+        Size { width: self.width, height: self.height }
+    }
+
+    /// Panics if the samples are incomplete.
+    pub(crate) fn check(&self) {
+        let count = self.size().count();
+        let planes = self.y.iter().chain(&self.x).chain(&self.z);
+        let complete = planes.map(Vec::len).chain(self.features.iter().map(Vec::len)).all(|length| length == count);
+        assert!(complete, "each plane has {count} values");
+        assert!(!self.passes.contains(&0), "each replicate has passes");
+    }
+
+    /// Returns the samples of some rows.
+    pub(crate) fn rows(&self, rows: Range<usize>) -> Self {
+        let pixels = rows.start * self.width..rows.end * self.width;
+        let cut = |plane: &Vec<f32>| plane[pixels.clone()].to_vec();
+        Self {
+            width: self.width,
+            height: rows.len(),
+            passes: self.passes,
+            y: self.y.each_ref().map(cut),
+            x: self.x.each_ref().map(cut),
+            z: self.z.each_ref().map(cut),
+            features: self.features.each_ref().map(|plane| plane[pixels.clone()].to_vec()),
+        }
+    }
+}

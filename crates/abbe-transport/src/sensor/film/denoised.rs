@@ -1,0 +1,52 @@
+//! The means of a film for a denoiser.
+
+use super::Film;
+use crate::sensor::denoising::{self, DenoisingMeans, GROUPS};
+use abbe_spectra::math::random::REPLICATES;
+use abbe_spectra::spectrum::LUMENS_PER_WATT;
+
+impl Film {
+    pub(super) fn denoising_planes(&self) -> usize {
+        if self.channels.denoises() { denoising::PLANES } else { 0 }
+    }
+
+    pub(super) fn denoising_plane_names(&self) -> impl Iterator<Item = String> {
+        denoising::plane_names().take(self.denoising_planes())
+    }
+
+    /// Returns the number of passes of each replicate.
+    pub fn passes_by_replicate(&self) -> [u64; REPLICATES] {
+        self.passes
+    }
+
+    /// Returns the means for a denoiser. `None` if the film has no sums for it, or if some
+    /// replicates have no passes yet.
+    pub fn denoising_means(&self) -> Option<DenoisingMeans> {
+        if self.denoising.is_empty() || self.passes.contains(&0) {
+            return None;
+        }
+        let unit = self.unit.value() * LUMENS_PER_WATT;
+        let mean = |sum: f64, passes: u64| (unit * sum / passes as f64) as f32;
+        let of_group: [u64; GROUPS] = std::array::from_fn(|group| self.passes.iter().skip(group).step_by(GROUPS).sum());
+        let blank = || Vec::with_capacity(self.pixel_count());
+        let mut means = DenoisingMeans {
+            y: std::array::from_fn(|_| blank()),
+            x: std::array::from_fn(|_| blank()),
+            z: std::array::from_fn(|_| blank()),
+            surfaces: std::array::from_fn(|_| Vec::with_capacity(self.pixel_count())),
+        };
+        for (sums, own) in self.pixels.iter().zip(&self.denoising) {
+            for ((plane, sum), passes) in means.y.iter_mut().zip(sums.y).zip(self.passes) {
+                plane.push(mean(sum.value(), passes));
+            }
+            let [x, z] = own.by_group([sums.x, sums.z]);
+            for (planes, sums) in [(&mut means.x, x), (&mut means.z, z)] {
+                for ((plane, sum), passes) in planes.iter_mut().zip(sums).zip(of_group) {
+                    plane.push(mean(sum.value(), passes));
+                }
+            }
+            means.surfaces.iter_mut().zip(own.mean_surfaces()).for_each(|(plane, surface)| plane.push(surface));
+        }
+        Some(means)
+    }
+}
