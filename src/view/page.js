@@ -72,7 +72,8 @@ async function fetchPicture() {
   isFetching = true;
   try {
     const next = await floats("picture");
-    picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1, passes: state.picture?.passes ?? 0 };
+    picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1,
+      reaches: state.picture?.reaches ?? {}, passes: state.picture?.passes ?? 0 };
     await draw();
     refreshProbes();
     showReference(state.reference);
@@ -92,10 +93,10 @@ async function draw() {
   if (!picture || !scene) return;
   const current = picture, { width, height } = current, mode = $("mode").value;
   const pixels = new ImageData(width, height), factor = current.exposure * 2 ** ev();
-  const how = { space: space(), tone: $("tone").value, gamut: scene.gamut, factor };
+  const how = { space: space(), tone: $("tone").value, gamut: scene.gamut, factor, reaches: current.reaches };
   let legend = current.passes ? "" : "coarse picture";
   if (comparison() !== "off") legend = await compare(current, pixels, how);
-  else if (mode === "colour") develop(current.xyz, pixels.data, how);
+  else if (mode === "colour") develop((scene.bloom && await plane("bloomed")) || current.xyz, pixels.data, how);
   else if (mode === "band") {
     const band = Number($("band").value), values = await plane("band?band=" + band);
     if (values) {

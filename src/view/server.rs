@@ -107,9 +107,10 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
         (&Method::GET, "") => Ok(typed("text/html; charset=utf-8", PAGE.concat())),
         (&Method::GET, "state") => Ok(state(channel, query).await),
         (&Method::GET, "scene") => json(channel.scene().ok_or(StatusCode::NOT_FOUND)?.text.clone()),
-        (&Method::GET, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
-            pictured(channel, path, query).await
-        }
+        (
+            &Method::GET,
+            "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "bloomed" | "save.exr" | "save.png",
+        ) => pictured(channel, path, query).await,
         (&Method::GET, "reference" | "reference_probe" | "delta_e" | "comparison") => {
             compared(channel, path, query).await
         }
@@ -119,7 +120,7 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
             follow(channel, serde_json::from_slice(&body).map_err(|_| StatusCode::BAD_REQUEST)?)
         }
         (_, "" | "state" | "scene" | "orders" | "photons") => Err(StatusCode::METHOD_NOT_ALLOWED),
-        (_, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
+        (_, "picture" | "errors" | "samples" | "classes" | "band" | "probe" | "bloomed" | "save.exr" | "save.png") => {
             Err(StatusCode::METHOD_NOT_ALLOWED)
         }
         (_, "reference" | "reference_probe" | "delta_e" | "comparison") => Err(StatusCode::METHOD_NOT_ALLOWED),
@@ -235,6 +236,10 @@ async fn pictured(channel: &ViewChannel, path: &str, query: &str) -> Result<Resp
             Ok(plane(&snapshot, snapshot.band(band).ok_or(StatusCode::NOT_FOUND)?))
         }
         "probe" => probed(&snapshot, query),
+        "bloomed" => {
+            let work = tokio::task::spawn_blocking(move || snapshot.bloomed().map(|bytes| plane(&snapshot, bytes)));
+            work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?.ok_or(StatusCode::NOT_FOUND)
+        }
         _ => {
             let is_exr = path == "save.exr";
             let file = tokio::task::spawn_blocking(move || {
