@@ -11,13 +11,14 @@ use abbe_session::output::png::write as write_png;
 use abbe_session::render::{DisplaySettings, PartSet, SavedRun, on_threads};
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
-use abbe_spectra::colour::{AdaptationTransform, RgbSpace, Xyz};
+use abbe_spectra::colour::{AdaptationTransform, Xyz, output_space_by_name};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::Observer;
 use abbe_transport::sensor::DenoisedPicture;
 use serde_json::Value;
 
 use super::spectrum::light;
+use super::values::BloomChoice;
 use super::{Outcome, print, values};
 
 #[derive(Debug, clap::Args)]
@@ -69,18 +70,22 @@ pub(crate) struct DisplayArgs {
     /// none]
     #[arg(long, value_name = "NAME")]
     white_balance: Option<String>,
-    /// The gamut mapping: desaturate, oklab or clip [default: the setting of the scene, else
-    /// desaturate]
+    /// The gamut mapping: compress, desaturate, oklab or clip [default: the setting of the scene,
+    /// else compress]
     #[arg(long, value_name = "NAME")]
     gamut: Option<String>,
     /// The tone curve: roll_off, clip, pbr_neutral or agx [default: the setting of the scene, else
     /// roll_off]
     #[arg(long, value_name = "NAME")]
     tone: Option<String>,
-    /// The colour space: srgb, display-p3, rec2020 or acescg [default: the setting of the scene,
-    /// else srgb]
+    /// The colour space: srgb, display-p3, rec2020, rec2100-pq (for HDR displays) or acescg
+    /// [default: the setting of the scene, else srgb]
     #[arg(long, value_name = "NAME")]
     output_space: Option<String>,
+    /// The bloom: none, or the horizontal angle in degrees that the picture fills for the viewer,
+    /// such as 40 [default: the setting of the scene, else none]
+    #[arg(long, value_name = "none|DEGREES", value_parser = values::bloom)]
+    bloom: Option<BloomChoice>,
 }
 
 pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
@@ -132,7 +137,10 @@ impl DisplayArgs {
             development.tone = ToneCurve::by_name(name)?;
         }
         if let Some(name) = &self.output_space {
-            development.space = RgbSpace::by_name(name)?;
+            (development.space, development.transfer) = output_space_by_name(name)?;
+        }
+        if let Some(BloomChoice(bloom)) = self.bloom {
+            development.bloom = bloom;
         }
         if let Some(name) = &self.white_balance {
             development.white = white(name, header, settings.lights)?;

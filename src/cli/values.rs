@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-use abbe_scene::Exposure;
+use abbe_scene::{Bloom, Exposure};
 use abbe_session::output::gates::{Gate, GateSide};
 use abbe_session::output::relight::LightGain;
 use abbe_session::output::selection::Region;
@@ -191,6 +191,23 @@ pub(crate) fn exposure(text: &str) -> Result<Exposure, String> {
     }
 }
 
+/// The bloom of a picture, or none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BloomChoice(pub(crate) Option<Bloom>);
+
+/// Parses a bloom: `none`, or the horizontal angle of the picture in degrees.
+pub(crate) fn bloom(text: &str) -> Result<BloomChoice, String> {
+    match text.trim() {
+        "none" => Ok(BloomChoice(None)),
+        degrees => match degrees.parse::<f64>() {
+            Ok(fov_degrees) if (0.1..=120.0).contains(&fov_degrees) => {
+                Ok(BloomChoice(Some(Bloom { fov_degrees, age: Bloom::DEFAULT_AGE })))
+            }
+            _ => Err("expected none or an angle from 0.1 to 120 degrees, such as 40".to_string()),
+        },
+    }
+}
+
 /// Parses a range of frame numbers such as `1..48`. Both ends are included. The first frame is 1.
 pub(crate) fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     let number = |text: &str| text.trim().parse::<u32>().ok().filter(|&number| number > 0);
@@ -243,6 +260,13 @@ mod tests {
         assert_eq!(exposure("auto"), Ok(Exposure::Auto));
         assert_eq!(exposure("-7.5"), Ok(Exposure::Ev(-7.5)));
         assert!(["", "bright", "inf", "nan"].iter().all(|text| exposure(text).is_err()));
+    }
+
+    #[test]
+    fn blooms() {
+        assert_eq!(bloom("none"), Ok(BloomChoice(None)));
+        assert_eq!(bloom("40").map(|BloomChoice(eye)| eye.map(|eye| eye.fov_degrees)), Ok(Some(40.0)));
+        assert!(["", "0", "121", "nan", "wide"].iter().all(|text| bloom(text).is_err()));
     }
 
     #[test]

@@ -21,13 +21,14 @@ use abbe_session::output::selection::Selection;
 use abbe_session::render::{Integrator, Job};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::{log2, log10};
-use abbe_transport::sensor::{Development, DisplayImage, Picture, develop, exposure};
+use abbe_transport::sensor::{Development, DisplayImage, Picture, develop_with_reach, exposure};
 
-/// The pictures of the page. All pictures have the exposure of the reference.
+/// The pictures of the page. All pictures have the exposure and the reach of the reference.
 #[derive(Debug)]
 pub(super) struct StudyPictures<'a> {
     development: Development,
     exposure: f64,
+    reach: f64,
     /// The pictures for comparison and their names: the reference, photon mapping, the path tracer,
     /// and then one without each effect.
     full: Vec<(String, &'a Picture)>,
@@ -53,7 +54,7 @@ impl<'a> StudyPictures<'a> {
         let development =
             Development { white: film.white, gamut: film.gamut, tone: film.tone, ..Development::default() };
         let reference = &reference.reference.picture;
-        let exposure = exposure::automatic(reference);
+        let (exposure, reach) = (exposure::automatic(reference), development.reach(reference));
         let of_curve = |curve: &'a ConvergenceCurve| {
             let name = format!("{}, {}", integrator_title(curve.integrator), passes(curve.stats.passes));
             (name, &curve.picture)
@@ -62,11 +63,12 @@ impl<'a> StudyPictures<'a> {
             Some((format!("without {}, {}", effect.name, passes(effects.passes)), effect.picture.as_ref()?))
         });
         let first = [("reference".to_string(), reference), of_curve(&curves[0]), of_curve(&curves[1])];
-        Self { development, exposure, full: first.into_iter().chain(without).collect(), whole: &effects.picture }
+        let full = first.into_iter().chain(without).collect();
+        Self { development, exposure, reach, full, whole: &effects.picture }
     }
 
     fn shown(&self, picture: &Picture) -> DisplayImage {
-        develop(picture, self.exposure, &self.development)
+        develop_with_reach(picture, self.exposure, self.reach, &self.development)
     }
 }
 

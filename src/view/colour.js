@@ -1,6 +1,6 @@
 // Conversion of XYZ to display codes, as `abbe render` converts them for its PNG file.
 
-const KNEE = 0.6, DESATURATION = 0.02;
+const KNEE = 0.6, DESATURATION = 0.03;
 
 const apply = (m, a, b, c) => [m[0][0] * a + m[0][1] * b + m[0][2] * c, m[1][0] * a + m[1][1] * b + m[1][2] * c,
   m[2][0] * a + m[2][1] * b + m[2][2] * c];
@@ -30,7 +30,10 @@ const compress = (rgb, peak, start, strength) => {
 const TONES = {
   clip() {},
   roll_off(rgb) {
-    const peak = Math.max(rgb[0], rgb[1], rgb[2]);
+    const [r, g, b] = rgb, top = Math.max(r, g, b);
+    if (!(top > 0)) return;
+    const second = Math.max(Math.min(r, g), Math.min(Math.max(r, g), b), 0), least = Math.max(Math.min(r, g, b), 0);
+    const peak = top * (1 + Math.pow(second / top, 8) * (1 - least / top) / 15);
     if (peak > KNEE) compress(rgb, peak, KNEE, DESATURATION);
   },
   pbr_neutral(rgb) {
@@ -63,6 +66,37 @@ const OKLAB_CONES = [[0.4122214708, 0.5363325363, 0.0514459929], [0.2119034982, 
 const OKLAB = [[0.2104542553, 0.793617785, -0.0040720468], [1.9779984951, -2.428592205, 0.4505937099],
   [0.0259040371, 0.7827717662, -0.808675766]];
 const OKLAB_CONES_INVERSE = inverse(OKLAB_CONES), OKLAB_INVERSE = inverse(OKLAB);
+
+/// Returns the place of a hue in the tables of a colour space, from 0 to 4.
+const huePlace = (a, b) => b >= 0 ? (a >= 0 ? b / (a + b) : 1 + a / (a - b)) : (a < 0 ? 2 + b / (a + b) : 3 + a / (a - b));
+
+/// Returns the function that compresses the chroma of linear components, or null if no colour of
+/// the picture is outside the gamut. A saturation is the Oklab chroma divided by the lightness.
+function chromaCompression(space, reach) {
+  if (!(reach > 0)) return null;
+  const { edge, rounded, locus } = space.hue_limits, hues = edge.length, knees = [], bends = [];
+  for (let i = 0; i < hues; i++) {
+    const farthest = edge[i] + reach * (locus[i] - edge[i]), shown = edge[i] - reach * (edge[i] - rounded[i]);
+    knees[i] = 0.7 * shown;
+    bends[i] = (farthest - shown) / ((shown - knees[i]) * (farthest - knees[i]));
+  }
+  const w = space.luminance_weights, luminance = rgb => w[0] * rgb[0] + w[1] * rgb[1] + w[2] * rgb[2];
+  return rgb => {
+    const y = luminance(rgb), [l, a, b] = apply(OKLAB, ...apply(OKLAB_CONES, ...apply(space.toSrgb, ...rgb)).map(Math.cbrt));
+    const saturation = Math.hypot(a, b) / l;
+    if (!(l > 0 && saturation > 0 && isFinite(saturation) && y > 0)) return;
+    const place = huePlace(a, b) * hues / 4, node = Math.floor(place), fraction = place - node;
+    const at = table => table[node % hues] + fraction * (table[(node + 1) % hues] - table[node % hues]);
+    const excess = saturation - at(knees);
+    if (excess <= 0) return;
+    const share = Math.min(saturation - excess + excess / (1 + at(bends) * excess), at(edge)) / saturation;
+    const mapped = apply(space.fromSrgb, ...apply(OKLAB_CONES_INVERSE,
+      ...apply(OKLAB_INVERSE, l, share * a, share * b).map(root => root * root * root)));
+    const scale = y / luminance(mapped);
+    for (let c = 0; c < 3; c++) rgb[c] = scale * mapped[c];
+  };
+}
+
 const GAMUTS = {
   clip,
   oklab(rgb, space) {
@@ -79,6 +113,7 @@ const GAMUTS = {
     }
     at(unit(l), inside).forEach((value, c) => { rgb[c] = unit(value); });
   },
+  compress: (rgb, space) => GAMUTS.desaturate(rgb, space),
   desaturate(rgb, space) {
     if (isInside(rgb)) return;
     const w = space.luminance_weights, y = w[0] * rgb[0] + w[1] * rgb[1] + w[2] * rgb[2], grey = unit(y);
@@ -99,12 +134,15 @@ const CODES = Uint8Array.from({ length: 65536 }, (_, i) => {
 });
 
 /// Converts XYZ to the codes of an image. `factor` multiplies the luminance, in 1/(cd/m²).
-function develop(xyz, codes, { space, tone, gamut, factor }) {
+/// `reaches` holds the reach of the chroma compression for each colour space.
+function develop(xyz, codes, { space, tone, gamut, factor, reaches }) {
+  const compress = gamut === "compress" ? chromaCompression(space, reaches[space.name]) : null;
   const m = space.matrix.map(row => row.map(value => value * factor));
   const [[a, b, c], [d, e, f], [g, h, k]] = m, rgb = new Float64Array(3), curve = TONES[tone], map = GAMUTS[gamut];
   for (let i = 0, j = 0; i < xyz.length; i += 3, j += 4) {
     const x = xyz[i], y = xyz[i + 1], z = xyz[i + 2];
     rgb[0] = a * x + b * y + c * z; rgb[1] = d * x + e * y + f * z; rgb[2] = g * x + h * y + k * z;
+    if (compress) compress(rgb);
     curve(rgb, space); map(rgb, space);
     codes[j] = CODES[rgb[0] * 65535 + 0.5 | 0]; codes[j + 1] = CODES[rgb[1] * 65535 + 0.5 | 0];
     codes[j + 2] = CODES[rgb[2] * 65535 + 0.5 | 0]; codes[j + 3] = 255;

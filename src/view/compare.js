@@ -62,8 +62,9 @@ async function compare(current, pixels, how) {
     return "difference of Y, relative to B: red if A is brighter, blue if A is darker; full colour at 50 %";
   }
   const factor = b.exposure * 2 ** ev(), other = new ImageData(width, height);
-  develop(current.xyz, pixels.data, { ...how, factor });
-  develop(b.xyz, other.data, { ...how, factor });
+  const alike = { ...how, factor, reaches: b.reaches };
+  develop(current.xyz, pixels.data, alike);
+  develop(b.xyz, other.data, alike);
   imageB.width = width; imageB.height = height;
   imageB.getContext("2d", { colorSpace: space().name }).putImageData(new ImageData(other.data, width, height, { colorSpace: space().name }), 0, 0);
   return { wipe: "left: A, right: B", a: "A", b: "B", flicker: "A and B in turn" }[mode];

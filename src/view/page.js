@@ -72,7 +72,8 @@ async function fetchPicture() {
   isFetching = true;
   try {
     const next = await floats("picture");
-    picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1, passes: state.picture?.passes ?? 0 };
+    picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1,
+      reaches: state.picture?.reaches ?? {}, passes: state.picture?.passes ?? 0 };
     await draw();
     refreshProbes();
     showReference(state.reference);
@@ -92,10 +93,10 @@ async function draw() {
   if (!picture || !scene) return;
   const current = picture, { width, height } = current, mode = $("mode").value;
   const pixels = new ImageData(width, height), factor = current.exposure * 2 ** ev();
-  const how = { space: space(), tone: $("tone").value, gamut: scene.gamut, factor };
+  const how = { space: space(), tone: $("tone").value, gamut: scene.gamut, factor, reaches: current.reaches };
   let legend = current.passes ? "" : "coarse picture";
   if (comparison() !== "off") legend = await compare(current, pixels, how);
-  else if (mode === "colour") develop(await shownXyz(current), pixels.data, how);
+  else if (mode === "colour") develop((scene.bloom && await bloomedXyz()) || await shownXyz(current), pixels.data, how);
   else if (mode === "band") {
     const band = Number($("band").value), values = await plane("band?band=" + band);
     if (values) {
@@ -120,6 +121,9 @@ async function draw() {
   image.getContext("2d", { colorSpace: space().name }).putImageData(new ImageData(pixels.data, width, height, { colorSpace: space().name }), 0, 0);
   paint();
 }
+
+/// Returns what [`shownXyz`] does with the bloom of the scene.
+const bloomedXyz = () => plane("bloomed?denoised=" + $("denoise").checked);
 
 /// Returns the denoised picture if the reader wants it and the render has one, and else the picture.
 const shownXyz = async current => ($("denoise").checked ? await plane("denoised") : null) ?? current.xyz;

@@ -81,6 +81,7 @@ impl<'a> Publisher<'a> {
             name: self.loaded.source.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             passes,
             exposure: scene.display.factor(&picture),
+            reaches: scene.reaches(&picture),
             band_noise: self.band_noise(&picture, passes),
             without: self.forbidden(),
             mean_y: picture.mean_y(),

@@ -5,7 +5,7 @@ use crate::api::PlanReport;
 use abbe_session::output::Metadata;
 use abbe_session::render::{DisplaySettings, Job};
 use abbe_spectra::colour::tone::ToneCurve;
-use abbe_spectra::colour::{RgbSpace, xy};
+use abbe_spectra::colour::{RgbSpace, Transfer, xy};
 use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum};
 use abbe_transport::sensor::{Development, Picture};
 use serde_json::{Value, json};
@@ -17,6 +17,9 @@ pub(super) struct ScenePanels {
     /// The content of the page's panels as JSON.
     pub(super) text: String,
 }
+
+/// The colour spaces that the page offers.
+const PAGE_SPACES: [RgbSpace; 2] = [RgbSpace::Srgb, RgbSpace::DisplayP3];
 
 /// The spectral locus is drawn for this range of wavelengths in nm.
 const LOCUS_NM: (u32, u32) = (390, 700);
@@ -55,21 +58,33 @@ impl ScenePanels {
             (LOCUS_NM.0..=LOCUS_NM.1).step_by(5).map(|nm| (nm, xy(observer.xyz_bar(f64::from(nm))))).collect();
         let development = &display.development;
         content["number"] = json!(number);
-        content["spaces"] = json!([RgbSpace::Srgb, RgbSpace::DisplayP3].map(|space| space_json(space, development)));
+        content["spaces"] = json!(PAGE_SPACES.map(|space| space_json(space, development)));
         content["space"] = json!(development.space.name());
         content["tone"] = json!(development.tone.name());
         content["tones"] = json!(ToneCurve::ALL.map(ToneCurve::name));
+        content["bloom"] = json!(development.bloom.is_some());
         content["gamut"] = json!(development.gamut.name());
         content["locus"] = json!(locus);
         Self { number, display, text: content.to_string() }
+    }
+
+    /// Returns the reach of a picture in each colour space of the page, by name.
+    pub(super) fn reaches(&self, picture: &Picture) -> Value {
+        let reach = |space: RgbSpace| self.display.in_space(space).development.reach(picture);
+        PAGE_SPACES.map(|space| (space.name().to_string(), json!(reach(space)))).into_iter().collect::<Value>()
     }
 }
 
 /// Describes a colour space for the conversion on the page.
 fn space_json(space: RgbSpace, development: &Development) -> Value {
+    let development = Development { space, transfer: Transfer::OfSpace, ..*development };
+    let limits = development.hue_limits();
+    // Six digits are exact for the codes.
+    let table = |values: &[f64]| values.iter().map(|value| (value * 1e6).round() / 1e6).collect::<Vec<_>>();
     json!({
         "name": space.name(),
-        "matrix": Development { space, ..*development }.matrix(),
+        "matrix": development.matrix(),
+        "hue_limits": {"edge": table(&limits.edge), "rounded": table(&limits.rounded), "locus": table(&limits.locus)},
         "own_matrix": space.picture_matrix(),
         "srgb_matrix": RgbSpace::Srgb.picture_matrix(),
         "rec2020_matrix": RgbSpace::Rec2020.picture_matrix(),

@@ -109,7 +109,8 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
         (&Method::GET, "scene") => json(channel.scene().ok_or(StatusCode::NOT_FOUND)?.text.clone()),
         (
             &Method::GET,
-            "picture" | "denoised" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png",
+            "picture" | "denoised" | "errors" | "samples" | "classes" | "band" | "probe" | "bloomed" | "save.exr"
+            | "save.png",
         ) => pictured(channel, path, query).await,
         (&Method::GET, "reference" | "reference_probe" | "delta_e" | "comparison") => {
             compared(channel, path, query).await
@@ -120,9 +121,11 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
             follow(channel, serde_json::from_slice(&body).map_err(|_| StatusCode::BAD_REQUEST)?)
         }
         (_, "" | "state" | "scene" | "orders" | "photons") => Err(StatusCode::METHOD_NOT_ALLOWED),
-        (_, "picture" | "denoised" | "errors" | "samples" | "classes" | "band" | "probe" | "save.exr" | "save.png") => {
-            Err(StatusCode::METHOD_NOT_ALLOWED)
-        }
+        (
+            _,
+            "picture" | "denoised" | "errors" | "samples" | "classes" | "band" | "probe" | "bloomed" | "save.exr"
+            | "save.png",
+        ) => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, "reference" | "reference_probe" | "delta_e" | "comparison") => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, _) => Err(StatusCode::NOT_FOUND),
     }
@@ -167,6 +170,12 @@ async fn state(channel: &ViewChannel, query: &str) -> Response {
     // After the time, the page receives the old state and asks again.
     let _ = tokio::time::timeout(LONGEST_WAIT, versions.wait_for(|version| *version > after)).await;
     typed("application/json", channel.to_json().to_string())
+}
+
+/// Asks for the bloom of the picture or of the denoised one.
+#[derive(Debug, Deserialize)]
+struct BloomQuery {
+    denoised: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -237,6 +246,12 @@ async fn pictured(channel: &ViewChannel, path: &str, query: &str) -> Result<Resp
             Ok(plane(&snapshot, snapshot.band(band).ok_or(StatusCode::NOT_FOUND)?))
         }
         "probe" => probed(&snapshot, query),
+        "bloomed" => {
+            let BloomQuery { denoised } = numbers(query)?;
+            let bloomed = move || snapshot.bloomed(denoised).map(|bytes| plane(&snapshot, bytes));
+            let work = tokio::task::spawn_blocking(bloomed);
+            work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?.ok_or(StatusCode::NOT_FOUND)
+        }
         _ => {
             let is_exr = path == "save.exr";
             let file = tokio::task::spawn_blocking(move || {

@@ -5,7 +5,7 @@ use super::scene_panels::ScenePanels;
 use abbe_session::output::Metadata;
 use abbe_session::output::metadata::names;
 use abbe_session::render::{LedgerStats, StageSeconds};
-use abbe_transport::sensor::{Picture, exposure};
+use abbe_transport::sensor::{Picture, bloom, exposure};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -21,6 +21,8 @@ pub(super) struct Snapshot {
     pub(super) picture: Picture,
     /// The exposure of the scene's settings in 1/(cd/m²).
     pub(super) exposure: f64,
+    /// The reach of the chroma compression in each colour space of the page.
+    pub(super) reaches: Value,
     /// The forbidden effects.
     pub(super) without: Vec<&'static str>,
     /// The mean Y of each path class in cd/m², if the picture separates them.
@@ -53,6 +55,7 @@ impl Snapshot {
             name: name.to_string(),
             passes: metadata.get(names::PASSES).and_then(|passes| passes.parse().ok()).unwrap_or(0),
             exposure: scene.display.factor(&picture),
+            reaches: scene.reaches(&picture),
             class_means: layers::class_means(&picture),
             without: Vec::new(),
             effort: None,
@@ -76,6 +79,7 @@ impl Snapshot {
             "height": self.picture.height,
             "passes": self.passes,
             "exposure": self.comparison_exposure.get_or_init(|| exposure::automatic(&self.picture)),
+            "reaches": self.reaches,
             "without": self.without,
             "mean_y": self.mean_y,
             "pass_seconds": self.pass_seconds(),
@@ -92,6 +96,7 @@ impl Snapshot {
             "height": self.picture.height,
             "passes": self.passes,
             "exposure": self.exposure,
+            "reaches": self.reaches,
             "events": self.events,
             "without": self.without,
             "mean_y": self.mean_y,
@@ -129,6 +134,15 @@ impl Snapshot {
     pub(super) fn denoised(&self) -> Option<Vec<u8>> {
         let denoised = self.picture.denoised.as_ref()?;
         Some(float_bytes(denoised.xyz.iter().flatten().map(|&value| value as f32)))
+    }
+
+    /// Returns X, Y and Z of all pixels with the bloom of the scene, if it has one, of the picture
+    /// or of the denoised picture.
+    pub(super) fn bloomed(&self, denoised: bool) -> Option<Vec<u8>> {
+        let eye = self.scene.display.development.bloom?;
+        let denoised = if denoised { self.picture.denoised() } else { None };
+        let xyz = bloom::apply(&eye, denoised.as_ref().unwrap_or(&self.picture));
+        Some(float_bytes(xyz.into_iter().flatten().map(|value| value as f32)))
     }
 
     /// Returns the noise and the bias of all pixels in cd/m², and NaN if they are unknown.

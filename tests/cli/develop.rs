@@ -50,13 +50,16 @@ fn developing_gives_the_png_of_a_render_with_these_settings() {
     done(&said);
     assert!(said.err.contains("new.png: exposure EV -3.00"), "{}", said.err);
     assert!(bytes(at, "new.png") == bytes(at, "ball.png"), "the scene's settings are the default");
-    let cases: [(&[&str], &[&str]); 5] = [
+    let cases: [(&[&str], &[&str]); 8] = [
         (&["--exposure", "auto"], &[r#"film.exposure="auto""#]),
         (&["--exposure", "-4.5", "--tone", "clip"], &[r#"film.exposure={"ev": -4.5}"#, r#"film.tone="clip""#]),
         (
             &["--white-balance", "scene", "--gamut", "oklab"],
             &[r#"film.white_balance="scene""#, r#"film.gamut="oklab""#],
         ),
+        (&["--gamut", "clip", "--tone", "clip"], &[r#"film.gamut="clip""#, r#"film.tone="clip""#]),
+        (&["--bloom", "40"], &[r#"film.bloom={"fov": 40}"#]),
+        (&["--output-space", "rec2100-pq"], &[r#"film.output_space="rec2100-pq""#]),
         (&["--white-balance", "candle"], &[r#"film.white_balance="candle""#]),
         (
             &["--white-balance", "A", "--output-space", "rec2020"],
@@ -81,6 +84,7 @@ fn wrong_settings_are_refused_by_name() {
     develop(at, &["--gamut", "clips"]).is_error(2, &["clips", "desaturate"]);
     develop(at, &["--tone", "filmic"]).is_error(2, &["filmic", "roll_off"]);
     develop(at, &["--output-space", "cmyk"]).is_error(2, &["cmyk", "display-p3"]);
+    develop(at, &["--bloom", "180"]).is_error(2, &["--bloom", "0.1 to 120 degrees"]);
     develop(at, &["--exposure", "bright"]).is_error(2, &["--exposure", "number of stops"]);
     develop(at, &["--white-balance", "sodium-low-pressure"]).is_error(2, &["sodium-low-pressure", "too saturated"]);
     abbe(at, &["develop", "ball.exr", "-o", "new.jpg"]).is_error(2, &["new.jpg", ".png"]);

@@ -10,6 +10,7 @@ mod common;
 mod camera_samples;
 mod coarse_picture;
 mod example_scenes;
+mod exposures;
 mod layers;
 mod missing_light;
 mod photon_paths;

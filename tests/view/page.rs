@@ -45,6 +45,8 @@ fn the_page_develops_like_the_png_file() {
         ("pbr_neutral", "desaturate"),
         ("agx", "desaturate"),
         ("clip", "oklab"),
+        ("roll_off", "compress"),
+        ("clip", "compress"),
     ] {
         let arguments = ["develop", "a.exr", "-o", "a.png", "--tone", tone, "--gamut", gamut];
         let said = crate::abbe_command::abbe(folder.path(), &arguments);
@@ -52,7 +54,8 @@ fn the_page_develops_like_the_png_file() {
         let known = image::open(folder.path().join("a.png")).unwrap().into_rgb8();
         let found = browser.run(&format!(
             "(() => {{ const codes = new Uint8ClampedArray(picture.width * picture.height * 4);
-              develop(picture.xyz, codes, {{ space: spaces[0], tone: '{tone}', gamut: '{gamut}', factor: picture.exposure }});
+              develop(picture.xyz, codes, {{ space: spaces[0], tone: '{tone}', gamut: '{gamut}', factor: picture.exposure,
+                reaches: picture.reaches }});
               return Array.from(codes.filter((_, i) => i % 4 < 3)); }})()"
         ));
         let found: Vec<i64> = found.as_array().unwrap().iter().map(|code| code.as_i64().unwrap()).collect();

@@ -2,6 +2,7 @@
 
 use crate::prelude::*;
 use crate::{JsonPath, check, forms::is_default};
+use abbe_scene::Bloom;
 use abbe_spectra::error::Result;
 
 /// The picture: its size, its observer, and how the PNG shows it. The EXR always holds absolute
@@ -9,8 +10,8 @@ use abbe_spectra::error::Result;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Film", example = json!({"width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0,
-    "layers": ["albedo", "paths"], "denoise": true, "gamut": "desaturate", "tone": "roll_off", "white_balance": "none",
-    "output_space": "srgb", "exposure": "auto"}))]
+    "layers": ["albedo", "paths"], "denoise": true, "gamut": "compress", "tone": "roll_off", "white_balance": "none",
+    "output_space": "srgb", "exposure": "auto", "bloom": {"fov": 40}}))]
 pub struct FilmFile {
     /// Width of the picture.
     #[schemars(range(min = 1, max = 100_000), extend("x-unit" = "pixels"))]
@@ -51,7 +52,7 @@ pub struct FilmFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub white_balance: WhiteBalanceFile,
     /// Colour space of the PNG. The PNG has 8 bits per channel in sRGB and Display P3, and 16 bits
-    /// in Rec. 2020 and ACEScg. The RGB channels of the EXR are always linear Rec. 709.
+    /// in the others. The RGB channels of the EXR are always linear Rec. 709.
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub output_space: OutputSpaceFile,
@@ -59,6 +60,33 @@ pub struct FilmFile {
     #[serde(default, skip_serializing_if = "is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub exposure: ExposureFile,
+    /// The light that the eye of a viewer would scatter around the bright parts of the scene, by
+    /// the measured glare function of CIE 135/1. Only the PNG shows it. Without this key, the PNG
+    /// has no bloom.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub bloom: Option<BloomFile>,
+}
+
+/// The eye whose glare the PNG shows.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Bloom", example = json!({"fov": 40, "age": 25}))]
+pub struct BloomFile {
+    /// Horizontal angle that the picture fills in the field of view.
+    #[schemars(range(min = 0.1, max = 120), extend("x-unit" = "degrees"))]
+    pub fov: f64,
+    /// Age of the viewer. Older eyes scatter more light.
+    #[serde(default = "default_age", skip_serializing_if = "is_default_age")]
+    #[schemars(range(min = 0, max = 100), extend("x-unit" = "years"))]
+    pub age: f64,
+}
+
+fn default_age() -> f64 {
+    Bloom::DEFAULT_AGE
+}
+
+fn is_default_age(age: &f64) -> bool {
+    *age == default_age()
 }
 
 /// A CIE standard observer.
@@ -110,8 +138,11 @@ pub enum LayerFile {
 #[serde(rename_all = "snake_case")]
 #[schemars(title = "Gamut mapping")]
 pub enum GamutFile {
-    /// Moves the colour towards the neutral colour of equal luminance.
+    /// Compresses the chroma of the whole picture, so that spectra keep their order and their
+    /// gradations. Hue and luminance stay, and colours well inside the colour space do not change.
     #[default]
+    Compress,
+    /// Moves each colour outside towards the neutral colour of equal luminance.
     Desaturate,
     /// Clips each component separately.
     Clip,
@@ -184,6 +215,10 @@ pub enum OutputSpaceFile {
     DisplayP3,
     /// Rec. 2020.
     Rec2020,
+    /// Rec. 2100 with the PQ curve, for HDR displays. White is shown at 203 cd/m², and highlights
+    /// at up to 1000 cd/m².
+    #[serde(rename = "rec2100-pq")]
+    Rec2100Pq,
     /// ACEScg (linear).
     Acescg,
 }
@@ -209,7 +244,7 @@ pub enum ExposureFile {
 
 impl FilmFile {
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { width, height, spectral_bands, exposure, .. } = self;
+        let Self { width, height, spectral_bands, exposure, bloom, .. } = self;
         check::all([
             check::count(&at.key("width"), u64::from(*width), 1, 100_000),
             check::count(&at.key("height"), u64::from(*height), 1, 100_000),
@@ -218,6 +253,13 @@ impl FilmFile {
                 ExposureFile::Auto | ExposureFile::None | ExposureFile::Ev(_) => Ok(()),
                 ExposureFile::Iso(iso) => check::positive(&at.key("exposure").key("iso"), *iso),
             },
+            bloom.map_or(Ok(()), |BloomFile { fov, age }| {
+                let at = at.key("bloom");
+                check::all([
+                    check::between(&at.key("fov"), fov, 0.1, 120.0),
+                    check::between(&at.key("age"), age, 0.0, 100.0),
+                ])
+            }),
         ])
     }
 }

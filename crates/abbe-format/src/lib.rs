@@ -106,7 +106,7 @@ pub use emission::EmissionFile;
 pub use field::{ExponentialFieldFile, FieldFile, NoiseFieldFile, PlanetFile, SphereFieldFile};
 pub use file_kinds::is_json_schema;
 pub use film::{
-    ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
+    BloomFile, ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
 };
 pub use grating::{GratingFile, GratingProfileFile, GroovesFile, OrderEfficiencyFile};
 pub use index::{FormulaFile, IndexFile};

@@ -7,7 +7,7 @@
 //! # Example
 //!
 //! ```
-//! use abbe_spectra::colour::{RgbSpace, gamut::GamutMapping, tone::ToneCurve};
+//! use abbe_spectra::colour::{RgbSpace, Transfer, gamut::GamutMapping, tone::ToneCurve};
 //! use abbe_scene::geometry::shape::Shape;
 //! use abbe_optics::{bsdf::Bsdf, glass::RefractiveIndex};
 //! use abbe_scene::builder::{ObjectSet, SceneBuilder, SceneView, WhiteBalance};
@@ -38,10 +38,12 @@
 //!     observer: Observer::cie1931(),
 //!     spectral_bands: 0,
 //!     space: RgbSpace::Srgb,
+//!     transfer: Transfer::OfSpace,
 //!     white: None,
-//!     gamut: GamutMapping::Desaturate,
+//!     gamut: GamutMapping::Compress,
 //!     tone: ToneCurve::RollOff,
 //!     exposure: Exposure::Auto,
+//!     bloom: None,
 //!     layers: Vec::new(),
 //!     denoise: Denoise::Off,
 //! };

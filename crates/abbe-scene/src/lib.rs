@@ -73,7 +73,7 @@ use abbe_optics::glass::RefractiveIndex;
 use abbe_optics::texture::NormalMap;
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
-use abbe_spectra::colour::{RgbSpace, Xyz};
+use abbe_spectra::colour::{RgbSpace, Transfer, Xyz};
 use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum, ULTRAVIOLET_FROM_NM};
 use camera::{Camera, Shutter};
 use glam::{DAffine3, DVec3};
@@ -168,11 +168,14 @@ pub struct FilmSpec {
     /// The number of spectral bands in the output, if above 0.
     pub spectral_bands: u32,
     pub space: RgbSpace,
+    pub transfer: Transfer,
     /// The white of the PNG as XYZ for `observer` on any scale, or `None` without white balance.
     pub white: Option<Xyz>,
     pub gamut: GamutMapping,
     pub tone: ToneCurve,
     pub exposure: Exposure,
+    /// The bloom of the PNG, or `None` without bloom.
+    pub bloom: Option<Bloom>,
     /// The layers that the EXR contains in addition to the colours.
     pub layers: Vec<Layer>,
     pub denoise: Denoise,
@@ -200,6 +203,21 @@ impl Denoise {
             Self::Off | Self::WherePossible | Self::On => self,
         }
     }
+}
+
+/// The light that the eye of a viewer scatters around bright parts of the PNG.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bloom {
+    /// The horizontal angle that the picture fills in the field of view, in degrees.
+    pub fov_degrees: f64,
+    /// The age of the viewer in years: older eyes scatter more light.
+    pub age: f64,
+}
+
+impl Bloom {
+    /// The age in years of an eye whose age is not stated.
+    pub const DEFAULT_AGE: f64 = 25.0;
 }
 
 /// The mapping from luminance to the brightness of the PNG.

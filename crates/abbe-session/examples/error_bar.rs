@@ -11,9 +11,9 @@ use abbe_scene::geometry::shape::Shape;
 use abbe_scene::light::{Emitter, Light, LightSpectrum, PointLight};
 use abbe_scene::{Denoise, Exposure, FilmSpec, Material, Scene};
 use abbe_session::render::{Integrator, Job, NoMonitor, Request, StopRules};
-use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::colour::{RgbSpace, Transfer};
 use abbe_spectra::{Observer, Result, Spectrum};
 use glam::{DAffine3, DVec3};
 
@@ -27,18 +27,21 @@ fn scene() -> Result<Scene> {
     builder.settings.photons = Some(10_000);
     let centre = builder.centre();
     let (observer, space) = (Observer::cie1931(), RgbSpace::Srgb);
-    let (gamut, tone, exposure) = (GamutMapping::Desaturate, ToneCurve::RollOff, Exposure::Auto);
+    let (gamut, tone, exposure) = (GamutMapping::Compress, ToneCurve::RollOff, Exposure::Auto);
     let (width, height, spectral_bands, white, layers) = (16, 12, 0, None, Vec::new());
+    let (transfer, bloom) = (Transfer::OfSpace, None);
     let film = FilmSpec {
         width,
         height,
         observer,
         spectral_bands,
         space,
+        transfer,
         white,
         gamut,
         tone,
         exposure,
+        bloom,
         layers,
         denoise: Denoise::Off,
     };

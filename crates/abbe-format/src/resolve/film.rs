@@ -2,21 +2,33 @@
 
 use super::{context::Resolver, spectra::Role};
 use crate::{
-    CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LayerFile, LensFile, ObserverFile, OutputSpaceFile,
-    SpectrumFile, ToneFile, WhiteBalanceFile,
+    BloomFile, CameraFile, ExposureFile, FilmFile, GamutFile, JsonPath, LayerFile, LensFile, ObserverFile,
+    OutputSpaceFile, SpectrumFile, ToneFile, WhiteBalanceFile,
 };
 use abbe_scene::builder::WhiteBalance;
-use abbe_scene::{Denoise, Exposure, FilmSpec, Layer};
-use abbe_spectra::colour::RgbSpace;
+use abbe_scene::{Bloom, Denoise, Exposure, FilmSpec, Layer};
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::colour::{RgbSpace, Transfer};
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::Observer;
 
 impl Resolver<'_> {
     /// Resolves the film, without the white that the scene builder finds from the white balance.
     pub(super) fn film(&self, at: &JsonPath, film: &FilmFile, camera: &CameraFile) -> Result<FilmSpec> {
-        let FilmFile { width, height, observer, spectral_bands, layers, gamut, tone, exposure, .. } = film;
+        let FilmFile {
+            width,
+            height,
+            observer,
+            spectral_bands,
+            layers,
+            gamut,
+            tone,
+            output_space,
+            exposure,
+            bloom,
+            ..
+        } = film;
         let exposure = match exposure {
             ExposureFile::Auto => Exposure::Auto,
             ExposureFile::None => Exposure::None,
@@ -32,6 +44,7 @@ impl Resolver<'_> {
             ObserverFile::Cie2015Ten => Observer::cie2015_10(),
         };
         let gamut = match gamut {
+            GamutFile::Compress => GamutMapping::Compress,
             GamutFile::Desaturate => GamutMapping::Desaturate,
             GamutFile::Clip => GamutMapping::Clip,
             GamutFile::Oklab => GamutMapping::Oklab,
@@ -42,12 +55,14 @@ impl Resolver<'_> {
             ToneFile::PbrNeutral => ToneCurve::PbrNeutral,
             ToneFile::Agx => ToneCurve::Agx,
         };
-        let space = match film.output_space {
-            OutputSpaceFile::Srgb => RgbSpace::Srgb,
-            OutputSpaceFile::DisplayP3 => RgbSpace::DisplayP3,
-            OutputSpaceFile::Rec2020 => RgbSpace::Rec2020,
-            OutputSpaceFile::Acescg => RgbSpace::AcesCg,
+        let (space, transfer) = match output_space {
+            OutputSpaceFile::Srgb => (RgbSpace::Srgb, Transfer::OfSpace),
+            OutputSpaceFile::DisplayP3 => (RgbSpace::DisplayP3, Transfer::OfSpace),
+            OutputSpaceFile::Rec2020 => (RgbSpace::Rec2020, Transfer::OfSpace),
+            OutputSpaceFile::Rec2100Pq => (RgbSpace::Rec2020, Transfer::Pq),
+            OutputSpaceFile::Acescg => (RgbSpace::AcesCg, Transfer::OfSpace),
         };
+        let bloom = bloom.map(|BloomFile { fov, age }| Bloom { fov_degrees: fov, age });
         let (width, height, spectral_bands) = (*width, *height, *spectral_bands);
         let layers = layers.iter().map(|layer| match layer {
             LayerFile::Albedo => Layer::Albedo,
@@ -66,8 +81,21 @@ impl Resolver<'_> {
             Some(false) => Denoise::Off,
             Some(true) => Denoise::On,
         };
-        let white = None;
-        Ok(FilmSpec { width, height, observer, spectral_bands, space, white, gamut, tone, exposure, layers, denoise })
+        Ok(FilmSpec {
+            width,
+            height,
+            observer,
+            spectral_bands,
+            space,
+            transfer,
+            white: None,
+            gamut,
+            tone,
+            exposure,
+            bloom,
+            layers,
+            denoise,
+        })
     }
 
     /// Returns the luminance L, in cd/m², that appears white on a film with the saturation-based

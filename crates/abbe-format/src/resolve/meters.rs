@@ -6,9 +6,9 @@ use abbe_scene::builder::SceneBuilder;
 use abbe_scene::camera::Camera;
 use abbe_scene::meter::{Meter, MeterReading, ReceivingSide, Response, Sensor};
 use abbe_scene::{Denoise, Exposure, FilmSpec};
-use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
+use abbe_spectra::colour::{RgbSpace, Transfer};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Observer;
@@ -54,10 +54,12 @@ impl Resolver<'_> {
             observer: if visual { Observer::cie1931() } else { Observer::radiometric() },
             spectral_bands,
             space: RgbSpace::Srgb,
+            transfer: Transfer::OfSpace,
             white: None,
             gamut: GamutMapping::Clip,
             tone: ToneCurve::Clip,
             exposure: Exposure::None,
+            bloom: None,
             layers: Vec::new(),
             denoise: Denoise::Off,
         };

@@ -12,7 +12,7 @@ use super::selection::Selection;
 use abbe_spectra::colour::tone::ToneCurve;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::exp2;
-use abbe_transport::sensor::{Development, DisplayImage, Picture, develop};
+use abbe_transport::sensor::{Development, DisplayImage, Picture, develop_with_reach};
 
 #[derive(Debug, Clone, Copy)]
 pub struct PicturePair<'a> {
@@ -35,7 +35,8 @@ pub fn page(pair: PicturePair<'_>, selection: &Selection, comparison: &Compariso
     let PicturePair { picture: (name_a, a), reference: (name_b, b), tone } = pair;
     let development = Development { tone, ..Development::default() };
     let exposure = exp2(comparison.exposure_ev);
-    let shown = |picture: &Picture| develop(picture, exposure, &development);
+    let reach = development.reach(b);
+    let shown = |picture: &Picture| develop_with_reach(picture, exposure, reach, &development);
     let title = format!("{name_a} against {name_b}");
     let signed = "Difference in Y, relative to the reference: red where A is brighter, blue where A is darker.";
     let heat_legend = |words: [&str; 3]| legend(&heat::css_colours(), words);

@@ -5,12 +5,13 @@
 //! | sRGB | 8 | `cICP`, `sRGB`, `gAMA`, `cHRM` |
 //! | Display P3 | 8 | `cICP`, `iCCP`, `gAMA`, `cHRM` |
 //! | Rec. 2020 | 16 | `iCCP`, `gAMA`, `cHRM` |
+//! | Rec. 2100 (PQ) | 16 | `cICP`, `cHRM` |
 //! | ACEScg | 16 | `iCCP`, `gAMA`, `cHRM` (linear) |
 //!
 //! Each row of the table lists the chunks in order of priority. A reader uses the first chunk that
 //! it supports (PNG, third edition, 4.3). The chunk `cICP` contains code points. For Rec. 2020, no
 //! code points are written. Browsers assume a display gamma of 2.4 for the code points of Rec.
-//! 2020, so a picture with these code points would be too dark. The ICC profile of Rec. 2020
+//! 2020, so a picture with these code points would be too dark. With PQ, they are unambiguous. The ICC profile of Rec. 2020
 //! contains the curve that the standard itself defines. No code points exist for the primaries of
 //! ACEScg.
 
@@ -25,7 +26,7 @@ use ::png::{
 };
 
 use super::{file, icc};
-use abbe_spectra::colour::{AdaptationTransform, RgbSpace, adapt};
+use abbe_spectra::colour::{AdaptationTransform, RgbSpace, Transfer, adapt, transfer::REC2100_PQ};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::{Codes, DisplayImage, Picture};
 
@@ -39,11 +40,11 @@ pub fn encode(screen: &DisplayImage) -> Result<Vec<u8>> {
     let mut encoder = ::png::Encoder::with_info(&mut bytes, header(screen)?).map_err(failed)?;
     encoder.set_compression(Compression::Balanced);
     encoder.set_filter(Filter::Adaptive);
-    if screen.space == RgbSpace::Srgb {
+    if screen.space == RgbSpace::Srgb && screen.transfer == Transfer::OfSpace {
         encoder.set_source_srgb(SrgbRenderingIntent::RelativeColorimetric);
     }
     let mut writer = encoder.write_header().map_err(failed)?;
-    if let Some(points) = code_points(screen.space) {
+    if let Some(points) = code_points(screen.space, screen.transfer) {
         writer.write_chunk(CODE_POINTS, &points).map_err(failed)?;
     }
     match &screen.codes {
@@ -75,11 +76,18 @@ fn header(screen: &DisplayImage) -> Result<Info<'static>> {
         Codes::Eight(_) => BitDepth::Eight,
         Codes::Sixteen(_) => BitDepth::Sixteen,
     };
-    info.source_gamma = Some(ScaledFloat::from_scaled(gamma(screen.space)));
+    info.source_gamma = match screen.transfer {
+        Transfer::OfSpace => Some(ScaledFloat::from_scaled(gamma(screen.space))),
+        Transfer::Pq => None,
+    };
     info.source_chromaticities = Some(chromaticities(screen.space));
-    info.icc_profile = match screen.space {
-        RgbSpace::Srgb => None,
-        RgbSpace::DisplayP3 | RgbSpace::Rec2020 | RgbSpace::AcesCg => Some(Cow::Borrowed(icc::profile(screen.space))),
+    info.icc_profile = match (screen.space, screen.transfer) {
+        (RgbSpace::Srgb, Transfer::OfSpace) => None,
+        (RgbSpace::DisplayP3 | RgbSpace::Rec2020 | RgbSpace::AcesCg, Transfer::OfSpace) => {
+            Some(Cow::Borrowed(icc::profile(screen.space)))
+        }
+        // An ICC profile of version 2 or 4 cannot describe absolute luminances.
+        (RgbSpace::Srgb | RgbSpace::DisplayP3 | RgbSpace::Rec2020 | RgbSpace::AcesCg, Transfer::Pq) => None,
     };
     Ok(info)
 }
@@ -89,11 +97,15 @@ const CODE_POINTS: ChunkType = ChunkType(*b"cICP");
 
 /// Returns the four code points of ITU-T H.273. They identify the primaries, the transfer function,
 /// the matrix (0 means RGB) and the range (1 means full range).
-fn code_points(space: RgbSpace) -> Option<[u8; 4]> {
-    match space {
-        RgbSpace::Srgb => Some([1, 13, 0, 1]),
-        RgbSpace::DisplayP3 => Some([12, 13, 0, 1]),
-        RgbSpace::Rec2020 | RgbSpace::AcesCg => None,
+fn code_points(space: RgbSpace, transfer: Transfer) -> Option<[u8; 4]> {
+    match (space, transfer) {
+        (RgbSpace::Srgb, Transfer::OfSpace) => Some([1, 13, 0, 1]),
+        (RgbSpace::DisplayP3, Transfer::OfSpace) => Some([12, 13, 0, 1]),
+        (RgbSpace::Rec2020 | RgbSpace::AcesCg, Transfer::OfSpace) => None,
+        (RgbSpace::Srgb, Transfer::Pq) => Some([1, 16, 0, 1]),
+        (RgbSpace::DisplayP3, Transfer::Pq) => Some([12, 16, 0, 1]),
+        (RgbSpace::Rec2020, Transfer::Pq) => Some([9, 16, 0, 1]),
+        (RgbSpace::AcesCg, Transfer::Pq) => None,
     }
 }
 
@@ -129,28 +141,30 @@ pub fn read(path: &Path) -> Result<Picture> {
     let bytes = std::fs::read(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
     let broken = |error: String| wrong(format!("is not a valid PNG file: {error}"));
     let (info, pixels) = rgb16(&bytes).map_err(|error| broken(error.to_string()))?;
-    let space = explicit_space(&info)?.ok_or_else(|| {
+    let (space, transfer) = explicit_space(&info)?.ok_or_else(|| {
         let names = RgbSpace::ALL.map(RgbSpace::name).join(", ");
-        wrong("has a colour space that abbe does not know".to_string()).expected(names)
+        wrong("has a colour space that abbe does not know".to_string()).expected(format!("{names}, {REC2100_PQ}"))
     })?;
     let mut picture = Picture::black(info.width as usize, info.height as usize);
     let adapt = |xyz| adapt(xyz, space.white(), RgbSpace::Srgb.white(), AdaptationTransform::Bradford);
     for (xyz, pixel) in picture.xyz.iter_mut().zip(&pixels) {
-        *xyz = adapt(space.to_xyz(pixel.map(|code| space.decode(f64::from(code) / 65_535.0))));
+        *xyz = adapt(space.to_xyz(pixel.map(|code| transfer.decode(f64::from(code) / 65_535.0, space))));
     }
     Ok(picture)
 }
 
 /// Returns the colour space that a PNG file states. Returns `None` if the space is unknown.
-fn explicit_space(info: &Info<'_>) -> Result<Option<RgbSpace>> {
+fn explicit_space(info: &Info<'_>) -> Result<Option<(RgbSpace, Transfer)>> {
     if let Some(points) = &info.coding_independent_code_points {
         let explicit = [points.color_primaries, points.transfer_function, points.matrix_coefficients, 1];
-        return Ok(RgbSpace::ALL.into_iter().find(|space| code_points(*space) == Some(explicit)));
+        let encodings = RgbSpace::ALL.map(|space| (space, Transfer::OfSpace)).into_iter();
+        let encodings = encodings.chain([(RgbSpace::Rec2020, Transfer::Pq)]);
+        return Ok(encodings.into_iter().find(|(space, transfer)| code_points(*space, *transfer) == Some(explicit)));
     }
-    let Some(profile) = &info.icc_profile else { return Ok(Some(RgbSpace::Srgb)) };
+    let Some(profile) = &info.icc_profile else { return Ok(Some((RgbSpace::Srgb, Transfer::OfSpace))) };
     for space in RgbSpace::ALL {
         if icc::profile(space) == profile.as_ref() {
-            return Ok(Some(space));
+            return Ok(Some((space, Transfer::OfSpace)));
         }
     }
     Ok(None)
@@ -204,7 +218,8 @@ mod tests {
 
     /// Returns an image of one pixel in this space. Its codes have 16 bits.
     fn wide(space: RgbSpace) -> DisplayImage {
-        DisplayImage { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[1, 0x1234, 0xfffe]]) }
+        let codes = Codes::Sixteen(vec![[1, 0x1234, 0xfffe]]);
+        DisplayImage { width: 1, height: 1, space, transfer: Transfer::OfSpace, codes }
     }
 
     fn decoded(screen: &DisplayImage) -> (u32, u32, Vec<[u16; 3]>) {
@@ -257,7 +272,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         for space in RgbSpace::ALL {
-            let white = DisplayImage { width: 1, height: 1, space, codes: Codes::Sixteen(vec![[65_535; 3]]) };
+            let codes = Codes::Sixteen(vec![[65_535; 3]]);
+            let white = DisplayImage { width: 1, height: 1, space, transfer: Transfer::OfSpace, codes };
             write(&path, &white).unwrap();
             let xyz = read(&path).unwrap().xyz[0];
             let known = RgbSpace::Srgb.white();
@@ -267,6 +283,26 @@ mod tests {
         assert!((read(&path).unwrap().xyz[0][1] - 0.503).abs() < 1e-3);
         std::fs::write(&path, "no picture").unwrap();
         assert_eq!(read(&path).unwrap_err().exit_status(), 2);
+    }
+
+    /// A PQ file states the primaries of Rec. 2020 and the PQ curve, and its luminances are
+    /// relative to white at 203 cd/m².
+    #[test]
+    fn a_hdr_png_states_pq_and_is_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hdr.png");
+        let space = RgbSpace::Rec2020;
+        let code = |component: f64| (65_535.0 * Transfer::Pq.encode(component, space)).round() as u16;
+        let codes = Codes::Sixteen([0.0, 0.18, 1.0, 4.0].map(|y| [code(y); 3]).to_vec());
+        let screen = DisplayImage { width: 4, height: 1, space, transfer: Transfer::Pq, codes };
+        let reader = ::png::Decoder::new(Cursor::new(encode(&screen).unwrap())).read_info().unwrap();
+        let points = reader.info().coding_independent_code_points.unwrap();
+        assert_eq!((points.color_primaries, points.transfer_function), (9, 16));
+        assert!(points.is_video_full_range_image && reader.info().icc_profile.is_none());
+        write(&path, &screen).unwrap();
+        for (xyz, y) in read(&path).unwrap().xyz.iter().zip([0.0, 0.18, 1.0, 4.0]) {
+            assert!((xyz[1] - y).abs() < 1e-3 * y.max(1e-3), "{xyz:?} {y}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::job::Job;
 use crate::output::metadata::{Metadata, names};
 use abbe_scene::{Denoise, Exposure};
-use abbe_spectra::colour::{RgbSpace, Xyz};
+use abbe_spectra::colour::{RgbSpace, Transfer, Xyz};
 use abbe_spectra::math::elementary::exp2;
 use abbe_transport::sensor::{Development, DisplayImage, Picture, develop, exposure};
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,14 @@ impl DisplaySettings {
 
     pub fn of(job: &Job) -> Self {
         let film = &job.scene.film;
-        let development = Development { space: film.space, white: film.white, gamut: film.gamut, tone: film.tone };
+        let development = Development {
+            space: film.space,
+            transfer: film.transfer,
+            white: film.white,
+            gamut: film.gamut,
+            tone: film.tone,
+            bloom: film.bloom,
+        };
         let denoise = match film.denoise {
             Denoise::Unset | Denoise::WherePossible => None,
             Denoise::Off => Some(false),
@@ -45,7 +52,8 @@ impl DisplaySettings {
 
     #[must_use]
     pub fn in_space(self, space: RgbSpace) -> Self {
-        Self { development: Development { space, ..self.development }, ..self }
+        let development = Development { space, transfer: Transfer::OfSpace, ..self.development };
+        Self { development, ..self }
     }
 
     /// Returns true if the denoised picture is shown.

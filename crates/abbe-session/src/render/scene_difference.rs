@@ -6,7 +6,7 @@ use serde_json::Value;
 /// checkpoints, and the display of the picture.
 const KEYS_WITHOUT_EFFECT_ON_A_PASS: [(&str, &[&str]); 2] = [
     ("render", &["passes", "threads", "checkpoint_seconds"]),
-    ("film", &["exposure", "white_balance", "output_space", "tone", "gamut", "denoise"]),
+    ("film", &["exposure", "white_balance", "output_space", "tone", "gamut", "bloom", "denoise"]),
 ];
 
 const LONGEST_VALUE: usize = 60;

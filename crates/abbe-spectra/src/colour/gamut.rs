@@ -11,8 +11,12 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GamutMapping {
-    /// Moves the colour towards the grey of equal luminance until it is inside the gamut.
+    /// Compresses the chroma of the whole picture before the tone curve
+    /// ([`ChromaCompression`](super::compression::ChromaCompression)), so that spectra keep their
+    /// order and their gradations. What is outside after the tone curve is desaturated.
     #[default]
+    Compress,
+    /// Moves the colour towards the grey of equal luminance until it is inside the gamut.
     Desaturate,
     /// Clips each component.
     Clip,
@@ -22,27 +26,29 @@ pub enum GamutMapping {
 
 impl GamutMapping {
     /// Every mapping.
-    pub const ALL: [Self; 3] = [Self::Desaturate, Self::Clip, Self::Oklab];
+    pub const ALL: [Self; 4] = [Self::Compress, Self::Desaturate, Self::Clip, Self::Oklab];
 
     /// Returns the name of the mapping.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Compress => "compress",
             Self::Desaturate => "desaturate",
             Self::Clip => "clip",
             Self::Oklab => "oklab",
         }
     }
 
-    /// Returns a mapping by its name (`desaturate`, `clip` or `oklab`), or an error.
+    /// Returns a mapping by its name (`compress`, `desaturate`, `clip` or
+    /// `oklab`), or an error.
     pub fn by_name(name: &str) -> Result<Self> {
         by_name("gamut mapping", name, &Self::ALL.map(|any| (any.name(), any)))
     }
 
-    /// Maps a colour into the gamut. Colours inside it are not changed.
+    /// Maps a colour into the gamut after the tone curve. Colours inside it are not changed.
     #[inline]
     pub fn map(self, rgb: Rgb, space: RgbSpace) -> Rgb {
         match self {
-            Self::Desaturate => desaturate(rgb, space),
+            Self::Compress | Self::Desaturate => desaturate(rgb, space),
             Self::Clip => clip(rgb),
             Self::Oklab => oklab(rgb, space),
         }
@@ -148,7 +154,7 @@ mod tests {
 
     #[test]
     fn too_bright_colours_are_white_and_negative_ones_black() {
-        for mapping in [GamutMapping::Desaturate, GamutMapping::Oklab] {
+        for mapping in [GamutMapping::Compress, GamutMapping::Desaturate, GamutMapping::Oklab] {
             assert_eq!(mapping.map([9.0, 7.0, 8.0], RgbSpace::Srgb).map(|c| (c * 1e6).round()), [1e6; 3]);
             assert_eq!(mapping.map([-0.1, -0.2, -0.3], RgbSpace::Srgb), [0.0; 3]);
         }

@@ -5,6 +5,7 @@
 //! `encode`, and they may be negative or above 1 until [`gamut`] maps them.
 
 pub mod adaptation;
+pub mod compression;
 pub mod coordinates;
 pub mod difference;
 pub mod dominant;
@@ -19,6 +20,7 @@ pub mod report;
 pub mod space;
 pub mod temperature;
 pub mod tone;
+pub mod transfer;
 mod tristimulus;
 
 pub use adaptation::{AdaptationTransform, adapt, adaptation};
@@ -32,6 +34,7 @@ pub use rendition::{ColourRendition, rendition, rendition_in_steps};
 pub use report::ColourReport;
 pub use space::{RgbSpace, decode_srgb, encode_srgb, encode_srgb_u8, linear_srgb_to_xyz, srgb_hex, xyz_to_linear_srgb};
 pub use temperature::{CorrelatedTemperature, cct_duv};
+pub use transfer::{Transfer, output_space_by_name};
 pub use tristimulus::{Rgb, Xyz};
 
 use crate::error::{Error, Result};

@@ -26,7 +26,7 @@ pub enum ToneCurve {
 const KNEE: f64 = 0.6;
 
 /// Desaturates very bright colours: a component of 1/`DESATURATION` loses half its saturation.
-const DESATURATION: f64 = 0.02;
+const DESATURATION: f64 = 0.03;
 
 impl ToneCurve {
     /// Every curve.
@@ -64,10 +64,11 @@ impl ToneCurve {
 /// identity, it becomes 1 − (1 − k)²/(p + 1 − 2k), whose slope is continuous there. The other
 /// components are scaled by the same factor, which preserves the chromaticity, and then the colour
 /// moves a little towards white. The desaturation is weaker than that of Khronos, because a
-/// spectrum must keep its colours, and the offset for dark colours is omitted.
+/// spectrum must keep its colours, and the offset for dark colours is omitted. Instead of p, the
+/// curve takes [`rounded_peak`].
 #[inline]
 fn roll_off(rgb: Rgb) -> Rgb {
-    let peak = rgb[0].max(rgb[1]).max(rgb[2]);
+    let peak = rounded_peak(rgb);
     if peak <= KNEE || peak.is_nan() {
         return rgb;
     }
@@ -77,6 +78,24 @@ fn roll_off(rgb: Rgb) -> Rgb {
     let compressed = 1.0 - (1.0 - KNEE) * (1.0 - KNEE) / (peak + 1.0 - 2.0 * KNEE);
     let saturation = 1.0 / (DESATURATION * (peak - compressed) + 1.0);
     rgb.map(|component| compressed * (saturation * component / peak + 1.0 - saturation))
+}
+
+/// Returns the largest component, and a little more if the second largest is nearly as large and
+/// the third is not: without this, a spectrum has a bright ridge at yellow, where the largest
+/// component changes from green to red. At that place, the slopes of both sides are equal. The
+/// largest component of a neutral colour does not change.
+#[inline]
+fn rounded_peak(rgb: Rgb) -> f64 {
+    const POWER: i32 = 8;
+    const EXCESS: f64 = 1.0 / (2 * POWER - 1) as f64;
+    let [r, g, b] = rgb;
+    let peak = r.max(g).max(b);
+    if peak <= 0.0 || peak.is_nan() || peak == f64::INFINITY {
+        return peak;
+    }
+    let second = r.min(g).max(r.max(g).min(b)).max(0.0);
+    let least = r.min(g).min(b).max(0.0);
+    peak * (1.0 + EXCESS * (second / peak).powi(POWER) * (1.0 - least / peak))
 }
 
 /// The Khronos PBR Neutral tone mapper (Khronos Group, "Khronos PBR Neutral Tone Mapper

@@ -2,12 +2,11 @@
 //! the point spread function of its wavelengths.
 //!
 //! This is the Fraunhofer pattern of the stop, integrated over the pixel squares, as if all light
-//! of a pixel were at its centre. Reflection extends the picture beyond the film, so that no light
-//! is lost at the edges and a uniform picture stays uniform. Kernels are normalised to 1, so energy
-//! is conserved.
+//! of a pixel were at its centre.
 
+use super::convolution::MirroredPlanes;
+pub(super) use super::convolution::{PlaneTransform, add_product};
 use abbe_spectra::math::elementary::{exp, ln};
-use abbe_spectra::math::fourier::{self, Complex, Direction, FourierBuffers, FourierTransform};
 use abbe_spectra::spectrum::BAND_NM;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -109,49 +108,30 @@ fn edges_nm(light_nm: &[f64]) -> Vec<f64> {
     cells.into_iter().map(|cell| BAND_NM.0 * exp(cell as f64 * ratio)).collect()
 }
 
-/// The Fourier transform of a plane. Reflection extends the plane beyond its edges.
-pub(super) type PlaneTransform = Vec<Complex>;
-
 /// Convolves the planes of films of one size.
 pub(super) struct Convolution<'a> {
     diffraction: &'a DiffractionPsf,
-    width: usize,
-    height: usize,
-    rows: FourierTransform,
-    columns: FourierTransform,
+    planes: MirroredPlanes,
 }
 
 impl<'a> Convolution<'a> {
-    pub(super) fn new(diffraction: &'a DiffractionPsf, (width, height): (usize, usize)) -> Self {
-        let [rows, columns] = [2 * width, 2 * height].map(FourierTransform::new);
-        Self { diffraction, width, height, rows, columns }
+    pub(super) fn new(diffraction: &'a DiffractionPsf, size: (usize, usize)) -> Self {
+        Self { diffraction, planes: MirroredPlanes::new(size) }
     }
 
     /// Transforms two real planes together, as the real and the imaginary part.
     pub(super) fn transform(&self, plane: impl Fn(usize) -> [f64; 2] + Sync) -> PlaneTransform {
-        let mirrored = |i: usize, length: usize| if i < length { i } else { 2 * length - 1 - i };
-        let value = |place: usize| {
-            let (x, y) = (place % (2 * self.width), place / (2 * self.width));
-            let [re, im] = plane(mirrored(y, self.height) * self.width + mirrored(x, self.width));
-            Complex { re, im }
-        };
-        self.forward((0..4 * self.width * self.height).into_par_iter().map(value).collect())
+        self.planes.transform(plane)
     }
 
     /// Returns the planes of a transform. This function is the inverse of `transform`.
-    pub(super) fn planes(&self, mut spectrum: PlaneTransform) -> Vec<[f64; 2]> {
-        let (width, height) = (2 * self.width, 2 * self.height);
-        each_line(&self.columns, &mut spectrum, Direction::Inverse);
-        let mut plane = transposed(&spectrum, height);
-        each_line(&self.rows, &mut plane, Direction::Inverse);
-        let scale = 1.0 / (width * height) as f64;
-        let pixel = |i: usize| plane[i / self.width * width + i % self.width] * scale;
-        (0..self.width * self.height).map(|i| [pixel(i).re, pixel(i).im]).collect()
+    pub(super) fn planes(&self, spectrum: PlaneTransform) -> Vec<[f64; 2]> {
+        self.planes.planes(spectrum)
     }
 
     /// Returns the transform of the kernel for light between two wavelengths in nm.
     pub(super) fn kernel(&self, between_nm: (f64, f64)) -> PlaneTransform {
-        let (width, height) = (2 * self.width, 2 * self.height);
+        let (width, height) = self.planes.mirrored_size();
         let mut kernel = vec![0.0; width * height];
         for nm in self.diffraction.between(between_nm) {
             let spread_px = nm * self.diffraction.spread_px_per_nm;
@@ -177,37 +157,8 @@ impl<'a> Convolution<'a> {
                 }
             }
         }
-        let whole: f64 = kernel.iter().sum();
-        if whole > 0.0 {
-            kernel.iter_mut().for_each(|value| *value /= whole);
-        } else {
-            kernel[0] = 1.0;
-        }
-        self.forward(kernel.into_iter().map(Complex::from).collect())
+        self.planes.kernel(kernel)
     }
-
-    /// Transforms rows and then columns. The result is stored column by column.
-    fn forward(&self, mut plane: PlaneTransform) -> PlaneTransform {
-        each_line(&self.rows, &mut plane, Direction::Forward);
-        let mut spectrum = transposed(&plane, 2 * self.width);
-        each_line(&self.columns, &mut spectrum, Direction::Forward);
-        spectrum
-    }
-}
-
-pub(super) fn add_product(sum: &mut PlaneTransform, a: &PlaneTransform, b: &PlaneTransform) {
-    sum.par_iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += *a * *b);
-}
-
-fn each_line(transform: &FourierTransform, plane: &mut PlaneTransform, direction: Direction) {
-    let lines = plane.par_chunks_mut(fourier::LINES * transform.line_length());
-    lines.for_each_init(FourierBuffers::default, |buffers, lines| transform.transform(lines, direction, buffers));
-}
-
-/// Transposes a plane whose rows have `length` values.
-fn transposed(lines: &PlaneTransform, length: usize) -> PlaneTransform {
-    let count = lines.len() / length;
-    (0..lines.len()).into_par_iter().map(|i| lines[i % count * length + i / count]).collect()
 }
 
 /// The pixels that overlap a sample of the pattern, and the fraction of the sample in each pixel.

@@ -2,7 +2,9 @@
 //! pixel, a wavelength and a weight become XYZ pictures with error bars, display images, and the
 //! readings of meters.
 
+pub mod bloom;
 mod channels;
+mod convolution;
 pub mod cryptomatte;
 pub mod denoising;
 pub mod develop;
@@ -19,7 +21,7 @@ mod readings;
 mod sink;
 mod unit;
 
-pub use develop::{Codes, Development, DisplayImage, develop};
+pub use develop::{Codes, Development, DisplayImage, develop, develop_with_reach};
 pub use diffraction::DiffractionPsf;
 pub use error_bars::{ErrorSquares, PictureErrors};
 pub use film::Film;
