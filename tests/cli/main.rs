@@ -13,6 +13,7 @@ mod study_scene;
 
 mod blender_export;
 mod checkpoints;
+mod denoise;
 mod develop;
 mod diffraction;
 mod display_server;

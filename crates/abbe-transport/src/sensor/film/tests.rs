@@ -1,6 +1,7 @@
 //! Tests of the film's sums.
 
 use super::*;
+use crate::sensor::layers::{ALBEDO_NM, FirstSurface};
 
 const NM: f64 = 550.0;
 
@@ -69,4 +70,81 @@ fn truncated_splats_count_in_the_half_of_their_pass() {
         film.add_truncated_splats(pass, &sink);
     }
     assert!((relative_bias(&film) - 0.3).abs() < 1e-6);
+}
+
+fn denoising_film() -> Film {
+    Film::new(1, 1, Observer::cie1931(), 0).with_layers(&LayerSet { denoising: true, ..LayerSet::default() })
+}
+
+/// Adds passes of the radiance 1 + pass, with a surface whose albedo and depth depend on the pass.
+fn expose_for_denoising(film: &mut Film, passes: std::ops::Range<u64>) {
+    for pass in passes {
+        let records = film.records_surfaces(pass);
+        film.rows().for_each(|mut row| {
+            let exposed = row.expose(|_, sink| {
+                sink.radiance((0, 0), NM, 1.0 + pass as f64);
+                if records {
+                    let albedo = if pass % 2 == 0 { 0.25 } else { 0.5 };
+                    let surface = FirstSurface {
+                        albedo: [albedo; ALBEDO_NM.len()],
+                        normal: [0.0, 0.0, 1.0],
+                        depth_m: 4.0,
+                        uv: [0.0; 2],
+                        object: 0,
+                        material: 0,
+                    };
+                    sink.add_surface(Some(&surface));
+                }
+                1
+            });
+            row.add(pass, &exposed);
+        });
+        film.count_pass(pass);
+    }
+}
+
+/// The means of the groups are those of their passes, and surfaces are those of the first passes.
+#[test]
+fn denoising_means_are_those_of_their_passes() {
+    let mut film = denoising_film();
+    expose_for_denoising(&mut film, 0..7);
+    assert!(film.denoising_means().is_none(), "the last replicate has no passes");
+    expose_for_denoising(&mut film, 7..18);
+    let means = film.denoising_means().unwrap();
+    let bar = Observer::cie1931().xyz_bar(NM).map(|bar| bar * LUMENS_PER_WATT);
+    let mean = |of: &dyn Fn(u64) -> bool| {
+        let values: Vec<f64> = (0..18).filter(|pass| of(*pass)).map(|pass| 1.0 + pass as f64).collect();
+        values.iter().sum::<f64>() / values.len() as f64
+    };
+    for r in 0..8_u64 {
+        let known = bar[1] * mean(&|pass| pass % 8 == r);
+        assert!((f64::from(means.y[r as usize][0]) / known - 1.0).abs() < 1e-6, "replicate {r}");
+    }
+    for g in 0..4_u64 {
+        for (plane, c) in [(&means.x, 0), (&means.z, 2)] {
+            let known = bar[c] * mean(&|pass| pass % 4 == g);
+            assert!((f64::from(plane[g as usize][0]) - known).abs() < 1e-6 * known.max(1.0), "group {g}");
+        }
+    }
+    for (surfaces, albedo) in means.surfaces.iter().zip([0.25, 0.5]) {
+        assert!(surfaces[0].albedo.iter().all(|value| (value - albedo).abs() < 1e-3), "{:?}", surfaces[0]);
+        assert_eq!((surfaces[0].normal, surfaces[0].log_depth), ([0.0, 0.0, 1.0], 2.0));
+    }
+}
+
+/// All planes of a film, added to a blank one, give its means again.
+#[test]
+fn planes_for_a_denoiser_survive_a_round_trip() {
+    let mut film = denoising_film();
+    expose_for_denoising(&mut film, 0..8);
+    let mut copy = denoising_film();
+    for plane in 0..film.light_plane_names().len() {
+        let sums: Vec<_> = film.plane(plane).collect();
+        copy.add_plane(plane, 0, sums.into_iter());
+    }
+    (0..8).for_each(|pass| copy.count_pass(pass));
+    let (found, known) = (copy.denoising_means().unwrap(), film.denoising_means().unwrap());
+    assert_eq!((found.y, found.x, found.z, found.surfaces), (known.y, known.x, known.z, known.surfaces));
+    let names = film.light_plane_names();
+    assert_eq!(names.len(), names.iter().collect::<std::collections::BTreeSet<_>>().len(), "{names:?}");
 }
