@@ -1,7 +1,7 @@
 //! The first surfaces on camera rays, for the layers of a picture.
 
 use crate::gather::PixelSampler;
-use crate::sensor::layers::{ALBEDO_NM, FirstSurface};
+use crate::sensor::first_surface::{ALBEDO_NM, FirstSurface};
 use crate::walk::{SurfaceInteraction, SurfaceLookup, next_interaction};
 use abbe_scene::Scene;
 use abbe_spectra::spectrum::REFERENCE_NM;

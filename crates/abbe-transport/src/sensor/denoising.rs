@@ -3,7 +3,7 @@
 //! X and Z are separate for four groups of replicates, and the first surfaces of camera rays for
 //! the even and the odd passes. Surfaces converge quickly, so only the first passes record them.
 
-use super::layers::FirstSurface;
+use super::first_surface::FirstSurface;
 use super::pixel_sums::replicate;
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::math::elementary::log2;

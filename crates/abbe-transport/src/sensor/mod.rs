@@ -13,6 +13,7 @@ mod error_bars;
 pub mod error_distribution;
 pub mod exposure;
 pub mod film;
+pub mod first_surface;
 pub mod layers;
 pub mod picture;
 mod pixel_sums;

@@ -2,7 +2,8 @@
 
 use super::channels::Channels;
 use super::denoising::{DenoisingSums, SurfaceSums};
-use super::layers::{FirstSurface, NameKind, NameRow};
+use super::first_surface::FirstSurface;
+use super::layers::{NameKind, NameRow};
 use super::pixel_sums::{PixelSums, replicate};
 use super::readings::ReadingLayout;
 use abbe_spectra::math::sum::ExactSum;

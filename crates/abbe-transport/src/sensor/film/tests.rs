@@ -1,7 +1,7 @@
 //! Tests of the film's sums.
 
 use super::*;
-use crate::sensor::layers::{ALBEDO_NM, FirstSurface};
+use crate::sensor::first_surface::{ALBEDO_NM, FirstSurface};
 
 const NM: f64 = 550.0;
 
