@@ -5,8 +5,8 @@ use abbe_session::render::{DisplaySettings, Integrator};
 use abbe_spectra::colour::RgbSpace;
 use abbe_transport::sensor::Codes;
 
-/// Twelve scenes: spectra and caustics in rooms, lamps in view, single lines, sky, glass.
-const SCENES: [&str; 12] = [
+/// Spectra and caustics in rooms, lamps in view, single lines, sky, glass.
+const SCENES: [&str; 11] = [
     "prism",
     "two_prisms",
     "grating",
@@ -17,7 +17,6 @@ const SCENES: [&str; 12] = [
     "sodium_flame",
     "neon_tube",
     "candle",
-    "diamond",
     "coated_lens",
 ];
 
