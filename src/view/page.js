@@ -73,7 +73,8 @@ async function fetchPicture() {
   try {
     const next = await floats("picture");
     picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1,
-      reaches: state.picture?.reaches ?? {}, passes: state.picture?.passes ?? 0 };
+      reaches: state.picture?.reaches ?? {}, passes: state.picture?.passes ?? 0,
+      denoised: state.picture?.denoised ?? false };
     await draw();
     refreshProbes();
     showReference(state.reference);
@@ -123,10 +124,11 @@ async function draw() {
 }
 
 /// Returns what [`shownXyz`] does with the bloom of the scene.
-const bloomedXyz = () => plane("bloomed?denoised=" + $("denoise").checked);
+const bloomedXyz = () => plane("bloomed?denoised=" + showsDenoised());
 
 /// Returns the denoised picture if the reader wants it and the render has one, and else the picture.
-const shownXyz = async current => ($("denoise").checked ? await plane("denoised") : null) ?? current.xyz;
+const shownXyz = async current => (showsDenoised() ? await plane("denoised") : null) ?? current.xyz;
+const showsDenoised = () => $("denoise").checked && picture.denoised;
 
 /// Fetches a plane of the shown picture. Returns null if the picture has no such plane.
 async function plane(path) {
