@@ -1,5 +1,5 @@
 //! Writes a spectrum from 380 to 700 nm as two PNG files: with the gamut mapping `desaturate`, and
-//! with `compress`, which the renderer uses by default.
+//! with `compress`, which the renderer uses by default. The default folder is `target`.
 //!
 //! ```sh
 //! cargo run --release -p abbe-session --example spectrum_strip -- FOLDER
@@ -21,7 +21,7 @@ const BAND_HEIGHT: usize = 60;
 const BRIGHTEST: [f64; 4] = [0.125, 0.25, 0.5, 1.0];
 
 fn main() -> Result<()> {
-    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_string()));
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "target".to_string()));
     let mut picture = Picture::black(WIDTH, BAND_HEIGHT * BRIGHTEST.len());
     for (pixel, xyz) in picture.xyz.iter_mut().enumerate() {
         let nm = 380.0 + 320.0 * (pixel % WIDTH) as f64 / (WIDTH - 1) as f64;
@@ -32,6 +32,7 @@ fn main() -> Result<()> {
         let development = Development { gamut, ..Development::default() };
         let file = folder.join(format!("spectrum_strip_{}.png", gamut.name()));
         png::write(&file, &develop(&picture, 1.0, &development))?;
+        println!("wrote {}", file.display());
     }
     Ok(())
 }
