@@ -30,24 +30,29 @@ impl MirroredPlanes {
 
     /// Transforms two real planes together, as the real and the imaginary part.
     pub(super) fn transform(&self, plane: impl Fn(usize) -> [f64; 2] + Sync) -> PlaneTransform {
-        let mirrored = |i: usize, length: usize| if i < length { i } else { 2 * length - 1 - i };
         let value = |place: usize| {
             let (x, y) = (place % (2 * self.width), place / (2 * self.width));
-            let [re, im] = plane(mirrored(y, self.height) * self.width + mirrored(x, self.width));
+            let [re, im] = plane(y * self.width + reflected(x, self.width));
             Complex { re, im }
         };
-        self.forward((0..4 * self.width * self.height).into_par_iter().map(value).collect())
+        let rows = (0..2 * self.width * self.height).into_par_iter().map(value).collect();
+        self.forward(rows, |y| reflected(y, self.height))
     }
 
     /// Returns the planes of a transform. This function is the inverse of `transform`.
     pub(super) fn planes(&self, mut spectrum: PlaneTransform) -> Vec<[f64; 2]> {
         let (width, height) = self.mirrored_size();
         each_line(&self.columns, &mut spectrum, Direction::Inverse);
-        let mut plane = transposed(&spectrum, height);
+        // The reflected rows are not needed.
+        let value = |place: usize| spectrum[place % width * height + place / width];
+        let mut plane: Vec<Complex> = (0..width * self.height).into_par_iter().map(value).collect();
         each_line(&self.rows, &mut plane, Direction::Inverse);
         let scale = 1.0 / (width * height) as f64;
-        let pixel = |i: usize| plane[i / self.width * width + i % self.width] * scale;
-        (0..self.width * self.height).map(|i| [pixel(i).re, pixel(i).im]).collect()
+        let pixel = |i: usize| {
+            let value = plane[i / self.width * width + i % self.width] * scale;
+            [value.re, value.im]
+        };
+        (0..self.width * self.height).into_par_iter().map(pixel).collect()
     }
 
     /// Normalises a kernel to 1 and transforms it. The kernel has the size of a mirrored plane, and
@@ -59,16 +64,43 @@ impl MirroredPlanes {
         } else {
             kernel[0] = 1.0;
         }
-        self.forward(kernel.into_iter().map(Complex::from).collect())
+        self.forward(kernel.into_iter().map(Complex::from).collect(), |y| y)
     }
 
-    /// Transforms rows and then columns. The result is stored column by column.
-    fn forward(&self, mut plane: PlaneTransform) -> PlaneTransform {
+    /// Normalises an even kernel to 1 and transforms it. `value` returns its positive values at a
+    /// column and a row from its centre, up to the width and height of a plane.
+    pub(super) fn even_kernel(&self, value: impl Fn(usize, usize) -> f64 + Sync) -> PlaneTransform {
+        let (columns, rows) = self.mirrored_size();
+        let quadrant: Vec<Vec<f64>> =
+            (0..=self.height).into_par_iter().map(|y| (0..=self.width).map(|x| value(x, y)).collect()).collect();
+        let from_centre = |i: usize, count: usize| i.min(count - i);
+        // Only the centre and the farthest column or row are there once.
+        let copies = |i: usize, half: usize| if i == 0 || i == half { 1.0 } else { 2.0 };
+        let sum_of_row = |(y, row): (usize, &Vec<f64>)| -> f64 {
+            let sum: f64 = row.iter().enumerate().map(|(x, value)| copies(x, self.width) * value).sum();
+            copies(y, self.height) * sum
+        };
+        let whole: f64 = quadrant.iter().enumerate().map(sum_of_row).sum();
+        let at = |place: usize| quadrant[place / columns][from_centre(place % columns, columns)] / whole;
+        let upper = (0..columns * (self.height + 1)).into_par_iter().map(|place| Complex::from(at(place))).collect();
+        self.forward(upper, |y| from_centre(y, rows))
+    }
+
+    /// Transforms rows and then columns. `row` returns the row of the plane at each of all mirrored
+    /// rows, so equal rows are transformed once. The result is stored column by column.
+    fn forward(&self, mut plane: PlaneTransform, row: impl Fn(usize) -> usize + Sync) -> PlaneTransform {
+        let (width, height) = self.mirrored_size();
         each_line(&self.rows, &mut plane, Direction::Forward);
-        let mut spectrum = transposed(&plane, 2 * self.width);
+        let value = |place: usize| plane[row(place % height) * width + place / height];
+        let mut spectrum = (0..width * height).into_par_iter().map(value).collect();
         each_line(&self.columns, &mut spectrum, Direction::Forward);
         spectrum
     }
+}
+
+/// Returns the place in a line of `length` values whose reflection continues at its end.
+fn reflected(i: usize, length: usize) -> usize {
+    if i < length { i } else { 2 * length - 1 - i }
 }
 
 pub(super) fn add_product(sum: &mut PlaneTransform, a: &PlaneTransform, b: &PlaneTransform) {
@@ -78,10 +110,4 @@ pub(super) fn add_product(sum: &mut PlaneTransform, a: &PlaneTransform, b: &Plan
 fn each_line(transform: &FourierTransform, plane: &mut PlaneTransform, direction: Direction) {
     let lines = plane.par_chunks_mut(fourier::LINES * transform.line_length());
     lines.for_each_init(FourierBuffers::default, |buffers, lines| transform.transform(lines, direction, buffers));
-}
-
-/// Transposes a plane whose rows have `length` values.
-fn transposed(lines: &PlaneTransform, length: usize) -> PlaneTransform {
-    let count = lines.len() / length;
-    (0..lines.len()).into_par_iter().map(|i| lines[i % count * length + i / count]).collect()
 }
