@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use super::convolution::{MirroredPlanes, add_product};
+use super::convolution::MirroredPlanes;
 use super::picture::Picture;
 use abbe_scene::Bloom;
 use abbe_spectra::colour::Xyz;
@@ -59,13 +59,8 @@ pub fn apply(eye: &Bloom, picture: &Picture) -> Vec<Xyz> {
         let xyz = picture.xyz[pixel];
         if xyz.iter().all(|value| value.is_finite()) { xyz } else { [0.0; 3] }
     };
-    let spread = |plane: &(dyn Fn(usize) -> [f64; 2] + Sync)| {
-        let mut sum = vec![Default::default(); 4 * width * height];
-        add_product(&mut sum, &kernel, &planes.transform(plane));
-        planes.planes(sum)
-    };
-    let xy = spread(&|pixel| [finite(pixel)[0], finite(pixel)[1]]);
-    let z = spread(&|pixel| [finite(pixel)[2], 0.0]);
+    let xy = planes.convolved(&kernel, |pixel| [finite(pixel)[0], finite(pixel)[1]]);
+    let z = planes.convolved(&kernel, |pixel| [finite(pixel)[2], 0.0]);
     let of_pixel = |((xyz, xy), z): ((&Xyz, [f64; 2]), [f64; 2])| {
         // Rounding may give values slightly below 0 where the picture is black.
         let spread = [xy[0], xy[1], z[0]].map(|value| value.max(0.0));
