@@ -6,9 +6,7 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
-
-use super::convolution::{MirroredPlanes, add_product};
+use super::convolution::MirroredPlanes;
 use super::picture::Picture;
 use abbe_scene::Bloom;
 use abbe_spectra::colour::Xyz;
@@ -55,18 +53,14 @@ fn spread_within(eye: &Bloom, degrees: f64) -> f64 {
 pub fn apply(eye: &Bloom, picture: &Picture) -> Vec<Xyz> {
     let (width, height) = (picture.width, picture.height);
     let planes = MirroredPlanes::new((width, height));
-    let kernel = planes.kernel(kernel(eye, planes.mirrored_size(), width));
+    let pixel_degrees = eye.fov_degrees / width as f64;
+    let kernel = planes.even_kernel(|x, y| kernel_value(eye, [x, y], pixel_degrees));
     let finite = |pixel: usize| {
         let xyz = picture.xyz[pixel];
         if xyz.iter().all(|value| value.is_finite()) { xyz } else { [0.0; 3] }
     };
-    let spread = |plane: &(dyn Fn(usize) -> [f64; 2] + Sync)| {
-        let mut sum = vec![Default::default(); 4 * width * height];
-        add_product(&mut sum, &kernel, &planes.transform(plane));
-        planes.planes(sum)
-    };
-    let xy = spread(&|pixel| [finite(pixel)[0], finite(pixel)[1]]);
-    let z = spread(&|pixel| [finite(pixel)[2], 0.0]);
+    let xy = planes.convolved(&kernel, |pixel| [finite(pixel)[0], finite(pixel)[1]]);
+    let z = planes.convolved(&kernel, |pixel| [finite(pixel)[2], 0.0]);
     let of_pixel = |((xyz, xy), z): ((&Xyz, [f64; 2]), [f64; 2])| {
         // Rounding may give values slightly below 0 where the picture is black.
         let spread = [xy[0], xy[1], z[0]].map(|value| value.max(0.0));
@@ -75,22 +69,13 @@ pub fn apply(eye: &Bloom, picture: &Picture) -> Vec<Xyz> {
     picture.xyz.iter().zip(xy).zip(z).map(of_pixel).collect()
 }
 
-/// Returns the kernel of a picture of this width, with its centre at the first value. All
-/// pixels fill the same angle.
-fn kernel(eye: &Bloom, (columns, rows): (usize, usize), width: usize) -> Vec<f64> {
-    let pixel_degrees = eye.fov_degrees / width as f64;
-    let pixel_sr = pixel_degrees.to_radians().powi(2);
-    let quarter = columns / 2 + 1;
-    let row = |y: usize| {
-        (0..quarter).map(move |x| kernel_pixel(eye, [x as i64, y as i64], pixel_degrees) * pixel_sr).collect()
-    };
-    let rows_of_quarter: Vec<Vec<f64>> = (0..rows / 2 + 1).into_par_iter().map(row).collect();
-    let from_centre = |i: usize, count: usize| i.min(count - i);
-    let at = |i: usize| rows_of_quarter[from_centre(i / columns, rows)][from_centre(i % columns, columns)];
-    let mut kernel: Vec<f64> = (0..rows * columns).map(at).collect();
-    // The central pixel contains the core, so it is a disk of equal area with an exact integral.
-    kernel[0] = spread_within(eye, pixel_degrees / PI.sqrt());
-    kernel
+/// Returns the value of the kernel at a pixel from its centre. All pixels fill the same angle.
+fn kernel_value(eye: &Bloom, [x, y]: [usize; 2], pixel_degrees: f64) -> f64 {
+    if [x, y] == [0, 0] {
+        // The central pixel contains the core, so it is a disk of equal area with an exact integral.
+        return spread_within(eye, pixel_degrees / PI.sqrt());
+    }
+    kernel_pixel(eye, [x as i64, y as i64], pixel_degrees) * pixel_degrees.to_radians().powi(2)
 }
 
 /// Returns the mean of the point spread function over a pixel.
