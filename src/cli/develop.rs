@@ -45,7 +45,7 @@ pub(crate) struct DenoiseArgs {
     /// by its own error bars]
     #[arg(long, overrides_with = "no_denoise")]
     denoise: bool,
-    /// Show the picture as it was rendered
+    /// Show the picture as it was rendered. A render then does not denoise at all
     #[arg(long)]
     no_denoise: bool,
 }

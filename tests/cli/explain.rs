@@ -10,7 +10,7 @@ fn explain(lens: &str) -> (Value, String) {
     let scene = format!(
         r#"{{
   "camera": {{"from": [0, 2, 5], "at": [0, 0, 0], "lens": {lens}}},
-  "film": {{"width": 300, "height": 200}},
+  "film": {{"width": 300, "height": 200, "denoise": false}},
   "materials": {{"grey": {{"diffuse": {{"reflectance": 0.5}}}}}},
   "objects": [{{"shape": {{"rectangle": {{"width": 6, "height": 6}}}}, "material": "grey"}}],
   "lights": [{{"point": {{"at": [1, 4, 1], "spectrum": "D65", "power": 20}}}}]

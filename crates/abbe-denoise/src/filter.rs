@@ -198,8 +198,13 @@ impl Comparisons {
     }
 }
 
+/// Filters a half on all levels.
+pub(crate) fn filtered(half: Half, surfaces: &Surfaces) -> Half {
+    (0..LEVELS).fold(half, |half, nth| level(&half, surfaces, nth))
+}
+
 /// Filters all planes with steps of 2ⁿ pixels.
-pub(crate) fn level(half: &Half, surfaces: &Surfaces, nth: usize) -> Half {
+fn level(half: &Half, surfaces: &Surfaces, nth: usize) -> Half {
     let level = Level::new(half, surfaces, nth);
     let (size, width) = (half.size, half.size.width);
     let mut filtered = half.blank();

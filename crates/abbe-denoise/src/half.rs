@@ -1,7 +1,6 @@
 //! One half of the replicates, which decides over the averages of the other half.
 
 use crate::features::Surfaces;
-use crate::filter::{LEVELS, level};
 use crate::planes::Size;
 use crate::samples::Samples;
 use crate::{GROUPS, REPLICATES};
@@ -102,10 +101,6 @@ impl Half {
             luma: std::array::from_fn(|k| divided(&samples.y[2 * k + other], 1)),
             colour: [0, 1, 2].map(mean),
         }
-    }
-
-    pub(crate) fn filtered(self, surfaces: &Surfaces) -> Self {
-        (0..LEVELS).fold(self, |half, nth| level(&half, surfaces, nth))
     }
 
     /// Returns the same planes, all 0.

@@ -95,7 +95,7 @@ pub fn denoise(samples: &Samples) -> Denoised {
 
 fn whole(samples: &Samples) -> Denoised {
     let surfaces = features::Surfaces::new(samples);
-    let halves = [0, 1].map(|half| half::Half::new(samples, &surfaces, half).filtered(&surfaces));
+    let halves = [0, 1].map(|half| filter::filtered(half::Half::new(samples, &surfaces, half), &surfaces));
     bars::combine(samples, &surfaces, &halves)
 }
 

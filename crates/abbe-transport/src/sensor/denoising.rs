@@ -3,7 +3,6 @@
 //! X and Z are separate for four groups of replicates, and the first surfaces of camera rays for
 //! the even and the odd passes. Surfaces converge quickly, so only the first passes record them.
 
-use super::layers::FirstSurface;
 use super::pixel_sums::replicate;
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::math::elementary::log2;
@@ -68,13 +67,11 @@ pub(super) struct DenoisingSums {
 }
 
 impl SurfaceSums {
-    /// Adds a camera sample. `None` means that its ray hits nothing.
-    pub(super) fn add_sample(&mut self, surface: Option<&FirstSurface>) {
+    /// Adds a camera sample: the albedo in linear sRGB, the normal and the distance in m of its first
+    /// surface. `None` means that its ray hits nothing.
+    pub(super) fn add_sample(&mut self, surface: Option<([f64; 3], [f64; 3], f64)>) {
         let values = match surface {
-            Some(surface) => {
-                let ([r, g, b], [x, y, z]) = (surface.albedo_rgb(), surface.normal);
-                [1.0, 1.0, r, g, b, x, y, z, log2(surface.depth_m.max(f64::MIN_POSITIVE))]
-            }
+            Some(([r, g, b], [x, y, z], depth_m)) => [1.0, 1.0, r, g, b, x, y, z, log2(depth_m.max(f64::MIN_POSITIVE))],
             None => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         };
         for ((sum, value), quantum) in self.0.iter_mut().zip(values).zip(QUANTA) {

@@ -255,7 +255,8 @@ impl<'f> PixelSink<'f> {
             layers.add_surface(&mut self.by_channel[first..], surface);
         }
         if self.channels.denoises() {
-            self.surfaces.add_sample(surface);
+            let values = |surface: &FirstSurface| (surface.albedo_rgb(), surface.normal, surface.depth_m);
+            self.surfaces.add_sample(surface.map(values));
         }
         self.hits.extend(surface.map(|surface| [surface.object, surface.material]));
     }
