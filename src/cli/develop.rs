@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use abbe_scene::Exposure;
 use abbe_session::output::Metadata;
-use abbe_session::output::exr::{ExrFile, read};
+use abbe_session::output::exr::read;
 use abbe_session::output::file;
 use abbe_session::output::metadata::names;
 use abbe_session::output::png::write as write_png;
@@ -93,8 +93,12 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
     let mut file = read(&arguments.picture)?;
     let mut settings = arguments.display.settings(&file.metadata)?;
     settings.denoise = arguments.denoise.choice().or(settings.denoise);
-    if settings.denoise == Some(true) {
-        file.picture.denoised = Some(denoised(&arguments.picture, &file)?);
+    if settings.denoise != Some(false) && file.picture.denoised.is_none() {
+        file.picture.denoised = denoised_checkpoint(&arguments.picture)?;
+    }
+    if settings.denoise == Some(true) && file.picture.denoised.is_none() {
+        let expected = "a picture with at least eight passes of a render without --no-denoise, or its checkpoint";
+        return Err(Error::input("contains no denoised picture").expected(expected).in_file(&arguments.picture));
     }
     let exposure = on_threads(None, || {
         let exposure = settings.factor(&file.picture);
@@ -106,17 +110,14 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the denoised picture of a file, or computes it from the exact sums of a checkpoint.
-fn denoised(path: &Path, file: &ExrFile) -> Result<DenoisedPicture> {
-    let found = match &file.picture.denoised {
-        Some(denoised) => Some(denoised.clone()),
-        None if SavedRun::read(path).is_ok() => {
-            on_threads(None, || PartSet::new(&[path.to_path_buf()])?.merge())??.picture.denoised
-        }
-        None => None,
-    };
-    let expected = "a picture with at least eight passes of a render without --no-denoise, or its checkpoint";
-    found.ok_or_else(|| Error::input("contains no denoised picture").expected(expected).in_file(path))
+/// Returns the denoised picture of a checkpoint, from its exact sums. `None` if the file is another
+/// picture, or if the sums do not allow it.
+fn denoised_checkpoint(path: &Path) -> Result<Option<DenoisedPicture>> {
+    if SavedRun::read(path).is_err() {
+        return Ok(None);
+    }
+    let merged = on_threads(None, || PartSet::new(&[path.to_path_buf()])?.merge())??;
+    Ok(merged.picture.denoised)
 }
 
 impl DisplayArgs {

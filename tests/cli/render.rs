@@ -84,7 +84,8 @@ fn the_pilot_is_announced_and_its_time_counts() {
 /// written.
 #[cfg(target_os = "linux")]
 fn peak_memory_bytes(folder: &Path, size: &str) -> f64 {
-    let arguments = ["render", "ball.json", "--quiet", "--passes", "2", "--part", "1/2", "--size", size];
+    let arguments =
+        ["render", "ball.json", "--quiet", "--passes", "2", "--part", "1/2", "--size", size, "--no-denoise"];
     let more = ["--set", "render.camera_samples=1"];
     let mut child = command(folder).args(arguments).args(more).spawn().unwrap();
     let status = Path::new("/proc").join(child.id().to_string()).join("status");
