@@ -44,6 +44,7 @@ fn main() -> abbe::Result<()> {
             observer: ObserverFile::Cie1931,
             spectral_bands: 0,
             layers: Vec::new(),
+            denoise: None,
             gamut: GamutFile::Desaturate,
             tone: ToneFile::RollOff,
             white_balance: WhiteBalanceFile::None,
