@@ -46,7 +46,7 @@ pub(crate) struct DenoiseArgs {
     /// by its own error bars]
     #[arg(long, overrides_with = "no_denoise")]
     denoise: bool,
-    /// Show the picture as it was rendered
+    /// Show the picture as it was rendered. A render then does not denoise at all
     #[arg(long)]
     no_denoise: bool,
 }
@@ -99,7 +99,7 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
     let mut settings = arguments.display.settings(&file.metadata)?;
     settings.denoise = arguments.denoise.choice().or(settings.denoise);
     if settings.denoise != Some(false) && file.picture.denoised.is_none() {
-        file.picture.denoised = denoised(&arguments.picture)?;
+        file.picture.denoised = denoised_checkpoint(&arguments.picture)?;
     }
     if settings.denoise == Some(true) && file.picture.denoised.is_none() {
         let expected = "a picture with at least eight passes of a render without --no-denoise, or its checkpoint";
@@ -115,12 +115,14 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Computes the denoised picture from the exact sums of a checkpoint. Returns `None` for other files.
-fn denoised(path: &Path) -> Result<Option<DenoisedPicture>> {
+/// Returns the denoised picture of a checkpoint, from its exact sums. `None` if the file is another
+/// picture, or if the sums do not allow it.
+fn denoised_checkpoint(path: &Path) -> Result<Option<DenoisedPicture>> {
     if SavedRun::read(path).is_err() {
         return Ok(None);
     }
-    Ok(on_threads(None, || PartSet::new(&[path.to_path_buf()])?.merge())??.picture.denoised)
+    let merged = on_threads(None, || PartSet::new(&[path.to_path_buf()])?.merge())??;
+    Ok(merged.picture.denoised)
 }
 
 impl DisplayArgs {
