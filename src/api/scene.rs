@@ -211,9 +211,7 @@ impl Scene {
             SceneOrigin::Text { text, path, changes, access } => {
                 let changes = [changes.clone(), options.changes()].concat();
                 let (file, source) = format::parse_with_access(text, path, &changes, *access)?;
-                let mut resolved = resolve(&file, &source)?;
-                resolved.film.denoise = resolved.film.denoise.or_where_possible();
-                let job = Job::new(resolved).map_err(|error| error.in_file(path))?;
+                let job = Job::of_picture(resolve(&file, &source)?).map_err(|error| error.in_file(path))?;
                 Ok((job, Some(source)))
             }
             SceneOrigin::Model(scene) => {
@@ -225,9 +223,8 @@ impl Scene {
                 settings.photons = options.photons.or(settings.photons);
                 settings.seed = options.seed.or(settings.seed);
                 settings.threads = options.threads.or(settings.threads);
-                scene.film.denoise = scene.film.denoise.or_where_possible();
                 scene.film.spectral_bands = options.spectral_bands.unwrap_or(scene.film.spectral_bands);
-                Ok((Job::new(scene)?, None))
+                Ok((Job::of_picture(scene)?, None))
             }
         }
     }

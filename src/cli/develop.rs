@@ -106,8 +106,8 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
         return Err(Error::input("contains no denoised picture").expected(expected).in_file(&arguments.picture));
     }
     let exposure = on_threads(None, || {
-        let exposure = settings.factor(&file.picture);
-        write_png(output, &settings.screen_at(&file.picture, exposure)).map(|()| exposure)
+        let (screen, exposure) = settings.screen_and_factor(&file.picture);
+        write_png(output, &screen).map(|()| exposure)
     })??;
     if !arguments.quiet {
         print::remark(&format!("wrote {}: exposure {}", output.display(), print::exposure(exposure)));

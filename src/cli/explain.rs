@@ -27,9 +27,7 @@ pub(crate) struct ExplainArgs {
 
 pub(crate) fn run(arguments: &ExplainArgs) -> Result<Outcome> {
     let (scene, source) = arguments.scene_file.read(&arguments.scene, &[], false)?;
-    let mut resolved = resolve(&scene, &source)?;
-    resolved.film.denoise = resolved.film.denoise.or_where_possible();
-    let job = Job::new(resolved).map_err(|error| error.in_file(&arguments.scene))?;
+    let job = Job::of_picture(resolve(&scene, &source)?).map_err(|error| error.in_file(&arguments.scene))?;
     if arguments.json {
         print::json(&PlanReport::of(&job))?;
     } else {

@@ -90,8 +90,8 @@ impl OutputFiles {
         display: &DisplaySettings,
     ) -> Result<f64> {
         write_picture(&self.exr)?;
-        let exposure = display.factor(picture);
-        write_png(&self.png, &display.screen_at(picture, exposure))?;
+        let (screen, exposure) = display.screen_and_factor(picture);
+        write_png(&self.png, &screen)?;
         Ok(exposure)
     }
 

@@ -63,8 +63,8 @@ pub(crate) fn run(arguments: &RelightArgs) -> Result<Outcome> {
     }
     let png = output.with_extension("png");
     let exposure = on_threads(None, || {
-        let exposure = settings.factor(&relit);
-        write_png(&png, &settings.screen_at(&relit, exposure)).map(|()| exposure)
+        let (screen, exposure) = settings.screen_and_factor(&relit);
+        write_png(&png, &screen).map(|()| exposure)
     })??;
     written.push(png.display().to_string());
     if !arguments.quiet {

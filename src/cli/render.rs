@@ -390,9 +390,7 @@ fn plan(arguments: &RenderArgs) -> Result<(JsonSource, Job)> {
         }
         (scene, source) = arguments.scene_file.read(path, &patches, arguments.quiet)?;
     }
-    let mut resolved = resolve::resolve(&scene, &source)?;
-    resolved.film.denoise = resolved.film.denoise.or_where_possible();
-    let job = Job::new(resolved).map_err(|error| error.in_file(path))?;
+    let job = Job::of_picture(resolve::resolve(&scene, &source)?).map_err(|error| error.in_file(path))?;
     Ok((source, job))
 }
 

@@ -10,7 +10,7 @@ use crate::view::{LiveView, LoadedScene, SessionEnd, ViewHost};
 use abbe_format::resolve;
 use abbe_session::output::exr::write as write_exr;
 use abbe_session::output::file as files;
-use abbe_session::render::{DisplaySettings, Integrator, RenderIdentity, Rendered, StopRules};
+use abbe_session::render::{DisplaySettings, Integrator, Job, RenderIdentity, Rendered, StopRules};
 use abbe_spectra::error::Result;
 
 use super::checkpoint::CheckpointFile;
@@ -145,9 +145,9 @@ impl ViewHost for ViewArgs {
         // The picture is written at the end, but it is too late then to refuse its name.
         let files = SceneFiles::of(&source);
         OutputFiles::new(self.exr(), None)?.check_keeps(&self.scene_file.inputs(&files, &self.scene))?;
-        let mut resolved = resolve::resolve(&scene, &source)?;
-        resolved.film.denoise = resolved.film.denoise.or_where_possible();
-        let job = memory::plan(resolved, &self.scene)?;
+        let resolved = resolve::resolve(&scene, &source)?;
+        let job = Job::of_picture(resolved).map_err(|error| error.in_file(&self.scene))?;
+        memory::check(&job.budget)?;
         let metadata =
             provenance::reproducible(provenance::of_scene(Some((&source, &files)), &job, Integrator::Photon));
         Ok(LoadedScene { source, job, metadata })

@@ -7,13 +7,12 @@
 //! # Example
 //!
 //! ```
-//! use abbe_spectra::colour::{RgbSpace, Transfer, gamut::GamutMapping, tone::ToneCurve};
 //! use abbe_scene::geometry::shape::Shape;
 //! use abbe_optics::{bsdf::Bsdf, glass::RefractiveIndex};
 //! use abbe_scene::builder::{ObjectSet, SceneBuilder, SceneView, WhiteBalance};
 //! use abbe_scene::camera::{Aperture, Camera, Shutter, look_at_axes};
 //! use abbe_scene::light::{Emitter, Light, LightSpectrum, PointLight};
-//! use abbe_scene::{Body, Denoise, Exposure, FilmSpec, Material};
+//! use abbe_scene::{Body, FilmSpec, Material};
 //! use abbe_spectra::{Observer, Spectrum};
 //! use glam::{DAffine3, DVec3};
 //!
@@ -32,21 +31,7 @@
 //!
 //! let mut builder = SceneBuilder::new(objects)?;
 //! let centre = builder.centre();
-//! let film = FilmSpec {
-//!     width: 40,
-//!     height: 30,
-//!     observer: Observer::cie1931(),
-//!     spectral_bands: 0,
-//!     space: RgbSpace::Srgb,
-//!     transfer: Transfer::OfSpace,
-//!     white: None,
-//!     gamut: GamutMapping::Compress,
-//!     tone: ToneCurve::RollOff,
-//!     exposure: Exposure::Auto,
-//!     bloom: None,
-//!     layers: Vec::new(),
-//!     denoise: Denoise::Off,
-//! };
+//! let film = FilmSpec::new(40, 30, Observer::cie1931());
 //! let lamp = PointLight { position: DVec3::new(1.0, 3.0, 0.0) - centre, intensity: 10.0 };
 //! let tungsten = LightSpectrum::new(&Spectrum::blackbody(2856.0)?);
 //! builder.add_light(Light::new("lamp".into(), Emitter::Point(lamp), &tungsten, film.observer)?)?;

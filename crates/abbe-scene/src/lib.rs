@@ -178,29 +178,28 @@ pub struct FilmSpec {
     pub bloom: Option<Bloom>,
     /// The layers that the EXR contains in addition to the colours.
     pub layers: Vec<Layer>,
-    pub denoise: Denoise,
+    /// Whether the film records what a denoiser needs, and the PNG shows the denoised picture. `None`
+    /// leaves both to the program.
+    pub denoise: Option<bool>,
 }
 
-/// Whether the film records what a denoiser needs, so that the picture has a denoised layer.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Denoise {
-    /// The scene leaves the choice to the program. The film of [`Denoise::Off`] is used unless the
-    /// program changes it.
-    #[default]
-    Unset,
-    Off,
-    /// Unless the picture has an effect that the denoiser cannot handle.
-    WherePossible,
-    On,
-}
-
-impl Denoise {
-    /// Returns the choice of a program that denoises pictures unless the scene says otherwise.
-    #[must_use]
-    pub fn or_where_possible(self) -> Self {
-        match self {
-            Self::Unset => Self::WherePossible,
-            Self::Off | Self::WherePossible | Self::On => self,
+impl FilmSpec {
+    /// Returns a film with the settings of a scene that states only the size and the observer.
+    pub fn new(width: u32, height: u32, observer: &'static Observer) -> Self {
+        Self {
+            width,
+            height,
+            observer,
+            spectral_bands: 0,
+            space: RgbSpace::default(),
+            transfer: Transfer::default(),
+            white: None,
+            gamut: GamutMapping::default(),
+            tone: ToneCurve::default(),
+            exposure: Exposure::Auto,
+            bloom: None,
+            layers: Vec::new(),
+            denoise: None,
         }
     }
 }

@@ -9,11 +9,8 @@ use abbe_scene::builder::{ObjectSet, SceneBuilder, SceneView, WhiteBalance};
 use abbe_scene::camera::{Aperture, Camera, Shutter, look_at_axes};
 use abbe_scene::geometry::shape::Shape;
 use abbe_scene::light::{Emitter, Light, LightSpectrum, PointLight};
-use abbe_scene::{Denoise, Exposure, FilmSpec, Material, Scene};
+use abbe_scene::{FilmSpec, Material, Scene};
 use abbe_session::render::{Integrator, Job, NoMonitor, Request, StopRules};
-use abbe_spectra::colour::gamut::GamutMapping;
-use abbe_spectra::colour::tone::ToneCurve;
-use abbe_spectra::colour::{RgbSpace, Transfer};
 use abbe_spectra::{Observer, Result, Spectrum};
 use glam::{DAffine3, DVec3};
 
@@ -26,25 +23,8 @@ fn scene() -> Result<Scene> {
     let mut builder = SceneBuilder::new(objects)?;
     builder.settings.photons = Some(10_000);
     let centre = builder.centre();
-    let (observer, space) = (Observer::cie1931(), RgbSpace::Srgb);
-    let (gamut, tone, exposure) = (GamutMapping::Compress, ToneCurve::RollOff, Exposure::Auto);
-    let (width, height, spectral_bands, white, layers) = (16, 12, 0, None, Vec::new());
-    let (transfer, bloom) = (Transfer::OfSpace, None);
-    let film = FilmSpec {
-        width,
-        height,
-        observer,
-        spectral_bands,
-        space,
-        transfer,
-        white,
-        gamut,
-        tone,
-        exposure,
-        bloom,
-        layers,
-        denoise: Denoise::Off,
-    };
+    let (observer, width, height) = (Observer::cie1931(), 16, 12);
+    let film = FilmSpec::new(width, height, observer);
     let lamp = PointLight { position: DVec3::new(1.0, 3.0, 0.0) - centre, intensity: 10.0 };
     let spectrum = LightSpectrum::new(&Spectrum::blackbody(2856.0)?);
     builder.add_light(Light::new("lamp".into(), Emitter::Point(lamp), &spectrum, observer)?)?;

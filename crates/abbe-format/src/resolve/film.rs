@@ -6,7 +6,7 @@ use crate::{
     OutputSpaceFile, SpectrumFile, ToneFile, WhiteBalanceFile,
 };
 use abbe_scene::builder::WhiteBalance;
-use abbe_scene::{Bloom, Denoise, Exposure, FilmSpec, Layer};
+use abbe_scene::{Bloom, Exposure, FilmSpec, Layer};
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
 use abbe_spectra::colour::{RgbSpace, Transfer};
@@ -27,6 +27,7 @@ impl Resolver<'_> {
             output_space,
             exposure,
             bloom,
+            denoise,
             ..
         } = film;
         let exposure = match exposure {
@@ -76,11 +77,6 @@ impl Resolver<'_> {
             LayerFile::Lights => Layer::Lights,
         });
         let layers = layers.collect();
-        let denoise = match film.denoise {
-            None => Denoise::Unset,
-            Some(false) => Denoise::Off,
-            Some(true) => Denoise::On,
-        };
         Ok(FilmSpec {
             width,
             height,
@@ -94,7 +90,7 @@ impl Resolver<'_> {
             exposure,
             bloom,
             layers,
-            denoise,
+            denoise: *denoise,
         })
     }
 

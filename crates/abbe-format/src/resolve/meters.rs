@@ -5,10 +5,9 @@ use crate::{JsonPath, MeterFile, MeterGridFile};
 use abbe_scene::builder::SceneBuilder;
 use abbe_scene::camera::Camera;
 use abbe_scene::meter::{Meter, MeterReading, ReceivingSide, Response, Sensor};
-use abbe_scene::{Denoise, Exposure, FilmSpec};
+use abbe_scene::{Exposure, FilmSpec};
 use abbe_spectra::colour::gamut::GamutMapping;
 use abbe_spectra::colour::tone::ToneCurve;
-use abbe_spectra::colour::{RgbSpace, Transfer};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Observer;
@@ -47,21 +46,15 @@ impl Resolver<'_> {
         let height = sensors.len() as u32 * rows;
         let spectral_bands = meters.iter().map(|meter| meter.quantity.kind().bands()).max().unwrap_or(0);
         let visual = meters.iter().all(|meter| meter.quantity.observer().name() == Observer::cie1931().name());
+        // The wavelengths of light are sampled by the importance to this observer.
+        let observer = if visual { Observer::cie1931() } else { Observer::radiometric() };
         let film = FilmSpec {
-            width: 1,
-            height,
-            // The wavelengths of light are sampled by the importance to this observer.
-            observer: if visual { Observer::cie1931() } else { Observer::radiometric() },
             spectral_bands,
-            space: RgbSpace::Srgb,
-            transfer: Transfer::OfSpace,
-            white: None,
             gamut: GamutMapping::Clip,
             tone: ToneCurve::Clip,
             exposure: Exposure::None,
-            bloom: None,
-            layers: Vec::new(),
-            denoise: Denoise::Off,
+            denoise: Some(false),
+            ..FilmSpec::new(1, height, observer)
         };
         Ok((Camera::of_sensors(sensors.into(), rows), film, meters))
     }

@@ -2,7 +2,7 @@
 
 use super::job::Job;
 use crate::output::metadata::{Metadata, names};
-use abbe_scene::{Denoise, Exposure};
+use abbe_scene::Exposure;
 use abbe_spectra::colour::{RgbSpace, Transfer, Xyz};
 use abbe_spectra::math::elementary::exp2;
 use abbe_transport::sensor::{Development, DisplayImage, Picture, develop, exposure};
@@ -37,12 +37,8 @@ impl DisplaySettings {
             tone: film.tone,
             bloom: film.bloom,
         };
-        let denoise = match film.denoise {
-            Denoise::Unset | Denoise::WherePossible => None,
-            Denoise::Off => Some(false),
-            Denoise::On => Some(true),
-        };
-        Self { development, exposure: film.exposure, lights: Some(job.scene.xyz_of_lights()), denoise }
+        let lights = Some(job.scene.xyz_of_lights());
+        Self { development, exposure: film.exposure, lights, denoise: film.denoise }
     }
 
     /// Returns the settings in the header of a picture, if this version can read them.
@@ -69,16 +65,27 @@ impl DisplaySettings {
 
     /// Returns the factor that multiplies the luminances of a picture, in 1/(cd/m²).
     pub fn factor(&self, picture: &Picture) -> f64 {
+        self.factor_of(|| self.shown(picture))
+    }
+
+    fn factor_of<'p>(&self, shown: impl FnOnce() -> Cow<'p, Picture>) -> f64 {
         match self.exposure {
-            Exposure::Auto => exposure::automatic(&self.shown(picture)),
+            Exposure::Auto => exposure::automatic(&shown()),
             Exposure::Ev(ev) => exp2(ev),
             Exposure::White(luminance) => luminance.recip(),
             Exposure::None => 1.0,
         }
     }
 
+    /// Converts a picture for a display. Also returns its exposure in 1/(cd/m²).
+    pub fn screen_and_factor(&self, picture: &Picture) -> (DisplayImage, f64) {
+        let shown = self.shown(picture);
+        let factor = self.factor_of(|| Cow::Borrowed(&shown));
+        (develop(&shown, factor, &self.development), factor)
+    }
+
     pub fn screen(&self, picture: &Picture) -> DisplayImage {
-        self.screen_at(picture, self.factor(picture))
+        self.screen_and_factor(picture).0
     }
 
     /// Converts a picture for a display with a given exposure in 1/(cd/m²).

@@ -2,8 +2,8 @@
 
 use super::diffraction::DiffractionSetup;
 use super::layers::layer_set;
+use abbe_scene::Scene;
 use abbe_scene::meter::{Meter, QuantityKind};
-use abbe_scene::{Denoise, Scene};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::emit::LightSampler;
 use abbe_transport::gather::{LightSelector, Portals, SensorResponses};
@@ -35,7 +35,18 @@ pub struct Job {
 impl Job {
     /// Plans a scene. Returns an input error if the scene forces or forbids an unknown effect,
     /// forbids a necessary one, has no light between 360 nm and 830 nm, or has too many media.
-    pub fn new(mut scene: Scene) -> Result<Self> {
+    pub fn new(scene: Scene) -> Result<Self> {
+        Self::with_denoising(scene, false)
+    }
+
+    /// Plans a scene whose picture is denoised where that is possible, unless the scene says
+    /// otherwise. Returns the errors of [`Job::new`].
+    pub fn of_picture(scene: Scene) -> Result<Self> {
+        Self::with_denoising(scene, true)
+    }
+
+    /// Plans a scene. `by_default` tells whether a scene that says nothing about it is denoised.
+    fn with_denoising(mut scene: Scene, by_default: bool) -> Result<Self> {
         if scene.media.len() > MOST_MEDIA {
             let error = Error::input(format!("the scene contains {} media", scene.media.len()));
             return Err(error.expected(format!("at most {MOST_MEDIA}")));
@@ -53,7 +64,7 @@ impl Job {
         let pixels = width.saturating_mul(height);
         let readings = reading_layout(&scene).map(Arc::new);
         let channels = readings.as_ref().map_or(bands, |layout| layout.equivalent_channels(bands));
-        layers.denoising = denoises(&scene, slices > 0)?;
+        layers.denoising = denoises(&scene, slices > 0, by_default)?;
         let film_bytes = Film::memory_bytes(pixels, channels, slices, &layers) as u64;
         if slices > 0 && layers.separates_light() {
             let error = Error::input("the layers `paths` and `lights` do not contain the diffraction at the aperture");
@@ -105,16 +116,13 @@ impl Job {
 }
 
 /// Returns whether the film records what a denoiser needs, or an input error if that is impossible.
-fn denoises(scene: &Scene, diffraction: bool) -> Result<bool> {
-    let is_possible = !diffraction && scene.meters.is_empty();
+fn denoises(scene: &Scene, diffraction: bool, by_default: bool) -> Result<bool> {
     match scene.film.denoise {
-        Denoise::Unset | Denoise::Off => Ok(false),
-        Denoise::WherePossible => Ok(is_possible),
-        Denoise::On if !is_possible && diffraction => {
+        Some(true) if diffraction => {
             let error = Error::input("a denoised picture does not contain the diffraction at the aperture");
             Err(error.expected("no denoising, or a render that forbids the effect `diffraction`"))
         }
-        Denoise::On => Ok(is_possible),
+        choice => Ok(choice.unwrap_or(by_default) && !diffraction && scene.meters.is_empty()),
     }
 }
 
