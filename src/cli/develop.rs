@@ -39,7 +39,7 @@ pub(crate) struct DevelopArgs {
     quiet: bool,
 }
 
-/// Whether a picture is denoised.
+/// The options that choose between a picture and its denoised picture.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct DenoiseArgs {
     /// Show the denoised picture in the PNG [default: the setting of the scene, else if it is safe

@@ -126,7 +126,8 @@ async function draw() {
 /// Returns what [`shownXyz`] does with the bloom of the scene.
 const bloomedXyz = () => plane("bloomed?denoised=" + showsDenoised());
 
-/// Returns the denoised picture if the reader wants it and the render has one, and else the picture.
+/// Returns the denoised picture if the reader wants it and the render has one, and else the
+/// picture.
 const shownXyz = async current => (showsDenoised() ? await plane("denoised") : null) ?? current.xyz;
 const showsDenoised = () => $("denoise").checked && picture.denoised;
 

@@ -93,6 +93,10 @@ async fn answer(State(server): State<Arc<ViewServer>>, request: Request) -> Resp
     response
 }
 
+/// The requests that [`pictured`] answers.
+const OF_PICTURE: [&str; 10] =
+    ["picture", "denoised", "errors", "samples", "classes", "band", "probe", "bloomed", "save.exr", "save.png"];
+
 /// Checks a request, and answers it. Returns the status of a refusal otherwise.
 async fn checked_answer(server: &ViewServer, request: Request) -> Result<Response, StatusCode> {
     let (parts, body) = request.into_parts();
@@ -107,11 +111,7 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
         (&Method::GET, "") => Ok(typed("text/html; charset=utf-8", PAGE.concat())),
         (&Method::GET, "state") => Ok(state(channel, query).await),
         (&Method::GET, "scene") => json(channel.scene().ok_or(StatusCode::NOT_FOUND)?.text.clone()),
-        (
-            &Method::GET,
-            "picture" | "denoised" | "errors" | "samples" | "classes" | "band" | "probe" | "bloomed" | "save.exr"
-            | "save.png",
-        ) => pictured(channel, path, query).await,
+        (&Method::GET, path) if OF_PICTURE.contains(&path) => pictured(channel, path, query).await,
         (&Method::GET, "reference" | "reference_probe" | "delta_e" | "comparison") => {
             compared(channel, path, query).await
         }
@@ -121,11 +121,7 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
             follow(channel, serde_json::from_slice(&body).map_err(|_| StatusCode::BAD_REQUEST)?)
         }
         (_, "" | "state" | "scene" | "orders" | "photons") => Err(StatusCode::METHOD_NOT_ALLOWED),
-        (
-            _,
-            "picture" | "denoised" | "errors" | "samples" | "classes" | "band" | "probe" | "bloomed" | "save.exr"
-            | "save.png",
-        ) => Err(StatusCode::METHOD_NOT_ALLOWED),
+        (_, path) if OF_PICTURE.contains(&path) => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, "reference" | "reference_probe" | "delta_e" | "comparison") => Err(StatusCode::METHOD_NOT_ALLOWED),
         (_, _) => Err(StatusCode::NOT_FOUND),
     }

@@ -56,7 +56,8 @@ fn the_denoised_picture_has_the_same_bits_after_resume_and_merge() {
     assert!(picture(at, "raw.exr") == Picture { denoised: None, ..whole });
 }
 
-/// Returns the mean squared relative difference of two pictures without the worst 5 % of the pixels.
+/// Returns the mean squared relative difference of two pictures without the worst 5 % of the
+/// pixels.
 fn difference(picture: &Picture, reference: &Picture) -> f64 {
     // Relative to Y, and to a tenth of its mean where it is dark.
     let dark = 0.1 * reference.mean_y();

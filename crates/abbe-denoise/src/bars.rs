@@ -68,8 +68,8 @@ pub(crate) fn combine(samples: &Samples, surfaces: &Surfaces, halves: &[Half; 2]
     }
 }
 
-/// Returns estimates of the variance of the original that the filter removes, and of the mean square
-/// of its change.
+/// Returns estimates of the variance of the original that the filter removes, and of the mean
+/// square of its change.
 ///
 /// With the original mean m, its error e, and the filtered mean f, the mean square error of
 /// m + t (f − m) is least for t = E[e (m − f)] / E[(m − f)²]. Since m has no bias, the numerator is

@@ -173,24 +173,22 @@ impl<'h> Level<'h> {
             sums[..inner].iter_mut().zip(&own[count - inner..]).for_each(|(sum, own)| *sum += own);
             sums[count - inner..].iter_mut().zip(&own[..inner]).for_each(|(sum, own)| *sum += own);
         }
-        row.luma[columns.clone()].copy_from_slice(&row.own[0][..count]);
     }
 }
 
 /// The comparisons of the pixels of one row with their partners.
 #[derive(Clone)]
 struct Comparisons {
-    /// Of each pixel.
+    /// Of each pixel, from the first column that has a partner.
     own: [Vec<f32>; STATISTICS],
     /// Over three pixels of the row.
     sums: [Vec<f32>; STATISTICS],
-    luma: Vec<f32>,
 }
 
 impl Comparisons {
     fn new(width: usize) -> Self {
         let blank = || std::array::from_fn(|_| vec![0.0; width]);
-        Self { own: blank(), sums: blank(), luma: vec![0.0; width] }
+        Self { own: blank(), sums: blank() }
     }
 
     fn clear(&mut self) {
@@ -273,7 +271,7 @@ impl Level<'_> {
     ) {
         let count = columns.len();
         let sums: [[&[f32]; 3]; STATISTICS] = std::array::from_fn(|k| around.map(|row| &row.sums[k][columns.clone()]));
-        let own = &around[1].luma[columns.clone()];
+        let [own, ..] = &around[1].own;
         let [luma, chroma] = weights;
         let (luma, chroma) = (&mut luma[..count], &mut chroma[..count]);
         self.surfaces.penalties((offset.dx, offset.dy), (p, q), luma);

@@ -14,7 +14,8 @@
 //! // A grey wall with noise in 16 × 8 pixels and eight replicates of one pass.
 //! let noise = |i: usize, r: usize| 1.0 + 0.2 * ((i * 7919 + r * 104_729) % 1000) as f32 / 1000.0;
 //! let plane = |r: usize| (0..128).map(|i| noise(i, r)).collect::<Vec<f32>>();
-//! let group = |g: usize| (0..128).map(|i| 0.5 * (noise(i, g) + noise(i, g + 4))).collect::<Vec<f32>>();
+//! let pair = |i: usize, g: usize| 0.5 * (noise(i, g) + noise(i, g + 4));
+//! let group = |g: usize| (0..128).map(|i| pair(i, g)).collect::<Vec<f32>>();
 //! let features = std::array::from_fn(|_| vec![Feature::NONE; 128]);
 //! let (y, x) = (std::array::from_fn(plane), std::array::from_fn(group));
 //! let samples = Samples { width: 16, height: 8, passes: [1; 8], y, z: x.clone(), x, features };

@@ -30,8 +30,8 @@ pub struct FilmFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub layers: Vec<LayerFile>,
-    /// Whether the EXR holds the denoised picture in addition to the picture as it was rendered, and
-    /// the PNG shows it. Without this key, both do so where it is possible and safe.
+    /// Whether the EXR holds the denoised picture in addition to the picture as it was rendered,
+    /// and the PNG shows it. Without this key, both do so where it is possible and safe.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub denoise: Option<bool>,

@@ -178,8 +178,8 @@ pub struct FilmSpec {
     pub bloom: Option<Bloom>,
     /// The layers that the EXR contains in addition to the colours.
     pub layers: Vec<Layer>,
-    /// Whether the film records what a denoiser needs, and the PNG shows the denoised picture. `None`
-    /// leaves both to the program.
+    /// Whether the film records what a denoiser needs, and the PNG shows the denoised picture.
+    /// `None` leaves both to the program.
     pub denoise: Option<bool>,
 }
 

@@ -36,7 +36,7 @@
 //! # Dependencies
 //!
 //! [`abbe_transport`] computes the passes of a scene of [`abbe_scene`]; [`abbe_optics`] and
-//! [`abbe_spectra`] supply optics and colour.
+//! [`abbe_spectra`] supply optics and colour, and [`abbe_denoise`] denoises pictures.
 
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

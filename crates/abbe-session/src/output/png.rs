@@ -11,9 +11,9 @@
 //! Each row of the table lists the chunks in order of priority. A reader uses the first chunk that
 //! it supports (PNG, third edition, 4.3). The chunk `cICP` contains code points. For Rec. 2020, no
 //! code points are written. Browsers assume a display gamma of 2.4 for the code points of Rec.
-//! 2020, so a picture with these code points would be too dark. With PQ, they are unambiguous. The ICC profile of Rec. 2020
-//! contains the curve that the standard itself defines. No code points exist for the primaries of
-//! ACEScg.
+//! 2020, so a picture with these code points would be too dark. With PQ, they are unambiguous. The
+//! ICC profile of Rec. 2020 contains the curve that the standard itself defines. No code points
+//! exist for the primaries of ACEScg.
 
 use std::borrow::Cow;
 use std::io::Cursor;

@@ -1,20 +1,15 @@
 //! The denoised picture of a film.
 
-use abbe_denoise::{Denoised, Feature, Samples, denoise};
+use abbe_denoise::{Denoised, denoise};
 use abbe_spectra::math::elementary::hypot;
-use abbe_transport::sensor::denoising::{DenoisingMeans, MeanSurface};
-use abbe_transport::sensor::{DenoisedPicture, Film, Picture};
+use abbe_transport::sensor::{DenoisedPicture, Film, Picture, PictureErrors};
 
 /// Denoises the picture of a film on the current thread pool. Returns `None` if the film has no
 /// sums for it, or if some replicates have no passes yet.
 ///
 /// The bias contains that of the picture. It is unknown if that is unknown.
 pub fn denoised(film: &Film, picture: &Picture) -> Option<DenoisedPicture> {
-    let DenoisingMeans { y, x, z, surfaces } = film.denoising_means()?;
-    let feature = |MeanSurface { albedo, normal, log_depth }| Feature { albedo, normal, log_depth };
-    let features = surfaces.map(|surfaces| surfaces.into_iter().map(feature).collect());
-    let (width, height, passes) = (picture.width, picture.height, film.passes_by_replicate());
-    let Denoised { xyz, noise, bias } = denoise(&Samples { width, height, passes, y, x, z, features });
+    let Denoised { xyz, noise, bias } = denoise(&film.denoising_samples()?);
     let is_known = !film.misses_light();
     let total = |(own, more): (&Option<f32>, f32)| {
         is_known.then(|| hypot(f64::from(own.unwrap_or(0.0)), f64::from(more)) as f32)
@@ -25,4 +20,11 @@ pub fn denoised(film: &Film, picture: &Picture) -> Option<DenoisedPicture> {
         bias: picture.bias.iter().zip(bias).map(total).collect(),
         xyz: xyz.into_iter().map(|xyz| xyz.map(f64::from)).collect(),
     })
+}
+
+/// Develops the picture of a film with its denoised picture. Also returns its errors.
+pub(super) fn picture_and_errors(film: &Film) -> (Picture, Option<PictureErrors>) {
+    let (mut picture, errors) = film.picture_and_errors();
+    picture.denoised = denoised(film, &picture);
+    (picture, errors)
 }

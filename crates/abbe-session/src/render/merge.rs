@@ -1,6 +1,6 @@
 //! Merges the parts of a picture to that of a single run with all their passes.
 
-use super::denoise::denoised;
+use super::denoise::picture_and_errors;
 use super::display::DisplaySettings;
 use super::identity::RenderIdentity;
 use super::part::PassPart;
@@ -99,8 +99,7 @@ impl PartSet {
         }
         self.gaps = gaps(&self.parts)?;
         let film = sum.ok_or_else(|| Error::input("no parts to merge"))?;
-        let (mut picture, errors) = film.picture_and_errors();
-        picture.denoised = denoised(&film, &picture);
+        let (picture, errors) = picture_and_errors(&film);
         let stats: Vec<&Stats> = self.parts.iter().map(|(_, saved)| &saved.stats).collect();
         let stats = Stats::merged(&stats, &picture, errors);
         let display = self.parts[0].1.display;

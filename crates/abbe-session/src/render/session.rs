@@ -1,6 +1,6 @@
 //! The loop over passes.
 
-use super::denoise::denoised;
+use super::denoise::picture_and_errors;
 use super::job::Job;
 use super::monitor::Monitor;
 use super::part::PassPart;
@@ -126,8 +126,7 @@ impl Job {
         }
         let unlit = pilot.map_or_else(Vec::new, |pilot| pilot.unlit);
         let develop_start = Instant::now();
-        let (mut picture, errors) = run.sums.film.picture_and_errors();
-        picture.denoised = denoised(&run.sums.film, &picture);
+        let (picture, errors) = picture_and_errors(&run.sums.film);
         let errors = errors.filter(|_| run.coverage.is_complete());
         run.sums.seconds.develop += develop_start.elapsed().as_secs_f64();
         clock.update(&mut run);

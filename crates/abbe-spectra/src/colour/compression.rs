@@ -112,8 +112,8 @@ impl HueLimits {
         inside
     }
 
-    /// Raises the two nodes beside each primary to its saturation, so that the interpolated edge does
-    /// not cut off the corners of the gamut.
+    /// Raises the two nodes beside each primary to its saturation, so that the interpolated edge
+    /// does not cut off the corners of the gamut.
     fn with_corners(&self, mut edge: Vec<f64>) -> Vec<f64> {
         for primary in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             let Some((_, [_, saturation], place)) = self.saturation(primary) else { continue };

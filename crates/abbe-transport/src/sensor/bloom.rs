@@ -72,7 +72,8 @@ pub fn apply(eye: &Bloom, picture: &Picture) -> Vec<Xyz> {
 /// Returns the value of the kernel at a pixel from its centre. All pixels fill the same angle.
 fn kernel_value(eye: &Bloom, [x, y]: [usize; 2], pixel_degrees: f64) -> f64 {
     if [x, y] == [0, 0] {
-        // The central pixel contains the core, so it is a disk of equal area with an exact integral.
+        // The central pixel contains the core, so it is a disk of equal area with an exact
+        // integral.
         return spread_within(eye, pixel_degrees / PI.sqrt());
     }
     kernel_pixel(eye, [x as i64, y as i64], pixel_degrees) * pixel_degrees.to_radians().powi(2)
@@ -124,8 +125,8 @@ mod tests {
         }
     }
 
-    /// The light along a row is that of the glare function at its angles. In the middle of a picture
-    /// of 401 pixels, the reflections of the lamp are 401 pixels away from it.
+    /// The light along a row is that of the glare function at its angles. In the middle of a
+    /// picture of 401 pixels, the reflections of the lamp are 401 pixels away from it.
     #[test]
     fn the_profile_follows_the_glare_function() {
         let width = 401;

@@ -81,9 +81,9 @@ impl MirroredPlanes {
         self.forward(kernel.into_iter().map(Complex::from).collect(), |y| y, 2 * self.width)
     }
 
-    /// Normalises an even kernel to 1 and transforms it, for [`convolved`](Self::convolved). `value`
-    /// returns its positive values at a column and a row from its centre, up to the width and height
-    /// of a plane.
+    /// Normalises an even kernel to 1 and transforms it, for [`convolved`](Self::convolved).
+    /// `value` returns its positive values at a column and a row from its centre, up to the width
+    /// and height of a plane.
     pub(super) fn even_kernel(&self, value: impl Fn(usize, usize) -> f64 + Sync) -> EvenKernel {
         let (columns, rows) = self.mirrored_size();
         let quadrant: Vec<Vec<f64>> =
@@ -101,8 +101,9 @@ impl MirroredPlanes {
         EvenKernel(self.forward(upper, |y| from_centre(y, rows), self.width + 1))
     }
 
-    /// Convolves two real planes with an even kernel. The transform of a mirrored plane at the column
-    /// 2w − k is exp(−πi·k/w) times that at k, where w is the width, so half of the columns suffice.
+    /// Convolves two real planes with an even kernel. The transform of a mirrored plane at the
+    /// column 2w − k is exp(−πi·k/w) times that at k, where w is the width, so half of the columns
+    /// suffice.
     pub(super) fn convolved(&self, kernel: &EvenKernel, plane: impl Fn(usize) -> [f64; 2] + Sync) -> Vec<[f64; 2]> {
         let (width, height) = self.mirrored_size();
         let mut spectrum = self.forward(self.rows_of(plane), |y| reflected(y, self.height), self.width + 1);
@@ -118,8 +119,8 @@ impl MirroredPlanes {
     }
 
     /// Transforms rows and then the first `columns` columns. `row` returns the row of the plane at
-    /// each of all mirrored rows, so equal rows are transformed once. The result is stored column by
-    /// column.
+    /// each of all mirrored rows, so equal rows are transformed once. The result is stored column
+    /// by column.
     fn forward(&self, mut plane: Vec<Complex>, row: impl Fn(usize) -> usize + Sync, columns: usize) -> PlaneTransform {
         let (width, height) = self.mirrored_size();
         each_line(&self.rows, &mut plane, Direction::Forward);

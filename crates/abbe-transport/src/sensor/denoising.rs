@@ -5,36 +5,10 @@
 
 use super::first_surface::FirstSurface;
 use super::pixel_sums::replicate;
+use abbe_denoise::{Feature, GROUPS};
 use abbe_spectra::colour::RgbSpace;
 use abbe_spectra::math::elementary::log2;
-use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::math::sum::ExactSum;
-
-/// The groups of replicates that have sums of X and Z.
-pub const GROUPS: usize = 4;
-
-/// The means of a picture over groups of its passes, row by row, in cd/m².
-#[derive(Debug, Clone, Default)]
-pub struct DenoisingMeans {
-    /// Y of each replicate.
-    pub y: [Vec<f32>; REPLICATES],
-    /// X of each group: of the replicates r whose remainder modulo [`GROUPS`] is its number.
-    pub x: [Vec<f32>; GROUPS],
-    pub z: [Vec<f32>; GROUPS],
-    /// The first surfaces in the even and in the odd passes.
-    pub surfaces: [Vec<MeanSurface>; 2],
-}
-
-/// The mean first surface of a pixel over its camera samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeanSurface {
-    /// As X, Y and Z relative to white. Samples that hit no surface count as white.
-    pub albedo: [f32; 3],
-    /// Samples that hit no surface count as 0.
-    pub normal: [f32; 3],
-    /// The mean binary logarithm of the distance in m, over samples that hit a surface.
-    pub log_depth: f32,
-}
 
 /// The passes with a smaller index record the first surfaces of their camera samples.
 pub(super) const SURFACE_PASSES: u64 = 16;
@@ -86,17 +60,17 @@ impl SurfaceSums {
         self.0.iter_mut().zip(other.0).for_each(|(sum, more)| *sum = sum.saturating_add(more));
     }
 
-    fn mean(&self) -> MeanSurface {
+    fn mean(&self) -> Feature {
         let mut values = [0.0; VALUES];
         values.iter_mut().zip(self.0).zip(QUANTA).for_each(|((value, sum), quantum)| *value = f64::from(sum) * quantum);
         let [samples, hits, r, g, b, x, y, z, depth] = values;
         if samples < 1.0 {
-            return MeanSurface { albedo: [1.0; 3], normal: [0.0; 3], log_depth: 0.0 };
+            return Feature::NONE;
         }
         let missed = samples - hits;
         let xyz = RgbSpace::Srgb.to_xyz([r + missed, g + missed, b + missed].map(|sum| sum / samples));
         let white = RgbSpace::Srgb.white();
-        MeanSurface {
+        Feature {
             albedo: std::array::from_fn(|c| (xyz[c] / white[c]) as f32),
             normal: [x, y, z].map(|sum| (sum / samples) as f32),
             log_depth: if hits > 0.0 { (depth / hits) as f32 } else { 0.0 },
@@ -130,7 +104,7 @@ impl DenoisingSums {
     }
 
     /// Returns the first surfaces in the even and in the odd passes.
-    pub(super) fn mean_surfaces(&self) -> [MeanSurface; 2] {
+    pub(super) fn mean_surfaces(&self) -> [Feature; 2] {
         self.surfaces.map(|sums| sums.mean())
     }
 

@@ -218,7 +218,8 @@ mod tests {
         assert!((automatic(&white) / automatic(&picture(room())) - 1.0).abs() < 0.1, "white light may be overexposed");
     }
 
-    /// Where coloured light fills a fifth of the film, it is the subject, and its log-average counts.
+    /// Where coloured light fills a fifth of the film, it is the subject, and its log-average
+    /// counts.
     #[test]
     fn large_coloured_surfaces_do_not_darken_the_picture() {
         let shown = |pixels: usize| automatic(&room_with_colour(pixels, |_| [0.0, 0.0, 2e3]));

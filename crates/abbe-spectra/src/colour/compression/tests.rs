@@ -94,9 +94,9 @@ fn a_spectrum_has_no_flat_stripe() {
     }
 }
 
-/// The corners of the gamut leave no lines: where the tone curve is idle, the steps of 1 nm change by
-/// at most 0.4 % of the length of the strip from one to the next. Along the edge itself, they change
-/// by 1 to 5 % at blue.
+/// The corners of the gamut leave no lines: where the tone curve is idle, the steps of 1 nm change
+/// by at most 0.4 % of the length of the strip from one to the next. Along the edge itself, they
+/// change by 1 to 5 % at blue.
 #[test]
 fn a_spectrum_has_no_bright_line() {
     for space in DISPLAYS {
@@ -115,8 +115,8 @@ fn a_spectrum_has_no_bright_line() {
 }
 
 /// The compression keeps the luminance, so the order of lightness along the strip is exactly that
-/// of luminance where the tone curve is idle. Where it is not, the lightness has one maximum, within
-/// 20 nm of the brightest wavelength: a display can show yellow brighter than green.
+/// of luminance where the tone curve is idle. Where it is not, the lightness has one maximum,
+/// within 20 nm of the brightest wavelength: a display can show yellow brighter than green.
 #[test]
 fn lightness_along_a_spectrum_follows_luminance() {
     for space in DISPLAYS {

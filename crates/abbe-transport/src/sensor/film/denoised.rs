@@ -1,8 +1,8 @@
-//! The means of a film for a denoiser.
+//! The means of a film for the denoiser.
 
 use super::Film;
-use crate::sensor::denoising::{self, DenoisingMeans, GROUPS};
-use abbe_spectra::math::random::REPLICATES;
+use crate::sensor::denoising;
+use abbe_denoise::{GROUPS, Samples};
 use abbe_spectra::spectrum::LUMENS_PER_WATT;
 
 impl Film {
@@ -14,14 +14,9 @@ impl Film {
         denoising::plane_names().take(self.denoising_planes())
     }
 
-    /// Returns the number of passes of each replicate.
-    pub fn passes_by_replicate(&self) -> [u64; REPLICATES] {
-        self.passes
-    }
-
-    /// Returns the means for a denoiser. `None` if the film has no sums for it, or if some
-    /// replicates have no passes yet.
-    pub fn denoising_means(&self) -> Option<DenoisingMeans> {
+    /// Returns the means for the denoiser, in cd/m². `None` if the film has no sums for it, or if
+    /// some replicates have no passes yet.
+    pub fn denoising_samples(&self) -> Option<Samples> {
         if self.denoising.is_empty() || self.passes.contains(&0) {
             return None;
         }
@@ -29,11 +24,14 @@ impl Film {
         let mean = |sum: f64, passes: u64| (unit * sum / passes as f64) as f32;
         let of_group: [u64; GROUPS] = std::array::from_fn(|group| self.passes.iter().skip(group).step_by(GROUPS).sum());
         let blank = || Vec::with_capacity(self.pixel_count());
-        let mut means = DenoisingMeans {
+        let mut means = Samples {
+            width: self.width,
+            height: self.height,
+            passes: self.passes,
             y: std::array::from_fn(|_| blank()),
             x: std::array::from_fn(|_| blank()),
             z: std::array::from_fn(|_| blank()),
-            surfaces: std::array::from_fn(|_| Vec::with_capacity(self.pixel_count())),
+            features: std::array::from_fn(|_| Vec::with_capacity(self.pixel_count())),
         };
         for (sums, own) in self.pixels.iter().zip(&self.denoising) {
             for ((plane, sum), passes) in means.y.iter_mut().zip(sums.y).zip(self.passes) {
@@ -45,7 +43,7 @@ impl Film {
                     plane.push(mean(sum.value(), passes));
                 }
             }
-            means.surfaces.iter_mut().zip(own.mean_surfaces()).for_each(|(plane, surface)| plane.push(surface));
+            means.features.iter_mut().zip(own.mean_surfaces()).for_each(|(plane, surface)| plane.push(surface));
         }
         Some(means)
     }

@@ -108,9 +108,9 @@ fn expose_for_denoising(film: &mut Film, passes: std::ops::Range<u64>) {
 fn denoising_means_are_those_of_their_passes() {
     let mut film = denoising_film();
     expose_for_denoising(&mut film, 0..7);
-    assert!(film.denoising_means().is_none(), "the last replicate has no passes");
+    assert!(film.denoising_samples().is_none(), "the last replicate has no passes");
     expose_for_denoising(&mut film, 7..18);
-    let means = film.denoising_means().unwrap();
+    let means = film.denoising_samples().unwrap();
     let bar = Observer::cie1931().xyz_bar(NM).map(|bar| bar * LUMENS_PER_WATT);
     let mean = |of: &dyn Fn(u64) -> bool| {
         let values: Vec<f64> = (0..18).filter(|pass| of(*pass)).map(|pass| 1.0 + pass as f64).collect();
@@ -126,7 +126,7 @@ fn denoising_means_are_those_of_their_passes() {
             assert!((f64::from(plane[g as usize][0]) - known).abs() < 1e-6 * known.max(1.0), "group {g}");
         }
     }
-    for (surfaces, albedo) in means.surfaces.iter().zip([0.25, 0.5]) {
+    for (surfaces, albedo) in means.features.iter().zip([0.25, 0.5]) {
         assert!(surfaces[0].albedo.iter().all(|value| (value - albedo).abs() < 1e-3), "{:?}", surfaces[0]);
         assert_eq!((surfaces[0].normal, surfaces[0].log_depth), ([0.0, 0.0, 1.0], 2.0));
     }
@@ -143,8 +143,8 @@ fn planes_for_a_denoiser_survive_a_round_trip() {
         copy.add_plane(plane, 0, sums.into_iter());
     }
     (0..8).for_each(|pass| copy.count_pass(pass));
-    let (found, known) = (copy.denoising_means().unwrap(), film.denoising_means().unwrap());
-    assert_eq!((found.y, found.x, found.z, found.surfaces), (known.y, known.x, known.z, known.surfaces));
+    let (found, known) = (copy.denoising_samples().unwrap(), film.denoising_samples().unwrap());
+    assert_eq!((found.y, found.x, found.z, found.features), (known.y, known.x, known.z, known.features));
     let names = film.light_plane_names();
     assert_eq!(names.len(), names.iter().collect::<std::collections::BTreeSet<_>>().len(), "{names:?}");
 }
