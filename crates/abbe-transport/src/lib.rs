@@ -54,8 +54,8 @@
 //!
 //! [`abbe_scene`] is the model that a pass reads, [`abbe_optics`] supplies the scattering
 //! functions, and [`abbe_spectra`] supplies spectra, random streams and exact sums. The film
-//! prepares the samples of [`abbe_denoise`]. The crates that depend on this one are `abbe-session`, which repeats passes until a render is complete, and
-//! `abbe`, the program.
+//! prepares the samples of [`abbe_denoise`]. The crates that depend on this one are `abbe-session`,
+//! which repeats passes until a render is complete, and `abbe`, the program.
 
 // Elementary functions of the C library differ between machines; see `math::elementary`.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
