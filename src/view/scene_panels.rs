@@ -68,9 +68,11 @@ impl ScenePanels {
         Self { number, display, text: content.to_string() }
     }
 
-    /// Returns the reach of a picture in each colour space of the page, by name.
+    /// Returns the reach of the shown picture, denoised or not, in each colour space of the page, by
+    /// name.
     pub(super) fn reaches(&self, picture: &Picture) -> Value {
-        let reach = |space: RgbSpace| self.display.in_space(space).development.reach(picture);
+        let shown = self.display.shown(picture);
+        let reach = |space: RgbSpace| self.display.in_space(space).development.reach(&shown);
         PAGE_SPACES.map(|space| (space.name().to_string(), json!(reach(space)))).into_iter().collect::<Value>()
     }
 }

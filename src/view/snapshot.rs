@@ -104,7 +104,7 @@ impl Snapshot {
             "seconds": self.effort.as_ref().map(|(seconds, _)| seconds),
             "ledger_w": self.effort.as_ref().map(|(_, ledger)| ledger),
             "classes": self.class_means,
-            "denoised": self.picture.denoised.is_some(),
+            "denoised": self.scene.display.shows_denoised(&self.picture),
             "samples": layers::samples(&self.picture).is_some(),
         })
     }

@@ -44,7 +44,12 @@ pub(super) fn not_negative(at: &JsonPath, value: f64) -> Result<()> {
 }
 
 pub(super) fn fraction(at: &JsonPath, value: f64) -> Result<()> {
-    rule(at, value, (0.0..=1.0).contains(&value), "a number from 0 to 1")
+    from_to(at, value, 0.0, 1.0)
+}
+
+pub(super) fn from_to(at: &JsonPath, value: f64, low: f64, high: f64) -> Result<()> {
+    let allowed = format!("a number from {} to {}", number(low), number(high));
+    rule(at, value, (low..=high).contains(&value), &allowed)
 }
 
 pub(super) fn between(at: &JsonPath, value: f64, low: f64, high: f64) -> Result<()> {

@@ -73,7 +73,7 @@ pub struct FilmFile {
 #[schemars(title = "Bloom", example = json!({"fov": 40, "age": 25}))]
 pub struct BloomFile {
     /// Horizontal angle that the picture fills in the field of view.
-    #[schemars(range(min = 0.1, max = 120), extend("x-unit" = "degrees"))]
+    #[schemars(range(min = 0.1, max = 120), extend("x-unit" = "°"))]
     pub fov: f64,
     /// Age of the viewer. Older eyes scatter more light.
     #[serde(default = "default_age", skip_serializing_if = "is_default_age")]
@@ -256,8 +256,8 @@ impl FilmFile {
             bloom.map_or(Ok(()), |BloomFile { fov, age }| {
                 let at = at.key("bloom");
                 check::all([
-                    check::between(&at.key("fov"), fov, 0.1, 120.0),
-                    check::between(&at.key("age"), age, 0.0, 100.0),
+                    check::from_to(&at.key("fov"), fov, 0.1, 120.0),
+                    check::from_to(&at.key("age"), age, 0.0, 100.0),
                 ])
             }),
         ])

@@ -12,7 +12,10 @@ pub(super) const CHAPTERS: [(&str, &str); 18] = [
     ("The scene", " UnitFile"),
     ("The camera", "CameraFile CameraKeyframeFile ShutterFile"),
     ("Camera lenses", "LensFile PrescriptionFile LensSurfaceFile LensTransmissionFile"),
-    ("The film", "FilmFile ObserverFile LayerFile GamutFile ToneFile WhiteBalanceFile OutputSpaceFile ExposureFile"),
+    (
+        "The film",
+        "FilmFile ObserverFile LayerFile GamutFile ToneFile WhiteBalanceFile OutputSpaceFile ExposureFile BloomFile",
+    ),
     ("Spectra", "SpectrumFile LineFile WeightedSpectrumFile"),
     (
         "Reflectances and textures",

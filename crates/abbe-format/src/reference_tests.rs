@@ -20,6 +20,7 @@ PrescriptionFile camera.lens={"system": {"prescription": %, "focus_distance": 4,
 LensSurfaceFile camera.lens={"system": {"prescription": {"surfaces": [%]}, "focus_distance": 4, "sensor_height_mm": 24}}
 FilmFile film=%
 WhiteBalanceFile film.white_balance=%
+BloomFile film.bloom=%
 ExposureFile film.exposure=%
 SpectrumFile spectra.x=%
 LineFile spectra.x={"lines": [%]}
