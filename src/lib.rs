@@ -116,6 +116,9 @@ pub mod api;
 #[cfg(feature = "cli")]
 #[allow(missing_docs, reason = "no public interface")]
 pub mod cli;
+#[cfg(feature = "page")]
+#[allow(missing_docs, reason = "no public interface")]
+pub mod page;
 #[allow(missing_docs, reason = "no public interface")]
 pub mod reports;
 #[cfg(feature = "pages")]

@@ -4,13 +4,12 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use crate::api::memory;
 use crate::api::provenance::{self, SceneFiles};
-use crate::view::{LiveView, LoadedScene, SessionEnd, ViewHost};
-use abbe_format::resolve;
+use crate::page::LoadedScene;
+use crate::view::{LiveView, SessionEnd, ViewHost};
 use abbe_session::output::exr::write as write_exr;
 use abbe_session::output::file as files;
-use abbe_session::render::{DisplaySettings, Integrator, Job, RenderIdentity, Rendered, StopRules};
+use abbe_session::render::{DisplaySettings, Integrator, RenderIdentity, Rendered, StopRules};
 use abbe_spectra::error::Result;
 
 use super::checkpoint::CheckpointFile;
@@ -136,21 +135,14 @@ impl ViewHost for ViewArgs {
     fn load(&self, changes: &[String], forbidden: &[String]) -> Result<LoadedScene> {
         let mut patches = self.patches(changes);
         let (mut scene, mut source) = self.scene_file.read(&self.scene, &patches, false)?;
-        if !forbidden.is_empty() {
-            let all: Vec<&String> = scene.render.forbid.iter().chain(forbidden).collect();
-            let list = serde_json::to_string(&all).expect("a list of texts is JSON");
-            patches.push(format!("render.forbid={list}"));
+        if let Some(change) = LoadedScene::change_to_forbid(&scene, forbidden) {
+            patches.push(change);
             (scene, source) = self.scene_file.read(&self.scene, &patches, false)?;
         }
         // The picture is written at the end, but it is too late then to refuse its name.
         let files = SceneFiles::of(&source);
         OutputFiles::new(self.exr(), None)?.check_keeps(&self.scene_file.inputs(&files, &self.scene))?;
-        let resolved = resolve::resolve(&scene, &source)?;
-        let job = Job::of_picture(resolved).map_err(|error| error.in_file(&self.scene))?;
-        memory::check(&job.budget)?;
-        let metadata =
-            provenance::reproducible(provenance::of_scene(Some((&source, &files)), &job, Integrator::Photon));
-        Ok(LoadedScene { source, job, metadata })
+        LoadedScene::new(&scene, source)
     }
 
     fn interruption(&self) -> fn() -> bool {

@@ -1,9 +1,6 @@
 //! The state that the session, the server and the watch thread share.
 
-use super::host::LoadedScene;
-use super::scene_panels::ScenePanels;
-use super::snapshot::Snapshot;
-use abbe_session::render::Progress;
+use crate::page::{LoadedScene, PageState, ScenePanels, SessionState, Snapshot, ViewProgress};
 use abbe_transport::walk::StopFlag;
 use serde_json::{Value, json};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -28,74 +25,14 @@ pub(super) struct Orders {
     pub(super) interrupted: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SessionState {
-    Starting,
-    /// The session renders passes.
-    Rendering,
-    Finished,
-    /// The scene has a fault. The last picture stays.
-    Failed,
-}
-
-impl SessionState {
-    fn word(self) -> &'static str {
-        match self {
-            Self::Starting => "starting",
-            Self::Rendering => "rendering",
-            Self::Finished => "finished",
-            Self::Failed => "failed",
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct ViewProgress {
-    pub(super) passes: u64,
-    pub(super) passes_wanted: Option<u64>,
-    /// The time of the render without pauses in s.
-    pub(super) elapsed_s: f64,
-    pub(super) photons_per_second: f64,
-    pub(super) relative_error: Option<f64>,
-    /// The relative error of a typical pixel.
-    pub(super) typical_error: Option<f64>,
-}
-
-impl ViewProgress {
-    pub(super) fn new(progress: &Progress, paused: Duration) -> Self {
-        let total_s = progress.elapsed.as_secs_f64();
-        let elapsed_s = (total_s - paused.as_secs_f64()).max(1e-3);
-        Self {
-            passes: progress.passes,
-            passes_wanted: progress.passes_wanted,
-            elapsed_s,
-            photons_per_second: progress.photons_per_second * total_s / elapsed_s,
-            relative_error: progress.relative_error,
-            typical_error: progress.typical_error,
-        }
-    }
-
-    /// Returns the time until the last pass in s, or `None` if it is unknown.
-    fn left_s(&self) -> Option<f64> {
-        let left = self.passes_wanted?.saturating_sub(self.passes);
-        (self.passes > 0).then(|| self.elapsed_s / self.passes as f64 * left as f64)
-    }
-}
-
 #[derive(Debug, Clone)]
 struct ViewState {
     orders: Orders,
     /// Ends the render of this revision of the scene.
     stop: (u64, Arc<StopFlag>),
-    session: SessionState,
-    progress: ViewProgress,
-    error: Option<String>,
-    scene: Option<Arc<ScenePanels>>,
+    page: PageState,
     /// The scene that is rendered, or `None` if a saved picture is shown.
     loaded: Option<Arc<LoadedScene>>,
-    snapshot: Option<Arc<Snapshot>>,
-    /// The picture with which the page compares the published one.
-    reference: Option<Arc<Snapshot>>,
 }
 
 impl ViewState {
@@ -122,13 +59,8 @@ impl ViewChannel {
         let state = ViewState {
             orders: Orders::default(),
             stop: (0, Arc::default()),
-            session: SessionState::Starting,
-            progress: ViewProgress::default(),
-            error: None,
-            scene: None,
+            page: PageState::default(),
             loaded: None,
-            snapshot: None,
-            reference: None,
         };
         Self { state: Mutex::new(state), changed: Condvar::new(), version: watch::Sender::new(1) }
     }
@@ -193,9 +125,8 @@ impl ViewChannel {
     /// Begins the render of a scene, or shows a saved picture.
     pub(super) fn begin(&self, scene: Arc<ScenePanels>, loaded: Option<Arc<LoadedScene>>) {
         self.update(|state| {
-            state.session = SessionState::Starting;
-            state.progress = ViewProgress::default();
-            (state.error, state.scene, state.loaded) = (None, Some(scene), loaded);
+            state.page.begin(scene);
+            state.loaded = loaded;
         });
     }
 
@@ -203,7 +134,7 @@ impl ViewChannel {
     pub(super) fn fail(&self, revision: u64, error: String) {
         self.update(|state| {
             if state.orders.revision == revision {
-                (state.session, state.error) = (SessionState::Failed, Some(error));
+                (state.page.session, state.page.error) = (SessionState::Failed, Some(error));
             }
         });
     }
@@ -212,54 +143,50 @@ impl ViewChannel {
     pub(super) fn report(&self, revision: u64, session: SessionState, progress: ViewProgress) {
         self.update(|state| {
             if state.orders.revision == revision {
-                (state.session, state.progress) = (session, progress);
+                (state.page.session, state.page.progress) = (session, progress);
             }
         });
     }
 
     /// Publishes a coarse picture while the reader moves a slider, also if it moved on.
     pub(super) fn publish_draft(&self, snapshot: Arc<Snapshot>) {
-        self.update(|state| state.snapshot = Some(snapshot));
+        self.update(|state| state.page.snapshot = Some(snapshot));
     }
 
     /// Publishes a picture of a revision. The channel ignores abandoned renders.
     pub(super) fn publish(&self, revision: u64, snapshot: Arc<Snapshot>) {
         self.update(|state| {
             if state.orders.revision == revision {
-                state.snapshot = Some(snapshot);
+                state.page.snapshot = Some(snapshot);
             }
         });
     }
 
     pub(super) fn snapshot(&self) -> Option<Arc<Snapshot>> {
-        self.lock().snapshot.clone()
+        self.lock().page.snapshot.clone()
     }
 
     /// Sets the picture with which the page compares the published one.
     pub(super) fn set_reference(&self, reference: Arc<Snapshot>) {
-        self.update(|state| state.reference = Some(reference));
+        self.update(|state| state.page.reference = Some(reference));
     }
 
     /// Keeps the published picture as the reference, unless it is coarse.
     pub(super) fn keep_as_reference(&self) {
-        self.update(|state| {
-            if let Some(snapshot) = state.snapshot.as_ref().filter(|snapshot| snapshot.metadata.is_some()) {
-                state.reference = Some(Arc::clone(snapshot));
-            }
-        });
+        self.update(|state| state.page.keep_as_reference());
     }
 
-    pub(super) fn reference(&self) -> Option<Arc<Snapshot>> {
-        self.lock().reference.clone()
+    pub(super) fn page(&self) -> PageState {
+        self.lock().page.clone()
     }
 
     pub(super) fn loaded(&self) -> Option<(Arc<LoadedScene>, u64)> {
         let state = self.lock();
-        Some((state.loaded.clone()?, state.scene.as_ref()?.number))
+        Some((state.loaded.clone()?, state.page.scene.as_ref()?.number))
     }
 
     pub(super) fn scene(&self) -> Option<Arc<ScenePanels>> {
-        self.lock().scene.clone()
+        self.lock().page.scene.clone()
     }
 
     pub(super) fn versions(&self) -> watch::Receiver<u64> {
@@ -270,26 +197,13 @@ impl ViewChannel {
         // A change after this line has a newer version, so the page asks again.
         let version = *self.version.borrow();
         // The summaries take time for large pictures, and the render must not wait for them.
-        let ViewState { orders, session, progress, error, scene, snapshot, reference, .. } = self.lock().clone();
-        json!({
-            "version": version,
-            "session": session.word(),
-            "paused": orders.paused,
-            "draft": orders.is_draft,
-            "changes": orders.changes,
-            "forbidden": orders.forbidden,
-            "error": error,
-            "scene": scene.as_ref().map(|scene| scene.number),
-            "passes": progress.passes,
-            "passes_wanted": progress.passes_wanted,
-            "elapsed_s": progress.elapsed_s,
-            "left_s": progress.left_s(),
-            "photons_per_second": progress.photons_per_second,
-            "relative_error": progress.relative_error,
-            "typical_error": progress.typical_error,
-            "picture": snapshot.as_ref().map(|snapshot| snapshot.summary()),
-            "reference": reference.as_ref().map(|reference| reference.reference_summary()),
-        })
+        let ViewState { orders, page, .. } = self.lock().clone();
+        let mut json = page.to_json(version);
+        json["paused"] = json!(orders.paused);
+        json["draft"] = json!(orders.is_draft);
+        json["changes"] = json!(orders.changes);
+        json["forbidden"] = json!(orders.forbidden);
+        json
     }
 }
 
@@ -307,12 +221,5 @@ mod tests {
         let orders = channel.wait(Some(Duration::from_millis(1)), |orders| orders.interrupted);
         assert!(!orders.interrupted);
         assert!(*channel.versions().borrow() > 1);
-    }
-
-    #[test]
-    fn the_time_left_counts_no_pauses() {
-        let progress = ViewProgress { passes: 4, passes_wanted: Some(6), elapsed_s: 8.0, ..ViewProgress::default() };
-        assert_eq!(progress.left_s(), Some(4.0));
-        assert_eq!(ViewProgress { passes: 0, ..progress }.left_s(), None);
     }
 }

@@ -1,19 +1,8 @@
 //! The program that owns the view: it loads the scene and knows whether the user interrupts.
 
-use abbe_format::JsonSource;
-use abbe_session::output::Metadata;
-use abbe_session::render::Job;
+use crate::page::LoadedScene;
 use abbe_spectra::error::Result;
 use std::path::Path;
-
-#[derive(Debug)]
-pub struct LoadedScene {
-    /// The text of the scene after all changes.
-    pub source: JsonSource,
-    pub job: Job,
-    /// The header entries that describe the scene.
-    pub metadata: Metadata,
-}
 
 pub trait ViewHost: Sync {
     fn scene_path(&self) -> &Path;

@@ -8,19 +8,14 @@
 mod access;
 mod channel;
 mod host;
-mod layers;
 mod listener;
-mod photons;
 mod pictures;
-mod probe;
 mod publisher;
-mod scene_panels;
 mod server;
 mod session;
-mod snapshot;
 mod watch;
 
-pub use host::{LoadedScene, ViewHost};
+pub use host::ViewHost;
 pub use session::SessionEnd;
 
 use abbe_session::render::StopRules;

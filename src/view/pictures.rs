@@ -1,9 +1,8 @@
 //! Shows saved pictures instead of a render.
 
-use super::channel::{SessionState, ViewChannel, ViewProgress};
-use super::scene_panels::ScenePanels;
-use super::snapshot::Snapshot;
+use super::channel::ViewChannel;
 use super::watch;
+use crate::page::{ScenePanels, SessionState, Snapshot, ViewProgress};
 use abbe_session::output::exr::{ExrFile, read};
 use abbe_spectra::error::{Error, Result};
 use std::path::Path;

@@ -1,15 +1,10 @@
 //! Publishes the pictures of a render.
 
 use super::channel::ViewChannel;
-use super::host::LoadedScene;
-use super::layers;
-use super::scene_panels::ScenePanels;
-use super::snapshot::{BandNoise, Snapshot};
-use crate::api::provenance;
+use crate::page::{LoadedScene, ScenePanels, Snapshot};
 use abbe_session::render::Run;
-use abbe_transport::plan::EffectState;
 use abbe_transport::sensor::Picture;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The largest fraction of the render's time for published pictures. The first one may take more.
@@ -67,46 +62,9 @@ impl<'a> Publisher<'a> {
     }
 
     fn snapshot(&self, picture: Picture, run: Option<&Run>) -> Arc<Snapshot> {
-        let (job, scene) = (&self.loaded.job, Arc::clone(&self.scene));
         let number = self.channel.snapshot().map_or(1, |snapshot| snapshot.number + 1);
-        let metadata = run.map(|run| {
-            let of_scene = &self.loaded.metadata;
-            let metadata = provenance::of_passes(of_scene, run.passes(), &run.ledger_stats(job), run.seconds());
-            provenance::reproducible(metadata)
-        });
-        let events = run.map(|run| run.effect_stats(job)).unwrap_or_default();
-        let passes = run.map_or(0, Run::passes);
-        Arc::new(Snapshot {
-            number,
-            name: self.loaded.source.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-            passes,
-            exposure: scene.display.factor(&picture),
-            reaches: scene.reaches(&picture),
-            band_noise: self.band_noise(&picture, passes),
-            without: self.forbidden(),
-            mean_y: picture.mean_y(),
-            comparison_exposure: OnceLock::new(),
-            class_means: layers::class_means(&picture),
-            effort: run.map(|run| (run.stage_seconds(), run.ledger_stats(job))),
-            events: events.into_iter().map(|(name, effect)| (name, effect.events)).collect(),
-            metadata,
-            xyz_bytes: OnceLock::new(),
-            scene,
-            picture,
-        })
-    }
-
-    fn forbidden(&self) -> Vec<&'static str> {
-        let rows = self.loaded.job.rows.iter();
-        rows.filter(|row| row.state == EffectState::Forbidden).map(|row| row.effect.name).collect()
-    }
-
-    fn band_noise(&self, picture: &Picture, passes: u64) -> Option<BandNoise> {
-        let after = &picture.bands.as_ref()?.values;
-        match self.last.as_ref().and_then(|last| Some((last.band_noise.as_ref()?, last.picture.bands.as_ref()?))) {
-            Some((noise, before)) => Some(noise.next(&before.values, after, passes)),
-            None => Some(BandNoise::first(passes, after.len())),
-        }
+        let scene = (self.loaded, Arc::clone(&self.scene));
+        Arc::new(Snapshot::of_render(number, scene, (picture, run), self.last.as_deref()))
     }
 }
 

@@ -3,21 +3,13 @@
 use super::access::Access;
 use super::channel::ViewChannel;
 use super::listener::LimitedListener;
-use super::photons::{self, PhotonQuery};
-use super::probe::{self, ProbeArea};
-use super::snapshot::{Snapshot, float_bytes};
-use abbe_session::output::compare::{compare, delta_e_map};
-use abbe_session::output::exr::encode as encode_exr;
-use abbe_session::output::png::encode as encode_png;
-use abbe_session::output::selection::Selection;
-use abbe_transport::sensor::exposure;
+use crate::page::{self, Answer, Refusal};
 use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 use std::io;
 use std::sync::Arc;
 use std::time::Duration;
@@ -38,19 +30,8 @@ const BODY_TIME: Duration = Duration::from_secs(5);
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-const PAGE: [&str; 11] = [
-    include_str!("page_head.html"),
-    include_str!("page.css"),
-    include_str!("page_body.html"),
-    include_str!("colour.js"),
-    include_str!("plots.js"),
-    include_str!("page.js"),
-    include_str!("compare.js"),
-    include_str!("photons.js"),
-    include_str!("plan.js"),
-    include_str!("controls.js"),
-    "</script></body></html>\n",
-];
+/// The script by which the page asks this server.
+const LINK: &str = include_str!("link.js");
 
 struct ViewServer {
     access: Access,
@@ -93,10 +74,6 @@ async fn answer(State(server): State<Arc<ViewServer>>, request: Request) -> Resp
     response
 }
 
-/// The requests that [`pictured`] answers.
-const OF_PICTURE: [&str; 10] =
-    ["picture", "denoised", "errors", "samples", "classes", "band", "probe", "bloomed", "save.exr", "save.png"];
-
 /// Checks a request, and answers it. Returns the status of a refusal otherwise.
 async fn checked_answer(server: &ViewServer, request: Request) -> Result<Response, StatusCode> {
     let (parts, body) = request.into_parts();
@@ -108,21 +85,19 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
     let query = parts.uri.query().unwrap_or_default();
     let channel = &server.channel;
     match (&parts.method, path) {
-        (&Method::GET, "") => Ok(typed("text/html; charset=utf-8", PAGE.concat())),
+        (&Method::GET, "") => Ok(typed("text/html; charset=utf-8", page::text(LINK))),
         (&Method::GET, "state") => Ok(state(channel, query).await),
         (&Method::GET, "scene") => json(channel.scene().ok_or(StatusCode::NOT_FOUND)?.text.clone()),
-        (&Method::GET, path) if OF_PICTURE.contains(&path) => pictured(channel, path, query).await,
-        (&Method::GET, "reference" | "reference_probe" | "delta_e" | "comparison") => {
-            compared(channel, path, query).await
-        }
-        (&Method::GET, "photons") => traced(server, numbers(query)?).await,
+        (&Method::GET, path) if page::ANSWERED.contains(&path) => pictured(channel, path, query).await,
+        (&Method::GET, path) if page::ANSWERED_OF_SCENE.contains(&path) => of_scene(server, path, query).await,
         (&Method::POST, "orders") => {
             let body = body_of(&parts.headers, body).await?;
             follow(channel, serde_json::from_slice(&body).map_err(|_| StatusCode::BAD_REQUEST)?)
         }
-        (_, "" | "state" | "scene" | "orders" | "photons") => Err(StatusCode::METHOD_NOT_ALLOWED),
-        (_, path) if OF_PICTURE.contains(&path) => Err(StatusCode::METHOD_NOT_ALLOWED),
-        (_, "reference" | "reference_probe" | "delta_e" | "comparison") => Err(StatusCode::METHOD_NOT_ALLOWED),
+        (_, "" | "state" | "scene" | "orders") => Err(StatusCode::METHOD_NOT_ALLOWED),
+        (_, path) if page::ANSWERED.contains(&path) || page::ANSWERED_OF_SCENE.contains(&path) => {
+            Err(StatusCode::METHOD_NOT_ALLOWED)
+        }
         (_, _) => Err(StatusCode::NOT_FOUND),
     }
 }
@@ -148,17 +123,6 @@ async fn body_of(headers: &HeaderMap, body: Body) -> Result<axum::body::Bytes, S
     read.map_err(|_| StatusCode::REQUEST_TIMEOUT)?.map_err(|_| StatusCode::PAYLOAD_TOO_LARGE)
 }
 
-/// Parses the query of a request: `name=number` pairs.
-fn numbers<T: DeserializeOwned>(query: &str) -> Result<T, StatusCode> {
-    let pairs = query.split('&').filter(|pair| !pair.is_empty()).map(|pair| {
-        let (name, value) = pair.split_once('=')?;
-        Some((name.to_string(), serde_json::Value::from(value.parse::<u64>().ok()?)))
-    });
-    let pairs: Option<serde_json::Map<String, serde_json::Value>> = pairs.collect();
-    let object = serde_json::Value::Object(pairs.ok_or(StatusCode::BAD_REQUEST)?);
-    serde_json::from_value(object).map_err(|_| StatusCode::BAD_REQUEST)
-}
-
 /// Returns the state when it is newer than the version in the query.
 async fn state(channel: &ViewChannel, query: &str) -> Response {
     let after = query.strip_prefix("after=").and_then(|after| after.parse::<u64>().ok()).unwrap_or(0);
@@ -168,100 +132,39 @@ async fn state(channel: &ViewChannel, query: &str) -> Response {
     typed("application/json", channel.to_json().to_string())
 }
 
-/// Asks for the bloom of the picture or of the denoised one.
-#[derive(Debug, Deserialize)]
-struct BloomQuery {
-    denoised: bool,
-}
-
-#[derive(Debug, Deserialize)]
-struct BandQuery {
-    band: usize,
-}
-
-/// Returns values of all pixels, with the number and the size of the picture in the header.
-fn plane(snapshot: &Snapshot, body: impl Into<Body>) -> Response {
-    let [number, width, height] =
-        [snapshot.number, snapshot.picture.width as u64, snapshot.picture.height as u64].map(|n| n.to_string());
-    let names = ["x-abbe-picture", "x-abbe-width", "x-abbe-height"];
-    let headers = [(names[0], number), (names[1], width), (names[2], height)];
-    (headers, typed("application/octet-stream", body)).into_response()
-}
-
-fn probed(snapshot: &Snapshot, query: &str) -> Result<Response, StatusCode> {
-    let area: ProbeArea = numbers(query)?;
-    let report = probe::report(snapshot, area).ok_or(StatusCode::BAD_REQUEST)?;
-    json(serde_json::to_string(&report).map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?)
-}
-
-/// Answers a request about the reference, or about its difference from the published picture.
-async fn compared(channel: &ViewChannel, path: &str, query: &str) -> Result<Response, StatusCode> {
-    let reference = channel.reference().ok_or(StatusCode::NOT_FOUND)?;
-    match path {
-        "reference" => return Ok(plane(&reference, reference.xyz())),
-        "reference_probe" => return probed(&reference, query),
-        _ => {}
-    }
-    let snapshot = channel.snapshot().ok_or(StatusCode::NOT_FOUND)?;
-    let (a, b) = (&snapshot.picture, &reference.picture);
-    if (a.width, a.height) != (b.width, b.height) {
-        return Err(StatusCode::CONFLICT);
-    }
-    let is_map = path == "delta_e";
-    let work = tokio::task::spawn_blocking(move || {
-        let (a, b) = (&snapshot.picture, &reference.picture);
-        if is_map {
-            let values = delta_e_map(a, b, exposure::automatic(b));
-            return Ok(plane(&snapshot, float_bytes(values.into_iter().map(|value| value as f32))));
-        }
-        let comparison = compare(a, b, &Selection::default()).map_err(|_| StatusCode::CONFLICT)?;
-        json(serde_json::to_string(&comparison).map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?)
-    });
-    work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?
-}
-
-async fn traced(server: &ViewServer, query: PhotonQuery) -> Result<Response, StatusCode> {
+/// Answers a request about the scene, such as for photon paths.
+async fn of_scene(server: &ViewServer, path: &str, query: &str) -> Result<Response, StatusCode> {
     let _turn = server.tracing.lock().await;
     let (loaded, scene) = server.channel.loaded().ok_or(StatusCode::NOT_FOUND)?;
-    let found = tokio::task::spawn_blocking(move || photons::paths(&loaded, scene, query)).await;
-    let found = found.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?.ok_or(StatusCode::BAD_REQUEST)?;
-    json(found.to_string())
+    let (path, query) = (path.to_string(), query.to_string());
+    let work = tokio::task::spawn_blocking(move || page::answer_of_scene(&loaded, scene, &path, &query));
+    respond(work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?)
 }
 
-/// Answers a request about the published picture.
+/// Answers a request about the pictures on a thread of its own, because some answers take long.
 async fn pictured(channel: &ViewChannel, path: &str, query: &str) -> Result<Response, StatusCode> {
-    let snapshot = channel.snapshot().ok_or(StatusCode::NOT_FOUND)?;
-    match path {
-        "picture" => Ok(plane(&snapshot, snapshot.xyz())),
-        "denoised" => Ok(plane(&snapshot, snapshot.denoised().ok_or(StatusCode::NOT_FOUND)?)),
-        "errors" => Ok(plane(&snapshot, snapshot.errors())),
-        "samples" => Ok(plane(&snapshot, snapshot.samples().ok_or(StatusCode::NOT_FOUND)?)),
-        "classes" => Ok(plane(&snapshot, snapshot.classes().ok_or(StatusCode::NOT_FOUND)?)),
-        "band" => {
-            let BandQuery { band } = numbers(query)?;
-            Ok(plane(&snapshot, snapshot.band(band).ok_or(StatusCode::NOT_FOUND)?))
-        }
-        "probe" => probed(&snapshot, query),
-        "bloomed" => {
-            let BloomQuery { denoised } = numbers(query)?;
-            let bloomed = move || snapshot.bloomed(denoised).map(|bytes| plane(&snapshot, bytes));
-            let work = tokio::task::spawn_blocking(bloomed);
-            work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?.ok_or(StatusCode::NOT_FOUND)
-        }
-        _ => {
-            let is_exr = path == "save.exr";
-            let file = tokio::task::spawn_blocking(move || {
-                let metadata = snapshot.metadata.as_ref()?;
-                if is_exr {
-                    encode_exr(&snapshot.picture, metadata).ok()
-                } else {
-                    let screen = snapshot.scene.display.screen_at(&snapshot.picture, snapshot.exposure);
-                    encode_png(&screen).ok()
-                }
-            });
-            let bytes = file.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?.ok_or(StatusCode::NOT_FOUND)?;
-            Ok(typed(if is_exr { "image/x-exr" } else { "image/png" }, bytes))
-        }
+    let (page, path, query) = (channel.page(), path.to_string(), query.to_string());
+    let work = tokio::task::spawn_blocking(move || page::answer(&page, &path, &query));
+    respond(work.await.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?)
+}
+
+fn respond(answer: Result<Answer, Refusal>) -> Result<Response, StatusCode> {
+    let Answer { kind, plane, body } = answer.map_err(status)?;
+    let mut response = typed(kind, body);
+    for (name, number) in
+        ["x-abbe-picture", "x-abbe-width", "x-abbe-height"].into_iter().zip(plane.into_iter().flatten())
+    {
+        response.headers_mut().insert(name, number.into());
+    }
+    Ok(response)
+}
+
+fn status(refusal: Refusal) -> StatusCode {
+    match refusal {
+        Refusal::Absent => StatusCode::NOT_FOUND,
+        Refusal::Wrong => StatusCode::BAD_REQUEST,
+        Refusal::Unlike => StatusCode::CONFLICT,
+        Refusal::Failed => StatusCode::INTERNAL_SERVER_ERROR,
     }
 }
 
@@ -311,17 +214,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn queries_are_pairs_of_names_and_numbers() {
-        let area: ProbeArea = numbers("x0=1&y0=2&x1=3&y1=4").unwrap();
-        assert_eq!([area.x0, area.y0, area.x1, area.y1], [1, 2, 3, 4]);
-        for wrong in ["", "x0=1", "x0=-1&y0=2&x1=3&y1=4", "x0=1&y0=2&x1=3&y1=4&z=5", "x0&y0=2&x1=3&y1=4"] {
-            assert!(numbers::<ProbeArea>(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
     fn the_page_asks_for_nothing_else() {
-        let page = PAGE.concat();
+        let page = page::text(LINK);
         assert!(page.starts_with("<!DOCTYPE html>"));
         assert!(!["src=", "href=", "@import", "url(", "http:", "https:"].iter().any(|word| page.contains(word)));
     }

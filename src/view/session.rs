@@ -1,9 +1,9 @@
 //! The session: loads the scene, renders it, and follows the orders of the page.
 
-use super::channel::{Orders, SessionState, ViewChannel, ViewProgress};
-use super::host::{LoadedScene, ViewHost};
+use super::channel::{Orders, ViewChannel};
+use super::host::ViewHost;
 use super::publisher::Publisher;
-use super::scene_panels::ScenePanels;
+use crate::page::{LoadedScene, ScenePanels, SessionState, ViewProgress};
 use abbe_session::render::{Integrator, Monitor, PassPart, Progress, Rendered, Request, Run, StopRules, on_threads};
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::Picture;

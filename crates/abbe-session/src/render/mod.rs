@@ -23,6 +23,7 @@ mod session;
 mod stats;
 mod stop;
 mod threads;
+mod transfer;
 
 pub use abbe_transport::pass::StageSeconds;
 pub use abbe_transport::photon_paths::{PathQuery, PhotonPaths, RecordedPath, RecordedSegment};
@@ -36,6 +37,7 @@ pub use measure::{MeasurementReport, MeterReport, PointReport, Value};
 pub use merge::{MergedPicture, PartSet};
 pub use monitor::{Monitor, NoMonitor, Progress};
 pub use part::PassPart;
+pub use photon_paths::PointUnder;
 pub use request::{Integrator, Request, StopRules};
 pub use run::Run;
 pub use saved_run::SavedRun;

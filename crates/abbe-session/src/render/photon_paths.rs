@@ -19,6 +19,17 @@ const STEPS: (f64, f64) = (4.0, 96.0);
 /// distance.
 const HIDDEN_FRACTION: f64 = 1e-4;
 
+/// A surface that the camera sees.
+#[derive(Debug, Clone, Copy)]
+pub struct PointUnder {
+    /// The index of the object.
+    pub object: usize,
+    /// The position in m, relative to the centre of the scene.
+    pub position: DVec3,
+    /// The width of a pixel in m at this distance.
+    pub pixel_width_m: f64,
+}
+
 impl Job {
     /// Traces photons and records their paths on the current thread pool.
     pub fn photon_paths(&self, query: &PathQuery) -> PhotonPaths {
@@ -27,12 +38,13 @@ impl Job {
         photon_paths(&PassContext { portals: &portals, ..context }, query)
     }
 
-    /// Returns the surface under a film position in pixels, and a pixel's width there in m.
-    pub fn point_under(&self, film: DVec2) -> Option<(DVec3, f64)> {
+    /// Returns the first surface under a film position in pixels.
+    pub fn point_under(&self, film: DVec2) -> Option<PointUnder> {
         let camera = &self.scene.camera;
         let ray = camera.ray(film, [0.5; 2]);
         let hit = self.scene.geometry.intersect(&ray, None, f64::INFINITY)?;
-        Some((hit.position, camera.pixel_width_m(hit.t)))
+        let pixel_width_m = camera.pixel_width_m(hit.t);
+        Some(PointUnder { object: hit.object as usize, position: hit.position, pixel_width_m })
     }
 
     /// Returns the parts of a segment that the camera sees, as film positions in pixels. Glass

@@ -64,6 +64,11 @@ impl Run {
         self.done
     }
 
+    /// Returns the number of photons that the lights have emitted.
+    pub fn photons(&self) -> u64 {
+        self.sums.tally.photons
+    }
+
     /// Returns the root mean square error of the picture, divided by its mean luminance, or `None`
     /// if it is unknown.
     pub fn relative_error(&self) -> Option<f64> {

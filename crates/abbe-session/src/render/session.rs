@@ -18,7 +18,7 @@ use abbe_transport::plan::{MotionPlan, WavelengthPlan};
 use abbe_transport::sensor::Picture;
 use abbe_transport::walk::ledger::Ledger;
 use std::borrow::Cow;
-use std::time::Instant;
+use web_time::Instant;
 
 #[derive(Debug)]
 pub struct Rendered {

@@ -207,7 +207,8 @@ impl Stats {
             let EffectStats { state, events } = effect.clone();
             effects.insert(name.clone(), EffectStats { state, events: so_far + events });
         }
-        let seconds = total_seconds(runs.iter().map(|run| run.seconds));
+        let mut seconds = StageSeconds::default();
+        runs.iter().for_each(|run| seconds.add(&run.seconds));
         let emitted = count(|run| run.photons_emitted);
         let passes = count(|run| run.passes);
         let times = RunTimes::of(passes, &seconds);
@@ -342,22 +343,6 @@ fn merged_notes(runs: &[&Stats]) -> Vec<String> {
         }
     }
     notes
-}
-
-/// Adds the times of several runs.
-fn total_seconds(all: impl Iterator<Item = StageSeconds>) -> StageSeconds {
-    all.fold(StageSeconds::default(), |sum, more| {
-        let StageSeconds { total, pilot, pose, emit, map, gather, develop } = more;
-        StageSeconds {
-            total: sum.total + total,
-            pilot: sum.pilot + pilot,
-            pose: sum.pose + pose,
-            emit: sum.emit + emit,
-            map: sum.map + map,
-            gather: sum.gather + gather,
-            develop: sum.develop + develop,
-        }
-    })
 }
 
 impl LedgerStats {

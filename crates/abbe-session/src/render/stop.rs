@@ -7,7 +7,8 @@ use super::request::StopRules;
 use super::run::Run;
 use abbe_spectra::error::{Error, Result};
 use abbe_transport::sensor::PictureErrors;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use web_time::Instant;
 
 /// The time of a run, without that between an interruption and the continuation.
 #[derive(Debug)]

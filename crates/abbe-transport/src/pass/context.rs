@@ -14,7 +14,7 @@ use abbe_spectra::math::kronecker::{golden_ratio, sqrt3};
 use abbe_spectra::math::random::{Purpose, REPLICATES};
 use abbe_spectra::spectrum::{LANES, Lanes};
 use std::borrow::Cow;
-use std::time::Instant;
+use web_time::Instant;
 
 #[derive(Debug, Clone, Copy)]
 pub struct PassContext<'a> {

@@ -7,7 +7,7 @@ use super::sums::PassSums;
 use crate::gather::{DirectLighting, PathTracer, PixelSampler};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::random::Purpose;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Traces one pass and adds it to `sums`. Returns false if the context's flag is raised before the
 /// end of the pass, whose light is then not added, and an error if the scene cannot be posed.

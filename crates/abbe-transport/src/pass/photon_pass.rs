@@ -18,7 +18,7 @@ use abbe_scene::Scene;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::random::Purpose;
 use std::borrow::Cow;
-use std::time::Instant;
+use web_time::Instant;
 
 /// Traces one pass of photon mapping and adds it to `sums`. `light_maps` holds those of earlier
 /// passes, which a still scene reuses or updates. Returns false if the context's flag is raised

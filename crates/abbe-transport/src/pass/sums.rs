@@ -32,3 +32,17 @@ pub struct StageSeconds {
     /// Developing the film's sums to XYZ.
     pub develop: f64,
 }
+
+impl StageSeconds {
+    /// Adds the times of another run.
+    pub fn add(&mut self, other: &Self) {
+        let Self { total, pilot, pose, emit, map, gather, develop } = self;
+        *total += other.total;
+        *pilot += other.pilot;
+        *pose += other.pose;
+        *emit += other.emit;
+        *map += other.map;
+        *gather += other.gather;
+        *develop += other.develop;
+    }
+}

@@ -5,7 +5,7 @@ use crate::pass::{PassContext, StageSeconds};
 use abbe_spectra::math::random::Purpose;
 use rayon::prelude::*;
 use std::borrow::Cow;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The largest number of camera paths.
 const MOST_PATHS: u64 = 1 << 17;

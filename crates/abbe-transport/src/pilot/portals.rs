@@ -20,7 +20,7 @@ use abbe_spectra::spectrum::{REFERENCE_NM, Wavelengths};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The number of camera paths in one batch of the search.
 const BATCH: u64 = 4096;

@@ -27,7 +27,7 @@ use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
 use std::borrow::Cow;
-use std::time::Instant;
+use web_time::Instant;
 
 /// The photon paths of a pass for which a single coarse picture learns its emission distributions.
 const COARSE_AIM_PHOTONS: u64 = 40_000;

@@ -1,10 +1,13 @@
 //! A published picture.
 
 use super::layers;
+use super::loaded_scene::LoadedScene;
 use super::scene_panels::ScenePanels;
+use crate::api::provenance;
 use abbe_session::output::Metadata;
 use abbe_session::output::metadata::names;
-use abbe_session::render::{LedgerStats, StageSeconds};
+use abbe_session::render::{LedgerStats, Run, StageSeconds};
+use abbe_transport::plan::EffectState;
 use abbe_transport::sensor::{Picture, bloom, exposure};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -12,38 +15,73 @@ use std::sync::{Arc, OnceLock};
 
 /// A picture that the page can show. It never changes.
 #[derive(Debug)]
-pub(super) struct Snapshot {
-    pub(super) number: u64,
+pub(crate) struct Snapshot {
+    pub(crate) number: u64,
     /// The name of the scene file or of the picture file.
-    pub(super) name: String,
-    pub(super) scene: Arc<ScenePanels>,
-    pub(super) passes: u64,
-    pub(super) picture: Picture,
+    pub(crate) name: String,
+    pub(crate) scene: Arc<ScenePanels>,
+    pub(crate) passes: u64,
+    pub(crate) picture: Picture,
     /// The exposure of the scene's settings in 1/(cd/m²).
-    pub(super) exposure: f64,
+    pub(crate) exposure: f64,
     /// The reach of the chroma compression in each colour space of the page.
-    pub(super) reaches: Value,
+    pub(crate) reaches: Value,
     /// The forbidden effects.
-    pub(super) without: Vec<&'static str>,
+    pub(crate) without: Vec<&'static str>,
     /// The mean Y of each path class in cd/m², if the picture separates them.
-    pub(super) class_means: Vec<f64>,
+    pub(crate) class_means: Vec<f64>,
     /// The time of the stages and the energy balance of the render. `None` for a coarse picture.
-    pub(super) effort: Option<(StageSeconds, LedgerStats)>,
+    pub(crate) effort: Option<(StageSeconds, LedgerStats)>,
     /// The noise of the bands, if several pictures of the render were published.
-    pub(super) band_noise: Option<BandNoise>,
-    pub(super) events: BTreeMap<String, u64>,
+    pub(crate) band_noise: Option<BandNoise>,
+    pub(crate) events: BTreeMap<String, u64>,
     /// The header of the picture's file, or `None` for a coarse picture.
-    pub(super) metadata: Option<Metadata>,
+    pub(crate) metadata: Option<Metadata>,
     /// The mean Y in cd/m².
-    pub(super) mean_y: f64,
+    pub(crate) mean_y: f64,
     /// The exposure at which `abbe compare` compares with this picture, in 1/(cd/m²).
-    pub(super) comparison_exposure: OnceLock<f64>,
-    /// The bytes of the XYZ values for the page.
-    pub(super) xyz_bytes: OnceLock<axum::body::Bytes>,
+    pub(crate) comparison_exposure: OnceLock<f64>,
 }
 
 impl Snapshot {
-    pub(super) fn of_file(
+    /// The picture of a run, or a coarse one without a run. `last` is the picture before it in the
+    /// same render.
+    pub(crate) fn of_render(
+        number: u64,
+        (loaded, scene): (&LoadedScene, Arc<ScenePanels>),
+        (picture, run): (Picture, Option<&Run>),
+        last: Option<&Self>,
+    ) -> Self {
+        let job = &loaded.job;
+        let metadata = run.map(|run| {
+            let of_scene = &loaded.metadata;
+            let metadata = provenance::of_passes(of_scene, run.passes(), &run.ledger_stats(job), run.seconds());
+            provenance::reproducible(metadata)
+        });
+        let events = run.map(|run| run.effect_stats(job)).unwrap_or_default();
+        let passes = run.map_or(0, Run::passes);
+        let forbidden = job.rows.iter().filter(|row| row.state == EffectState::Forbidden);
+        Self {
+            number,
+            name: loaded.source.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            passes,
+            exposure: scene.display.factor(&picture),
+            reaches: scene.reaches(&picture),
+            band_noise: band_noise(&picture, passes, last),
+            without: forbidden.map(|row| row.effect.name).collect(),
+            mean_y: picture.mean_y(),
+            comparison_exposure: OnceLock::new(),
+            class_means: layers::class_means(&picture),
+            effort: run.map(|run| (run.stage_seconds(), run.ledger_stats(job))),
+            events: events.into_iter().map(|(name, effect)| (name, effect.events)).collect(),
+            metadata,
+            scene,
+            picture,
+        }
+    }
+
+    #[cfg(feature = "view")]
+    pub(crate) fn of_file(
         number: u64,
         name: &str,
         scene: Arc<ScenePanels>,
@@ -66,12 +104,11 @@ impl Snapshot {
             band_noise: None,
             events: BTreeMap::new(),
             metadata: Some(metadata),
-            xyz_bytes: OnceLock::new(),
         }
     }
 
     /// Returns the numbers of the page for a reference, at the exposure of `abbe compare`.
-    pub(super) fn reference_summary(&self) -> Value {
+    pub(crate) fn reference_summary(&self) -> Value {
         json!({
             "number": self.number,
             "name": self.name,
@@ -87,7 +124,7 @@ impl Snapshot {
     }
 
     /// Returns the numbers that the page needs with each picture.
-    pub(super) fn summary(&self) -> Value {
+    pub(crate) fn summary(&self) -> Value {
         json!({
             "number": self.number,
             "name": self.name,
@@ -116,30 +153,29 @@ impl Snapshot {
     }
 
     /// Returns the number of camera samples of all pixels. Returns `None` if it was not recorded.
-    pub(super) fn samples(&self) -> Option<Vec<u8>> {
+    pub(crate) fn samples(&self) -> Option<Vec<u8>> {
         layers::samples(&self.picture).map(|samples| float_bytes(samples.iter().copied()))
     }
 
     /// Returns Y of each path class at all pixels in cd/m², if the picture separates them.
-    pub(super) fn classes(&self) -> Option<Vec<u8>> {
+    pub(crate) fn classes(&self) -> Option<Vec<u8>> {
         layers::class_luminance(&self.picture).map(|classes| float_bytes(classes.into_iter().flatten()))
     }
 
     /// Returns X, Y and Z of all pixels as 32-bit floating-point numbers.
-    pub(super) fn xyz(&self) -> axum::body::Bytes {
-        let bytes = || float_bytes(self.picture.xyz.iter().flatten().map(|&value| value as f32));
-        self.xyz_bytes.get_or_init(|| bytes().into()).clone()
+    pub(crate) fn xyz(&self) -> Vec<u8> {
+        float_bytes(self.picture.xyz.iter().flatten().map(|&value| value as f32))
     }
 
     /// Returns X, Y and Z of all pixels of the denoised picture, if there is one.
-    pub(super) fn denoised(&self) -> Option<Vec<u8>> {
+    pub(crate) fn denoised(&self) -> Option<Vec<u8>> {
         let denoised = self.picture.denoised.as_ref()?;
         Some(float_bytes(denoised.xyz.iter().flatten().map(|&value| value as f32)))
     }
 
     /// Returns X, Y and Z of all pixels with the bloom of the scene, if it has one, of the picture
     /// or of the denoised picture.
-    pub(super) fn bloomed(&self, denoised: bool) -> Option<Vec<u8>> {
+    pub(crate) fn bloomed(&self, denoised: bool) -> Option<Vec<u8>> {
         let eye = self.scene.display.development.bloom?;
         let denoised = if denoised { self.picture.denoised() } else { None };
         let xyz = bloom::apply(&eye, denoised.as_ref().unwrap_or(&self.picture));
@@ -147,28 +183,36 @@ impl Snapshot {
     }
 
     /// Returns the noise and the bias of all pixels in cd/m², and NaN if they are unknown.
-    pub(super) fn errors(&self) -> Vec<u8> {
+    pub(crate) fn errors(&self) -> Vec<u8> {
         let pairs = self.picture.noise.iter().zip(&self.picture.bias);
         float_bytes(pairs.flat_map(|(noise, bias)| [noise, bias].map(|value| value.unwrap_or(f32::NAN))))
     }
 
     /// Returns the spectral radiance of a band at all pixels in W/m²/sr/nm, if the picture has it.
-    pub(super) fn band(&self, band: usize) -> Option<Vec<u8>> {
+    pub(crate) fn band(&self, band: usize) -> Option<Vec<u8>> {
         let bands = self.picture.bands.as_ref()?;
         let count = bands.centres_nm.len();
         (band < count).then(|| float_bytes(bands.values.iter().skip(band).step_by(count).copied()))
     }
 }
 
-pub(super) fn float_bytes(values: impl Iterator<Item = f32>) -> Vec<u8> {
+pub(crate) fn float_bytes(values: impl Iterator<Item = f32>) -> Vec<u8> {
     values.flat_map(f32::to_le_bytes).collect()
+}
+
+fn band_noise(picture: &Picture, passes: u64, last: Option<&Snapshot>) -> Option<BandNoise> {
+    let after = &picture.bands.as_ref()?.values;
+    match last.and_then(|last| Some((last.band_noise.as_ref()?, last.picture.bands.as_ref()?))) {
+        Some((noise, before)) => Some(noise.next(&before.values, after, passes)),
+        None => Some(BandNoise::first(passes, after.len())),
+    }
 }
 
 /// The noise of spectral bands, by the method of batch means: the passes between two pictures of a
 /// render are a batch, and the variance of a pass is the sum of the squared deviations of the batch
 /// means, weighted by their passes, divided by the number of batches minus 1.
 #[derive(Debug, Clone)]
-pub(super) struct BandNoise {
+pub(crate) struct BandNoise {
     batches: u32,
     passes: u64,
     /// The sums of the weighted squared deviations, pixel by pixel and band by band.
@@ -177,12 +221,12 @@ pub(super) struct BandNoise {
 
 impl BandNoise {
     /// Returns the noise after the first picture of a render.
-    pub(super) fn first(passes: u64, values: usize) -> Self {
+    pub(crate) fn first(passes: u64, values: usize) -> Self {
         Self { batches: 1, passes, squares: vec![0.0; values] }
     }
 
     /// Returns the noise after another picture, from the means before and after it.
-    pub(super) fn next(&self, before: &[f32], after: &[f32], passes: u64) -> Self {
+    pub(crate) fn next(&self, before: &[f32], after: &[f32], passes: u64) -> Self {
         let (first, second) = (self.passes as f32, (passes - self.passes) as f32);
         let weight = first * passes as f32 / second;
         let deviations = after.iter().zip(before).map(|(after, before)| after - before);
@@ -191,7 +235,7 @@ impl BandNoise {
     }
 
     /// Returns the standard error of a value, or `None` if there are too few batches.
-    pub(super) fn at(&self, index: usize) -> Option<f64> {
+    pub(crate) fn at(&self, index: usize) -> Option<f64> {
         const LEAST_BATCHES: u32 = 3;
         let freedom = f64::from(self.batches - 1) * self.passes as f64;
         (self.batches >= LEAST_BATCHES).then(|| (f64::from(self.squares[index]) / freedom).sqrt())

@@ -100,7 +100,7 @@ async function showFigures() {
   const now = keyOf(reference) + keyOf(picture);
   if ($("panel-compare").hidden || now === figuresOf) return;
   figuresOf = now;
-  const found = fits() ? await get("comparison").then(answer => answer.json()).catch(() => null) : null;
+  const found = fits() ? await json("comparison").catch(() => null) : null;
   const number = value => value == null ? "–" : short(value, 4), share = part => part ? (100 * part.share).toFixed(1) + " %" : "–";
   const rows = [["relative mean square error", number(found?.relative_mse)],
     ["… without the worst 2 % of the pixels", number(found?.relative_mse_trimmed)],

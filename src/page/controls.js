@@ -5,7 +5,7 @@ let forbidden = [], isOrbiting = false, player = null;
 const sendChanges = draft => order({ changes: [...changes].map(([path, value]) => path + "=" + JSON.stringify(value)), forbidden, draft });
 
 async function showScene() {
-  scene = await (await get("scene")).json();
+  scene = await json("scene");
   spaces = scene.spaces.map(prepareSpace);
   $("title").textContent = scene.scene?.title ?? scene.file ?? "Abbe live view";
   document.title = "Abbe: " + scene.file;
@@ -17,7 +17,7 @@ async function showScene() {
     fill($("tone"), scene.tones, scene.tone);
     fill($("space"), spaces.map(space => space.name), scene.space);
   }
-  ["pause", "extend", "orbit", "tab-plan", "tab-scene", "tab-photons"].forEach(id => { $(id).hidden = !scene.live; });
+  ["pause", "extend", "orbit", "move", "undo", "tab-plan", "tab-scene", "tab-photons"].forEach(id => { $(id).hidden = !scene.live; });
   $("keep").disabled = !scene.live;
   $("band").max = scene.light.values.length - 1;
   showBand();
@@ -29,6 +29,7 @@ async function showScene() {
     showPlan();
     showLights();
     if (!document.activeElement?.closest("#tree")) showTree();
+    showObjects();
   }
   showProbes();
 }
@@ -58,12 +59,11 @@ function showTree() {
 function leaf(name, value, path) {
   const row = element("div", "", { className: "leaf" }), reach = Math.abs(value) || 1;
   const number = element("input", "", { type: "number", step: "any", value });
-  const slider = element("input", "", { type: "range", min: value < 0 ? -2 * reach : 0, max: 2 * reach, step: reach / 200, value });
+  const slider = element("input", "", { type: "range", min: -2 * reach, max: 2 * reach, step: reach / 200, value });
   const change = (from, to, draft) => {
     if (from.value === "" || !isFinite(Number(from.value))) return;
     to.value = from.value;
-    changes.set(path, Number(from.value));
-    sendChanges(draft);
+    changeScene(path, Number(from.value), draft);
   };
   slider.oninput = () => change(slider, number, true);
   number.onchange = () => change(number, slider, false);
@@ -131,6 +131,7 @@ stage.addEventListener("pointerdown", event => {
   if (!picture) return;
   stage.setPointerCapture(event.pointerId);
   pointers.set(event.pointerId, local(event));
+  if (isMoving && pointers.size === 1) pressObject(local(event), pixelAt(...local(event)), event.shiftKey);
   press = { at: local(event), pixel: pixelAt(...local(event)), last: local(event), spread: spread(), zoom: placement().scale, moved: false, wipe: pointers.size === 1 && isNearWipe(local(event)[0]) };
 });
 stage.addEventListener("pointermove", event => {
@@ -142,6 +143,7 @@ stage.addEventListener("pointermove", event => {
   press.moved ||= Math.hypot(at[0] - press.at[0], at[1] - press.at[1]) > 4;
   if (!press.moved) return;
   press.last = at;
+  if (dragging && pointers.size === 1) { dragObject(dx, dy); return; }
   if (press.wipe) { setWipe(100 * at[0] / stage.clientWidth); return; }
   if (pointers.size > 1) {
     const ratio = spread() / press.spread;
@@ -158,6 +160,7 @@ stage.addEventListener("pointermove", event => {
 });
 stage.addEventListener("pointerup", async event => {
   pointers.delete(event.pointerId);
+  if (dragging) { releaseObject(); return; }
   if (press && !press.moved && !isOrbiting) {
     area = areaOf(press.pixel);
     while (isProbing) await new Promise(done => setTimeout(done, 5));
@@ -165,7 +168,7 @@ stage.addEventListener("pointerup", async event => {
     pinArea();
   }
 });
-stage.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
+stage.addEventListener("pointercancel", event => { pointers.delete(event.pointerId); releaseObject(); });
 stage.addEventListener("wheel", event => {
   event.preventDefault();
   const factor = Math.exp(-event.deltaY * 0.0015);
@@ -180,9 +183,10 @@ function moveProbe(dx, dy) {
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 stage.addEventListener("keydown", event => {
   const arrow = ARROWS[event.key];
-  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), b: flip, c: toggleOrbit, p: togglePhotons, " ": togglePause,
+  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), b: flip, c: toggleOrbit, o: toggleMoving, p: togglePhotons, " ": togglePause,
     "+": () => isOrbiting ? dolly(0.9) : setZoom(placement().scale * 1.25), "-": () => isOrbiting ? dolly(1 / 0.9) : setZoom(placement().scale / 1.25),
     "[": () => nudge("ev", -1), "]": () => nudge("ev", 1), ",": () => nudge("band", -1), ".": () => nudge("band", 1) };
+  if (isMoving && moveKey(event)) { event.preventDefault(); return; }
   if (arrow) {
     if (!isOrbiting) moveProbe(...arrow.map(step => step * (event.shiftKey ? 10 : 1)));
     else if (event.shiftKey) panCamera(-0.05 * arrow[0], -0.05 * arrow[1]); else orbit(0.1 * arrow[0], 0.1 * arrow[1]);
@@ -201,6 +205,7 @@ const fit = () => { zoom = 0; offset = [0, 0]; paint(); };
 const press_ = (id, on) => $(id).setAttribute("aria-pressed", String(on));
 function toggleOrbit() {
   isOrbiting = !isOrbiting && Boolean(camera());
+  if (isOrbiting && isMoving) toggleMoving();
   press_("orbit", isOrbiting);
   stage.style.cursor = isOrbiting ? "grab" : "crosshair";
 }
@@ -226,7 +231,7 @@ function play() {
 async function save(name) {
   const answer = await get(name).catch(() => null);
   if (!answer) { $("legend").textContent = "The first pass is not done yet"; $("legend").hidden = false; return; }
-  const link = element("a", "", { href: URL.createObjectURL(await answer.blob()), download: (scene.file ?? "picture").replace(/\.[^.]*$/, "") + name.slice(4) });
+  const link = element("a", "", { href: URL.createObjectURL(new Blob([answer.bytes], { type: answer.kind })), download: (scene.file ?? "picture").replace(/\.[^.]*$/, "") + name.slice(4) });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
@@ -245,6 +250,10 @@ $("save-png").onclick = () => save("save.png");
 $("fit").onclick = fit;
 $("pixels").onclick = () => setZoom(1);
 $("orbit").onclick = toggleOrbit;
+$("move").onclick = toggleMoving;
+$("undo").onclick = undo;
+$("object").onchange = () => choose($("object").value === "" ? null : { index: Number($("object").value), name: $("object").selectedOptions[0].text });
+addEventListener("keydown", event => { if (event.key === "z" && (event.ctrlKey || event.metaKey) && !/INPUT|TEXTAREA/.test(event.target.tagName)) { undo(); event.preventDefault(); } });
 $("play").onclick = play;
 $("pin").onclick = pinArea;
 $("unpin").onclick = () => { pins = []; paint(); showProbes(); };
@@ -257,7 +266,7 @@ $("copy").onclick = async () => {
   $("camera").select();
   await navigator.clipboard?.writeText($("camera").value).catch(() => {});
 };
-$("reset").onclick = () => { changes.clear(); forbidden = []; withoutEffect = null; sendChanges(false); };
+$("reset").onclick = () => { changes.clear(); moves.clear(); history_.length = 0; $("undo").disabled = true; forbidden = []; withoutEffect = null; sendChanges(false); };
 PANELS.forEach(name => { $("tab-" + name).onclick = () => showTab(name); });
 new ResizeObserver(resize).observe(stage);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", showProbes);

@@ -5,18 +5,18 @@ use abbe_transport::plan::PathClass;
 use abbe_transport::sensor::Picture;
 
 /// Returns Y of each path class at all pixels in cd/m², if the picture separates them.
-pub(super) fn class_luminance(picture: &Picture) -> Option<Vec<Vec<f32>>> {
+pub(crate) fn class_luminance(picture: &Picture) -> Option<Vec<Vec<f32>>> {
     PathClass::NAMES.iter().map(|class| luminance(picture, class)).collect()
 }
 
 /// Returns the mean Y of each path class in cd/m², none if the picture does not separate them.
-pub(super) fn class_means(picture: &Picture) -> Vec<f64> {
+pub(crate) fn class_means(picture: &Picture) -> Vec<f64> {
     let mean = |values: Vec<f32>| values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len() as f64;
     class_luminance(picture).map_or_else(Vec::new, |classes| classes.into_iter().map(mean).collect())
 }
 
 /// Returns the number of camera samples of all pixels, or `None` if it was not recorded.
-pub(super) fn samples(picture: &Picture) -> Option<&[f32]> {
+pub(crate) fn samples(picture: &Picture) -> Option<&[f32]> {
     channel(picture, "samples")
 }
 

@@ -1,21 +1,23 @@
 //! The data of a scene for the page: its text, plan, colours and lights.
 
-use super::host::LoadedScene;
+use super::loaded_scene::LoadedScene;
 use crate::api::PlanReport;
+use abbe_optics::glass::catalogue;
 use abbe_session::output::Metadata;
 use abbe_session::render::{DisplaySettings, Job};
 use abbe_spectra::colour::tone::ToneCurve;
 use abbe_spectra::colour::{RgbSpace, Transfer, xy};
+use abbe_spectra::spectrum::library;
 use abbe_spectra::spectrum::{BAND_NM, Observer, Outside, Spectrum};
 use abbe_transport::sensor::{Development, Picture};
 use serde_json::{Value, json};
 
 #[derive(Debug)]
-pub(super) struct ScenePanels {
-    pub(super) number: u64,
-    pub(super) display: DisplaySettings,
+pub(crate) struct ScenePanels {
+    pub(crate) number: u64,
+    pub(crate) display: DisplaySettings,
     /// The content of the page's panels as JSON.
-    pub(super) text: String,
+    pub(crate) text: String,
 }
 
 /// The colour spaces that the page offers.
@@ -25,7 +27,7 @@ const PAGE_SPACES: [RgbSpace; 2] = [RgbSpace::Srgb, RgbSpace::DisplayP3];
 const LOCUS_NM: (u32, u32) = (390, 700);
 
 impl ScenePanels {
-    pub(super) fn new(number: u64, loaded: &LoadedScene) -> Self {
+    pub(crate) fn new(number: u64, loaded: &LoadedScene) -> Self {
         let job = &loaded.job;
         let display = DisplaySettings::of(job);
         let scene: Value = serde_json::from_str(&loaded.source.text).unwrap_or(Value::Null);
@@ -36,12 +38,15 @@ impl ScenePanels {
             "plan": PlanReport::of(job),
             "lights": job.scene.lights.iter().map(|light| &light.name).collect::<Vec<_>>(),
             "light": light_spectrum(job),
+            "glasses": catalogue::names().collect::<Vec<_>>(),
+            "spectra": library::names().collect::<Vec<_>>(),
         });
         Self::with_colours(number, display, job.scene.film.observer, content)
     }
 
     /// The panels of a saved picture. Its lights are unknown.
-    pub(super) fn of_file(number: u64, name: &str, picture: &Picture, metadata: &Metadata) -> Self {
+    #[cfg(feature = "view")]
+    pub(crate) fn of_file(number: u64, name: &str, picture: &Picture, metadata: &Metadata) -> Self {
         let display = DisplaySettings::of_header(metadata).unwrap_or_else(DisplaySettings::automatic);
         let bands = picture.bands.as_ref().map_or(1, |bands| bands.centres_nm.len());
         let content = json!({
@@ -70,7 +75,7 @@ impl ScenePanels {
 
     /// Returns the reach of the shown picture, denoised or not, in each colour space of the page, by
     /// name.
-    pub(super) fn reaches(&self, picture: &Picture) -> Value {
+    pub(crate) fn reaches(&self, picture: &Picture) -> Value {
         let shown = self.display.shown(picture);
         let reach = |space: RgbSpace| self.display.in_space(space).development.reach(&shown);
         PAGE_SPACES.map(|space| (space.name().to_string(), json!(reach(space)))).into_iter().collect::<Value>()

@@ -1,4 +1,5 @@
-// The page of `abbe view`. It asks the server for the state, and shows what changed.
+// The page of the live view. It asks for the state, and shows what changed. A script before this one
+// defines `get` and `post`, the link with the renderer.
 
 const $ = id => document.getElementById(id);
 const stage = $("stage"), canvas = $("canvas"), context = canvas.getContext("2d");
@@ -13,20 +14,16 @@ let area = null, pins = [], hovered = null, hoveredB = null, isProbing = false;
 
 // Requests.
 
-async function get(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(path + ": " + answer.status);
-  return answer;
-}
 async function floats(path) {
-  const answer = await get(path), header = name => Number(answer.headers.get("x-abbe-" + name));
-  return { number: header("picture"), width: header("width"), height: header("height"), values: new Float32Array(await answer.arrayBuffer()) };
+  const { plane: [number, width, height], bytes } = await get(path);
+  return { number, width, height, values: new Float32Array(bytes) };
 }
+const json = async path => JSON.parse(new TextDecoder().decode((await get(path)).bytes));
 let sending = null, waiting = null;
 /// Sends orders one after another. While one is on its way, only the newest waits.
 function order(orders) {
   if (sending) { waiting = { ...waiting, ...orders }; return; }
-  sending = fetch("orders", { method: "POST", body: JSON.stringify(orders) }).catch(() => {}).then(() => {
+  sending = post(orders).catch(() => {}).then(() => {
     sending = null;
     const next = waiting;
     waiting = null;
@@ -37,7 +34,7 @@ function order(orders) {
 async function follow() {
   for (;;) {
     try {
-      const next = await (await get("state?after=" + version)).json();
+      const next = await json("state?after=" + version);
       version = next.version;
       await show(next);
     } catch (error) {
@@ -201,6 +198,7 @@ function paint() {
   };
   pins.forEach(pin => mark(pin.area, pin.colour));
   if (area) mark(area, "#fff");
+  paintHandles(scale);
 }
 
 function setZoom(wanted, at = [stage.clientWidth / 2, stage.clientHeight / 2]) {
@@ -233,9 +231,9 @@ async function probeCursor() {
   isProbing = true;
   const asked = area, begin = performance.now();
   try {
-    hovered = await (await get(probePath(asked))).json();
+    hovered = await json(probePath(asked));
     hovered.delay_ms = performance.now() - begin;
-    hoveredB = comparison() === "off" ? null : await get(probePath(asked, "reference_")).then(answer => answer.json()).catch(() => null);
+    hoveredB = comparison() === "off" ? null : await json(probePath(asked, "reference_")).catch(() => null);
   } catch { hovered = null; }
   isProbing = false;
   showProbes();
@@ -245,7 +243,7 @@ async function probeCursor() {
 async function refreshProbes() {
   const inside = ({ x1, y1 }) => x1 < picture.width && y1 < picture.height;
   await Promise.all(pins.filter(pin => inside(pin.area)).map(async pin => {
-    pin.report = await get(probePath(pin.area)).then(answer => answer.json()).catch(() => pin.report);
+    pin.report = await json(probePath(pin.area)).catch(() => pin.report);
   }));
   if (area && !inside(area)) area = null;
   if (area) probeCursor(); else showProbes();

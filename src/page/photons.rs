@@ -1,7 +1,7 @@
 //! Photon paths as coloured lines over the picture.
 
-use super::host::LoadedScene;
-use abbe_session::render::{Job, PathQuery, PhotonPaths, RecordedSegment};
+use super::loaded_scene::LoadedScene;
+use abbe_session::render::{Job, PathQuery, PhotonPaths, PointUnder, RecordedSegment};
 use abbe_spectra::math::sphere::BoundingSphere;
 use glam::DVec2;
 use serde::Deserialize;
@@ -19,7 +19,7 @@ const RADIUS_PX: f64 = 4.0;
 /// The paths that the page asks for.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct PhotonQuery {
+pub(crate) struct PhotonQuery {
     /// The largest number of paths.
     count: usize,
     /// The number of the light. All lights if absent.
@@ -30,7 +30,7 @@ pub(super) struct PhotonQuery {
 }
 
 /// Returns the visible parts of photon paths as JSON, or `None` for a wrong query.
-pub(super) fn paths(loaded: &LoadedScene, scene: u64, query: PhotonQuery) -> Option<Value> {
+pub(crate) fn paths(loaded: &LoadedScene, scene: u64, query: PhotonQuery) -> Option<Value> {
     let PhotonQuery { count, light, x, y } = query;
     let job = &loaded.job;
     let film = &job.scene.film;
@@ -46,8 +46,8 @@ pub(super) fn paths(loaded: &LoadedScene, scene: u64, query: PhotonQuery) -> Opt
     // A pixel without a surface has no paths.
     let found = match point {
         Some(None) => PhotonPaths::default(),
-        Some(Some((centre, width_m))) => {
-            let target = Some(BoundingSphere { centre, radius_m: RADIUS_PX * width_m });
+        Some(Some(PointUnder { position: centre, pixel_width_m, .. })) => {
+            let target = Some(BoundingSphere { centre, radius_m: RADIUS_PX * pixel_width_m });
             job.photon_paths(&PathQuery { light, count, target, most_traced: MOST_TRACED })
         }
         None => job.photon_paths(&PathQuery { light, count, target: None, most_traced: MOST_TRACED }),
@@ -68,7 +68,7 @@ pub(super) fn paths(loaded: &LoadedScene, scene: u64, query: PhotonQuery) -> Opt
         }
     }
     let centre = job.scene.centre;
-    let point = point.flatten().map(|(point, _)| (point + centre).to_array());
+    let point = point.flatten().map(|point| (point.position + centre).to_array());
     Some(json!({
         "scene": scene,
         "paths": found.paths.len(),

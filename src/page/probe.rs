@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A rectangle of pixels. The right column and the last row belong to it.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ProbeArea {
+pub(crate) struct ProbeArea {
     pub(super) x0: usize,
     pub(super) y0: usize,
     pub(super) x1: usize,
@@ -16,7 +16,7 @@ pub(super) struct ProbeArea {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct AreaReport {
+pub(crate) struct AreaReport {
     picture: u64,
     passes: u64,
     area: [usize; 4],
@@ -41,7 +41,7 @@ pub(super) struct AreaReport {
 /// Returns the mean values of an area, or `None` if it is not inside the picture. The noise of
 /// neighbouring pixels is correlated, because their estimates share photons, so the noise of an
 /// area is the upper bound: the mean noise of its pixels.
-pub(super) fn report(snapshot: &Snapshot, area: ProbeArea) -> Option<AreaReport> {
+pub(crate) fn report(snapshot: &Snapshot, area: ProbeArea) -> Option<AreaReport> {
     let picture = &snapshot.picture;
     let ProbeArea { x0, y0, x1, y1 } = area;
     if x0 > x1 || y0 > y1 || x1 >= picture.width || y1 >= picture.height {

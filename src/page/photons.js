@@ -13,7 +13,7 @@ async function tracePhotons() {
   const path = `photons?count=${$("photon-count").value}${light && "&light=" + light}${pixel || ""}`;
   if (reach && !pixel) photons = null;
   else {
-    photons = await get(path).then(answer => answer.json()).catch(() => null);
+    photons = await json(path).catch(() => null);
     if (photons) colourPhotons();
   }
   isTracing = false;

@@ -1,0 +1,255 @@
+//! The renderer behind a page that has no server: in WebAssembly, in the workers of a web page.
+//!
+//! One engine shows the pictures and answers the page. The others each render a part of the passes,
+//! and send their exact sums as bytes, which the first one adds. The bits are those of a render with
+//! the same passes by the command line.
+
+use super::answer::{ANSWERED_OF_SCENE, Answer, Refusal, answer, answer_of_scene};
+use super::loaded_scene::LoadedScene;
+use super::scene_panels::ScenePanels;
+use super::snapshot::Snapshot;
+use super::state::{PageState, SessionState};
+use abbe_format::{FileAccess, parse_with_access};
+use abbe_session::render::{Integrator, Monitor, PassPart, Progress, Request, Run, StopRules};
+use abbe_spectra::error::{Error, Result};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The name of the scene in messages.
+const SCENE_NAME: &str = "scene.json";
+
+/// The state of a page without a server.
+#[derive(Debug, Default)]
+pub struct PageEngine {
+    state: PageState,
+    loaded: Option<Arc<LoadedScene>>,
+    /// The number of loaded scenes.
+    scenes: u64,
+    /// The number of pictures.
+    pictures: u64,
+}
+
+impl PageEngine {
+    /// Loads the scene of a text with changes in the form `PATH=JSON`, without the named effects.
+    /// After an error, the last picture stays, and the page shows the error.
+    ///
+    /// # Errors
+    /// Returns an input error if the scene or a change is wrong, or if the scene uses files.
+    pub fn load(&mut self, text: &str, changes: &[String], forbidden: &[String]) -> Result<()> {
+        let load = |changes: &[String]| parse_with_access(text, Path::new(SCENE_NAME), changes, FileAccess::default());
+        let loaded = load(changes).and_then(|(scene, source)| {
+            let Some(change) = LoadedScene::change_to_forbid(&scene, forbidden) else {
+                return LoadedScene::new(&scene, source);
+            };
+            let (scene, source) = load(&[changes, &[change]].concat())?;
+            LoadedScene::new(&scene, source)
+        });
+        let loaded = Arc::new(loaded.inspect_err(|error| {
+            (self.state.session, self.state.error) = (SessionState::Failed, Some(error.to_string()));
+        })?);
+        self.scenes += 1;
+        self.state.begin(Arc::new(ScenePanels::new(self.scenes, &loaded)));
+        self.loaded = Some(loaded);
+        Ok(())
+    }
+
+    /// Shows a coarse picture of the scene. Returns false if the film is too small for one.
+    ///
+    /// # Errors
+    /// Returns an input error if no scene is loaded, or if the scene cannot be posed.
+    pub fn show_coarse(&mut self) -> Result<bool> {
+        let coarse = self.loaded()?.job.coarse_picture()?;
+        let is_shown = coarse.is_some();
+        if let Some(picture) = coarse {
+            self.pictures += 1;
+            let scene = self.scene()?;
+            self.state.snapshot = Some(Arc::new(Snapshot::of_render(self.pictures, scene, (picture, None), None)));
+        }
+        Ok(is_shown)
+    }
+
+    /// Returns the number of passes of the whole picture, before the reader wants more.
+    ///
+    /// # Errors
+    /// Returns an input error if no scene is loaded.
+    pub fn passes(&self) -> Result<u64> {
+        Ok(StopRules::default().passes_wanted(&self.loaded()?.job.budget).unwrap_or(1))
+    }
+
+    /// Renders a part of the first `passes` passes, after those in `earlier`, the bytes of an earlier
+    /// call. `after_pass` receives the run after each pass, and returns false to end the render.
+    /// Returns the bytes of all passes.
+    ///
+    /// # Errors
+    /// Returns an input error if no scene is loaded, if the part has no passes, or if the bytes
+    /// belong to another scene.
+    pub fn render(
+        &self,
+        part: PassPart,
+        passes: u64,
+        earlier: Option<&[u8]>,
+        after_pass: &mut dyn FnMut(&Run) -> bool,
+    ) -> Result<Vec<u8>> {
+        let job = &self.loaded()?.job;
+        let run = match earlier {
+            Some(bytes) => job.run_of_bytes(&[bytes])?,
+            None => Run::new(job, part),
+        };
+        let stop = StopRules { passes: Some(passes), ..StopRules::default() };
+        let mut monitor = EngineMonitor { after_pass, goes_on: true };
+        let rendered = job.continue_run(Request { integrator: Integrator::Photon, stop }, run, &mut monitor)?;
+        Ok(rendered.run.to_bytes())
+    }
+
+    /// Shows the sum of parts of the passes, of `wanted` passes that take `elapsed_s` seconds so far.
+    ///
+    /// # Errors
+    /// Returns an input error if no scene is loaded, or if the bytes belong to another scene or
+    /// contain a pass twice.
+    pub fn show(&mut self, parts: &[impl AsRef<[u8]>], wanted: u64, elapsed_s: f64) -> Result<()> {
+        let run = self.loaded()?.job.run_of_bytes(parts)?;
+        self.pictures += 1;
+        let last = self.state.snapshot.as_ref().filter(|last| last.passes > 0 && last.scene.number == self.scenes);
+        let picture = (run.picture_with_denoised(), Some(&run));
+        let snapshot = Snapshot::of_render(self.pictures, self.scene()?, picture, last.map(Arc::as_ref));
+        let is_done = run.passes() >= wanted;
+        self.state.session = if is_done { SessionState::Finished } else { SessionState::Rendering };
+        self.state.progress.passes = run.passes();
+        self.state.progress.passes_wanted = Some(wanted);
+        self.state.progress.elapsed_s = elapsed_s;
+        self.state.progress.photons_per_second = run.photons() as f64 / elapsed_s.max(1e-3);
+        self.state.progress.relative_error = run.relative_error();
+        self.state.progress.typical_error = run.typical_error();
+        self.state.snapshot = Some(Arc::new(snapshot));
+        Ok(())
+    }
+
+    /// Returns the hash of the exact sums of parts of the passes, as 32 hexadecimal digits.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::show`].
+    pub fn hash_of_sums(&self, parts: &[impl AsRef<[u8]>]) -> Result<String> {
+        Ok(self.loaded()?.job.run_of_bytes(parts)?.hash_of_sums())
+    }
+
+    /// Keeps the shown picture as the reference of comparisons.
+    pub fn keep_as_reference(&mut self) {
+        self.state.keep_as_reference();
+    }
+
+    /// Returns the state of the page as JSON. `version` counts its changes.
+    pub fn state(&self, version: u64) -> serde_json::Value {
+        self.state.to_json(version)
+    }
+
+    /// Returns the text of the scene with all changes, or `None` before the first scene.
+    pub fn scene_text(&self) -> Option<&str> {
+        self.loaded.as_ref().map(|loaded| loaded.source.text.as_str())
+    }
+
+    /// Answers a request of the page, a path with a query.
+    ///
+    /// # Errors
+    /// Returns a refusal if there is no answer.
+    pub fn answer(&self, path: &str, query: &str) -> std::result::Result<Answer, Refusal> {
+        let json = |body: String| Ok(Answer { kind: "application/json", plane: None, body: body.into_bytes() });
+        match path {
+            "scene" => json(self.state.scene.as_ref().ok_or(Refusal::Absent)?.text.clone()),
+            _ if let Some(loaded) = &self.loaded
+                && ANSWERED_OF_SCENE.contains(&path) =>
+            {
+                answer_of_scene(loaded, self.scenes, path, query)
+            }
+            _ => answer(&self.state, path, query),
+        }
+    }
+
+    fn loaded(&self) -> Result<&LoadedScene> {
+        self.loaded.as_deref().ok_or_else(|| Error::input("no scene is loaded"))
+    }
+
+    fn scene(&self) -> Result<(&LoadedScene, Arc<ScenePanels>)> {
+        let scene = self.state.scene.as_ref().ok_or_else(|| Error::input("no scene is loaded"))?;
+        Ok((self.loaded()?, Arc::clone(scene)))
+    }
+}
+
+struct EngineMonitor<'a> {
+    after_pass: &'a mut dyn FnMut(&Run) -> bool,
+    goes_on: bool,
+}
+
+impl Monitor for EngineMonitor<'_> {
+    fn after_pass(&mut self, _: &Progress) -> bool {
+        self.goes_on
+    }
+
+    fn checkpoint(&mut self, run: &Run) {
+        self.goes_on = (self.after_pass)(run);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use abbe_session::render::NoMonitor;
+
+    const SCENE: &str = include_str!("../../scenes/glass_ball.json");
+    const SMALL: [&str; 3] = ["film.width=32", "film.height=18", "render.photons=2000"];
+
+    fn engine() -> PageEngine {
+        let mut engine = PageEngine::default();
+        engine.load(SCENE, &SMALL.map(str::to_string), &[]).unwrap();
+        engine
+    }
+
+    #[test]
+    fn the_sum_of_parts_is_the_render_of_all_passes() {
+        let mut engine = engine();
+        let part = |index| {
+            let part = PassPart::new(index, 2).unwrap();
+            // The render is interrupted after the first pass, and continues.
+            let first = engine.render(part, 6, None, &mut |run| run.passes() < 1).unwrap();
+            engine.render(part, 6, Some(&first), &mut |_| true).unwrap()
+        };
+        let parts = [part(0), part(1)];
+        let job = &engine.loaded().unwrap().job;
+        let sum = job.run_of_bytes(&parts).unwrap();
+        let request =
+            Request { integrator: Integrator::Photon, stop: StopRules { passes: Some(6), ..StopRules::default() } };
+        let whole = job.render(request, &mut NoMonitor).unwrap().run;
+        assert_eq!(sum.hash_of_sums(), whole.hash_of_sums());
+        assert_eq!((sum.passes(), sum.typical_error()), (6, whole.typical_error()));
+        engine.show(&parts, 6, 2.0).unwrap();
+        let state = engine.state(7);
+        assert_eq!(
+            (&state["version"], &state["passes"], &state["session"]),
+            (&7.into(), &6.into(), &"finished".into())
+        );
+        assert_eq!(engine.answer("picture", "").unwrap().plane, Some([1, 32, 18]));
+        assert!(engine.answer("save.exr", "").unwrap().body.len() > 1000);
+        assert_eq!(engine.answer("band", "band=1000").unwrap_err(), Refusal::Absent);
+    }
+
+    #[test]
+    fn wrong_bytes_are_refused() {
+        let engine = engine();
+        let bytes = engine.render(PassPart::WHOLE, 1, None, &mut |_| true).unwrap();
+        let job = &engine.loaded().unwrap().job;
+        for wrong in [&bytes[1..], &bytes[..bytes.len() - 16], &[]] {
+            assert!(job.run_of_bytes(&[wrong]).is_err());
+        }
+        let twice = job.run_of_bytes(&[&bytes, &bytes]).unwrap_err();
+        assert!(twice.to_string().contains("same pass"), "{twice}");
+    }
+
+    #[test]
+    fn a_wrong_scene_keeps_the_last_one_and_names_the_place() {
+        let mut engine = engine();
+        let error = engine.load("{\n \"film\": 3}", &[], &[]).unwrap_err();
+        assert!(error.to_string().contains("scene.json:2:"), "{error}");
+        let state = engine.state(1);
+        assert_eq!((&state["session"], &state["scene"]), (&"failed".into(), &1.into()));
+        assert!(engine.answer("scene", "").is_ok());
+    }
+}

@@ -1,0 +1,150 @@
+// The link of the page with workers that render in the browser. One worker shows the pictures and
+// answers; the others each render a part of the passes, and send their exact sums.
+
+/// The number of rendering workers.
+const RENDERERS = Math.max(1, Math.min(8, navigator.hardwareConcurrency ?? 2));
+/// Sums are sent at most once in this time in milliseconds.
+const SUMS_PAUSE = 400;
+/// A whole render begins when no slider has moved for this time in milliseconds.
+const DRAFT_END = 250;
+
+const embedded = id => document.getElementById(id).textContent;
+const module_ = (async () => {
+  const packed = Uint8Array.from(atob(embedded("abbe-module")), letter => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compile(await new Response(stream).arrayBuffer());
+})();
+const script = URL.createObjectURL(new Blob([embedded("abbe-worker")], { type: "text/javascript" }));
+
+/// Starts a worker. `ask` sends it a task, and `onsums` receives the sums of its render.
+function startWorker(onsums = () => {}) {
+  const worker = new Worker(script), waiting = new Map();
+  let next = 0;
+  worker.onmessage = ({ data: { id, index, bytes, result, error } }) => {
+    if (id === undefined) { onsums(index, bytes); return; }
+    const { done, failed } = waiting.get(id);
+    waiting.delete(id);
+    if (error === undefined) done(result); else failed(new Error(error));
+  };
+  const ask = (task, values = {}) => new Promise((done, failed) => {
+    waiting.set(++next, { done, failed });
+    worker.postMessage({ id: next, task, ...values });
+  });
+  return { ask, started: module_.then(module => ask("start", { module })), end: () => worker.terminate() };
+}
+
+/// The scene and what the reader wants of it.
+const wish = { text: "", changes: [], forbidden: [], draft: false, paused: false, extensions: 0 };
+const leader = startWorker();
+let renderers = [], parts = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null, isLoading = false, isShowing = false, hasNews = false, draftEnd = 0;
+
+function changed() {
+  stateVersion++;
+  listeners.splice(0).forEach(done => done());
+}
+
+function endRenderers() {
+  renderers.forEach(renderer => renderer.end());
+  renderers = [];
+  if (begun !== null) spent += performance.now() - begun;
+  begun = null;
+}
+
+/// Loads the newest scene, shows its coarse picture, and renders it.
+async function restart() {
+  revision++;
+  endRenderers();
+  clearTimeout(draftEnd);
+  if (isLoading) return;
+  isLoading = true;
+  let now;
+  do {
+    now = revision;
+    parts = [];
+    spent = 0;
+    try {
+      await leader.started;
+      await leader.ask("load", { text: wish.text, changes: wish.changes, forbidden: wish.forbidden });
+      changed();
+      await leader.ask("coarse");
+    } catch (error) {
+      // The state of the leader contains the message.
+    }
+    changed();
+  } while (now !== revision);
+  isLoading = false;
+  if (wish.draft) draftEnd = setTimeout(() => { wish.draft = false; changed(); startRenderers(); }, DRAFT_END);
+  else startRenderers();
+}
+
+const wantedPasses = async () => await leader.ask("passes") * 2 ** wish.extensions;
+
+async function startRenderers() {
+  const now = revision, isCurrent = () => now === revision && !wish.paused;
+  const passes = await wantedPasses().catch(() => 0), of = Math.min(RENDERERS, passes);
+  if (!passes || !isCurrent()) return;
+  begun = performance.now();
+  for (let index = 0; index < of; index++) {
+    const renderer = startWorker((index, bytes) => { parts[index] = bytes; if (now === revision) showSums(passes); });
+    renderers.push(renderer);
+    renderer.started
+      .then(() => renderer.ask("load", { text: wish.text, changes: wish.changes, forbidden: wish.forbidden }))
+      .then(() => renderer.ask("render", { index, of, passes, earlier: parts[index], pause: SUMS_PAUSE }))
+      .catch(error => console.error(error))
+      .finally(() => renderer.end());
+  }
+}
+
+/// Shows the newest sums, one picture after another.
+async function showSums(wanted) {
+  hasNews = true;
+  if (isShowing) return;
+  isShowing = true;
+  while (hasNews) {
+    hasNews = false;
+    const elapsed = (spent + (begun === null ? 0 : performance.now() - begun)) / 1000, now = revision;
+    await leader.ask("show", { parts: parts.filter(Boolean).map(bytes => new Uint8Array(bytes)), wanted, elapsed }).catch(() => {});
+    if (now === revision) changed();
+  }
+  isShowing = false;
+}
+
+/// Asks for an answer: `plane` is the number, width and height of its picture, if it has values of
+/// pixels.
+async function get(path) {
+  const asked = path.match(/^state\?after=(\d+)$/);
+  if (!asked) return leader.ask("answer", { path });
+  if (stateVersion <= Number(asked[1])) await new Promise(done => listeners.push(done));
+  await leader.started;
+  const state = JSON.parse(await leader.ask("state", { version: stateVersion }));
+  const { paused, draft, changes, forbidden } = wish;
+  const bytes = new TextEncoder().encode(JSON.stringify({ ...state, paused, draft, changes, forbidden })).buffer;
+  return { kind: "application/json", plane: [], bytes };
+}
+
+/// Follows orders: changes of the scene, a pause, more passes.
+async function post({ paused, extend, changes, forbidden, draft, keep }) {
+  if (keep) await leader.ask("keep");
+  if (paused !== undefined && paused !== wish.paused) {
+    wish.paused = paused;
+    if (paused) { endRenderers(); } else startRenderers();
+  }
+  if (extend) {
+    wish.extensions++;
+    endRenderers();
+    startRenderers();
+  }
+  const wanted = JSON.stringify([changes ?? wish.changes, forbidden ?? wish.forbidden]);
+  if (wanted !== JSON.stringify([wish.changes, wish.forbidden])) {
+    [wish.changes, wish.forbidden] = JSON.parse(wanted);
+    wish.draft = draft ?? false;
+    restart();
+  }
+  changed();
+}
+
+/// Opens a scene.
+function openScene(text) {
+  Object.assign(wish, { text, changes: [], forbidden: [], draft: false, extensions: 0 });
+  restart();
+}

@@ -1,0 +1,79 @@
+// What the page has besides the live view: example scenes, a link that contains the scene, and files
+// to take along.
+
+const examples = JSON.parse(embedded("abbe-examples"));
+/// The width of a picture in pixels, and the number of its spectral bands.
+const WIDTH = 320, BANDS = 32;
+
+/// Returns the text of a scene for a picture of this page's size, with the shape of its own film.
+function sized(scene) {
+  const film = scene.film ?? { width: 16, height: 9 };
+  const height = Math.max(1, Math.round(WIDTH * film.height / film.width));
+  return JSON.stringify({ ...scene, film: { ...film, width: WIDTH, height, spectral_bands: BANDS } }, null, 2);
+}
+
+async function throughStream(bytes, stream) {
+  return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+}
+
+/// Returns text as the end of an address: deflated, in the letters of base64url.
+async function packed(text) {
+  const bytes = await throughStream(new TextEncoder().encode(text), new CompressionStream("deflate-raw"));
+  return btoa(Array.from(bytes, byte => String.fromCharCode(byte)).join("")).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
+}
+async function unpacked(letters) {
+  const bytes = Uint8Array.from(atob(letters.replace(/-/g, "+").replace(/_/g, "/")), letter => letter.charCodeAt(0));
+  return new TextDecoder().decode(await throughStream(bytes, new DecompressionStream("deflate-raw")));
+}
+
+/// Opens the scene that the address names: `#prism` for an example, `#scene=…` for a shared one.
+async function openAddress() {
+  const name = decodeURIComponent(location.hash.slice(1)), shared = name.startsWith("scene=");
+  const known = examples[name] ? name : "prism";
+  changes.clear();
+  moves.clear();
+  choose(null);
+  forbidden = [];
+  try {
+    openScene(shared ? await unpacked(name.slice(6)) : sized(examples[known]));
+    $("example").value = shared ? "" : known;
+  } catch (error) {
+    say("The link does not contain a scene");
+    openScene(sized(examples.prism));
+  }
+}
+
+function say(text) {
+  $("said").textContent = text;
+  $("said").hidden = false;
+}
+function download(name, kind, content) {
+  const link = element("a", "", { href: URL.createObjectURL(new Blob([content], { type: kind })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+const bar = element("div", "", { id: "site", className: "row" });
+bar.innerHTML = `<label class="grow">Example <select id="example"><option value="" hidden>shared scene</option></select></label>
+<button id="share">Copy link</button><button id="save-scene">Save scene</button><button id="command" title="Copy the command that renders this scene">Command line</button>
+<button id="full" aria-keyshortcuts="F">Full screen</button><output id="said" aria-live="polite" hidden></output>`;
+document.querySelector("header").append(bar);
+for (const [name, scene] of Object.entries(examples)) $("example").add(new Option(scene.title ?? name.replace(/_/g, " "), name));
+$("example").onchange = () => { location.hash = $("example").value; };
+$("share").onclick = async () => {
+  const address = location.href.split("#")[0] + "#scene=" + await packed(await leader.ask("text"));
+  history.replaceState(null, "", address);
+  await navigator.clipboard?.writeText(address).catch(() => {});
+  say("The address contains the scene");
+};
+$("save-scene").onclick = async () => download("scene.json", "application/json", await leader.ask("text"));
+$("command").onclick = async () => {
+  const command = "abbe render scene.json";
+  await navigator.clipboard?.writeText(command).catch(() => {});
+  say(`Save the scene, and run: ${command}`);
+};
+const toggleFull = () => document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen();
+$("full").onclick = toggleFull;
+addEventListener("keydown", event => { if (event.key === "f" && !/INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) toggleFull(); });
+addEventListener("hashchange", () => { if (!location.hash.startsWith("#scene=")) openAddress(); });
+openAddress();

@@ -1,0 +1,40 @@
+// A worker of the page: one engine, which follows one message after another. This script follows the
+// bindings of the module, which define `wasm_bindgen`.
+
+let engine = null;
+
+/// What the page can ask for. Each function returns the result, and the buffers that move with it.
+const TASKS = {
+  start({ module }) {
+    wasm_bindgen.initSync({ module });
+    engine = new wasm_bindgen.Engine();
+  },
+  load: ({ text, changes, forbidden }) => engine.load(text, changes, forbidden),
+  coarse: () => engine.showCoarse(),
+  passes: () => engine.passes(),
+  show: ({ parts, wanted, elapsed }) => engine.show(parts, wanted, elapsed),
+  keep: () => engine.keepAsReference(),
+  state: ({ version }) => engine.state(version),
+  text: () => engine.sceneText(),
+  answer({ path }) {
+    const [name, query] = path.split("?"), answer = engine.answer(name, query ?? "");
+    return { kind: answer.kind, plane: [...answer.plane], bytes: answer.bytes.buffer };
+  },
+  /// Renders a part of the passes. Sends the sums after the first pass, and again when they have
+  /// been the same for `pause` milliseconds.
+  render({ index, of, passes, earlier, pause }) {
+    let sent = -Infinity;
+    const send = bytes => { postMessage({ index, bytes: bytes.buffer }, [bytes.buffer]); sent = performance.now(); return true; };
+    const last = engine.render(index, of, passes, earlier && new Uint8Array(earlier), () => performance.now() - sent < pause || send);
+    send(last);
+  },
+};
+
+onmessage = ({ data: { id, task, ...values } }) => {
+  try {
+    const result = TASKS[task](values);
+    postMessage({ id, result }, result?.bytes ? [result.bytes] : []);
+  } catch (error) {
+    postMessage({ id, error: String(error?.message ?? error) });
+  }
+};
