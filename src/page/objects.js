@@ -29,8 +29,8 @@ function transformed(steps, point) {
 
 function moveOf(index) {
   if (!moves.has(index)) {
-    const base = objects()[index].transform ?? [];
-    moves.set(index, { base, origin: transformed(base, [0, 0, 0]), shift: [0, 0, 0], turn: 0, size: 1 });
+    const { transform: base = [], shape } = objects()[index], centre = Object.values(shape ?? {})[0]?.center;
+    moves.set(index, { base, origin: transformed(base, centre ?? [0, 0, 0]), shift: [0, 0, 0], turn: 0, size: 1 });
   }
   return moves.get(index);
 }
