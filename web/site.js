@@ -47,16 +47,9 @@ function say(text) {
   $("said").textContent = text;
   $("said").hidden = false;
 }
-function download(name, kind, content) {
-  const link = element("a", "", { href: URL.createObjectURL(new Blob([content], { type: kind })), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-}
-
 const bar = element("div", "", { id: "site", className: "row" });
 bar.innerHTML = `<label class="grow">Example <select id="example"><option value="" hidden>shared scene</option></select></label>
-<button id="share">Copy link</button><button id="save-scene">Save scene</button><button id="command" title="Copy the command that renders this scene">Command line</button>
-<button id="full" aria-keyshortcuts="F">Full screen</button><output id="said" aria-live="polite" hidden></output>`;
+<button id="share">Copy link</button><button id="command" title="Copy the command that renders this scene">Command line</button><output id="said" aria-live="polite" hidden></output>`;
 document.querySelector("header").append(bar);
 for (const [name, scene] of Object.entries(examples)) $("example").add(new Option(scene.title ?? name.replace(/_/g, " "), name));
 $("example").onchange = () => { location.hash = $("example").value; };
@@ -66,14 +59,10 @@ $("share").onclick = async () => {
   await navigator.clipboard?.writeText(address).catch(() => {});
   say("The address contains the scene");
 };
-$("save-scene").onclick = async () => download("scene.json", "application/json", await leader.ask("text"));
 $("command").onclick = async () => {
   const command = "abbe render scene.json";
   await navigator.clipboard?.writeText(command).catch(() => {});
   say(`Save the scene, and run: ${command}`);
 };
-const toggleFull = () => document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen();
-$("full").onclick = toggleFull;
-addEventListener("keydown", event => { if (event.key === "f" && !/INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) toggleFull(); });
 addEventListener("hashchange", () => { if (!location.hash.startsWith("#scene=")) openAddress(); });
 openAddress();

@@ -53,8 +53,8 @@ pub(crate) struct ViewArgs {
         help = "Change a value of the scene, such as 'objects[0].material=\"crown\"' (repeatable)"
     )]
     set: Vec<String>,
-    /// The file of the picture that Ctrl-C saves, with a PNG file and a checkpoint beside it
-    /// [default: the name of the scene with `.view.exr`, in the working directory]
+    /// Save the picture in this file at Ctrl-C, with a PNG file and, if passes are missing, a
+    /// checkpoint beside it. Without this option, the view leaves no files
     #[arg(short, long, value_name = "OUT.exr")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -65,7 +65,7 @@ pub(crate) fn run(arguments: &ViewArgs) -> Result<Outcome> {
     interrupt::watch()?;
     let is_exr = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     let picture = Some(arguments.scene.as_path()).filter(|path| is_exr(path));
-    let outputs = OutputFiles::new(arguments.exr(), None)?;
+    let outputs = arguments.outputs()?;
     let view = LiveView::listen(arguments.bind, arguments.port)?;
     if let Some(reference) = &arguments.reference {
         view.compare_with(reference, picture)?;
@@ -80,9 +80,14 @@ pub(crate) fn run(arguments: &ViewArgs) -> Result<Outcome> {
     }
     let stop = StopRules { passes: arguments.passes, ..StopRules::default() };
     let SessionEnd { last } = view.run(arguments, stop)?;
-    match last {
-        Some((loaded, rendered)) => save(&outputs, &loaded, &rendered),
-        None => Ok(Outcome::Interrupted),
+    match (last, outputs) {
+        (Some((loaded, rendered)), Some(outputs)) => save(&outputs, &loaded, &rendered),
+        (Some((_, rendered)), None) => {
+            let passes = print::passes(rendered.stats.passes);
+            print::remark(&format!("ended after {passes}; -o OUT.exr or the page saves a picture"));
+            Ok(if rendered.interrupted { Outcome::Interrupted } else { Outcome::Done })
+        }
+        (None, _) => Ok(Outcome::Interrupted),
     }
 }
 
@@ -109,10 +114,9 @@ fn save(outputs: &OutputFiles, loaded: &LoadedScene, rendered: &Rendered) -> Res
 }
 
 impl ViewArgs {
-    fn exr(&self) -> PathBuf {
-        let name =
-            || PathBuf::from(self.scene.file_stem().unwrap_or("scene".as_ref())).with_added_extension("view.exr");
-        self.output.clone().unwrap_or_else(name)
+    /// Returns the files that the view saves at its end.
+    fn outputs(&self) -> Result<Option<OutputFiles>> {
+        self.output.clone().map(|exr| OutputFiles::new(exr, None)).transpose()
     }
 
     /// Returns the changes to the scene, in the order of the changes of `abbe render`.
@@ -141,7 +145,9 @@ impl ViewHost for ViewArgs {
         }
         // The picture is written at the end, but it is too late then to refuse its name.
         let files = SceneFiles::of(&source);
-        OutputFiles::new(self.exr(), None)?.check_keeps(&self.scene_file.inputs(&files, &self.scene))?;
+        if let Some(outputs) = self.outputs()? {
+            outputs.check_keeps(&self.scene_file.inputs(&files, &self.scene))?;
+        }
         LoadedScene::new(&scene, source)
     }
 

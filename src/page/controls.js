@@ -17,7 +17,7 @@ async function showScene() {
     fill($("tone"), scene.tones, scene.tone);
     fill($("space"), spaces.map(space => space.name), scene.space);
   }
-  ["pause", "extend", "orbit", "move", "undo", "tab-plan", "tab-scene", "tab-photons"].forEach(id => { $(id).hidden = !scene.live; });
+  ["pause", "extend", "orbit", "move", "undo", "ruler", "save-scene", "tab-plan", "tab-scene", "tab-photons"].forEach(id => { $(id).hidden = !scene.live; });
   $("keep").disabled = !scene.live;
   $("band").max = scene.light.values.length - 1;
   showBand();
@@ -161,7 +161,8 @@ stage.addEventListener("pointermove", event => {
 stage.addEventListener("pointerup", async event => {
   pointers.delete(event.pointerId);
   if (dragging) { releaseObject(); return; }
-  if (press && !press.moved && !isOrbiting) {
+  if (press && !press.moved && isMeasuring) markAt(press.pixel);
+  else if (press && !press.moved && !isOrbiting) {
     area = areaOf(press.pixel);
     while (isProbing) await new Promise(done => setTimeout(done, 5));
     await probeCursor();
@@ -183,7 +184,7 @@ function moveProbe(dx, dy) {
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 stage.addEventListener("keydown", event => {
   const arrow = ARROWS[event.key];
-  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), b: flip, c: toggleOrbit, o: toggleMoving, p: togglePhotons, " ": togglePause,
+  const keys = { Enter: pinArea, Delete: () => { pins.pop(); paint(); showProbes(); }, "0": fit, "1": () => setZoom(1), b: flip, c: toggleOrbit, o: toggleMoving, r: toggleRuler, f: toggleFull, p: togglePhotons, " ": togglePause,
     "+": () => isOrbiting ? dolly(0.9) : setZoom(placement().scale * 1.25), "-": () => isOrbiting ? dolly(1 / 0.9) : setZoom(placement().scale / 1.25),
     "[": () => nudge("ev", -1), "]": () => nudge("ev", 1), ",": () => nudge("band", -1), ".": () => nudge("band", 1) };
   if (isMoving && moveKey(event)) { event.preventDefault(); return; }
@@ -206,6 +207,7 @@ const press_ = (id, on) => $(id).setAttribute("aria-pressed", String(on));
 function toggleOrbit() {
   isOrbiting = !isOrbiting && Boolean(camera());
   if (isOrbiting && isMoving) toggleMoving();
+  if (isOrbiting && isMeasuring) toggleRuler();
   press_("orbit", isOrbiting);
   stage.style.cursor = isOrbiting ? "grab" : "crosshair";
 }
@@ -228,12 +230,16 @@ function play() {
   }
   press_("play", !isPlaying);
 }
+function download(name, kind, content) {
+  const link = element("a", "", { href: URL.createObjectURL(new Blob([content], { type: kind })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+const toggleFull = () => document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen();
 async function save(name) {
   const answer = await get(name).catch(() => null);
   if (!answer) { $("legend").textContent = "The first pass is not done yet"; $("legend").hidden = false; return; }
-  const link = element("a", "", { href: URL.createObjectURL(new Blob([answer.bytes], { type: answer.kind })), download: (scene.file ?? "picture").replace(/\.[^.]*$/, "") + name.slice(4) });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  download((scene.file ?? "picture").replace(/\.[^.]*$/, "") + name.slice(4), answer.kind, answer.bytes);
 }
 const PANELS = ["spectrum", "photons", "plan", "scene", "compare"];
 function showTab(name) {
@@ -252,6 +258,10 @@ $("pixels").onclick = () => setZoom(1);
 $("orbit").onclick = toggleOrbit;
 $("move").onclick = toggleMoving;
 $("undo").onclick = undo;
+$("ruler").onclick = toggleRuler;
+$("full").onclick = toggleFull;
+$("large").onclick = () => press_("large", document.documentElement.classList.toggle("large"));
+$("save-scene").onclick = () => download("scene.json", "application/json", JSON.stringify(scene.scene, null, 2));
 $("object").onchange = () => choose($("object").value === "" ? null : { index: Number($("object").value), name: $("object").selectedOptions[0].text });
 addEventListener("keydown", event => { if (event.key === "z" && (event.ctrlKey || event.metaKey) && !/INPUT|TEXTAREA/.test(event.target.tagName)) { undo(); event.preventDefault(); } });
 $("play").onclick = play;

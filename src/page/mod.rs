@@ -40,6 +40,7 @@ pub fn text(link: &str) -> String {
         include_str!("photons.js"),
         include_str!("plan.js"),
         include_str!("objects.js"),
+        include_str!("ruler.js"),
         include_str!("controls.js"),
         "</script></body></html>\n",
     ]

@@ -178,10 +178,36 @@ const numberRow = (name, unit, value, [least, most, by], set) => {
   slider.onchange = () => follow(slider, number, false);
   number.onchange = () => follow(number, slider, false);
   [slider, number].forEach(input => input.setAttribute("aria-label", label));
-  row.append(element("span", label, { title: label }), slider, number);
+  const play = element("button", "▶", { type: "button", title: `Play ${label}` });
+  play.setAttribute("aria-label", `Play ${label}`);
+  play.onclick = () => playNumber(play, slider, number, set);
+  row.append(element("span", label, { title: label }), slider, number, play);
   row.show = shown => { slider.value = shown; if (document.activeElement !== number) number.value = rounded(shown); };
   return row;
 };
+/// The time in which a played number goes through its range once, and the time of a step, in ms.
+const PLAY = 8000, PLAY_STEP = 250;
+let playing = null;
+/// Plays a number from its present value to the end of its range and again from the beginning, or
+/// ends what plays.
+function playNumber(button, slider, number, set) {
+  const was = playing;
+  if (was) {
+    clearInterval(was.timer);
+    was.button.textContent = "▶";
+    playing = null;
+    was.set(Number(was.slider.value), false);
+  }
+  if (was?.button === button) return;
+  const [least, most] = [Number(slider.min), Number(slider.max)];
+  button.textContent = "■";
+  const timer = setInterval(() => {
+    const next = Number(slider.value) + (most - least) * PLAY_STEP / PLAY;
+    slider.value = number.value = rounded(next > most ? least : next);
+    set(Number(slider.value), true);
+  }, PLAY_STEP);
+  playing = { button, slider, set, timer };
+}
 const choiceRow = (name, value, list, set) => {
   const row = element("div", "", { className: "leaf choice" }), field = element("input", "", { value, autocomplete: "off" });
   field.setAttribute("list", list);
@@ -254,6 +280,7 @@ function showObjects() {
 function toggleMoving() {
   isMoving = !isMoving && Boolean(camera());
   if (isMoving && isOrbiting) toggleOrbit();
+  if (isMoving && isMeasuring) toggleRuler();
   press_("move", isMoving);
   stage.style.cursor = isMoving ? "move" : "crosshair";
   $("legend").textContent = isMoving ? "Drag an object. The ring turns it, and the arrow lifts it." : "";

@@ -199,6 +199,7 @@ function paint() {
   pins.forEach(pin => mark(pin.area, pin.colour));
   if (area) mark(area, "#fff");
   paintHandles(scale);
+  paintRuler(scale);
 }
 
 function setZoom(wanted, at = [stage.clientWidth / 2, stage.clientHeight / 2]) {

@@ -1,7 +1,7 @@
 //! Photon paths with their vertices, for drawings.
 
 use super::common::{example_job, job};
-use abbe_session::render::{Job, PathQuery, PhotonPaths};
+use abbe_session::render::{Job, PathQuery, PhotonPaths, PointUnder};
 use abbe_spectra::math::sphere::BoundingSphere;
 use glam::{DVec2, DVec3};
 use serde_json::json;
@@ -9,7 +9,7 @@ use serde_json::json;
 const QUERY: PathQuery = PathQuery { light: None, count: 100, target: None, most_traced: 1 << 18 };
 
 fn paths_to(job: &Job, film: DVec2, light: Option<usize>) -> (DVec3, f64, PhotonPaths) {
-    let (centre, width_m) = job.point_under(film).unwrap();
+    let PointUnder { position: centre, pixel_width_m: width_m, .. } = job.point_under(film).unwrap();
     let radius_m = 4.0 * width_m;
     let target = Some(BoundingSphere { centre, radius_m });
     (centre, radius_m, job.photon_paths(&PathQuery { light, target, ..QUERY }))

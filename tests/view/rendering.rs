@@ -67,13 +67,26 @@ fn an_interrupted_finished_view_saves_its_picture() {
     let folder = with_ball(SCENE);
     let at = folder.path();
     render(at, &[]);
-    let view = View::start(at, &["ball.json"]);
+    let view = View::start(at, &["ball.json", "-o", "ball.view.exr"]);
     view.finished();
     signal(&view.child, "-INT");
     assert_eq!(view.end().0, 0);
     assert!(bytes(at, "ball.view.exr") == bytes(at, "ball.exr"));
     let names = names_in(at);
     assert!(names.contains(&"ball.view.png".to_string()) && !names.iter().any(|name| name.contains("checkpoint")));
+}
+
+#[test]
+fn a_view_leaves_no_files_unless_asked() {
+    let folder = with_ball(SCENE);
+    let before = names_in(folder.path());
+    let view = View::start(folder.path(), &["ball.json"]);
+    view.finished();
+    signal(&view.child, "-INT");
+    let (status, said) = view.end();
+    assert_eq!(status, 0, "{said}");
+    assert!(said.contains("ended after 12 passes; -o OUT.exr"), "{said}");
+    assert_eq!(names_in(folder.path()), before);
 }
 
 /// The page receives the pixels, errors and bands of the saved picture.
