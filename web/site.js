@@ -2,14 +2,15 @@
 // to take along.
 
 const examples = JSON.parse(embedded("abbe-examples"));
-/// The width of a picture in pixels, and the number of its spectral bands.
-const WIDTH = 320, BANDS = 32;
+/// The number of pixels of a picture, and that of its spectral bands.
+const PIXELS = 320 * 180, BANDS = 32;
 
 /// Returns the text of a scene for a picture of this page's size, with the shape of its own film.
 function sized(scene) {
   const film = scene.film ?? { width: 16, height: 9 };
-  const height = Math.max(1, Math.round(WIDTH * film.height / film.width));
-  return JSON.stringify({ ...scene, film: { ...film, width: WIDTH, height, spectral_bands: BANDS } }, null, 2);
+  const width = Math.max(1, Math.round(Math.sqrt(PIXELS * film.width / film.height)));
+  const height = Math.max(1, Math.round(width * film.height / film.width));
+  return JSON.stringify({ ...scene, film: { ...film, width, height, spectral_bands: BANDS } }, null, 2);
 }
 
 async function throughStream(bytes, stream) {

@@ -227,7 +227,8 @@ function controlsOf(value, path, title) {
     const at = step(path, Array.isArray(value) ? Number(key) : key), name = Array.isArray(value) ? `${title} ${"xyz"[key] ?? Number(key) + 1}` : key.replace(/_/g, " ");
     if (typeof below === "number") {
       const isAngle = UNIT_OF[key] === "°", reach = Math.abs(below) || 1;
-      const range = isAngle ? [1, 179, 0.5] : key === "reflectance" ? [0, 1, 0.005] : [below < 0 ? -3 * reach : 0, 3 * reach, reach / 100];
+      const most = Array.isArray(value) ? Math.max(...value.map(Math.abs)) || 1 : 0;
+      const range = most ? [-3 * most, 3 * most, most / 100] : isAngle ? [1, 179, 0.5] : key === "reflectance" ? [0, 1, 0.005] : [below < 0 ? -3 * reach : 0, 3 * reach, reach / 100];
       const unit = UNIT_OF[key] ?? (LENGTHS.includes(key) || LENGTHS.includes(title) ? scene.scene.unit ?? "m" : "");
       return [numberRow(name, unit, below, range, (next, draft) => changeScene(at, next, draft))];
     }

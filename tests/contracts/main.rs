@@ -20,6 +20,7 @@ mod fluorescence_files;
 mod grating_golden;
 mod lens_golden;
 mod lens_properties;
+mod links;
 mod media_golden;
 mod media_scene;
 mod optics_golden;
