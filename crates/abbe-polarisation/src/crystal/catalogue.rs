@@ -52,7 +52,7 @@ impl Crystal {
             Error::unknown_name("crystal", name, CRYSTAL_NAMES).expected("a uniaxial crystal of the catalogue")
         })?;
         let (ordinary, extraordinary) = (catalogue::find(o)?, catalogue::find(e)?);
-        let mut source = ordinary.source.clone();
+        let mut source = ordinary.source.replace("-o.yml", "-o.yml and -e.yml");
         // The table of ice is for ice of random orientation: it is the mean of two ordinary axes
         // and an extraordinary one.
         let shifts = if o == e { [-ICE_BIREFRINGENCE / 3.0, 2.0 * ICE_BIREFRINGENCE / 3.0] } else { [0.0; 2] };

@@ -4,6 +4,7 @@ use super::crystals::{axis, surface};
 use super::{golden, numbers, pairs};
 use crate::crystal::{Crystal, CrystalMode, CrystalSurface, SurfaceAmplitudes, UniaxialIndices};
 use crate::surface::SurfaceMatrices;
+use abbe_optics::thin_film::response;
 use glam::DVec3;
 
 fn travel(degrees: f64) -> DVec3 {
@@ -116,6 +117,22 @@ fn a_crystal_without_birefringence_is_a_glass() {
             assert!(found.outside_power[0][1] + found.outside_power[1][0] < 1e-20);
             let cross = found.outside[0][0] * found.outside[1][1].conjugate();
             assert!((cross - known.cross).norm_squared() < 1e-24);
+        }
+    }
+}
+
+/// With the axis along the normal, the ordinary wave is s and the extraordinary one p, also in total
+/// reflection.
+#[test]
+fn internal_reflection_in_a_glass_has_fresnels_amplitudes() {
+    let indices = UniaxialIndices { ordinary: 1.5, extraordinary: 1.5 };
+    let surface = CrystalSurface { indices, axis: DVec3::Z, outside: 1.0 };
+    for k in [0.3_f64, 0.9, 1.2, 1.4] {
+        let found = surface.from_inside(DVec3::X * k).inside;
+        let cos = (1.0 - (k / 1.5).powi(2)).sqrt();
+        let known = response(cos, 1.5, std::iter::empty(), 1.0.into(), 550.0);
+        for (found, known) in [(found[0][0], known.s.reflected), (found[1][1], known.p.reflected)] {
+            assert!((found - known).norm_squared() < 1e-24, "{k}: {found:?} {known:?}");
         }
     }
 }
