@@ -3,6 +3,7 @@
 use super::diattenuating_retarder::DiattenuatingRetarder;
 use super::surface::SurfaceMatrices;
 use abbe_optics::fresnel;
+use abbe_optics::thin_film::StackResponse;
 
 /// An interface, a plate or a pile of plates with parallel faces. The powers of the reflections
 /// between them add, separately for s and p.
@@ -23,6 +24,12 @@ impl Sheet {
         let SurfaceMatrices { reflected, transmitted } = SurfaceMatrices::dielectric(cos_i, n_i, n_t);
         let cos_t = fresnel::cos_transmitted(cos_i, n_i, n_t);
         Self { front: reflected, back: SurfaceMatrices::dielectric(cos_t, n_t, n_i).reflected, transmitted }
+    }
+
+    /// Returns a face with films, from its responses to light from the front and from the back.
+    pub fn films(front: &StackResponse, back: &StackResponse) -> Self {
+        let SurfaceMatrices { reflected, transmitted } = SurfaceMatrices::of_films(front);
+        Self { front: reflected, back: SurfaceMatrices::of_films(back).reflected, transmitted }
     }
 
     /// Returns a layer that absorbs and does not reflect. `passage` is its transmittance.

@@ -38,7 +38,8 @@ impl UniaxialIndices {
 
     /// Returns the phase in radians by which the extraordinary wave lags behind the ordinary one
     /// after a plate with the axis in its surface, at normal incidence. The thickness and the
-    /// wavelength have the same unit. A negative crystal has a negative phase.
+    /// wavelength have the same unit. A negative crystal has a negative phase. With x along the
+    /// axis, the plate is the [`retarder`](crate::filter::retarder) of minus this phase.
     pub fn retardance(&self, thickness: f64, wavelength: f64) -> f64 {
         TAU * thickness * self.birefringence() / wavelength
     }

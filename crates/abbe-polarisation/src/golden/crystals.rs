@@ -215,6 +215,8 @@ fn plates_between_polarisers_are_golden() {
         let fast = if phase > 0.0 { optic_axis + 90.0 } else { optic_axis };
         let turned = |element, angle| Mueller::from(element).turned(Rotation::degrees(angle));
         let light = turned(retarder(phase.abs()), fast) * (IDEAL_POLARISER * Stokes::unpolarised(1.0));
+        let same = turned(retarder(-phase), optic_axis) * (IDEAL_POLARISER * Stokes::unpolarised(1.0));
+        assert!((0..4).all(|i| (same.0[i] - light.0[i]).abs() < 1e-12));
         let analyser = turned(IDEAL_POLARISER, number(&row["analyser_deg"]));
         let mut compared = pairs(&[phase.abs().to_degrees()], &row["retardance_deg"], degrees);
         compared.extend(pairs(&[fast.rem_euclid(180.0)], &row["fast_axis_deg"], degrees));

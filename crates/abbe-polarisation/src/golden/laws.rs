@@ -7,7 +7,7 @@ use crate::sheet::Sheet;
 use crate::surface::SurfaceMatrices;
 use crate::{DiattenuatingRetarder, Mueller, Rotation, Stokes, StokesFrame, filter};
 use abbe_optics::fresnel;
-use abbe_optics::thin_film::response;
+use abbe_optics::thin_film::{CoatedPlate, response};
 use abbe_spectra::math::complex::Complex;
 use glam::DVec3;
 
@@ -142,6 +142,28 @@ fn plates_are_the_series_of_their_reflections() {
     let plate = Sheet::plate(cos, 1.0, n, passage);
     assert!(near(plate.transmitted, transmitted, 1e-14) && near(plate.front, reflected, 1e-14));
     assert!(near(plate.back, plate.front, 1e-14));
+}
+
+/// Panes with films on both faces, against the powers of [`CoatedPlate`].
+#[test]
+fn coated_panes_have_the_powers_of_coated_plates() {
+    let (cos, n, passage, nm) = (0.6, 1.52, 0.9, 500.0);
+    let cos_t = fresnel::cos_transmitted(cos, 1.0, n);
+    let films = [(Complex::from(1.38), 95.0), (Complex::new(0.1, 3.1), 8.0)];
+    let outside = response(cos, 1.0, films.into_iter(), n.into(), nm);
+    let inside = response(cos_t, n, films.into_iter().rev(), 1.0.into(), nm);
+    let face = Sheet::films(&outside, &inside);
+    let back = Sheet::films(&inside, &outside);
+    let pane = face.then(Sheet::absorber(passage)).then(back);
+    let known = CoatedPlate { front: outside, front_inside: inside, back_inside: inside, passage }.response();
+    for (reflected, transmitted, known) in
+        [(pane.front.s, pane.transmitted.s, known.s), (pane.front.p, pane.transmitted.p, known.p)]
+    {
+        assert!((reflected - known[0]).abs() < 1e-12 && (transmitted - known[1]).abs() < 1e-12, "{pane:?}");
+    }
+    assert!(near(pane.front, pane.back, 1e-12));
+    assert_physical(pane.front);
+    assert_physical(pane.transmitted);
 }
 
 /// A field in three dimensions gives the same light as frames, rotations and matrices.

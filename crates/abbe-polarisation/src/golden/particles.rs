@@ -111,6 +111,15 @@ fn one_sphere_gives_a_pure_matrix() {
     }
 }
 
+#[test]
+fn spheres_of_many_sizes_depolarise() {
+    let fog = MieSpheres::new(2.0, Some(1.35), RefractiveIndex::constant(1.333).unwrap()).unwrap();
+    for matrix in fog.phase_matrix(550.0, &[60.0, 90.0, 138.0]) {
+        let DiattenuatingRetarder { s, p, cross } = spheres(matrix);
+        assert!(cross.norm_squared() < 0.99 * s * p, "{matrix:?}");
+    }
+}
+
 /// Elements for m = 1.333 and x = 5 from the amplitudes S1 and S2 of miepython 3.3.0, whose fields
 /// vary as exp(+iωt).
 #[test]
