@@ -50,7 +50,7 @@ pub struct MichelLevyStrip {
 /// The optical data of a crystal.
 #[derive(Debug, Serialize)]
 pub struct CrystalReport {
-    pub name: &'static str,
+    pub name: String,
     pub source: String,
     /// The wavelengths in nm at which the data is valid.
     pub range_nm: [f64; 2],
@@ -103,7 +103,7 @@ impl CrystalReport {
             list => list.iter().map(|&um| plate(crystal, um, request.lamp)).collect(),
         };
         Ok(Self {
-            name: crystal.name,
+            name: crystal.name.clone(),
             source: crystal.source.clone(),
             range_nm: [from, to],
             warning: crystal.warning().map(str::to_string),

@@ -30,11 +30,11 @@ pub const CRYSTAL_NAMES: [&str; 6] = {
     names
 };
 
-/// A uniaxial crystal of the catalogue.
+/// A uniaxial crystal: of the catalogue, or with other indices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crystal {
     /// The name, such as `calcite`.
-    pub name: &'static str,
+    pub name: String,
     ordinary: RefractiveIndex,
     extraordinary: RefractiveIndex,
     /// Numbers that are added to both indices.
@@ -44,6 +44,11 @@ pub struct Crystal {
 }
 
 impl Crystal {
+    /// Creates a crystal from its two indices, such as those of two files of refractiveindex.info.
+    pub fn new(name: &str, ordinary: RefractiveIndex, extraordinary: RefractiveIndex, source: &str) -> Self {
+        Self { name: name.to_string(), ordinary, extraordinary, shifts: [0.0; 2], source: source.to_string() }
+    }
+
     /// Returns the crystal with a name of [`CRYSTAL_NAMES`], in any case, or an error that suggests
     /// a similar name.
     pub fn find(name: &str) -> Result<Self> {
@@ -63,7 +68,7 @@ impl Crystal {
             );
         }
         let (ordinary, extraordinary) = (ordinary.index.clone(), extraordinary.index.clone());
-        Ok(Self { name, ordinary, extraordinary, shifts, source })
+        Ok(Self { shifts, ..Self::new(name, ordinary, extraordinary, &source) })
     }
 
     /// Returns the indices at a wavelength in nm. Beyond [`range_nm`](Self::range_nm), they are
@@ -83,7 +88,7 @@ impl Crystal {
 
     /// Returns the restriction of the data, such as wavelengths of the band without data.
     pub fn warning(&self) -> Option<&str> {
-        self.ordinary.warning()
+        self.ordinary.warning().or(self.extraordinary.warning())
     }
 
     /// Returns the optical path difference d·|n_e − n_o| in nm of a plate with the axis in its
