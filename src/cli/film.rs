@@ -1,4 +1,4 @@
-//! `abbe film`: the reflectance, the transmittance and the colours of a stack of thin films.
+//! `abbe film`: powers, amplitudes and colours of a stack of thin films.
 
 use std::path::{Path, PathBuf};
 
@@ -6,12 +6,13 @@ use abbe_format::resolve::lone_coating;
 use abbe_format::{self as format, CoatingFile, JsonSource};
 use abbe_session::output::file;
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::hypot;
 use abbe_spectra::spectrum::BAND_NM;
 
 use super::spectrum::light;
 use super::values::{self, WavelengthList};
 use super::{Outcome, print};
-use crate::reports::film::{FilmAngle, FilmReport, plot};
+use crate::reports::film::{FilmAmplitudes, FilmAngle, FilmReport, plot};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct FilmArgs {
@@ -78,19 +79,41 @@ fn stack(argument: &str) -> Result<(CoatingFile, JsonSource)> {
 fn text(report: &FilmReport, lamp: &str) -> String {
     let mut text = String::new();
     for angle in &report.angles {
-        let FilmAngle { degrees, wavelength_nm, reflectance: r, transmittance: t, xy } = angle;
+        let FilmAngle { degrees, wavelength_nm, reflectance: r, transmittance: t, xy, .. } = angle;
         text += &format!("{degrees}° of incidence\n      nm        R      R_s      R_p        T      T_s      T_p\n");
         for (i, nm) in wavelength_nm.iter().enumerate() {
             let cell = |list: &[f64]| format!("{:>8.3} %", 100.0 * list[i]).replace(" %", "%");
             let cells = [&r.mean, &r.s, &r.p, &t.mean, &t.s, &t.p].map(|list| cell(list)).concat();
             text += &format!("{nm:>8}{cells}\n");
         }
+        text += &amplitudes(angle);
         for (name, colour) in [("reflected", xy.reflected), ("transmitted", xy.transmitted)] {
             text += &match colour {
                 Some([x, y]) => format!("{name} light under {lamp}: xy ({x:.5}, {y:.5})\n"),
                 None => format!("{name} light under {lamp}: none\n"),
             };
         }
+    }
+    text + CONVENTIONS
+}
+
+/// Explains the columns of [`amplitudes`].
+const CONVENTIONS: &str = "\
+r, t: ratios of electric fields that vary as exp(-iωt), at the outer faces; r_p = -r_s at 0°
+Ψ, Δ: r_p/r_s = tan Ψ exp(iΔ) for fields that vary as exp(+iωt)
+";
+
+/// Returns the table of the absolute values and phases of the amplitudes, and of Ψ and Δ.
+fn amplitudes(angle: &FilmAngle) -> String {
+    let mut text = "      nm   |r_s|   arg°   |r_p|   arg°   |t_s|   arg°   |t_p|   arg°      Ψ°      Δ°\n".to_string();
+    for (i, nm) in angle.wavelength_nm.iter().enumerate() {
+        let cells = |field: &FilmAmplitudes| {
+            let cell = |[re, im]: [f64; 2], phase: f64| format!("{:>8.5}{phase:>7.1}", hypot(re, im));
+            cell(field.s[i], field.phase_s_deg[i]) + &cell(field.p[i], field.phase_p_deg[i])
+        };
+        let (reflected, transmitted) = (cells(&angle.reflected_field), cells(&angle.transmitted_field));
+        let (psi, delta) = (angle.ellipsometry.psi_deg[i], angle.ellipsometry.delta_deg[i]);
+        text += &format!("{nm:>8}{reflected}{transmitted}{psi:>8.3}{delta:>8.2}\n");
     }
     text
 }

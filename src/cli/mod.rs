@@ -9,6 +9,7 @@ mod check;
 mod checkpoint;
 mod compare;
 mod completions;
+mod crystal;
 mod develop;
 mod display_server;
 mod expectation;
@@ -92,7 +93,10 @@ enum Command {
     Glass(glass::GlassArgs),
     /// Print the complex refractive index of a metal
     Metal(metal::MetalArgs),
-    /// Print the reflectance, the transmittance and the colours of a stack of thin films
+    /// Print the indices, the walk-off and the interference colours of a uniaxial crystal
+    Crystal(crystal::CrystalArgs),
+    /// Print the reflectance, the transmittance, the amplitudes and the colours of a stack of thin
+    /// films
     Film(film::FilmArgs),
     /// Print the orders of a diffraction grating: their angles and efficiencies
     Grating(grating::GratingArgs),
@@ -211,6 +215,7 @@ fn run(command: &Command) -> Result<Outcome> {
         Command::Spectrum(arguments) => spectrum::run(arguments),
         Command::Glass(arguments) => glass::run(arguments),
         Command::Metal(arguments) => metal::run(arguments),
+        Command::Crystal(arguments) => crystal::run(arguments),
         Command::Film(arguments) => film::run(arguments),
         Command::Grating(arguments) => grating::run(arguments),
         Command::Lens(arguments) => lens::run(arguments),

@@ -115,6 +115,12 @@ pub(crate) fn wavelength_nm(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses the thickness of a plate in µm, from 0 to a metre.
+pub(crate) fn thickness_um(text: &str) -> Result<f64, String> {
+    let thickness = text.trim().parse().ok().filter(|um| (0.0..=1e6).contains(um));
+    thickness.ok_or_else(|| "expected a thickness in µm from 0 to 1000000".to_string())
+}
+
 /// The wavelengths of an option, in nm.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct WavelengthList(pub(crate) Vec<f64>);

@@ -2,8 +2,10 @@
 
 use abbe_format::resolve::FilmSystem;
 use abbe_optics::thin_film::{PolarisedResponse, StackResponse};
+use abbe_polarisation::surface::{EllipsometricAngles, argument_deg};
 use abbe_session::output::plot::{SpectralCurve, SpectralPlot};
 use abbe_spectra::colour::xy;
+use abbe_spectra::math::complex::Complex;
 use abbe_spectra::math::elementary::cos;
 use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum};
 use serde::Serialize;
@@ -29,6 +31,40 @@ impl Polarised {
     }
 }
 
+/// The ratios of the reflected or transmitted field to the incident one at the outer faces of the
+/// films, at each wavelength. Fields vary as exp(−iωt), and r_p = −r_s at normal incidence.
+#[derive(Debug, Default, Serialize)]
+pub struct FilmAmplitudes {
+    /// The real and the imaginary part for s polarised light.
+    pub s: Vec<[f64; 2]>,
+    /// The same for p polarised light.
+    pub p: Vec<[f64; 2]>,
+    /// The phase for s polarised light in degrees, above −180 and up to 180.
+    pub phase_s_deg: Vec<f64>,
+    /// The same for p polarised light.
+    pub phase_p_deg: Vec<f64>,
+}
+
+impl FilmAmplitudes {
+    /// Adds the amplitudes at one wavelength.
+    fn push(&mut self, s: Complex, p: Complex) {
+        self.s.push([s.re, s.im]);
+        self.p.push([p.re, p.im]);
+        self.phase_s_deg.push(argument_deg(s));
+        self.phase_p_deg.push(argument_deg(p));
+    }
+}
+
+/// The ellipsometric angles at each wavelength: r_p/r_s = tan Ψ·exp(iΔ) for fields that vary as
+/// exp(+iωt).
+#[derive(Debug, Default, Serialize)]
+pub struct Ellipsometry {
+    /// Ψ in degrees, from 0 to 90.
+    pub psi_deg: Vec<f64>,
+    /// Δ in degrees, from 0 to below 360.
+    pub delta_deg: Vec<f64>,
+}
+
 /// CIE 1931 chromaticities of unpolarised light. `None` if there is no light.
 #[derive(Debug, Serialize)]
 pub struct FilmColours {
@@ -47,6 +83,10 @@ pub struct FilmAngle {
     pub transmittance: Polarised,
     /// The colours under a lamp.
     pub xy: FilmColours,
+    pub reflected_field: FilmAmplitudes,
+    pub transmitted_field: FilmAmplitudes,
+    /// The reflected light.
+    pub ellipsometry: Ellipsometry,
 }
 
 /// The powers and the colours of a stack of thin films.
@@ -70,17 +110,33 @@ fn response(system: &FilmSystem, degrees: f64, nm: f64) -> StackResponse {
 
 fn at_angle(system: &FilmSystem, degrees: f64, wavelengths: &[f64], lamp: &Spectrum) -> FilmAngle {
     let (mut reflectance, mut transmittance) = (Polarised::default(), Polarised::default());
+    let (mut reflected_field, mut transmitted_field) = (FilmAmplitudes::default(), FilmAmplitudes::default());
+    let mut ellipsometry = Ellipsometry::default();
     for &nm in wavelengths {
         let found = response(system, degrees, nm);
         reflectance.push(&found, |it| it.reflectance);
         transmittance.push(&found, |it| it.transmittance);
+        reflected_field.push(found.s.reflected, found.p.reflected);
+        transmitted_field.push(found.s.transmitted, found.p.transmitted);
+        let EllipsometricAngles { psi_deg, delta_deg } = EllipsometricAngles::of(&found.s, &found.p);
+        ellipsometry.psi_deg.push(psi_deg);
+        ellipsometry.delta_deg.push(delta_deg);
     }
     let colour = |of: fn(&StackResponse) -> f64| chromaticity(lamp, |nm| of(&response(system, degrees, nm)));
     let xy = FilmColours {
         reflected: colour(StackResponse::reflectance),
         transmitted: colour(StackResponse::transmittance),
     };
-    FilmAngle { degrees, wavelength_nm: wavelengths.to_vec(), reflectance, transmittance, xy }
+    FilmAngle {
+        degrees,
+        wavelength_nm: wavelengths.to_vec(),
+        reflectance,
+        transmittance,
+        xy,
+        reflected_field,
+        transmitted_field,
+        ellipsometry,
+    }
 }
 
 /// Returns the CIE 1931 chromaticity of a light times a factor, or `None` without light. The

@@ -13,6 +13,7 @@ mod study_scene;
 
 mod blender_export;
 mod checkpoints;
+mod crystal;
 mod denoise;
 mod develop;
 mod diffraction;

@@ -301,7 +301,7 @@ fn newton_s_rings_follow_the_gap() {
 /// complex conjugates.
 #[test]
 fn amplitudes_of_films_have_the_golden_phases() {
-    let file = golden("polarised_films.json");
+    let file = golden("polarisation.json");
     let films = file["films"].as_array().unwrap();
     assert!(films.len() > 5);
     for case in films {

@@ -244,7 +244,7 @@ mod tests {
 
     #[test]
     fn every_line_of_the_catalogue_is_well_formed() {
-        assert_eq!(all().len(), 115);
+        assert_eq!(all().len(), 117);
         for glass in all() {
             let table = if let Dispersion::Table { nm, n } = glass.index.dispersion() {
                 Some((nm.to_vec(), n.len()))
@@ -256,7 +256,7 @@ mod tests {
                 assert_eq!(nm.len(), values, "{}", glass.name);
                 assert!(nm.windows(2).all(|pair| pair[0] < pair[1]), "{}", glass.name);
             }
-            assert!(glass.cauchy.max_error < 4e-3, "{}", glass.name);
+            assert!(glass.cauchy.max_error < 5e-3, "{}", glass.name);
             assert!(glass.index.is_dispersive(), "{}", glass.name);
         }
     }

@@ -34,6 +34,21 @@ pub struct MieScattering {
     pub mean_cosine: f64,
 }
 
+/// The elements of the phase matrix of spheres per steradian in the notation of Bohren & Huffman
+/// 1983 (equation 4.77). Their first axis lies in the scattering plane, and fields vary as
+/// exp(−iωt).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MieMatrix {
+    /// The density (|S₂|² + |S₁|²)/2.
+    pub s11: f64,
+    /// (|S₂|² − |S₁|²)/2.
+    pub s12: f64,
+    /// Re(S₁S₂*).
+    pub s33: f64,
+    /// Im(S₂S₁*).
+    pub s34: f64,
+}
+
 /// Largest size parameter 2πr/λ. The series of larger spheres would take minutes.
 const MAX_SIZE_PARAMETER: f64 = 1000.0;
 
@@ -136,6 +151,44 @@ impl MieSpheres {
         let cross_section_um2 = wavelength_um * wavelength_um / TAU * scattering_sum;
         MieScattering { pdf_per_sr, cross_section_um2, mean_cosine: asymmetry_sum / scattering_sum }
     }
+
+    /// Computes the phase matrix at a wavelength in nm and at angles in degrees. The element `s11`
+    /// is the density of [`scattering`](Self::scattering).
+    pub fn phase_matrix(&self, nm: f64, angles_deg: &[f64]) -> Vec<MieMatrix> {
+        let cosines: Vec<f64> = angles_deg.iter().map(|degrees| cos(degrees.to_radians())).collect();
+        let mut matrices = vec![MieMatrix::default(); cosines.len()];
+        let mut scattering_sum = 0.0;
+        for &(radius_um, fraction) in &self.radii_um {
+            let series = MieSeries::new(size_parameter(radius_um, nm), self.index.n(nm));
+            scattering_sum += fraction * series.scattering_sum;
+            for (cosines, matrices) in cosines.chunks(ANGLE_LANES).zip(matrices.chunks_mut(ANGLE_LANES)) {
+                let mut lanes = [1.0; ANGLE_LANES];
+                lanes[..cosines.len()].copy_from_slice(cosines);
+                let parts = series.amplitudes(&lanes);
+                matrices.iter_mut().enumerate().for_each(|(i, sum)| sum.add(fraction, parts.map(|part| part[i])));
+            }
+        }
+        matrices.iter_mut().for_each(|matrix| matrix.scale(1.0 / (TAU * scattering_sum)));
+        matrices
+    }
+}
+
+impl MieMatrix {
+    /// Adds spheres with the real and imaginary parts of S₁ + S₂ and S₁ − S₂.
+    fn add(&mut self, fraction: f64, [sum_re, sum_im, difference_re, difference_im]: [f64; 4]) {
+        let quarter = 0.25 * fraction;
+        let (sum, difference) = ([sum_re, sum_im], [difference_re, difference_im]);
+        self.s11 += quarter * (square(sum) + square(difference));
+        self.s12 -= 2.0 * quarter * dot(sum, difference);
+        self.s33 += quarter * (square(sum) - square(difference));
+        self.s34 += 2.0 * quarter * (sum_im * difference_re - sum_re * difference_im);
+    }
+
+    fn scale(&mut self, factor: f64) {
+        for element in [&mut self.s11, &mut self.s12, &mut self.s33, &mut self.s34] {
+            *element *= factor;
+        }
+    }
 }
 
 fn size_parameter(radius_um: f64, nm: f64) -> f64 {
@@ -195,9 +248,15 @@ impl MieSeries {
         Self { sums, differences, scattering_sum, asymmetry_sum }
     }
 
-    /// Returns |S₁|² + |S₂|² = (|S₁ + S₂|² + |S₁ − S₂|²)/2 at each cosine, with w_n = (2n + 1)/(n(n
-    /// + 1)), S₁ + S₂ = Σ w_n·(a_n + b_n)(π_n + τ_n) and S₁ − S₂ = Σ w_n·(a_n − b_n)(π_n − τ_n).
+    /// Returns |S₁|² + |S₂|² = (|S₁ + S₂|² + |S₁ − S₂|²)/2 at each cosine.
     fn intensity(&self, cosines: &[f64; ANGLE_LANES]) -> [f64; ANGLE_LANES] {
+        let parts = self.amplitudes(cosines);
+        std::array::from_fn(|lane| 0.5 * parts.iter().map(|part| part[lane] * part[lane]).sum::<f64>())
+    }
+
+    /// Returns the real and imaginary parts of S₁ + S₂ = Σ w_n·(a_n + b_n)(π_n + τ_n) and then of
+    /// S₁ − S₂ = Σ w_n·(a_n − b_n)(π_n − τ_n) at each cosine, with w_n = (2n + 1)/(n(n + 1)).
+    fn amplitudes(&self, cosines: &[f64; ANGLE_LANES]) -> [[f64; ANGLE_LANES]; 4] {
         let (mut pi, mut pi_before) = ([1.0; ANGLE_LANES], [0.0; ANGLE_LANES]);
         let mut parts = [[0.0; ANGLE_LANES]; 4];
         for (order, (sum, difference)) in self.sums.iter().zip(&self.differences).enumerate() {
@@ -216,7 +275,7 @@ impl MieSeries {
                 pi[lane] = next;
             }
         }
-        std::array::from_fn(|lane| 0.5 * parts.iter().map(|part| part[lane] * part[lane]).sum::<f64>())
+        parts
     }
 }
 
