@@ -71,6 +71,7 @@
 //! | `abbe_import` | scenes of glTF, Mitsuba and pbrt |
 //! | `abbe` | this crate: the public interface, reports, studies, the live view, the `abbe` program |
 //! | `abbe_python` | the native module of the Python package, in `python/` |
+//! | `abbe_web` | the WebAssembly module of the page in the browser, in `web/` |
 //!
 //! Only the items of this page are public interface. The modules of this crate, and those of the
 //! other crates as far as this page does not name them, are visible to the tests, the benchmarks

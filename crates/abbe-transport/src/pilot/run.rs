@@ -30,7 +30,7 @@ use std::borrow::Cow;
 use web_time::Instant;
 
 /// The photon paths of a pass for which a single coarse picture learns its emission distributions.
-const COARSE_AIM_PHOTONS: u64 = 10_000;
+const COARSE_AIM_PHOTONS: u64 = 4_000;
 
 /// The number of shutter times in the pilot's survey of a moving scene.
 const MOMENTS: usize = 4;
