@@ -64,7 +64,9 @@
 //! | --- | --- |
 //! | [`abbe_spectra`] | the error type, random streams and quadrature, spectra and observers, colour |
 //! | [`abbe_optics`] | glasses, lenses, gratings, thin films, BSDFs and phase functions |
+//! | `abbe_polarisation` | Stokes vectors, Mueller matrices, crystals; not yet in pictures |
 //! | [`abbe_scene`] | the resolved scene: shapes, cameras, lights, media, motion |
+//! | `abbe_denoise` | the statistical denoiser |
 //! | [`abbe_transport`] | the plan, photon emission, photon maps, camera paths, film sums |
 //! | [`abbe_format`] | the scene file: strict JSON, the schema, and the resolution into a scene |
 //! | [`abbe_session`] | renders of many passes, checkpoints and merging; EXR, PNG and HTML files |

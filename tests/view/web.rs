@@ -26,7 +26,7 @@ fn node_has_the_bits_of_the_program() {
     let changes = CHANGES.map(str::to_string);
     let said = Command::new("node")
         .arg(root().join("tests/view/web_sums.js"))
-        .args([root().join("target/web").as_os_str(), PASSES.to_string().as_ref()])
+        .args([root().join("target/page").as_os_str(), PASSES.to_string().as_ref()])
         .arg(serde_json::to_string(&changes).unwrap())
         .args(SCENES.map(scene))
         .output()
@@ -55,7 +55,7 @@ fn node_has_the_bits_of_the_program() {
 fn the_page_renders_without_a_server() {
     let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
     let start = Instant::now();
-    browser.open(&format!("file://{}", root().join("target/web/index.html").display()));
+    browser.open(&format!("file://{}", root().join("target/page/index.html").display()));
     browser.wait("picture !== null");
     println!("first picture after {:.2} s", start.elapsed().as_secs_f64());
     browser.wait("state.passes > 0");
@@ -92,7 +92,7 @@ fn the_page_renders_without_a_server() {
 #[ignore = "web: tests/run --web builds the page and runs this"]
 fn an_address_contains_the_scene() {
     let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
-    let page = format!("file://{}", root().join("target/web/index.html").display());
+    let page = format!("file://{}", root().join("target/page/index.html").display());
     browser.open(&(page.clone() + "#soap_film"));
     browser.wait("picture !== null && scene.scene.title.includes('oap')");
     browser.run("$('share').click()");
