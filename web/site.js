@@ -1,5 +1,5 @@
-// What the page has besides the live view: example scenes, a link that contains the scene, and files
-// to take along.
+// What the page has besides the live view: example scenes, a link that contains the scene, and
+// files to take along.
 
 const examples = JSON.parse(embedded("abbe-examples"));
 /// The number of pixels of a picture, and that of its spectral bands.

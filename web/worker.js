@@ -1,5 +1,5 @@
-// A worker of the page: one engine, which follows one message after another. This script follows the
-// bindings of the module, which define `wasm_bindgen`.
+// A worker of the page: one engine, which follows one message after another. This script follows
+// the bindings of the module, which define `wasm_bindgen`.
 
 let engine = null;
 

@@ -1,8 +1,8 @@
 //! The renderer behind a page that has no server: in WebAssembly, in the workers of a web page.
 //!
 //! One engine shows the pictures and answers the page. The others each render a part of the passes,
-//! and send their exact sums as bytes, which the first one adds. The bits are those of a render with
-//! the same passes by the command line.
+//! and send their exact sums as bytes, which the first one adds. The bits are those of a render
+//! with the same passes by the command line.
 
 use super::answer::{ANSWERED_OF_SCENE, Answer, Refusal, answer, answer_of_scene};
 use super::loaded_scene::LoadedScene;
@@ -76,9 +76,9 @@ impl PageEngine {
         Ok(StopRules::default().passes_wanted(&self.loaded()?.job.budget).unwrap_or(1))
     }
 
-    /// Renders a part of the first `passes` passes, after those in `earlier`, the bytes of an earlier
-    /// call. `after_pass` receives the run after each pass, and returns false to end the render.
-    /// Returns the bytes of all passes.
+    /// Renders a part of the first `passes` passes, after those in `earlier`, the bytes of an
+    /// earlier call. `after_pass` receives the run after each pass, and returns false to end the
+    /// render. Returns the bytes of all passes.
     ///
     /// # Errors
     /// Returns an input error if no scene is loaded, if the part has no passes, or if the bytes
@@ -101,7 +101,8 @@ impl PageEngine {
         Ok(rendered.run.to_bytes())
     }
 
-    /// Shows the sum of parts of the passes, of `wanted` passes that take `elapsed_s` seconds so far.
+    /// Shows the sum of parts of the passes, of `wanted` passes that take `elapsed_s` seconds so
+    /// far.
     ///
     /// # Errors
     /// Returns an input error if no scene is loaded, or if the bytes belong to another scene or

@@ -1,6 +1,6 @@
 //! The page of the live view, apart from how it is served: its text, the data of its panels, the
-//! pictures that it shows, and the answers to its requests. `abbe view` serves it over HTTP, and the
-//! page in `web/` has the same answers from a WebAssembly module in a worker.
+//! pictures that it shows, and the answers to its requests. `abbe view` serves it over HTTP, and
+//! the page in `web/` has the same answers from a WebAssembly module in a worker.
 
 mod answer;
 mod engine;

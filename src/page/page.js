@@ -1,5 +1,5 @@
-// The page of the live view. It asks for the state, and shows what changed. A script before this one
-// defines `get` and `post`, the link with the renderer.
+// The page of the live view. It asks for the state, and shows what changed. A script before this
+// one defines `get` and `post`, the link with the renderer.
 
 const $ = id => document.getElementById(id);
 const stage = $("stage"), canvas = $("canvas"), context = canvas.getContext("2d");

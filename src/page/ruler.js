@@ -1,5 +1,5 @@
-// A ruler on the picture: the distance between two points of surfaces, and the angle at the second of
-// three.
+// A ruler on the picture: the distance between two points of surfaces, and the angle at the second
+// of three.
 
 let isMeasuring = false, marks = [];
 

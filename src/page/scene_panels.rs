@@ -73,8 +73,8 @@ impl ScenePanels {
         Self { number, display, text: content.to_string() }
     }
 
-    /// Returns the reach of the shown picture, denoised or not, in each colour space of the page, by
-    /// name.
+    /// Returns the reach of the shown picture, denoised or not, in each colour space of the page,
+    /// by name.
     pub(crate) fn reaches(&self, picture: &Picture) -> Value {
         let shown = self.display.shown(picture);
         let reach = |space: RgbSpace| self.display.in_space(space).development.reach(&shown);

@@ -138,8 +138,8 @@ fn plate(crystal: &Crystal, thickness_um: f64, lamp: &Spectrum) -> StripColour {
     }
 }
 
-/// Returns the linear sRGB colour, mixed with grey if it is outside sRGB. A polariser transmits half
-/// of the light, so twice the light is shown.
+/// Returns the linear sRGB colour, mixed with grey if it is outside sRGB. A polariser transmits
+/// half of the light, so twice the light is shown.
 fn shown(xyz: Xyz) -> [f64; 3] {
     gamut::desaturate(xyz_to_linear_srgb(xyz.map(|value| 2.0 * value)), RgbSpace::Srgb)
 }

@@ -1,5 +1,5 @@
-//! Reports: figures of glasses, crystals, lenses, films, gratings, spectra and lamps, and results of
-//! measurements and studies. The command line prints them as text or as JSON, and the Python
+//! Reports: figures of glasses, crystals, lenses, films, gratings, spectra and lamps, and results
+//! of measurements and studies. The command line prints them as text or as JSON, and the Python
 //! package receives the same JSON, so the names and the order of the fields are public. `Option`
 //! fields are null in JSON unless their documentation says that they are left out.
 

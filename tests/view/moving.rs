@@ -36,7 +36,8 @@ fn an_object_follows_the_pointer_and_the_keys() {
     browser.mouse("mouseMoved", moved, false);
     browser.mouse("mouseReleased", moved, false);
     let shift: Vec<f64> = serde_json::from_value(browser.run(transform)).unwrap();
-    // 40 pixels of which 160 are 2 tan(20°) times the distance of about 4.8 m, to the right and not up.
+    // 40 pixels of which 160 are 2 tan(20°) times the distance of about 4.8 m, to the right and not
+    // up.
     let expected = 40.0 / 160.0 * 2.0 * 20_f64.to_radians().tan() * 4.8;
     assert!((shift[0] / expected - 1.0).abs() < 0.15 && shift[1].abs() < 1e-9, "{shift:?}, {expected}");
     browser.wait("state.session === 'finished' && !state.draft && scene.scene.objects[1].transform?.length === 1");

@@ -1,5 +1,5 @@
-//! The bindings of [`PageEngine`] for JavaScript. `web/build` makes a page of this module and of the
-//! scripts beside it.
+//! The bindings of [`PageEngine`] for JavaScript. `web/build` makes a page of this module and of
+//! the scripts beside it.
 
 use abbe::page::{PageEngine, Refusal};
 use abbe_session::render::{PassPart, Run};

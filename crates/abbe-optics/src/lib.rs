@@ -58,8 +58,9 @@
 //!
 //! The crate depends on [`abbe_spectra`], whose [`Spectrum`](abbe_spectra::Spectrum) and
 //! [`Error`](abbe_spectra::Error) appear in its interface. `abbe-scene` depends on this crate and
-//! stores its materials, media and lenses, and `abbe-transport` evaluates them. `abbe-polarisation`,
-//! `abbe-format`, `abbe-import`, `abbe-session` and the program `abbe` depend on it too.
+//! stores its materials, media and lenses, and `abbe-transport` evaluates them.
+//! `abbe-polarisation`, `abbe-format`, `abbe-import`, `abbe-session` and the program `abbe` depend
+//! on it too.
 
 #![warn(missing_docs)]
 

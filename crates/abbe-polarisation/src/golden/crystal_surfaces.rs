@@ -121,8 +121,8 @@ fn a_crystal_without_birefringence_is_a_glass() {
     }
 }
 
-/// With the axis along the normal, the ordinary wave is s and the extraordinary one p, also in total
-/// reflection.
+/// With the axis along the normal, the ordinary wave is s and the extraordinary one p, also in
+/// total reflection.
 #[test]
 fn internal_reflection_in_a_glass_has_fresnels_amplitudes() {
     let indices = UniaxialIndices { ordinary: 1.5, extraordinary: 1.5 };

@@ -30,8 +30,8 @@ struct Record {
 const BYTES_PER_SUM: usize = size_of::<i128>();
 
 impl Run {
-    /// Returns the passes so far as bytes: the length of a record in 4 bytes, the record as JSON, and
-    /// the sums of all pixels, plane by plane, as 128-bit words in little-endian order.
+    /// Returns the passes so far as bytes: the length of a record in 4 bytes, the record as JSON,
+    /// and the sums of all pixels, plane by plane, as 128-bit words in little-endian order.
     pub fn to_bytes(&self) -> Vec<u8> {
         let PassSums { film, ledger, tally, seconds } = &self.sums;
         let (ledger, tally, seconds) = (ledger.clone(), *tally, *seconds);
@@ -56,9 +56,9 @@ impl Run {
 }
 
 impl Job {
-    /// Adds the passes of runs of this job, from the bytes of [`Run::to_bytes`]. The run of a single
-    /// part can continue. Returns an input error if bytes do not belong to this job, or if two parts
-    /// contain the same pass.
+    /// Adds the passes of runs of this job, from the bytes of [`Run::to_bytes`]. The run of a
+    /// single part can continue. Returns an input error if bytes do not belong to this job, or if
+    /// two parts contain the same pass.
     pub fn run_of_bytes(&self, parts: &[impl AsRef<[u8]>]) -> Result<Run> {
         let mut run = Run::new(self, PassPart::WHOLE);
         if self.errors_are_unknown(Integrator::Photon) {
@@ -92,7 +92,8 @@ impl Job {
     }
 }
 
-/// Adds the sums in bytes, and returns their record. Returns `None` if the bytes do not fit the film.
+/// Adds the sums in bytes, and returns their record. Returns `None` if the bytes do not fit the
+/// film.
 fn add(bytes: &[u8], sums: &mut PassSums) -> Option<Record> {
     let (length, rest) = bytes.split_first_chunk()?;
     let (record, words) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
