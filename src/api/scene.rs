@@ -13,7 +13,7 @@ use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
 use abbe_scene as model;
 use abbe_session::render::{Job, Progress, on_threads};
 use abbe_spectra::error::{Error, Result};
-use abbe_transport::plan::explain::{self, DescribedEffects};
+use abbe_transport::plan::explain::{self, Details};
 
 /// A scene that can be rendered.
 ///
@@ -136,7 +136,7 @@ impl Scene {
     /// Returns the same errors as [`check`](Self::check).
     pub fn explain(&self) -> Result<String> {
         let (job, _) = self.job(&RenderOptions::default())?;
-        Ok(explain::text(&job.scene, &job.plan, &job.rows, &job.budget, DescribedEffects::All))
+        Ok(explain::text(&job.scene, &job.plan, &job.rows, &job.budget, Details::ALL))
     }
 
     /// Renders the scene.
