@@ -16,6 +16,9 @@ const IEC: [[f64; 3]; 3] = [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415
 const ICC: [[f64; 3]; 3] =
     [[3.1338561, -1.6168667, -0.4906146], [-0.9787684, 1.9161415, 0.0334540], [0.0719453, -0.2289914, 1.4052427]];
 
+/// Returns the forms of XYZ of a sample under a white, with Y = 1 for white.
+type ColourOf = fn([f64; 3], [f64; 3]) -> Vec<(ColourForm, [f64; 3])>;
+
 /// A converter: how it samples spectra, and how it computes colours.
 struct Converter {
     /// The samples in nm, with their weights.
@@ -25,8 +28,7 @@ struct Converter {
     line: fn(f64) -> Option<f64>,
     /// Changes a reflectance at a wavelength.
     reflectance: fn(&Spectrum, f64) -> f64,
-    /// Returns the forms of XYZ of a sample under a white, with Y = 1 for white.
-    colour: fn([f64; 3], [f64; 3]) -> Vec<(ColourForm, [f64; 3])>,
+    colour: ColourOf,
 }
 
 /// Returns samples from one wavelength to another, with half weights at both ends.
@@ -107,7 +109,7 @@ impl Converter {
     }
 }
 
-fn of_colour(colour: fn([f64; 3], [f64; 3]) -> Vec<(ColourForm, [f64; 3])>) -> Converter {
+fn of_colour(colour: ColourOf) -> Converter {
     Converter { colour, ..Converter::default() }
 }
 

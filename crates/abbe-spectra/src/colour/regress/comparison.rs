@@ -140,7 +140,7 @@ impl RegressionReport {
 }
 
 /// Judges the colours of a converter for all cases of some groups of a set, or of all if there are
-/// none. Returns an error if a case is unknown, occurs twice, is missing, or has a colour in no form.
+/// none. Returns an error if a case is unknown, occurs twice, is missing, or has no colour.
 pub fn compare_groups(
     set: &'static RegressionSet,
     converted: &[(String, FormColours)],
