@@ -93,7 +93,7 @@ impl Scene {
     }
 
     /// Changes one value of the scene. `change` has the form `PATH=JSON`, such as
-    /// `objects[0].material="crown"` or `render.max_depth=8`.
+    /// `objects.prism.material="crown"` or `render.max_depth=8`.
     ///
     /// # Errors
     /// Returns an error if the change is malformed, if its path does not exist, if the value is
