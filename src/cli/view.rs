@@ -51,7 +51,7 @@ pub(crate) struct ViewArgs {
     #[arg(
         long,
         value_name = "PATH=JSON",
-        help = "Change a value of the scene, such as 'objects[0].material=\"crown\"' (repeatable)"
+        help = "Change a value of the scene, such as 'objects.prism.material=\"crown\"' (repeatable)"
     )]
     set: Vec<String>,
     /// The file of the picture that Ctrl-C saves, with a PNG file and a checkpoint beside it
