@@ -13,7 +13,7 @@ use abbe_format::{self as format, FileAccess, JsonSource, SceneFile};
 use abbe_scene as model;
 use abbe_session::render::{Job, Progress, on_threads};
 use abbe_spectra::error::{Error, Result};
-use abbe_transport::plan::explain::{self, DescribedEffects};
+use abbe_transport::plan::explain::{self, Details};
 
 /// A scene that can be rendered.
 ///
@@ -93,7 +93,7 @@ impl Scene {
     }
 
     /// Changes one value of the scene. `change` has the form `PATH=JSON`, such as
-    /// `objects[0].material="crown"` or `render.max_depth=8`.
+    /// `objects.prism.material="crown"` or `render.max_depth=8`.
     ///
     /// # Errors
     /// Returns an error if the change is malformed, if its path does not exist, if the value is
@@ -136,7 +136,7 @@ impl Scene {
     /// Returns the same errors as [`check`](Self::check).
     pub fn explain(&self) -> Result<String> {
         let (job, _) = self.job(&RenderOptions::default())?;
-        Ok(explain::text(&job.scene, &job.plan, &job.rows, &job.budget, DescribedEffects::All))
+        Ok(explain::text(&job.scene, &job.plan, &job.rows, &job.budget, Details::ALL))
     }
 
     /// Renders the scene.

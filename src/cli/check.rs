@@ -6,6 +6,7 @@ use super::scene_file::SceneFileArgs;
 use super::{Outcome, print};
 use abbe_format::is_json_schema;
 use abbe_format::resolve::resolve_any;
+use abbe_optics::glass::is_negligible;
 use abbe_session::render::Job;
 use abbe_spectra::error::Result;
 
@@ -37,7 +38,7 @@ fn check(path: &Path, scene_file: &SceneFileArgs) -> Result<()> {
     }
     let (scene, source) = scene_file.read(path, &[], false)?;
     let job = Job::new(resolve_any(&scene, &source)?).map_err(|error| error.in_file(path))?;
-    for note in &job.scene.notes {
+    for note in job.scene.notes.iter().filter(|note| !is_negligible(note)) {
         let kind = print::note_kind(job.scene.warnings.contains(note));
         print::remark(&format!("{}: {kind}: {note}", path.display()));
     }

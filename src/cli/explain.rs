@@ -8,16 +8,19 @@ use crate::api::PlanReport;
 use abbe_format::resolve::resolve;
 use abbe_session::render::Job;
 use abbe_spectra::error::Result;
-use abbe_transport::plan::explain::{self, DescribedEffects};
+use abbe_transport::plan::explain::{self, Details};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ExplainArgs {
     /// The scene file
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
-    /// Describe also the effects of which the scene has no cause, which are otherwise only listed
+    /// Describe also the effects that are off, which are otherwise only listed
     #[arg(long)]
     all: bool,
+    /// Print also the notes that concern no visible light, such as the range of a glass
+    #[arg(long)]
+    verbose: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -31,8 +34,8 @@ pub(crate) fn run(arguments: &ExplainArgs) -> Result<Outcome> {
     if arguments.json {
         print::json(&PlanReport::of(&job))?;
     } else {
-        let described = if arguments.all { DescribedEffects::All } else { DescribedEffects::OfScene };
-        print::result(&explain::text(&job.scene, &job.plan, &job.rows, &job.budget, described))?;
+        let details = Details { all_effects: arguments.all, negligible_notes: arguments.verbose };
+        print::result(&explain::text(&job.scene, &job.plan, &job.rows, &job.budget, details))?;
     }
     Ok(Outcome::Done)
 }

@@ -28,6 +28,11 @@ impl OutputFiles {
         Ok(Self { png: exr.with_extension("png"), exr, stats })
     }
 
+    /// Returns the PNG file.
+    pub(crate) fn png(&self) -> &Path {
+        &self.png
+    }
+
     pub(crate) fn checkpoint(&self) -> PathBuf {
         self.exr.with_extension("checkpoint.exr")
     }

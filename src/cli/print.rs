@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use abbe_format::{FileAccess, PATCH_LABEL};
-use abbe_optics::glass::catalogue;
+use abbe_optics::glass::{catalogue, is_negligible};
 use abbe_session::render::ErrorStats;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::log2;
@@ -65,7 +65,7 @@ pub(crate) fn visible(text: &str) -> Cow<'_, str> {
 
 /// Prints notes, of which some are warnings. If `quiet` is true, only the warnings are printed.
 pub(crate) fn notes(notes: &[String], warnings: &[String], quiet: bool) {
-    for note in notes {
+    for note in notes.iter().filter(|note| !is_negligible(note)) {
         let is_warning = warnings.contains(note);
         if is_warning || !quiet {
             remark(&format!("{}: {note}", note_kind(is_warning)));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use abbe_session::output::junit::{JunitCase, junit};
 use abbe_session::output::{file, regress_page};
-use abbe_spectra::colour::regress::{CaseGroup, RegressionReport, RegressionTolerances, compare_groups};
+use abbe_spectra::colour::regress::{CaseGroup, RegressionReport, RegressionSet, RegressionTolerances, compare_groups};
 use abbe_spectra::error::Result;
 
 use super::{Outcome, print, values};
@@ -21,6 +21,11 @@ pub(crate) struct RegressArgs {
     /// expected.csv and observer.csv
     #[arg(long, value_name = "FOLDER", conflicts_with = "colours")]
     export: Option<PathBuf>,
+    /// The number of the set. The first contains lights and surfaces as XYZ, linear sRGB and sRGB.
+    /// The second contains surfaces and fluorescent samples, also as Display P3, Rec. 2020, ACEScg,
+    /// Lab, adapted XYZ, and XYZ of other observers
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=2), default_value_t = 1)]
+    set: u32,
     /// Judge only this group (repeatable) [default: all groups]
     #[arg(long, value_name = "GROUP", value_enum)]
     group: Vec<GroupName>,
@@ -54,6 +59,8 @@ enum GroupName {
     Surfaces,
     /// The ColorChecker under LEDs with the colour of a lamp
     Metamers,
+    /// Fluorescent samples under lamps, in the second set
+    Fluorescent,
 }
 
 impl GroupName {
@@ -64,16 +71,18 @@ impl GroupName {
             Self::Monochromatic => CaseGroup::Monochromatic,
             Self::Surfaces => CaseGroup::Surfaces,
             Self::Metamers => CaseGroup::Metamers,
+            Self::Fluorescent => CaseGroup::Fluorescent,
         }
     }
 }
 
 pub(crate) fn run(arguments: &RegressArgs) -> Result<Outcome> {
-    let set = arguments.export.iter().flat_map(|folder| SET_FILES.map(|name| folder.join(name)));
-    let outputs: Vec<PathBuf> = set.chain(arguments.junit.clone()).chain(arguments.page.clone()).collect();
+    let set = RegressionSet::by_number(arguments.set)?;
+    let files = arguments.export.iter().flat_map(|folder| SET_FILES.map(|name| folder.join(name)));
+    let outputs: Vec<PathBuf> = files.chain(arguments.junit.clone()).chain(arguments.page.clone()).collect();
     file::check_keeps_inputs(outputs.iter().map(PathBuf::as_path), &arguments.colours)?;
     if let Some(folder) = &arguments.export {
-        let cases = write_set(folder)?;
+        let cases = write_set(set, folder)?;
         print::remark(&format!("wrote {} to {}", print::counted(cases, "case"), folder.display()));
     }
     let Some(path) = &arguments.colours else { return Ok(Outcome::Done) };
@@ -83,8 +92,8 @@ pub(crate) fn run(arguments: &RegressArgs) -> Result<Outcome> {
         component: arguments.component.unwrap_or(defaults.component),
     };
     let groups: Vec<CaseGroup> = arguments.group.iter().map(|group| group.group()).collect();
-    let report = read_colours(path)
-        .and_then(|colours| compare_groups(&colours, &groups, tolerances))
+    let report = read_colours(set, path)
+        .and_then(|colours| compare_groups(set, &colours, &groups, tolerances))
         .map_err(|error| error.in_file(path))?;
     if let Some(path) = &arguments.junit {
         file::write_whole(path, junit_of(&report).as_bytes())?;
@@ -101,7 +110,7 @@ pub(crate) fn run(arguments: &RegressArgs) -> Result<Outcome> {
         return Ok(Outcome::Done);
     }
     print::remark(&format!("failed: {}", report.verdict()));
-    report.hint.iter().for_each(|hint| print::remark(&format!("note: {hint}")));
+    report.cause_in_words().iter().for_each(|cause| print::remark(&format!("note: {cause}")));
     Ok(Outcome::Exceeded)
 }
 
@@ -109,8 +118,16 @@ pub(crate) fn run(arguments: &RegressArgs) -> Result<Outcome> {
 const SHOWN: usize = 10;
 
 fn text(report: &RegressionReport) -> String {
-    let mut text =
-        format!("{}: {}\nworst cases, ΔE2000 and largest difference of a component\n", report.set, report.verdict());
+    let mut text = format!("{}: {}\n", report.set, report.verdict());
+    if let Some(cause) = report.cause_in_words() {
+        text += &format!("{cause}\n");
+    }
+    text += &format!("{:<14} {:>6} {:>6}  largest ΔE2000\n", "group", "cases", "failed");
+    for group in &report.groups {
+        let (name, compared, failed) = (group.group.name(), group.compared, group.failed);
+        text += &format!("  {name:<12} {compared:6} {failed:6} {:10.5}\n", group.delta_e_2000);
+    }
+    text += "worst cases, ΔE2000 and largest difference of a component\n";
     for case in report.cases.iter().take(SHOWN) {
         let fault = case.fault.as_ref().map_or(String::new(), |fault| format!("  {fault}"));
         text += &format!("  {:<36} {:9.5} {:9.6}{fault}\n", case.id, case.delta_e_2000(), case.component());
@@ -124,5 +141,7 @@ fn junit_of(report: &RegressionReport) -> String {
         .iter()
         .map(|case| JunitCase { group: case.group.name(), name: &case.id, failure: case.fault.as_deref() })
         .collect();
-    junit(report.set, &cases)
+    let cause = report.cause_in_words();
+    let properties: Vec<(&str, &str)> = cause.iter().map(|cause| ("cause", cause.as_str())).collect();
+    junit(report.set, &properties, &cases)
 }

@@ -9,6 +9,7 @@ use abbe_session::output::Metadata;
 use abbe_session::output::exr::write as write_exr;
 use abbe_session::output::file as files;
 use abbe_session::output::metadata::names;
+use abbe_session::output::png::write_animation;
 use abbe_session::render::{
     DisplaySettings, Integrator, Job, PassPart, RenderIdentity, Rendered, Request, StopRules, on_threads,
 };
@@ -17,7 +18,7 @@ use abbe_spectra::error::{Error, Result};
 use super::checkpoint::{CheckpointFile, CheckpointInterval, RenderMonitor};
 use super::develop::DenoiseArgs;
 use super::display_server::{DisplayServer, ServerAddress};
-use super::frames::{SequenceArgs, SequenceFrame};
+use super::frames::{self, SequenceArgs, SequenceFrame};
 use super::outputs::OutputFiles;
 use super::preview::Preview;
 use super::progress::{ProgressDisplay, time};
@@ -69,7 +70,7 @@ pub(crate) struct RenderArgs {
     #[arg(
         long,
         value_name = "PATH=JSON",
-        help = "Change a value of the scene, such as 'objects[0].material=\"crown\"' (repeatable)"
+        help = "Change a value of the scene, such as 'objects.prism.material=\"crown\"' (repeatable)"
     )]
     set: Vec<String>,
     #[command(flatten)]
@@ -181,7 +182,7 @@ pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<(Option<u64>,
         ("--part", arguments.part != PassPart::WHOLE),
         ("--resume", arguments.resume != Resume::Never),
         ("--keep-checkpoint", arguments.keep_checkpoint),
-        ("--frames", arguments.sequence.frames().is_some()),
+        ("--frames or --sweep", arguments.sequence.frames().is_some()),
         ("--stats", arguments.stats.is_some()),
         ("--display-server", arguments.display_server.is_some()),
         ("--reproducible", arguments.header.reproducible),
@@ -196,14 +197,22 @@ pub(crate) fn check_part_options(arguments: &RenderArgs) -> Result<(Option<u64>,
     Ok((arguments.request().stop.passes_wanted(&job.budget), inputs))
 }
 
-/// Renders the picture, or all frames of an image sequence.
+/// Renders the picture, or all frames of an image sequence and their animation.
 fn pictures(arguments: &RenderArgs, server: Option<&DisplayServer>) -> Result<Outcome> {
     let Some(frames) = arguments.sequence.frames() else { return picture(arguments, None, server) };
-    for frame in frames {
-        let outcome = picture(&arguments.of_frame(&frame)?, Some(&frame), server)?;
+    let mut pngs = Vec::new();
+    let animation = frames::animation(&arguments.pattern());
+    for frame in &frames {
+        let arguments = arguments.of_frame(frame)?;
+        let outcome = picture(&arguments, Some(frame), server)?;
         if outcome != Outcome::Done {
             return Ok(outcome);
         }
+        pngs.push(arguments.outputs()?.png().to_path_buf());
+    }
+    write_animation(&animation, &pngs, arguments.sequence.fps)?;
+    if !arguments.quiet {
+        print::remark(&format!("wrote {}", animation.display()));
     }
     Ok(Outcome::Done)
 }
@@ -323,11 +332,15 @@ fn save(
 
 impl RenderArgs {
     fn of_frame(&self, frame: &SequenceFrame) -> Result<Self> {
-        let pattern = self.output.clone().unwrap_or_else(|| self.stem().with_added_extension("####.exr"));
-        let mut arguments = Self { output: Some(frame.name(&pattern)?), ..self.clone() };
+        let mut arguments = Self { output: Some(frame.name(&self.pattern())?), ..self.clone() };
         arguments.stats = self.stats.as_deref().map(|pattern| frame.name(pattern)).transpose()?;
-        arguments.set.extend(frame.patches());
+        arguments.set.extend_from_slice(frame.patches());
         Ok(arguments)
+    }
+
+    /// The name of the frames of a sequence, with `#` signs for their numbers.
+    fn pattern(&self) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| self.stem().with_added_extension("####.exr"))
     }
 
     /// The name of the scene without folder and extension.

@@ -224,6 +224,31 @@ pub(crate) fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     }
 }
 
+/// The values of a setting in a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Sweep {
+    pub(crate) key: String,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    /// The number of values, at least 2.
+    pub(crate) count: u32,
+}
+
+/// Parses a sweep such as `lights.beam.power=1..5:9`: nine values from 1 to 5, both included.
+pub(crate) fn sweep(text: &str) -> Result<Sweep, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    let parsed = || {
+        let (key, range) = text.rsplit_once('=')?;
+        let (limits, count) = range.rsplit_once(':')?;
+        let (from, to) = limits.split_once("..")?;
+        let count = count.trim().parse().ok().filter(|count| (2..=100_000).contains(count))?;
+        Some(Sweep { key: key.trim().to_string(), from: number(from)?, to: number(to)?, count })
+    };
+    parsed().filter(|sweep| !sweep.key.is_empty()).ok_or_else(|| {
+        "expected a path, two numbers and how many values, at least 2, such as lights.beam.power=1..5:9".to_string()
+    })
+}
+
 /// Parses a number of frames per second. The number must be above 0.
 pub(crate) fn rate(text: &str) -> Result<f64, String> {
     let rate = text.trim().parse().ok().filter(|fps: &f64| *fps > 0.0 && fps.is_finite());

@@ -50,7 +50,7 @@ pub(crate) struct ViewArgs {
     #[arg(
         long,
         value_name = "PATH=JSON",
-        help = "Change a value of the scene, such as 'objects[0].material=\"crown\"' (repeatable)"
+        help = "Change a value of the scene, such as 'objects.prism.material=\"crown\"' (repeatable)"
     )]
     set: Vec<String>,
     /// Save the picture in this file at Ctrl-C, with a PNG file and, if passes are missing, a

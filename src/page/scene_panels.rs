@@ -30,7 +30,7 @@ impl ScenePanels {
     pub(crate) fn new(number: u64, loaded: &LoadedScene) -> Self {
         let job = &loaded.job;
         let display = DisplaySettings::of(job);
-        let scene: Value = serde_json::from_str(&loaded.source.text).unwrap_or(Value::Null);
+        let scene: Value = serde_json::from_str(loaded.source.written()).unwrap_or(Value::Null);
         let content = json!({
             "file": loaded.source.path.file_name().map(|name| name.to_string_lossy()),
             "live": true,

@@ -48,7 +48,7 @@ pub fn study(
     let of_scene = provenance::of_scene(Some((source, &scene_files)), &job, Integrator::Photon);
     let study_scene = StudyScene {
         path: files.scene.to_owned(),
-        text: source.text.clone(),
+        text: source.written().to_string(),
         file_access: source.file_access(),
         hash: of_scene.get(names::SCENE_HASH).unwrap_or_default().to_string(),
     };

@@ -102,6 +102,43 @@ fn a_scene_that_is_not_there_is_told() {
 }
 
 #[test]
+fn effects_that_are_off_take_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = r#"{
+  "camera": {"from": [0, 2, 5], "at": [0, 0, 0], "lens": {"pinhole": {"fov": 40}}},
+  "film": {"width": 30, "height": 20},
+  "materials": {"grey": {"diffuse": {"reflectance": 0.5}}, "flint": {"dielectric": {"ior": "N-SF10"}}},
+  "objects": [{"shape": {"rectangle": {"width": 6, "height": 6}}, "material": "grey"},
+              {"shape": {"sphere": {"radius": 0.5}}, "material": "flint", "transform": [{"translate": [0, 1, 0]}]}],
+  "lights": [{"point": {"at": [1, 4, 1], "spectrum": "D65", "power": 20}}],
+  "render": {"forbid": ["caustics"]}
+}"#;
+    std::fs::write(folder.path().join("ball.json"), scene).unwrap();
+    let explain = |options: &[&str]| {
+        let said = abbe(folder.path(), &[&["explain", "ball.json"], options].concat());
+        assert_eq!(said.status, 0, "{}", said.err);
+        said.out
+    };
+    let brief = explain(&[]);
+    let off: Vec<&str> = brief.lines().filter(|line| line.contains(" off")).collect();
+    assert_eq!(off.len(), 1, "{brief}");
+    assert!(off[0].starts_with("  off, because the scene has nothing that needs them: shared, "), "{brief}");
+    assert!(off[0].ends_with("; forbidden or negligible: caustics"), "{brief}");
+    let all = explain(&["--all"]);
+    assert!(all.contains("  caustics        forbidden ") && all.contains("  motion          off "), "{all}");
+
+    // The note about the forbidden effect remains, and nobody can see the range of the glass.
+    let notes = |text: &str| text.lines().filter(|line| line.starts_with("Note: ")).count();
+    let verbose = explain(&["--verbose"]);
+    assert_eq!((notes(&brief), notes(&verbose)), (1, 2), "{verbose}");
+    assert!(verbose.contains("N-SF10 is known from 380") && !brief.contains("N-SF10"), "{brief}");
+    let json: Value = serde_json::from_str(&explain(&["--json"])).unwrap();
+    assert_eq!(json["notes"].as_array().unwrap().len(), 2);
+    let check = abbe(folder.path(), &["check", "ball.json"]);
+    assert!(check.err.contains("caustics") && !check.err.contains("N-SF10"), "{}", check.err);
+}
+
+#[test]
 fn motion_is_explained_by_how_far_it_goes_over_the_picture() {
     let explain = |shutter: &str, render: &str| {
         let folder = tempfile::tempdir().unwrap();

@@ -42,6 +42,53 @@ fn is_same_picture(folder: &Path, a: &str, b: &str) {
     assert!(picture(a) == picture(b), "{a} differs from {b}");
 }
 
+/// Returns the pixels of the frames of an animated PNG, and the time of a frame in s as a fraction.
+fn animation(path: &Path) -> (Vec<Vec<u8>>, (u16, u16)) {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let count = reader.info().animation_control.unwrap().num_frames;
+    let mut delay = (0, 0);
+    let frame = |_| {
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut pixels).unwrap();
+        let control = reader.info().frame_control.unwrap();
+        delay = (control.delay_num, control.delay_den);
+        pixels
+    };
+    let frames = (0..count).map(frame).collect();
+    (frames, delay)
+}
+
+/// Returns the pixels of `out/NAME.png`.
+fn pixels(folder: &Path, name: &str) -> Vec<u8> {
+    let file = std::fs::File::open(folder.join(format!("out/{name}.png"))).unwrap();
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    pixels
+}
+
+#[test]
+fn a_sweep_is_a_picture_per_value_and_an_animation() {
+    let folder = scene();
+    let at = folder.path();
+    std::fs::create_dir(at.join("out")).unwrap();
+    let sweep =
+        |key: &str, more: &[&str]| render(at, &[&["--sweep", key, "-o", "out/#.exr", "--fps", "2.5"], more].concat());
+    let said = sweep("objects.ball.shape.sphere.radius=0.2..0.5:3", &[]);
+    done(&said);
+    assert!(said.err.contains("frame 2 of 3") && said.err.contains("wrote out/animation.png"), "{}", said.err);
+    let frames = ["1", "2", "3"].map(|name| pixels(at, name)).to_vec();
+    assert_eq!(animation(&at.join("out/animation.png")), (frames.clone(), (400, 1000)));
+    assert!(frames[0] != frames[1]);
+    done(&render(at, &["--set", "objects.ball.shape.sphere.radius=0.35", "--quiet", "-o", "alone.exr"]));
+    is_same_picture(at, "out/2.exr", "alone.exr");
+    sweep("objects.bal.shape=1..2:3", &[]).is_error(2, &["objects.bal.shape", "did you mean \"ball\""]);
+    sweep("lights=1..2", &[]).is_error(2, &["lights.beam.power=1..5:9"]);
+    let both = sweep("render.seed=1..2:2", &["--frames", "1..2"]);
+    assert!(both.status == 2 && both.err.contains("--frames"), "{}", both.err);
+}
+
 #[test]
 fn each_frame_is_the_picture_of_its_own_shutter() {
     let folder = scene();
@@ -57,7 +104,11 @@ fn each_frame_is_the_picture_of_its_own_shutter() {
         said.err
     );
     let names = ["002.exr", "002.png", "003.exr", "003.png", "004.exr", "004.png", "2.json", "3.json", "4.json"];
-    assert_eq!(names_in(&at.join("out")), names);
+    assert_eq!(names_in(&at.join("out")), [&names[..], &["animation.png"]].concat());
+    assert_eq!(
+        animation(&at.join("out/animation.png")),
+        (["002", "003", "004"].map(|n| pixels(at, n)).to_vec(), (1, 10))
+    );
     // The shutter of frame 3 opens at 0.2 s for 0.025 s. The scene's shutter curve stays.
     let shutter = ["--set", "camera.shutter.open=0.2", "--set", "camera.shutter.close=0.225"];
     done(&render(at, &[&shutter[..], &["--quiet", "-o", "alone.exr"]].concat()));

@@ -122,6 +122,75 @@ fn a_common_factor_gives_a_hint() {
 }
 
 #[test]
+fn a_likely_cause_is_in_all_reports() {
+    let folder = exported();
+    let at = folder.path();
+    write_changed(at, |cells| cells.swap(4, 6));
+    let said = regress(at, &["mine.csv", "--junit", "junit.xml", "--page", "page.html"]);
+    let sentence = "likely cause: swapped channels: the components of linear_srgb are in the order b, g, r \
+                    (this leaves 0.0 % of the error)";
+    assert!(said.status == 3 && said.out.contains(sentence) && said.err.contains(sentence), "{}{}", said.out, said.err);
+    let counts: Vec<&str> = said.out.lines().find(|line| line.contains(" surfaces ")).unwrap().split(' ').collect();
+    assert!(counts.contains(&"192"), "{}", said.out);
+    let xml = std::fs::read_to_string(at.join("junit.xml")).unwrap();
+    let document = roxmltree::Document::parse(&xml).unwrap();
+    let property = document.descendants().find(|node| node.has_tag_name("property")).unwrap();
+    assert_eq!((property.attribute("name"), property.attribute("value")), (Some("cause"), Some(sentence)));
+    assert!(std::fs::read_to_string(at.join("page.html")).unwrap().contains(sentence));
+    let report = regress(at, &["mine.csv", "--json"]);
+    let report: Value = serde_json::from_str(&report.out).unwrap();
+    assert_eq!(
+        (&report["cause"]["name"], &report["cause"]["form"]),
+        (&"swapped-channels".into(), &"linear_srgb".into())
+    );
+    assert!(report["cause"]["residual"].as_f64().unwrap() < 1e-9);
+    assert_eq!(report["hint"], report["cause"]["explanation"]);
+    assert_eq!(
+        (report["groups"][3]["group"].as_str(), report["groups"][3]["judged"].as_u64()),
+        (Some("surfaces"), Some(192))
+    );
+
+    write_changed(at, |cells| cells[6] = (cells[6].parse::<f64>().unwrap().powi(2)).to_string());
+    let said = regress(at, &["mine.csv"]);
+    assert!(said.out.contains("\nno known cause explains the errors\n"), "{}", said.out);
+}
+
+#[test]
+fn the_second_set_has_more_forms_and_fluorescence() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    assert_eq!(regress(at, &["--export", "set", "--set", "2"]).status, 0);
+    for file in ["set/expected.csv", "set/set.json"] {
+        let report = regress(at, &[file, "--set", "2", "--json"]).json();
+        assert_eq!((report["judged"].as_u64(), report["failed"].as_u64()), (Some(212), Some(0)), "{file}");
+        assert_eq!(report["set"], "abbe-regress 2");
+    }
+    let cases = std::fs::read_to_string(at.join("set/cases.csv")).unwrap();
+    assert!(cases.starts_with("id,group,light,reflectance,excitation,emission\n"), "{}", &cases[..100]);
+    let observer = std::fs::read_to_string(at.join("set/observer.csv")).unwrap();
+    assert!(observer.starts_with("nm,x_bar,y_bar,z_bar,x_cie1964,"), "{}", &observer[..100]);
+
+    // Only Lab, with D50 as the white for all lights.
+    let text = std::fs::read_to_string(at.join("set/expected.csv")).unwrap();
+    let mut lab = "id,lab_L,lab_a,lab_b\n".to_string();
+    for line in text.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let xyz = [1, 2, 3].map(|i| cells[i].parse::<f64>().unwrap());
+        let curve = |t: f64| if t > 0.008_856_451_679 { t.cbrt() } else { t * 7.787_037_037 + 16.0 / 116.0 };
+        let [x, y, z] = [xyz[0] / 96.42, xyz[1] / 100.0, xyz[2] / 82.51].map(curve);
+        lab += &format!("{},{},{},{}\n", cells[0], 116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z));
+    }
+    std::fs::write(at.join("lab.csv"), lab).unwrap();
+    let said = regress(at, &["lab.csv", "--set", "2", "--group", "surfaces"]);
+    assert!(said.out.contains("wrong white: the white of lab is D50 instead of the light"), "{}", said.out);
+
+    regress(at, &["set/set.json"]).is_error(2, &["abbe-regress 2", "expected \"abbe-regress 1\""]);
+    regress(at, &["lab.csv"]).is_error(2, &["unknown column \"lab_L\""]);
+    regress(at, &["lab.csv", "--set", "2", "--group", "lamps"]).is_error(2, &["abbe-regress 2 has no group lamps"]);
+    assert_eq!(regress(at, &["lab.csv", "--set", "3"]).status, 2);
+}
+
+#[test]
 fn malformed_colours_are_errors_with_their_place() {
     let folder = exported();
     let at = folder.path();

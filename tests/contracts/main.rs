@@ -25,6 +25,7 @@ mod media_golden;
 mod media_scene;
 mod optics_golden;
 mod pure_properties;
+mod regress_causes;
 mod regress_golden;
 mod rendition_golden;
 mod scene_file;

@@ -155,7 +155,8 @@ pub fn schema() -> serde_json::Value {
 /// function: they compare it with the file `scenes/scene.schema.json`, which [`schema()`] returns.
 #[cfg(feature = "schema")]
 pub fn generated_schema() -> serde_json::Value {
-    schemars::generate::SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<SceneFile>().into()
+    let generator = schemars::generate::SchemaSettings::draft2020_12().into_generator();
+    schema::with_notes(generator.into_root_schema_for::<SceneFile>().into())
 }
 
 /// The traits that the types of the scene file derive, and the macro in the attributes of their

@@ -33,6 +33,39 @@ pub struct ObjectFile {
     pub emission: Option<EmissionFile>,
 }
 
+/// An entry of `objects`.
+#[cfg(feature = "schema")]
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used, because the text of a scene is read without groups")]
+pub(super) enum ObjectOrGroupFile {
+    Object(Box<ObjectFile>),
+    Group(GroupFile),
+}
+
+/// A group of objects and groups, which its transform and its motion move together. Errors count
+/// the objects of a scene without groups.
+#[cfg(feature = "schema")]
+#[derive(JsonSchema)]
+#[schemars(title = "Group", deny_unknown_fields)]
+#[schemars(example = json!({"name": "table", "transform": [{"translate": [0, 0, 2]}],
+    "motion": [{"time": 0, "transform": []}],
+    "group": [{"shape": {"box": {"size": [1, 0.1, 1]}}, "material": "wood"}]}))]
+#[expect(dead_code, reason = "only its schema is used")]
+pub(super) struct GroupFile {
+    /// Name for paths such as `objects.table.transform`.
+    name: Option<String>,
+    /// The objects and groups.
+    #[schemars(length(min = 1))]
+    group: Vec<ObjectOrGroupFile>,
+    /// Placement of the group, applied after the transforms of its objects.
+    #[schemars(default)]
+    transform: TransformFile,
+    /// Keyframes of the motion of the group. Its objects and groups then have no motion.
+    #[schemars(default)]
+    motion: Vec<KeyframeFile>,
+}
+
 impl ObjectFile {
     /// Checks that all values are in range and that the object has a material.
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {

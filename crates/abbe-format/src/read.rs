@@ -30,7 +30,7 @@ pub fn read_scene_text(path: &Path) -> Result<String> {
 
 /// Reads a scene from its text, like [`read()`] and with the same errors. `path` is its name.
 pub fn parse(text: impl Into<String>, path: &Path, sets: &[String]) -> Result<(SceneFile, JsonSource)> {
-    let source = JsonSource::patched(text, path, sets)?;
+    let source = JsonSource::of_scene(text, path, sets, FileAccess::default())?;
     parse_source(source, &|_, _| None)
 }
 
@@ -42,7 +42,7 @@ pub(super) fn parse_source(
 ) -> Result<(SceneFile, JsonSource)> {
     let repaired = source.deserialize_repaired::<SceneFile>();
     let mut faults = repaired.faults.clone();
-    if let Some(foreign) = file_kinds::foreign_json(&source.text).filter(|_| !faults.is_empty()) {
+    if let Some(foreign) = file_kinds::foreign_json(source.text()).filter(|_| !faults.is_empty()) {
         return Err(foreign.in_file(&source.path));
     }
     if let Some(scene) = &repaired.value {

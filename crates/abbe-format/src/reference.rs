@@ -28,7 +28,7 @@ pub(super) const CHAPTERS: [(&str, &str); 18] = [
     ("Gratings", "GratingProfileFile OrderEfficiencyFile GroovesFile"),
     ("Media", "MediumFile DyeFile TransmittanceFile PhaseFile MediumEmissionFile MediumBlackbodyFile"),
     ("Density and temperature fields", "FieldFile ExponentialFieldFile PlanetFile SphereFieldFile NoiseFieldFile"),
-    ("Objects", "ObjectFile EmissionFile"),
+    ("Objects", "ObjectFile GroupFile EmissionFile"),
     ("Shapes", "ShapeFile"),
     ("Transforms and motion", "TransformFile TransformStepFile ScaleFile KeyframeFile"),
     ("Lights", "LightFile SpotFalloffFile ProjectionFile PlaceFile SunFile"),
@@ -43,6 +43,7 @@ This page describes every key of the scene file. `abbe schema --markdown` genera
 Schema, which `abbe schema` prints.
 
 - A scene file is strict JSON: no comments, no trailing commas, no unknown keys, no duplicate keys.
+- Every object except those whose keys are names may contain a comment: the key `note` with a string.
 - A length without a unit in its key is in the scene's `unit`. In the tables, its unit is *scene
   unit*.
 - Powers, intensities and radiances without a photometric unit are integrals over 360–830 nm.
@@ -216,9 +217,13 @@ impl<'s> Page<'s> {
     /// Describes the type of a schema in words. The words are in the plural if `count` is not 1.
     fn type_of(&self, schema: &Value, count: u64) -> String {
         let plural = |word: &str| if count == 1 { word.to_string() } else { format!("{word}s") };
+        if schema.is_boolean() {
+            return plural("value");
+        }
         if let Some(definition) = self.referred(schema) {
+            // A definition without a title has no section.
             let title = text_of(definition, "title");
-            return link(&title, &title);
+            return if title.is_empty() { self.type_of(definition, count) } else { link(&title, &title) };
         }
         if let Some(choices) = schema["anyOf"].as_array() {
             let choices: Vec<String> = choices.iter().map(|choice| self.type_of(choice, count)).collect();

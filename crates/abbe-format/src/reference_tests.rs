@@ -58,6 +58,7 @@ PlanetFile media.x.grid={"density": {"exponential": {"value": 1, "scale_height":
 SphereFieldFile media.x.grid={"density": {"sphere": %},
 NoiseFieldFile media.x.grid={"density": {"noise": %},
 ObjectFile objects=[%]
+GroupFile objects=[%]
 EmissionFile objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "emission": %}]
 ShapeFile objects=[{"shape": %, "material": "white"}]
 TransformFile objects=[{"shape": {"disk": {"radius": 1}}, "material": "white", "transform": %}]
@@ -96,7 +97,7 @@ fn example_scenes() -> Vec<String> {
             let end = if place.ends_with(',') { GRID_END } else { "" };
             let patch = place.replace('%', &example.to_string()) + end;
             match parse(MINIMAL_SCENE, Path::new("example"), std::slice::from_ref(&patch)) {
-                Ok((_, source)) => scenes.push(source.text),
+                Ok((_, source)) => scenes.push(source.text().to_string()),
                 Err(error) => panic!("the example of {name} is wrong: {error}\n{patch}"),
             }
         }

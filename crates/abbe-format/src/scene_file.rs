@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "SceneFile", title = "Scene", example = json!({
-    "$schema": "scene.schema.json", "title": "A glass ball in mist", "unit": "m",
+    "$schema": "scene.schema.json", "title": "A glass ball in mist", "unit": "m", "include": [],
+    "variables": {"lamp_height": 3},
     "camera": {"from": [0, 1, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 35}}},
     "film": {"width": 640, "height": 360},
     "spectra": {"warm": {"blackbody": {"temperature": 2856}}},
@@ -32,6 +33,18 @@ pub struct SceneFile {
     pub schema: Option<String>,
     /// Title of the scene.
     pub title: Option<String>,
+    /// Names of files with parts of the scene: objects with the sections `variables`, `spectra`,
+    /// `media`, `materials`, `shapes`, `objects`, `lights` and `meters`, which are added to those
+    /// of the scene. Paths in a part are relative to the folder of the scene. A part includes no
+    /// files.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
+    pub include: Vec<String>,
+    /// Values by name. A string `"$name"` anywhere in the scene stands for the value of this name.
+    /// The values contain no variables.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
+    pub variables: BTreeMap<String, Value>,
     /// Unit of all lengths whose key does not name another unit.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
@@ -58,7 +71,8 @@ pub struct SceneFile {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub shapes: BTreeMap<String, ShapeFile>,
-    /// The objects.
+    /// The objects, and groups of objects.
+    #[schemars(with = "Vec<crate::object::ObjectOrGroupFile>")]
     pub objects: Vec<ObjectFile>,
     /// The lights that are not objects. Area lights are objects with `emission`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -25,7 +25,7 @@ use abbe_optics::lens::zemax::ZmxSystem;
 use abbe_optics::lens::{LensAnalysis, catalogue};
 use abbe_session::output::{file, regress_page};
 use abbe_session::render::{Monitor, Progress, StopRules};
-use abbe_spectra::colour::regress::{RegressionTolerances, compare_given};
+use abbe_spectra::colour::regress::{RegressionSet, RegressionTolerances, compare_given};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::Observer;
 use abbe_transport::walk::StopFlag;
@@ -103,16 +103,17 @@ pub(super) fn lamps_report(
     py.detach(report).or_exception(py)
 }
 
-/// The regression set.
+/// A regression set by its number.
 #[pyfunction]
-pub(super) fn regression_set(py: Python<'_>) -> String {
-    py.detach(|| json(&exported_set()))
+pub(super) fn regression_set(py: Python<'_>, number: u32) -> PyResult<String> {
+    py.detach(|| Ok(json(&exported_set(RegressionSet::by_number(number)?)))).or_exception(py)
 }
 
 /// Judges the colours of a converter, and writes the page of the judgement to the file `page`.
 #[pyfunction]
 pub(super) fn regression_report(
     py: Python<'_>,
+    set: u32,
     colours: &str,
     delta_e: Option<f64>,
     component: Option<f64>,
@@ -124,7 +125,8 @@ pub(super) fn regression_report(
         component: component.unwrap_or(defaults.component),
     };
     let report = || {
-        let report = compare_given(&colours_of_json(colours)?, tolerances)?;
+        let set = RegressionSet::by_number(set)?;
+        let report = compare_given(set, &colours_of_json(set, colours)?, tolerances)?;
         if let Some(path) = &page {
             file::write_whole(path, regress_page::page(&report, "converter").as_bytes())?;
         }

@@ -102,12 +102,15 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
-        self.deserialize_struct("", &[], visitor)
+        match self {
+            Self::Written(written) => written.visit_fields(&[], true, visitor),
+            Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(&[])),
+        }
     }
 
     fn deserialize_struct<V: Visitor<'de>>(self, _: &'static str, keys: Names, visitor: V) -> ReadResult<V::Value> {
         match self {
-            Self::Written(written) => written.visit_fields(keys, visitor),
+            Self::Written(written) => written.visit_fields(keys, keys.contains(&NOTE), visitor),
             Self::StandIn => visitor.visit_map(&mut ObjectEntries::stand_ins(keys)),
         }
     }
@@ -128,6 +131,14 @@ impl<'de> Deserializer<'de> for ValueDeserializer<'_, 'de> {
     forward_to_deserialize_any! {
         i8 i16 i64 i128 u8 u16 u128 f32 f64 char bytes byte_buf unit unit_struct tuple_struct identifier ignored_any
     }
+}
+
+/// The key of a comment, which every object may have except those whose keys are names.
+const NOTE: &str = "note";
+
+/// Returns whether an entry of an object is a comment.
+fn is_note(key: SpannedValue, value: SpannedValue) -> bool {
+    value.kind() == ValueKind::String && key.content() == NOTE
 }
 
 enum WrittenNumber {
@@ -158,12 +169,12 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
                 let value = visitor.visit_seq(ArrayElements::Written(&mut elements, self.repairs))?;
                 self.check_end(elements).map(|()| value)
             }
-            ValueKind::Object => self.visit_object(visitor),
+            ValueKind::Object => self.visit_object(false, visitor),
         }
     }
 
-    fn visit_object<V: Visitor<'de>>(self, visitor: V) -> ReadResult<V::Value> {
-        let mut entries = ObjectEntries::of(self.value, self.repairs);
+    fn visit_object<V: Visitor<'de>>(self, has_note: bool, visitor: V) -> ReadResult<V::Value> {
+        let mut entries = ObjectEntries::of(self.value, self.repairs, has_note);
         let value = visitor.visit_map(&mut entries)?;
         entries.check_end().map(|()| value)
     }
@@ -225,11 +236,12 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         DeserializeError::mismatch(expected).at(self.value)
     }
 
-    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], visitor: V) -> ReadResult<V::Value> {
+    /// Visits the entries of an object. `has_note` says that a note is an entry like others.
+    fn visit_fields<V: Visitor<'de>>(self, fields: &[&str], has_note: bool, visitor: V) -> ReadResult<V::Value> {
         if self.value.kind() != ValueKind::Object {
             return Err(self.not_an_object(fields));
         }
-        self.visit_object(visitor).map_err(|error| error.at(self.value))
+        self.visit_object(has_note, visitor).map_err(|error| error.at(self.value))
     }
 
     fn check_length(self, length: usize) -> ReadResult<()> {
@@ -243,7 +255,9 @@ impl<'r, 'de> WrittenValue<'r, 'de> {
         match self.value.kind() {
             ValueKind::String => Ok(Variant::Plain(self.value)),
             ValueKind::Object => {
-                let mut entries = self.value.entries().filter(|(key, _)| !self.repairs.drops(*key));
+                let is_note = |key, value| !variants.contains(&NOTE) && is_note(key, value);
+                let mut entries =
+                    self.value.entries().filter(|&(key, value)| !self.repairs.drops(key) && !is_note(key, value));
                 match (entries.next(), entries.next()) {
                     (Some((key, value)), None) => Ok(Variant::Keyed { key, value, repairs: self.repairs }),
                     (Some(_), Some((second, _))) => {
@@ -299,19 +313,21 @@ struct ObjectEntries<'a, 'de> {
     written: Option<(ChildValues<'de>, &'a Repairs)>,
     /// The added keys, beginning with the last one.
     added: Vec<&'static str>,
+    /// True if a note is an entry like others, and not a comment.
+    has_note: bool,
     /// The value of the key that was read last. `None` stands for the value of an added key.
     value: Option<SpannedValue<'de>>,
 }
 
 impl<'a, 'de> ObjectEntries<'a, 'de> {
-    fn of(object: SpannedValue<'de>, repairs: &'a Repairs) -> Self {
+    fn of(object: SpannedValue<'de>, repairs: &'a Repairs, has_note: bool) -> Self {
         let added = repairs.added_to(object).collect();
-        Self { written: Some((object.children(), repairs)), added, value: None }
+        Self { written: Some((object.children(), repairs)), added, has_note, value: None }
     }
 
     /// Returns entries with these keys, and stand-ins as their values.
     fn stand_ins(keys: &[&'static str]) -> Self {
-        Self { written: None, added: keys.iter().rev().copied().collect(), value: None }
+        Self { written: None, added: keys.iter().rev().copied().collect(), has_note: true, value: None }
     }
 
     fn next_kept_key(&mut self) -> Option<SpannedValue<'de>> {
@@ -319,7 +335,8 @@ impl<'a, 'de> ObjectEntries<'a, 'de> {
         loop {
             let key = entries.next()?;
             self.value = entries.next();
-            if !repairs.drops(key) {
+            let is_note = !self.has_note && self.value.is_some_and(|value| is_note(key, value));
+            if !repairs.drops(key) && !is_note {
                 return Some(key);
             }
         }

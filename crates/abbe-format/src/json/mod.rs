@@ -1,15 +1,20 @@
 //! JSON with positions: reads strict JSON text, applies `PATH=JSON` patches to it, and deserialises
 //! it with serde. Every error names its file, line, column and JSON path.
 //!
-//! `patch` applies the patches and keeps the origin of each part of the text, `scan` checks the
-//! syntax and records the `positions` of the values, and `deserialize` hands them to serde.
+//! `patch` applies the patches, `expand` replaces the shorthands of scenes, `origin` keeps the
+//! origin of each part of the text, `scan` checks the syntax and records the `positions` of the
+//! values, and `deserialize` hands them to serde.
 //! [`JsonSource`] holds the result, and adds the position to errors that are found later.
 
 mod describe;
 mod deserialize;
 mod deserialize_error;
+mod expand;
+#[cfg(test)]
+mod expand_tests;
 mod file_access;
 mod key;
+mod origin;
 mod patch;
 mod path;
 mod positions;

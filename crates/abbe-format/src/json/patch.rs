@@ -1,13 +1,16 @@
 //! Patches of the form `PATH=JSON`, which change a JSON text before it is read.
 //!
 //! A patch replaces the value at its path, or adds the last key and the objects on the path that
-//! are missing. The step `[-]` appends an element to an array.
+//! are missing. The step `[-]` appends an element to an array. In an array, a key selects the
+//! element with this name, or the only element with this key.
 
+use super::describe::{found, one_of};
+use super::origin::{OriginalFile, PieceOrigin, TextPieces};
+use super::path;
 use super::path::{PathStep, quoted};
 use super::positions::{Positions, SpannedValue, ValueKind};
 use super::scan::{SyntaxError, scan};
-use super::text::{line_column, too_large};
-use super::{describe::found, path};
+use super::text::too_large;
 use crate::MAX_BYTES;
 use abbe_spectra::error::{Error, Result, nearest_name};
 use std::path::Path;
@@ -16,90 +19,82 @@ use std::path::Path;
 /// render.passes`. A program can replace the text with the name of its command-line option.
 pub const PATCH_LABEL: &str = "patch ";
 
-/// A text to which all patches have been applied.
+/// A text with edits, and the origin of all its parts.
+#[derive(Debug, Clone)]
 pub(super) struct PatchedText {
     pub(super) text: String,
+    /// The text before all edits, or `None` if there are none.
+    pub(super) unpatched: Option<String>,
+    /// The files that the text includes.
+    pub(super) parts: Vec<OriginalFile>,
     pub(super) pieces: TextPieces,
     pub(super) positions: Positions,
 }
 
 impl PatchedText {
-    /// Applies patches to a text. Errors use `file` as the name of the text.
-    pub(super) fn new(mut text: String, file: &Path, sets: &[String]) -> Result<Self> {
+    /// Reads a text. Errors use `file` as its name.
+    pub(super) fn new(text: String, file: &Path) -> Result<Self> {
         if text.len() as u64 > MAX_BYTES {
             return Err(too_large().in_file(file));
         }
-        let at_position = |SyntaxError { offset, error }: SyntaxError| {
-            let (line, column) = line_column(&text, offset);
-            error.in_file(file).at(line, column)
-        };
-        let mut positions = scan(&text).map_err(at_position)?;
-        let mut pieces = TextPieces(vec![TextPiece { start: 0, origin: PieceOrigin::File(0) }]);
+        let positions =
+            scan(&text).map_err(|SyntaxError { offset, error }| OriginalFile::place(file, &text, offset, error))?;
+        Ok(Self { text, unpatched: None, parts: Vec::new(), pieces: TextPieces::of_file(), positions })
+    }
+
+    /// Applies patches of the form `PATH=JSON`.
+    pub(super) fn patch(&mut self, sets: &[String]) -> Result<()> {
         for set in sets {
             let patch = read_patch(set)?;
-            let edit = patch.edit(positions.root(&text)).map_err(|error| error.in_file(Path::new(&patch.label)))?;
-            pieces = pieces.after(&edit, &patch.label, text.len());
-            text.replace_range(edit.from..edit.to, &edit.text);
-            positions = rescan(&text, &patch.label)?;
+            let root = self.positions.root(&self.text);
+            let edit = patch.edit(root).map_err(|error| error.in_file(Path::new(&patch.label)))?;
+            self.apply(vec![edit], Path::new(&patch.label)).map_err(|mut error| {
+                error.location.line_column = None;
+                error
+            })?;
         }
-        Ok(Self { text, pieces, positions })
+        Ok(())
     }
-}
 
-/// The origin of each part of a patched text, in the order of the text.
-#[derive(Debug, Clone)]
-pub(super) struct TextPieces(Vec<TextPiece>);
-
-/// A piece of the text that comes from a single origin. It ends where the next piece starts.
-#[derive(Debug, Clone)]
-struct TextPiece {
-    /// Byte offset of its first byte.
-    start: usize,
-    origin: PieceOrigin,
-}
-
-#[derive(Debug, Clone)]
-pub(super) enum PieceOrigin {
-    /// The piece comes from the file, where it starts at this byte offset.
-    File(usize),
-    /// The piece comes from the patch with this label.
-    Patch(String),
-}
-
-impl PieceOrigin {
-    /// Returns the origin of the text that starts `bytes` bytes later in the same piece.
-    fn skip(&self, bytes: usize) -> Self {
-        match self {
-            Self::File(offset) => Self::File(offset + bytes),
-            Self::Patch(label) => Self::Patch(label.clone()),
+    /// Applies edits that do not overlap. Several insertions at one place keep their order. Errors
+    /// use `file` as the name of the text.
+    pub(super) fn apply(&mut self, mut edits: Vec<TextEdit>, file: &Path) -> Result<()> {
+        self.unpatched.get_or_insert_with(|| self.text.clone());
+        edits.sort_by_key(|edit| edit.from);
+        for TextEdit { from, to, text, origin } in edits.into_iter().rev() {
+            self.pieces = self.pieces.after((from, to), text.len(), origin, self.text.len());
+            self.text.replace_range(from..to, &text);
         }
-    }
-}
-
-impl TextPieces {
-    /// Returns the origin of the byte at an offset in the patched text.
-    pub(super) fn origin(&self, offset: usize) -> Option<PieceOrigin> {
-        let index = self.0.partition_point(|piece| piece.start <= offset).saturating_sub(1);
-        self.0.get(index).map(|piece| piece.origin.skip(offset - piece.start))
+        if self.text.len() as u64 > MAX_BYTES {
+            return Err(too_large().in_file(file));
+        }
+        self.positions = scan(&self.text).map_err(|SyntaxError { offset, error }| self.place(file, offset, error))?;
+        Ok(())
     }
 
-    /// Returns the pieces of the text after an edit. Before the edit, the text has `length` bytes.
-    fn after(&self, edit: &TextEdit, label: &str, length: usize) -> Self {
-        let ends = self.0.iter().skip(1).map(|piece| piece.start).chain([length]);
-        let (mut before, mut after) = (Vec::new(), Vec::new());
-        for (piece, end) in self.0.iter().zip(ends) {
-            if piece.start < edit.from {
-                before.push(piece.clone());
+    pub(super) fn origin(&self, offset: usize) -> PieceOrigin {
+        self.pieces.origin(offset)
+    }
+
+    /// Returns the origin of a copy of the text between two offsets.
+    pub(super) fn origin_of(&self, from: usize, to: usize) -> PieceOrigin {
+        self.pieces.origin_of(from, to)
+    }
+
+    /// Adds file, line and column to an error at a byte offset of the edited text. `file` is the
+    /// name of the text.
+    pub(super) fn place(&self, file: &Path, offset: usize, error: Error) -> Error {
+        match self.origin(offset) {
+            PieceOrigin::Patch(label) => error.in_file(Path::new(&label)),
+            PieceOrigin::Part(part, offset) => {
+                let OriginalFile { path, text } = &self.parts[part];
+                OriginalFile::place(path, text, offset, error)
             }
-            if end > edit.to {
-                let skipped = edit.to.saturating_sub(piece.start);
-                let start = piece.start + skipped - edit.to + edit.from + edit.text.len();
-                after.push(TextPiece { start, origin: piece.origin.skip(skipped) });
+            PieceOrigin::File(offset) => {
+                OriginalFile::place(file, self.unpatched.as_ref().unwrap_or(&self.text), offset, error)
             }
+            PieceOrigin::At(_) => error.in_file(file),
         }
-        before.push(TextPiece { start: edit.from, origin: PieceOrigin::Patch(label.to_string()) });
-        before.extend(after);
-        Self(before)
     }
 }
 
@@ -109,18 +104,26 @@ struct PathPatch<'s> {
     label: String,
 }
 
-struct TextEdit {
+/// A replacement of a part of a text.
+pub(super) struct TextEdit {
     from: usize,
     to: usize,
     text: String,
+    origin: PieceOrigin,
 }
 
-/// Scans a patched text, which can be too large or too deeply nested, although its parts are valid.
-fn rescan(text: &str, label: &str) -> Result<Positions> {
-    if text.len() as u64 > MAX_BYTES {
-        return Err(too_large().in_file(Path::new(label)));
+impl TextEdit {
+    pub(super) fn replacing(value: SpannedValue, text: impl Into<String>, origin: PieceOrigin) -> Self {
+        Self { from: value.start(), to: value.end(), text: text.into(), origin }
     }
-    scan(text).map_err(|malformed| malformed.error.in_file(Path::new(label)))
+
+    pub(super) fn insertion(at: usize, text: impl Into<String>, origin: PieceOrigin) -> Self {
+        Self { from: at, to: at, text: text.into(), origin }
+    }
+
+    pub(super) fn removal(from: usize, to: usize, origin: PieceOrigin) -> Self {
+        Self { from, to, text: String::new(), origin }
+    }
 }
 
 /// Parses a patch of the form `PATH=JSON`.
@@ -186,7 +189,7 @@ impl PathPatch<'_> {
                 None => return self.addition(value, i),
             }
         }
-        Ok(TextEdit { from: value.start(), to: value.end(), text: self.json.to_string() })
+        Ok(TextEdit::replacing(value, self.json, self.origin()))
     }
 
     /// Returns the edit that adds the missing part of the path to `value`, which is the last
@@ -202,7 +205,9 @@ impl PathPatch<'_> {
             (PathStep::Key(key), ValueKind::Object) => text = format!("{}: {text}", quoted(key)),
             (PathStep::Append, ValueKind::Array) => {}
             (PathStep::Index(index), ValueKind::Array) => return Err(out_of_range(before, *index, value)),
-            (PathStep::Named(name), ValueKind::Array) => return Err(no_such_name(before, name, value)),
+            (PathStep::Named(name) | PathStep::Key(name), ValueKind::Array) => {
+                return Err(no_such_name(before, name, value));
+            }
             (PathStep::Key(_), _) => return Err(wrong_kind(before, value, "an object")),
             (PathStep::Index(_) | PathStep::Append | PathStep::Named(_), _) => {
                 return Err(wrong_kind(before, value, "an array"));
@@ -212,7 +217,11 @@ impl PathPatch<'_> {
         let last = value.children().last();
         let at = last.map_or(value.start() + 1, SpannedValue::end);
         let text = if last.is_some() { format!(", {text}") } else { text };
-        Ok(TextEdit { from: at, to: at, text })
+        Ok(TextEdit::insertion(at, text, self.origin()))
+    }
+
+    fn origin(&self) -> PieceOrigin {
+        PieceOrigin::Patch(self.label.clone())
     }
 }
 
@@ -232,11 +241,14 @@ fn out_of_range(array: &[PathStep], index: usize, value: SpannedValue) -> Error 
 }
 
 fn no_such_name(array: &[PathStep], name: &str, value: SpannedValue) -> Error {
-    let names = value.children().filter_map(|element| element.get("name"));
-    let names: Vec<_> = names.filter(|name| name.kind() == ValueKind::String).map(SpannedValue::content).collect();
-    let near = nearest_name(name, names.iter().map(AsRef::as_ref));
+    let targets = value.targets();
+    let near = nearest_name(name, targets.iter().map(String::as_str));
     let what = format!("found no element with the name {} in {}", quoted(name), path::display(array));
-    Error { suggestion: near, ..Error::input(what) }
+    let error = Error { suggestion: near, ..Error::input(what) };
+    if targets.is_empty() {
+        return error.expected("no name, as it is empty");
+    }
+    error.expected(one_of(&targets.iter().map(String::as_str).collect::<Vec<_>>()))
 }
 
 fn wrong_kind(steps: &[PathStep], value: SpannedValue, wanted: &str) -> Error {
@@ -252,8 +264,10 @@ mod tests {
     /// Applies patches to a text. Returns the patched text, or the error message.
     fn after(text: &str, sets: &[&str]) -> String {
         let sets: Vec<_> = sets.iter().map(|set| set.to_string()).collect();
-        PatchedText::new(text.to_string(), Path::new("scene.json"), &sets)
-            .map_or_else(|error| error.to_string(), |patched| patched.text)
+        let file = Path::new("scene.json");
+        let patched = PatchedText::new(text.to_string(), file)
+            .and_then(|mut patched| patched.patch(&sets).map(|()| patched.text));
+        patched.unwrap_or_else(|error| error.to_string())
     }
 
     #[test]
@@ -264,6 +278,22 @@ mod tests {
         assert_eq!(after(text, &["a[name=x].b=null"]), r#"{"a": [1, {"name": "x", "b": null}], "c d": 3}"#);
         assert_eq!(after(text, &[r#"["c d"]="=""#]), r#"{"a": [1, {"name": "x", "b": 2}], "c d": "="}"#);
         assert_eq!(after(text, &["c d=4"]), r#"{"a": [1, {"name": "x", "b": 2}], "c d": 4}"#);
+    }
+
+    #[test]
+    fn elements_are_found_by_name_and_by_key() {
+        let text = r#"{"o": [{"name": "p", "t": [{"move": 1}, {"turn": 2}]}, {"name": "g", "group": [{"name": "q", "r": 3}]}],
+            "l": [{"sun": {"x": 4}}, {"spot": {"x": 5}}, {"spot": {"x": 6}}]}"#;
+        let replaced = |from: &str, to: &str| text.replacen(from, to, 1);
+        assert_eq!(after(text, &["o.p.t.turn=7"]), replaced("\"turn\": 2", "\"turn\": 7"));
+        assert_eq!(after(text, &["o.g.q.r=7"]), replaced("\"r\": 3", "\"r\": 7"));
+        assert_eq!(after(text, &["o.g.new=7"]), replaced("\"r\": 3}]", "\"r\": 3}], \"new\": 7"));
+        assert_eq!(after(text, &["l.sun.x=7"]), replaced("\"x\": 4", "\"x\": 7"));
+        let message = "patch l.spot.x: found no element with the name \"spot\" in l; expected one of sun, [1].spot, [2].spot; \
+                       did you mean \"[2].spot\"?";
+        assert_eq!(after(text, &["l.spot.x=7"]), message, "two elements have this key");
+        let message = "patch o.t.x: found no element with the name \"t\" in o; expected one of p, g, g.q";
+        assert_eq!(after(text, &["o.t.x=7"]), message);
     }
 
     #[test]
@@ -293,14 +323,19 @@ mod tests {
             ("a[2]=1", "patch a[2]: found no element 2; expected an index of a from 0 to 1; a[-] adds an element"),
             ("e[0]=1", "patch e[0]: found no element 0; expected no index, as e is empty; e[-] adds an element"),
             ("f[1]=1", "patch f[1]: found no element 1; expected index 0, the only one of f; f[-] adds an element"),
-            ("a.b=1", "patch a.b: found an array of 2 at a; expected an object"),
+            (
+                "a.prisn=1",
+                "patch a.prisn: found no element with the name \"prisn\" in a; expected one of [0], prism; did you mean \"prism\"?",
+            ),
+            ("e.b=1", "patch e.b: found no element with the name \"b\" in e; expected no name, as it is empty"),
             ("a[0].b=1", "patch a[0].b: found 1 at a[0]; expected an object"),
             ("[0]=1", "patch [0]: found an object at the top level; expected an array"),
             ("x[0]=1", "patch x[0]: found nothing at x; expected a path through existing values"),
             ("x.y[0]=1", "patch x.y[0]: found nothing at x; expected a path through existing values"),
             (
                 "a[name=prisn].b=1",
-                "patch a[name=prisn].b: found no element with the name \"prisn\" in a; did you mean \"prism\"?",
+                "patch a[name=prisn].b: found no element with the name \"prisn\" in a; expected one of [0], prism; \
+                 did you mean \"prism\"?",
             ),
         ] {
             assert_eq!(after(text, &[set]), message, "{set}");

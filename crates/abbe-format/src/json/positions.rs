@@ -121,9 +121,10 @@ impl<'t> SpannedValue<'t> {
     /// Follows one step of a path. Returns `None` if the step does not lead to a value.
     pub(super) fn step(self, step: &PathStep) -> Option<SpannedValue<'t>> {
         match (step, self.kind()) {
-            (PathStep::Key(key), ValueKind::Object) => self.get(key),
+            (PathStep::Key(key), ValueKind::Object) => self.get(key).or_else(|| self.in_group(key)),
             (PathStep::Index(index), ValueKind::Array) => self.children().nth(*index),
             (PathStep::Named(name), ValueKind::Array) => self.children().find(|element| element.is_named(name)),
+            (PathStep::Key(key), ValueKind::Array) => self.element(key),
             (PathStep::Key(_) | PathStep::Index(_) | PathStep::Named(_) | PathStep::Append, _) => None,
         }
     }
@@ -131,6 +132,58 @@ impl<'t> SpannedValue<'t> {
     /// Returns whether this value is an object whose key `name` contains the text of the argument.
     fn is_named(self, name: &str) -> bool {
         self.get("name").is_some_and(|value| value.kind() == ValueKind::String && value.content() == name)
+    }
+
+    /// Returns the object of a group with this name.
+    fn in_group(self, name: &str) -> Option<SpannedValue<'t>> {
+        self.get("group").filter(|group| group.kind() == ValueKind::Array).and_then(|group| group.named(name))
+    }
+
+    /// Returns the first element of an array with this name, also in groups.
+    fn named(self, name: &str) -> Option<SpannedValue<'t>> {
+        let own = self.children().find(|element| element.is_named(name));
+        own.or_else(|| self.children().find_map(|element| element.in_group(name)))
+    }
+
+    /// Returns the element of an array with this name, or the value of the only element with this
+    /// key, such as the step `rotate` of a transform.
+    fn element(self, key: &str) -> Option<SpannedValue<'t>> {
+        self.named(key).or_else(|| {
+            let mut values =
+                self.children().filter(|element| !element.has_name()).filter_map(|element| element.get(key));
+            values.next().filter(|_| values.next().is_none())
+        })
+    }
+
+    fn has_name(self) -> bool {
+        self.get("name").is_some_and(|value| value.kind() == ValueKind::String)
+    }
+
+    /// Returns the keys by which the elements of an array are found, or their numbers.
+    pub(super) fn targets(self) -> Vec<String> {
+        let mut targets = Vec::new();
+        for (i, element) in self.children().enumerate() {
+            let name = element.get("name").filter(|_| element.has_name()).map(Self::content);
+            let only_key = element.entries_of_object().next().filter(|_| element.entries_of_object().count() == 1);
+            let key = only_key.map(|(key, _)| key.content());
+            let mut target = String::new();
+            if let Some(name) = name.as_ref().or(key.as_ref().filter(|key| self.element(key).is_some())) {
+                push_key(&mut target, name);
+            } else {
+                target = format!("[{i}]");
+                key.iter().for_each(|key| push_key(&mut target, key));
+            }
+            let group = element.get("group").filter(|group| group.kind() == ValueKind::Array);
+            let inside = group.map_or_else(Vec::new, Self::targets);
+            targets
+                .extend(std::iter::once(target.clone()).chain(inside.iter().map(|inner| format!("{target}.{inner}"))));
+        }
+        targets
+    }
+
+    /// Returns the entries of an object, and none for other values.
+    fn entries_of_object(self) -> impl Iterator<Item = (SpannedValue<'t>, SpannedValue<'t>)> {
+        self.entries().filter(move |_| self.kind() == ValueKind::Object)
     }
 
     /// Returns the value at a path, or the deepest existing value on the path.

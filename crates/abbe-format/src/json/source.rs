@@ -1,8 +1,8 @@
 //! A JSON text with its patches. Deserialises the text, and adds positions to errors.
 
-use super::patch::{PatchedText, PieceOrigin, TextPieces};
-use super::positions::{Positions, ValueKind};
-use super::{deserialize::ValueDeserializer, path, repair::Repairs, serialize::Sections, text::line_column};
+use super::patch::PatchedText;
+use super::positions::{SpannedValue, ValueKind};
+use super::{deserialize::ValueDeserializer, path, repair::Repairs, serialize::Sections};
 use crate::FileAccess;
 use abbe_spectra::error::{Error, MAX_FAULTS, Result};
 use abbe_spectra::text::without_byte_order_mark;
@@ -24,13 +24,13 @@ impl<T> RepairedValue<T> {
     /// Returns whether the outermost object of the text `source` contains an unknown key. The names
     /// that the ignored entry defines are then unknown.
     pub fn lacks_definitions(&self, source: &JsonSource) -> bool {
-        source.positions.root(&source.text).entries().any(|(key, _)| self.repairs.drops(key))
+        source.root().entries().any(|(key, _)| self.repairs.drops(key))
     }
 
     /// Returns whether an error may only follow from a repair of the text `source`. In such a case,
     /// the value at the path of the error contains a repaired part, or is inside one.
     pub fn explains(&self, source: &JsonSource, error: &Error) -> bool {
-        let root = source.positions.root(&source.text);
+        let root = source.root();
         let steps = path::parse(error.location.path.as_deref().unwrap_or_default()).unwrap_or_default();
         self.repairs.concern(root.nearest(&steps))
     }
@@ -41,11 +41,9 @@ impl<T> RepairedValue<T> {
 pub struct JsonSource {
     /// The path of the file, as the caller gave it.
     pub path: PathBuf,
-    pub text: String,
-    /// The text before the patches, or `None` if there are no patches.
-    unpatched: Option<String>,
-    pieces: TextPieces,
-    positions: Positions,
+    edited: PatchedText,
+    /// The text before variables and groups were replaced, or `None` if there are none.
+    written: Option<String>,
     file_access: FileAccess,
 }
 
@@ -55,13 +53,42 @@ impl JsonSource {
     /// # Errors
     /// Returns an error if the text is not JSON, or if a patch cannot be applied.
     pub fn patched(text: impl Into<String>, file: &Path, sets: &[String]) -> Result<Self> {
-        let mut text = text.into();
-        let mark = text.len() - without_byte_order_mark(&text).len();
-        text.drain(..mark);
-        let unpatched = (!sets.is_empty()).then(|| text.clone());
-        let PatchedText { text, pieces, positions } = PatchedText::new(text, file, sets)?;
-        let file_access = FileAccess::default();
-        Ok(Self { path: file.to_path_buf(), text, unpatched, pieces, positions, file_access })
+        let mut edited = PatchedText::new(without_mark(text.into()), file)?;
+        edited.patch(sets)?;
+        Ok(Self { path: file.to_path_buf(), edited, written: None, file_access: FileAccess::default() })
+    }
+
+    /// Reads the text of a scene like [`Self::patched`]. Before the patches, it adds the files that
+    /// the scene includes, so that patches can change them. After the patches, it adds the files
+    /// that patches include, and replaces variables and groups. `access` says which files
+    /// the text may name.
+    ///
+    /// # Errors
+    /// Returns also an error if an included file cannot be read, if a variable is unknown, or if a
+    /// group is malformed.
+    pub fn of_scene(text: impl Into<String>, file: &Path, sets: &[String], access: FileAccess) -> Result<Self> {
+        let mut edited = PatchedText::new(without_mark(text.into()), file)?;
+        edited.include(file, access)?;
+        edited.patch(sets)?;
+        edited.include(file, access)?;
+        let before = edited.has_shorthands().then(|| edited.text.clone());
+        edited.substitute(file)?;
+        edited.ungroup(file)?;
+        Ok(Self { path: file.to_path_buf(), edited, written: before, file_access: access })
+    }
+
+    /// Returns the text, in which variables and groups are replaced.
+    pub fn text(&self) -> &str {
+        &self.edited.text
+    }
+
+    /// Returns the text before variables and groups were replaced. Patches refer to its values.
+    pub fn written(&self) -> &str {
+        self.written.as_ref().unwrap_or(&self.edited.text)
+    }
+
+    fn root(&self) -> SpannedValue<'_> {
+        self.edited.positions.root(&self.edited.text)
     }
 
     /// Deserialises the text.
@@ -79,7 +106,7 @@ impl JsonSource {
 
     /// Deserialises the text. A part that does not fit is reported and replaced.
     pub fn deserialize_repaired<T: DeserializeOwned>(&self) -> RepairedValue<T> {
-        let root = self.positions.root(&self.text);
+        let root = self.root();
         let (mut faults, mut repairs) = (Vec::new(), Repairs::default());
         loop {
             let error = match T::deserialize(ValueDeserializer::new(root, &repairs)) {
@@ -100,15 +127,15 @@ impl JsonSource {
     /// Returns the values of the text as compact JSON. `keeps` returns whether an entry stays, from
     /// the key of its section (an object inside the outermost object) and from its own key.
     pub fn compact(&self, keeps: impl Fn(&str, &str) -> bool) -> String {
-        let root = self.positions.root(&self.text);
+        let root = self.root();
         serde_json::to_string(&Sections { root, keeps }).expect("the scanner has checked the text")
     }
 
     /// Returns all strings of the text except the keys, in the order of the text.
     pub fn strings(&self) -> impl Iterator<Item = Cow<'_, str>> {
-        let root = self.positions.root(&self.text);
+        let root = self.root();
         let is_string = move |id: &u32| root.with_id(*id).kind() == ValueKind::String && !root.is_key(*id);
-        self.positions.ids().filter(is_string).map(move |id| root.with_id(id).content())
+        self.edited.positions.ids().filter(is_string).map(move |id| root.with_id(id).content())
     }
 
     pub fn folder(&self) -> &Path {
@@ -139,7 +166,7 @@ impl JsonSource {
     #[must_use]
     pub fn error_at(&self, json_path: &str, error: Error) -> Error {
         let steps = path::parse(json_path).unwrap_or_default();
-        let value = self.positions.root(&self.text).nearest(&steps);
+        let value = self.root().nearest(&steps);
         self.error_at_offset(value.start(), error.on_path(json_path))
     }
 
@@ -164,14 +191,13 @@ impl JsonSource {
         if error.location.file.is_some() {
             return error;
         }
-        match self.pieces.origin(offset) {
-            Some(PieceOrigin::Patch(label)) => error.in_file(Path::new(&label)),
-            Some(PieceOrigin::File(offset)) => {
-                let text = self.unpatched.as_ref().unwrap_or(&self.text);
-                let (line, column) = line_column(text, offset);
-                error.in_file(&self.path).at(line, column)
-            }
-            None => error.in_file(&self.path),
-        }
+        self.edited.place(&self.path, offset, error)
     }
+}
+
+/// Removes the byte order mark of a text.
+fn without_mark(mut text: String) -> String {
+    let mark = text.len() - without_byte_order_mark(&text).len();
+    text.drain(..mark);
+    text
 }

@@ -57,7 +57,7 @@ pub fn parse_with_access(
     sets: &[String],
     access: FileAccess,
 ) -> Result<(SceneFile, JsonSource)> {
-    let source = JsonSource::patched(text, path, sets)?.with_file_access(access);
+    let source = JsonSource::of_scene(text, path, sets, access)?;
     parse_source(source, &|scene, source| resolve_any(scene, source).err())
 }
 

@@ -281,7 +281,13 @@ mod tests {
         assert_eq!(index.range_nm(), (380.0, 2500.0));
         assert_eq!(index.n(360.0), index.n(380.0));
         assert!(index.n(380.0) > index.n(381.0));
-        assert!(index.warning().unwrap().contains("380 to 2500 nm"));
+        let warning = index.warning().unwrap();
+        assert!(warning.contains("380 to 2500 nm") && crate::glass::is_negligible(warning), "{warning}");
+        let water = RefractiveIndex::table(&[420.0, 700.0], &[1.34, 1.33]).map(|mut index| {
+            index.set_warning("water", ReferenceMedium::Air);
+            index
+        });
+        assert!(!crate::glass::is_negligible(water.unwrap().warning().unwrap()));
         assert_eq!(RefractiveIndex::catalogue("N-BK7").unwrap().warning(), None);
         assert!(RefractiveIndex::catalogue("air (Ciddor)").unwrap().warning().unwrap().contains("relative to vacuum"));
     }

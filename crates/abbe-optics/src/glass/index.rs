@@ -3,8 +3,19 @@
 use super::dispersion::{Dispersion, SellmeierTerm};
 use super::lines;
 use abbe_spectra::error::{Error, Result};
-use abbe_spectra::spectrum::BAND_NM;
+use abbe_spectra::spectrum::{BAND_NM, Observer};
 use serde::Deserialize;
+
+/// The end of a warning about a part of the band that hardly contributes to colours.
+const NEGLIGIBLE: &str = ", which contributes less than 0.1 % to the colour of white light";
+
+/// The largest fraction of X + Y + Z of white light of equal energy that is negligible.
+const NEGLIGIBLE_FRACTION: f64 = 1e-3;
+
+/// Tells whether a note ends with a warning about an index where it changes no colour.
+pub fn is_negligible(note: &str) -> bool {
+    note.ends_with(NEGLIGIBLE)
+}
 
 /// The medium to which a refractive index is relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -114,8 +125,16 @@ impl RefractiveIndex {
         let (from, to) = self.range_nm;
         let mut warnings = Vec::new();
         if from > BAND_NM.0 || to < BAND_NM.1 {
+            let observer = Observer::cie1931();
+            let total = |(from, to): (f64, f64)| {
+                let nm = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).filter(|nm| from <= *nm && *nm <= to);
+                nm.flat_map(|nm| observer.xyz_bar(nm)).sum::<f64>()
+            };
+            let is_negligible = total((from, to)) >= (1.0 - NEGLIGIBLE_FRACTION) * total(BAND_NM);
+            let negligible = if is_negligible { NEGLIGIBLE } else { "" };
             let range = format!(
-                "the index of {name} is known from {from} to {to} nm; outside this range, the value at the nearest end is used"
+                "the index of {name} is known from {from} to {to} nm; the value at the nearest end is used \
+                 outside this range{negligible}"
             );
             warnings.push(range);
         }

@@ -17,5 +17,5 @@ pub use agf::AgfCatalogue;
 pub use catalogue::{CauchyFit, Glass, GlassKind};
 pub use dispersion::{Dispersion, PowerTerm, SellmeierTerm};
 pub use extinction::Extinction;
-pub use index::{ReferenceMedium, RefractiveIndex};
+pub use index::{ReferenceMedium, RefractiveIndex, is_negligible};
 pub use index_file::IndexFileData;

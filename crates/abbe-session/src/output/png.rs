@@ -17,7 +17,7 @@
 
 use std::borrow::Cow;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use ::png::chunk::ChunkType;
 use ::png::{
@@ -66,6 +66,63 @@ pub fn encode(screen: &DisplayImage) -> Result<Vec<u8>> {
 pub fn write(path: &Path, screen: &DisplayImage) -> Result<()> {
     let bytes = encode(screen).map_err(|error| error.in_file(path))?;
     file::write_whole(path, &bytes)
+}
+
+/// Writes PNG files of the same size and the same colour space atomically as the frames of an
+/// animated PNG, which repeats for ever. `fps` is the number of frames per second.
+///
+/// # Errors
+/// Returns an error if a frame cannot be read or differs from the first one, and a machine error if
+/// the file cannot be written.
+pub fn write_animation(path: &Path, frames: &[PathBuf], fps: f64) -> Result<()> {
+    let Some((first, others)) = frames.split_first() else { return Ok(()) };
+    let failed = |error: ::png::EncodingError| {
+        Error::machine(format!("cannot be written as an animated PNG: {error}")).in_file(path)
+    };
+    let (info, pixels) = decoded(first)?;
+    let (size, depth, code_points) = (info.size(), info.bit_depth, info.coding_independent_code_points);
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::with_info(&mut bytes, info).map_err(failed)?;
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_filter(Filter::Adaptive);
+    encoder.set_animated(frames.len() as u32, 0).map_err(failed)?;
+    let (numerator, denominator) = frame_delay(fps);
+    encoder.set_frame_delay(numerator, denominator).map_err(failed)?;
+    let mut writer = encoder.write_header().map_err(failed)?;
+    if let Some(points) = code_points {
+        let is_full = u8::from(points.is_video_full_range_image);
+        let points = [points.color_primaries, points.transfer_function, points.matrix_coefficients, is_full];
+        writer.write_chunk(CODE_POINTS, &points).map_err(failed)?;
+    }
+    writer.write_image_data(&pixels).map_err(failed)?;
+    for frame in others {
+        let (info, pixels) = decoded(frame)?;
+        if (info.size(), info.bit_depth) != (size, depth) {
+            return Err(Error::input("differs in size or depth from the first frame").in_file(frame));
+        }
+        writer.write_image_data(&pixels).map_err(failed)?;
+    }
+    writer.finish().map_err(failed)?;
+    file::write_whole(path, &bytes)
+}
+
+/// Returns the time of a frame in s as a fraction.
+fn frame_delay(fps: f64) -> (u16, u16) {
+    if fps.fract() == 0.0 && fps <= f64::from(u16::MAX) {
+        return (1, fps as u16);
+    }
+    ((1000.0 / fps).round().clamp(1.0, f64::from(u16::MAX)) as u16, 1000)
+}
+
+/// Reads the header and the pixels of a PNG file.
+fn decoded(path: &Path) -> Result<(Info<'static>, Vec<u8>)> {
+    let wrong = |what: String| Error::input(format!("cannot be read: {what}")).in_file(path);
+    let bytes = std::fs::read(path).map_err(|error| wrong(error.to_string()))?;
+    let mut reader = ::png::Decoder::new(Cursor::new(bytes)).read_info().map_err(|error| wrong(error.to_string()))?;
+    let size = reader.output_buffer_size().ok_or_else(|| wrong("the picture is too large".to_string()))?;
+    let mut pixels = vec![0; size];
+    reader.next_frame(&mut pixels).map_err(|error| wrong(error.to_string()))?;
+    Ok((reader.info().clone(), pixels))
 }
 
 fn header(screen: &DisplayImage) -> Result<Info<'static>> {

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::page::document;
 use abbe_spectra::colour::gamut::{brightest, desaturate};
 use abbe_spectra::colour::regress::{CaseComparison, CaseGroup, ColourComparison, RegressionReport};
-use abbe_spectra::colour::{RgbSpace, decode_srgb, srgb_hex, xyz_to_linear_srgb};
+use abbe_spectra::colour::{RgbSpace, srgb_hex};
 
 /// The largest number of cases that the page shows.
 const SHOWN: usize = 40;
@@ -17,7 +17,7 @@ pub fn page(report: &RegressionReport, source: &str) -> String {
     let body = html! {
         h1 { (title) }
         p { strong { (report.verdict()) } }
-        @if let Some(hint) = &report.hint { p.warning { (hint) "." } }
+        @if let Some(cause) = report.cause_in_words() { p.warning { (cause) "." } }
         p.soft { "A case passes if ΔE2000 is at most " (tolerances.delta_e_2000) " and no component differs by more than "
             (tolerances.component) " of white or of the largest expected component." }
         (groups(report))
@@ -37,20 +37,16 @@ pub fn page(report: &RegressionReport, source: &str) -> String {
 }
 
 fn groups(report: &RegressionReport) -> Markup {
-    let of_group =
-        |group: CaseGroup| report.cases.iter().filter(|case| case.group == group).collect::<Vec<&CaseComparison>>();
-    let by_group =
-        CaseGroup::ALL.into_iter().map(|group| (group, of_group(group))).filter(|(_, cases)| !cases.is_empty());
     html! {
         table.patches {
             thead { tr { th { "group" } th.number { "cases" } th.number { "failed" } th.number { "largest ΔE2000" } } }
             tbody {
-                @for (group, cases) in by_group {
+                @for summary in &report.groups {
                     tr {
-                        td { (group.name()) }
-                        td.number { (cases.len()) }
-                        td.number { (cases.iter().filter(|case| !case.passed).count()) }
-                        td.number { (number(cases.iter().map(|case| case.delta_e_2000()).fold(0.0, f64::max))) }
+                        td { (summary.group.name()) }
+                        td.number { (summary.compared) }
+                        td.number { (summary.failed) }
+                        td.number { (number(summary.delta_e_2000)) }
                     }
                 }
             }
@@ -70,7 +66,7 @@ fn row(case: &CaseComparison) -> Markup {
                 td { (case.id) @if !case.passed { " " strong { "failed" } } }
                 td.number { (number(case.delta_e_2000())) }
                 td.number { (number(case.component())) }
-                td { (colour.form) }
+                td { (colour.form.name()) }
                 td { (triple(colour.expected)) br; (triple(colour.found)) }
             }
         }
@@ -86,12 +82,8 @@ fn swatch(case: &CaseComparison, colour: &ColourComparison, value: [f64; 3]) -> 
     if value.iter().any(|component| !component.is_finite()) {
         return "transparent".to_string();
     }
-    let linear = match colour.form {
-        "xyz" => xyz_to_linear_srgb(value.map(|component| component / 100.0)),
-        "srgb" => value.map(decode_srgb),
-        _ => value,
-    };
-    let is_surface = matches!(case.group, CaseGroup::Surfaces | CaseGroup::Metamers);
+    let linear = colour.form.linear_srgb(value);
+    let is_surface = matches!(case.group, CaseGroup::Surfaces | CaseGroup::Metamers | CaseGroup::Fluorescent);
     srgb_hex(if is_surface { desaturate(linear, RgbSpace::Srgb) } else { brightest(linear) })
 }
 

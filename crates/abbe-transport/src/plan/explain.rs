@@ -3,6 +3,7 @@
 use super::budget::{Budget, PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 use super::decide::{EffectRow, EffectState};
 use super::fields::{Plan, WavelengthPlan};
+use abbe_optics::glass::is_negligible;
 use abbe_scene::Scene;
 use abbe_scene::camera::{ApertureDiffraction, Camera, DepthOfField, Shutter};
 
@@ -15,30 +16,31 @@ pub fn wavelengths_word(plan: &Plan) -> &'static str {
     }
 }
 
-/// Which effects the text describes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DescribedEffects {
-    All,
-    /// Those of whose cause the scene has something. The others are only listed.
-    OfScene,
+/// What the text contains besides the effects that are on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Details {
+    /// Describes the effects that are off. Otherwise, one line lists them.
+    pub all_effects: bool,
+    /// Contains notes about the index of glass where it changes no colour.
+    pub negligible_notes: bool,
+}
+
+impl Details {
+    /// Everything.
+    pub const ALL: Self = Self { all_effects: true, negligible_notes: true };
 }
 
 /// Returns the plan as text: two lines per effect (the state with its reason, and the consequence),
 /// then the wavelengths, the film, the camera, the budget and the notes.
-pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget, described: DescribedEffects) -> String {
+pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget, details: Details) -> String {
     let mut lines = vec![format!("{}", scene.title), String::new(), "Effects:".to_string()];
-    let (absent, described): (Vec<&EffectRow>, Vec<_>) = rows.iter().partition(|row| {
-        let lacks_cause = row.state == EffectState::Off && row.because == row.effect.not_required;
-        described == DescribedEffects::OfScene && lacks_cause
-    });
-    for row in described {
+    for row in rows.iter().filter(|row| row.state.is_on() || details.all_effects) {
         lines.push(format!("  {:<15} {:<9} {}", row.effect.name, row.state.word(), row.because));
         let consequence = if row.state.is_on() { row.effect.cost } else { row.effect.absent };
         lines.push(format!("  {:<15} {:<9} → {consequence}", "", ""));
     }
-    if !absent.is_empty() {
-        let names: Vec<&str> = absent.iter().map(|row| row.effect.name).collect();
-        lines.push(format!("  off, because the scene has nothing that needs them: {}", names.join(", ")));
+    if !details.all_effects {
+        lines.extend(effects_that_are_off(rows));
     }
     let film = &scene.film;
     lines.push(String::new());
@@ -67,8 +69,21 @@ pub fn text(scene: &Scene, plan: &Plan, rows: &[EffectRow], budget: &Budget, des
         None => format!("First kernel radius: set per pixel by a pilot, to contain {} photons", budget.nearest),
     });
     lines.push(format!("Memory: about {:.0} MB", budget.memory_bytes as f64 / 1e6));
-    lines.extend(scene.notes.iter().map(|note| format!("Note: {note}")));
+    let notes = scene.notes.iter().filter(|note| details.negligible_notes || !is_negligible(note));
+    lines.extend(notes.map(|note| format!("Note: {note}")));
     lines.join("\n") + "\n"
+}
+
+/// Returns a line with the names of the effects that are off.
+fn effects_that_are_off(rows: &[EffectRow]) -> Option<String> {
+    let off = rows.iter().filter(|row| !row.state.is_on());
+    let (absent, others): (Vec<&EffectRow>, Vec<&EffectRow>) =
+        off.partition(|row| row.state == EffectState::Off && row.because == row.effect.not_required);
+    let names = |rows: Vec<&EffectRow>| rows.iter().map(|row| row.effect.name).collect::<Vec<_>>().join(", ");
+    let parts = [("because the scene has nothing that needs them", absent), ("forbidden or negligible", others)];
+    let parts = parts.into_iter().filter(|(_, rows)| !rows.is_empty());
+    let parts: Vec<String> = parts.map(|(why, rows)| format!("{why}: {}", names(rows))).collect();
+    (!parts.is_empty()).then(|| format!("  off, {}", parts.join("; ")))
 }
 
 /// Tells how far objects move over the picture, and whether they may appear as separate images.

@@ -1,7 +1,9 @@
 //! Judges the colours that a converter computed for the regression set.
 
-use super::set::{CaseColour, CaseGroup, REGRESSION_SET, RegressionCase, RegressionSet};
-use crate::colour::{RgbSpace, Xyz, decode_srgb, delta_e_2000, lab, linear_srgb_to_xyz};
+use super::cause::{LikelyCause, Observation, likely_cause};
+use super::form::{ColourForm, FormColours};
+use super::set::{CaseGroup, RegressionCase, RegressionSet};
+use crate::colour::difference::delta_e_2000;
 use crate::error::{Error, Result};
 use serde::Serialize;
 
@@ -13,8 +15,9 @@ use serde::Serialize;
 /// 0.011).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RegressionTolerances {
-    /// The largest ΔE2000. The white is D65 for all cases, because with the light as the white, b*
-    /// would exaggerate differences under lights with almost no Z, such as sodium light.
+    /// The largest ΔE2000. The white is D65 for all cases except for [`ColourForm::Lab`], because
+    /// with the light as the white, b* would exaggerate differences under lights with almost no Z,
+    /// such as sodium light.
     pub delta_e_2000: f64,
     /// The largest difference of a component, relative to the largest component of the expected
     /// colour, or to white if white is larger.
@@ -27,74 +30,12 @@ impl Default for RegressionTolerances {
     }
 }
 
-/// The colour that a converter computed for a case, with `None` for forms that it does not compute.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ConvertedColour {
-    /// XYZ.
-    pub xyz: Option<[f64; 3]>,
-    /// Linear sRGB.
-    pub linear_srgb: Option<[f64; 3]>,
-    /// Encoded sRGB.
-    pub srgb: Option<[f64; 3]>,
-}
-
-/// A form in which a colour is given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum ColourForm {
-    Xyz,
-    LinearSrgb,
-    Srgb,
-}
-
-impl ColourForm {
-    const ALL: [Self; 3] = [Self::Xyz, Self::LinearSrgb, Self::Srgb];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Xyz => "xyz",
-            Self::LinearSrgb => "linear_srgb",
-            Self::Srgb => "srgb",
-        }
-    }
-
-    fn converted(self, colour: &ConvertedColour) -> Option<[f64; 3]> {
-        match self {
-            Self::Xyz => colour.xyz,
-            Self::LinearSrgb => colour.linear_srgb,
-            Self::Srgb => colour.srgb,
-        }
-    }
-
-    fn expected(self, colour: &CaseColour) -> [f64; 3] {
-        match self {
-            Self::Xyz => colour.xyz,
-            Self::LinearSrgb => colour.linear_srgb,
-            Self::Srgb => colour.srgb,
-        }
-    }
-
-    fn white(self) -> f64 {
-        match self {
-            Self::Xyz => 100.0,
-            Self::LinearSrgb | Self::Srgb => 1.0,
-        }
-    }
-
-    /// Returns XYZ with Y = 100 for white.
-    fn to_xyz(self, colour: [f64; 3]) -> Xyz {
-        match self {
-            Self::Xyz => colour,
-            Self::LinearSrgb => linear_srgb_to_xyz(colour).map(|value| 100.0 * value),
-            Self::Srgb => linear_srgb_to_xyz(colour.map(decode_srgb)).map(|value| 100.0 * value),
-        }
-    }
-}
-
 /// The judgement of one form of a colour.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColourComparison {
-    /// `xyz`, `linear_srgb` or `srgb`.
-    pub form: &'static str,
+    /// The name of the form.
+    #[serde(serialize_with = "form_name")]
+    pub form: ColourForm,
     /// The expected colour.
     pub expected: [f64; 3],
     /// The colour of the converter.
@@ -103,6 +44,10 @@ pub struct ColourComparison {
     pub delta_e_2000: Option<f64>,
     /// The largest difference of a component, as in [`RegressionTolerances::component`].
     pub component: Option<f64>,
+}
+
+fn form_name<S: serde::Serializer>(form: &ColourForm, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.serialize_str(form.name())
 }
 
 /// The judgement of a case.
@@ -144,10 +89,37 @@ pub struct RegressionReport {
     pub compared: usize,
     /// The number of cases that failed.
     pub failed: usize,
-    /// A likely cause, if many cases fail in the same way.
+    /// The fault that explains the failed cases, if one of the known faults does.
+    pub cause: Option<LikelyCause>,
+    /// The explanation of the likely cause.
     pub hint: Option<String>,
+    /// The groups that have cases.
+    pub groups: Vec<GroupSummary>,
     /// The cases. The case with the largest difference comes first.
     pub cases: Vec<CaseComparison>,
+}
+
+/// The counts of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GroupSummary {
+    /// The group.
+    pub group: CaseGroup,
+    /// The number of cases.
+    #[serde(rename = "judged")]
+    pub compared: usize,
+    /// The number of cases that failed.
+    pub failed: usize,
+    /// The largest ΔE2000, infinite if a component is not finite.
+    pub delta_e_2000: f64,
+}
+
+impl GroupSummary {
+    fn of(group: CaseGroup, cases: &[CaseComparison]) -> Option<Self> {
+        let own = || cases.iter().filter(|case| case.group == group);
+        let failed = own().filter(|case| !case.passed).count();
+        let delta_e_2000 = own().map(CaseComparison::delta_e_2000).fold(0.0, f64::max);
+        Some(Self { group, compared: own().count(), failed, delta_e_2000 }).filter(|summary| summary.compared > 0)
+    }
 }
 
 impl RegressionReport {
@@ -156,18 +128,31 @@ impl RegressionReport {
         let Self { compared, failed, .. } = self;
         if *failed == 0 { format!("all {compared} cases pass") } else { format!("{failed} of {compared} cases fail") }
     }
+
+    /// Returns a sentence with the likely cause, or that none is known. `None` if no case failed.
+    pub fn cause_in_words(&self) -> Option<String> {
+        let Some(LikelyCause { name, explanation, residual, .. }) = &self.cause else {
+            return (self.failed > 0).then(|| "no known cause explains the errors".to_string());
+        };
+        let left = 100.0 * residual;
+        Some(format!("likely cause: {}: {explanation} (this leaves {left:.1} % of the error)", name.words()))
+    }
 }
 
-/// Judges the colours of a converter for all cases of some groups, or of all if there are none.
-/// Returns an error if a case is unknown, occurs twice, is missing, or has a colour in no form.
+/// Judges the colours of a converter for all cases of some groups of a set, or of all if there are
+/// none. Returns an error if a case is unknown, occurs twice, is missing, or has no colour.
 pub fn compare_groups(
-    converted: &[(String, ConvertedColour)],
+    set: &'static RegressionSet,
+    converted: &[(String, FormColours)],
     groups: &[CaseGroup],
     tolerances: RegressionTolerances,
 ) -> Result<RegressionReport> {
     let is_wanted = |case: &RegressionCase| groups.is_empty() || groups.contains(&case.group);
-    let given = given(converted)?;
-    let wanted: Vec<&RegressionCase> = RegressionSet::get().cases.iter().filter(|case| is_wanted(case)).collect();
+    let given = given(set, converted)?;
+    let wanted: Vec<&RegressionCase> = set.cases.iter().filter(|case| is_wanted(case)).collect();
+    if let (true, Some(group)) = (wanted.is_empty(), groups.first()) {
+        return Err(Error::input(format!("the set {} has no group {}", set.name, group.name())));
+    }
     let is_given = |case: &RegressionCase| given.iter().any(|(given, _)| given.id == case.id);
     let missing: Vec<&str> = wanted.iter().filter(|case| !is_given(case)).map(|case| case.id.as_str()).collect();
     if let Some((first, rest)) = missing.split_first() {
@@ -176,33 +161,36 @@ pub fn compare_groups(
         return Err(Error::input(what).expected("every case of the set, or only the groups that --group names"));
     }
     let pairs: Vec<CaseOfConverter<'_>> = given.into_iter().filter(|(case, _)| is_wanted(case)).collect();
-    Ok(report(&pairs, tolerances))
+    Ok(report(set, &pairs, tolerances))
 }
 
-/// Judges the colours of a converter for some cases. Returns an error if a case is unknown or
-/// occurs twice, or if a colour has no form.
+/// Judges the colours of a converter for some cases of a set. Returns an error if a case is unknown
+/// or occurs twice, or if a colour has no form.
 pub fn compare_given(
-    converted: &[(String, ConvertedColour)],
+    set: &'static RegressionSet,
+    converted: &[(String, FormColours)],
     tolerances: RegressionTolerances,
 ) -> Result<RegressionReport> {
-    Ok(report(&given(converted)?, tolerances))
+    Ok(report(set, &given(set, converted)?, tolerances))
 }
 
 /// A case, and the colour that the converter computed for it.
-type CaseOfConverter<'a> = (&'static RegressionCase, &'a ConvertedColour);
+type CaseOfConverter<'a> = (&'static RegressionCase, &'a FormColours);
 
-fn given(converted: &[(String, ConvertedColour)]) -> Result<Vec<CaseOfConverter<'_>>> {
-    let all = &RegressionSet::get().cases;
-    let case = |(i, (id, colour)): (usize, &'_ (String, ConvertedColour))| {
-        let known = || all.iter().map(|case| case.id.as_str());
-        let case = all
-            .iter()
-            .find(|case| case.id == *id)
-            .ok_or_else(|| Error::unknown_name("case", id, known()).expected("an id of the exported file cases.csv"))?;
+fn given<'a>(set: &'static RegressionSet, converted: &'a [(String, FormColours)]) -> Result<Vec<CaseOfConverter<'a>>> {
+    let case = |(i, (id, colour)): (usize, &'_ (String, FormColours))| {
+        let known = || set.cases.iter().map(|case| case.id.as_str());
+        let case =
+            set.cases.iter().find(|case| case.id == *id).ok_or_else(|| {
+                Error::unknown_name("case", id, known()).expected("an id of the exported file cases.csv")
+            })?;
         if converted[..i].iter().any(|(earlier, _)| earlier == id) {
             return Err(Error::input(format!("the case {id} occurs twice")));
         }
-        if *colour == ConvertedColour::default() {
+        if let Some((form, _)) = colour.iter().find(|(form, _)| !set.forms.contains(form)) {
+            return Err(Error::input(format!("the set {} has no form {}", set.name, form.name())));
+        }
+        if *colour == FormColours::default() {
             return Err(Error::input(format!("the case {id} has no colour")).expected("XYZ, linear sRGB or sRGB"));
         }
         Ok(case)
@@ -211,51 +199,61 @@ fn given(converted: &[(String, ConvertedColour)]) -> Result<Vec<CaseOfConverter<
     Ok(cases.into_iter().zip(converted.iter().map(|(_, colour)| colour)).collect())
 }
 
-fn report(pairs: &[CaseOfConverter<'_>], tolerances: RegressionTolerances) -> RegressionReport {
+fn report(set: &RegressionSet, pairs: &[CaseOfConverter<'_>], tolerances: RegressionTolerances) -> RegressionReport {
     let mut cases: Vec<CaseComparison> =
         pairs.iter().map(|(case, colour)| compare_case(case, colour, &tolerances)).collect();
     let failed = cases.iter().filter(|case| !case.passed).count();
-    let hint = if failed == 0 { None } else { scale_hint(pairs, &tolerances) };
+    let cause = first_wrong_form(&cases, &tolerances).and_then(|form| {
+        let observation = |(case, colour): &CaseOfConverter<'_>| {
+            let (expected, found) = (case.expected.get(form)?, colour.get(form)?);
+            Some(Observation { case, expected, found })
+        };
+        let observations: Vec<Observation<'_>> = pairs.iter().filter_map(observation).collect();
+        likely_cause(set, form, &observations, tolerances.component)
+    });
+    let hint = cause.as_ref().map(|cause| cause.explanation.clone());
+    let groups = CaseGroup::ALL.into_iter().filter_map(|group| GroupSummary::of(group, &cases)).collect();
     cases.sort_by(|a, b| {
         (a.passed, b.delta_e_2000(), b.component())
             .partial_cmp(&(b.passed, a.delta_e_2000(), a.component()))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
-    RegressionReport { set: REGRESSION_SET, tolerances, compared: cases.len(), failed, hint, cases }
+    RegressionReport { set: set.name, tolerances, compared: cases.len(), failed, cause, hint, groups, cases }
 }
 
-fn compare_case(case: &RegressionCase, colour: &ConvertedColour, tolerances: &RegressionTolerances) -> CaseComparison {
-    let forms = ColourForm::ALL.into_iter().filter_map(|form| Some((form, form.converted(colour)?)));
-    let colours: Vec<ColourComparison> = forms.map(|(form, found)| compare_colour(case, form, found)).collect();
+/// Returns the first form in which a case fails. The others usually follow from it.
+fn first_wrong_form(cases: &[CaseComparison], tolerances: &RegressionTolerances) -> Option<ColourForm> {
+    let fails =
+        |form: ColourForm, colour: &ColourComparison| colour.form == form && fault(colour, tolerances).is_some();
+    let wrong = |form: &ColourForm| cases.iter().flat_map(|case| &case.colours).any(|colour| fails(*form, colour));
+    ColourForm::ALL.into_iter().find(wrong)
+}
+
+fn compare_case(case: &RegressionCase, colour: &FormColours, tolerances: &RegressionTolerances) -> CaseComparison {
+    let expected = |(form, found)| Some((form, case.expected.get(form)?, found));
+    let forms = colour.iter().filter_map(expected);
+    let colours: Vec<ColourComparison> =
+        forms.map(|(form, expected, found)| compare_colour(form, expected, found)).collect();
     let faults: Vec<String> = colours.iter().filter_map(|colour| fault(colour, tolerances)).collect();
     let fault = (!faults.is_empty()).then(|| faults.join("; "));
     CaseComparison { id: case.id.clone(), group: case.group, passed: fault.is_none(), colours, fault }
 }
 
-fn compare_colour(case: &RegressionCase, form: ColourForm, found: [f64; 3]) -> ColourComparison {
-    let expected = form.expected(&case.expected);
+fn compare_colour(form: ColourForm, expected: [f64; 3], found: [f64; 3]) -> ColourComparison {
     let is_finite = found.iter().all(|value| value.is_finite());
-    let white = RgbSpace::Srgb.white().map(|value| 100.0 * value);
-    let seen = |colour: [f64; 3]| lab(form.to_xyz(colour), white);
-    let component = largest_difference(form, found, expected);
+    let component = form.largest_difference(found, expected);
     ColourComparison {
-        form: form.name(),
+        form,
         expected,
         found,
-        delta_e_2000: is_finite.then(|| delta_e_2000(seen(expected), seen(found))),
+        delta_e_2000: is_finite.then(|| delta_e_2000(form.lab(expected), form.lab(found))),
         component: is_finite.then_some(component),
     }
 }
 
-/// Returns the largest difference of a component, relative to white or to the largest component.
-fn largest_difference(form: ColourForm, found: [f64; 3], expected: [f64; 3]) -> f64 {
-    let scale = expected.iter().fold(form.white(), |scale, value| scale.max(value.abs()));
-    found.iter().zip(expected).map(|(found, expected)| (found - expected).abs() / scale).fold(0.0, f64::max)
-}
-
 /// Returns a sentence if a colour is not within the tolerances.
 fn fault(colour: &ColourComparison, tolerances: &RegressionTolerances) -> Option<String> {
-    let form = colour.form;
+    let form = colour.form.name();
     let (Some(delta_e), Some(component)) = (colour.delta_e_2000, colour.component) else {
         return Some(format!("{form} is {:?}, which is not finite", colour.found));
     };
@@ -264,54 +262,4 @@ fn fault(colour: &ColourComparison, tolerances: &RegressionTolerances) -> Option
     }
     (component > tolerances.component)
         .then(|| format!("a component of {form} differs by {component:.6}, above {}", tolerances.component))
-}
-
-/// A scale explains the differences if it leaves at most this multiple of the tolerance.
-const SCALE_SLACK: f64 = 10.0;
-
-/// The smallest relative deviation of a factor from 1, or from another factor, that counts.
-const SCALE_DEVIATION: f64 = 0.01;
-
-/// Returns a hint if one factor for all cases, or one for each light, explains the differences.
-fn scale_hint(pairs: &[CaseOfConverter<'_>], tolerances: &RegressionTolerances) -> Option<String> {
-    [ColourForm::Xyz, ColourForm::LinearSrgb].into_iter().find_map(|form| {
-        let mut lights: Vec<&str> = pairs.iter().map(|(case, _)| case.light.as_str()).collect();
-        lights.sort_unstable();
-        lights.dedup();
-        let factors =
-            lights.iter().map(|light| light_factor(form, light, pairs, tolerances)).collect::<Option<Vec<f64>>>()?;
-        let (least, most) = factors.iter().fold((f64::INFINITY, 0.0), |(least, most), &f| (f.min(least), f.max(most)));
-        let name = form.name();
-        let unit = format!("a light and the perfect diffuser have Y = {} in {name}", form.white());
-        let what = if most / least - 1.0 > SCALE_DEVIATION {
-            format!("the values of {name} have another factor for each light")
-        } else if (most - 1.0).abs() > SCALE_DEVIATION {
-            format!("all values of {name} are {most:.4} times the expected values")
-        } else {
-            return None;
-        };
-        Some(format!("{what}; {unit}"))
-    })
-}
-
-/// Returns the factor between converted and expected colours under a light, if one explains them.
-fn light_factor(
-    form: ColourForm,
-    light: &str,
-    pairs: &[CaseOfConverter<'_>],
-    tolerances: &RegressionTolerances,
-) -> Option<f64> {
-    let own = pairs.iter().filter(|(case, _)| case.light == light);
-    let colours = own
-        .map(|(case, colour)| Some((form.converted(colour)?, form.expected(&case.expected))))
-        .collect::<Option<Vec<([f64; 3], [f64; 3])>>>()?;
-    let (products, squares) = colours.iter().fold((0.0, 0.0), |(products, squares), (found, expected)| {
-        let product: f64 = found.iter().zip(expected).map(|(found, expected)| found * expected).sum();
-        (products + product, squares + expected.iter().map(|value| value * value).sum::<f64>())
-    });
-    let factor = products / squares;
-    let fits = |(found, expected): &([f64; 3], [f64; 3])| {
-        largest_difference(form, found.map(|value| value / factor), *expected) <= SCALE_SLACK * tolerances.component
-    };
-    (factor > 0.0 && colours.iter().all(fits)).then_some(factor)
 }

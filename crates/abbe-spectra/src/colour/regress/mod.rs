@@ -1,13 +1,18 @@
-//! The regression set: spectra with known colours, for tests of code that converts spectra to RGB.
+//! The regression sets: spectra with known colours, for tests of code that converts spectra to RGB.
 //!
 //! A set has a name with a version, and the cases and the values of a published set never change.
-//! The expected values are computed by [`report`](super::report) for the CIE 1931 observer.
+//! The expected values of lights and surfaces are computed by [`report`](super::report).
 
+mod cause;
 mod comparison;
+mod converter;
+mod form;
 mod set;
 
+pub use cause::{CauseName, LARGEST_RESIDUAL, LikelyCause};
 pub use comparison::{
-    CaseComparison, ColourComparison, ConvertedColour, RegressionReport, RegressionTolerances, compare_given,
+    CaseComparison, ColourComparison, GroupSummary, RegressionReport, RegressionTolerances, compare_given,
     compare_groups,
 };
-pub use set::{CaseColour, CaseGroup, REGRESSION_SET, RegressionCase, RegressionSet, RegressionSpectrum};
+pub use form::{ColourForm, FormColours};
+pub use set::{CaseGroup, RegressionCase, RegressionSet, RegressionSpectrum, SpectrumRole};
