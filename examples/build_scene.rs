@@ -29,6 +29,8 @@ fn main() -> abbe::Result<()> {
     let scene = SceneFile {
         schema: None,
         title: Some("A glass ball".to_string()),
+        include: Vec::new(),
+        variables: BTreeMap::new(),
         unit: UnitFile::Metre,
         camera: Some(CameraFile {
             from: [0.0, 2.0, 5.0],

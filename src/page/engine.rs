@@ -143,9 +143,9 @@ impl PageEngine {
         self.state.to_json(version)
     }
 
-    /// Returns the text of the scene with all changes, or `None` before the first scene.
+    /// Returns the text of the scene with all changes, as it was written, or `None` before the first scene.
     pub fn scene_text(&self) -> Option<&str> {
-        self.loaded.as_ref().map(|loaded| loaded.source.text.as_str())
+        self.loaded.as_ref().map(|loaded| loaded.source.written())
     }
 
     /// Answers a request of the page, a path with a query.

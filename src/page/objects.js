@@ -12,7 +12,14 @@ const RING = 52, REACH = 14;
 
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
 const unitVector = a => vector.times(a, 1 / (vector.length(a) || 1));
-const objects = () => scene?.scene?.objects ?? [];
+/// Returns the objects in the order of the renderer, each with its path in the scene. Groups contain
+/// objects.
+function objectsIn(list, path) {
+  return list.flatMap((object, i) => object.group ? objectsIn(object.group, `${path}[${i}].group`) : [{ object, path: `${path}[${i}]` }]);
+}
+const placed = () => objectsIn(scene?.scene?.objects ?? [], "objects");
+const objects = () => placed().map(({ object }) => object);
+const pathOf = index => placed()[index].path;
 const rounded = value => Array.isArray(value) ? value.map(rounded) : Number(value.toPrecision(7));
 
 /// Returns a point after the steps of a transform.
@@ -44,7 +51,7 @@ function sendMove(index, draft) {
     if (turn) steps.push({ rotate: { axis: camera()?.up ?? [0, 1, 0], degrees: turn } });
     steps.push({ translate: vector.add(origin, shift) });
   } else if (shift.some(Boolean)) steps.push({ translate: shift });
-  changeScene(`objects[${index}].transform`, steps.map(step => step.rotate
+  changeScene(`${pathOf(index)}.transform`, steps.map(step => step.rotate
     ? { rotate: { axis: step.rotate.axis, degrees: rounded(step.rotate.degrees) } }
     : Object.fromEntries(Object.entries(step).map(([key, value]) => [key, rounded(value)]))), draft);
   showChosenValues();
@@ -253,10 +260,10 @@ function showChosen() {
   moveRows.push(numberRow("turn", "°", move.turn, [-180, 180, 0.5], (value, draft) => change(() => { move.turn = value; }, draft)));
   moveRows.push(numberRow("size", "×", move.size, [0.2, 3, 0.01], (value, draft) => { if (value > 0) change(() => { move.size = value; }, draft); }));
   const material = typeof object.material === "string" ? scene.scene.materials?.[object.material] : object.material;
-  const at = typeof object.material === "string" ? step("materials", object.material) : `objects[${chosen.index}].material`;
-  const rows = [...moveRows, ...controlsOf(object.shape ?? {}, `objects[${chosen.index}].shape`, "shape")];
+  const at = typeof object.material === "string" ? step("materials", object.material) : `${pathOf(chosen.index)}.material`;
+  const rows = [...moveRows, ...controlsOf(object.shape ?? {}, `${pathOf(chosen.index)}.shape`, "shape")];
   if (material && typeof material === "object") rows.push(...controlsOf(material, at, object.material));
-  if (object.emission) rows.push(...controlsOf(object.emission, `objects[${chosen.index}].emission`, "emission"));
+  if (object.emission) rows.push(...controlsOf(object.emission, `${pathOf(chosen.index)}.emission`, "emission"));
   $("chosen").replaceChildren(...rows);
 }
 function showChosenValues() {

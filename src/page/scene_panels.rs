@@ -3,6 +3,7 @@
 use super::loaded_scene::LoadedScene;
 use crate::api::PlanReport;
 use abbe_optics::glass::catalogue;
+#[cfg(feature = "view")]
 use abbe_session::output::Metadata;
 use abbe_session::render::{DisplaySettings, Job};
 use abbe_spectra::colour::tone::ToneCurve;

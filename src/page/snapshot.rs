@@ -5,6 +5,7 @@ use super::loaded_scene::LoadedScene;
 use super::scene_panels::ScenePanels;
 use crate::api::provenance;
 use abbe_session::output::Metadata;
+#[cfg(feature = "view")]
 use abbe_session::output::metadata::names;
 use abbe_session::render::{LedgerStats, Run, StageSeconds};
 use abbe_transport::plan::EffectState;

@@ -2,9 +2,11 @@
 
 use super::scene_panels::ScenePanels;
 use super::snapshot::Snapshot;
+#[cfg(feature = "view")]
 use abbe_session::render::Progress;
 use serde_json::{Value, json};
 use std::sync::Arc;
+#[cfg(feature = "view")]
 use std::time::Duration;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
