@@ -12,7 +12,7 @@ use super::index::RefractiveIndex;
 use abbe_spectra::error::{Error, Result};
 
 /// Names of lens files without a rule, in upper case, and the glasses that replace them.
-const SUBSTITUTES: [(&str, &str); 13] = [
+const SUBSTITUTES: [(&str, &str); 11] = [
     ("SILICA", "fused silica"),
     ("F_SILICA", "fused silica"),
     ("FUSEDSILICA", "fused silica"),
@@ -24,15 +24,16 @@ const SUBSTITUTES: [(&str, &str); 13] = [
     ("POLYSTYR", "polystyrene"),
     ("LASFN31", "N-LASF31"),
     ("LAFN21", "N-LAF21"),
-    ("LAK33", "N-LAK33A"),
-    ("D-ZK3M", "D-ZK3"),
 ];
 
-/// Glasses of Schott without a formula here: name, n_d and V_d of the data sheets.
-const MODELS: [(&str, f64, f64); 9] = [
-    ("B270", 1.523, 58.57),
+/// Glasses without a formula here: name, n_d and V_d of the makers.
+const MODELS: [(&str, f64, f64); 12] = [
+    ("B270", 1.52308, 58.57),
     ("BAK5", 1.55671, 58.65),
+    ("D-ZK3M", 1.58642, 60.71),
     ("F15", 1.60565, 37.9),
+    ("L-TIM28_MOLD", 1.68403, 30.86),
+    ("LAK33", 1.75398, 52.43),
     ("SF3", 1.74, 28.2),
     ("SK1", 1.61025, 56.71),
     ("SSK4", 1.61765, 55.14),
@@ -40,9 +41,6 @@ const MODELS: [(&str, f64, f64); 9] = [
     ("N-LASF55", 1.9538, 30.56),
     ("N-PSK58", 1.56907, 71.2),
 ];
-
-/// Endings of names for moulded and more transparent kinds of a glass, whose index is similar.
-const ENDINGS: [&str; 2] = ["_MOLD", "HT"];
 
 static MAKERS: LazyLock<AgfCatalogue> = LazyLock::new(|| {
     let path = Path::new("refractiveindex.info, catalogues of the makers");
@@ -69,8 +67,8 @@ impl RefractiveIndex {
 
 /// Returns the index of a glass of a lens file. The search covers `catalogues` in their order, the
 /// built-in catalogue, the makers' glasses, those of `catalogues` that are a last resort, and then
-/// substitutes for the name: glasses that replaced an old one (N-BK7 for BK7), and models of n_d and
-/// V_d of a data sheet or of the glass code (517642 for n_d 1.517 and V_d 64.2).
+/// substitutes for the name: glasses that replaced an old one (N-BK7 for BK7), and models of the
+/// n_d and V_d of the maker or of the glass code (517642 for n_d 1.517 and V_d 64.2).
 /// `notes` gets a remark that names the substitute. Returns an error if the name is unknown.
 pub fn in_lens_file(name: &str, catalogues: &[AgfCatalogue], notes: &mut Vec<String>) -> Result<RefractiveIndex> {
     let of_file = |name: &str, last_resort: bool| {
@@ -85,7 +83,7 @@ pub fn in_lens_file(name: &str, catalogues: &[AgfCatalogue], notes: &mut Vec<Str
     if name.eq_ignore_ascii_case("air") {
         return RefractiveIndex::constant(1.0);
     }
-    // A glass of a user's catalogue with an unsupported formula is an error, and needs no substitute.
+    // A glass of a user's catalogue with an unsupported formula is an error without a substitute.
     let unknown = match exact(name) {
         Ok(index) => return Ok(index),
         Err(error) if error.location.file.is_some() => return Err(error),
@@ -103,7 +101,7 @@ pub fn in_lens_file(name: &str, catalogues: &[AgfCatalogue], notes: &mut Vec<Str
         }
     }
     if let Some((_, nd, vd)) = MODELS.iter().find(|(model, _, _)| name.eq_ignore_ascii_case(model)) {
-        note(format!("the glass {name} is a model of the n_d {nd} and the Abbe number {vd} of its data sheet"));
+        note(format!("the glass {name} is a model of the n_d {nd} and the Abbe number {vd} of its maker"));
         return RefractiveIndex::abbe(*nd, *vd);
     }
     if let Some((nd, vd)) = glass_code(name) {
@@ -117,9 +115,8 @@ pub fn in_lens_file(name: &str, catalogues: &[AgfCatalogue], notes: &mut Vec<Str
 fn substitutes(name: &str) -> Vec<String> {
     let upper = name.to_uppercase();
     let listed = SUBSTITUTES.iter().filter(|(old, _)| *old == upper).map(|(_, new)| (*new).to_string());
-    let plain = ENDINGS.iter().filter_map(|ending| upper.strip_suffix(ending)).map(str::to_string);
     // Schott's glasses without lead and arsenic have the prefix N.
-    listed.chain(plain).chain([format!("N-{upper}")]).collect()
+    listed.chain([format!("N-{upper}")]).collect()
 }
 
 /// Reads a glass code: the digits of n_d behind the point, and those of the Abbe number, of which
@@ -175,9 +172,7 @@ mod tests {
     #[test]
     fn an_old_name_gives_its_successor_and_one_note() {
         let mut notes = Vec::new();
-        for (old, new) in
-            [("BK7", "N-BK7"), ("SILICA", "fused silica"), ("lasfn31", "N-LASF31"), ("l-tim28_mold", "L-TIM28")]
-        {
+        for (old, new) in [("BK7", "N-BK7"), ("SILICA", "fused silica"), ("lasfn31", "N-LASF31"), ("acrylic", "PMMA")] {
             for _ in 0..2 {
                 let index = in_lens_file(old, &[], &mut notes).unwrap();
                 assert_eq!(index, RefractiveIndex::catalogue(new).unwrap());
