@@ -14,7 +14,7 @@ use abbe_spectra::error::{Error, Result};
 enum Meaning {
     /// The same as this operand, with the same arguments.
     Same(&'static str),
-    /// `RDM`: `N` makes the first value of a surface a curvature.
+    /// `RDM`: the first value of a surface is a radius, or after `N` a curvature as without `RDM`.
     RadiusMode,
     /// `DIM`: the unit of length.
     Unit,
@@ -121,8 +121,8 @@ struct Operand {
 /// The commands that are read so far.
 #[derive(Default)]
 struct Sequence {
-    /// True if the first value of a surface is a curvature.
-    curvatures: bool,
+    /// True if the first value of a surface is a radius of curvature.
+    radii: bool,
     private_glasses: bool,
     header: Vec<Operand>,
     surfaces: Vec<Vec<Operand>>,
@@ -165,7 +165,7 @@ impl Sequence {
         };
         let operands = match meaning {
             Meaning::RadiusMode => {
-                self.curvatures = values.first().is_some_and(|value| value.eq_ignore_ascii_case("N"));
+                self.radii = !values.first().is_some_and(|value| value.eq_ignore_ascii_case("N"));
                 return Ok(());
             }
             Meaning::PrivateGlasses => {
@@ -244,7 +244,7 @@ impl Sequence {
         let what = || Error::input(format!("found surface {number}")).expected("surfaces in their order");
         let operands = self.surfaces.get_mut(number).ok_or_else(what)?;
         if let Some(word) = values.first() {
-            operands.push(one("CURV", if self.curvatures { word.clone() } else { curvature(word)? }));
+            operands.push(one("CURV", if self.radii { curvature(word)? } else { word.clone() }));
         }
         if let Some(word) = values.get(1) {
             operands.push(one("DISZ", distance(word)?));
@@ -365,7 +365,7 @@ mod tests {
 
     #[test]
     fn a_mirror_is_a_folded_system() {
-        let text = "EPD 20\nSO 0 1e10\nS -200 -100 REFL\n  STO\nSI 0 0\n";
+        let text = "RDM\nEPD 20\nSO 0 1e10\nS -200 -100 REFL\n  STO\nSI 0 0\n";
         let system = parse_system(text.as_bytes(), "m.seq".as_ref(), &[]).unwrap();
         assert!(matches!(system, ZmxSystem::Folded(system) if system.mirrors() == 1));
     }
