@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use abbe_format::resolve;
 use abbe_optics::glass::CauchyFit;
 use abbe_optics::glass::catalogue::{self, Glass};
+use abbe_optics::glass::makers;
 use abbe_session::output::file;
 use abbe_spectra::error::Result;
 
@@ -37,7 +38,7 @@ pub(crate) fn run(arguments: &GlassArgs) -> Result<Outcome> {
     file::check_keeps_inputs(arguments.svg.as_deref(), &arguments.catalogue)?;
     let file = arguments.catalogue.as_deref().map(resolve::glass_file).transpose()?;
     match (&arguments.name, &file) {
-        (Some(name), None) => one(catalogue::find(name)?, arguments)?,
+        (Some(name), None) => one(&makers::find(name)?, arguments)?,
         (Some(name), Some(file)) => one(&file.find(name)?, arguments)?,
         (None, None) => list(catalogue::all(), arguments.json)?,
         (None, Some(file)) => {

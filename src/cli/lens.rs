@@ -14,17 +14,18 @@ use crate::reports::lens::{FieldReport, LensList, LensListing, LensReport, drawi
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct LensArgs {
-    /// The name of a built-in lens, or a file with a prescription in JSON or in Zemax form (.zmx)
+    /// The name of a built-in lens, or a file with a prescription: JSON, Zemax (.zmx) or CODE V
+    /// (.seq)
     #[arg(value_name = "NAME|FILE", required_unless_present = "list")]
     lens: Option<String>,
     /// Half the field of view in degrees [default: the field of the design, or at most 20 if the
     /// design states none]
     #[arg(long, value_name = "DEG", value_parser = values::half_field_deg)]
     field: Option<f64>,
-    /// Look up the glasses of a Zemax file in this catalogue (.agf) first (repeatable) [default:
-    /// the catalogues that the file names, if they are in its folder, and then the built-in
-    /// catalogue]
-    #[arg(long, value_name = "FILE.agf", conflicts_with = "list")]
+    /// Look up the glasses of a Zemax or CODE V file in this catalogue (.agf), or in all catalogues
+    /// of this folder, first (repeatable) [default: the files and folders of ABBE_GLASS_PATH, the
+    /// catalogues that the file names, if they are in its folder, and then the built-in catalogue]
+    #[arg(long = "glass-catalogue", visible_alias = "glasses", value_name = "FILE|FOLDER", conflicts_with = "list")]
     glasses: Vec<PathBuf>,
     /// Draw the cross-section with rays of the F, d and C lines
     #[arg(long, value_name = "FILE.svg")]

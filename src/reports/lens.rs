@@ -106,11 +106,20 @@ impl LensList<'static> {
     }
 }
 
+/// The environment variable with files and folders of glass catalogues.
+const GLASS_PATH: &str = "ABBE_GLASS_PATH";
+
 /// Returns the built-in lens with this name, or the system in this file: a prescription in JSON, or
-/// a Zemax file (`.zmx`), whose glasses are searched in the catalogues `glasses` first. Returns an
-/// error if the name is unknown, or if a file cannot be read or is wrong.
+/// a Zemax or CODE V file (`.zmx`, `.seq`). Its glasses are searched in the catalogues `glasses`
+/// (files or folders) and then in those of [`GLASS_PATH`] first. Returns an error if the name is
+/// unknown, or if a file cannot be read or is wrong.
 pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
-    let catalogues: Vec<AgfCatalogue> = glasses.iter().map(|path| resolve::glass_file(path)).collect::<Result<_>>()?;
+    let searched = std::env::var_os(GLASS_PATH).unwrap_or_default();
+    let searched = std::env::split_paths(&searched).filter(|path| !path.as_os_str().is_empty());
+    let mut catalogues: Vec<AgfCatalogue> = Vec::new();
+    for path in glasses.iter().cloned().chain(searched) {
+        catalogues.extend(resolve::glass_files(&path)?);
+    }
     let unknown = match catalogue::find(name) {
         Ok(lens) => return Ok(ZmxSystem::Lens(lens.clone())),
         Err(unknown) => unknown,
@@ -119,7 +128,7 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if the
     // file exists or has the extension of a lens file.
     let is_lens_file =
-        |ending: &std::ffi::OsStr| ["json", "zmx"].iter().any(|known| ending.eq_ignore_ascii_case(known));
+        |ending: &std::ffi::OsStr| ["json", "zmx", "seq"].iter().any(|known| ending.eq_ignore_ascii_case(known));
     if path.exists() || path.extension().is_some_and(is_lens_file) {
         return resolve::lens_system_file(path, &catalogues);
     }

@@ -105,6 +105,51 @@ fn glasses_come_from_catalogues_named_or_lying_beside() {
     assert!(list.out.starts_with("OWN-7") && list.err.contains("formula 14 of ODD"), "{} {}", list.out, list.err);
 }
 
+/// A folder is searched for the catalogues that the lens names (`GCAT SHOP`), and serves other names
+/// only if no built-in catalogue knows them.
+#[test]
+fn folders_of_catalogues_are_searched() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("own.zmx"), ZMX).unwrap();
+    std::fs::create_dir(folder.path().join("glass")).unwrap();
+    let catalogue = |name: &str, glass: &str, nd: f64| {
+        let text = format!("NM {glass} 5 0 {nd} 60\nCD {nd} 0 0\nLD 0.3 2\n");
+        std::fs::write(folder.path().join("glass").join(name), text).unwrap();
+    };
+    catalogue("any.agf", "OWN-7", 1.6);
+    let efl = |arguments: &[&str]| abbe(folder.path(), arguments).json()["efl_mm"].as_f64().unwrap();
+    let in_folder = || efl(&["lens", "own.zmx", "--glass-catalogue", "glass", "--json"]);
+    let thin = in_folder();
+    catalogue("shop.AGF", "OWN-7", 1.5);
+    let named = in_folder();
+    assert!(named > 1.1 * thin, "{named} {thin}");
+    let bk7 = |name: &str| {
+        std::fs::write(folder.path().join("own.zmx"), ZMX.replace("OWN-7", name)).unwrap();
+        in_folder()
+    };
+    let built_in = bk7("N-BK7");
+    catalogue("any.agf", "N-BK7", 1.9);
+    assert_eq!(bk7("N-BK7"), built_in);
+    let said = abbe(folder.path(), &["lens", "own.zmx"]);
+    assert!(said.err.is_empty(), "{}", said.err);
+    bk7("BK7");
+    let said = abbe(folder.path(), &["lens", "own.zmx"]);
+    assert!(said.err.contains("note: the glass BK7 is not in the catalogues; N-BK7 replaces it"), "{}", said.err);
+    abbe(folder.path(), &["lens", "own.zmx", "--glass-catalogue", "none"]).is_error(2, &["none: cannot be read"]);
+}
+
+#[test]
+fn a_code_v_file_is_analysed() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "RDM;LEN\nEPD 20; DIM M\nYAN 0 5\nSO 0 1e13\nS 100 5 NBK7_SCHOTT\nSTO\nS -100 95\nSI 0 0\n";
+    std::fs::write(folder.path().join("own.seq"), text).unwrap();
+    let own = abbe(folder.path(), &["lens", "own.seq", "--json"]).json();
+    let known = abbe(folder.path(), &["lens", "singlet", "--json"]).json();
+    assert_eq!(own["efl_mm"], known["efl_mm"]);
+    std::fs::write(folder.path().join("bad.seq"), text.replace("STO", "  ADE 3")).unwrap();
+    abbe(folder.path(), &["lens", "bad.seq"]).is_error(2, &["bad.seq:6:3", "tilted or decentred"]);
+}
+
 #[test]
 fn the_section_is_drawn_whole() {
     let folder = tempfile::tempdir().unwrap();

@@ -10,15 +10,15 @@ use abbe_spectra::error::Result;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Reads a lens from a file: a Zemax lens if the extension is `.zmx`, or else a prescription in
-/// JSON as in a scene file. The glasses of a Zemax lens are looked up in `catalogues`, then in the
-/// catalogues that the lens file names and that are in its folder, and last among the built-in
-/// ones.
+/// Reads a lens from a file: a Zemax or CODE V lens if the extension is `.zmx` or `.seq`, or else a
+/// prescription in JSON as in a scene file. The glasses of the first two are looked up in
+/// `catalogues`, then in the catalogues that a Zemax file names and that are in its folder, and
+/// last among the built-in ones.
 ///
 /// # Errors
 /// Returns an error with its place if the file cannot be read or is not a valid lens file.
 pub fn lens_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
-    if has_ending(path, "zmx") {
+    if is_design(path) {
         let bytes = read_bytes(path)?;
         return zemax::parse(&bytes, path, &with_catalogues_beside(path, &bytes, catalogues)?);
     }
@@ -28,18 +28,31 @@ pub fn lens_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<Lens> {
 
 /// Reads a lens or a system with mirrors from a file, like [`lens_file`] and with the same errors.
 pub fn lens_system_file(path: &Path, catalogues: &[AgfCatalogue]) -> Result<ZmxSystem> {
-    if !has_ending(path, "zmx") {
+    if !is_design(path) {
         return lens_file(path, catalogues).map(ZmxSystem::Lens);
     }
     let bytes = read_bytes(path)?;
     zemax::parse_system(&bytes, path, &with_catalogues_beside(path, &bytes, catalogues)?)
 }
 
-/// Returns the given catalogues, followed by the catalogues beside a Zemax lens.
+/// Returns the given catalogues, followed by those beside a Zemax lens. Of the last resorts among
+/// those given, the ones that the lens names come next, as ordinary catalogues in its order.
 fn with_catalogues_beside(path: &Path, lens: &[u8], given: &[AgfCatalogue]) -> Result<Vec<AgfCatalogue>> {
-    let beside = catalogues_beside(path, lens);
-    let beside = beside.iter().map(|path| glass_file(path));
-    given.iter().cloned().map(Ok).chain(beside).collect()
+    let named = zemax::catalogues(lens);
+    let is = |file: &AgfCatalogue, name: &str| stem(file.path()).eq_ignore_ascii_case(name);
+    let (last, mut all): (Vec<_>, Vec<_>) = given.iter().cloned().partition(AgfCatalogue::is_last_resort);
+    for path in catalogues_beside(path, lens) {
+        all.push(glass_file(&path)?);
+    }
+    for name in &named {
+        all.extend(last.iter().filter(|file| is(file, name)).cloned().map(AgfCatalogue::as_first_choice));
+    }
+    all.extend(last);
+    Ok(all)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// Returns the paths of the glass catalogues (`NAME.agf`, in any case) that a Zemax lens with the
@@ -48,12 +61,16 @@ pub fn catalogues_beside(path: &Path, lens: &[u8]) -> Vec<PathBuf> {
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let names = zemax::catalogues(lens);
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let number = |path: &PathBuf| names.iter().position(|name| name.eq_ignore_ascii_case(&stem(path)));
     let named = entries.filter(|path| has_ending(path, "agf")).filter_map(|path| Some((number(&path)?, path)));
     let mut named: Vec<(usize, PathBuf)> = named.collect();
     named.sort();
     named.into_iter().map(|(_, path)| path).collect()
+}
+
+/// Returns true for a file of a lens design program.
+fn is_design(path: &Path) -> bool {
+    has_ending(path, "zmx") || has_ending(path, "seq")
 }
 
 fn has_ending(path: &Path, ending: &str) -> bool {
@@ -70,7 +87,7 @@ impl Resolver<'_> {
     pub(super) fn lens(&self, at: &JsonPath, prescription: &PrescriptionFile) -> Result<Lens> {
         if let PrescriptionFile::Name(name) = prescription {
             let path = Path::new(name);
-            if has_ending(path, "zmx") || has_ending(path, "json") {
+            if is_design(path) || has_ending(path, "json") {
                 return lens_file(&self.at(at, self.source.file(name))?, &[]);
             }
         }

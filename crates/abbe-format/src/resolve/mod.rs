@@ -24,7 +24,7 @@ mod spectra;
 mod textures;
 
 pub use coating::{FilmSystem, lone_coating};
-pub use index::glass_file;
+pub use index::{glass_file, glass_files};
 pub use lens::{catalogues_beside, lens_file, lens_system_file, lone_lens};
 pub use media::DEFAULT_MARCH_STEPS;
 pub use spectra::Role;

@@ -17,6 +17,7 @@ use abbe_spectra::error::{Error, Result};
 #[derive(Debug, Clone)]
 pub struct AgfCatalogue {
     path: PathBuf,
+    last_resort: bool,
     glasses: Vec<AgfRow>,
 }
 
@@ -54,7 +55,29 @@ impl AgfCatalogue {
         if glasses.is_empty() {
             return Err(fault("found no glass"));
         }
-        Ok(Self { path: path.to_path_buf(), glasses })
+        Ok(Self { path: path.to_path_buf(), last_resort: false, glasses })
+    }
+
+    /// Returns the path of the file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Makes a lens file use this catalogue only for names that the built-in catalogues lack.
+    #[must_use]
+    pub fn as_last_resort(self) -> Self {
+        Self { last_resort: true, ..self }
+    }
+
+    /// Makes a lens file use this catalogue before the built-in ones, as if it were parsed anew.
+    #[must_use]
+    pub fn as_first_choice(self) -> Self {
+        Self { last_resort: false, ..self }
+    }
+
+    /// Returns true after [`AgfCatalogue::as_last_resort`].
+    pub fn is_last_resort(&self) -> bool {
+        self.last_resort
     }
 
     /// Returns the names of the glasses in the order of the file.

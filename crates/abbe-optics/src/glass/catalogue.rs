@@ -118,11 +118,6 @@ impl Glass {
 }
 
 impl RefractiveIndex {
-    /// Returns the index of a material by name, in any case, or an error if it is unknown.
-    pub fn catalogue(name: &str) -> Result<Self> {
-        Ok(find(name)?.index.clone())
-    }
-
     /// Returns the Cauchy fit of a material of the catalogue, whose error is
     /// [`CauchyFit::max_error`]. Returns an error if the name is unknown.
     pub fn catalogue_cauchy(name: &str) -> Result<Self> {

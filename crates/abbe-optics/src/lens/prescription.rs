@@ -251,12 +251,7 @@ impl Lens {
             }
         }
         for (i, pair) in self.surfaces.windows(2).enumerate() {
-            let shared_mm = pair[0].semi_aperture_mm.min(pair[1].semi_aperture_mm);
-            let gap_mm =
-                |height2| pair[0].thickness_mm + pair[1].profile.sag_mm(height2) - pair[0].profile.sag_mm(height2);
-            let slack_mm = 1e-9 * (1.0 + shared_mm);
-            let heights = (0..=64).map(|step| shared_mm * f64::from(step) / 64.0);
-            if let Some(h) = heights.into_iter().find(|h| gap_mm(h * h) < -slack_mm) {
+            if let Some(h) = crossing_mm(pair) {
                 let what = format!("the surface crosses the next one {h:.4} mm from the axis");
                 let expected = "a larger thickness or smaller semi-apertures";
                 return Err(on_surface(i, Error::input(what).expected(expected)));
@@ -264,6 +259,14 @@ impl Lens {
         }
         Ok(())
     }
+}
+
+/// Returns the height in mm at which a surface crosses the next one inside both apertures, if any.
+pub(super) fn crossing_mm(pair: &[LensSurface]) -> Option<f64> {
+    let shared_mm = pair[0].semi_aperture_mm.min(pair[1].semi_aperture_mm);
+    let gap_mm = |height2| pair[0].thickness_mm + pair[1].profile.sag_mm(height2) - pair[0].profile.sag_mm(height2);
+    let slack_mm = 1e-9 * (1.0 + shared_mm);
+    (0..=64).map(|step| shared_mm * f64::from(step) / 64.0).find(|h| gap_mm(h * h) < -slack_mm)
 }
 
 fn on_surface(i: usize, error: Error) -> Error {

@@ -1,16 +1,18 @@
 //! Zemax lens files (`.zmx`): sequential systems of spheres, conics and even aspheres, with media
-//! from the built-in catalogue or from `.agf` files.
+//! from the built-in catalogue or from `.agf` files. Sequences of CODE V (`.seq`) become the same
+//! operands.
 //!
 //! The file is a list of operands, one per line, where those of a surface are indented under its
 //! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `OBNA`, `FTYP`,
 //! `XFLN` and `YFLN`, and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`,
-//! `DIAM`, `CLAP` and `OBSC`. Operands that are known to change the rays but are not supported are
+//! `DIAM`, `CLAP`, `OBSC`, `SQAP` and `ELAP`. Operands that are known to change the rays but are not supported are
 //! errors, and all others are ignored. The first surface is the object, and the last one the
 //! sensor.
 //!
 //! A system with mirrors or coordinate breaks becomes a [`FoldedSystem`], which can be analysed but
 //! not used in a camera.
 
+mod codev;
 mod folded;
 mod reader;
 mod surface;
@@ -37,8 +39,9 @@ pub enum ZmxSystem {
     Folded(FoldedSystem),
 }
 
-/// Parses a lens from the bytes of a file in UTF-8, UTF-16 or Latin-1. Each glass is searched in
-/// `catalogues` in their order, and then in the built-in catalogue.
+/// Parses a lens from the bytes of a file in UTF-8, UTF-16 or Latin-1: a CODE V file if the
+/// extension of `path` is `.seq`, or else a Zemax file. Each glass is searched in `catalogues` in
+/// their order, and then as [`in_lens_file`](crate::glass::makers::in_lens_file) does.
 ///
 /// Returns an error with `path` and the line number if an operand is not supported, a glass is
 /// unknown, the surfaces form no valid lens, or the system has mirrors or coordinate breaks.
@@ -65,6 +68,10 @@ fn read<'a>(bytes: &[u8], path: &Path, catalogues: &'a [AgfCatalogue]) -> Result
     let text = text(bytes).map_err(|error| error.in_file(path))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut reader = ZmxReader::new(name, catalogues);
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("seq")) {
+        codev::read(&text, &mut reader, catalogues).map_err(|error| error.in_file(path))?;
+        return Ok(reader);
+    }
     for (i, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
         let Some(operand) = words.next() else { continue };

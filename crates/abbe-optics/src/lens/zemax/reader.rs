@@ -97,9 +97,15 @@ impl<'a> ZmxReader<'a> {
             return Err(Error::input(what).expected("an object, at least one surface, and an image"));
         };
         if sensor.profile != SurfaceProfile::default() {
-            return Err(unsupported("a curved image surface", "a plane sensor").at(sensor.line, 1));
+            self.notes.push("the image surface is curved; a plane sensor at its vertex replaces it".to_string());
         }
-        let object_mm = self.rows.remove(0).thickness * self.unit_mm;
+        let mut object_mm = self.rows.remove(0).thickness * self.unit_mm;
+        self.remove_idle_breaks(&mut object_mm);
+        if self.rows.iter().all(|row| !row.stop) {
+            let first = self.rows.iter_mut().find(|row| row.kind != SurfaceKind::CoordinateBreak);
+            first.ok_or_else(|| Error::input("found no surface").expected("at least one"))?.stop = true;
+            self.notes.push("the lens file marks no aperture stop, so the first surface is the stop".to_string());
+        }
         if object_mm.is_finite() {
             self.notes.push(format!(
                 "the lens file has its object {object_mm} mm in front of the first surface; this distance only sets \
@@ -107,6 +113,23 @@ impl<'a> ZmxReader<'a> {
             ));
         }
         Ok(object_mm)
+    }
+
+    /// Removes coordinate breaks without a shift or a tilt, and adds their thickness to the distance
+    /// in front of them.
+    fn remove_idle_breaks(&mut self, object_mm: &mut f64) {
+        let mut kept: Vec<ZmxSurface> = Vec::new();
+        for row in self.rows.drain(..) {
+            if !row.is_idle_break() {
+                kept.push(row);
+            } else if let Some(before) = kept.last_mut() {
+                before.thickness += row.thickness;
+                before.stop |= row.stop;
+            } else {
+                *object_mm += row.thickness * self.unit_mm;
+            }
+        }
+        self.rows = kept;
     }
 
     pub(super) fn unfolded(mut self) -> Result<Lens> {
@@ -154,7 +177,16 @@ impl<'a> ZmxReader<'a> {
             (FieldKind::ObjectHeight, Some(height_mm)) => prescription.set_field_of_object(height_mm, object_mm),
             (FieldKind::Angle | FieldKind::ImageHeight | FieldKind::ObjectHeight, _) => Ok(()),
         };
-        let lens = complete.and_then(|()| prescription.complete_apertures()).and_then(|()| Lens::new(prescription));
+        let lens = complete.and_then(|()| prescription.complete_apertures()).and_then(|()| {
+            for (i, semi_mm) in prescription.limit_apertures() {
+                let line = lines.get(i).copied().unwrap_or_default();
+                prescription.notes.push(format!(
+                    "the semi-diameter of the surface of line {line} is {semi_mm:.4} mm and not larger, because there \
+                     the surface ends or meets the next one"
+                ));
+            }
+            Lens::new(prescription)
+        });
         lens.map_err(|error| placed(error, &lines))
     }
 }

@@ -1,12 +1,15 @@
 //! The surfaces of a Zemax file: their operands, glasses and apertures.
 
 use super::words::{number, unsupported};
+use crate::glass::makers::{in_lens_file, model_glass};
 use crate::glass::{AgfCatalogue, RefractiveIndex};
 use crate::lens::prescription::{LensSurface, medium};
 use crate::lens::profile::SurfaceProfile;
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::math::elementary::hypot;
 
-const GLASSES: &str = "a glass of the built-in catalogue, or of an .agf catalogue that is read with the lens";
+const GLASSES: &str =
+    "a glass of the built-in catalogue or of its makers, or of an .agf catalogue that is read with the lens";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SurfaceKind {
@@ -33,6 +36,8 @@ pub(super) struct ZmxSurface {
     clear: Option<f64>,
     /// Radius of the central obscuration, or 0.
     obscuration: f64,
+    /// True if `clear` and `obscuration` are not centred, so that they are ignored.
+    decentred: bool,
     pub(super) stop: bool,
     aspheric: bool,
     /// The parameters 1 to 6 of a coordinate break: decentres, tilts in degrees, and the order.
@@ -50,6 +55,7 @@ impl ZmxSurface {
             semi_aperture: 0.0,
             clear: None,
             obscuration: 0.0,
+            decentred: false,
             stop: false,
             aspheric: false,
             parameters: [0.0; 6],
@@ -92,13 +98,19 @@ impl ZmxSurface {
                 self.obscuration = self.obscuration.max(number(arguments, 0)?);
                 self.clear = Some(number(arguments, 1)?);
             }
+            "SQAP" | "ELAP" => {
+                let (x, y) = (number(arguments, 0)?, number(arguments, 1)?);
+                self.clear = Some(if operand == "SQAP" { hypot(x, y) } else { x.max(y) });
+                note(notes, format!("the circle around it replaces the aperture {operand} {}", arguments.join(" ")));
+            }
             "OBSC" if number(arguments, 0)? == 0.0 => self.obscuration = self.obscuration.max(number(arguments, 1)?),
             "OBDC" if arguments.iter().all(|word| word.parse() == Ok(0.0)) => {}
-            "SQAP" | "ELAP" | "OBSC" | "SQOB" | "ELOB" | "UDAD" | "OBDC" => {
-                let what = format!("the aperture {operand} {}", arguments.join(" "));
-                let expected = "a round one (CLAP INNER OUTER), a central obscuration (OBSC 0 RADIUS), or the \
-                                semi-diameter (DIAM)";
-                return Err(unsupported(&what, expected));
+            "OBDC" => {
+                self.decentred = true;
+                note(notes, format!("a decentred aperture (OBDC {}) blocks no light", arguments.join(" ")));
+            }
+            "OBSC" | "SQOB" | "ELOB" | "UDAD" | "REX" | "REY" | "ELX" | "ELY" => {
+                note(notes, format!("the aperture {operand} {} blocks no light", arguments.join(" ")));
             }
             _ => {}
         }
@@ -121,12 +133,17 @@ impl ZmxSurface {
 
     /// Returns the radius of the aperture in the unit of the file, if the file states it.
     pub(super) fn aperture(&self) -> Option<f64> {
-        self.clear.or(Some(self.semi_aperture)).filter(|radius| *radius > 0.0)
+        self.blocking().0.or(Some(self.semi_aperture)).filter(|radius| *radius > 0.0)
+    }
+
+    /// Returns true if the surface is a coordinate break that changes no axes.
+    pub(super) fn is_idle_break(&self) -> bool {
+        self.kind == SurfaceKind::CoordinateBreak && self.parameters[..5] == [0.0; 5]
     }
 
     /// Returns the radii of a circular aperture and of the obscuration, in the file's unit.
     pub(super) fn blocking(&self) -> (Option<f64>, f64) {
-        (self.clear, self.obscuration)
+        if self.decentred { (None, 0.0) } else { (self.clear.filter(|radius| *radius > 0.0), self.obscuration) }
     }
 
     pub(super) fn profile_mm(&self, unit_mm: f64) -> SurfaceProfile {
@@ -149,7 +166,7 @@ impl ZmxSurface {
             thickness_mm: self.thickness * unit_mm,
             index: self.index.clone().map_or_else(|| medium("air"), Ok)?,
             semi_aperture_mm: self.aperture().unwrap_or(0.0) * unit_mm,
-            obscuration_mm: self.obscuration * unit_mm,
+            obscuration_mm: self.blocking().1 * unit_mm,
             coating: None,
         })
     }
@@ -162,33 +179,37 @@ fn glass(arguments: &[&str], catalogues: &[AgfCatalogue], notes: &mut Vec<String
     /// Zemax writes these values into the line of a catalogue glass as placeholders.
     const PLACEHOLDER: (f64, f64) = (1.5, 40.0);
     let Some(name) = arguments.first() else { return Err(Error::input("found no glass name")) };
+    let solve = arguments.get(1).copied().unwrap_or_default();
     // The number after the name is 1 for a model glass.
-    if *name == "___BLANK" || arguments.get(1) == Some(&"1") {
+    if *name == "___BLANK" || solve == "1" {
         let (nd, vd) = (number(arguments, 3)?, number(arguments, 4)?);
         if vd == 0.0 {
-            notes.push(format!("a model glass of n_d {nd} has the Abbe number 0, so it has no dispersion"));
+            note(notes, format!("a model glass of n_d {nd} has the Abbe number 0, so it has no dispersion"));
         }
         return model_glass(nd, vd);
     }
-    if let Some(file) = catalogues.iter().find(|file| file.has(name)) {
-        return Ok(file.find(name)?.index);
-    }
-    let unknown = match medium(name) {
+    let unknown = match in_lens_file(name, catalogues, notes) {
         Ok(index) => return Ok(index),
+        Err(error) if error.location.file.is_some() => return Err(error),
         Err(error) => error.expected(GLASSES),
     };
     match (number(arguments, 3), number(arguments, 4)) {
-        (Ok(nd), Ok(vd)) if nd > 1.0 && vd >= 0.0 && (nd, vd) != PLACEHOLDER => {
-            notes.push(format!(
+        // With 3, Zemax substitutes glasses, and the values may be those of an earlier glass.
+        (Ok(nd), Ok(vd)) if nd > 1.0 && vd >= 0.0 && (nd, vd) != PLACEHOLDER && solve != "3" => {
+            let what = format!(
                 "the glass {name} is unknown; its n_d of {nd} and Abbe number of {vd} in the lens file replace its \
                  dispersion formula"
-            ));
+            );
+            note(notes, what);
             model_glass(nd, vd)
         }
         _ => Err(unknown),
     }
 }
 
-fn model_glass(nd: f64, vd: f64) -> Result<RefractiveIndex> {
-    if vd == 0.0 { RefractiveIndex::constant(nd) } else { RefractiveIndex::abbe(nd, vd) }
+/// Adds a remark that is not there yet.
+fn note(notes: &mut Vec<String>, note: String) {
+    if !notes.contains(&note) {
+        notes.push(note);
+    }
 }

@@ -110,6 +110,111 @@ fn a_model_glass_may_have_no_dispersion() {
     assert!(lens.notes().iter().any(|note| note.contains("no dispersion")), "{:?}", lens.notes());
 }
 
+/// What Zemax accepts and Abbe simplifies is read with a note, and changes no focal length.
+#[test]
+fn simplifications_are_read_with_a_note() {
+    let focal_mm = |lens: &Lens| lens.at(lines::D_NM).paraxial().unwrap().efl_mm;
+    let known = focal_mm(&lens(TRIPLET).unwrap());
+    for (from, to, words) in [
+        ("  CURV 4.5405E-2", "  SQAP 6 8 0\n  CURV 4.5405E-2", "the circle around it replaces the aperture SQAP 6 8"),
+        ("  CURV 4.5405E-2", "  CLAP 0 3 0\n  OBDC 0 9\n  CURV 4.5405E-2", "a decentred aperture (OBDC 0 9) blocks no"),
+        ("  CURV 4.5405E-2", "  UDAD 1 2\n  CURV 4.5405E-2", "the aperture UDAD 1 2 blocks no light"),
+        ("  STOP\n", "", "marks no aperture stop, so the first surface"),
+        ("  CURV 0\n  DISZ 0", "  CURV 1e-3\n  DISZ 0", "the image surface is curved"),
+        ("DIAM 0 0 0 0 1", "DIAM 30 0 0 0 1", "the semi-diameter of the surface of line 14 is"),
+    ] {
+        let text = TRIPLET.replacen(from, to, 1);
+        assert_ne!(text, TRIPLET);
+        let lens = lens(&text).unwrap();
+        assert!(lens.notes().iter().any(|note| note.contains(words)), "{words}: {:?}", lens.notes());
+        assert!((focal_mm(&lens) / known - 1.0).abs() < 1e-12, "{words}");
+    }
+    let wide = lens(&TRIPLET.replace("  CURV 4.5405E-2", "  SQAP 6 8 0\n  CURV 4.5405E-2")).unwrap();
+    assert!((wide.surfaces()[0].semi_aperture_mm - 10.0).abs() < 1e-12);
+}
+
+#[test]
+fn idle_coordinate_breaks_leave_a_lens() {
+    let idle = "SURF 9\n  TYPE COORDBRK\n  PARM 3 0\n  PARM 6 1\n  DISZ 2\n";
+    let text = TRIPLET.replace("  DISZ 4.750\n", &format!("  DISZ 2.750\n{idle}"));
+    assert_eq!(lens(&text).unwrap(), lens(TRIPLET).unwrap());
+}
+
+/// The first surface has the smallest semi-diameter for its ray height.
+#[test]
+fn other_semi_diameters_size_a_stop_without_one() {
+    let text = TRIPLET.replace("ENPD 1.0E+1", "FLOA").replace("DIAM 0 0 0", "DIAM 5 0 0");
+    let lens = lens(&text).unwrap();
+    let pupil = lens.at(lines::D_NM).paraxial().unwrap().entrance_pupil.unwrap();
+    assert!((pupil.diameter_mm - 10.0).abs() < 1e-6, "{pupil:?}");
+    assert!(lens.notes().iter().any(|note| note.contains("does not state the size of the stop")), "{:?}", lens.notes());
+}
+
+/// Zemax wrote UTF-16 with and without a byte order mark, UTF-8 with one, and Latin-1.
+#[test]
+fn all_encodings_give_the_same_lens() {
+    let text = TRIPLET.replace("NAME Triplet", "NAME Tripl\u{e9}t");
+    let known = lens(&text).unwrap();
+    let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> = [0xFE, 0xFF].into_iter().chain(text.encode_utf16().flat_map(u16::to_be_bytes)).collect();
+    let marked: Vec<u8> = [0xEF, 0xBB, 0xBF].into_iter().chain(text.bytes()).collect();
+    let latin: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
+    for bytes in [little, big, marked, latin] {
+        assert_eq!(parse(&bytes, "triplet.zmx".as_ref(), &[]).unwrap(), known);
+    }
+}
+
+/// The values of a glass that Zemax may substitute (3) can belong to another glass.
+#[test]
+fn the_index_of_a_substituted_glass_is_not_used() {
+    let error = lens(&TRIPLET.replace("OLD-F2 0 0", "OLD-F2 3 0")).unwrap_err().to_string();
+    assert!(error.contains("unknown glass \"OLD-F2\"") && error.contains("triplet.zmx"), "{error}");
+}
+
+/// Damaged files give errors or lenses, and no panic.
+#[test]
+fn damaged_files_never_panic() {
+    let mirrors = format!(
+        "{HEAD}SURF 1\n  STOP\n  CURV -0.005\n  CONI -1\n  DISZ -100\n  GLAS MIRROR\n  OBSC 0 4\nSURF 2\n  TYPE COORDBRK\n  PARM 3 45\n  DISZ 9\nSURF 3\n  DISZ 0\n"
+    );
+    let sequence = "RDM;LEN\nTITLE 'a b'\nEPD 5; DIM M\nYAN 0 &\n 3\nSO 0 1e14\nS 50 5 NBK7_SCHOTT\nSTO\nCIR OBS 1\nK -0.5\nA 1e-6\nS -80 45\nTHI S1 4\nSI 0 0\n";
+    let words = [
+        "", "-1", "0", "1e308", "-1e308", "INFINITY", "NaN", "x", "SURF", "\u{e9}", "GLAS", "PARM 8 1", "DIAM 1e9",
+        "S", "SO", "&", "'",
+    ];
+    // A linear congruential generator (Numerical Recipes) makes the choices reproducible.
+    let mut state = 1_u32;
+    let mut below = |count: usize| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as usize % count.max(1)
+    };
+    for (text, path) in [(TRIPLET, "a.zmx"), (&mirrors, "a.zmx"), (sequence, "a.seq")] {
+        for _ in 0..300 {
+            let mut parts: Vec<&str> = text.split_inclusive([' ', '\n']).collect();
+            for _ in 0..=below(3) {
+                if parts.is_empty() {
+                    break;
+                }
+                let at = below(parts.len());
+                match below(4) {
+                    0 => drop(parts.remove(at)),
+                    1 => parts.insert(at, parts[below(parts.len())]),
+                    2 => parts.truncate(at),
+                    _ => parts.splice(at..at, [" ", words[below(words.len())], " "]).for_each(drop),
+                }
+            }
+            let mut bytes = parts.concat().into_bytes();
+            if below(4) == 0 && !bytes.is_empty() {
+                let at = below(bytes.len());
+                bytes[at] ^= 1 << below(8);
+            }
+            if let Err(error) = parse_system(&bytes, path.as_ref(), &[]) {
+                assert_eq!(error.exit_status(), 2, "{error}");
+            }
+        }
+    }
+}
+
 fn folded(text: &str) -> FoldedSystem {
     match parse_system(text.as_bytes(), "mirror.zmx".as_ref(), &[]).unwrap() {
         ZmxSystem::Folded(system) => system,
