@@ -111,7 +111,7 @@ const GLASS_PATH: &str = "ABBE_GLASS_PATH";
 
 /// Returns the built-in lens with this name, or the system in this file: a prescription in JSON, or
 /// a Zemax or CODE V file (`.zmx`, `.seq`). Its glasses are searched in the catalogues `glasses`
-/// (files or folders) and then in those of [`GLASS_PATH`] first. Returns an error if the name is
+/// (files or folders) and then in those of `ABBE_GLASS_PATH` first. Returns an error if the name is
 /// unknown, or if a file cannot be read or is wrong.
 pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     let searched = std::env::var_os(GLASS_PATH).unwrap_or_default();
