@@ -5,6 +5,10 @@
 const RENDERERS = Math.max(1, Math.min(8, navigator.hardwareConcurrency ?? 2));
 /// Sums are sent at most once in this time in milliseconds.
 const SUMS_PAUSE = 400;
+/// The time from one picture to the next, divided by the time that a picture takes.
+const SHOW_PAUSE = 5;
+/// The page fetches a coarse picture within this time in milliseconds, unless it has it already.
+const FETCH_TIME = 200;
 /// A whole render begins when no slider has moved for this time in milliseconds.
 const DRAFT_END = 250;
 
@@ -36,7 +40,7 @@ function startWorker(onsums = () => {}) {
 /// The scene and what the reader wants of it.
 const wish = { text: "", changes: [], forbidden: [], draft: false, paused: false, extensions: 0 };
 const leader = startWorker();
-let renderers = [], parts = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null, isLoading = false, isShowing = false, hasNews = false, draftEnd = 0;
+let renderers = [], parts = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null, isLoading = false, isShowing = false, hasNews = false, draftEnd = 0, pictureFetched = () => {};
 
 function changed() {
   stateVersion++;
@@ -70,7 +74,10 @@ async function restart() {
     } catch (error) {
       // The state of the leader contains the message.
     }
+    const fetched = new Promise(done => { pictureFetched = done; setTimeout(done, FETCH_TIME); });
     changed();
+    // The page fetches the picture before the leader begins the next one.
+    await fetched;
   } while (now !== revision);
   isLoading = false;
   if (wish.draft) draftEnd = setTimeout(() => { wish.draft = false; changed(); startRenderers(); }, DRAFT_END);
@@ -102,9 +109,13 @@ async function showSums(wanted) {
   isShowing = true;
   while (hasNews) {
     hasNews = false;
-    const elapsed = (spent + (begun === null ? 0 : performance.now() - begun)) / 1000, now = revision;
+    const begin = performance.now(), elapsed = (spent + (begun === null ? 0 : performance.now() - begun)) / 1000, now = revision;
     await leader.ask("show", { parts: parts.filter(Boolean).map(bytes => new Uint8Array(bytes)), wanted, elapsed }).catch(() => {});
-    if (now === revision) changed();
+    if (now !== revision) continue;
+    changed();
+    // The leader should be free most of the time, for drags and for spectra.
+    const cost = performance.now() - begin;
+    while (now === revision && performance.now() - begin < SHOW_PAUSE * cost) await new Promise(done => setTimeout(done, 50));
   }
   isShowing = false;
 }
@@ -113,7 +124,11 @@ async function showSums(wanted) {
 /// pixels.
 async function get(path) {
   const asked = path.match(/^state\?after=(\d+)$/);
-  if (!asked) return leader.ask("answer", { path });
+  if (!asked) {
+    const answer = leader.ask("answer", { path });
+    if (path === "picture") answer.finally(() => pictureFetched()).catch(() => {});
+    return answer;
+  }
   if (stateVersion <= Number(asked[1])) await new Promise(done => listeners.push(done));
   await leader.started;
   const state = JSON.parse(await leader.ask("state", { version: stateVersion }));

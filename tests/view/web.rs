@@ -1,7 +1,7 @@
 //! The page without a server. `tests/run --web` builds it, and runs these tests.
 
 use crate::browser::Browser;
-use crate::page::{DESKTOP, is_clean, position};
+use crate::page::{DESKTOP, position};
 use abbe::page::PageEngine;
 use abbe_session::render::PassPart;
 use std::path::{Path, PathBuf};
@@ -14,6 +14,12 @@ fn root() -> &'static Path {
 
 fn scene(name: &str) -> PathBuf {
     root().join("scenes").join(name).with_extension("json")
+}
+
+/// The page asks for nothing but itself and its own workers, and reports no error.
+fn uses_only_itself(browser: &Browser) {
+    let others: Vec<String> = browser.complaints().into_iter().filter(|it| !it.starts_with("blob:")).collect();
+    assert!(others.iter().all(|it| it.starts_with("file://") && it.contains("target/page/index.html")), "{others:?}");
 }
 
 /// The sums of 8 passes are the same in WebAssembly and in the native program.
@@ -36,11 +42,11 @@ fn node_has_the_bits_of_the_program() {
     let lines: Vec<(&str, f64)> =
         said.lines().map(|line| line.split_once(' ').map(|(hash, s)| (hash, s.parse().unwrap())).unwrap()).collect();
     assert_eq!(lines.len(), SCENES.len());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().unwrap();
     for (name, (hash, web_s)) in SCENES.into_iter().zip(lines) {
         let mut engine = PageEngine::default();
         engine.load(&std::fs::read_to_string(scene(name)).unwrap(), &changes, &[]).unwrap();
         let start = cpu_time::ThreadTime::now();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().unwrap();
         let bytes = pool.install(|| engine.render(PassPart::WHOLE, PASSES, None, &mut |_| true)).unwrap();
         let native_s = start.elapsed().as_secs_f64();
         println!("{name}: {hash}, {native_s:.2} s native, {web_s:.2} s in Node: {:.2}", native_s / web_s);
@@ -84,7 +90,7 @@ fn the_page_renders_without_a_server() {
     assert!(browser.run("picture.passes").as_i64().unwrap() > 0, "the last picture stays");
     browser.run("undo()");
     browser.wait("state.error === null && state.passes > 0");
-    is_clean(&browser);
+    uses_only_itself(&browser);
 }
 
 /// A shared address opens the same scene.
@@ -101,6 +107,7 @@ fn an_address_contains_the_scene() {
     browser.open("about:blank");
     browser.open(&address);
     browser.wait("picture !== null && scene.scene.title.includes('oap')");
-    assert_eq!(browser.run("scene.scene.film.width"), 320);
-    is_clean(&browser);
+    let pixels = browser.run("scene.scene.film.width * scene.scene.film.height").as_f64().unwrap();
+    assert!((pixels / (320.0 * 180.0) - 1.0).abs() < 0.02, "{pixels}");
+    uses_only_itself(&browser);
 }
