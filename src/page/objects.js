@@ -126,10 +126,11 @@ function dragObject(dx, dy) {
   if (!dragging.ready || !dragging.owed.some(Boolean)) return;
   dragBy(...dragging.owed, dragging.how);
   dragging.owed = [0, 0];
+  dragging.moved = true;
   paint();
 }
 function releaseObject() {
-  if (dragging?.ready && chosen && moves.has(chosen.index)) sendMove(chosen.index, false);
+  if (dragging?.moved && chosen) sendMove(chosen.index, false);
   dragging = null;
 }
 

@@ -32,6 +32,9 @@ fn an_object_follows_the_pointer_and_the_keys() {
     let press = position(&mut browser, (120, 72));
     browser.mouse("mousePressed", press, false);
     browser.wait("chosen?.name === 'ball'");
+    browser.mouse("mouseReleased", press, false);
+    assert_eq!(browser.run("changes.size"), 0, "a click only chooses");
+    browser.mouse("mousePressed", press, false);
     let moved = position(&mut browser, (160, 72));
     browser.mouse("mouseMoved", moved, false);
     browser.mouse("mouseReleased", moved, false);
