@@ -39,6 +39,8 @@ function startWorker(onsums = () => {}) {
 
 /// The scene and what the reader wants of it.
 const wish = { text: "", changes: [], forbidden: [], draft: false, paused: false, extensions: 0 };
+/// The task of loading the scene that the reader wants.
+const wantedScene = () => ({ text: wish.text, changes: wish.changes, forbidden: wish.forbidden });
 const leader = startWorker();
 let renderers = [], parts = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null, isLoading = false, isShowing = false, hasNews = false, draftEnd = 0, pictureFetched = () => {};
 
@@ -68,7 +70,7 @@ async function restart() {
     spent = 0;
     try {
       await leader.started;
-      await leader.ask("load", { text: wish.text, changes: wish.changes, forbidden: wish.forbidden });
+      await leader.ask("load", wantedScene());
       changed();
       await leader.ask("coarse");
     } catch (error) {
@@ -87,15 +89,15 @@ async function restart() {
 const wantedPasses = async () => await leader.ask("passes") * 2 ** wish.extensions;
 
 async function startRenderers() {
-  const now = revision, isCurrent = () => now === revision && !wish.paused;
+  const now = revision;
   const passes = await wantedPasses().catch(() => 0), of = Math.min(RENDERERS, passes);
-  if (!passes || !isCurrent()) return;
+  if (!passes || now !== revision || wish.paused) return;
   begun = performance.now();
   for (let index = 0; index < of; index++) {
     const renderer = startWorker((index, bytes) => { parts[index] = bytes; if (now === revision) showSums(passes); });
     renderers.push(renderer);
     renderer.started
-      .then(() => renderer.ask("load", { text: wish.text, changes: wish.changes, forbidden: wish.forbidden }))
+      .then(() => renderer.ask("load", wantedScene()))
       .then(() => renderer.ask("render", { index, of, passes, earlier: parts[index], pause: SUMS_PAUSE }))
       .catch(error => console.error(error))
       .finally(() => renderer.end());

@@ -20,8 +20,8 @@ const TASKS = {
     const [name, query] = path.split("?"), answer = engine.answer(name, query ?? "");
     return { kind: answer.kind, plane: [...answer.plane], bytes: answer.bytes.buffer };
   },
-  /// Renders a part of the passes. Sends the sums after the first pass, and again when they have
-  /// been the same for `pause` milliseconds.
+  /// Renders a part of the passes. Sends the sums after the first pass, then at most once in
+  /// `pause` milliseconds, and at the end.
   render({ index, of, passes, earlier, pause }) {
     let sent = -Infinity;
     const send = bytes => { postMessage({ index, bytes: bytes.buffer }, [bytes.buffer]); sent = performance.now(); return true; };

@@ -143,7 +143,8 @@ impl PageEngine {
         self.state.to_json(version)
     }
 
-    /// Returns the text of the scene with all changes, as it was written, or `None` before the first scene.
+    /// Returns the text of the scene with all changes, as it was written, or `None` before the
+    /// first scene.
     pub fn scene_text(&self) -> Option<&str> {
         self.loaded.as_ref().map(|loaded| loaded.source.written())
     }

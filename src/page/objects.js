@@ -12,8 +12,8 @@ const RING = 52, REACH = 14;
 
 const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
 const unitVector = a => vector.times(a, 1 / (vector.length(a) || 1));
-/// Returns the objects in the order of the renderer, each with its path in the scene. Groups contain
-/// objects.
+/// Returns the objects in the order of the renderer, each with its path in the scene. Groups
+/// contain objects.
 function objectsIn(list, path) {
   return list.flatMap((object, i) => object.group ? objectsIn(object.group, `${path}[${i}].group`) : [{ object, path: `${path}[${i}]` }]);
 }

@@ -1,4 +1,5 @@
-//! What the page shows besides the pixels: the state of the session, its progress and its faults.
+//! Holds what the page shows besides the pixels: the state of the session, its progress and its
+//! faults.
 
 use super::scene_panels::ScenePanels;
 use super::snapshot::Snapshot;

@@ -63,7 +63,7 @@ pub struct CrystalReport {
     pub michel_levy: MichelLevyStrip,
 }
 
-/// What a report of a crystal contains.
+/// A request for the figures of a crystal.
 #[derive(Debug)]
 pub struct CrystalRequest<'a> {
     /// Wavelengths in nm. An empty list stands for the Fraunhofer lines within the range.

@@ -105,8 +105,8 @@ fn glasses_come_from_catalogues_named_or_lying_beside() {
     assert!(list.out.starts_with("OWN-7") && list.err.contains("formula 14 of ODD"), "{} {}", list.out, list.err);
 }
 
-/// A folder is searched for the catalogues that the lens names (`GCAT SHOP`), and serves other names
-/// only if no built-in catalogue knows them.
+/// A folder is searched for the catalogues that the lens names (`GCAT SHOP`), and serves other
+/// names only if no built-in catalogue knows them.
 #[test]
 fn folders_of_catalogues_are_searched() {
     let folder = tempfile::tempdir().unwrap();

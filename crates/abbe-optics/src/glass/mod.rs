@@ -1,9 +1,9 @@
 //! Refractive indices as functions of wavelength, and the catalogue of glasses.
 //!
 //! A [`RefractiveIndex`] consists of a [`Dispersion`] formula and its range of validity.
-//! [`catalogue`] finds a [`Glass`] by name in `data/glass`, [`makers`] adds the glasses of the makers
-//! and the old names of lens files, and [`AgfCatalogue`] reads further catalogues from Zemax files. The complex indices of metals are spectra:
-//! [`abbe_spectra::spectrum::library::metal`].
+//! [`catalogue`] finds a [`Glass`] by name in `data/glass`, [`makers`] adds the glasses of the
+//! makers and the old names of lens files, and [`AgfCatalogue`] reads further catalogues from Zemax
+//! files. The complex indices of metals are spectra: [`abbe_spectra::spectrum::library::metal`].
 
 mod agf;
 pub mod catalogue;

@@ -15,7 +15,6 @@ use abbe_transport::pass::{PassSums, StageSeconds};
 use abbe_transport::plan::Tally;
 use abbe_transport::walk::ledger::Ledger;
 use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
 
 /// Everything of a run except the sums of its film.
 #[derive(Debug, Serialize, Deserialize)]
@@ -48,10 +47,7 @@ impl Run {
     /// Returns the BLAKE3 hashes of all sums of the film as 32 hexadecimal digits. Two runs of a
     /// scene with the same passes have the same digits, on any machine.
     pub fn hash_of_sums(&self) -> String {
-        hash_sums(&self.sums.film).bytes().iter().fold(String::new(), |mut digits, byte| {
-            let _ = write!(digits, "{byte:02x}");
-            digits
-        })
+        format!("{:032x}", u128::from_be_bytes(hash_sums(&self.sums.film).bytes()))
     }
 }
 

@@ -5,9 +5,9 @@
 //! The file is a list of operands, one per line, where those of a surface are indented under its
 //! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `OBNA`, `FTYP`,
 //! `XFLN` and `YFLN`, and for surfaces `STOP`, `TYPE`, `CURV`, `CONI`, `PARM`, `DISZ`, `GLAS`,
-//! `DIAM`, `CLAP`, `OBSC`, `SQAP` and `ELAP`. Operands that are known to change the rays but are not supported are
-//! errors, and all others are ignored. The first surface is the object, and the last one the
-//! sensor.
+//! `DIAM`, `CLAP`, `OBSC`, `SQAP` and `ELAP`. Operands that are known to change the rays but are
+//! not supported are errors, and all others are ignored. The first surface is the object, and the
+//! last one the sensor.
 //!
 //! A system with mirrors or coordinate breaks becomes a [`FoldedSystem`], which can be analysed but
 //! not used in a camera.

@@ -115,8 +115,8 @@ impl<'a> ZmxReader<'a> {
         Ok(object_mm)
     }
 
-    /// Removes coordinate breaks without a shift or a tilt, and adds their thickness to the distance
-    /// in front of them.
+    /// Removes coordinate breaks without a shift or a tilt, and adds their thickness to the
+    /// distance in front of them.
     fn remove_idle_breaks(&mut self, object_mm: &mut f64) {
         let mut kept: Vec<ZmxSurface> = Vec::new();
         for row in self.rows.drain(..) {
