@@ -51,6 +51,7 @@ impl Prepared {
             strata: &self.strata,
             ray_densities: None,
             wavelengths: WavelengthSampling::Free,
+            polarised: false,
             fluorescent: false,
             photons_per_ribbon: 0,
             count,

@@ -108,6 +108,7 @@ fn no_photon_grows_heavier_than_it_set_out() {
         strata: &strata,
         ray_densities: None,
         wavelengths: WavelengthSampling::Free,
+        polarised: false,
         fluorescent: false,
         photons_per_ribbon: 0,
         count: PHOTONS,

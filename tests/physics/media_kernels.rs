@@ -60,7 +60,7 @@ fn the_bias_of_points_falls_with_the_square_of_the_radius() {
         let direction = warp::sphere([sobol.at(i, 0), sobol.at(i, 1)]);
         VolumePhoton::new(REACH * sobol.at(i, 2) * direction, direction, 0, load())
     });
-    let bias = bias(&VolumeMap::of_points(points.collect()), REACH, PHOTONS);
+    let bias = bias(&VolumeMap::of_points(points.collect(), &[]), REACH, PHOTONS);
     check_order("points", bias);
     // The integral along a ray at distance ρ is proportional to 1/ρ. Epanechnikov's kernel on the
     // disk overestimates it by r²/12 ∇²(1/ρ) = r²/(12 ρ³) and 3/128 r⁴/ρ⁵.
@@ -79,6 +79,6 @@ fn the_bias_of_beams_falls_with_the_square_of_the_radius() {
         let direction = warp::sphere([sobol.at(i, 0), sobol.at(i, 1)]);
         PhotonBeam::new([DVec3::ZERO, REACH * direction], 0, load())
     });
-    let bias = bias(&VolumeMap::of_beams(beams.collect()), 1.0, PHOTONS);
+    let bias = bias(&VolumeMap::of_beams(beams.collect(), Vec::new()), 1.0, PHOTONS);
     check_order("beams", bias);
 }

@@ -1,7 +1,7 @@
 //! The camera, its motion and its shutter in the scene file.
 
 use crate::prelude::*;
-use crate::{JsonPath, LensFile, check};
+use crate::{JsonPath, LensFile, PolarisingFilterFile, check};
 use abbe_scene::motion::{AnimatedLookAt, LookAt};
 use abbe_spectra::error::Result;
 use glam::DVec3;
@@ -10,7 +10,7 @@ use glam::DVec3;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Camera", example = json!({"from": [0, 1, 5], "at": [0, 0.5, 0], "up": [0, 1, 0],
-    "lens": {"pinhole": {"fov": 35}}, "shutter": {"open": 0, "close": 0.02}, "motion": [{"time": 0}, {"time": 0.02,
+    "lens": {"pinhole": {"fov": 35}}, "filter": {"polariser": {"axis": 90}}, "shutter": {"open": 0, "close": 0.02}, "motion": [{"time": 0}, {"time": 0.02,
     "from": [0, 1, 4.9]}]}))]
 pub struct CameraFile {
     /// Position of the camera.
@@ -25,6 +25,9 @@ pub struct CameraFile {
     pub up: [f64; 3],
     /// The lens that projects the scene onto the sensor.
     pub lens: LensFile,
+    /// A polarising filter before the lens.
+    #[schemars(extend("x-default" = "no filter"))]
+    pub filter: Option<PolarisingFilterFile>,
     /// The time during which the camera records. If the shutter is absent, the picture shows the
     /// scene at time 0.
     pub shutter: Option<ShutterFile>,
@@ -88,10 +91,11 @@ impl CameraFile {
     }
 
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { from, at: target, up, lens, shutter, motion } = self;
+        let Self { from, at: target, up, lens, filter, shutter, motion } = self;
         check::all([
             validate_pose(at, "at", [*from, *target, *up]),
             lens.validate(&at.key("lens")),
+            filter.as_ref().map_or(Ok(()), |filter| filter.validate(&at.key("filter"))),
             shutter.as_ref().map_or(Ok(()), |shutter| shutter.validate(&at.key("shutter"))),
         ])?;
         let at = at.key("motion");

@@ -10,7 +10,7 @@ use abbe_spectra::error::Result;
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Film", example = json!({"width": 640, "height": 360, "observer": "cie1931", "spectral_bands": 0,
-    "layers": ["albedo", "paths"], "denoise": true, "gamut": "compress", "tone": "roll_off", "white_balance": "none",
+    "layers": ["albedo", "paths"], "stokes": false, "denoise": true, "gamut": "compress", "tone": "roll_off", "white_balance": "none",
     "output_space": "srgb", "exposure": "auto", "bloom": {"fov": 40}}))]
 pub struct FilmFile {
     /// Width of the picture.
@@ -30,6 +30,10 @@ pub struct FilmFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub layers: Vec<LayerFile>,
+    /// Whether the EXR holds the layer `stokes`.
+    #[serde(default, skip_serializing_if = "is_default")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
+    pub stokes: bool,
     /// Whether the EXR holds the denoised picture in addition to the picture as it was rendered,
     /// and the PNG shows it. Without this key, both do so where it is possible and safe.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -131,6 +135,9 @@ pub enum LayerFile {
     Paths,
     /// Light of each group of lights.
     Lights,
+    /// Stokes vector of the light in the frame of the picture, with its standard errors, and degree
+    /// and angle of polarisation.
+    Stokes,
 }
 
 /// How colours outside the PNG's colour space are mapped into it.

@@ -57,6 +57,7 @@ mod emission;
 mod field;
 mod file_kinds;
 mod film;
+mod filter;
 mod forms;
 #[cfg(all(test, feature = "schema"))]
 mod forms_tests;
@@ -108,6 +109,7 @@ pub use file_kinds::is_json_schema;
 pub use film::{
     BloomFile, ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
 };
+pub use filter::{CircularPolariserFile, HandednessFile, PolariserFile, PolarisingFilterFile, RetarderFile};
 pub use grating::{GratingFile, GratingProfileFile, GroovesFile, OrderEfficiencyFile};
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{

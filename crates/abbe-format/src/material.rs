@@ -2,8 +2,8 @@
 
 use crate::prelude::*;
 use crate::{
-    CoatingFile, GratingFile, IndexFile, JsonPath, NormalMapFile, ReflectanceFile, ScalarFile, SpectrumFile, check,
-    forms, spectrum::SpectrumUse,
+    CircularPolariserFile, CoatingFile, GratingFile, IndexFile, JsonPath, NormalMapFile, PolariserFile,
+    PolarisingFilterFile, ReflectanceFile, RetarderFile, ScalarFile, SpectrumFile, check, forms, spectrum::SpectrumUse,
 };
 use abbe_spectra::error::Result;
 
@@ -67,6 +67,20 @@ pub enum MaterialFile {
     /// reflected. The surrounding medium is on both sides.
     #[schemars(example = json!({"thin_film": {"layers": [{"ior": "water", "thickness_nm": 300}]}}))]
     ThinFilm(CoatingFile),
+    /// A sheet that is a linear polariser.
+    #[schemars(example = json!({"polariser": {"axis": 90}}))]
+    Polariser(PolariserFile),
+    /// A sheet that is a linear retarder, such as a wave plate, a crystal or cellophane.
+    #[schemars(example = json!({"retarder": {"retardance_nm": 275, "axis": 45}}))]
+    Retarder(RetarderFile),
+    /// A sheet that is a linear polariser with a quarter-wave plate behind it.
+    #[schemars(example = json!({"circular_polariser": {"handedness": "right"}}))]
+    CircularPolariser(CircularPolariserFile),
+    /// A sheet of several polarising filters. Light of the front, the outside of the surface, meets
+    /// the first one first.
+    #[schemars(example = json!({"filters": [{"polariser": {}}, {"retarder": {"retardance_nm": 550, "axis": 45}},
+        {"polariser": {"axis": 90}}]}))]
+    Filters(#[schemars(length(min = 1))] Vec<PolarisingFilterFile>),
     /// A diffraction grating.
     #[schemars(example = json!({"grating": {"lines_per_mm": 600, "profile": {"blazed": {"order": 1, "nm": 550}},
         "transmittance": 0.9, "reflectance": 0.05, "angle": 90}}))]
@@ -249,6 +263,17 @@ pub struct WeightedMaterialFile {
 }
 
 impl MaterialFile {
+    /// Returns the polarising filter of a sheet.
+    pub(super) fn filter(&self) -> Option<PolarisingFilterFile> {
+        match self {
+            Self::Polariser(file) => Some(PolarisingFilterFile::Polariser(file.clone())),
+            Self::Retarder(file) => Some(PolarisingFilterFile::Retarder(file.clone())),
+            Self::CircularPolariser(file) => Some(PolarisingFilterFile::CircularPolariser(file.clone())),
+            Self::Filters(files) => Some(PolarisingFilterFile::Filters(files.clone())),
+            _ => None,
+        }
+    }
+
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
             Self::Diffuse { reflectance } => reflectance.validate(&at.key("diffuse").key("reflectance")),
@@ -267,6 +292,9 @@ impl MaterialFile {
             Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
             Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),
             Self::ThinFilm(film) => film.validate(&at.key("thin_film")),
+            Self::Polariser(_) | Self::Retarder(_) | Self::CircularPolariser(_) | Self::Filters(_) => {
+                self.filter().map_or(Ok(()), |filter| filter.validate(at))
+            }
             Self::Grating(grating) => grating.validate(&at.key("grating")),
             Self::Conductor(conductor) => conductor.validate(&at.key("conductor")),
             Self::Mirror { reflectance } => reflectance.validate(&at.key("mirror").key("reflectance")),

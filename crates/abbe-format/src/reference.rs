@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 /// The chapters of the page: their titles, and the names of their definitions, of which the empty
 /// one is the scene. Definitions without a title have no section; their text appears where they are
 /// used.
-pub(super) const CHAPTERS: [(&str, &str); 18] = [
+pub(super) const CHAPTERS: [(&str, &str); 19] = [
     ("The scene", " UnitFile"),
     ("The camera", "CameraFile CameraKeyframeFile ShutterFile"),
     ("Camera lenses", "LensFile PrescriptionFile LensSurfaceFile LensTransmissionFile"),
@@ -25,6 +25,7 @@ pub(super) const CHAPTERS: [(&str, &str); 18] = [
     ("Indices of refraction", "IndexFile FormulaFile"),
     ("Materials", "MaterialFile PaneTransmittanceFile WeightedMaterialFile GreenFile"),
     ("Thin films", "CoatingFile CoatingLayerFile CoatingIndexFile ComplexIndexFile"),
+    ("Polarising filters", "PolarisingFilterFile PolariserFile RetarderFile CircularPolariserFile HandednessFile"),
     ("Gratings", "GratingProfileFile OrderEfficiencyFile GroovesFile"),
     ("Media", "MediumFile DyeFile TransmittanceFile PhaseFile MediumEmissionFile MediumBlackbodyFile"),
     ("Density and temperature fields", "FieldFile ExponentialFieldFile PlanetFile SphereFieldFile NoiseFieldFile"),

@@ -48,7 +48,8 @@
 //! # Dependencies
 //!
 //! The crate depends on [`abbe_optics`], for film stacks, indices and Mie series, and on
-//! [`abbe_spectra`]. The program `abbe` depends on it; the transport does not yet.
+//! [`abbe_spectra`]. `abbe-format`, `abbe-transport` and the program `abbe`
+//! depend on it.
 
 #![warn(missing_docs)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -62,6 +63,7 @@ pub mod jones;
 mod mueller;
 pub mod rainbow;
 pub mod scattering;
+mod scattering_event;
 pub mod sheet;
 pub mod sky;
 mod stokes;
@@ -73,4 +75,5 @@ mod golden;
 pub use diattenuating_retarder::DiattenuatingRetarder;
 pub use frame::{Rotation, StokesFrame};
 pub use mueller::Mueller;
+pub use scattering_event::{ScatteringEvent, SurfaceDirections};
 pub use stokes::Stokes;

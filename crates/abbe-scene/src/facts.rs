@@ -2,7 +2,7 @@
 
 use super::camera::{Aperture, ApertureDiffraction};
 use super::light::Light;
-use super::{Object, Scene};
+use super::{Layer, Object, Scene};
 use abbe_optics::bsdf::{Bsdf, BsdfClass};
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::glass::RefractiveIndex;
@@ -60,6 +60,11 @@ pub struct Facts {
     /// The size of the diffraction pattern. `None` for a pinhole, or if diffraction is not enabled.
     pub diffracting: Option<String>,
     pub meters: Vec<String>,
+    /// Objects and settings that depend on the polarisation of light: filters and the filter of the
+    /// camera.
+    pub polarising: Vec<String>,
+    /// True if the film records the Stokes vector of the light.
+    pub stokes: bool,
     /// Everything that moves while the shutter is open: objects, lights, media and the camera.
     pub moving: Vec<String>,
 }
@@ -142,6 +147,7 @@ impl Facts {
             let is_grating = material.surface.components().any(|part| part.grating().is_some());
             note(&mut facts.dispersive, is_grating);
             note(&mut facts.bodies, is_grating);
+            note(&mut facts.polarising, material.surface.filters().next().is_some());
             note(&mut facts.textured, material.is_textured());
             let absorption = material.body.as_ref().and_then(|body| body.absorption.as_ref());
             let is_upsampled = material.surface.is_upsampled() || absorption.is_some_and(Spectrum::is_upsampled);
@@ -177,6 +183,9 @@ impl Facts {
         facts.diffracting = ApertureDiffraction::of(&scene.camera)
             .filter(|_| scene.camera.diffracts)
             .map(|diffraction| format!("an Airy disk of {:.2} pixels in green light", diffraction.airy_diameter_px()));
+        facts.polarising.extend(scene.camera.filter.iter().map(|_| "the camera's filter".to_owned()));
+        facts.stokes = scene.film.layers.contains(&Layer::Stokes);
+        facts.polarising.extend(facts.stokes.then(|| "the layer stokes".to_owned()));
         facts.meters = scene.meters.iter().map(|meter| meter.name.clone()).collect();
         let moving = scene.motions.shapes.iter().filter(|shape| shape.motion.is_some());
         facts.moving.extend(moving.map(|shape| scene.objects[shape.placed.object as usize].name.clone()));

@@ -15,4 +15,6 @@ pub enum Layer {
     Paths,
     /// The light of each group of lights.
     Lights,
+    /// The Stokes vector of the light, and its degree and angle of polarisation.
+    Stokes,
 }

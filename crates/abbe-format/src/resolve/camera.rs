@@ -10,6 +10,7 @@ use abbe_scene::motion::{AnimatedLookAt, LookAt};
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{hypot, tan};
 use glam::DVec3;
+use std::sync::Arc;
 
 impl Resolver<'_> {
     /// Resolves the motion of the camera, and the camera at the moment when the shutter opens.
@@ -22,7 +23,7 @@ impl Resolver<'_> {
         centre: DVec3,
         notes: &mut Vec<String>,
     ) -> Result<(Camera, Option<AnimatedLookAt>)> {
-        let CameraFile { from: _, at: _, up: _, lens, shutter: _, motion: _ } = file;
+        let CameraFile { from: _, at: _, up: _, lens, filter, shutter: _, motion: _ } = file;
         let lens_at = at.key("lens");
         let (half_height, aperture, diffracts) = match lens {
             LensFile::Pinhole { fov } => (tan(0.5 * fov.to_radians()), Aperture::Pinhole, false),
@@ -46,6 +47,8 @@ impl Resolver<'_> {
         let origin = self.point(from.to_array(), centre);
         let mut camera = Camera::new(origin, look_at_axes(target - from, up), half_height, size, aperture);
         camera.diffracts = diffracts;
+        let filter = filter.as_ref().map(|filter| self.filter(&at.key("filter"), filter)).transpose()?;
+        camera.filter = filter.map(Arc::new);
         notes.extend(missed_diffraction(&camera));
         Ok((camera, motion))
     }

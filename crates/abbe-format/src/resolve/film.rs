@@ -27,6 +27,7 @@ impl Resolver<'_> {
             output_space,
             exposure,
             bloom,
+            stokes,
             denoise,
             ..
         } = film;
@@ -75,8 +76,12 @@ impl Resolver<'_> {
             LayerFile::Samples => Layer::Samples,
             LayerFile::Paths => Layer::Paths,
             LayerFile::Lights => Layer::Lights,
+            LayerFile::Stokes => Layer::Stokes,
         });
-        let layers = layers.collect();
+        let mut layers: Vec<Layer> = layers.collect();
+        if *stokes && !layers.contains(&Layer::Stokes) {
+            layers.push(Layer::Stokes);
+        }
         Ok(FilmSpec {
             width,
             height,

@@ -89,6 +89,13 @@ impl Resolver<'_> {
                 let air = OpticalIndex::Transparent(self.at(&at, RefractiveIndex::constant(1.0))?);
                 (Ok(Bsdf::thin_film(self.coating(&at.key("thin_film"), file, &air)?)), None)
             }
+            MaterialFile::Polariser(_)
+            | MaterialFile::Retarder(_)
+            | MaterialFile::CircularPolariser(_)
+            | MaterialFile::Filters(_) => {
+                let filter = file.filter().map(|filter| self.filter(&at, &filter)).transpose()?;
+                (filter.map_or(Ok(Bsdf::Absorber), Bsdf::filter), None)
+            }
             MaterialFile::Grating(file) => (self.grating(&at.key("grating"), file), None),
             MaterialFile::Conductor(file) => (self.conductor(&at.key("conductor"), file), None),
             MaterialFile::Mirror { reflectance } => {

@@ -10,6 +10,7 @@ mod context;
 mod emission;
 mod environment_image;
 mod film;
+mod filter;
 mod index;
 mod lens;
 mod lights;

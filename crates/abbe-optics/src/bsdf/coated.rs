@@ -121,6 +121,20 @@ impl CoatedDielectric {
         facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, mode, nm))
     }
 
+    /// Evaluates the light that hits one facet of a rough interface.
+    pub(super) fn eval_facet(
+        &self,
+        wo: DVec3,
+        wi: DVec3,
+        iors: InterfaceIors<'_>,
+        thickness_nm: f32,
+        mode: TransportMode,
+        nm: f64,
+    ) -> f64 {
+        let facets = self.facets_at(wo, iors, thickness_nm, nm);
+        facets.map_or(0.0, |facets| facets.eval_facet(wo, wi, iors, mode, nm))
+    }
+
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> f64 {
         self.facets_at(wo, iors, thickness_nm, nm).map_or(0.0, |facets| facets.pdf(wo, wi))
     }

@@ -11,7 +11,7 @@ use crate::fresnel;
 use crate::glass::RefractiveIndex;
 use crate::microfacet::{Ggx, MIN_ALPHA};
 use crate::texture::SurfaceSpectrum;
-use crate::thin_film::FilmStack;
+use crate::thin_film::{self, FilmStack, StackResponse};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::complex::Complex;
 use abbe_spectra::math::quadrature::gauss4;
@@ -175,6 +175,20 @@ impl Conductor {
         }
     }
 
+    /// Returns the response to both polarisations, or `None` if only a reflectance is known.
+    pub(super) fn response(&self, cos: f64, outside: f64, thickness_nm: f64, nm: f64) -> Option<StackResponse> {
+        match &self.fresnel {
+            MetalFresnel::Reflectance(_) => None,
+            MetalFresnel::Index { n, k } => {
+                let metal = Complex::new(n.at(nm), k.at(nm));
+                Some(thin_film::response(cos, outside, std::iter::empty(), metal, nm))
+            }
+            MetalFresnel::Coated { n, k, films } => {
+                Some(films.response(cos, outside, Complex::new(n.at(nm), k.at(nm)), nm, thickness_nm))
+            }
+        }
+    }
+
     /// Returns the cosine-weighted mean of the reflectance, F̄ = ∫ 2μ·F(μ) dμ, from a table for
     /// metals in air, because photons in a kernel ask for it at each of their wavelengths.
     #[inline]
@@ -242,10 +256,18 @@ impl Conductor {
         let Some(facets) = self.facets.as_ref().filter(|_| same_side(wo, wi)) else {
             return 0.0;
         };
+        let kept = facets.compensation.reflected(self.mean_reflectance(iors, texels, nm));
+        self.eval_facet(wo, wi, iors, texels, nm) + kept * facets.compensation.eval(wo.z.abs(), wi.z.abs())
+    }
+
+    /// Evaluates the light that hits one facet of a rough metal.
+    pub(super) fn eval_facet(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, texels: Texels, nm: f64) -> f64 {
+        let Some(facets) = self.facets.as_ref().filter(|_| same_side(wo, wi)) else {
+            return 0.0;
+        };
         let m = (wo + wi).normalize_or_zero();
         let lobe = facets.ggx.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
-        let kept = facets.compensation.reflected(self.mean_reflectance(iors, texels, nm));
-        self.fresnel(wo.dot(m), iors, texels, nm) * lobe + kept * facets.compensation.eval(wo.z.abs(), wi.z.abs())
+        self.fresnel(wo.dot(m), iors, texels, nm) * lobe
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {

@@ -4,6 +4,7 @@ use super::coated::{CoatedDielectric, ThinFilm};
 use super::conductor::Conductor;
 use super::dielectric::Dielectric;
 use super::diffuse::Diffuse;
+use super::filter::PolarisingFilter;
 use super::glossy::Glossy;
 use super::mirror::Mirror;
 use super::thin::ThinDielectric;
@@ -52,6 +53,11 @@ impl Bsdf {
     /// Creates a [`ThinDielectric`] BSDF; see [`ThinDielectric::new`].
     pub fn thin_dielectric(index: RefractiveIndex, optical_depth: Option<Spectrum>) -> Result<Self> {
         ThinDielectric::new(index, optical_depth).map(Self::ThinDielectric)
+    }
+
+    /// Creates a sheet with a polarising filter; see [`ThinDielectric::polarising`].
+    pub fn filter(filter: PolarisingFilter) -> Result<Self> {
+        ThinDielectric::polarising(filter).map(Self::ThinDielectric)
     }
 
     /// Creates a [`CoatedDielectric`] BSDF; see [`CoatedDielectric::new`].

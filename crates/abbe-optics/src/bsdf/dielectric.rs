@@ -67,6 +67,19 @@ impl Dielectric {
         facets.map_or(0.0, |facets| facets.eval(wo, wi, iors, mode, nm))
     }
 
+    /// Evaluates the light that hits one facet of a rough interface.
+    pub(super) fn eval_facet(
+        &self,
+        wo: DVec3,
+        wi: DVec3,
+        iors: InterfaceIors<'_>,
+        mode: TransportMode,
+        nm: f64,
+    ) -> f64 {
+        let facets = self.facets_between([iors.here.n(nm), iors.there.n(nm)]);
+        facets.map_or(0.0, |facets| facets.eval_facet(wo, wi, iors, mode, nm))
+    }
+
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, nm: f64) -> f64 {
         let facets = self.facets_between([iors.here.n(nm), iors.there.n(nm)]);
         facets.map_or(0.0, |facets| facets.pdf(wo, wi))

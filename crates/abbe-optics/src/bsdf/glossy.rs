@@ -125,12 +125,25 @@ impl Glossy {
             return 0.0;
         }
         let index = self.index.n(nm);
-        let m = (wo + wi).normalize_or_zero();
-        let lobe = self.facets.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
         let (coat_o, coat_i) = (self.coat.at(wo.z.abs(), index), self.coat.at(wi.z.abs(), index));
         // If the coat reflects all light, the lower bound prevents 0/0.
         let through = (1.0 - coat_o) * (1.0 - coat_i) / (1.0 - self.coat.mean(index)).max(f64::MIN_POSITIVE);
-        fresnel::dielectric(wo.dot(m), 1.0, index) * lobe + self.base(texel, nm) * FRAC_1_PI * through
+        self.eval_coat(wo, wi, nm) + self.base(texel, nm) * FRAC_1_PI * through
+    }
+
+    /// Evaluates the light that the coat reflects.
+    pub(super) fn eval_coat(&self, wo: DVec3, wi: DVec3, nm: f64) -> f64 {
+        if !same_side(wo, wi) {
+            return 0.0;
+        }
+        let m = (wo + wi).normalize_or_zero();
+        let lobe = self.facets.reflection_lobe(flip_z(m, z_sign(wo)), wo.z.abs(), wi.z.abs());
+        fresnel::dielectric(wo.dot(m), 1.0, self.index.n(nm)) * lobe
+    }
+
+    /// Returns the index of the coat relative to the surrounding medium.
+    pub(super) fn coat_index(&self, nm: f64) -> f64 {
+        self.index.n(nm)
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3, texel: Texel, nm: f64) -> f64 {

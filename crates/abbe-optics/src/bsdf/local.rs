@@ -103,7 +103,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => coated.sample(wo, iors, self.texels.thickness_nm, nm, u),
             Bsdf::ThinDielectric(thin) => Some(thin.sample(wo, iors, self.texels.thickness_nm, nm, u)),
             Bsdf::ThinFilm(film) => Some(film.sample(wo, iors, self.texels.thickness_nm, nm, u)),
-            Bsdf::Grating(grating) => grating.sample(wo, iors, self.texels.groove_angle, nm, u),
+            Bsdf::Grating(grating) => grating.sample(wo, iors, self.texels.axis_angle, nm, u),
             Bsdf::Glossy(glossy) => Some(glossy.sample(wo, reflectance, nm, u)),
             Bsdf::Mix(mix) => {
                 let mut choice = u[2];
@@ -130,7 +130,7 @@ impl<'a> LocalBsdf<'a> {
             return self.component(mix, sample.component).eval_sample(wo, sample, iors, mode, nm);
         }
         if let Bsdf::Grating(grating) = self.model {
-            return grating.coefficient(wo, sample, iors, self.texels.groove_angle, mode, nm);
+            return grating.coefficient(wo, sample, iors, self.texels.axis_angle, mode, nm);
         }
         if sample.delta {
             return self.coefficient(wo, sample.event, iors, mode, nm);
@@ -158,7 +158,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => coated.absorbed_fraction(wo, sample, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
-            Bsdf::Grating(grating) => grating.absorbed_fraction(wo, iors, self.texels.groove_angle, nm),
+            Bsdf::Grating(grating) => grating.absorbed_fraction(wo, iors, self.texels.axis_angle, nm),
             Bsdf::Glossy(glossy) => glossy.absorbed_fraction(wo, reflectance, nm),
             Bsdf::Mix(mix) => self.component(mix, sample.component).absorbed_fraction(wo, sample, iors, nm),
         }

@@ -28,6 +28,7 @@ mod diffuse;
 mod facet;
 mod facet_quadrature;
 mod film_moments;
+mod filter;
 mod fluorescent;
 mod glossy;
 mod grating;
@@ -37,6 +38,7 @@ mod mirror;
 mod missing_energy;
 #[cfg(test)]
 mod model_tests;
+mod polarisation;
 mod power;
 mod rough_interface;
 mod sample;
@@ -49,11 +51,13 @@ pub use coated::{CoatedDielectric, ThinFilm};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use filter::{FilterElement, FilterLayer, PolarisingFilter};
 pub use fluorescent::Fluorescent;
 pub use glossy::Glossy;
 pub use grating::{DiffractionGrating, Grooves};
 pub use local::LocalBsdf;
 pub use mirror::Mirror;
+pub use polarisation::FacetResponses;
 pub use power::PowerFractions;
 pub use sample::{BsdfClass, BsdfSample, InterfaceIors, ScatterEvent, TransportMode};
 pub use texels::Texels;
@@ -210,6 +214,20 @@ impl Bsdf {
     #[inline]
     pub fn grating(&self) -> Option<&DiffractionGrating> {
         if let Self::Grating(grating) = self { Some(grating) } else { None }
+    }
+
+    /// Returns the BSDF without polarising filters, which become holes.
+    pub fn without_filters(self) -> Result<Self> {
+        Ok(match self {
+            Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_filters)?),
+            Self::ThinDielectric(pane) => Self::ThinDielectric(ThinDielectric { filter: None, ..pane }),
+            other => other,
+        })
+    }
+
+    /// Returns the polarising filters among the components.
+    pub fn filters(&self) -> impl Iterator<Item = &PolarisingFilter> {
+        self.components().filter_map(|part| if let Self::ThinDielectric(pane) = part { pane.filter() } else { None })
     }
 
     /// Returns the BSDF with gratings that diffract all light like light of the wavelength `nm`.

@@ -45,6 +45,30 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
 
     /// Evaluates f(wo, wi) in 1/sr at the wavelength `nm`.
     pub(super) fn eval(&self, wo: DVec3, wi: DVec3, iors: InterfaceIors<'_>, mode: TransportMode, nm: f64) -> f64 {
+        self.eval_scaled((wo, wi), iors, mode, nm, Self::eval_upper)
+    }
+
+    /// Evaluates the part of [`Self::eval`] of light that hits one facet.
+    pub(super) fn eval_facet(
+        &self,
+        wo: DVec3,
+        wi: DVec3,
+        iors: InterfaceIors<'_>,
+        mode: TransportMode,
+        nm: f64,
+    ) -> f64 {
+        self.eval_scaled((wo, wi), iors, mode, nm, |facets, wo, wi| facets.eval_single(wo, wi))
+    }
+
+    #[inline]
+    fn eval_scaled(
+        &self,
+        (wo, wi): (DVec3, DVec3),
+        iors: InterfaceIors<'_>,
+        mode: TransportMode,
+        nm: f64,
+        eval_upper: impl Fn(&Self, DVec3, DVec3) -> f64,
+    ) -> f64 {
         let (wo, wi) = (flip_z(wo, z_sign(wo)), flip_z(wi, z_sign(wo)));
         if wi.z == 0.0 {
             return 0.0;
@@ -53,7 +77,7 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
             ScatterEvent::Reflection => 1.0,
             ScatterEvent::Transmission => radiance_scale(iors, mode, nm),
         };
-        self.eval_upper(wo, wi) * scale
+        eval_upper(self, wo, wi) * scale
     }
 
     pub(super) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
@@ -83,14 +107,17 @@ impl<R: FacetResponse> FacetScattering<'_, R> {
 
     /// Evaluates f(wo, wi) in 1/sr for power.
     fn eval_upper(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let event = event_towards(wi);
-        let single = self.half_vector(wo, wi).map_or(0.0, |half_vector| {
+        self.eval_single(wo, wi) + self.multiple.eval(wo.z, wi.z.abs(), event_towards(wi))
+    }
+
+    /// Evaluates the light that hits one facet, in 1/sr for power.
+    fn eval_single(&self, wo: DVec3, wi: DVec3) -> f64 {
+        self.half_vector(wo, wi).map_or(0.0, |half_vector| {
             let masking = self.ggx.g2_per_cos(wo.z, wi.z.abs());
-            let fraction = self.facet.powers(half_vector.cos_o).of_event(event);
+            let fraction = self.facet.powers(half_vector.cos_o).of_event(event_towards(wi));
             // At grazing angles, the Jacobian may be so large that other products overflow.
             fraction * self.ggx.eval(half_vector.m) * (half_vector.jacobian * half_vector.cos_o) * masking
-        });
-        single + self.multiple.eval(wo.z, wi.z.abs(), event)
+        })
     }
 
     /// Returns the pdf of `wi`, with `probability` for the lobe of multiple scattering.

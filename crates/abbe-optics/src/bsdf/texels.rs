@@ -10,12 +10,12 @@ pub struct Texels {
     /// The thickness in nm of the thin film that varies over the surface.
     pub thickness_nm: f32,
     /// The angle in rad from the first axis of the local frame to the direction across the grooves.
-    pub groove_angle: f32,
+    pub axis_angle: f32,
 }
 
 impl Texels {
     /// The texels of a surface without textures.
-    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, groove_angle: 0.0 };
+    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, axis_angle: 0.0 };
 
     pub(super) fn of_reflectance(reflectance: Texel) -> Self {
         Self { reflectance, ..Self::NONE }

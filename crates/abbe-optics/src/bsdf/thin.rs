@@ -3,6 +3,8 @@
 use glam::DVec3;
 
 use super::check::check_within;
+use super::filter::PolarisingFilter;
+use super::polarisation::FacetResponses;
 use super::power::PowerFractions;
 use super::sample::{BsdfSample, InterfaceIors};
 use crate::fresnel;
@@ -28,6 +30,8 @@ pub struct ThinDielectric {
     pub(super) transmittance: Option<CosinePolynomial>,
     /// On both faces, from the outside to the slab.
     pub(super) coating: Option<FilmStack>,
+    /// A sheet that changes the polarisation of light and reflects nothing.
+    pub(super) filter: Option<Box<PolarisingFilter>>,
 }
 
 /// A polynomial in the cosine of the angle of incidence, limited to values from 0 to 1.
@@ -50,7 +54,35 @@ impl ThinDielectric {
     /// coefficient times the thickness. Returns an error if the optical depth is negative.
     pub fn new(index: RefractiveIndex, optical_depth: Option<Spectrum>) -> Result<Self> {
         optical_depth.iter().try_for_each(|depth| check_within("optical depth", depth, f64::INFINITY))?;
-        Ok(Self { index, optical_depth, transmittance: None, coating: None })
+        Ok(Self { index, optical_depth, transmittance: None, coating: None, filter: None })
+    }
+
+    /// Creates a sheet that reflects nothing and changes the polarisation of light. Its powers are
+    /// those of a hole: what it absorbs is decided by the polarisation of the light.
+    pub fn polarising(filter: PolarisingFilter) -> Result<Self> {
+        Ok(Self { filter: Some(Box::new(filter)), ..Self::new(RefractiveIndex::constant(1.0)?, None)? })
+    }
+
+    /// Returns the filter of a polarising sheet.
+    #[inline]
+    pub fn filter(&self) -> Option<&PolarisingFilter> {
+        self.filter.as_deref()
+    }
+
+    /// Returns the responses to both polarisations, at a cosine of the angle of incidence.
+    pub fn responses(&self, cosine: f64, outside: f64, thickness_nm: f64, nm: f64) -> FacetResponses<'_> {
+        if let Some(filter) = self.filter() {
+            return FacetResponses::Filter(filter);
+        }
+        let inside = self.index.n(nm);
+        let cos_inside = fresnel::cos_transmitted(cosine, outside, inside);
+        let passage = self.optical_depth.as_ref().map_or(1.0, |depth| exp(-depth.at(nm) / cos_inside));
+        let Some(films) = &self.coating else { return FacetResponses::Plate { indices: [outside, inside], passage } };
+        FacetResponses::CoatedPlate {
+            front: films.response(cosine, outside, inside.into(), nm, thickness_nm),
+            inside: films.response_reversed(cos_inside, inside, outside.into(), nm, thickness_nm),
+            passage,
+        }
     }
 
     /// Returns the pane with thin films on both faces, listed from the outside.
@@ -70,9 +102,10 @@ impl ThinDielectric {
         self.powers_at(cosine, outside.n(nm), 0.0, nm)
     }
 
-    /// Returns true if the pane has the index `outside` and no films, so that it reflects nothing.
+    /// Returns true if the pane has the index `outside` and no films, so that it reflects nothing, and
+    /// if it is no filter.
     pub fn matches(&self, outside: &RefractiveIndex) -> bool {
-        self.index == *outside && self.coating.is_none()
+        self.index == *outside && self.coating.is_none() && self.filter.is_none()
     }
 
     fn absorbs(&self) -> bool {
@@ -114,6 +147,9 @@ impl ThinDielectric {
 
     /// Does the same for a cosine of the angle of incidence, and the refractive index `outside`.
     fn powers_at(&self, cosine: f64, outside: f64, thickness_nm: f32, nm: f64) -> PowerFractions {
+        if self.filter.is_some() {
+            return PowerFractions { reflected: 0.0, transmitted: 1.0 };
+        }
         let inside = self.index.n(nm);
         if let Some(films) = &self.coating {
             return self.between_films(films, cosine, [outside, inside], thickness_nm, nm);

@@ -5,7 +5,7 @@
 //! by upward recurrence. The number of terms follows from the size parameter of each sphere. The
 //! spheres do not absorb, because a drop of water absorbs less than 10⁻⁴ of visible light.
 
-use super::table::PhaseTable;
+use super::table::{PhaseTable, Spheres};
 use crate::glass::RefractiveIndex;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::elementary::{cbrt, cos, exp, ln, sin_cos};
@@ -103,7 +103,7 @@ impl MieSpheres {
         let step = (BAND_NM.1 - BAND_NM.0) / f64::from(TABLE_STEPS);
         let nm: Vec<f64> = (0..=TABLE_STEPS).map(|i| BAND_NM.0 + f64::from(i) * step).collect();
         let values: Vec<Vec<f64>> = nm.iter().map(|&nm| self.scattering(nm, &angles).pdf_per_sr).collect();
-        let table = Arc::new(PhaseTable::new(&angles, &nm, &values)?);
+        let table = Arc::new(PhaseTable::new(&angles, &nm, &values)?.of_spheres(Spheres::Mie(self.clone())));
         if let Ok(mut known) = known.lock() {
             known.insert(key, table.clone());
         }

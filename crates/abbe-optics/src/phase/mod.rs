@@ -68,6 +68,22 @@ impl PhaseFunction {
         Frame::new(axis).to_world(warp::spherical_direction(one_minus_cos, u[1]))
     }
 
+    /// Returns true if the polarisation of the scattered light is known. Other phase functions
+    /// depolarise.
+    pub fn polarises(&self) -> bool {
+        match self {
+            Self::Isotropic | Self::HenyeyGreenstein { .. } => false,
+            Self::Rayleigh => true,
+            Self::Table(table) => table.has_polarisation(),
+        }
+    }
+
+    /// Returns the elements S12, S33 and S34 of the phase matrix of spheres in the notation of
+    /// Bohren & Huffman, divided by S11, or `None` if the phase function has no polarisation.
+    pub fn polarisation(&self, cos_theta: f64, nm: f64) -> Option<[f64; 3]> {
+        if let Self::Table(table) = self { table.polarisation(cos_theta, nm) } else { None }
+    }
+
     /// Returns the mean of cos θ at a wavelength in nm.
     pub fn mean_cosine(&self, nm: f64) -> f64 {
         match self {

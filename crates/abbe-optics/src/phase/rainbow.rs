@@ -6,7 +6,10 @@
 //! they lie between 0.16 and 1 mm. The table is for parallel light. A light with the angular size
 //! of the sun blurs the rendered bows as in the sky.
 
-use super::table::{self, PhaseTable};
+use super::table::{self, PhaseTable, Spheres};
+use crate::glass::RefractiveIndex;
+use abbe_spectra::math::elementary::{asin, exp};
+use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, OnceLock};
 
 /// Returns the phase function of rain.
@@ -14,9 +17,66 @@ pub fn rainbow() -> Arc<PhaseTable> {
     static TABLE: OnceLock<Arc<PhaseTable>> = OnceLock::new();
     TABLE
         .get_or_init(|| {
-            Arc::new(table::parse(include_str!("../../data/media/rainbow.csv")).expect("the built-in table is valid"))
+            let table =
+                table::parse(include_str!("../../data/media/rainbow.csv")).expect("the built-in table is valid");
+            Arc::new(table.of_spheres(Spheres::Rain))
         })
         .clone()
+}
+
+/// Returns the elements S12, S33 and S34 of the phase matrix, divided by S11, at each angle.
+///
+/// The polarisation of large drops follows from geometrical optics: rays that are reflected outside,
+/// or leave after up to four internal reflections, and the light that is diffracted forwards, which
+/// keeps its polarisation. The powers of the rays add. Near a bow, the ray of least deviation
+/// dominates (Können, *Polarized Light in Nature*, §39).
+pub(super) fn ratios(nm: f64, angles_deg: &[f64]) -> Vec<[f32; 3]> {
+    /// The width in degrees of the bins in which the rays are counted.
+    const BIN_DEG: f64 = 0.25;
+    /// The light in half of the extinction is diffracted within about this angle.
+    const DIFFRACTED_DEG: f64 = 0.5;
+    const BINS: usize = (180.0 / BIN_DEG) as usize;
+    const RAYS: u32 = 40_000;
+    const REFLECTIONS: u32 = 4;
+    static WATER: OnceLock<RefractiveIndex> = OnceLock::new();
+    let n = WATER.get_or_init(|| RefractiveIndex::catalogue("water 20C").expect("water is in the catalogue")).n(nm);
+    // The powers of s and p, and the product of the amplitudes.
+    let mut bins = vec![[0.0; 3]; BINS];
+    let mut add = |deviation: f64, [s, p]: [f64; 2]| {
+        let folded = deviation.rem_euclid(TAU);
+        let angle = folded.min(TAU - folded).to_degrees();
+        let bin = &mut bins[((angle / BIN_DEG) as usize).min(BINS - 1)];
+        [s * s, p * p, s * p].into_iter().zip(bin).for_each(|(value, sum)| *sum += value);
+    };
+    for ray in 0..RAYS {
+        // Rays of equal power.
+        let sin_i = ((f64::from(ray) + 0.5) / f64::from(RAYS)).sqrt();
+        let (cos_i, sin_t) = ((1.0 - sin_i * sin_i).sqrt(), sin_i / n);
+        let cos_t = (1.0 - sin_t * sin_t).sqrt();
+        let (incidence, refraction) = (asin(sin_i), asin(sin_t));
+        let s = (cos_i - n * cos_t) / (cos_i + n * cos_t);
+        let p = (n * cos_i - cos_t) / (n * cos_i + cos_t);
+        add(PI - 2.0 * incidence, [s, p]);
+        // Inside, both amplitudes have the opposite sign, so the powers that enter and leave are
+        // those that are not reflected.
+        let mut amplitudes = [1.0 - s * s, 1.0 - p * p];
+        for reflections in 0..=REFLECTIONS {
+            let k = f64::from(reflections);
+            add(2.0 * (incidence - refraction) + k * (PI - 2.0 * refraction), amplitudes);
+            amplitudes = [amplitudes[0] * -s, amplitudes[1] * -p];
+        }
+    }
+    let diffracted = f64::from(RAYS);
+    angles_deg
+        .iter()
+        .map(|&angle| {
+            let bin = ((angle / BIN_DEG) as usize).min(BINS - 1);
+            let forward = diffracted * exp(-(angle / DIFFRACTED_DEG).powi(2));
+            let [s, p, cross] = bins[bin].map(|sum| sum + forward);
+            let all = (s + p).max(f64::MIN_POSITIVE);
+            [((p - s) / all) as f32, (2.0 * cross / all) as f32, 0.0]
+        })
+        .collect()
 }
 
 #[cfg(test)]

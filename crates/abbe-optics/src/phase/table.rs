@@ -8,11 +8,14 @@
 //! Angles are stored as the versine 1 − cos θ, in [0, 2], which keeps full precision near the
 //! forward peak.
 
+use super::mie::{MieMatrix, MieSpheres};
+use super::rainbow;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::distribution::DiscreteDistribution;
-use abbe_spectra::math::elementary::sin;
+use abbe_spectra::math::elementary::{asin, sin};
 use abbe_spectra::text::without_byte_order_mark;
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 /// Number of steps of the guide table, which finds the cell of an angle, per cell.
 const GUIDE_STEPS: usize = 2;
@@ -27,6 +30,19 @@ pub struct PhaseTable {
     columns: Vec<PhaseColumn>,
     /// The first cell that overlaps each equal step of sin(θ/2), and the last cell.
     guide: Vec<u32>,
+    /// Computes the polarisation of each column, if it is known.
+    spheres: Option<Spheres>,
+    /// The ratios of the columns at each angle, once they are needed.
+    ratios: OnceLock<Vec<Vec<[f32; 3]>>>,
+}
+
+/// The spheres of a table, whose polarisation can be computed.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Spheres {
+    /// By the series of Mie.
+    Mie(MieSpheres),
+    /// Drops of rain, by geometrical optics.
+    Rain,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +71,42 @@ impl PhaseTable {
         let columns: Result<Vec<PhaseColumn>> =
             nm.iter().zip(values).map(|(nm, values)| PhaseColumn::new(*nm, angles_deg, &versines, values)).collect();
         let guide = guide(&versines);
-        Ok(Self { nm: nm.to_vec(), versines, columns: columns?, guide })
+        let (nm, columns) = (nm.to_vec(), columns?);
+        Ok(Self { nm, versines, columns, guide, spheres: None, ratios: OnceLock::new() })
+    }
+
+    /// Sets the spheres that scatter like this table.
+    #[must_use]
+    pub(super) fn of_spheres(self, spheres: Spheres) -> Self {
+        Self { spheres: Some(spheres), ..self }
+    }
+
+    pub(super) fn has_polarisation(&self) -> bool {
+        self.spheres.is_some()
+    }
+
+    /// Returns the elements S12, S33 and S34 of the phase matrix in the notation of Bohren &
+    /// Huffman, divided by S11, or `None` if they are unknown. The first call computes a table.
+    pub(super) fn polarisation(&self, cos_theta: f64, nm: f64) -> Option<[f64; 3]> {
+        let spheres = self.spheres.as_ref()?;
+        let ratios = self.ratios.get_or_init(|| {
+            let degrees = |versine: &f64| 2.0 * asin((0.5 * versine).sqrt().min(1.0)).to_degrees();
+            let angles: Vec<f64> = self.versines.iter().map(degrees).collect();
+            self.nm.iter().map(|&nm| spheres.ratios(nm, &angles)).collect()
+        });
+        let versine = (1.0 - cos_theta).clamp(0.0, 2.0);
+        let cell = self.cell(versine);
+        let (from, to) = (self.versines[cell], self.versines[cell + 1]);
+        let t = (versine - from) / (to - from);
+        let (first, weight) = self.column(nm);
+        let mixed = |column: usize, i: usize| {
+            let [from, to] = [0, 1].map(|next| f64::from(ratios[column][cell + next][i]));
+            from + t * (to - from)
+        };
+        Some(std::array::from_fn(|i| {
+            let value = mixed(first, i);
+            if weight == 0.0 { value } else { value + weight * (mixed(first + 1, i) - value) }
+        }))
     }
 
     pub(super) fn depends_on_wavelength(&self) -> bool {
@@ -116,6 +167,20 @@ impl PhaseTable {
         let step = (((0.5 * versine).sqrt() * steps as f64) as usize).min(steps - 1);
         let (first, last) = (self.guide[step] as usize, self.guide[step + 1] as usize);
         first + self.versines[first + 1..=last].partition_point(|&known| known <= versine)
+    }
+}
+
+impl Spheres {
+    fn ratios(&self, nm: f64, angles_deg: &[f64]) -> Vec<[f32; 3]> {
+        match self {
+            Self::Mie(spheres) => {
+                let relative = |matrix: MieMatrix| {
+                    [matrix.s12, matrix.s33, matrix.s34].map(|element| (element / matrix.s11) as f32)
+                };
+                spheres.phase_matrix(nm, angles_deg).into_iter().map(relative).collect()
+            }
+            Self::Rain => rainbow::ratios(nm, angles_deg),
+        }
     }
 }
 

@@ -20,6 +20,7 @@ use crate::geometry::Ray;
 use crate::medium_stack::MediumStack;
 use crate::meter::Sensor;
 use crate::motion::LookAt;
+use abbe_optics::bsdf::PolarisingFilter;
 use abbe_spectra::math::elementary::atan;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
@@ -58,6 +59,9 @@ pub struct Camera {
     pub medium_stack: MediumStack,
     /// True if the bodies may differ from point to point of the lens or of an orthographic picture.
     pub crosses_bodies: bool,
+    /// The polarising filter before the lens. Its axis u is the right side of the picture, and its
+    /// first layer faces the scene.
+    pub filter: Option<Arc<PolarisingFilter>>,
     /// True if the scene enables diffraction at the aperture. A pinhole ignores it.
     pub diffracts: bool,
 }
@@ -95,8 +99,21 @@ impl Camera {
         let pixel = 2.0 * tan_half_height / size.y;
         let (right, medium_stack, diffracts) = (forward.cross(up), MediumStack::AIR, false);
         let sensors = Arc::default();
-        let crosses_bodies = false;
-        Self { origin, right, up, forward, aperture, size, pixel, sensors, medium_stack, crosses_bodies, diffracts }
+        let (crosses_bodies, filter) = (false, None);
+        Self {
+            origin,
+            right,
+            up,
+            forward,
+            aperture,
+            size,
+            pixel,
+            sensors,
+            medium_stack,
+            crosses_bodies,
+            filter,
+            diffracts,
+        }
     }
 
     /// Creates the camera of a measurement, a film of one column with `rows` rows per sensor.
@@ -132,6 +149,16 @@ impl Camera {
     /// The centre of the lens, relative to the scene's centre, in m.
     pub fn origin(&self) -> DVec3 {
         self.origin
+    }
+
+    /// The direction of the view, a unit vector.
+    pub fn forward(&self) -> DVec3 {
+        self.forward
+    }
+
+    /// The direction to the right side of the picture, a unit vector.
+    pub fn right(&self) -> DVec3 {
+        self.right
     }
 
     /// Moves the camera to a pose in m, relative to the scene's centre.

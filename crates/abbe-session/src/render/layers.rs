@@ -21,6 +21,7 @@ pub(super) fn layer_set(scene: &Scene) -> Result<LayerSet> {
         surfaces: surfaces.iter().filter(|(layer, _)| wanted(*layer)).map(|(_, surface)| *surface).collect(),
         objects: names(Layer::Object, scene.objects.iter().map(|object| object.name.clone()).collect()),
         materials: names(Layer::Material, scene.materials.iter().map(|material| material.name.clone()).collect()),
+        stokes: wanted(Layer::Stokes),
         ..LayerSet::default()
     };
     if wanted(Layer::Paths) {

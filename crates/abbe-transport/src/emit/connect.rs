@@ -2,17 +2,19 @@
 
 use super::photon_path::PhotonState;
 use super::visitor::SurfaceArrival;
-use crate::plan::MediumPlan;
+use crate::plan::{MediumPlan, Plan};
 use crate::walk::{
-    CausticWeights, PathTransmittance, RayDensity, SurfaceInteraction, path_transmittance, transmittance,
+    CausticWeights, PathTransmittance, RayDensity, SurfaceInteraction, event_at_camera_filter, path_transmittance,
+    rotation_to_picture, transmittance,
 };
 use abbe_optics::bsdf::{BsdfClass, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
+use abbe_polarisation::Stokes;
 use abbe_scene::Scene;
 use abbe_scene::camera::CameraConnection;
 use abbe_spectra::math::random::Seed;
 use abbe_spectra::spectrum::{LANES, REFERENCE_NM};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_1_PI;
 
 #[derive(Debug, Clone, Copy)]
@@ -23,9 +25,18 @@ pub struct Splat {
     /// its emission.
     lanes: [(f64, f64); 2 * LANES],
     count: usize,
+    /// S1, S2 and S3 at the photon's wavelengths, divided by the radiance, in the frame of the
+    /// picture.
+    stokes: [[f64; 3]; LANES],
 }
 
 impl Splat {
+    /// Returns the photon's wavelengths in nm, and S1, S2 and S3 of the radiance there.
+    pub fn stokes(&self) -> impl Iterator<Item = (f64, [f64; 3])> + '_ {
+        let lanes = self.lanes.iter().zip(&self.stokes).take(self.count);
+        lanes.map(|(&(nm, radiance), stokes)| (nm, stokes.map(|part| radiance * part)))
+    }
+
     pub fn lanes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.lanes[..self.count].iter().copied()
     }
@@ -35,11 +46,17 @@ impl Splat {
 pub struct PhotonConnector<'a> {
     pub scene: &'a Scene,
     pub media_plan: MediumPlan,
+    /// True if photons carry their polarisation.
+    pub polarised: bool,
     /// The number of photon paths in the photon's set.
     pub photons_per_sample: f64,
 }
 
-impl PhotonConnector<'_> {
+impl<'a> PhotonConnector<'a> {
+    pub fn new(scene: &'a Scene, plan: &Plan, photons_per_sample: f64) -> Self {
+        Self { scene, media_plan: plan.media_plan, polarised: plan.polarisation, photons_per_sample }
+    }
+
     /// Connects a photon at a surface to the camera, or returns `None` if the camera does not see
     /// it. `lens` in [0, 1)² selects the point of the aperture, and `emission` in [0, 1) the
     /// wavelengths of the emission at a fluorescent surface.
@@ -58,11 +75,18 @@ impl PhotonConnector<'_> {
             let f = interaction.bsdf.eval(to_camera, to_light, sides, TransportMode::Radiance, nm);
             lanes[k] = (nm, f * photon.power[k] * geometry);
         }
+        let mut stokes = [[0.0; 3]; LANES];
+        if self.polarised {
+            stokes = self.polarise(arrival, connection.direction, &mut lanes);
+        }
         if let Some(surface) = interaction.bsdf.model.as_fluorescent()
             && interaction.bsdf.pdf(to_camera, to_light, sides, photon.wavelengths.hero()) > 0.0
         {
             let emitted = emission_into_camera(&surface.fluorophore, photon, emission);
-            lanes[count..count + LANES].copy_from_slice(&emitted.map(|(nm, radiance)| (nm, radiance * geometry)));
+            let filtered =
+                |nm: f64| if self.polarised { self.filter_of_natural(connection.direction, nm) } else { 1.0 };
+            let emitted = emitted.map(|(nm, radiance)| (nm, radiance * geometry * filtered(nm)));
+            lanes[count..count + LANES].copy_from_slice(&emitted);
             count += LANES;
         }
         let any = lanes[..count].iter().any(|(_, radiance)| *radiance > 0.0);
@@ -75,7 +99,34 @@ impl PhotonConnector<'_> {
             let along = self.path_to_camera(interaction, &connection, seed);
             lanes[..count].iter_mut().for_each(|(nm, radiance)| *radiance *= transmittance(&along, *nm));
         }
-        Some(Splat { pixel, lanes, count })
+        Some(Splat { pixel, lanes, count, stokes })
+    }
+
+    /// Multiplies the radiance of a photon's lanes by the factor of its polarisation, behind the
+    /// surface and the filter of the camera. Returns the rest of the Stokes vector of each lane.
+    #[inline(never)]
+    fn polarise(&self, arrival: &SurfaceArrival<'_>, direction: DVec3, lanes: &mut [(f64, f64)]) -> [[f64; 3]; LANES] {
+        let mut stokes = [[0.0; 3]; LANES];
+        let to_picture = rotation_to_picture(&self.scene.camera, direction);
+        let SurfaceArrival { interaction, photon, .. } = arrival;
+        let event = interaction.event_of_photon(direction, false);
+        let filter = event_at_camera_filter(&self.scene.camera, direction);
+        for (k, (nm, radiance)) in lanes.iter_mut().take(photon.wavelengths.count).enumerate() {
+            let scattered = event.matrix(*nm) * photon.polarisation.stokes(k);
+            let received = filter.as_ref().map_or(scattered, |filter| filter.matrix(*nm) * scattered);
+            let power = received.power().max(0.0);
+            *radiance *= power;
+            if power > 0.0 {
+                let Stokes([_, parts @ ..]) = to_picture * received;
+                stokes[k] = parts.map(|part| part / power);
+            }
+        }
+        stokes
+    }
+
+    /// Returns the fraction of natural light that passes the filter of the camera.
+    fn filter_of_natural(&self, direction: DVec3, nm: f64) -> f64 {
+        event_at_camera_filter(&self.scene.camera, direction).map_or(1.0, |filter| filter.matrix(nm).0[0][0])
     }
 
     /// Returns the film position of a surface point, which may lie beside the film, and the

@@ -18,7 +18,9 @@ use super::source::{PhotonSource, WavelengthSampling};
 use super::visitor::{MediumCollision, PhotonVisitor};
 use crate::plan::partition::LightPath;
 use crate::walk::ledger::Ledger;
-use crate::walk::{MediumSegment, NumberedMedium, RayState, SurfaceInteraction, long_path_survival};
+use crate::walk::{
+    MediumSegment, NumberedMedium, PhotonPolarisation, RayState, SurfaceInteraction, long_path_survival,
+};
 use abbe_optics::bsdf::Fluorescent;
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::phase::PhaseFunction;
@@ -80,6 +82,7 @@ pub(super) fn scatter_at_fluorescent_surface(
         emit_again(source, path, fluorophore, emission, excitation * factor, stream);
     }
     ledger.sampling += path.total_w() + booked - before;
+    path.photon.polarisation = PhotonPolarisation::NATURAL;
     path.ray_state = interaction.spawn_ray(direction, interaction.here);
     path.photon.light_path = LightPath::Indirect;
     true
@@ -214,6 +217,7 @@ fn emit_again(
     let PhotonPath { photon, watts, .. } = path;
     let emission = &fluorophore.emissions()[index];
     photon.lane = None;
+    photon.polarisation = PhotonPolarisation::NATURAL;
     if let (true, WavelengthSampling::Shared { nm, .. }) = (photon.excitation, source.wavelengths) {
         let shared = stream.uniform() < SHARED_EMISSION;
         excitation /= if shared { SHARED_EMISSION } else { 1.0 - SHARED_EMISSION };

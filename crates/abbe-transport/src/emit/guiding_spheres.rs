@@ -140,7 +140,7 @@ mod tests {
     use crate::emit::photon_path::{PhotonDepth, PhotonState};
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
-    use crate::walk::{RayDensity, RayState, SurfaceLookup, WithoutBodies};
+    use crate::walk::{PhotonPolarisation, RayDensity, RayState, SurfaceLookup, WithoutBodies};
     use abbe_format as format;
     use abbe_format::resolve::resolve;
     use abbe_scene::geometry::Ray;
@@ -172,6 +172,7 @@ mod tests {
             lane: None,
             ribbon: RibbonPart::Missed,
             excitation: false,
+            polarisation: PhotonPolarisation::NATURAL,
             ray_density: RayDensity::NONE,
         };
         for side in [1.0, -1.0] {
@@ -186,7 +187,7 @@ mod tests {
             let mut stream = Stream::new(Seed::new(1), Purpose::SurveyPhoton, 0, 0);
             let (mut on_spheres, mut elsewhere, count) = ([0.0; 2], 0.0, 100_000);
             for _ in 0..count {
-                let mut path = PhotonPath { ray_state: start, photon, watts: [1.0; LANES] };
+                let mut path = PhotonPath { ray_state: start, photon, polarised: false, watts: [1.0; LANES] };
                 let mut ledger = Ledger::new(scene.materials.len());
                 let scattered =
                     scatter_with_guiding::<WithoutBodies>(&spheres, &mut path, &interaction, &mut stream, &mut ledger);

@@ -17,6 +17,7 @@ use crate::walk::{
     MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SurfaceInteraction, SurfaceLookup,
     next_interaction_through_media,
 };
+use abbe_polarisation::ScatteringEvent;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::Medium;
 use abbe_spectra::math::elementary::{exp, exp_m1, ln_1p};
@@ -180,6 +181,9 @@ impl PhotonPath {
             let cosine = incoming.dot(direction);
             let pdfs = self.photon.wavelengths.each(|nm| medium.phase.eval(cosine, nm));
             self.weight_by_balance_heuristic(&fractions, &pdfs);
+        }
+        if self.polarised {
+            self.polarise_in_medium(&ScatteringEvent::in_medium(&medium.phase, incoming, direction));
         }
         direction
     }

@@ -4,7 +4,8 @@ use super::launch::RibbonPart;
 use crate::map::WavelengthCode;
 use crate::plan::partition::LightPath;
 use crate::walk::ledger::Ledger;
-use crate::walk::{RayDensity, RayState};
+use crate::walk::{PhotonPolarisation, RayDensity, RayState, ScatteredRay, SurfaceInteraction};
+use abbe_polarisation::ScatteringEvent;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
 
@@ -24,6 +25,9 @@ pub struct PhotonState {
     /// True for a photon of the shared set with wavelengths of its own, which serves only to excite
     /// fluorophores and is not recorded.
     pub excitation: bool,
+    /// The polarisation in the canonical frame of the direction. It is natural light unless the plan
+    /// contains polarisation.
+    pub polarisation: PhotonPolarisation,
     /// The density of the light's rays around the photon's first ray, or 0 if the plan does not
     /// compare photons with camera paths (see [`crate::walk::CausticWeights`]).
     pub ray_density: RayDensity,
@@ -51,6 +55,8 @@ impl PhotonState {
 pub(super) struct PhotonPath {
     pub(super) ray_state: RayState,
     pub(super) photon: PhotonState,
+    /// True if the plan contains polarisation.
+    pub(super) polarised: bool,
     /// For each lane: the factor that converts `PhotonState::power` to W.
     pub(super) watts: Lanes,
 }
@@ -94,6 +100,26 @@ impl PhotonPath {
         let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[lane] } else { 0.0 });
         self.photon.power = only(self.photon.power);
         self.watts = only(self.watts);
+        self.photon.polarisation.keep_lane(lane);
+    }
+
+    /// Corrects the weights of a surface event by the polarisation of the photon, and polarises it.
+    #[inline(never)]
+    pub(super) fn polarise(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &mut ScatteredRay) {
+        let event = interaction.event_of_photon(scattered.direction, scattered.delta);
+        let factors = self.photon.polarisation.scatter(&event, &self.photon.wavelengths);
+        for (k, factor) in factors.into_iter().enumerate() {
+            // In the mean, the surface absorbs what it does not scatter.
+            scattered.absorbed[k] += scattered.weight[k] * (1.0 - factor);
+            scattered.weight[k] *= factor;
+        }
+    }
+
+    /// Polarises the photon by an event in a medium.
+    #[inline(never)]
+    pub(super) fn polarise_in_medium(&mut self, event: &ScatteringEvent<'_>) {
+        let factors = self.photon.polarisation.scatter(event, &self.photon.wavelengths);
+        (0..LANES).for_each(|k| self.photon.power[k] *= factors[k]);
     }
 
     pub(super) fn power_fractions(&self) -> Lanes {

@@ -7,7 +7,7 @@ use super::visitor::PhotonVisitor;
 use crate::map::PhotonSpectra;
 use crate::plan::MediumPlan;
 use crate::plan::partition::LightPath;
-use crate::walk::{BodyMode, RayDensities, RayDensity, RayState, StopFlag};
+use crate::walk::{BodyMode, PhotonPolarisation, RayDensities, RayDensity, RayState, StopFlag};
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::{LeRandoms, LeSample, Light};
@@ -39,6 +39,8 @@ pub struct PhotonSource<'a> {
     pub ray_densities: Option<&'a RayDensities>,
     pub wavelengths: WavelengthSampling,
     pub fluorescent: bool,
+    /// True if photons carry their polarisation.
+    pub polarised: bool,
     /// One of this many photons paints a ribbon. 0 if there are no ribbons.
     pub photons_per_ribbon: u64,
     pub count: u64,
@@ -110,9 +112,10 @@ impl PhotonSource<'_> {
             lane: None,
             ribbon: if self.has_ribbons() { RibbonPart::Ahead } else { RibbonPart::Missed },
             excitation,
+            polarisation: PhotonPolarisation::NATURAL,
             ray_density,
         };
-        (PhotonPath { ray_state, photon, watts: self.watts(excitation) }, launch)
+        (PhotonPath { ray_state, photon, polarised: self.polarised, watts: self.watts(excitation) }, launch)
     }
 
     pub(super) fn has_ribbons(&self) -> bool {

@@ -235,10 +235,13 @@ fn interact<M: BodyMode, V: PhotonVisitor>(
     } else {
         scatter_with_guiding::<M>(guiding_spheres, path, interaction, stream, ledger)
     };
-    let Some(scattered) = scattered else {
+    let Some(mut scattered) = scattered else {
         ledger.absorbed[interaction.material] += path.total_w();
         return false;
     };
+    if path.polarised {
+        path.polarise(interaction, &mut scattered);
+    }
     if M::HAS_BODIES && source.has_ribbons() {
         path.photon.ribbon = path.photon.ribbon.after(interaction, scattered.kept.is_some());
     }

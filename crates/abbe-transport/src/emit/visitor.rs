@@ -103,7 +103,7 @@ mod tests {
     use crate::emit::launch::RibbonPart;
     use crate::map::WavelengthCode;
     use crate::plan::partition::LightPath;
-    use crate::walk::{NumberedMedium, RayDensity, transmittance};
+    use crate::walk::{NumberedMedium, PhotonPolarisation, RayDensity, transmittance};
     use abbe_format::{self as format, resolve::resolve};
     use abbe_scene::medium::TransmittanceEstimator;
     use abbe_scene::medium_stack::MediumStack;
@@ -133,6 +133,7 @@ mod tests {
             lane: None,
             ribbon: RibbonPart::Missed,
             excitation: false,
+            polarisation: PhotonPolarisation::NATURAL,
             ray_density: RayDensity::NONE,
         };
         let arriving = |number: u32| {

@@ -11,7 +11,7 @@ use super::camera_pass::{CameraPass, PathContext};
 use super::direct::lighting::LightSample;
 use crate::map::PhotonSpectra;
 use crate::plan::LightOrigin;
-use crate::walk::{SegmentTransmittance, Sink, SurfaceInteraction, transmittance};
+use crate::walk::{SegmentTransmittance, Sink, SurfaceInteraction, pane_matrix, transmittance};
 use abbe_optics::bsdf::Fluorescent;
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_scene::light::{EmittedSpd, Light};
@@ -72,7 +72,8 @@ impl<'a> Luminescence<'a> {
         let Some(wavelengths) = spectra.excitation(number, self.fluorophore.number) else { return radiance };
         for k in 0..LANES {
             let (nm, pdf) = wavelengths.sample((u + k as f64) / LANES as f64);
-            let arriving = irradiance * light.spd_at(spd, nm) * transmittance(along, nm);
+            let arriving =
+                irradiance * light.spd_at(spd, nm) * transmittance(along, nm) * pane_matrix(along, nm).0[0][0];
             self.excite(nm, arriving / (pdf * LANES as f64), &mut radiance);
         }
         radiance
@@ -152,12 +153,14 @@ fn luminescence_of<'a, S: Sink>(
             let u = context.sampler.stream.uniform();
             let sampled: [(f64, f64); LANES] =
                 std::array::from_fn(|k| fluorophore.wavelengths().sample((u + k as f64) / LANES as f64));
-            let factors = &context.buffers.factors;
-            let weights = sampled.map(|(nm, pdf)| per_sr * product(factors, nm) / (pdf * LANES as f64));
+            let factors = context.buffers.path_factors();
+            let throughput = |nm| product(factors.natural, nm) * factors.of_natural_light(nm);
+            let weights = sampled.map(|(nm, pdf)| per_sr * throughput(nm) / (pdf * LANES as f64));
             Luminescence::new(fluorophore, &Wavelengths::new(sampled.map(|(nm, _)| nm)), &weights)
         }
         SpectralMode::Shared { nm, throughput, .. } => {
-            Luminescence::new(fluorophore, &Wavelengths::single(nm), &[per_sr * throughput, 0.0, 0.0, 0.0])
+            let weight = per_sr * throughput * context.buffers.path_factors().of_natural_light(nm);
+            Luminescence::new(fluorophore, &Wavelengths::single(nm), &[weight, 0.0, 0.0, 0.0])
         }
     }
 }

@@ -13,6 +13,7 @@ mod light_trials;
 mod luminescence;
 mod media;
 mod path_tracer;
+mod polarised;
 
 pub use camera::path::PathBuffers;
 pub use camera::sampler::{PixelSampler, sensor_pdf};

@@ -2,6 +2,7 @@
 
 use super::photon::Photon;
 use super::point_tree::PointTree;
+use super::polarisation::StoredPolarisation;
 use std::num::NonZero;
 
 /// Finds photons by their position in m, relative to the scene's centre.
@@ -10,6 +11,8 @@ pub struct PhotonMap {
     photons: Vec<Photon>,
     /// The number of surface events of each photon. Empty if the scene does not limit it.
     events: Vec<u16>,
+    /// The polarisation of each photon. Empty if the plan does not contain it.
+    polarisation: Vec<StoredPolarisation>,
     tree: Option<PointTree>,
 }
 
@@ -27,17 +30,19 @@ pub struct NearbyPhoton<'m> {
 impl PhotonMap {
     /// Builds the map on the current thread pool, with the same result for any number of threads.
     pub fn build(photons: &[(Photon, [f32; 3])]) -> Self {
-        Self::build_with_events(photons, &[])
+        Self::build_with(photons, &[], &[])
     }
 
-    /// Builds the map of photons with these numbers of surface events, which may be empty.
-    pub fn build_with_events(photons: &[(Photon, [f32; 3])], events: &[u16]) -> Self {
+    /// Builds the map of photons with these numbers of surface events and this polarisation. Both may
+    /// be empty.
+    pub fn build_with(photons: &[(Photon, [f32; 3])], events: &[u16], polarisation: &[StoredPolarisation]) -> Self {
         if photons.is_empty() {
             return Self::default();
         }
         let (tree, order) = PointTree::build(photons.iter().map(|(_, position)| *position));
-        let events = if events.is_empty() { Vec::new() } else { order.iter().map(|&i| events[i as usize]).collect() };
-        Self { photons: order.iter().map(|&i| photons[i as usize].0).collect(), events, tree: Some(tree) }
+        let (events, polarisation) = (ordered(events, &order), ordered(polarisation, &order));
+        let photons = order.iter().map(|&i| photons[i as usize].0).collect();
+        Self { photons, events, polarisation, tree: Some(tree) }
     }
 
     /// Returns the number of surface events of the photon with this number, its arrival included.
@@ -45,6 +50,12 @@ impl PhotonMap {
     #[inline]
     pub fn events(&self, number: usize) -> u32 {
         u32::from(self.events[number])
+    }
+
+    /// Returns the polarisation of the photon with this number. The map must have been built with it.
+    #[inline]
+    pub fn polarisation(&self, number: usize) -> &StoredPolarisation {
+        &self.polarisation[number]
     }
 
     pub fn len(&self) -> usize {
@@ -70,6 +81,11 @@ impl PhotonMap {
     pub fn kth_distance(&self, centre: [f32; 3], k: NonZero<usize>, farthest: f32) -> Option<f32> {
         self.tree.as_ref()?.kth_distance2(centre, k, farthest * farthest).map(f32::sqrt)
     }
+}
+
+/// Returns the items in an order, or no items if there are none.
+fn ordered<T: Copy>(items: &[T], order: &[u32]) -> Vec<T> {
+    if items.is_empty() { Vec::new() } else { order.iter().map(|&i| items[i as usize]).collect() }
 }
 
 #[cfg(test)]
@@ -149,7 +165,7 @@ mod tests {
     fn photons_and_their_events_stay_together() {
         let photons: Vec<_> = (0..200).map(|i| (numbered(i), [(i * 37 % 101) as f32, 0.0, i as f32])).collect();
         let events: Vec<u16> = (0..200).collect();
-        let map = PhotonMap::build_with_events(&photons, &events);
+        let map = PhotonMap::build_with(&photons, &events, &[]);
         map.within([50.0, 0.0, 100.0], 1e4, |found| assert_eq!(map.events(found.number) as f32, found.position[2]));
     }
 

@@ -79,6 +79,7 @@ impl<'a> PassContext<'a> {
             ray_densities: None,
             wavelengths,
             fluorescent: self.plan.fluorescence,
+            polarised: self.plan.polarisation,
             photons_per_ribbon: u64::from(free && self.plan.ribbons),
             count,
             streams: self.budget.seed.streams(purpose).pass(pass),

@@ -20,6 +20,10 @@ impl Sink for PixelSink<'_> {
         PixelSink::respond(self, class.number(), radiance.0, bias.0);
     }
 
+    fn stokes(&mut self, nm: f64, stokes: [f64; 3]) {
+        PixelSink::stokes(self, nm, stokes);
+    }
+
     fn separates_lights(&self) -> bool {
         PixelSink::separates_lights(self)
     }
@@ -36,7 +40,7 @@ pub(super) fn expose_rows(
     (pass, stop): (u64, &StopFlag),
     expose: impl Fn(&FilmRow<'_>, &mut Tally) -> ExposedRow + Sync,
 ) -> bool {
-    let rows: Vec<FilmRow<'_>> = sums.film.rows().collect();
+    let rows: Vec<FilmRow<'_>> = sums.film.rows().map(|row| row.of_pass(pass)).collect();
     let exposed = rows
         .into_par_iter()
         .map(|row| {

@@ -20,8 +20,12 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
     let without_glass = direct.passes_panes().then(|| context.portals.without_glass());
     let tracer = PathTracer {
         scene: &scene,
-        direct: direct.with_portals(without_glass.as_ref().unwrap_or(context.portals)),
+        direct: direct
+            .with_polarisation(plan.polarisation)
+            .with_portals(without_glass.as_ref().unwrap_or(context.portals)),
         media_plan: plan.media_plan,
+        polarised: plan.polarisation,
+        stokes: plan.stokes,
         wavelengths: &lights.wavelengths,
         spectra: context.spectra,
         excitation: &lights.excitation,

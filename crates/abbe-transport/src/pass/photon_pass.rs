@@ -51,7 +51,7 @@ pub fn photon_pass<'a>(
         // Only free photons have wavelengths of their own: all those of the lights.
         let received = sensors.as_ref().filter(|_| set == PhotonSet::Free);
         let recording = RecordingOptions { sensors: received, ..parameters.recording(set) };
-        trace_photons(&source, plan, set, recording, || film.splat_sink())
+        trace_photons(&source, plan, set, recording, || film.splat_sink().of_pass(pass))
     });
     sums.seconds.emit += start.elapsed().as_secs_f64();
     if stop.is_raised() {

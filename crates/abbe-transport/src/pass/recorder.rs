@@ -1,13 +1,13 @@
 //! Records photons: connects some to the camera, and stores some for the maps.
 
-use super::deposits::PhotonDeposits;
+use super::deposits::{BEAMS, POINTS, PhotonDeposits};
 use super::keep_probability::KeepProbability;
 use super::sensors::SensorKernels;
 use crate::emit::{
     Launch, MediumCollision, MediumCrossing, PhotonDepth, PhotonFlight, PhotonState, PhotonVisitor, RibbonPainter,
     RibbonPart, RibbonTally, SurfaceArrival, connect::PhotonConnector,
 };
-use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, VolumePhoton};
+use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, StoredPolarisation, VolumePhoton};
 use crate::plan::partition::{CameraView, Estimator, PerClass, PhotonClass, PhotonSet, estimator, kept_in_map};
 use crate::plan::{AimPlan, AperturePlan, CausticPlan, IndirectPlan, PathClass, Plan, Tally, WavelengthPlan};
 use crate::sensor::SplatSink;
@@ -16,6 +16,7 @@ use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::BAND_NM;
+use glam::DVec3;
 
 /// After this many surface events, only some photons of a path are recorded: they are alike.
 const EVENTS_RECORDED_ALWAYS: u32 = 8;
@@ -56,7 +57,7 @@ impl<'a> PhotonRecorder<'a> {
     ) -> Self {
         let splats = splat_sink();
         let photons_per_sample = options.photons_per_sample;
-        let connector = PhotonConnector { scene, media_plan: plan.media_plan, photons_per_sample };
+        let connector = PhotonConnector::new(scene, plan, photons_per_sample);
         let has_ribbons = plan.ribbons && set == PhotonSet::Free;
         Self {
             scene,
@@ -114,9 +115,7 @@ impl<'a> PhotonRecorder<'a> {
             AperturePlan::Pinhole | AperturePlan::LensSystem(_) => [0.5; 2],
             AperturePlan::ThinLens(_) => stream.pair(),
         };
-        let media_plan = self.plan.media_plan;
-        let photons_per_sample = self.options.photons_per_sample;
-        let camera = PhotonConnector { scene: self.scene, media_plan, photons_per_sample };
+        let camera = PhotonConnector::new(self.scene, self.plan, self.options.photons_per_sample);
         let emission = arrival.interaction.bsdf.model.as_fluorescent().map_or(0.0, |_| stream.uniform());
         if let Some(splat) = camera.connect(arrival, lens, emission) {
             self.tally.connections += 1;
@@ -125,6 +124,9 @@ impl<'a> PhotonRecorder<'a> {
             // Only caustic photons on directly visible surfaces are connected.
             let light = self.spectra.light_of(arrival.photon.wavelength_code);
             splats.splat((PathClass::Caustic.number(), light), splat.pixel, lanes);
+            if self.plan.stokes {
+                splats.stokes(splat.pixel, splat.stokes().map(|(nm, stokes)| (nm, stokes.map(|part| part * factor))));
+            }
         }
     }
 }
@@ -152,7 +154,13 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.stored += 1;
             let position = arrival.interaction.hit.position.as_vec3().to_array();
             let photon = surface_photon(arrival, factor / probability, stream);
+            let polarised = self.plan.polarisation;
+            self.tally.polarised_events += u64::from(polarised);
             let (deposits, events) = self.deposits_for(arrival.photon);
+            if polarised {
+                let travel = [arrival.interaction.incoming, -photon.to_light()];
+                deposits.surface_polarisation[class].push(stored_polarisation(arrival.photon, travel));
+            }
             deposits.surface[class].push((photon, position));
             if let Some(before) = events {
                 deposits.surface_events[class].push(before + 1);
@@ -198,7 +206,12 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.volume_beams += 1;
             let ends = [segment.ray.origin, segment.ray.at(segment.length_m)];
             let beam = PhotonBeam::new(ends, number, kept_power(photon, probability, stream));
+            let polarised = self.plan.polarisation;
             let (deposits, events) = self.deposits_for(photon);
+            if polarised {
+                let travel = [segment.ray.direction, beam.direction()];
+                deposits.volume[class].polarisation[BEAMS].push(stored_polarisation(photon, travel));
+            }
             deposits.volume[class].beams.push(events.map_or(beam, |events| beam.with_events(events)));
         }
     }
@@ -212,7 +225,12 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.volume_points += 1;
             let power = kept_power(photon, probability, stream);
             let point = VolumePhoton::new(position, incoming, number, power);
+            let polarised = self.plan.polarisation;
             let (deposits, events) = self.deposits_for(photon);
+            if polarised {
+                let travel = [incoming, point.incoming()];
+                deposits.volume[class].polarisation[POINTS].push(stored_polarisation(photon, travel));
+            }
             deposits.volume[class].points.push(events.map_or(point, |events| point.with_events(events)));
         }
     }
@@ -226,6 +244,12 @@ impl PhotonVisitor for PhotonRecorder<'_> {
     fn on_start(&mut self, _ray: &Ray, photon: &PhotonState) {
         self.tally.ultraviolet_photons += u64::from(photon.wavelengths.nm[0] < BAND_NM.0);
     }
+}
+
+/// Returns the polarisation that a map stores for a photon with these two directions: of its flight
+/// and of the map.
+fn stored_polarisation(photon: &PhotonState, travel: [DVec3; 2]) -> StoredPolarisation {
+    StoredPolarisation::new(&photon.polarisation, travel, photon.lane)
 }
 
 /// Returns the power of a photon that a medium stores with this probability.

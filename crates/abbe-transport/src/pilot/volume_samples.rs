@@ -65,7 +65,7 @@ impl VolumeSamples {
         let sample = |number: usize| {
             let points = evenly_spaced(&deposits.points, number);
             let pass_per_point = pass_per_pilot * deposits.points.len() as f64 / points.len() as f64;
-            PointSample { map: VolumeMap::of_points(points), pass_per_point }
+            PointSample { map: VolumeMap::of_points(points, &[]), pass_per_point }
         };
         let beams = evenly_spaced(&deposits.beams, BEAM_SAMPLE);
         let largest = POINT_SAMPLES.iter().position(|&number| number >= deposits.points.len());
@@ -196,6 +196,7 @@ mod tests {
         VolumeDeposits {
             points: ends.iter().map(|ends| VolumePhoton::new(ends[0], DVec3::X, 0, power)).collect(),
             beams: ends.iter().map(|ends| PhotonBeam::new(*ends, 0, power)).collect(),
+            ..VolumeDeposits::default()
         }
     }
 
@@ -213,7 +214,7 @@ mod tests {
             let width = KernelWidth::Constant(radius_m);
             let cone = QueryCone::of_camera(ray, 2.0, 0.0, width);
             let (mut points, mut beams) = (0.0, 0.0);
-            VolumeMap::of_points(all.points.clone()).along(&cone, |_| points += 1.0);
+            VolumeMap::of_points(all.points.clone(), &[]).along(&cone, |_| points += 1.0);
             all.beams.iter().for_each(|beam| beams += f64::from(u8::from(beam.medium_near_ray(&cone).is_some())));
             let of_points =
                 VolumeSamples::new(&all, VolumePlan::Points, 4.0).count(&segment, &medium, iter::once(width));

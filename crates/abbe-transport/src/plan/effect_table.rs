@@ -8,6 +8,7 @@ use super::fields::{
 };
 use abbe_optics::bsdf::Bsdf;
 use abbe_optics::glass::RefractiveIndex;
+use abbe_scene::Layer;
 use abbe_scene::camera::SystemLens;
 use abbe_scene::light::{Emitter, Light};
 use abbe_scene::{Body, Scene};
@@ -78,6 +79,27 @@ const fn row(id: EffectId) -> Effect {
                 alternative: "a camera without a lens of real glass, or \"depth-of-field\" forbidden",
             },
         },
+        EffectId::Polarisation => Effect {
+            id,
+            name: "polarisation",
+            field: "polarisation",
+            cost: "a Mueller matrix at each wavelength of each event, and 24 more bytes per stored photon",
+            absent: "surfaces treat all light as unpolarised, and filters and the layer stokes are removed",
+            required_by: "filters, or a layer that records the polarisation",
+            not_required: "nothing in the scene polarises light on purpose or depends on its polarisation",
+            requires: |facts| facts.polarising.clone(),
+            set: |plan, facts, on| (plan.polarisation, plan.stokes) = (on, on && facts.stokes),
+            events: |tally, _| tally.polarised_events,
+            removal: Removal::FromScene(|scene, _| {
+                scene.camera.filter = None;
+                scene.film.layers.retain(|layer| *layer != Layer::Stokes);
+                for material in &mut scene.materials {
+                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
+                    material.surface = surface.without_filters()?;
+                }
+                Ok(())
+            }),
+        },
         EffectId::Caustics => Effect {
             id,
             name: "caustics",
@@ -98,14 +120,17 @@ const fn row(id: EffectId) -> Effect {
             cost: "per photon at dispersive glass: a path for each of about nine wavelengths, and the pixels between them",
             absent: "behind dispersive glass, each photon adds one wavelength at one point to the picture",
             required_by: "dispersive glass or gratings that throw light on surfaces in a picture",
-            not_required: "no picture shows a surface that receives light from dispersive glass or a grating by a simple \
-                           lens",
+            not_required: "no picture shows a surface that receives unpolarised light from dispersive glass or a grating \
+                           by a simple lens",
             requires: |facts| {
-                let painted = facts.receives() && facts.lens_system.is_none() && facts.meters.is_empty();
+                let natural = facts.polarising.is_empty();
+                let painted = facts.receives() && facts.lens_system.is_none() && facts.meters.is_empty() && natural;
                 if painted { facts.dispersive.clone() } else { Vec::new() }
             },
             set: |plan, _, on| {
-                plan.ribbons = on && plan.caustics != CausticPlan::Absent && plan.wavelengths != WavelengthPlan::Shared;
+                let connects = plan.caustics != CausticPlan::Absent && plan.wavelengths != WavelengthPlan::Shared;
+                // The paths of a ribbon carry no polarisation.
+                plan.ribbons = on && connects && !plan.polarisation;
             },
             events: |tally, _| tally.ribbons,
             removal: Removal::FromPlan,

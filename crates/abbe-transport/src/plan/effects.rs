@@ -15,6 +15,8 @@ pub enum EffectId {
     Dispersion,
     /// Each camera path starts with one of the pass's shared wavelengths.
     Shared,
+    /// Photons and camera paths carry the polarisation of light.
+    Polarisation,
     /// Light reaches surfaces through glass and from mirrors.
     Caustics,
     /// Photons paint dispersed light with their whole spectrum.
@@ -89,9 +91,10 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::Dispersion,
         Self::Shared,
+        Self::Polarisation,
         Self::Caustics,
         Self::Ribbons,
         Self::Indirect,

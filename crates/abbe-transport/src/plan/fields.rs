@@ -23,6 +23,10 @@ pub struct Plan {
     pub aim: AimPlan,
     pub motion: MotionPlan,
     pub fluorescence: bool,
+    /// True if photons and camera paths carry their polarisation.
+    pub polarisation: bool,
+    /// True if the film records the Stokes vector of the light.
+    pub stokes: bool,
     /// True if light from 300 to 360 nm excites fluorophores.
     pub ultraviolet: bool,
 }
@@ -40,6 +44,8 @@ impl Plan {
         aim: AimPlan::Plain,
         motion: MotionPlan::Still,
         fluorescence: false,
+        polarisation: false,
+        stokes: false,
         ultraviolet: false,
     };
 

@@ -48,6 +48,10 @@ pub struct Tally {
     /// Scattering of camera paths at thin films, and camera paths through a coated lens.
     #[serde(default)]
     pub film_events: u64,
+    /// Scattering of polarised camera paths, camera paths through a filter of the camera, and photons
+    /// that were stored with their polarisation.
+    #[serde(default)]
+    pub polarised_events: u64,
     /// Arrivals of camera paths at fluorescent surfaces and in fluorescent media.
     #[serde(default)]
     pub fluorescent_events: u64,
@@ -110,6 +114,7 @@ impl Tally {
         self.texture_lookups += other.texture_lookups;
         self.ghost_rays += other.ghost_rays;
         self.film_events += other.film_events;
+        self.polarised_events += other.polarised_events;
         self.fluorescent_events += other.fluorescent_events;
         self.ultraviolet_photons += other.ultraviolet_photons;
         self.rough_events += other.rough_events;

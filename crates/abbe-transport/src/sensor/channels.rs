@@ -3,6 +3,7 @@
 
 use super::diffraction::DiffractionPsf;
 use super::layers::{COMPONENTS, LayerSet};
+use abbe_spectra::math::random::REPLICATES;
 use abbe_spectra::spectrum::BAND_NM;
 use std::sync::Arc;
 
@@ -65,12 +66,21 @@ impl Channels {
         let surfaces = layers.map(LayerSet::surface_channels).unwrap_or_default().into_iter().map(String::from);
         let bands = (0..self.bands).map(|band| format!("band{band}"));
         let moments = (self.bands..self.band_channels()).map(|channel| format!("moment{}", channel - self.bands));
-        bands.chain(moments).chain(slices).chain(xyz("path", paths)).chain(xyz("light", groups)).chain(surfaces)
+        let replicates = if layers.is_some_and(|layers| layers.stokes) { REPLICATES } else { 0 };
+        let stokes = (0..replicates).flat_map(|replicate| (1..=3).map(move |c| format!("stokes{replicate}S{c}")));
+        let light = bands.chain(moments).chain(slices).chain(xyz("path", paths)).chain(xyz("light", groups));
+        light.chain(stokes).chain(surfaces)
     }
 
     /// Returns true if the film has the sums for a denoiser.
     pub(super) fn denoises(&self) -> bool {
         self.layers.as_ref().is_some_and(|layers| layers.denoising)
+    }
+
+    /// Returns the first channel of the polarisation in a replicate, if the film records it.
+    pub(super) fn stokes_channel(&self, replicate: usize) -> Option<usize> {
+        let layers = self.layers.as_ref().filter(|layers| layers.stokes)?;
+        Some(self.spectral_count() + layers.stokes_channel() + COMPONENTS * replicate)
     }
 
     pub(super) fn separates_lights(&self) -> bool {

@@ -176,6 +176,7 @@ impl Film {
         };
         self.pixels.chunks_mut(width).enumerate().map(move |(row, pixels)| FilmRow {
             first_pixel: row * width,
+            replicate: 0,
             observer: layout.map_or(observer, |layout| layout.observer(row)),
             per_unit,
             by_replicate: by_replicate.next().unwrap_or_default(),
@@ -385,6 +386,9 @@ impl Film {
             let rgb: Vec<_> = (0..self.pixel_count()).map(|pixel| xyz_to_linear_srgb(xyz(pixel))).collect();
             layers.add_colours(&name, &rgb);
         }
+        if set.stokes {
+            self.add_stokes(&mut layers, light + set.stokes_channel());
+        }
         let of_surface = |pixel: usize, channel: usize| self.channel_sum(pixel, surfaces + channel).value();
         layers.add_surfaces(set, self.pixel_count(), of_surface);
         for names in &self.names {
@@ -457,6 +461,7 @@ impl Film {
 
 mod denoised;
 mod diffracted;
+mod stokes;
 
 #[cfg(test)]
 mod tests;

@@ -7,6 +7,7 @@
 use super::cryptomatte::{NameCounts, hash_name, normal_hash};
 use super::denoising;
 use super::first_surface::FirstSurface;
+use abbe_spectra::math::random::REPLICATES;
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,6 +28,9 @@ pub struct LayerSet {
     /// True if the film has the sums for a denoiser.
     #[serde(default)]
     pub denoising: bool,
+    /// True if the film records the polarisation of the light.
+    #[serde(default)]
+    pub stokes: bool,
 }
 
 /// A quantity of the first surfaces on camera rays.
@@ -74,6 +78,7 @@ impl LayerSet {
             (self.has(SurfaceLayer::Samples), "samples"),
             (!self.paths.is_empty(), "paths"),
             (!self.light_groups.is_empty(), "lights"),
+            (self.stokes, "stokes"),
             (self.denoising, "denoised"),
         ];
         let words: Vec<&str> = flags.into_iter().filter(|(on, _)| *on).map(|(_, word)| word).collect();
@@ -85,8 +90,14 @@ impl LayerSet {
         self.light_channels() + self.surface_channels().len() + if self.denoising { denoising::PLANES } else { 0 }
     }
 
-    /// Returns the number of channels for the light of path classes and light groups.
+    /// Returns the number of channels for the light of path classes and light groups, and for its
+    /// polarisation.
     pub(super) fn light_channels(&self) -> usize {
+        self.stokes_channel() + if self.stokes { COMPONENTS * REPLICATES } else { 0 }
+    }
+
+    /// Returns the first channel of the polarisation: S1, S2 and S3 of Y in each replicate.
+    pub(super) fn stokes_channel(&self) -> usize {
         COMPONENTS * (self.paths.len() + self.light_groups.len())
     }
 
@@ -231,7 +242,7 @@ impl PictureLayers {
         }
     }
 
-    fn add(&mut self, name: String, values: impl Iterator<Item = f32>) {
+    pub(super) fn add(&mut self, name: String, values: impl Iterator<Item = f32>) {
         self.channels.push(LayerChannel { name, values: values.collect() });
     }
 

@@ -21,6 +21,8 @@ pub struct PixelSink<'f> {
     bias_y: f64,
     channels: &'f Channels,
     by_channel: &'f mut [f64],
+    /// The first channel of the polarisation, if the film records it.
+    stokes_channel: Option<usize>,
     /// The objects and materials that the samples hit.
     hits: Vec<[usize; 2]>,
     /// The first surfaces of the samples, for a denoiser.
@@ -43,6 +45,8 @@ pub struct SplatSink {
     pub(super) bias_splats: Vec<(f32, u32)>,
     /// The readings of the film, if it belongs to a measurement.
     layout: Option<Arc<ReadingLayout>>,
+    /// The replicate of the pass.
+    replicate: usize,
     pub(super) rejected: u64,
 }
 
@@ -50,6 +54,8 @@ pub struct SplatSink {
 pub struct FilmRow<'f> {
     pub first_pixel: usize,
     pub(super) observer: &'static Observer,
+    /// The replicate of the pass.
+    pub(super) replicate: usize,
     /// The inverse of the unit of the sums.
     pub(super) per_unit: f64,
     pub(super) pixels: &'f mut [PixelSums],
@@ -93,6 +99,12 @@ impl ExposedRow {
 }
 
 impl FilmRow<'_> {
+    /// Sets the pass in which the row is exposed.
+    #[must_use]
+    pub fn of_pass(self, pass: u64) -> Self {
+        Self { replicate: replicate(pass), ..self }
+    }
+
     /// Calls `expose(pixel, sink)`, which returns the camera samples of the pixel, for every pixel
     /// of the row. The light in the sink is divided by that number. The film does not change before
     /// [`Self::add`], so that a pass can end early without a trace.
@@ -108,7 +120,7 @@ impl FilmRow<'_> {
         let mut by_channel = exposed.by_channel.chunks_mut(self.channels.count().max(1));
         for column in 0..self.pixels.len() {
             let values = by_channel.next().unwrap_or_default();
-            let mut sink = PixelSink::new(self.observer, self.channels, values);
+            let mut sink = PixelSink::new(self.observer, (self.channels, self.replicate), values);
             let weight = 1.0 / expose(self.first_pixel + column, &mut sink) as f64;
             let [x, y, z] = sink.xyz;
             exposed.light.push([x, y, z, sink.bias_y].map(|sum| weight * sum));
@@ -165,9 +177,22 @@ impl FilmRow<'_> {
 }
 
 impl<'f> PixelSink<'f> {
-    pub(super) fn new(observer: &'static Observer, channels: &'f Channels, by_channel: &'f mut [f64]) -> Self {
-        let (hits, surfaces) = (Vec::new(), SurfaceSums::default());
-        Self { observer, xyz: [0.0; 3], bias_y: 0.0, channels, by_channel, hits, surfaces, rejected: 0 }
+    pub(super) fn new(
+        observer: &'static Observer,
+        (channels, replicate): (&'f Channels, usize),
+        by_channel: &'f mut [f64],
+    ) -> Self {
+        Self {
+            observer,
+            xyz: [0.0; 3],
+            bias_y: 0.0,
+            channels,
+            by_channel,
+            stokes_channel: channels.stokes_channel(replicate),
+            hits: Vec::new(),
+            surfaces: SurfaceSums::default(),
+            rejected: 0,
+        }
     }
 
     /// Returns X, Y and Z (W/m²/sr) of each path class that `expose` adds to a pixel.
@@ -177,7 +202,7 @@ impl<'f> PixelSink<'f> {
     ) -> [[f64; 3]; CLASSES] {
         let channels = Channels::of_path_classes(CLASSES);
         let mut xyz = [[0.0; 3]; CLASSES];
-        expose(&mut PixelSink::new(observer, &channels, xyz.as_flattened_mut()));
+        expose(&mut PixelSink::new(observer, (&channels, 0), xyz.as_flattened_mut()));
         xyz
     }
 
@@ -214,6 +239,15 @@ impl<'f> PixelSink<'f> {
         if bias.is_finite() {
             self.bias_y += bias * bar[1];
         }
+    }
+
+    /// Adds S1, S2 and S3 (W/m²/sr) at a wavelength (nm) in the frame of the picture. S0 is the
+    /// radiance, which [`Self::radiance`] adds.
+    pub fn stokes(&mut self, nm: f64, stokes: [f64; 3]) {
+        let Some(first) = self.stokes_channel else { return };
+        let bar = self.observer.xyz_bar(nm)[1];
+        let sums = &mut self.by_channel[first..first + stokes.len()];
+        sums.iter_mut().zip(stokes).for_each(|(sum, value)| *sum += if value.is_finite() { bar * value } else { 0.0 });
     }
 
     /// Adds the sum of many biased estimates of one path class, in W/m²/sr times x̄, ȳ and z̄, to a
@@ -274,12 +308,31 @@ impl SplatSink {
             painted,
             bias_splats,
             layout: None,
+            replicate: 0,
             rejected: 0,
         }
     }
 
     pub(super) fn with_layout(self, layout: Option<Arc<ReadingLayout>>) -> Self {
         Self { layout, ..self }
+    }
+
+    /// Sets the pass of the splats.
+    #[must_use]
+    pub fn of_pass(self, pass: u64) -> Self {
+        Self { replicate: replicate(pass), ..self }
+    }
+
+    /// Adds pairs of a wavelength (nm) and of S1, S2 and S3; see [`PixelSink::stokes`].
+    pub fn stokes(&mut self, pixel: u32, light: impl Iterator<Item = (f64, [f64; 3])>) {
+        let Some(first) = self.channels.stokes_channel(self.replicate) else { return };
+        let mut sums = [0.0; 3];
+        for (nm, stokes) in light {
+            let bar = self.observer.xyz_bar(nm)[1];
+            (0..3).for_each(|c| sums[c] += bar * stokes[c]);
+        }
+        let sums = (first as u32..).zip(sums).filter(|(_, sum)| sum.is_finite());
+        self.channel_splats.extend(sums.map(|(channel, sum)| (sum as f32, pixel, channel)));
     }
 
     fn observer_of(&self, pixel: u32) -> &'static Observer {

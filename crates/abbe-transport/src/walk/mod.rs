@@ -7,6 +7,7 @@ mod depth_limit;
 pub mod ledger;
 mod medium_segment;
 mod next_interaction;
+mod polarisation;
 mod ray_state;
 mod scatter;
 mod scatter_coated;
@@ -21,6 +22,8 @@ pub use caustic_weights::{CausticWeights, RayDensities, RayDensity, StratumDensi
 pub use depth_limit::{DepthLimit, LONG_PATH, MAX_EVENTS, TruncatedLight, long_path_survival};
 pub use medium_segment::{MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};
+pub use polarisation::PhotonPolarisation;
+pub(crate) use polarisation::{PathMatrices, event_at_camera_filter, event_at_pane, pane_matrix, rotation_to_picture};
 pub use ray_state::RayState;
 pub use scatter::{scatter, scatter_all_wavelengths};
 pub use scattered_ray::ScatteredRay;

@@ -14,6 +14,10 @@ pub trait Sink {
     /// marching, both in the unit of [`Sink::radiance`].
     fn biased(&mut self, origin: LightOrigin, nm: f64, weight: f64, bias: f64);
 
+    /// Adds S1, S2 and S3 of radiance at the wavelength `nm` in the frame of the picture, in the unit of
+    /// [`Sink::radiance`], which adds S0.
+    fn stokes(&mut self, _nm: f64, _stokes: [f64; 3]) {}
+
     /// Adds the response of the sensor to radiance of all lights and to its estimated bias.
     fn respond(&mut self, class: PathClass, radiance: SensorResponse, bias: SensorResponse);
 

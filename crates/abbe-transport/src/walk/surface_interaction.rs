@@ -1,7 +1,7 @@
 //! A point on a surface where a path scatters.
 
 use super::ray_state::RayState;
-use abbe_optics::bsdf::{Bsdf, DiffractionGrating, Grooves, InterfaceIors, LocalBsdf, ScatterEvent, Texels};
+use abbe_optics::bsdf::{Bsdf, Grooves, InterfaceIors, LocalBsdf, ScatterEvent, Texels};
 use abbe_optics::texture::{LookupRandom, TexturePoint};
 use abbe_scene::camera::Camera;
 use abbe_scene::geometry::{Hit, Ray, ShadingFrame, SurfaceId};
@@ -86,9 +86,12 @@ impl<'a> SurfaceInteraction<'a> {
             scene.materials[material].surface.at(lookup.u)
         };
         let frame = hit.frame();
-        let bsdf = match bsdf.model.grating() {
-            Some(grating) => with_grooves(scene, bsdf, grating, &hit, &frame),
-            None => bsdf,
+        let bsdf = match bsdf.model {
+            Bsdf::Grating(grating) => with_axis(scene, bsdf, grating.grooves(), &hit, &frame),
+            Bsdf::ThinDielectric(pane) if pane.filter().is_some() => {
+                with_axis(scene, bsdf, Grooves::Parallel(0.0), &hit, &frame)
+            }
+            _ => bsdf,
         };
         Self {
             distance_m: hit.t,
@@ -168,18 +171,18 @@ impl<'a> SurfaceInteraction<'a> {
     }
 }
 
-/// Returns the BSDF of a grating with the direction of its grooves: that of the frame if the
-/// texture coordinates do not determine one.
+/// Returns the BSDF of a grating or a filter with the direction across its grooves or of its axis u:
+/// that of the frame if the texture coordinates do not determine one.
 #[inline(never)]
-fn with_grooves<'a>(
+fn with_axis<'a>(
     scene: &Scene,
     bsdf: LocalBsdf<'a>,
-    grating: &DiffractionGrating,
+    grooves: Grooves,
     hit: &Hit,
     frame: &ShadingFrame,
 ) -> LocalBsdf<'a> {
     let Some([along_u, along_v]) = scene.geometry.uv_tangents(hit) else { return bsdf };
-    let (across, turn) = match grating.grooves() {
+    let (across, turn) = match grooves {
         Grooves::Parallel(turn) => (along_u, turn),
         Grooves::Circular => {
             let [u, v] = scene.geometry.uv(hit);
@@ -189,8 +192,8 @@ fn with_grooves<'a>(
     let local = frame.axes().to_local(across);
     // Seen from the outside, the angle runs from u towards −v, which points upwards in a picture.
     let outwards = if frame.normal().dot(along_u.cross(along_v)) > 0.0 { -turn } else { turn };
-    let groove_angle = (atan2(local.y, local.x) + outwards) as f32;
-    LocalBsdf { texels: Texels { groove_angle, ..bsdf.texels }, ..bsdf }
+    let axis_angle = (atan2(local.y, local.x) + outwards) as f32;
+    LocalBsdf { texels: Texels { axis_angle, ..bsdf.texels }, ..bsdf }
 }
 
 /// The smallest cosine of incidence for which the footprint of a ray is computed exactly. It is

@@ -4,6 +4,7 @@ use super::medium_segment::{MediumSegment, for_each_segment};
 use super::ray_state::RayState;
 use abbe_optics::bsdf::{PowerFractions, ThinDielectric};
 use abbe_optics::glass::RefractiveIndex;
+use abbe_polarisation::ScatteringEvent;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::{Medium, TransmittanceEstimator};
@@ -40,6 +41,8 @@ pub enum SegmentTransmittance<'a> {
         /// The cosine of the angle of incidence.
         cosine: f64,
         outside: &'a RefractiveIndex,
+        /// What the pane does to polarised light. `None` unless the plan contains polarisation.
+        event: Option<ScatteringEvent<'a>>,
     },
 }
 
@@ -72,7 +75,7 @@ impl<'a> SegmentTransmittance<'a> {
             Self::Tracked { medium, ray, length_m, seed } => {
                 ratio_tracked(medium, &ray, length_m, medium.extinction.at(nm), seed)
             }
-            Self::Pane { pane, cosine, outside } => pane.transmittance(cosine, outside, nm),
+            Self::Pane { pane, cosine, outside, .. } => pane.transmittance(cosine, outside, nm),
         }
     }
 }
@@ -110,7 +113,7 @@ pub fn crosses_more_panes(path_transmittance: &[SegmentTransmittance<'_>], most:
 pub fn light_between_panes(path_transmittance: &[SegmentTransmittance<'_>], nm: f64) -> f64 {
     let (mut stack, mut straight) = (PowerFractions { reflected: 0.0, transmitted: 1.0 }, 1.0);
     for segment in path_transmittance {
-        let SegmentTransmittance::Pane { pane, cosine, outside } = segment else { continue };
+        let SegmentTransmittance::Pane { pane, cosine, outside, .. } = segment else { continue };
         let next = pane.plain_powers(*cosine, outside, nm);
         let series = 1.0 / (1.0 - stack.reflected * next.reflected);
         stack = PowerFractions {

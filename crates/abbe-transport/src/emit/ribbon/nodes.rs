@@ -328,7 +328,8 @@ mod tests {
     fn ribbons_of_one_emission_have_other_nodes_and_the_same_light() {
         let (written, source) = format::parse(PRISM, "prism.json".as_ref(), &[]).unwrap();
         let scene = resolve(&written, &source).unwrap();
-        let connector = PhotonConnector { scene: &scene, media_plan: MediumPlan::Clear, photons_per_sample: 1.0 };
+        let connector =
+            PhotonConnector { scene: &scene, media_plan: MediumPlan::Clear, polarised: false, photons_per_sample: 1.0 };
         let power = EmittedPower::of(&scene.lights[0], scene.film.observer).unwrap();
         let from = DVec3::new(-0.83, -0.447, 0.0) - scene.centre;
         let ray = Ray::new(from, DVec3::new(0.755, 0.49, 0.0).normalize());

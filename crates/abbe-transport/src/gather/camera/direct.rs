@@ -48,13 +48,15 @@ impl<'a> CameraPass<'a> {
             let towards = (sample.direction, sample.line);
             let along = self.direct.transmittance_from::<M>(interaction, towards, sample.distance_m, selected.u);
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
-            let factors = &context.buffers.factors;
+            let factors = context.buffers.path_factors();
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
+            let event = factors.event_at(interaction, sample.direction);
             each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {
                 let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
                 let weight =
                     throughput * sample.light.spd_at(sample.spd, nm) * sample.strength * f * transmittance(&along, nm);
-                context.sink.biased(origin, nm, weight, weight * bias);
+                let received = factors.received(nm, event.as_ref());
+                factors.deliver((origin, nm), (weight, bias), &received, context.sink);
             });
             if let Some(luminescence) = luminescence
                 && bsdf.pdf(wo, sample.wi, sides, nm) > 0.0
@@ -91,13 +93,14 @@ impl<'a> CameraPass<'a> {
             let towards = (direction, ShadowLine::Clear);
             let along = self.direct.transmittance_from::<M>(interaction, towards, length_m, direction.to_array());
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
-            let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+            let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: number };
+            let event = factors.event_at(interaction, direction);
             each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
                 let response = bsdf.eval_sample(wo, &sample, sides, TransportMode::Radiance, nm) / sample.probability;
                 let arriving = emitter.light.spd_at(emitter.spd, nm) * emitter.radiance * transmittance(&along, nm);
-                let weight = throughput * arriving * response;
-                context.sink.biased(origin, nm, weight, weight * bias);
+                let (weight, received) = (throughput * arriving * response, factors.received(nm, event.as_ref()));
+                factors.deliver((origin, nm), (weight, bias), &received, context.sink);
             });
             if let Some(luminescence) = luminescence {
                 let exciting = ExcitingLight {
@@ -122,10 +125,10 @@ fn add_emitter<S: Sink>(
     context: &mut PathContext<'_, '_, S>,
 ) {
     let bias = bias_of_excess(path.excess_depth);
-    let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+    let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
     let origin = LightOrigin { class: path.events.class_of_emission(), light: number };
     each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
         let weight = throughput * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
-        context.sink.biased(origin, nm, weight, weight * bias);
+        factors.deliver((origin, nm), (weight, bias), &factors.received(nm, None), context.sink);
     });
 }

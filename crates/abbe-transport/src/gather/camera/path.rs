@@ -1,6 +1,6 @@
 //! The state of a camera path, and how a scattering event changes it.
 
-use super::throughput::{Factor, SpectralMode};
+use super::throughput::{Factor, PathFactors, SpectralMode};
 use super::visible_point::{CameraSegment, VisiblePoint};
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::HitWeighting;
@@ -8,6 +8,7 @@ use crate::plan::CameraEvents;
 use crate::plan::partition::CameraView;
 use crate::walk::{CausticWeights, RayState, SurfaceInteraction};
 use abbe_optics::bsdf::BsdfSample;
+use abbe_polarisation::{Rotation, ScatteringEvent};
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium_stack::MediumStack;
 use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
@@ -16,6 +17,12 @@ use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
 #[derive(Debug, Default)]
 pub struct PathBuffers<'a> {
     pub(in crate::gather) factors: Vec<Factor<'a>>,
+    /// The events that polarise light; see [`PathFactors::events`].
+    pub(in crate::gather) events: Vec<ScatteringEvent<'a>>,
+    /// True if the plan contains polarisation.
+    pub(in crate::gather) polarised: bool,
+    /// See [`PathFactors::to_picture`].
+    pub(in crate::gather) to_picture: Option<Rotation>,
     /// The extinction coefficients of all media and bodies that attenuate the light in a light map.
     pub(in crate::gather) coefficients: Vec<Lanes>,
     /// True if the camera walk fills `visible_points` and `camera_segments`.
@@ -25,7 +32,34 @@ pub struct PathBuffers<'a> {
     pub camera_segments: Vec<CameraSegment>,
 }
 
-impl PathBuffers<'_> {
+impl<'a> PathBuffers<'a> {
+    /// Removes the factors of the last path.
+    pub(in crate::gather) fn start_path(&mut self, polarised: bool) {
+        self.factors.clear();
+        self.events.clear();
+        (self.polarised, self.to_picture) = (polarised, None);
+        self.visible_points.clear();
+        self.camera_segments.clear();
+    }
+
+    #[inline(always)]
+    pub(in crate::gather) fn path_factors(&self) -> PathFactors<'_, 'a> {
+        PathFactors { natural: &self.factors, events: &self.events, to_picture: self.to_picture }
+    }
+
+    /// Returns the numbers of factors and of events, for [`Self::return_to`].
+    #[inline(always)]
+    pub(in crate::gather) fn length(&self) -> [usize; 2] {
+        [self.factors.len(), self.events.len()]
+    }
+
+    /// Removes what was added to the path since it had this length.
+    #[inline(always)]
+    pub(in crate::gather) fn return_to(&mut self, [factors, events]: [usize; 2]) {
+        self.factors.truncate(factors);
+        self.events.truncate(events);
+    }
+
     /// Creates buffers that record visible points and camera segments.
     pub fn recording() -> Self {
         Self { records: true, ..Self::default() }
@@ -112,6 +146,9 @@ impl CameraPath {
         }
         let factor = Factor::Scattering { bsdf, wo, sample: *sample, sides, probability: sample.probability };
         self.multiply(factor, buffers);
+        if buffers.polarised {
+            buffers.events.push(interaction.event_of_camera(direction, sample.delta));
+        }
         // Shadow rays and photons at the surface use the wavelength of the arriving path, so their
         // weights refer to the density there.
         let pdf = if sample.delta || glossy.reference_nm == self.reference_nm() {

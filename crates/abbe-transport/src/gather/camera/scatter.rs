@@ -26,6 +26,7 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) -> Option<CameraPath> {
         context.tally.film_events += u64::from(interaction.bsdf.model.films().is_some());
+        context.tally.polarised_events += u64::from(self.plan.polarisation);
         let glossy = self.glossy_event(path, interaction, context);
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
@@ -113,12 +114,12 @@ impl<'a> CameraPass<'a> {
         interaction: &SurfaceInteraction<'a>,
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let factors = context.buffers.factors.len();
+        let length = context.buffers.length();
         let reflects = self.scatter_forced(&mut path, interaction, ScatterEvent::Reflection, 1.0, context);
         if reflects && survives(self.scene, &mut path, context) {
             self.follow_shared(&path, context);
         }
-        context.buffers.factors.truncate(factors);
+        context.buffers.return_to(length);
     }
 
     fn split<S: Sink>(
@@ -128,7 +129,7 @@ impl<'a> CameraPass<'a> {
         event: SplitEvent,
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let u = context.sampler.stream.triple();
+        let (u, length) = (context.sampler.stream.triple(), context.buffers.length());
         for lane in 0..LANES {
             let Some(mut single) = self.to_shared_wavelength(path, lane, context) else { continue };
             let continues = match event {
@@ -140,6 +141,7 @@ impl<'a> CameraPass<'a> {
             if continues && survives(self.scene, &mut single, context) {
                 self.follow_shared(&single, context);
             }
+            context.buffers.return_to(length);
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::plan::partition::PhotonSet;
 use crate::walk::{RayState, SegmentTransmittance};
 use abbe_optics::bsdf::{BsdfSample, InterfaceIors, LocalBsdf, TransportMode};
+use abbe_polarisation::{Mueller, Rotation, ScatteringEvent};
 use abbe_scene::Scene;
 use abbe_scene::light::Light;
 use abbe_scene::medium_stack::MediumStack;
@@ -34,6 +35,35 @@ impl Factor<'_> {
             Factor::SegmentTransmittance(segment) => segment.at(nm),
             Factor::Grey(value) => *value,
         }
+    }
+}
+
+/// All factors of a camera path.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::gather) struct PathFactors<'f, 'a> {
+    /// The factors for natural light. Those behind a dispersive event belong to the throughput of the
+    /// path.
+    pub(in crate::gather) natural: &'f [Factor<'a>],
+    /// The events that polarise light, from the camera on. Empty unless the plan contains
+    /// polarisation.
+    pub(in crate::gather) events: &'f [ScatteringEvent<'a>],
+    /// From the canonical frame at the camera to that of the picture, if the film records Stokes
+    /// vectors.
+    pub(in crate::gather) to_picture: Option<Rotation>,
+}
+
+impl PathFactors<'_, '_> {
+    /// Returns the matrix of everything between the end of the path and the camera.
+    #[inline(never)]
+    pub(in crate::gather) fn matrix(self, nm: f64) -> Mueller {
+        self.events.iter().fold(Mueller::IDENTITY, |matrix, event| matrix * event.matrix(nm))
+    }
+
+    /// Returns the fraction of natural light that the events transmit to the camera, relative to
+    /// the other factors.
+    #[inline(always)]
+    pub(in crate::gather) fn of_natural_light(self, nm: f64) -> f64 {
+        if self.events.is_empty() { 1.0 } else { self.matrix(nm).0[0][0].max(0.0) }
     }
 }
 
@@ -71,13 +101,13 @@ impl SpectralMode {
     }
 }
 
-/// Calls `f` with each wavelength (nm) and the throughput, divided by the density of the
+/// Calls `f` with each wavelength (nm) and the throughput of natural light, divided by the density of the
 /// wavelength. A free path samples stratified wavelengths from the light's spectrum, shifted by `u`
 /// in [0, 1). A shared path has one.
 #[inline(always)]
 pub(in crate::gather) fn each_wavelength(
     spectral_mode: SpectralMode,
-    factors: &[Factor<'_>],
+    factors: PathFactors<'_, '_>,
     light: &Light,
     u: f64,
     mut f: impl FnMut(f64, f64),
@@ -86,9 +116,9 @@ pub(in crate::gather) fn each_wavelength(
         SpectralMode::Free => {
             for k in 0..LANES {
                 let (nm, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
-                f(nm, product(factors, nm) / (pdf * LANES as f64));
+                f(nm, product(factors.natural, nm) * factors.of_natural_light(nm) / (pdf * LANES as f64));
             }
         }
-        SpectralMode::Shared { nm, throughput, .. } => f(nm, throughput),
+        SpectralMode::Shared { nm, throughput, .. } => f(nm, throughput * factors.of_natural_light(nm)),
     }
 }

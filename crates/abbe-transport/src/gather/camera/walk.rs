@@ -15,9 +15,11 @@ use crate::plan::partition::CameraView;
 use crate::plan::{MediumPlan, Tally, WavelengthPlan};
 use crate::walk::{
     BodyMode, DepthLimit, MAX_EVENTS, Sink, SurfaceInteraction, SurfaceLookup, WithBodies, WithoutBodies,
+    event_at_camera_filter, rotation_to_picture,
 };
 use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::camera::SystemAt;
+use abbe_scene::geometry::Ray;
 use abbe_spectra::spectrum::LANES;
 
 impl<'a> CameraPass<'a> {
@@ -31,9 +33,7 @@ impl<'a> CameraPass<'a> {
         tally: &mut Tally,
         sink: &mut S,
     ) {
-        buffers.factors.clear();
-        buffers.visible_points.clear();
-        buffers.camera_segments.clear();
+        buffers.start_path(self.plan.polarisation);
         if self.stop.is_raised() {
             return;
         }
@@ -41,6 +41,14 @@ impl<'a> CameraPass<'a> {
         tally.camera_samples += 1;
         tally.lens_rays += u64::from(self.plan.aperture.is_finite());
         let path = |ray| CameraPath::new(ray, self.scene.medium_stack_of_camera(ray));
+        let scene = self.scene;
+        let filter = |ray: Ray, context: &mut PathContext<'_, 'a, S>| {
+            let event = event_at_camera_filter(&scene.camera, -ray.direction);
+            context.tally.polarised_events += u64::from(event.is_some());
+            let stokes = self.plan.stokes.then(|| rotation_to_picture(&scene.camera, -ray.direction));
+            context.buffers.to_picture = stokes;
+            context.buffers.events.extend(event);
+        };
         let events = DepthLimit::of(self.scene).events();
         let mut context = PathContext { pixel, events, sampler: &mut sampler, radii, buffers, sink, tally };
         if let Some(sensor) = camera.sensor(pixel) {
@@ -59,6 +67,10 @@ impl<'a> CameraPass<'a> {
                     let Some((ray, weight)) = ray else { continue };
                     context.tally.ghost_rays += u64::from(is_ghost);
                     context.tally.film_events += u64::from(lens.is_coated());
+                    context.buffers.events.clear();
+                    if self.plan.polarisation {
+                        filter(ray, &mut context);
+                    }
                     if let Some(mut single) = self.to_shared_wavelength(path(ray), lane, &mut context) {
                         single.multiply(Factor::Grey(weight), context.buffers);
                         self.follow_shared(&single, &mut context);
@@ -66,11 +78,18 @@ impl<'a> CameraPass<'a> {
                 }
             }
             (None, WavelengthPlan::Shared) => {
-                let path = path(context.sampler.ray(camera, pixel));
-                self.follow_each_shared(path, &mut context);
+                let ray = context.sampler.ray(camera, pixel);
+                if self.plan.polarisation {
+                    filter(ray, &mut context);
+                }
+                self.follow_each_shared(path(ray), &mut context);
             }
             (None, WavelengthPlan::Free | WavelengthPlan::Both) => {
-                self.follow(&path(context.sampler.ray(camera, pixel)), &mut context);
+                let ray = context.sampler.ray(camera, pixel);
+                if self.plan.polarisation {
+                    filter(ray, &mut context);
+                }
+                self.follow(&path(ray), &mut context);
             }
         }
     }
@@ -112,14 +131,14 @@ impl<'a> CameraPass<'a> {
     /// Follows a path to its end. Only this function chooses the [`BodyMode`] of camera paths.
     #[inline(always)]
     fn follow<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
-        let factors_before = context.buffers.factors.len();
+        let length = context.buffers.length();
         match self.plan.media_plan {
             MediumPlan::Air => self.follow_in_mode::<WithoutBodies, S>(path, context),
             MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
                 self.follow_in_mode::<WithBodies, S>(path, context);
             }
         }
-        context.buffers.factors.truncate(factors_before);
+        context.buffers.return_to(length);
     }
 
     #[inline(always)]

@@ -2,13 +2,14 @@
 
 use super::responses::SurfaceResponses;
 use crate::gather::camera::path::CameraPath;
-use crate::gather::camera::throughput::{Factor, SpectralMode, product};
+use crate::gather::camera::throughput::{PathFactors, SpectralMode, product};
 use crate::gather::luminescence::Luminescence;
+use crate::gather::polarised::{PolarisedPhoton, add_polarised_photon};
 use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
-use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra};
+use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra, StoredPolarisation};
 use crate::plan::{LightOrigin, PathClass};
 use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias_of_excess};
-use abbe_optics::bsdf::{InterfaceIors, LocalBsdf, TransportMode};
+use abbe_optics::bsdf::{BsdfClass, InterfaceIors, LocalBsdf, TransportMode};
 use abbe_scene::geometry::ShadingFrame;
 use abbe_spectra::spectrum::LANES;
 use glam::{DVec3, Vec3};
@@ -40,7 +41,7 @@ pub(in crate::gather) struct GatherPoint<'e> {
     height_m: f64,
     kernel: DiskKernel,
     spectral_mode: SpectralMode,
-    factors: &'e [Factor<'e>],
+    factors: PathFactors<'e, 'e>,
     /// The weights of caustic photons, if they compete with camera paths.
     weights: Option<CausticWeights>,
     reference_nm: f64,
@@ -58,7 +59,7 @@ impl<'e> GatherPoint<'e> {
         radius: f64,
         correction: BoundaryCorrection,
         path: &CameraPath,
-        factors: &'e [Factor<'e>],
+        factors: PathFactors<'e, 'e>,
     ) -> Self {
         let normal = interaction.hit.normal;
         Self {
@@ -105,9 +106,36 @@ impl<'e> GatherPoint<'e> {
         class: PathClass,
         sink: &mut S,
     ) {
+        let Some((wi, kernels)) = self.locate(nearby) else { return };
+        let light = PhotonLight { power: &nearby.photon.power, spectra, class };
+        let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
+        add_photon(light, kernels, self.bias, (self.spectral_mode, self.factors), sink, response);
+    }
+
+    /// Like [`Self::add`], adds a photon with its polarisation.
+    pub(in crate::gather) fn add_polarised<S: Sink>(
+        &self,
+        nearby: &NearbyPhoton<'_>,
+        polarisation: &StoredPolarisation,
+        interaction: &SurfaceInteraction<'_>,
+        (spectra, class): (&PhotonSpectra, PathClass),
+        sink: &mut S,
+    ) {
+        let Some((wi, kernels)) = self.locate(nearby) else { return };
+        let light = PhotonLight { power: &nearby.photon.power, spectra, class };
+        let event = interaction.event_of_camera(nearby.photon.to_light(), false);
+        let photon = PolarisedPhoton { polarisation, event };
+        let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
+        add_polarised_photon(light, &photon, kernels, self.bias, (self.spectral_mode, self.factors), sink, response);
+    }
+
+    /// Returns the local direction of a photon's light and its kernels, or `None` if the photon
+    /// belongs to another surface.
+    #[inline(always)]
+    fn locate(&self, nearby: &NearbyPhoton<'_>) -> Option<(DVec3, KernelValues)> {
         let photon = nearby.photon;
         let photon_normal = photon.normal();
-        let Some(side) = self.side_of(photon_normal, nearby.position) else { return };
+        let side = self.side_of(photon_normal, nearby.position)?;
         let to_light = photon.to_light();
         let kernels = self.kernel.at(f64::from(nearby.distance2));
         // On a curved surface, the normal at the photon differs from that at the gather point.
@@ -124,9 +152,13 @@ impl<'e> GatherPoint<'e> {
                 kernels.times(weights.of_photon(photon.ray_density(), pdf))
             }
         };
-        let light = PhotonLight { power: &photon.power, spectra, class };
-        let response = |nm: f64| self.bsdf.eval(self.wo, wi, self.sides, TransportMode::Radiance, nm);
-        add_photon(light, kernels, self.bias, self.spectral_mode, self.factors, sink, response);
+        Some((wi, kernels))
+    }
+
+    /// Returns true if the light that the path gathers depends on the polarisation of photons.
+    #[inline(always)]
+    pub(in crate::gather) fn depends_on_polarisation(&self) -> bool {
+        self.factors.depends_on_polarisation() || self.bsdf.class() == BsdfClass::Glossy
     }
 
     /// Turns a direction so that its cosine with the own normal is that at the photon's surface.
@@ -177,7 +209,7 @@ impl<'e> GatherPoint<'e> {
     /// directions of the photons, on a diffuse surface whose normal is not interpolated.
     #[inline(always)]
     pub(in crate::gather) fn is_plain(&self) -> bool {
-        self.spectral_mode == SpectralMode::Free && self.factors.is_empty()
+        self.spectral_mode == SpectralMode::Free && self.factors.natural.is_empty() && self.factors.events.is_empty()
     }
 
     /// Like [`Self::add`], adds a photon to the responses of the sensor, and returns that to its
@@ -228,8 +260,7 @@ pub(in crate::gather) fn add_photon<S: Sink>(
     PhotonLight { power, spectra, class }: PhotonLight<'_>,
     kernels: KernelValues,
     path_bias: f64,
-    spectral_mode: SpectralMode,
-    factors: &[Factor<'_>],
+    (spectral_mode, factors): (SpectralMode, PathFactors<'_, '_>),
     sink: &mut S,
     response: impl Fn(f64) -> f64,
 ) {
@@ -238,7 +269,7 @@ pub(in crate::gather) fn add_photon<S: Sink>(
     let mut add = |nm: f64, radiance: f64| sink.biased(origin, nm, radiance * estimate, radiance * bias);
     match spectral_mode {
         SpectralMode::Free => {
-            power.lanes(spectra).for_each(|(nm, power)| add(nm, response(nm) * product(factors, nm) * power));
+            power.lanes(spectra).for_each(|(nm, power)| add(nm, response(nm) * product(factors.natural, nm) * power));
         }
         SpectralMode::Shared { lane, nm, throughput } => {
             if let Some(power) = power.at_lane(lane) {

@@ -8,7 +8,7 @@ use super::selection::{LightSelection, LightSelector, SelectedLight};
 use crate::plan::{MediumPlan, Tally};
 use crate::walk::{
     BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SegmentTransmittance,
-    SurfaceInteraction, path_transmittance, path_transmittance_tracked,
+    SurfaceInteraction, event_at_pane, path_transmittance, path_transmittance_tracked,
 };
 use abbe_optics::bsdf::{ThinDielectric, TransportMode};
 use abbe_optics::phase::PhaseMixture;
@@ -25,6 +25,8 @@ pub struct DirectLighting<'a> {
     pub(in crate::gather) scene: &'a Scene,
     pub(super) selector: &'a LightSelector,
     attenuation: ShadowAttenuation,
+    /// True if shadow rays carry the polarisation of light.
+    polarised: bool,
     pub(in crate::gather) portals: &'a Portals,
     /// The densities of the emitted rays. `None` if no photon competes with camera paths.
     pub(in crate::gather) ray_densities: Option<&'a RayDensities>,
@@ -172,8 +174,8 @@ impl<'a> DirectLighting<'a> {
         passes.then_some(ShadowLine::ThroughPanes(target))
     }
 
-    /// Follows a line through thin panes to a light, and calls `visit` with each pane and the
-    /// cosine of incidence. Returns false if another surface blocks the line. The same `u` selects
+    /// Follows a line through thin panes to a light, and calls `visit` with each pane and the hit.
+    /// Returns false if another surface blocks the line. The same `u` selects
     /// the same components of mixtures.
     #[inline(never)]
     fn cross_panes(
@@ -182,7 +184,7 @@ impl<'a> DirectLighting<'a> {
         [mut from, target]: [Option<SurfaceId>; 2],
         mut length_m: f64,
         u: [f64; 3],
-        mut visit: impl FnMut(&'a ThinDielectric, f64),
+        mut visit: impl FnMut(&'a ThinDielectric, &Hit),
     ) -> bool {
         let scene = self.scene;
         let mut stream = Stream::new(Seed::of_numbers(u), Purpose::Pane, 0, 0);
@@ -195,7 +197,7 @@ impl<'a> DirectLighting<'a> {
                 surface.at(stream.uniform())
             };
             let Some(pane) = local.model.uniform_pane() else { return false };
-            visit(pane, ray.direction.dot(hit.normal).abs());
+            visit(pane, &hit);
             (ray.origin, from) = (hit.position, Some(hit.surface));
             length_m -= hit.t;
         }
@@ -213,6 +215,12 @@ impl<'a> DirectLighting<'a> {
         Self { portals, ..self }
     }
 
+    /// Sets whether shadow rays carry the polarisation of light.
+    #[must_use]
+    pub fn with_polarisation(self, polarised: bool) -> Self {
+        Self { polarised, ..self }
+    }
+
     fn attenuated(
         scene: &'a Scene,
         selector: &'a LightSelector,
@@ -220,7 +228,7 @@ impl<'a> DirectLighting<'a> {
         in_media: ShadowAttenuation,
     ) -> Self {
         let attenuation = if media_plan.is_clear() { ShadowAttenuation::Absent } else { in_media };
-        Self { scene, selector, attenuation, portals: Portals::NONE, ray_densities: None }
+        Self { scene, selector, attenuation, polarised: false, portals: Portals::NONE, ray_densities: None }
     }
 
     /// Returns the transmittance of an unoccluded ray from a surface. `u` is hashed to a seed.
@@ -256,8 +264,11 @@ impl<'a> DirectLighting<'a> {
                 if let ShadowLine::ThroughPanes(target) = line {
                     let RayState { ray, from, medium_stack } = ray_state;
                     let outside = self.scene.index_in(&medium_stack);
-                    self.cross_panes(ray, [from, target], length_m, u, |pane, cosine| {
-                        along.push(SegmentTransmittance::Pane { pane, cosine, outside });
+                    self.cross_panes(ray, [from, target], length_m, u, |pane, hit| {
+                        let cosine = ray.direction.dot(hit.normal).abs();
+                        let event = || event_at_pane(self.scene, (pane, outside), hit, -ray.direction);
+                        let event = self.polarised.then(event);
+                        along.push(SegmentTransmittance::Pane { pane, cosine, outside, event });
                     });
                 }
                 along

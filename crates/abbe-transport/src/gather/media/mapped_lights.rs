@@ -8,11 +8,12 @@
 
 use super::distance::{self, MOST_DISTANCES, StratifiedDistance};
 use crate::gather::camera::path::CameraPath;
-use crate::gather::camera::throughput::each_wavelength;
+use crate::gather::camera::throughput::{PathFactors, each_wavelength};
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::map::LightMap;
 use crate::plan::{LightOrigin, Tally};
 use crate::walk::{MediumSegment, NumberedMedium, Sink};
+use abbe_polarisation::Stokes;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::{EmittedSpd, LiSample};
@@ -34,7 +35,10 @@ struct InScattering<'s, 'a> {
     absorption: Lanes,
     /// The coefficients (1/m) of all media and bodies that attenuate the light in the map.
     coefficients: &'s [Lanes],
+    factors: PathFactors<'s, 'a>,
     sum: Lanes,
+    /// The Stokes vectors of the sum.
+    stokes: [Stokes; LANES],
     bias: Lanes,
     /// The number of the lookup that casts a shadow ray even if its point is probably in shadow.
     dark_lookup: usize,
@@ -57,7 +61,7 @@ impl<'a> CameraPass<'a> {
                 .and_then(|interval| light.lit_interval(world, &segment.ray, interval, map.virtual_light.randoms()));
             let Some(lit) = lit else { continue };
             let (mut nm, mut weight, mut count) = ([0.0; LANES], [0.0; LANES], 0);
-            let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
+            let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
             each_wavelength(path.spectral_mode, factors, light, wavelength, |at, throughput| {
                 (nm[count], weight[count]) = (at, throughput * light.spd_at(EmittedSpd::Own, at));
                 count += 1;
@@ -74,7 +78,9 @@ impl<'a> CameraPass<'a> {
                 extinction: wavelengths.each(|nm| medium.extinction.at(nm)),
                 absorption: wavelengths.each(|nm| segment.absorption.map_or(0.0, |absorption| absorption.at(nm))),
                 coefficients: &context.buffers.coefficients,
+                factors: context.buffers.path_factors(),
                 sum: [0.0; LANES],
+                stokes: [Stokes::default(); LANES],
                 bias: [0.0; LANES],
                 dark_lookup: (w * MOST_DISTANCES as f64) as usize,
                 lookups: 0,
@@ -90,6 +96,7 @@ impl<'a> CameraPass<'a> {
             let origin = LightOrigin { class: path.events.class_in_medium(), light: map.light };
             for k in 0..count {
                 context.sink.biased(origin, nm[k], weight[k] * scattered.sum[k], weight[k] * scattered.bias[k]);
+                scattered.factors.deliver_stokes(nm[k], weight[k], &scattered.stokes[k], context.sink);
             }
         }
     }
@@ -113,13 +120,18 @@ impl InScattering<'_, '_> {
         }
         // Both vectors point against the direction of the light. This does not change the cosine.
         let cosine = incident.direction.dot(ray.direction);
+        let event = self.factors.event_in_medium(self.medium, [-incident.direction, -ray.direction]);
         let phase = self.wavelengths.each(|nm| self.medium.phase.eval(cosine, nm));
         let [fine, coarse] = self.map.optical_depths(&lookup, incident.distance, self.coefficients);
         for k in 0..self.wavelengths.count {
             let depth = self.extinction[k] * distance.column_m + self.absorption[k] * distance.t_m;
             let scattered =
                 weight * self.scattering[k] * phase[k] * incident.irradiance * distance.strength_m * exp(-depth);
+            let received = self.factors.received(self.wavelengths.nm[k], event.as_ref());
+            let fine_stokes = received * (scattered * exp(-fine[k]));
+            let scattered = scattered * received.power().max(0.0);
             let (fine, coarse) = (scattered * exp(-fine[k]), scattered * exp(-coarse[k]));
+            self.stokes[k] += fine_stokes;
             self.sum[k] += fine;
             self.bias[k] += (coarse - fine) / 3.0;
         }

@@ -7,6 +7,7 @@ use crate::gather::camera::visible_point::CameraSegment;
 use crate::gather::camera_pass::{AllPhotons, CameraPass, EventFilter, EventRange, PathContext, TruncatedMaps};
 use crate::gather::density::gather_point::{PhotonLight, add_photon, biased_by};
 use crate::gather::luminescence::Luminescence;
+use crate::gather::polarised::{PolarisedPhoton, add_polarised_photon};
 use crate::map::kernel::{KernelDomain, KernelValues};
 use crate::map::{BeamPath, KernelWidth, PhotonNearRay, QueryCone, SetMaps, VolumeMap};
 use crate::plan::LightOrigin;
@@ -14,6 +15,7 @@ use crate::plan::partition::{PhotonClass, PhotonSet};
 use crate::walk::{
     MediumSegment, NumberedMedium, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth, transmittance,
 };
+use abbe_polarisation::ScatteringEvent;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::Medium;
@@ -151,7 +153,7 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let seed = segment_seed(context, segment.ray.origin);
-        let (factors, sink) = (&context.buffers.factors, &mut *context.sink);
+        let (factors, sink) = (context.buffers.path_factors(), &mut *context.sink);
         let class = path.events.class_in_medium();
         let mut gathered = 0;
         map.along(cone, |photon: PhotonNearRay<'_>| {
@@ -190,7 +192,15 @@ impl<'a> CameraPass<'a> {
             };
             if scatters {
                 let light = PhotonLight { power: photon.power, spectra: self.spectra, class };
-                add_photon(light, kernels, bias, path.spectral_mode, factors, sink, response);
+                let mode = (path.spectral_mode, factors);
+                if let Some(polarisation) = photon.polarisation {
+                    let directions = [photon.incoming, -segment.ray.direction];
+                    let event = ScatteringEvent::in_medium(&medium.phase, directions[0], directions[1]);
+                    let photon = PolarisedPhoton { polarisation, event };
+                    add_polarised_photon(light, &photon, kernels, bias, mode, sink, response);
+                } else {
+                    add_photon(light, kernels, bias, mode, sink, response);
+                }
             }
             if let Some(luminescence) = luminescence {
                 let mut radiance = [0.0; LANES];

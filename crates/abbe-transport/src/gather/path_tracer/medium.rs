@@ -13,6 +13,7 @@ use crate::walk::{
 };
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::phase::{PhaseFunction, PhaseMixture};
+use abbe_polarisation::ScatteringEvent;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::Medium;
@@ -89,16 +90,19 @@ impl<'a> PathTracer<'a> {
             let Some(sample) = self.direct.sample_direct_in_medium(point, selected, tally) else { continue };
             let cosine = -sample.incoming.dot(incoming);
             let origin = LightOrigin { class: path.events.class_in_medium(), light: selected.number };
+            let event = self.polarised.then(|| ScatteringEvent::in_medium(phase, sample.incoming, -incoming));
             let arriving = path.wavelengths.active().iter().enumerate().map(|(k, &nm)| {
                 let arriving =
                     sample.light.spd_at(sample.spd, nm) * sample.strength * transmittance(&sample.transmittance, nm);
-                (path.observed[k], path.throughput[k] * phase.eval(cosine, nm) * arriving)
+                let along = &sample.transmittance;
+                let received = event.as_ref().map(|event| path.matrices.received(k, event, along, nm));
+                (k, path.throughput[k] * phase.eval(cosine, nm) * arriving, received)
             });
             if crosses_more_panes(&sample.transmittance, path.events_left) {
                 let truncated = &mut TruncatedLight { sink, factor: 1.0 };
-                arriving.for_each(|(nm, radiance)| truncated.radiance(origin, nm, radiance));
+                arriving.for_each(|(k, weight, received)| path.deliver(origin, k, weight, received, truncated));
             } else {
-                arriving.for_each(|(nm, radiance)| sink.radiance(origin, nm, radiance));
+                arriving.for_each(|(k, weight, received)| path.deliver(origin, k, weight, received, sink));
             }
         }
         let direction = mixture.sample(incoming, sampler.stream.pair());
@@ -106,6 +110,10 @@ impl<'a> PathTracer<'a> {
         let pdf = mixture.eval(cosine);
         for (k, &nm) in path.wavelengths.active().iter().enumerate() {
             path.throughput[k] *= phase.eval(cosine, nm) / pdf;
+        }
+        if self.polarised {
+            let event = ScatteringEvent::in_medium(phase, -direction, -incoming);
+            path.matrices.precede(&event, &path.wavelengths, &mut path.throughput);
         }
         path.events = path.events.after_medium();
         path.hit_weighting = HitWeighting::Mis { from, pdf, caustic: None };
@@ -154,7 +162,7 @@ impl TracedPath {
         let along = segment.path_transmittance_tracked(t, Seed::of_numbers(position.to_array()));
         for (k, &nm) in self.wavelengths.active().iter().enumerate() {
             let emitted = medium.emission_per_m(position, nm) * transmittance(&along, nm) * (to - from);
-            sink.radiance(origin, self.observed[k], self.throughput[k] * emitted);
+            self.deliver(origin, k, self.throughput[k] * emitted, Some(self.matrices.of_natural_light(k)), sink);
         }
     }
 

@@ -14,12 +14,14 @@ use crate::map::PhotonSpectra;
 use crate::plan::partition::LightPath;
 use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
 use crate::walk::{
-    DepthLimit, MAX_EVENTS, PathTransmittance, RayState, ScatteredRay, SegmentEnd, Sink, StopFlag, SurfaceInteraction,
-    SurfaceLookup, TruncatedLight, WithBodies, crosses_more_panes, light_between_panes, long_path_survival,
-    next_interaction, scatter, transmittance,
+    DepthLimit, MAX_EVENTS, PathMatrices, PathTransmittance, RayState, ScatteredRay, SegmentEnd, Sink, StopFlag,
+    SurfaceInteraction, SurfaceLookup, TruncatedLight, WithBodies, crosses_more_panes, event_at_camera_filter,
+    light_between_panes, long_path_survival, next_interaction, pane_matrix, rotation_to_picture, scatter,
+    transmittance,
 };
 use abbe_optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
+use abbe_polarisation::{Rotation, Stokes};
 use abbe_scene::Scene;
 use abbe_scene::camera::SystemLens;
 use abbe_scene::geometry::{Hit, Ray};
@@ -44,6 +46,10 @@ pub struct PathTracer<'a> {
     pub excitation: &'a [Option<WavelengthDistribution>],
     /// The media of the scene. Paths need a medium stack if the scene contains bodies or media.
     pub media_plan: MediumPlan,
+    /// True if paths carry the polarisation of light.
+    pub polarised: bool,
+    /// True if the film records Stokes vectors.
+    pub stokes: bool,
     /// Samples are black after it is raised.
     pub stop: &'a StopFlag,
 }
@@ -56,6 +62,11 @@ pub(super) struct TracedPath {
     pub(super) observed: Lanes,
     /// The throughput at each wavelength, divided by all sampling densities.
     pub(super) throughput: Lanes,
+    /// What lies between the path and the camera does to polarised light.
+    pub(super) matrices: PathMatrices,
+    /// From the canonical frame at the camera to that of the picture, if the film records Stokes
+    /// vectors.
+    pub(super) to_picture: Option<Rotation>,
     /// The throughput at the start of the path, for Russian roulette.
     pub(super) initial_throughput: Lanes,
     /// The number of wavelengths at the start of the path.
@@ -180,6 +191,9 @@ impl<'a> PathTracer<'a> {
         let through_pane = self.direct.passes_panes()
             && scattered.event == ScatterEvent::Transmission
             && interaction.bsdf.model.uniform_pane().is_some();
+        if self.polarised {
+            path.polarise(interaction, &mut scattered);
+        }
         path.apply_scattering(interaction, &scattered, through_pane);
         path.survives(self.scene, depth, sampler)
     }
@@ -224,17 +238,26 @@ impl<'a> PathTracer<'a> {
                 (sampler.ray(camera, pixel), Wavelengths::new(nm), throughput)
             }
         };
-        Some(TracedPath {
+        let mut path = TracedPath {
             ray_state: RayState { ray, from: None, medium_stack: self.scene.medium_stack_of_camera(ray) },
             initial_count: wavelengths.count,
             observed: wavelengths.nm,
             wavelengths,
             throughput,
+            matrices: PathMatrices::IDENTITY,
+            to_picture: self.stokes.then(|| rotation_to_picture(camera, -ray.direction)),
             initial_throughput: throughput,
             hit_weighting: HitWeighting::Full,
             events: CameraEvents::Specular,
             events_left: TracedPath::UNLIMITED,
-        })
+        };
+        if self.polarised
+            && let Some(filter) = event_at_camera_filter(camera, -ray.direction)
+        {
+            path.matrices.precede(&filter, &path.wavelengths, &mut path.throughput);
+            path.initial_throughput = path.throughput;
+        }
+        Some(path)
     }
 
     /// Samples four stratified wavelengths (nm). Returns them, and the inverses of their densities.
@@ -269,7 +292,8 @@ impl<'a> PathTracer<'a> {
             let along = &sample.transmittance;
             let radiance = |k: usize| {
                 let arriving = sample.light.spd_at(sample.spd, nm[k]) * sample.strength;
-                inverse_pdf[k] * arriving * transmittance(along, nm[k])
+                let polarised = if self.polarised { pane_matrix(along, nm[k]).0[0][0] } else { 1.0 };
+                inverse_pdf[k] * arriving * transmittance(along, nm[k]) * polarised
             };
             if limit.is_explicit() && crosses_more_panes(along, limit.events()) {
                 let truncated = &mut TruncatedLight { sink, factor: 1.0 };
@@ -286,6 +310,8 @@ impl<'a> PathTracer<'a> {
             wavelengths: Wavelengths::new(nm),
             observed: nm,
             throughput: inverse_pdf.map(|throughput| throughput * start.weight),
+            matrices: PathMatrices::IDENTITY,
+            to_picture: None,
             initial_throughput: inverse_pdf,
             hit_weighting: HitWeighting::Mis { from, pdf: start.pdf, caustic: None },
             events: CameraEvents::Surface,
@@ -310,6 +336,7 @@ impl<'a> PathTracer<'a> {
             for (k, &nm) in path.wavelengths.active().iter().enumerate() {
                 let radiance = path.throughput[k] * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
                 sink.radiance(origin, path.observed[k], radiance);
+                path.deliver_stokes(k, radiance, || path.matrices.of_natural_light(k), sink);
             }
         }
     }
@@ -350,10 +377,14 @@ impl<'a> PathTracer<'a> {
     ) {
         let SurfaceInteraction { bsdf, wo, sides, .. } = *interaction;
         let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: number };
+        let event = self.polarised.then(|| interaction.event_of_camera(sample.direction, false));
         for (k, &nm) in path.wavelengths.active().iter().enumerate() {
             let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
             let scattered = path.throughput[k] * f * sample.light.spd_at(sample.spd, nm);
-            let radiance = scattered * sample.strength * transmittance(along, nm);
+            let weight = scattered * sample.strength * transmittance(along, nm);
+            let received = event.as_ref().map(|event| path.matrices.received(k, event, along, nm));
+            let radiance = weight * received.map_or(1.0, |received| received.power().max(0.0));
+            path.deliver_stokes(k, weight, || received.unwrap_or_default(), sink);
             sink.biased(origin, path.observed[k], radiance, -radiance * light_between_panes(along, nm));
         }
         if let Some(surface) = bsdf.model.as_fluorescent()
@@ -371,6 +402,42 @@ impl TracedPath {
     /// The value of `events_left` without an explicit limit, and beyond it.
     pub(super) const UNLIMITED: u32 = u32::MAX;
 
+    /// Adds light of a weight in a lane, of which the camera receives `received` for a weight of 1.
+    pub(super) fn deliver<S: Sink>(
+        &self,
+        origin: LightOrigin,
+        lane: usize,
+        weight: f64,
+        received: Option<Stokes>,
+        sink: &mut S,
+    ) {
+        let received = received.unwrap_or(Stokes::unpolarised(1.0));
+        sink.radiance(origin, self.observed[lane], weight * received.power().max(0.0));
+        self.deliver_stokes(lane, weight, || received, sink);
+    }
+
+    /// Adds the Stokes vector of light, `received` for a weight of 1, if the film records it.
+    #[inline(always)]
+    pub(super) fn deliver_stokes<S: Sink>(
+        &self,
+        lane: usize,
+        weight: f64,
+        received: impl FnOnce() -> Stokes,
+        sink: &mut S,
+    ) {
+        if let Some(to_picture) = self.to_picture {
+            let Stokes([_, stokes @ ..]) = to_picture * received();
+            sink.stokes(self.observed[lane], stokes.map(|part| weight * part));
+        }
+    }
+
+    /// Corrects the weights of a surface event for polarised light, and adds it to the matrices.
+    #[inline(never)]
+    fn polarise(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &mut ScatteredRay) {
+        let event = interaction.event_of_camera(scattered.direction, scattered.delta);
+        self.matrices.precede(&event, &self.wavelengths, &mut scattered.weight);
+    }
+
     /// Applies a scattering event, or none at a pane that shadow rays pass too.
     fn apply_scattering(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay, through_pane: bool) {
         (0..LANES).for_each(|k| self.throughput[k] *= scattered.weight[k]);
@@ -379,6 +446,7 @@ impl TracedPath {
             let only = |lanes: Lanes| std::array::from_fn(|k| if k == 0 { lanes[kept] } else { 0.0 });
             (self.throughput, self.initial_throughput) = (only(self.throughput), only(self.initial_throughput));
             self.observed = only(self.observed);
+            self.matrices.keep_lane(kept);
         }
         self.ray_state = interaction.spawn_scattered(scattered);
         if through_pane {

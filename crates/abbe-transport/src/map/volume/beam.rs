@@ -6,6 +6,7 @@ use super::near_ray::{BeamPath, PhotonNearRay};
 use crate::map::box_tree::{BoxTree, LEAF};
 use crate::map::kernel;
 use crate::map::photon::PhotonPower;
+use crate::map::polarisation::StoredPolarisation;
 use crate::map::query_cone::QueryCone;
 use glam::{DVec3, Vec3};
 use wide::f32x8;
@@ -47,6 +48,12 @@ impl PhotonBeam {
         (Vec3::from(self.start).as_dvec3(), Vec3::from(self.end).as_dvec3())
     }
 
+    /// Returns the stored direction, or 0 for a beam without length.
+    pub fn direction(&self) -> DVec3 {
+        let (start, end) = self.ends();
+        (end - start).normalize_or_zero()
+    }
+
     fn length(&self) -> f64 {
         let (start, end) = self.ends();
         (end - start).length()
@@ -54,12 +61,17 @@ impl PhotonBeam {
 
     /// Returns the number of the medium if the kernel of the beam intersects the ray of the cone.
     pub fn medium_near_ray(&self, cone: &QueryCone) -> Option<usize> {
-        self.near_ray((0.0, 1.0), cone).map(|near| near.medium)
+        self.near_ray((0.0, 1.0), None, cone).map(|near| near.medium)
     }
 
     /// Returns the beam if its closest approach to the ray lies on the ray and on the `part` of the
     /// beam, two fractions of its length, and is nearer than the kernel radius there.
-    fn near_ray(&self, part: (f64, f64), cone: &QueryCone) -> Option<PhotonNearRay<'_>> {
+    fn near_ray<'m>(
+        &'m self,
+        part: (f64, f64),
+        polarisation: Option<&'m StoredPolarisation>,
+        cone: &QueryCone,
+    ) -> Option<PhotonNearRay<'m>> {
         let (start, end) = self.ends();
         let along = end - start;
         let length = along.length();
@@ -86,6 +98,7 @@ impl PhotonBeam {
         let (distance, radius) = (offset.length(), cone.radius_at(t));
         (distance < radius).then(|| PhotonNearRay {
             power: &self.power,
+            polarisation,
             incoming,
             medium: usize::from(self.medium),
             events: u32::from(self.events),
@@ -166,12 +179,14 @@ impl PieceBlock {
 #[derive(Debug)]
 pub(super) struct BeamMap {
     beams: Vec<PhotonBeam>,
+    /// The polarisation of each beam. Empty if the plan does not contain it.
+    polarisation: Vec<StoredPolarisation>,
     blocks: Vec<PieceBlock>,
     tree: BoxTree,
 }
 
 impl BeamMap {
-    pub(super) fn new(beams: Vec<PhotonBeam>) -> Self {
+    pub(super) fn new(beams: Vec<PhotonBeam>, polarisation: Vec<StoredPolarisation>) -> Self {
         let pieces = pieces(&beams);
         let corners = |piece: &BeamPiece| {
             let [a, b] = piece.ends(&beams).map(DVec3::as_vec3);
@@ -181,7 +196,7 @@ impl BeamMap {
         let (tree, leaves) = BoxTree::build(&boxes);
         let block = |leaf: &[u32]| PieceBlock::new(&beams, leaf.iter().map(|&number| pieces[number as usize]));
         let blocks = leaves.iter().map(block).collect();
-        Self { beams, blocks, tree }
+        Self { beams, polarisation, blocks, tree }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -197,7 +212,9 @@ impl BeamMap {
             while near != 0 {
                 let piece = block.pieces[near.trailing_zeros() as usize];
                 near &= near - 1;
-                if let Some(found) = self.beams[piece.beam as usize].near_ray(piece.span(), cone) {
+                let number = piece.beam as usize;
+                let polarisation = self.polarisation.get(number);
+                if let Some(found) = self.beams[number].near_ray(piece.span(), polarisation, cone) {
                     visit(found);
                 }
             }
@@ -287,7 +304,7 @@ mod tests {
             let power = PhotonPower::new(WavelengthCode::default(), [1.0; 4], None, 0.5);
             let beams: Vec<PhotonBeam> =
                 (0..500).map(|number| PhotonBeam::new([place(), place()], number, power)).collect();
-            let map = BeamMap::new(beams.clone());
+            let map = BeamMap::new(beams.clone(), Vec::new());
             let mut stream = Stream::new(Seed::new(seed), Purpose::SurveyPhoton, 1, 0);
             for query in 0..200 {
                 let origin = centre + DVec3::from(std::array::from_fn(|_| stream.uniform() - 0.5));

@@ -14,6 +14,7 @@ pub use point::VolumePhoton;
 /// The largest number of media in a scene: photons store the number of their medium in 16 bits.
 pub const MOST_MEDIA: usize = 1 << u16::BITS;
 
+use super::polarisation::StoredPolarisation;
 use super::query_cone::QueryCone;
 use beam::BeamMap;
 use point::PointMap;
@@ -44,12 +45,14 @@ impl Default for VolumeIndex {
 }
 
 impl VolumeMap {
-    pub fn of_points(points: Vec<VolumePhoton>) -> Self {
-        Self { index: VolumeIndex::Points(PointMap::new(points)) }
+    /// Takes points and their polarisation, which may be empty.
+    pub fn of_points(points: Vec<VolumePhoton>, polarisation: &[StoredPolarisation]) -> Self {
+        Self { index: VolumeIndex::Points(PointMap::new(points, polarisation)) }
     }
 
-    pub fn of_beams(beams: Vec<PhotonBeam>) -> Self {
-        Self { index: VolumeIndex::Beams(BeamMap::new(beams)) }
+    /// Takes beams and their polarisation, which may be empty.
+    pub fn of_beams(beams: Vec<PhotonBeam>, polarisation: Vec<StoredPolarisation>) -> Self {
+        Self { index: VolumeIndex::Beams(BeamMap::new(beams, polarisation)) }
     }
 
     pub fn is_empty(&self) -> bool {

@@ -2,11 +2,14 @@
 
 use crate::map::kernel::KernelValues;
 use crate::map::photon::PhotonPower;
+use crate::map::polarisation::StoredPolarisation;
 use glam::DVec3;
 
 #[derive(Debug)]
 pub struct PhotonNearRay<'m> {
     pub power: &'m PhotonPower,
+    /// `None` if the plan does not contain polarisation.
+    pub polarisation: Option<&'m StoredPolarisation>,
     pub incoming: DVec3,
     pub medium: usize,
     /// The number of surface events before, or 0 if the scene does not limit it.

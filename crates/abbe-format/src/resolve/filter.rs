@@ -1,0 +1,82 @@
+//! Translates the polarising filters of the scene file to layers.
+
+use super::{context::Resolver, spectra::Role};
+use crate::{
+    CircularPolariserFile, HandednessFile, JsonPath, PolariserFile, PolarisingFilterFile, RetarderFile, SpectrumFile,
+};
+use abbe_optics::bsdf::{FilterElement, FilterLayer, PolarisingFilter};
+use abbe_polarisation::crystal::Crystal;
+use abbe_spectra::error::Result;
+use abbe_spectra::spectrum::{BAND_NM, Outside, Spectrum};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+impl Resolver<'_> {
+    /// Resolves a filter. `at` is the place of the object that holds its only key.
+    pub(super) fn filter(&self, at: &JsonPath, file: &PolarisingFilterFile) -> Result<PolarisingFilter> {
+        let mut layers = Vec::new();
+        self.add_filter(at, file, &mut layers)?;
+        self.at(at, PolarisingFilter::new(layers))
+    }
+
+    fn add_filter(&self, at: &JsonPath, file: &PolarisingFilterFile, layers: &mut Vec<FilterLayer>) -> Result<()> {
+        match file {
+            PolarisingFilterFile::Polariser(file) => layers.push(self.polariser(&at.key("polariser"), file)?),
+            PolarisingFilterFile::Retarder(file) => layers.push(self.retarder(&at.key("retarder"), file)?),
+            PolarisingFilterFile::CircularPolariser(file) => layers.extend(circular_polariser(file)),
+            PolarisingFilterFile::Filters(files) => {
+                let at = at.key("filters");
+                for (i, file) in files.iter().enumerate() {
+                    self.add_filter(&at.index(i), file, layers)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn polariser(&self, at: &JsonPath, file: &PolariserFile) -> Result<FilterLayer> {
+        let PolariserFile { axis, k1, k2 } = file;
+        let fraction = |key: &str, file: &Option<SpectrumFile>, default: f64| match file {
+            Some(file) => self.spectrum(&at.key(key), file, Role::Reflectance),
+            None => Ok(Spectrum::constant(default)),
+        };
+        let element = FilterElement::Polariser { k1: fraction("k1", k1, 1.0)?, k2: fraction("k2", k2, 0.0)? };
+        Ok(FilterLayer { element, axis_rad: axis.to_radians() })
+    }
+
+    fn retarder(&self, at: &JsonPath, file: &RetarderFile) -> Result<FilterLayer> {
+        let RetarderFile { axis, retardance_nm, crystal, thickness_nm } = file;
+        let mut axis_rad = axis.to_radians();
+        let retardance_nm = match (retardance_nm, crystal) {
+            (Some(file), _) => self.spectrum(&at.key("retardance_nm"), file, Role::Coefficient)?,
+            (None, crystal) => {
+                let crystal = self.at(&at.key("crystal"), Crystal::find(crystal.as_deref().unwrap_or_default()))?;
+                // Along the optic axis, the light of a negative crystal is the faster one.
+                if crystal.at(0.5 * (BAND_NM.0 + BAND_NM.1)).birefringence() > 0.0 {
+                    axis_rad += FRAC_PI_2;
+                }
+                let whole_nm: Vec<f64> = (BAND_NM.0 as u32..=BAND_NM.1 as u32).map(f64::from).collect();
+                let thickness = thickness_nm.unwrap_or(0.0);
+                let path: Vec<f64> = whole_nm.iter().map(|&nm| crystal.path_difference_nm(thickness, nm)).collect();
+                Spectrum::table(&whole_nm, &path, Outside::Hold)?
+            }
+        };
+        Ok(FilterLayer { element: FilterElement::Retarder { retardance_nm }, axis_rad })
+    }
+}
+
+/// Returns the layers of a circular polariser: see [`abbe_polarisation::filter::circular_polariser`].
+fn circular_polariser(file: &CircularPolariserFile) -> [FilterLayer; 2] {
+    let CircularPolariserFile { handedness, axis, retardance_nm } = file;
+    // Seen from the front, the light travels away, so the angle to the fast axis has the opposite
+    // sign as for the receiver.
+    let turn = match handedness {
+        HandednessFile::Right => -FRAC_PI_4,
+        HandednessFile::Left => FRAC_PI_4,
+    };
+    let axis_rad = axis.to_radians();
+    let retardance_nm = Spectrum::constant(*retardance_nm);
+    [
+        FilterLayer { element: FilterElement::ideal_polariser(), axis_rad },
+        FilterLayer { element: FilterElement::Retarder { retardance_nm }, axis_rad: axis_rad + turn },
+    ]
+}

@@ -1,0 +1,159 @@
+//! The polarisation that photons and camera paths carry, if the plan contains it.
+//!
+//! Paths sample directions by the response of surfaces and media to natural light. Each event then
+//! multiplies its weight by the factor by which the power of polarised light differs, and changes
+//! the polarisation. Photons carry the Stokes vector of their light, and camera paths the Mueller
+//! matrix of everything between a point and the camera (Mojzík, Skřivan, Wilkie & Křivánek 2016,
+//! "Bi-directional Polarised Light Transport"). Frames are canonical: they follow from the direction
+//! of the light, so no path stores one.
+
+use super::surface_interaction::SurfaceInteraction;
+use super::transmittance::SegmentTransmittance;
+use abbe_optics::bsdf::{ScatterEvent, ThinDielectric};
+use abbe_optics::glass::RefractiveIndex;
+use abbe_polarisation::{Mueller, Rotation, ScatteringEvent, Stokes, StokesFrame, SurfaceDirections};
+use abbe_scene::Scene;
+use abbe_scene::camera::Camera;
+use abbe_scene::geometry::Hit;
+use abbe_spectra::math::elementary::sin_cos;
+use abbe_spectra::math::frame::Frame;
+use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
+use glam::DVec3;
+
+/// The polarisation of a photon: for each wavelength, S1, S2 and S3, divided by the power S0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PhotonPolarisation(pub [[f32; 3]; LANES]);
+
+impl PhotonPolarisation {
+    /// Unpolarised light.
+    pub const NATURAL: Self = Self([[0.0; 3]; LANES]);
+
+    /// Returns the Stokes vector of a lane for a power of 1.
+    #[inline]
+    pub fn stokes(&self, lane: usize) -> Stokes {
+        let [q, u, v] = self.0[lane].map(f64::from);
+        Stokes([1.0, q, u, v])
+    }
+
+    /// Applies an event, and returns the factors of the power at each wavelength.
+    pub(crate) fn scatter(&mut self, event: &ScatteringEvent<'_>, wavelengths: &Wavelengths) -> Lanes {
+        let mut factors = [0.0; LANES];
+        for (k, &nm) in wavelengths.active().iter().enumerate() {
+            let Stokes([power, q, u, v]) = event.matrix(nm) * self.stokes(k);
+            factors[k] = power.max(0.0);
+            self.0[k] = if power > 0.0 { [q, u, v].map(|part| (part / power) as f32) } else { [0.0; 3] };
+        }
+        factors
+    }
+
+    /// Keeps the wavelength of one lane, which becomes the first.
+    pub(crate) fn keep_lane(&mut self, lane: usize) {
+        self.0[0] = self.0[lane];
+    }
+}
+
+/// The light of a camera path at each wavelength: the matrix of everything between the end of the
+/// path and the camera, divided by its first element.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PathMatrices([Mueller; LANES]);
+
+impl PathMatrices {
+    pub(crate) const IDENTITY: Self = Self([Mueller::IDENTITY; LANES]);
+
+    /// Adds an event behind the end of the path, and multiplies the weights by its factors.
+    pub(crate) fn precede(&mut self, event: &ScatteringEvent<'_>, wavelengths: &Wavelengths, weights: &mut Lanes) {
+        for (k, &nm) in wavelengths.active().iter().enumerate() {
+            let matrix = self.0[k] * event.matrix(nm);
+            let factor = matrix.0[0][0].max(0.0);
+            weights[k] *= factor;
+            self.0[k] = if factor > 0.0 { matrix * factor.recip() } else { Mueller::IDENTITY };
+        }
+    }
+
+    /// Returns what the camera receives of natural light that crosses the panes of a shadow ray and
+    /// is scattered into a lane of the path, for a power of 1 without polarisation.
+    pub(crate) fn received(
+        &self,
+        lane: usize,
+        event: &ScatteringEvent<'_>,
+        along: &[SegmentTransmittance<'_>],
+        nm: f64,
+    ) -> Stokes {
+        let light = pane_matrix(along, nm) * Stokes::unpolarised(1.0);
+        self.0[lane] * (event.matrix(nm) * light)
+    }
+
+    /// Returns what the camera receives of natural light at the end of the path.
+    pub(crate) fn of_natural_light(&self, lane: usize) -> Stokes {
+        self.0[lane] * Stokes::unpolarised(1.0)
+    }
+
+    /// Keeps the wavelength of one lane, which becomes the first.
+    pub(crate) fn keep_lane(&mut self, lane: usize) {
+        self.0[0] = self.0[lane];
+    }
+}
+
+/// Returns the relative matrix of the panes on a straight line, listed from the receiver on.
+#[inline(never)]
+pub(crate) fn pane_matrix(along: &[SegmentTransmittance<'_>], nm: f64) -> Mueller {
+    along.iter().fold(Mueller::IDENTITY, |matrix, segment| match segment {
+        SegmentTransmittance::Pane { event: Some(event), .. } => matrix * event.matrix(nm),
+        _ => matrix,
+    })
+}
+
+/// Returns the rotation from the canonical frame of light that arrives along `travel` to the frame of
+/// the picture, whose x axis is the right side.
+pub(crate) fn rotation_to_picture(camera: &Camera, travel: DVec3) -> Rotation {
+    let right = camera.right();
+    let x = (right - right.dot(travel) * travel).normalize_or(right);
+    StokesFrame::canonical(travel).rotation_to(x)
+}
+
+/// Returns what a pane in a medium of index `outside` does to light that crosses it along `travel`.
+pub(crate) fn event_at_pane<'a>(
+    scene: &Scene,
+    (pane, outside): (&'a ThinDielectric, &'a RefractiveIndex),
+    hit: &Hit,
+    travel: DVec3,
+) -> ScatteringEvent<'a> {
+    let tangents = pane.filter().and_then(|_| scene.geometry.uv_tangents(hit));
+    let u = tangents.map_or_else(|| Frame::new(hit.normal).to_world(DVec3::X), |[u, _]| u.normalize());
+    ScatteringEvent::through_pane(pane, outside, travel, [hit.normal, u])
+}
+
+/// Returns the event at the filter of the camera for light that arrives along `travel`, or `None`
+/// without a filter.
+pub(crate) fn event_at_camera_filter(camera: &Camera, travel: DVec3) -> Option<ScatteringEvent<'_>> {
+    let filter = camera.filter.as_deref()?;
+    // Angles appear in the picture as in the file, and the first layer faces the scene.
+    Some(ScatteringEvent::at_filter(filter, travel, [-camera.forward(), camera.right()], true))
+}
+
+impl<'a> SurfaceInteraction<'a> {
+    /// Returns what this point does to the polarisation of a photon that continues in `direction`.
+    pub(crate) fn event_of_photon(&self, direction: DVec3, delta: bool) -> ScatteringEvent<'a> {
+        self.scattering_event(direction, [-self.incoming, direction], delta)
+    }
+
+    /// Returns what this point does to the polarisation of light from `direction` on a camera path.
+    pub(crate) fn event_of_camera(&self, direction: DVec3, delta: bool) -> ScatteringEvent<'a> {
+        self.scattering_event(direction, [direction, -self.incoming], delta)
+    }
+
+    fn scattering_event(
+        &self,
+        direction: DVec3,
+        [to_source, to_receiver]: [DVec3; 2],
+        delta: bool,
+    ) -> ScatteringEvent<'a> {
+        let event = if self.leads_back(direction) { ScatterEvent::Reflection } else { ScatterEvent::Transmission };
+        let (sin, cos) = sin_cos(f64::from(self.bsdf.texels.axis_angle));
+        let axes = self.frame.axes();
+        let (normal, u) = (self.frame.normal(), axes.to_world(DVec3::new(cos, sin, 0.0)));
+        let directions = SurfaceDirections { to_source, to_receiver, normal, u };
+        let wi = self.frame.to_local(direction);
+        ScatteringEvent::at_surface((self.bsdf, self.sides), (self.wo, wi), (event, delta), &directions)
+    }
+}
