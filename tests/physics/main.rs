@@ -49,6 +49,7 @@ mod motion;
 mod nesting;
 mod orthographic;
 mod photon_and_path;
+mod polarised_light;
 mod prism;
 mod rainbow;
 mod references;

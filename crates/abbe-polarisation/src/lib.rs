@@ -75,5 +75,5 @@ mod golden;
 pub use diattenuating_retarder::DiattenuatingRetarder;
 pub use frame::{Rotation, StokesFrame};
 pub use mueller::Mueller;
-pub use scattering_event::{ScatteringEvent, SurfaceDirections};
+pub use scattering_event::{ScatteringEvent, SurfaceDirections, smooth_elements};
 pub use stokes::Stokes;

@@ -177,6 +177,20 @@ fn relative(matrix: Mueller) -> Mueller {
     matrix * (1.0 / matrix.0[0][0])
 }
 
+/// Returns the elements of reflection and of transmission of a smooth surface in the frame x = s, for
+/// the local direction `wo`. Returns `None` for a filter and for a surface that depolarises.
+pub fn smooth_elements(
+    bsdf: LocalBsdf<'_>,
+    wo: DVec3,
+    sides: InterfaceIors<'_>,
+    nm: f64,
+) -> Option<[DiattenuatingRetarder; 2]> {
+    let cos = wo.z.abs();
+    let [reflected, transmitted] = [ScatterEvent::Reflection, ScatterEvent::Transmission]
+        .map(|event| of_responses(bsdf.facet_responses(wo, cos, event, sides, nm), cos, event));
+    Some([reflected?, transmitted?])
+}
+
 /// Returns the axis that is perpendicular to the plane of two unit vectors.
 fn plane_axis(travel: DVec3, other: DVec3) -> DVec3 {
     StokesFrame::perpendicular(travel, other).x

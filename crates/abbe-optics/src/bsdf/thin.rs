@@ -74,6 +74,10 @@ impl ThinDielectric {
         if let Some(filter) = self.filter() {
             return FacetResponses::Filter(filter);
         }
+        if self.transmittance.is_some() {
+            // A measurement for natural light does not tell what happens to polarised light.
+            return FacetResponses::Depolarising;
+        }
         let inside = self.index.n(nm);
         let cos_inside = fresnel::cos_transmitted(cosine, outside, inside);
         let passage = self.optical_depth.as_ref().map_or(1.0, |depth| exp(-depth.at(nm) / cos_inside));

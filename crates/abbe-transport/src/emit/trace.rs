@@ -230,7 +230,12 @@ fn interact<M: BodyMode, V: PhotonVisitor>(
         return scatter_at_fluorescent_surface(source, path, interaction, surface, depth, ledger, stream);
     }
     let guiding_spheres = &source.strata.guiding_spheres[..];
-    let scattered = if guiding_spheres.is_empty() {
+    let polarised = path
+        .polarised
+        .then(|| path.photon.polarisation.scatter_at_smooth_surface(interaction, &path.photon.wavelengths, stream));
+    let scattered = if let Some(Some(scattered)) = polarised {
+        scattered
+    } else if guiding_spheres.is_empty() {
         M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream)
     } else {
         scatter_with_guiding::<M>(guiding_spheres, path, interaction, stream, ledger)

@@ -7,16 +7,21 @@
 //! "Bi-directional Polarised Light Transport"). Frames are canonical: they follow from the direction
 //! of the light, so no path stores one.
 
+use super::scatter_coated::scatter_by_powers;
+use super::scattered_ray::ScatteredRay;
 use super::surface_interaction::SurfaceInteraction;
 use super::transmittance::SegmentTransmittance;
-use abbe_optics::bsdf::{ScatterEvent, ThinDielectric};
+use abbe_optics::bsdf::{Bsdf, BsdfClass, PowerFractions, ScatterEvent, ThinDielectric, TransportMode};
 use abbe_optics::glass::RefractiveIndex;
-use abbe_polarisation::{Mueller, Rotation, ScatteringEvent, Stokes, StokesFrame, SurfaceDirections};
+use abbe_polarisation::{
+    DiattenuatingRetarder, Mueller, Rotation, ScatteringEvent, Stokes, StokesFrame, SurfaceDirections, smooth_elements,
+};
 use abbe_scene::Scene;
 use abbe_scene::camera::Camera;
 use abbe_scene::geometry::Hit;
 use abbe_spectra::math::elementary::sin_cos;
 use abbe_spectra::math::frame::Frame;
+use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
 
@@ -33,6 +38,19 @@ impl PhotonPolarisation {
     pub fn stokes(&self, lane: usize) -> Stokes {
         let [q, u, v] = self.0[lane].map(f64::from);
         Stokes([1.0, q, u, v])
+    }
+
+    /// Scatters a photon at a smooth surface, selected by the powers of its polarised light. Returns
+    /// `None` at all other surfaces.
+    pub(crate) fn scatter_at_smooth_surface(
+        &self,
+        interaction: &SurfaceInteraction<'_>,
+        wavelengths: &Wavelengths,
+        stream: &mut Stream,
+    ) -> Option<Option<ScatteredRay>> {
+        let of_lane = |lane: usize| self.stokes(lane);
+        let travel = interaction.incoming;
+        interaction.scatter_polarised(travel, of_lane, wavelengths, TransportMode::Importance, stream)
     }
 
     /// Applies an event, and returns the factors of the power at each wavelength.
@@ -59,6 +77,19 @@ pub(crate) struct PathMatrices([Mueller; LANES]);
 
 impl PathMatrices {
     pub(crate) const IDENTITY: Self = Self([Mueller::IDENTITY; LANES]);
+
+    /// Scatters a path at a smooth surface, selected by the powers of the light that the camera
+    /// would receive. Returns `None` at all other surfaces.
+    pub(crate) fn scatter_at_smooth_surface(
+        &self,
+        interaction: &SurfaceInteraction<'_>,
+        wavelengths: &Wavelengths,
+        stream: &mut Stream,
+    ) -> Option<Option<ScatteredRay>> {
+        let of_lane = |lane: usize| Stokes(self.0[lane].0[0]);
+        let travel = -interaction.incoming;
+        interaction.scatter_polarised(travel, of_lane, wavelengths, TransportMode::Radiance, stream)
+    }
 
     /// Adds an event behind the end of the path, and multiplies the weights by its factors.
     pub(crate) fn precede(&mut self, event: &ScatteringEvent<'_>, wavelengths: &Wavelengths, weights: &mut Lanes) {
@@ -132,6 +163,48 @@ pub(crate) fn event_at_camera_filter(camera: &Camera, travel: DVec3) -> Option<S
 }
 
 impl<'a> SurfaceInteraction<'a> {
+    /// Returns the fractions of natural light and of polarised light that a smooth surface reflects
+    /// and transmits at the wavelength `nm`, or `None` at all other surfaces. `light` is the Stokes
+    /// vector for a power of 1 of the light that arrives along `travel`, or the response of the
+    /// camera to light that leaves along it.
+    pub(crate) fn smooth_powers(&self, travel: DVec3, light: Stokes, nm: f64) -> Option<[PowerFractions; 2]> {
+        let selects = match self.bsdf.model {
+            Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => self.bsdf.class() == BsdfClass::Specular,
+            Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) => true,
+            _ => false,
+        };
+        if !selects {
+            return None;
+        }
+        let [reflected, transmitted] = smooth_elements(self.bsdf, self.wo, self.sides, nm)?;
+        let s_axis = StokesFrame::perpendicular(travel, self.frame.normal()).x;
+        let Stokes([_, excess, ..]) = StokesFrame::canonical(travel).rotation_to(s_axis) * light;
+        let powers = |excess: f64| {
+            let of = |element: &DiattenuatingRetarder| {
+                0.5 * ((1.0 + excess) * element.s + (1.0 - excess) * element.p).max(0.0)
+            };
+            PowerFractions { reflected: of(&reflected), transmitted: of(&transmitted) }
+        };
+        Some([powers(0.0), powers(excess)])
+    }
+
+    /// See [`PhotonPolarisation::scatter_at_smooth_surface`].
+    #[inline(never)]
+    fn scatter_polarised(
+        &self,
+        travel: DVec3,
+        of_lane: impl Fn(usize) -> Stokes,
+        wavelengths: &Wavelengths,
+        transport: TransportMode,
+        stream: &mut Stream,
+    ) -> Option<Option<ScatteredRay>> {
+        self.smooth_powers(travel, of_lane(0), wavelengths.hero())?;
+        let nothing = [PowerFractions { reflected: 0.0, transmitted: 0.0 }; 2];
+        Some(scatter_by_powers(self, wavelengths, transport, stream, |lane, nm| {
+            self.smooth_powers(travel, of_lane(lane), nm).unwrap_or(nothing)
+        }))
+    }
+
     /// Returns what this point does to the polarisation of a photon that continues in `direction`.
     pub(crate) fn event_of_photon(&self, direction: DVec3, delta: bool) -> ScatteringEvent<'a> {
         self.scattering_event(direction, [-self.incoming, direction], delta)

@@ -1,8 +1,8 @@
-//! Scattering of a path at a polished interface under thin films.
+//! Scattering of a path at a polished interface, selected by the powers at all its wavelengths.
 
 use super::scattered_ray::{ScatteredRay, single_lane, transmitted_scale};
 use super::surface_interaction::SurfaceInteraction;
-use abbe_optics::bsdf::{CoatedDielectric, ScatterEvent, TransportMode};
+use abbe_optics::bsdf::{Bsdf, CoatedDielectric, PowerFractions, ScatterEvent, TransportMode};
 use abbe_optics::fresnel;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
@@ -22,20 +22,42 @@ pub(super) fn scatter_at_coated_interface(
     transport: TransportMode,
     stream: &mut Stream,
 ) -> Option<ScatteredRay> {
-    let u = stream.uniform();
     let (sides, thickness_nm) = (interaction.sides, interaction.bsdf.texels.thickness_nm);
-    let disperses = wavelengths.count > 1 && sides.is_dispersive();
+    scatter_by_powers(interaction, wavelengths, transport, stream, |_, nm| {
+        let powers = coated.powers(interaction.wo, sides, thickness_nm, nm);
+        [powers; 2]
+    })
+}
+
+/// Scatters a path at a smooth surface. `powers_of` returns, for a lane and its wavelength, the
+/// fractions of the power that the weights contain, and those by which the event is selected.
+#[inline]
+pub(super) fn scatter_by_powers(
+    interaction: &SurfaceInteraction<'_>,
+    wavelengths: &Wavelengths,
+    transport: TransportMode,
+    stream: &mut Stream,
+    powers_of: impl Fn(usize, f64) -> [PowerFractions; 2],
+) -> Option<ScatteredRay> {
+    let u = stream.uniform();
+    let sides = interaction.sides;
+    let straight = matches!(interaction.bsdf.model, Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_));
+    let disperses = !straight && wavelengths.count > 1 && sides.is_dispersive();
     let wo = interaction.wo;
-    let (mut reflected, mut transmitted, mut absorbed) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    let (mut weights, mut selected, mut absorbed) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2], [0.0; LANES]);
     for (k, &nm) in wavelengths.active().iter().enumerate() {
-        let powers = coated.powers(wo, sides, thickness_nm, nm);
-        (reflected[k], transmitted[k], absorbed[k]) = (powers.reflected, powers.transmitted, powers.absorbed());
+        let [of_weight, of_selection] = powers_of(k, nm);
+        absorbed[k] = of_weight.absorbed();
+        for (lanes, powers) in [(&mut weights, of_weight), (&mut selected, of_selection)] {
+            (lanes[0][k], lanes[1][k]) = (powers.reflected, powers.transmitted);
+        }
     }
-    let (reflected_sum, transmitted_sum) = (reflected.iter().sum::<f64>(), transmitted.iter().sum::<f64>());
+    let [reflected_sum, transmitted_sum] = selected.map(|lanes| lanes.iter().sum::<f64>());
     let both = reflected_sum + transmitted_sum;
     if both <= 0.0 {
         return None;
     }
+    let [reflected, transmitted] = weights;
     let probability = reflected_sum / both;
     let direction = interaction.frame.to_world(DVec3::new(-wo.x, -wo.y, wo.z));
     let weight = reflected.map(|fraction| fraction / probability);
@@ -43,12 +65,13 @@ pub(super) fn scatter_at_coated_interface(
     if u < probability {
         return Some(base);
     }
-    let lane = if disperses { sample_lane(&transmitted, u * both - reflected_sum)? } else { 0 };
+    let lane = if disperses { sample_lane(&selected[1], u * both - reflected_sum)? } else { 0 };
     let indices = |k: usize| (sides.here.n(wavelengths.nm[k]), sides.there.n(wavelengths.nm[k]));
     let (n_here, n_there) = indices(lane);
-    let refracted = fresnel::refract(wo, DVec3::Z, n_here, n_there)?;
+    let refracted = if straight { -wo } else { fresnel::refract(wo, DVec3::Z, n_here, n_there)? };
     let weight = if disperses {
-        single_lane(lane, both * transmitted_scale(transport, n_here, n_there))
+        let chosen = both * (transmitted[lane] / selected[1][lane]);
+        single_lane(lane, chosen * transmitted_scale(transport, n_here, n_there))
     } else {
         let scale = transmitted_scale(transport, n_here, n_there) / (1.0 - probability);
         transmitted.map(|fraction| fraction * scale)

@@ -6,7 +6,8 @@ use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::lighting::HitWeighting;
 use crate::plan::WavelengthPlan;
 use crate::walk::{Sink, SurfaceInteraction, long_path_survival};
-use abbe_optics::bsdf::{Bsdf, BsdfClass, ScatterEvent};
+use abbe_optics::bsdf::{Bsdf, BsdfClass, PowerFractions, ScatterEvent};
+use abbe_polarisation::{Mueller, Stokes};
 use abbe_scene::Scene;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::LANES;
@@ -31,9 +32,18 @@ impl<'a> CameraPass<'a> {
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
             self.scatter_free_at_dispersive(&mut path, interaction, glossy, context)
-        } else if is_smooth_interface(interaction) && self.splits(&path, self.reflectance(&path, interaction)) {
+        } else if is_smooth_interface(interaction) && self.splits(&path, self.reflectance(&path, interaction, context))
+        {
             self.follow_reflection(path, interaction, context);
             self.scatter_forced(&mut path, interaction, ScatterEvent::Transmission, 1.0, context)
+        } else if let Some(reflectance) = self.polarised_reflectance(&path, interaction, context) {
+            let reflects = context.sampler.stream.uniform() < reflectance;
+            let (event, probability) = if reflects {
+                (ScatterEvent::Reflection, reflectance)
+            } else {
+                (ScatterEvent::Transmission, 1.0 - reflectance)
+            };
+            self.scatter_forced(&mut path, interaction, event, probability, context)
         } else {
             let u = context.sampler.stream.triple();
             self.scatter_by_bsdf(&mut path, interaction, u, glossy, context)
@@ -73,7 +83,7 @@ impl<'a> CameraPass<'a> {
             self.split(*path, interaction, SplitEvent::Glossy(glossy), context);
             return false;
         }
-        let reflectance = self.reflectance(path, interaction);
+        let reflectance = self.reflectance(path, interaction, context);
         let both = self.splits(path, reflectance);
         let reflects = both || context.sampler.stream.uniform() < reflectance;
         let refracts = both || !reflects;
@@ -92,12 +102,47 @@ impl<'a> CameraPass<'a> {
     /// Returns the reflectance of a smooth interface at the wavelength of the path, or a mean over
     /// the band for a free path: films may reflect other wavelengths only, and near the critical
     /// angle, dispersive glass refracts some wavelengths and totally reflects others.
-    fn reflectance(&self, path: &CameraPath, interaction: &SurfaceInteraction<'a>) -> f64 {
+    fn reflectance<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &PathContext<'_, 'a, S>,
+    ) -> f64 {
+        if let Some(polarised) = self.polarised_reflectance(path, interaction, context) {
+            return polarised;
+        }
         let nm = match path.spectral_mode {
             SpectralMode::Free => None,
             SpectralMode::Shared { nm, .. } => Some(nm),
         };
         interaction.bsdf.reflection_probability(interaction.wo, interaction.sides, nm)
+    }
+
+    /// Returns the reflectance of a smooth surface for the light that the camera would receive, or
+    /// `None` if the plan has no polarisation, or at all other surfaces. It is 0 or 1 only if the
+    /// reflectance of natural light is, because it holds at one wavelength.
+    fn polarised_reflectance<S: Sink>(
+        &self,
+        path: &CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &PathContext<'_, 'a, S>,
+    ) -> Option<f64> {
+        /// The least probability of an event that is possible at another wavelength.
+        const LEAST: f64 = 0.02;
+        if !self.plan.polarisation {
+            return None;
+        }
+        let nm = path.reference_nm();
+        let Mueller([response, ..]) = context.buffers.path_factors().matrix(nm);
+        let scale = if response[0] > 0.0 { response[0].recip() } else { 0.0 };
+        let light = Stokes(response.map(|part| part * scale));
+        let [natural, polarised] = interaction.smooth_powers(-interaction.incoming, light, nm)?;
+        let share =
+            |powers: PowerFractions| powers.reflected / (powers.reflected + powers.transmitted).max(f64::MIN_POSITIVE);
+        let natural = share(natural);
+        let is_certain =
+            natural == 0.0 || (natural == 1.0 && matches!(path.spectral_mode, SpectralMode::Shared { .. }));
+        Some(if is_certain { natural } else { share(polarised).clamp(LEAST, 1.0 - LEAST) })
     }
 
     /// Returns true if the walk follows both paths at a smooth interface with this reflectance.
@@ -222,6 +267,7 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathCon
         SpectralMode::Shared { .. } => path.reference_throughput,
         SpectralMode::Free => largest_throughput(&context.buffers.factors),
     };
+    let throughput = throughput * context.buffers.path_factors().of_natural_light(path.reference_nm());
     let throughput = throughput * relative_n2(scene, &path.ray_state, path.reference_nm());
     let by_throughput = if throughput >= 0.5 { 1.0 } else { throughput.max(0.05) };
     let survival = by_throughput * long_path_survival(path.depth);

@@ -179,10 +179,13 @@ impl<'a> PathTracer<'a> {
             let excitation_u = fluorescent.map_or(0.0, |_| sampler.stream.uniform());
             self.sample_lights(path, interaction, (u, excitation_u), tally, sink);
         }
-        let Some(mut scattered) = scatter(interaction, &path.wavelengths, TransportMode::Radiance, &mut sampler.stream)
-        else {
-            return false;
-        };
+        let stream = &mut sampler.stream;
+        let polarised =
+            self.polarised.then(|| path.matrices.scatter_at_smooth_surface(interaction, &path.wavelengths, stream));
+        let scattered = polarised
+            .flatten()
+            .unwrap_or_else(|| scatter(interaction, &path.wavelengths, TransportMode::Radiance, stream));
+        let Some(mut scattered) = scattered else { return false };
         if let Some(surface) = interaction.bsdf.model.as_fluorescent() {
             tally.fluorescent_events += 1;
             let excitation = self.excitation[surface.fluorophore.number].as_ref();
