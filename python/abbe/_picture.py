@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import tempfile
 from functools import cached_property
@@ -89,6 +90,40 @@ class Picture:
     def edge(self) -> NDArray[np.bool_]:
         """True near an edge of the illumination, where the bias may be larger than estimated."""
         return _read_only(self._native.edge() > 0)
+
+    @cached_property
+    def stokes(self) -> NDArray[np.float32]:
+        """The Stokes vector of each pixel in cd/m², with the shape (rows, columns, 4).
+
+        S1 is positive for horizontal light, S2 at +45° counter-clockwise, and S3 for right-circular
+        light. Raises `InputError` if the render did not store it; see the scene key `film.stokes`.
+        """
+        return _read_only(np.stack([self._stokes_layer(f"stokes.S{part}") for part in range(4)], axis=-1))
+
+    @property
+    def stokes_noise(self) -> NDArray[np.float32]:
+        """The standard errors of S1, S2 and S3 in cd/m², with the shape (rows, columns, 3)."""
+        return np.stack([self._stokes_layer(f"stokes.noise.S{part}") for part in range(1, 4)], axis=-1)
+
+    @property
+    def dop(self) -> NDArray[np.float32]:
+        """The degree of polarisation from 0 to 1, without what noise adds to it."""
+        return self._stokes_layer("polarisation.degree")
+
+    def analyse(self, angle: float) -> NDArray[np.float64]:
+        """Returns the luminance in cd/m² through an ideal polariser.
+
+        The polariser passes light at `angle` degrees, counter-clockwise from the horizontal.
+        """
+        double = math.radians(2.0 * angle)
+        s0, s1, s2, _ = np.moveaxis(self.stokes.astype(np.float64), -1, 0)
+        return np.maximum(0.5 * (s0 + math.cos(double) * s1 + math.sin(double) * s2), 0.0)
+
+    def _stokes_layer(self, name: str) -> NDArray[np.float32]:
+        values = self._native.layer(name)
+        if values is None:
+            raise InputError("the picture has no Stokes vectors; expected a scene with film.stokes set to true")
+        return values
 
     @property
     def denoised(self) -> Optional[Picture]:

@@ -38,6 +38,19 @@ def test_arrays_have_the_documented_shapes(scene: dict[str, Any]) -> None:
     assert picture._repr_png_().startswith(b"\x89PNG")
 
 
+def test_stokes_vectors_analyse_the_light(scene: dict[str, Any]) -> None:
+    scene["camera"]["filter"] = {"polariser": {"axis": 30}}
+    scene["film"]["stokes"] = True
+    picture = abbe.render(scene, passes=8)
+    lit = picture.luminance > 0
+    assert picture.stokes.shape == (9, 16, 4) and picture.stokes_noise.shape == (9, 16, 3)
+    assert np.allclose(picture.dop[lit], 1, atol=1e-3)
+    assert np.allclose(picture.analyse(30)[lit], picture.luminance[lit], rtol=1e-4)
+    assert np.allclose(picture.analyse(120)[lit], 0, atol=1e-3 * picture.luminance.max())
+    with pytest.raises(abbe.InputError, match="film.stokes"):
+        _ = abbe.render({**scene, "film": {"width": 4, "height": 4}}, passes=1).stokes
+
+
 def test_the_luminance_is_the_closed_form(scene: dict[str, Any]) -> None:
     # A Lambertian floor under an isotropic point light: Y = ρ/π · I · cos θ / d².
     scene["camera"] = {"from": [0, 4, 0], "at": [0, 0, 0], "up": [0, 0, -1], "lens": {"pinhole": {"fov": 1}}}

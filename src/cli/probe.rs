@@ -7,6 +7,7 @@ use abbe_session::output::file;
 use abbe_session::output::heat::error_map;
 use abbe_session::output::plot::{SpectralCurve, SpectralPlot};
 use abbe_session::output::png::write as write_png;
+use abbe_session::output::stokes::{PixelStokes, pixel_stokes};
 use abbe_spectra::colour::gamut::desaturate;
 use abbe_spectra::colour::tone::ToneCurve;
 use abbe_spectra::colour::{RgbSpace, srgb_hex, xy, xyz_to_linear_srgb};
@@ -63,6 +64,8 @@ struct PixelReport {
     relative_error: Option<f64>,
     /// The 95 % confidence interval of Y in cd/m².
     interval_95: Option<[f64; 2]>,
+    /// The polarisation, or null if the picture has no layer `stokes`.
+    polarisation: Option<PixelStokes>,
     spectrum: Option<PixelBands>,
 }
 
@@ -149,13 +152,14 @@ fn pixel(picture: &Picture, x: usize, y: usize) -> Result<PixelReport> {
         relative_error: error.filter(|_| xyz[1] > 0.0).map(|error| error / xyz[1]),
         // Luminance is not negative.
         interval_95: half_interval.map(|half_interval| [(xyz[1] - half_interval).max(0.0), xyz[1] + half_interval]),
+        polarisation: pixel_stokes(picture, i),
         spectrum,
     })
 }
 
 fn text(pixel: &PixelReport) -> String {
     let PixelReport { pixel: [x, y], xyz, xy, linear_srgb: [r, g, b], srgb_hex, noise, bias, .. } = pixel;
-    let PixelReport { edge, relative_error, interval_95, spectrum, .. } = pixel;
+    let PixelReport { edge, relative_error, interval_95, polarisation, spectrum, .. } = pixel;
     let bar = |value: &Option<f64>| value.map_or("unknown".to_string(), |value| format!("{value:.6} cd/m²"));
     let mut text =
         format!("pixel        {x}, {y}\nXYZ          {:.6}  {:.6}  {:.6}   (Y in cd/m²)\n", xyz[0], xyz[1], xyz[2]);
@@ -171,6 +175,12 @@ fn text(pixel: &PixelReport) -> String {
         }
         (_, _) => "error of Y   unknown\n".to_string(),
     };
+    if let Some(PixelStokes { stokes: [s0, parts @ ..], noise, degree, angle_deg }) = polarisation {
+        let each = parts.iter().zip(noise).map(|(part, noise)| format!("{part:.6} ± {noise:.6}"));
+        let each = each.collect::<Vec<_>>().join("  ");
+        text += &format!("Stokes       {s0:.6}  {each}   (cd/m², standard errors)\n");
+        text += &format!("polarised    {}, at {angle_deg:.2}° from the horizontal\n", percent(*degree));
+    }
     match spectrum {
         Some(PixelBands { nm, values }) => {
             text += "spectrum     nm, W/m²/sr/nm\n";

@@ -18,6 +18,7 @@ mod plan_films;
 mod plan_forced;
 mod plan_light_map;
 mod plan_negligible;
+mod plan_polarisation;
 mod plan_ultraviolet;
 mod responses;
 mod whole;

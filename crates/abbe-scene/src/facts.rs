@@ -60,8 +60,8 @@ pub struct Facts {
     /// The size of the diffraction pattern. `None` for a pinhole, or if diffraction is not enabled.
     pub diffracting: Option<String>,
     pub meters: Vec<String>,
-    /// Objects and settings that depend on the polarisation of light: filters and the filter of the
-    /// camera.
+    /// Objects and settings that depend on the polarisation of light: filters and layers. The plan
+    /// adds chains of surfaces whose error without polarisation is too large.
     pub polarising: Vec<String>,
     /// True if the film records the Stokes vector of the light.
     pub stokes: bool,

@@ -90,6 +90,13 @@ impl NativePicture {
         values.into_pyarray(py).reshape([self.image.height(), self.image.width(), 3])
     }
 
+    /// A channel of a layer, or `None`.
+    fn layer<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyArray2<f32>>>> {
+        let channels = &self.image.picture().layers.channels;
+        let channel = channels.iter().find(|channel| channel.name == name);
+        channel.map(|channel| plane(py, &self.image, channel.values.iter().map(|&value| Some(value)))).transpose()
+    }
+
     /// The standard error of Y in cd/m².
     fn noise<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         plane(py, &self.image, self.image.picture().noise.iter().copied())

@@ -40,6 +40,7 @@ pub mod polar;
 pub mod regress_page;
 pub mod relight;
 pub mod selection;
+pub mod stokes;
 pub mod strip;
 mod svg;
 pub mod tev;

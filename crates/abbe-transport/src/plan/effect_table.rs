@@ -85,7 +85,7 @@ const fn row(id: EffectId) -> Effect {
             field: "polarisation",
             cost: "a Mueller matrix at each wavelength of each event, and 24 more bytes per stored photon",
             absent: "surfaces treat all light as unpolarised, and filters and the layer stokes are removed",
-            required_by: "filters, or a layer that records the polarisation",
+            required_by: "parts that depend on it",
             not_required: "nothing in the scene polarises light on purpose or depends on its polarisation",
             requires: |facts| facts.polarising.clone(),
             set: |plan, facts, on| (plan.polarisation, plan.stokes) = (on, on && facts.stokes),

@@ -13,6 +13,7 @@ pub mod partition;
 mod path_class;
 mod prepare;
 mod tally;
+mod unpolarised;
 
 pub use budget::{Budget, PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 pub use decide::{EffectRow, EffectState};

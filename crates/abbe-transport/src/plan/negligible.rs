@@ -4,6 +4,7 @@
 
 use super::effect_table::EFFECTS;
 use super::effects::{EffectId, listed};
+use super::unpolarised::small_polarisation;
 use abbe_optics::bsdf::BsdfClass;
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::glass::RefractiveIndex;
@@ -67,6 +68,7 @@ pub(super) fn negligible(scene: &Scene) -> Vec<NegligibleEffect> {
     add(EffectId::DepthOfField, depth_of_field(scene, &facts));
     add(EffectId::Absorption, absorption(scene, &facts));
     add(EffectId::Media, media(scene, &facts));
+    add(EffectId::Polarisation, facts.polarising.is_empty().then(|| small_polarisation(scene)).flatten());
     all
 }
 

@@ -5,6 +5,7 @@ use super::decide::{EffectRow, EffectState, decide};
 use super::effects::{EffectId, Removal, listed};
 use super::fields::Plan;
 use super::negligible::{light_centre_nm, negligible};
+use super::unpolarised::needs_polarisation;
 use abbe_scene::Scene;
 use abbe_scene::facts::Facts;
 use abbe_spectra::error::{Error, Result};
@@ -27,7 +28,8 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
             remove(scene, light_nm)?;
         }
     }
-    let facts = Facts::of(scene);
+    let mut facts = Facts::of(scene);
+    facts.polarising.extend(needs_polarisation(scene));
     let (plan, rows) = decide(&facts, &negligible, &scene.settings.force, &scene.settings.forbid)?;
     for row in rows.iter().filter(|row| row.state == EffectState::Forbidden) {
         let EffectRow { effect, because, .. } = row;

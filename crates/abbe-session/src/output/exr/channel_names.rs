@@ -18,8 +18,19 @@ pub(super) const DENOISED_NOISE: &str = "denoised.noise";
 pub(super) const DENOISED_BIAS: &str = "denoised.bias";
 
 /// The names of the channels of layers begin with one of these prefixes.
-pub(super) const LAYER_PREFIXES: [&str; 9] =
-    ["albedo.", "normal.", "depth.", "uv.", "samples", "path.", "light.", "CryptoObject", "CryptoMaterial"];
+pub(super) const LAYER_PREFIXES: [&str; 11] = [
+    "albedo.",
+    "normal.",
+    "depth.",
+    "uv.",
+    "samples",
+    "path.",
+    "light.",
+    "stokes.",
+    "polarisation.",
+    "CryptoObject",
+    "CryptoMaterial",
+];
 
 /// The names of the channels that contain exact sums begin with this prefix.
 pub(super) const SUMS_PREFIX: &str = "sums.";
