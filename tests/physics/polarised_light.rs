@@ -129,6 +129,47 @@ fn retarders_between_crossed_polarisers_have_their_colours() {
     }
 }
 
+/// A pressed disc has N = 8PC/(πDλ) fringes in the middle, and a bent beam 6MC/(b²λ) at its edges
+/// and half of them halfway. A texture of the factor is a wedge.
+#[test]
+fn sheets_under_stress_retard_by_the_stress_optic_law() {
+    let (coefficient, light_nm) = (80e-12, 587.56);
+    let disc = json!({ "stress": { "coefficient": coefficient, "disc": { "load": 500, "diameter": 0.04 } } });
+    let beam = json!({ "stress": { "coefficient": coefficient, "beam": { "moment": 2, "depth": 0.03 } } });
+    let wedge = json!({ "retarder": { "retardance_nm": 1000, "factor": { "gradient": { "a": 0, "b": 1 } } } });
+    let of_beam = 6.0 * 2.0 * coefficient / (0.03 * 0.03) * 1e9;
+    let cases = [
+        (&disc, 0.0, 8.0 * 500.0 * coefficient / (std::f64::consts::PI * 0.04) * 1e9),
+        (&beam, 0.5, 0.5 * of_beam),
+        (&beam, -0.25, 0.25 * of_beam),
+        (&wedge, 0.0, 500.0),
+        (&wedge, 0.5, 250.0),
+    ];
+    for (sheet, height, retardance_nm) in cases {
+        let fringes = retardance_nm / light_nm;
+        let known = 0.5 * (std::f64::consts::PI * fringes).sin().powi(2);
+        // A disk lies with v along z; the picture shows the place at this fraction of its radius.
+        let mut scene = sheets(&[polariser(45.0), sheet.clone(), polariser(135.0)]);
+        scene["lights"][0]["environment"]["spectrum"] = yellow();
+        let shape =
+            if sheet == &disc { json!({ "disk": { "radius": 1 } }) } else { scene["objects"][1]["shape"].clone() };
+        scene["objects"][1]["shape"] = shape;
+        (scene["camera"]["from"][2], scene["camera"]["at"][2]) = (json!(-height), json!(-height));
+        scene["camera"]["lens"] = json!({ "orthographic": { "height": 0.002 } });
+        scene["film"]["layers"] = json!([]);
+        for integrator in INTEGRATORS {
+            let y = |scene: &Value| mean_xyz(&render(scene, integrator, 1))[1];
+            let mut clear = scene.clone();
+            for i in 0..3 {
+                clear["materials"][format!("f{i}")] = json!({ "thin_dielectric": { "ior": 1 } });
+            }
+            let found = y(&scene) / y(&clear);
+            println!("{sheet} at {height}, {integrator:?}: {found:.5} for {known:.5} ({fringes:.4} fringes)");
+            assert!((found - known).abs() < 0.01, "{sheet} at {height}: {found} for {known}");
+        }
+    }
+}
+
 /// Glass and water reflect horizontally polarised light at Brewster's angle.
 #[test]
 fn surfaces_polarise_completely_at_brewster_s_angle() {

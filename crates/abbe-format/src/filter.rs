@@ -1,7 +1,7 @@
 //! Polarising filters in the scene file.
 
 use crate::prelude::*;
-use crate::{JsonPath, SpectrumFile, check, forms, spectrum::SpectrumUse};
+use crate::{JsonPath, ScalarFile, SpectrumFile, check, forms, spectrum::SpectrumUse};
 use abbe_spectra::error::Result;
 
 /// A filter that changes the polarisation of light: a polariser, a retarder, or a stack of them.
@@ -15,6 +15,9 @@ pub enum PolarisingFilterFile {
     /// A linear retarder, such as a wave plate, a crystal or cellophane.
     #[schemars(example = json!({"retarder": {"retardance_nm": 275, "axis": 45}}))]
     Retarder(RetarderFile),
+    /// A sheet of plastic or glass under stress.
+    #[schemars(example = json!({"stress": {"coefficient": 8e-11, "disc": {"load": 500, "diameter": 0.04}}}))]
+    Stress(StressFile),
     /// A linear polariser with a quarter-wave plate behind it.
     #[schemars(example = json!({"circular_polariser": {"handedness": "right"}}))]
     CircularPolariser(CircularPolariserFile),
@@ -49,10 +52,15 @@ pub struct PolariserFile {
 #[schemars(example = json!({"crystal": "calcite", "thickness_nm": 3000}))]
 pub struct RetarderFile {
     /// Angle of the fast axis, or of the optic axis of a crystal, counter-clockwise as seen from
-    /// the front: from u on a surface, or from the right side of the picture at the camera.
+    /// the front: from u on a surface, or from the right side of the picture at the camera. A texture
+    /// is interpolated, and the camera takes its mean.
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "degrees"))]
-    pub axis: f64,
+    pub axis: ScalarFile,
+    /// Factor of the retardance, for a thickness that varies over the sheet. A texture is
+    /// interpolated. Only one retarder of a sheet may have textures.
+    #[schemars(extend("minimum" = 0, "x-default" = "1"))]
+    pub factor: Option<ScalarFile>,
     /// Path by which light across the fast axis lags behind light along it.
     #[schemars(extend("minimum" = 0, "x-unit" = "nm", "x-default" = "that of the crystal"))]
     pub retardance_nm: Option<SpectrumFile>,
@@ -63,6 +71,55 @@ pub struct RetarderFile {
     /// Thickness of the crystal.
     #[schemars(extend("minimum" = 0, "x-unit" = "nm", "x-default" = "no crystal"))]
     pub thickness_nm: Option<f64>,
+}
+
+/// A sheet under stress, which retards light by the stress-optic law. State `disc` or `beam`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Stress", example = json!({"coefficient": 8e-11, "axis": 0, "disc": {"load": 500,
+    "diameter": 0.04}}))]
+#[schemars(example = json!({"coefficient": 8e-11, "beam": {"moment": 2, "depth": 0.03}}))]
+pub struct StressFile {
+    /// Stress-optic coefficient C: the retardance is C times the thickness times the difference of
+    /// the principal stresses. The fast axis is along the smaller stress.
+    #[schemars(extend("minimum" = 0, "x-unit" = "m²/N"))]
+    pub coefficient: f64,
+    /// Angle by which the field is turned counter-clockwise as seen from the front.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "degrees"))]
+    pub axis: f64,
+    /// A disc that is pressed at its upper and its lower edge.
+    #[schemars(extend("x-default" = "no disc"))]
+    pub disc: Option<DiscFile>,
+    /// A beam that is bent without a shear force.
+    #[schemars(extend("x-default" = "no beam"))]
+    pub beam: Option<BeamFile>,
+}
+
+/// A pressed disc. Its surface has the texture coordinates of a `disk`: they cover its square.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Pressed disc", example = json!({"load": 500, "diameter": 0.04}))]
+pub struct DiscFile {
+    /// The force on the disc, along v.
+    #[schemars(extend("minimum" = 0, "x-unit" = "N"))]
+    pub load: f64,
+    /// Diameter of the disc.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub diameter: f64,
+}
+
+/// A bent beam along u. Its depth is along v.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Bent beam", example = json!({"moment": 2, "depth": 0.03}))]
+pub struct BeamFile {
+    /// The bending moment.
+    #[schemars(extend("minimum" = 0, "x-unit" = "N·m"))]
+    pub moment: f64,
+    /// The depth of the beam in the plane of bending.
+    #[schemars(extend("exclusiveMinimum" = 0, "x-unit" = "m"))]
+    pub depth: f64,
 }
 
 /// A circular polariser for light from the front. Light from the back passes the wave plate first.
@@ -108,6 +165,7 @@ impl PolarisingFilterFile {
         match self {
             Self::Polariser(file) => file.validate(&at.key("polariser")),
             Self::Retarder(file) => file.validate(&at.key("retarder")),
+            Self::Stress(file) => file.validate(&at.key("stress")),
             Self::CircularPolariser(file) => file.validate(&at.key("circular_polariser")),
             Self::Filters(files) => {
                 let at = at.key("filters");
@@ -130,7 +188,11 @@ impl PolariserFile {
 
 impl RetarderFile {
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
-        let Self { axis: _, retardance_nm, crystal, thickness_nm } = self;
+        let Self { axis, factor, retardance_nm, crystal, thickness_nm } = self;
+        check::all([
+            axis.validate(&at.key("axis"), |_, _| Ok(())),
+            factor.as_ref().map_or(Ok(()), |factor| factor.validate(&at.key("factor"), check::not_negative)),
+        ])?;
         let allowed = "`retardance_nm`, or both `crystal` and `thickness_nm`";
         match (retardance_nm, crystal, thickness_nm) {
             (Some(file), None, None) => file.validate(&at.key("retardance_nm"), SpectrumUse::NotNegative),
@@ -140,6 +202,29 @@ impl RetarderFile {
             (None, None, None) => Err(check::fault(at, "found none of the keys it needs", allowed)),
             (Some(_), _, _) => Err(check::fault(at, "found `retardance_nm` together with a crystal", allowed)),
         }
+    }
+}
+
+impl StressFile {
+    pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { coefficient, axis: _, disc, beam } = self;
+        let coefficient = check::not_negative(&at.key("coefficient"), *coefficient);
+        let field = match (disc, beam) {
+            (Some(DiscFile { load, diameter }), None) => {
+                let at = at.key("disc");
+                check::all([
+                    check::not_negative(&at.key("load"), *load),
+                    check::positive(&at.key("diameter"), *diameter),
+                ])
+            }
+            (None, Some(BeamFile { moment, depth })) => {
+                let at = at.key("beam");
+                check::all([check::not_negative(&at.key("moment"), *moment), check::positive(&at.key("depth"), *depth)])
+            }
+            (Some(_), Some(_)) => Err(check::fault(at, "found `disc` and `beam`", "only one of them")),
+            (None, None) => Err(check::fault(at, "found neither `disc` nor `beam`", "one of them")),
+        };
+        check::all([coefficient, field])
     }
 }
 

@@ -109,7 +109,10 @@ pub use file_kinds::is_json_schema;
 pub use film::{
     BloomFile, ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
 };
-pub use filter::{CircularPolariserFile, HandednessFile, PolariserFile, PolarisingFilterFile, RetarderFile};
+pub use filter::{
+    BeamFile, CircularPolariserFile, DiscFile, HandednessFile, PolariserFile, PolarisingFilterFile, RetarderFile,
+    StressFile,
+};
 pub use grating::{GratingFile, GratingProfileFile, GroovesFile, OrderEfficiencyFile};
 pub use index::{FormulaFile, IndexFile};
 pub use lens::{

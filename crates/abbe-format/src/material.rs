@@ -3,7 +3,8 @@
 use crate::prelude::*;
 use crate::{
     CircularPolariserFile, CoatingFile, GratingFile, IndexFile, JsonPath, NormalMapFile, PolariserFile,
-    PolarisingFilterFile, ReflectanceFile, RetarderFile, ScalarFile, SpectrumFile, check, forms, spectrum::SpectrumUse,
+    PolarisingFilterFile, ReflectanceFile, RetarderFile, ScalarFile, SpectrumFile, StressFile, check, forms,
+    spectrum::SpectrumUse,
 };
 use abbe_spectra::error::Result;
 
@@ -73,6 +74,9 @@ pub enum MaterialFile {
     /// A sheet that is a linear retarder, such as a wave plate, a crystal or cellophane.
     #[schemars(example = json!({"retarder": {"retardance_nm": 275, "axis": 45}}))]
     Retarder(RetarderFile),
+    /// A sheet of plastic or glass under stress, which retards light.
+    #[schemars(example = json!({"stress": {"coefficient": 8e-11, "disc": {"load": 500, "diameter": 0.04}}}))]
+    Stress(StressFile),
     /// A sheet that is a linear polariser with a quarter-wave plate behind it.
     #[schemars(example = json!({"circular_polariser": {"handedness": "right"}}))]
     CircularPolariser(CircularPolariserFile),
@@ -268,6 +272,7 @@ impl MaterialFile {
         match self {
             Self::Polariser(file) => Some(PolarisingFilterFile::Polariser(file.clone())),
             Self::Retarder(file) => Some(PolarisingFilterFile::Retarder(file.clone())),
+            Self::Stress(file) => Some(PolarisingFilterFile::Stress(file.clone())),
             Self::CircularPolariser(file) => Some(PolarisingFilterFile::CircularPolariser(file.clone())),
             Self::Filters(files) => Some(PolarisingFilterFile::Filters(files.clone())),
             _ => None,
@@ -292,9 +297,11 @@ impl MaterialFile {
             Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
             Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),
             Self::ThinFilm(film) => film.validate(&at.key("thin_film")),
-            Self::Polariser(_) | Self::Retarder(_) | Self::CircularPolariser(_) | Self::Filters(_) => {
-                self.filter().map_or(Ok(()), |filter| filter.validate(at))
-            }
+            Self::Polariser(_)
+            | Self::Retarder(_)
+            | Self::Stress(_)
+            | Self::CircularPolariser(_)
+            | Self::Filters(_) => self.filter().map_or(Ok(()), |filter| filter.validate(at)),
             Self::Grating(grating) => grating.validate(&at.key("grating")),
             Self::Conductor(conductor) => conductor.validate(&at.key("conductor")),
             Self::Mirror { reflectance } => reflectance.validate(&at.key("mirror").key("reflectance")),

@@ -25,7 +25,10 @@ pub(super) const CHAPTERS: [(&str, &str); 19] = [
     ("Indices of refraction", "IndexFile FormulaFile"),
     ("Materials", "MaterialFile PaneTransmittanceFile WeightedMaterialFile GreenFile"),
     ("Thin films", "CoatingFile CoatingLayerFile CoatingIndexFile ComplexIndexFile"),
-    ("Polarising filters", "PolarisingFilterFile PolariserFile RetarderFile CircularPolariserFile HandednessFile"),
+    (
+        "Polarising filters",
+        "PolarisingFilterFile PolariserFile RetarderFile StressFile DiscFile BeamFile CircularPolariserFile HandednessFile",
+    ),
     ("Gratings", "GratingProfileFile OrderEfficiencyFile GroovesFile"),
     ("Media", "MediumFile DyeFile TransmittanceFile PhaseFile MediumEmissionFile MediumBlackbodyFile"),
     ("Density and temperature fields", "FieldFile ExponentialFieldFile PlanetFile SphereFieldFile NoiseFieldFile"),

@@ -13,7 +13,9 @@ use super::scattering::{AIR_DEPOLARISATION, rayleigh, spheres};
 use super::sheet::Sheet;
 use super::surface::SurfaceMatrices;
 use abbe_optics::RefractiveIndex;
-use abbe_optics::bsdf::{FacetResponses, FilterElement, InterfaceIors, LocalBsdf, PolarisingFilter, ScatterEvent};
+use abbe_optics::bsdf::{
+    FacetResponses, FilterElement, InterfaceIors, LocalBsdf, LocalRetardance, PolarisingFilter, ScatterEvent,
+};
 use abbe_optics::bsdf::{ThinDielectric, TransportMode};
 use abbe_optics::phase::PhaseFunction;
 use abbe_optics::phase::mie::MieMatrix;
@@ -41,7 +43,7 @@ enum Element<'a> {
     /// A pane that light crosses straight on, with x perpendicular to the plane of incidence.
     Pane { pane: &'a ThinDielectric, cosine: f64, outside: &'a RefractiveIndex },
     /// A filter, in the canonical frame of the light.
-    Filter { filter: &'a PolarisingFilter, axes: SheetAxes, from_front: bool },
+    Filter { filter: &'a PolarisingFilter, local: LocalRetardance, axes: SheetAxes, from_front: bool },
     /// A particle, with x perpendicular to the scattering plane.
     Particle { phase: &'a PhaseFunction, cos_theta: f64 },
 }
@@ -79,7 +81,8 @@ impl<'a> ScatteringEvent<'a> {
         if let abbe_optics::bsdf::Bsdf::ThinDielectric(pane) = bsdf.model
             && let Some(filter) = pane.filter()
         {
-            return Self::at_filter(filter, to_receiver, [normal, u], to_receiver.dot(normal) < 0.0);
+            let from_front = to_receiver.dot(normal) < 0.0;
+            return Self::at_filter((filter, bsdf.texels.retardance()), to_receiver, [normal, u], from_front);
         }
         let element = Element::Surface { bsdf, sides, wo, wi, event, delta };
         let x = if delta { plane_axis(-to_source, normal) } else { plane_axis(-to_source, to_receiver) };
@@ -98,13 +101,13 @@ impl<'a> ScatteringEvent<'a> {
     /// Returns the event of light that crosses a pane in a medium of index `outside`. `normal` and
     /// `u` are those of [`SurfaceDirections`].
     pub fn through_pane(
-        pane: &'a ThinDielectric,
+        (pane, retardance): (&'a ThinDielectric, LocalRetardance),
         outside: &'a RefractiveIndex,
         travel: DVec3,
         [normal, u]: [DVec3; 2],
     ) -> Self {
         if let Some(filter) = pane.filter() {
-            return Self::at_filter(filter, travel, [normal, u], travel.dot(normal) < 0.0);
+            return Self::at_filter((filter, retardance), travel, [normal, u], travel.dot(normal) < 0.0);
         }
         let element = Element::Pane { pane, cosine: travel.dot(normal).abs(), outside };
         Self::between(element, [travel, travel], plane_axis(travel, normal))
@@ -112,11 +115,16 @@ impl<'a> ScatteringEvent<'a> {
 
     /// Returns the event of light that crosses a filter. Angles run from `u` counter-clockwise as seen
     /// from the side of the `normal`, and the light meets the first layer first if `from_front`.
-    pub fn at_filter(filter: &'a PolarisingFilter, travel: DVec3, [normal, u]: [DVec3; 2], from_front: bool) -> Self {
+    pub fn at_filter(
+        (filter, local): (&'a PolarisingFilter, LocalRetardance),
+        travel: DVec3,
+        [normal, u]: [DVec3; 2],
+        from_front: bool,
+    ) -> Self {
         let frame = StokesFrame::canonical(travel);
         let (x, y, v) = (frame.x, frame.y(), normal.cross(u));
         let axes = SheetAxes { u: [u.dot(x), u.dot(y)], v: [v.dot(x), v.dot(y)] };
-        let element = Element::Filter { filter, axes, from_front };
+        let element = Element::Filter { filter, local, axes, from_front };
         Self { element, arriving: Rotation::NONE, leaving: Rotation::NONE }
     }
 
@@ -137,7 +145,9 @@ impl<'a> ScatteringEvent<'a> {
     pub fn matrix(&self, nm: f64) -> Mueller {
         match self.element {
             Element::Depolariser => Mueller::depolariser(1.0),
-            Element::Filter { filter, axes, from_front } => filter_matrix(filter, &axes, from_front, nm),
+            Element::Filter { filter, local, axes, from_front } => {
+                filter_matrix((filter, local), &axes, from_front, nm)
+            }
             Element::Surface { bsdf, sides, wo, wi, event, delta } => {
                 let cos = if delta { wo.z.abs() } else { bsdf.facet_cosine(wo, wi, event, sides, nm) };
                 let responses = bsdf.facet_responses(wo, cos, event, sides, nm);
@@ -226,14 +236,22 @@ fn of_responses(responses: FacetResponses<'_>, cos: f64, event: ScatterEvent) ->
 }
 
 /// Returns the matrix of a filter in the canonical frame of the light.
-fn filter_matrix(filter: &PolarisingFilter, axes: &SheetAxes, from_front: bool, nm: f64) -> Mueller {
+fn filter_matrix(
+    (filter, local): (&PolarisingFilter, LocalRetardance),
+    axes: &SheetAxes,
+    from_front: bool,
+    nm: f64,
+) -> Mueller {
     let layer = |matrix: Mueller, number: usize| {
         let layer = &filter.layers()[number];
-        let (sin, cos) = sin_cos(layer.axis_rad);
+        let local = if filter.varying() == Some(number) { local } else { LocalRetardance::WHOLE };
+        let (sin, cos) = sin_cos(layer.axis_rad + f64::from(local.turn_rad));
         let (element, angle) = match &layer.element {
             // The direction that a polariser absorbs is projected, at 90° to its axis.
             FilterElement::Polariser { k1, k2 } => (linear_polariser(k2.at(nm), k1.at(nm)), [-sin, cos]),
-            FilterElement::Retarder { retardance_nm } => (retarder(TAU * retardance_nm.at(nm) / nm), [cos, sin]),
+            FilterElement::Retarder { retardance_nm } => {
+                (retarder(TAU * f64::from(local.factor) * retardance_nm.at(nm) / nm), [cos, sin])
+            }
         };
         Mueller::from(element).turned(axes.rotation(angle)) * matrix
     };

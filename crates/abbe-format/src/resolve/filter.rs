@@ -2,13 +2,15 @@
 
 use super::{context::Resolver, spectra::Role};
 use crate::{
-    CircularPolariserFile, HandednessFile, JsonPath, PolariserFile, PolarisingFilterFile, RetarderFile, SpectrumFile,
+    BeamFile, CircularPolariserFile, DiscFile, HandednessFile, JsonPath, PolariserFile, PolarisingFilterFile,
+    RetarderFile, SpectrumFile, StressFile,
 };
-use abbe_optics::bsdf::{FilterElement, FilterLayer, PolarisingFilter};
+use abbe_optics::bsdf::{FilterElement, FilterLayer, PolarisingFilter, RetardanceField};
+use abbe_optics::texture::SurfaceScalar;
 use abbe_polarisation::crystal::Crystal;
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::{BAND_NM, Outside, Spectrum};
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 impl Resolver<'_> {
     /// Resolves a filter. `at` is the place of the object that holds its only key.
@@ -22,6 +24,7 @@ impl Resolver<'_> {
         match file {
             PolarisingFilterFile::Polariser(file) => layers.push(self.polariser(&at.key("polariser"), file)?),
             PolarisingFilterFile::Retarder(file) => layers.push(self.retarder(&at.key("retarder"), file)?),
+            PolarisingFilterFile::Stress(file) => layers.push(stress(file)),
             PolarisingFilterFile::CircularPolariser(file) => layers.extend(circular_polariser(file)),
             PolarisingFilterFile::Filters(files) => {
                 let at = at.key("filters");
@@ -40,12 +43,14 @@ impl Resolver<'_> {
             None => Ok(Spectrum::constant(default)),
         };
         let element = FilterElement::Polariser { k1: fraction("k1", k1, 1.0)?, k2: fraction("k2", k2, 0.0)? };
-        Ok(FilterLayer { element, axis_rad: axis.to_radians() })
+        Ok(FilterLayer { element, axis_rad: axis.to_radians(), field: RetardanceField::Uniform })
     }
 
     fn retarder(&self, at: &JsonPath, file: &RetarderFile) -> Result<FilterLayer> {
-        let RetarderFile { axis, retardance_nm, crystal, thickness_nm } = file;
-        let mut axis_rad = axis.to_radians();
+        let RetarderFile { axis, factor, retardance_nm, crystal, thickness_nm } = file;
+        let axis = self.scalar(&at.key("axis"), axis)?;
+        let factor = factor.as_ref().map(|factor| self.scalar(&at.key("factor"), factor)).transpose()?;
+        let mut axis_rad = 0.0;
         let retardance_nm = match (retardance_nm, crystal) {
             (Some(file), _) => self.spectrum(&at.key("retardance_nm"), file, Role::Coefficient)?,
             (None, crystal) => {
@@ -60,8 +65,30 @@ impl Resolver<'_> {
                 Spectrum::table(&whole_nm, &path, Outside::Hold)?
             }
         };
-        Ok(FilterLayer { element: FilterElement::Retarder { retardance_nm }, axis_rad })
+        let factor = factor.unwrap_or(SurfaceScalar::Uniform(1.0));
+        let (retardance_nm, field) = match (factor, axis) {
+            (SurfaceScalar::Uniform(factor), SurfaceScalar::Uniform(axis)) => {
+                axis_rad += axis.to_radians();
+                (retardance_nm.scaled(factor), RetardanceField::Uniform)
+            }
+            (factor, turn_deg) => (retardance_nm, RetardanceField::Textured { factor, turn_deg }),
+        };
+        Ok(FilterLayer { element: FilterElement::Retarder { retardance_nm }, axis_rad, field })
     }
+}
+
+/// Returns the layer of a sheet under stress. The thickness cancels in both fields.
+fn stress(file: &StressFile) -> FilterLayer {
+    let StressFile { coefficient, axis, disc, beam } = file;
+    let (stress_thickness, field) = match (disc, beam) {
+        // In the middle of a disc, σ₁ − σ₂ is 8P/(πDh).
+        (Some(DiscFile { load, diameter }), _) => (8.0 * load / (PI * diameter), RetardanceField::PressedDisc),
+        // At the edges of a beam, σ is 6M/(hb²).
+        (None, Some(BeamFile { moment, depth })) => (6.0 * moment / (depth * depth), RetardanceField::BentBeam),
+        (None, None) => (0.0, RetardanceField::Uniform),
+    };
+    let retardance_nm = Spectrum::constant(1e9 * coefficient * stress_thickness);
+    FilterLayer { element: FilterElement::Retarder { retardance_nm }, axis_rad: axis.to_radians(), field }
 }
 
 /// Returns the layers of a circular polariser: see [`abbe_polarisation::filter::circular_polariser`].
@@ -76,7 +103,11 @@ fn circular_polariser(file: &CircularPolariserFile) -> [FilterLayer; 2] {
     let axis_rad = axis.to_radians();
     let retardance_nm = Spectrum::constant(*retardance_nm);
     [
-        FilterLayer { element: FilterElement::ideal_polariser(), axis_rad },
-        FilterLayer { element: FilterElement::Retarder { retardance_nm }, axis_rad: axis_rad + turn },
+        FilterLayer { element: FilterElement::ideal_polariser(), axis_rad, field: RetardanceField::Uniform },
+        FilterLayer {
+            element: FilterElement::Retarder { retardance_nm },
+            axis_rad: axis_rad + turn,
+            field: RetardanceField::Uniform,
+        },
     ]
 }

@@ -91,6 +91,7 @@ impl Resolver<'_> {
             }
             MaterialFile::Polariser(_)
             | MaterialFile::Retarder(_)
+            | MaterialFile::Stress(_)
             | MaterialFile::CircularPolariser(_)
             | MaterialFile::Filters(_) => {
                 let filter = file.filter().map(|filter| self.filter(&at, &filter)).transpose()?;

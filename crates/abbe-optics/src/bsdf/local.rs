@@ -47,6 +47,11 @@ impl Bsdf {
         {
             return LocalBsdf { model, texels: Texels::of_thickness(films.thickness_at(point, &mut random)) };
         }
+        if let Bsdf::ThinDielectric(pane) = model
+            && let Some(filter) = pane.filter()
+        {
+            return LocalBsdf { model, texels: Texels::of_retarder(filter.retardance_at(point, &mut random)) };
+        }
         let mut texel = |spectrum: &SurfaceSpectrum| spectrum.texel(point, &mut random);
         let texels = match model {
             Bsdf::Diffuse(diffuse) => Texels::of_reflectance(texel(&diffuse.reflectance)),

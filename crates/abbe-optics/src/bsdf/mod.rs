@@ -51,7 +51,7 @@ pub use coated::{CoatedDielectric, ThinFilm};
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
-pub use filter::{FilterElement, FilterLayer, PolarisingFilter};
+pub use filter::{FilterElement, FilterLayer, LocalRetardance, PolarisingFilter, RetardanceField};
 pub use fluorescent::Fluorescent;
 pub use glossy::Glossy;
 pub use grating::{DiffractionGrating, Grooves};
@@ -277,7 +277,10 @@ impl Bsdf {
         match self {
             Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::Grating(_) => false,
             Self::CoatedDielectric(coated) => coated.films.is_textured(),
-            Self::ThinDielectric(pane) => pane.coating.as_ref().is_some_and(FilmStack::is_textured),
+            Self::ThinDielectric(pane) => {
+                let varies = pane.filter().is_some_and(|filter| filter.varying().is_some());
+                varies || pane.coating.as_ref().is_some_and(FilmStack::is_textured)
+            }
             Self::ThinFilm(film) => film.films.is_textured(),
             Self::Diffuse(diffuse) => diffuse.reflectance.is_textured(),
             Self::Translucent(sheet) => sheet.reflectance.is_textured() || sheet.transmittance.is_textured(),
@@ -301,7 +304,8 @@ impl Bsdf {
             Self::CoatedDielectric(coated) => Self::CoatedDielectric(coated.without_textures()),
             Self::ThinDielectric(pane) => {
                 let coating = pane.coating.map(FilmStack::without_textures);
-                Self::ThinDielectric(ThinDielectric { coating, ..pane })
+                let filter = pane.filter.map(|filter| Box::new(filter.without_textures()));
+                Self::ThinDielectric(ThinDielectric { coating, filter, ..pane })
             }
             Self::ThinFilm(film) => Self::thin_film(film.films.without_textures()),
             Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::Grating(_) => self,

@@ -11,7 +11,9 @@ use super::scatter_coated::scatter_by_powers;
 use super::scattered_ray::ScatteredRay;
 use super::surface_interaction::SurfaceInteraction;
 use super::transmittance::SegmentTransmittance;
-use abbe_optics::bsdf::{Bsdf, BsdfClass, PowerFractions, ScatterEvent, ThinDielectric, TransportMode};
+use abbe_optics::bsdf::{
+    Bsdf, BsdfClass, LocalRetardance, PowerFractions, ScatterEvent, ThinDielectric, TransportMode,
+};
 use abbe_optics::glass::RefractiveIndex;
 use abbe_polarisation::{
     DiattenuatingRetarder, Mueller, Rotation, ScatteringEvent, Stokes, StokesFrame, SurfaceDirections, smooth_elements,
@@ -145,13 +147,13 @@ pub(crate) fn rotation_to_picture(camera: &Camera, travel: DVec3) -> Rotation {
 /// Returns what a pane in a medium of index `outside` does to light that crosses it along `travel`.
 pub(crate) fn event_at_pane<'a>(
     scene: &Scene,
-    (pane, outside): (&'a ThinDielectric, &'a RefractiveIndex),
+    (pane, retardance, outside): (&'a ThinDielectric, LocalRetardance, &'a RefractiveIndex),
     hit: &Hit,
     travel: DVec3,
 ) -> ScatteringEvent<'a> {
     let tangents = pane.filter().and_then(|_| scene.geometry.uv_tangents(hit));
     let u = tangents.map_or_else(|| Frame::new(hit.normal).to_world(DVec3::X), |[u, _]| u.normalize());
-    ScatteringEvent::through_pane(pane, outside, travel, [hit.normal, u])
+    ScatteringEvent::through_pane((pane, retardance), outside, travel, [hit.normal, u])
 }
 
 /// Returns the event at the filter of the camera for light that arrives along `travel`, or `None`
@@ -159,7 +161,12 @@ pub(crate) fn event_at_pane<'a>(
 pub(crate) fn event_at_camera_filter(camera: &Camera, travel: DVec3) -> Option<ScatteringEvent<'_>> {
     let filter = camera.filter.as_deref()?;
     // Angles appear in the picture as in the file, and the first layer faces the scene.
-    Some(ScatteringEvent::at_filter(filter, travel, [-camera.forward(), camera.right()], true))
+    Some(ScatteringEvent::at_filter(
+        (filter, LocalRetardance::WHOLE),
+        travel,
+        [-camera.forward(), camera.right()],
+        true,
+    ))
 }
 
 impl<'a> SurfaceInteraction<'a> {

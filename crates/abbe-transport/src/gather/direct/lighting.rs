@@ -10,7 +10,7 @@ use crate::walk::{
     BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SegmentTransmittance,
     SurfaceInteraction, event_at_pane, path_transmittance, path_transmittance_tracked,
 };
-use abbe_optics::bsdf::{ThinDielectric, TransportMode};
+use abbe_optics::bsdf::{Texels, ThinDielectric, TransportMode};
 use abbe_optics::phase::PhaseMixture;
 use abbe_optics::texture::TexturePoint;
 use abbe_scene::Scene;
@@ -184,7 +184,7 @@ impl<'a> DirectLighting<'a> {
         [mut from, target]: [Option<SurfaceId>; 2],
         mut length_m: f64,
         u: [f64; 3],
-        mut visit: impl FnMut(&'a ThinDielectric, &Hit),
+        mut visit: impl FnMut((&'a ThinDielectric, Texels), &Hit),
     ) -> bool {
         let scene = self.scene;
         let mut stream = Stream::new(Seed::of_numbers(u), Purpose::Pane, 0, 0);
@@ -197,7 +197,7 @@ impl<'a> DirectLighting<'a> {
                 surface.at(stream.uniform())
             };
             let Some(pane) = local.model.uniform_pane() else { return false };
-            visit(pane, &hit);
+            visit((pane, local.texels), &hit);
             (ray.origin, from) = (hit.position, Some(hit.surface));
             length_m -= hit.t;
         }
@@ -264,9 +264,10 @@ impl<'a> DirectLighting<'a> {
                 if let ShadowLine::ThroughPanes(target) = line {
                     let RayState { ray, from, medium_stack } = ray_state;
                     let outside = self.scene.index_in(&medium_stack);
-                    self.cross_panes(ray, [from, target], length_m, u, |pane, hit| {
+                    self.cross_panes(ray, [from, target], length_m, u, |(pane, texels), hit| {
                         let cosine = ray.direction.dot(hit.normal).abs();
-                        let event = || event_at_pane(self.scene, (pane, outside), hit, -ray.direction);
+                        let event =
+                            || event_at_pane(self.scene, (pane, texels.retardance(), outside), hit, -ray.direction);
                         let event = self.polarised.then(event);
                         along.push(SegmentTransmittance::Pane { pane, cosine, outside, event });
                     });
