@@ -70,15 +70,18 @@ class AbbeRenderEngine(bpy.types.RenderEngine):
             if changed > shown:
                 shown = changed
                 picture = exr.read(exported.picture)
-                self._fill(result, wanted, picture, efficacy, layer.name)
+                self._fill(result, wanted, picture, efficacy)
                 self.update_result(result)
                 self._show_progress(scene, _passes_of(picture, scene), time.monotonic() - started)
         if exported.picture.is_file():
-            self._fill(result, wanted, exr.read(exported.picture), efficacy, layer.name)
+            picture = exr.read(exported.picture)
+            self._fill(result, wanted, picture, efficacy)
+            for field, text in passes.cryptomatte_fields(picture, layer.name).items():
+                self.get_result().stamp_data_add_field(field, text)
         self.end_result(result)
         self._conclude(run, exported)
 
-    def _fill(self, result: Any, wanted: list[passes.Pass], picture: exr.Picture, efficacy: float, name: str) -> None:
+    def _fill(self, result: Any, wanted: list[passes.Pass], picture: exr.Picture, efficacy: float) -> None:
         if picture.size != (result.resolution_x, result.resolution_y):
             raise ValueError(f"the picture has {picture.size} pixels instead of {result.resolution_x, result.resolution_y}")
         targets = result.layers[0].passes
@@ -88,8 +91,6 @@ class AbbeRenderEngine(bpy.types.RenderEngine):
                 numbers = passes.pixels(passes.COMBINED, picture, efficacy)
             if numbers is not None:
                 targets[source.name].rect.foreach_set(numbers)
-        for field, text in passes.cryptomatte_fields(picture, name).items():
-            result.stamp_data_add_field(field, text)
 
     def _show_progress(self, scene: Any, step: program.Progress, seconds: float) -> None:
         parts = [step.done / step.total] if step.total else []

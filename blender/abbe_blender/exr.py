@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the EXR files that Abbe writes. This module does not need Blender.
+"""Reads the EXR files that Abbe writes, and writes pictures for it. This module does not need Blender.
 
 The files have one part of 32-bit channels in scan lines, without compression or with run lengths.
 """
@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-#: The bytes of the pixel types HALF and FLOAT. Abbe writes only FLOAT.
+#: The number of the pixel type FLOAT, and those of the compressions that Abbe writes.
 _FLOAT = 2
 _NONE, _RLE = 0, 1
+_ONE = struct.pack("<f", 1.0)
 
 
 class Picture:
@@ -37,6 +38,27 @@ def read(path: Path) -> Picture:
         raise ValueError(f"{path}: the EXR file is truncated ({error})") from error
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
+
+
+def write(path: Path, channels: dict[str, Any]) -> None:
+    """Writes channels of 32-bit numbers without compression. Each has one row per line from the top."""
+    names = sorted(channels)
+    pixels = np.stack([channels[name] for name in names], axis=1).astype("<f4")
+    height, _, width = pixels.shape
+    kinds = b"".join(name.encode() + struct.pack("<BIIii", 0, _FLOAT, 0, 1, 1) for name in names) + b"\0"
+    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    attributes = [
+        ("channels", "chlist", kinds), ("compression", "compression", bytes([_NONE])), ("dataWindow", "box2i", box),
+        ("displayWindow", "box2i", box), ("lineOrder", "lineOrder", b"\0"), ("pixelAspectRatio", "float", _ONE),
+        ("screenWindowCenter", "v2f", bytes(8)), ("screenWindowWidth", "float", _ONE),
+    ]  # fmt: skip
+    header = struct.pack("<II", 20000630, 2)
+    for name, kind, value in attributes:
+        header += f"{name}\0{kind}\0".encode() + struct.pack("<I", len(value)) + value
+    start, row = len(header) + 1 + 8 * height, pixels[0].nbytes
+    offsets = struct.pack(f"<{height}Q", *(start + y * (8 + row) for y in range(height)))
+    lines = b"".join(struct.pack("<iI", y, row) + pixels[y].tobytes() for y in range(height))
+    path.write_bytes(header + b"\0" + offsets + lines)
 
 
 def _read(data: bytes) -> Picture:

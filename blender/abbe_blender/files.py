@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
+from . import exr
 from .report import Report
 
 _KNOWN = {".png", ".jpg", ".jpeg", ".webp", ".exr", ".hdr"}
@@ -60,6 +62,7 @@ class Folder:
                 self.report.add(f"{owner}: the file of the image '{image.name}' does not exist ({image.filepath})")
                 return None
             self._copied[key] = written
+        _ = image.size[0]  # Blender knows the colour space of a file only when it has read the file.
         space = image.colorspace_settings.name
         linear = space in {"Non-Color", "Linear Rec.709", "Linear", "scene_linear", "Raw"}
         if not linear and space != "sRGB":
@@ -79,12 +82,21 @@ class Folder:
             name = self.free_name(Path(image.name).stem, source.suffix.lower())
             shutil.copyfile(source, self.path / name)
             return name
-        extension, kind = (".exr", "OPEN_EXR") if image.is_float else (".png", "PNG")
-        name = self.free_name(Path(image.name).stem, extension)
-        copy = image.copy()
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        if image.is_float:
+            name = self.free_name(Path(image.name).stem, ".exr")
+            rows = pixels.reshape(image.size[1], image.size[0], -1)[::-1]
+            letters = "RGBA"[: rows.shape[2]]
+            exr.write(self.path / name, {letter: rows[..., number] for number, letter in enumerate(letters)})
+            return name
+        name = self.free_name(Path(image.name).stem, ".png")
+        # A copy of a generated or painted image would lose its pixels.
+        copy = bpy.data.images.new(name, *image.size, alpha=True)
         try:
-            copy.file_format = kind
-            copy.save(filepath=str(self.path / name))
+            copy.pixels.foreach_set(pixels)
+            copy.filepath_raw, copy.file_format = str(self.path / name), "PNG"
+            copy.save()
         finally:
             bpy.data.images.remove(copy)
         return name
