@@ -83,7 +83,9 @@ class AbbeRenderEngine(bpy.types.RenderEngine):
 
     def _fill(self, result: Any, wanted: list[passes.Pass], picture: exr.Picture, efficacy: float) -> None:
         if picture.size != (result.resolution_x, result.resolution_y):
-            raise ValueError(f"the picture has {picture.size} pixels instead of {result.resolution_x, result.resolution_y}")
+            raise ValueError(
+                f"the picture has {picture.size} pixels instead of {result.resolution_x, result.resolution_y}"
+            )
         targets = result.layers[0].passes
         for source in wanted:
             numbers = passes.pixels(source, picture, efficacy)
@@ -109,7 +111,9 @@ class AbbeRenderEngine(bpy.types.RenderEngine):
             self.report({"WARNING"}, f"Abbe: {line}")
         if len(lines) > _SHOWN:
             rest = len(lines) - _SHOWN
-            self.report({"WARNING"}, f"Abbe: {rest} more settings are not mapped; see {exported.scene.parent / 'report.txt'}")
+            self.report(
+                {"WARNING"}, f"Abbe: {rest} more settings are not mapped; see {exported.scene.parent / 'report.txt'}"
+            )
 
 
 def render_options(scene: Any) -> list[str]:

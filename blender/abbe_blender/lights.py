@@ -41,7 +41,9 @@ class Lights:
     def __init__(self, folder: Folder, report: Report, efficacy: float) -> None:
         self.folder, self.report, self.efficacy = folder, report, efficacy
 
-    def convert(self, thing: Any, placed: Matrix, motion: list[tuple[float, Matrix]]) -> tuple[str, dict[str, Any]] | None:
+    def convert(
+        self, thing: Any, placed: Matrix, motion: list[tuple[float, Matrix]]
+    ) -> tuple[str, dict[str, Any]] | None:
         """Returns ("lights", light) or ("objects", object), or None if the light emits nothing."""
         light, owner = thing.data, f"Light '{thing.name}'"
         if light.type == "AREA" and light.cycles.is_portal:
@@ -90,7 +92,9 @@ class Lights:
 
     def _area(self, thing: Any, light: Any, placed: Matrix, motion: Any, form: Any, amount: float) -> Any:
         if light.spread < math.pi - 1e-3:
-            self.report.missing(f"Light '{thing.name}'", f"the spread of {math.degrees(light.spread):.0f}° (180° instead)")
+            self.report.missing(
+                f"Light '{thing.name}'", f"the spread of {math.degrees(light.spread):.0f}° (180° instead)"
+            )
         height = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
         turn = _FACING_DOWN
         if light.shape in {"SQUARE", "RECTANGLE"}:
@@ -107,7 +111,9 @@ class Lights:
         for name, value in neutral.items():
             if getattr(light, name, value) != value:
                 self.report.missing(owner, f"'{light.bl_rna.properties[name].name}'")
-        if not thing.visible_camera and (light.type == "AREA" or (light.type == "POINT" and light.shadow_soft_size > 0)):
+        if not thing.visible_camera and (
+            light.type == "AREA" or (light.type == "POINT" and light.shadow_soft_size > 0)
+        ):
             self.report.missing(owner, "invisibility to the camera")
         if getattr(thing, "light_linking", None) is not None and thing.light_linking.receiver_collection is not None:
             self.report.missing(owner, "light linking")

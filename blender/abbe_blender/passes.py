@@ -52,7 +52,10 @@ def passes(scene: Any, layer: Any) -> list[Pass]:
         for name in _PATHS:
             channels = tuple(f"path.{name}.{letter}" for letter in "RGB")
             found.append(Pass(f"{name.capitalize()} Light", "RGB", "COLOR", channels, True))
-    for kind, is_used in (("Object", layer.use_pass_cryptomatte_object), ("Material", layer.use_pass_cryptomatte_material)):
+    for kind, is_used in (
+        ("Object", layer.use_pass_cryptomatte_object),
+        ("Material", layer.use_pass_cryptomatte_material),
+    ):
         if is_used:
             for level in range((layer.pass_cryptomatte_depth + 1) // 2):
                 channels = tuple(f"Crypto{kind}{level:02}.{letter}" for letter in "RGBA")

@@ -14,7 +14,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 _PROGRESS = re.compile(r"^(\d+)(?:/(\d+))? passes(.*)$")
-_NO_WINDOW = {"creationflags": 0x08000000} if sys.platform == "win32" else {}
+#: The flag CREATE_NO_WINDOW of Windows.
+_FLAGS = 0x08000000 if sys.platform == "win32" else 0
 
 
 class ProgramError(Exception):
@@ -41,7 +42,7 @@ def output(program: str, *arguments: str) -> str:
     """Returns what a command prints. Raises ProgramError with the message of a command that fails."""
     try:
         done = subprocess.run(
-            [program, *arguments], capture_output=True, encoding="utf-8", errors="replace", check=False, **_NO_WINDOW
+            [program, *arguments], capture_output=True, encoding="utf-8", errors="replace", check=False, creationflags=_FLAGS
         )
     except OSError as error:
         raise ProgramError(f"'{program}' cannot be run: {error}") from error
@@ -77,7 +78,7 @@ class Render:
         try:
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                encoding="utf-8", errors="replace", **_NO_WINDOW,
+                encoding="utf-8", errors="replace", creationflags=_FLAGS,
             )  # fmt: skip
         except OSError as error:
             raise ProgramError(f"'{program}' cannot be run: {error}") from error

@@ -105,7 +105,9 @@ class AbbeViewLayerSettings(bpy.types.PropertyGroup):
     use_pass_bias: BoolProperty(name="Bias", description="Estimated bias of the luminance; −1 is unknown")
     use_pass_denoised: BoolProperty(name="Denoised", description="The denoised picture")
     use_pass_albedo: BoolProperty(name="Albedo", description="Reflected or transmitted fraction of the first surface")
-    use_pass_paths: BoolProperty(name="Path Classes", description="Emission, direct, caustic, indirect and volume light")
+    use_pass_paths: BoolProperty(
+        name="Path Classes", description="Emission, direct, caustic, indirect and volume light"
+    )
     use_layer_lights: BoolProperty(name="Light Groups on Disk", description="A layer of the EXR file for each light")
 
 
@@ -124,7 +126,9 @@ class AbbeMaterialSettings(bpy.types.PropertyGroup):
     glass: _name("Glass", "N-BK7", "Name of the catalogue, or an index of refraction", "glass")
     metal: _name("Metal", "gold", "Name of the metal", "metal")
     roughness: FloatProperty(name="Roughness", default=0.0, min=0.0, max=1.0, description="0 is polished")
-    priority: IntProperty(name="Priority", default=0, description="Where glasses overlap, the highest priority fills the space")
+    priority: IntProperty(
+        name="Priority", default=0, description="Where glasses overlap, the highest priority fills the space"
+    )
     absorption_colour: FloatVectorProperty(
         name="Colour", subtype="COLOR", size=3, default=(1.0, 1.0, 1.0), min=0.0, max=1.0,
         description="Colour of white light after the distance",
@@ -157,10 +161,16 @@ class AbbeLightSettings(bpy.types.PropertyGroup):
         name="Strength",
         items=[
             ("BLENDER", "Blender's Power", "The power or strength of the light, times the lumens per watt"),
-            ("PHOTOMETRIC", "Photometric", "Lumens, or the lux of a sun. The power and the colour of Blender do not count"),
+            (
+                "PHOTOMETRIC",
+                "Photometric",
+                "Lumens, or the lux of a sun. The power and the colour of Blender do not count",
+            ),
         ],
     )
-    amount: FloatProperty(name="Amount", default=800.0, min=0.0, description="Luminous flux in lm, or illuminance in lx")
+    amount: FloatProperty(
+        name="Amount", default=800.0, min=0.0, description="Luminous flux in lm, or illuminance in lx"
+    )
 
 
 class AbbeWorldSettings(bpy.types.PropertyGroup):
@@ -170,8 +180,12 @@ class AbbeWorldSettings(bpy.types.PropertyGroup):
     spectrum: _name("Name", "D65", "Name of a light of the library", "spectrum", ("light",))
     spectrum_file: _file()
     use_medium: BoolProperty(name="Fog", description="A medium outside of all objects")
-    medium_scattering: FloatProperty(name="Scattering", default=0.02, min=0.0, precision=4, description="Coefficient in 1/m")
-    medium_absorption: FloatProperty(name="Absorption", default=0.0, min=0.0, precision=4, description="Coefficient in 1/m")
+    medium_scattering: FloatProperty(
+        name="Scattering", default=0.02, min=0.0, precision=4, description="Coefficient in 1/m"
+    )
+    medium_absorption: FloatProperty(
+        name="Absorption", default=0.0, min=0.0, precision=4, description="Coefficient in 1/m"
+    )
     medium_anisotropy: FloatProperty(name="Anisotropy", default=0.0, min=-0.99, max=0.99, description="Mean cosine")
 
 

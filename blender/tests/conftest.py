@@ -41,7 +41,9 @@ class Studio:
         scene.cycles.device, scene.cycles.samples = "CPU", 64
         scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
 
-    def add(self, name: str, data: Any, place: tuple[float, ...] = (0, 0, 0), turn: tuple[float, ...] = (0, 0, 0)) -> Any:
+    def add(
+        self, name: str, data: Any, place: tuple[float, ...] = (0, 0, 0), turn: tuple[float, ...] = (0, 0, 0)
+    ) -> Any:
         """Adds an object at a place, turned by Euler angles."""
         thing = bpy.data.objects.new(name, data)
         self.scene.collection.objects.link(thing)
