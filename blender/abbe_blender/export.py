@@ -100,7 +100,7 @@ class _Export:
         return Exported(path, self.files.path / "scene.exr", self.report, form)
 
     def _poses(self) -> list[tuple[float, dict[Any, Matrix]]]:
-        """Returns the matrices of all instances while the shutter is open, with their times in s."""
+        """Returns times in s while the shutter is open, and the matrices of all instances."""
         render = self.scene.render
         if not render.use_motion_blur or render.motion_blur_shutter <= 0.0:
             return []

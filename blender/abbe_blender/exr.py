@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the EXR files that Abbe writes, and writes pictures for it. This module does not need Blender.
+"""Reads the EXR files of Abbe, and writes pictures for it. This module does not need Blender.
 
 The files have one part of 32-bit channels in scan lines, without compression or with run lengths.
 """
@@ -19,7 +19,7 @@ _ONE = struct.pack("<f", 1.0)
 
 
 class Picture:
-    """The channels of a picture by name, each with one row per line from the top, and its header."""
+    """The channels of a picture by name, with rows from the top, and its header."""
 
     def __init__(self, channels: dict[str, Any], header: dict[str, bytes], size: tuple[int, int]) -> None:
         self.channels, self.header, self.size = channels, header, size
@@ -41,7 +41,7 @@ def read(path: Path) -> Picture:
 
 
 def write(path: Path, channels: dict[str, Any]) -> None:
-    """Writes channels of 32-bit numbers without compression. Each has one row per line from the top."""
+    """Writes channels of 32-bit numbers, with rows from the top, without compression."""
     names = sorted(channels)
     pixels = np.stack([channels[name] for name in names], axis=1).astype("<f4")
     height, _, width = pixels.shape

@@ -8,7 +8,7 @@ from typing import Any
 
 from mathutils import Euler, Matrix
 
-from . import units
+from . import ies, units
 from .files import Folder
 from .nodes import SocketReader, source, surface_node
 from .report import Report
@@ -16,7 +16,7 @@ from .spectra import spectrum
 
 #: The rotation from Abbe's rectangle, which faces +y, to Blender's area light, which faces −z.
 _FACING_DOWN = Matrix(((1, 0, 0, 0), (0, 0, 1, 0), (0, -1, 0, 0), (0, 0, 0, 1)))
-#: The rotation from Abbe's equirectangular picture (+y up, −z in the middle) to Blender's (+z, +x).
+#: The rotation from Abbe's pictures of all directions (+y up, −z in the middle) to Blender's.
 _PICTURE_TO_WORLD = Matrix(((0, 0, -1), (-1, 0, 0), (0, 1, 0)))
 #: The material of a lamp with an extent, which light passes as in Cycles.
 CLEAR = "clear lamp"
@@ -73,7 +73,9 @@ class Lights:
             shape = {"sphere": {"radius": radius}}
             return "objects", luminous(thing.name, shape, rigid(placed), [(t, rigid(m)) for t, m in motion], form)
         if light.type == "SPOT" and radius > 0.0:
-            self.report.missing(owner, f"the radius of {radius:.3g} m of a spot (a point instead)")
+            axial = amount / (4.0 * math.pi)
+            shape = ies.spot(axial, light.spot_size, light.spot_blend)
+            return self._opening(thing, placed, motion, form, 0.5 * light.spot_size, shape, (2 * radius,) * 2, True)
         at, toward = placed.to_translation(), placed.to_3x3() @ Matrix.Identity(3).col[2] * -1.0
         if motion:
             at, toward = at * 0.0, Matrix.Identity(3).col[2] * -1.0
@@ -91,11 +93,12 @@ class Lights:
         return "lights", {"spot": {**form, "luminous_intensity": amount / (4.0 * math.pi)}}
 
     def _area(self, thing: Any, light: Any, placed: Matrix, motion: Any, form: Any, amount: float) -> Any:
-        if light.spread < math.pi - 1e-3:
-            self.report.missing(
-                f"Light '{thing.name}'", f"the spread of {math.degrees(light.spread):.0f}° (180° instead)"
-            )
         height = light.size_y if light.shape in {"RECTANGLE", "ELLIPSE"} else light.size
+        if light.spread < math.pi - 1e-3:
+            size, is_round = (light.size, height), light.shape not in {"SQUARE", "RECTANGLE"}
+            form["luminous_flux"] = amount
+            shape = ies.spread(amount, light.spread)
+            return self._opening(thing, placed, motion, form, 0.5 * light.spread, shape, size, is_round)
         turn = _FACING_DOWN
         if light.shape in {"SQUARE", "RECTANGLE"}:
             shape = {"rectangle": {"width": light.size, "height": height}}
@@ -104,6 +107,23 @@ class Lights:
             turn = turn @ Matrix.Diagonal((1.0, 1.0, height / light.size, 1.0))
         form["luminous_flux"] = amount
         return "objects", luminous(thing.name, shape, placed @ turn, [(t, m @ turn) for t, m in motion], form)
+
+    def _opening(
+        self, thing: Any, placed: Matrix, motion: Any, form: Any, edge: float, shape: Any, size: Any, is_round: bool
+    ) -> tuple[str, dict[str, Any]]:
+        """Returns a flat light with an intensity that depends on the angle to its axis."""
+        path = self.folder.free_name(thing.name, ".ies")
+        ies.write(self.folder.path / path, edge, shape, size, is_round)
+        self.report.missing(f"Light '{thing.name}'", "the image of the light in mirrors")
+        form.update(at=[0.0, 0.0, 0.0], toward=[0.0, 0.0, -1.0], c0=[1.0, 0.0, 0.0], path=path, area=True)
+        if thing.data.abbe.quantity == "PHOTOMETRIC":
+            form["luminous_flux"] = thing.data.abbe.amount
+        # The scale of a spot is part of its radius.
+        scaled = rigid if thing.data.type == "SPOT" else Matrix.copy
+        form["transform"] = matrix_step(scaled(placed)) if not motion else []
+        if motion:
+            form["motion"] = [{"time": t, "transform": matrix_step(scaled(m))} for t, m in motion]
+        return "lights", {"ies": form}
 
     def _name_missing(self, thing: Any, light: Any, owner: str) -> None:
         neutral = {"diffuse_factor": 1.0, "specular_factor": 1.0, "transmission_factor": 1.0, "volume_factor": 1.0}

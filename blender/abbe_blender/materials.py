@@ -45,7 +45,7 @@ class Materials:
         self._known: dict[str, Surface] = {}
 
     def convert(self, material: Any, chord: float, owner: str) -> Surface:
-        """Converts a material. `chord` is the mean chord (m) of the object that it is first used for."""
+        """Converts a material. `chord` is the mean chord (m) of its first object, `owner`."""
         key = material.name_full if material is not None else ""
         if key not in self._known:
             self._known[key] = _Conversion(self, material, chord, owner).surface()
@@ -265,7 +265,7 @@ class _Conversion:
         return self.name
 
     def _emit(self, colour: list[float], strength: float, node: Any) -> None:
-        """Adds the light of a surface. 1 W/m²/sr of Blender becomes the luminance of the efficacy."""
+        """Adds the light of a surface: 1 W/m²/sr becomes the luminance of the efficacy."""
         name = "Emission Color" if "Emission Color" in node.inputs else "Color"
         luminance = strength * self.scene.efficacy
         picture = self.read.image(node, name) if strength > 0.0 else None

@@ -120,7 +120,7 @@ class SocketReader:
 
 
 def uv_map(scale: tuple[float, ...], rotate: float, offset: tuple[float, ...]) -> dict[str, Any] | None:
-    """Returns the map of texture coordinates of Blender's map u ↦ R(rotate) (scale · u) + offset.
+    """Returns Abbe's form of Blender's map of coordinates, R(rotate) (scale · uv) + offset.
 
     v increases upwards in Blender and downwards in Abbe, which both scale, then rotate, then shift.
     With v = 1 − w, the offset of w contains the image of the corner w = 0.

@@ -25,7 +25,7 @@ def exported_scene(context: Any) -> Exported:
 
 
 class AbbeExport(bpy.types.Operator):
-    """Write the scene file of Abbe without rendering. Modifiers have their settings of the viewport"""
+    """Write the scene of Abbe without rendering. Modifiers have the settings of the viewport"""
 
     bl_idname = "abbe.export"
     bl_label = "Export Scene"

@@ -9,7 +9,7 @@ import bpy
 
 from .engine import AbbeRenderEngine
 
-#: Panels of Blender for EEVEE whose settings the add-on exports, in addition to those of all engines.
+#: Panels of EEVEE whose settings the add-on exports, in addition to the panels of all engines.
 EXTRA = {
     "DATA_PT_EEVEE_light", "DATA_PT_camera_dof", "DATA_PT_camera_dof_aperture", "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface", "EEVEE_WORLD_PT_surface",

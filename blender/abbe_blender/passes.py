@@ -17,7 +17,7 @@ _PATHS = ("emission", "direct", "caustic", "indirect", "volume")
 
 @dataclass(frozen=True)
 class Pass:
-    """A pass of Blender: its name, its channels, its kind of socket, and its channels in the EXR."""
+    """A pass of Blender: its name, channels and kind of socket, and its channels in the EXR."""
 
     name: str
     letters: str
@@ -64,7 +64,7 @@ def passes(scene: Any, layer: Any) -> list[Pass]:
 
 
 def pixels(wanted: Pass, picture: Picture, efficacy: float) -> Any:
-    """Returns the numbers of a pass, row by row from the bottom, or None if they are not known yet."""
+    """Returns the numbers of a pass, row by row from the bottom, or None if they are unknown."""
     layers = [picture.channels.get(name) for name in wanted.channels]
     if any(layer is None for layer in layers):
         if not wanted.name.startswith("Crypto"):

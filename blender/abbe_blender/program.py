@@ -39,10 +39,15 @@ def _version(program: str) -> str:
 
 
 def output(program: str, *arguments: str) -> str:
-    """Returns what a command prints. Raises ProgramError with the message of a command that fails."""
+    """Returns what a command prints. Raises ProgramError with the message of a failure."""
     try:
         done = subprocess.run(
-            [program, *arguments], capture_output=True, encoding="utf-8", errors="replace", check=False, creationflags=_FLAGS
+            [program, *arguments],
+            capture_output=True,
+            encoding="utf-8",
+            errors="replace",
+            check=False,
+            creationflags=_FLAGS,
         )
     except OSError as error:
         raise ProgramError(f"'{program}' cannot be run: {error}") from error
@@ -60,14 +65,14 @@ def names(program: str, command: str) -> tuple[tuple[str, str], ...]:
 
 
 class Progress:
-    """What a running render prints: finished passes, all passes if known, and the rest of the line."""
+    """What a running render prints: finished passes, all passes if known, and the rest."""
 
     def __init__(self, done: int, total: int | None, rest: str) -> None:
         self.done, self.total, self.rest = done, total, rest
 
 
 class Render:
-    """A running `abbe render`. Iterate over it, and read `notes`, `errors` and `status` at the end."""
+    """A running `abbe render`. Iterate over `steps`; then read `notes`, `errors`, `status`."""
 
     def __init__(self, program: str, scene: Path, picture: Path, options: list[str]) -> None:
         self.picture = picture

@@ -23,7 +23,7 @@ def luminance(rgb: Sequence[float]) -> float:
 
 
 def light_spectrum(rgb: Sequence[float]) -> Any:
-    """Returns the spectrum of a light with a linear sRGB colour. Black has the spectrum of white."""
+    """Returns the spectrum of a light of a linear sRGB colour. Black has that of white."""
     colour = [max(0.0, component) for component in rgb]
     return {"rgb": colour} if luminance(colour) > 0.0 else "D65"
 

@@ -29,11 +29,11 @@ MISSING: dict[str, Any] = {
     "Material 'Ball': the node 'Bump' in 'Normal' of 'Principled BSDF'": lambda it: link(
         "Ball", "ShaderNodeBump", "Normal"
     ),
-    "Light 'Spot': the radius of 0.2 m of a spot (a point instead)": lambda it: set_all(
+    "Light 'Spot': the image of the light in mirrors": lambda it: set_all(
         bpy.data.lights["Spot"], shadow_soft_size=0.2
     ),
     "Light 'Sun': 'Diffuse Factor'": lambda it: set_all(bpy.data.lights["Sun"], diffuse_factor=0.5),
-    "Light 'Area': the spread of 60° (180° instead)": lambda it: it.light("AREA", 1, spread=1.0472),
+    "Light 'Area': the image of the light in mirrors": lambda it: it.light("AREA", 1, spread=1.0472),
     "World 'World': the node 'Sky Texture' in 'Color' of 'Background'": lambda it: sky(it),
     "Camera 'Camera': 'Shift'": lambda it: set_all(bpy.data.cameras["Camera"], shift_x=0.1),
     "Film: 'Transparent'": lambda it: set_all(it.scene.render, film_transparent=True),

@@ -97,7 +97,7 @@ def test_closed_meshes_are_found_and_measured() -> None:
 
 
 def test_modules_without_blender_do_not_import_it() -> None:
-    names = ("exr", "ply", "program", "report", "units")
+    names = ("exr", "ies", "ply", "program", "report", "units")
     script = (
         "import sys, types; sys.modules['bpy'] = None; sys.modules['mathutils'] = None; p = types.ModuleType('p'); "
     )

@@ -119,7 +119,7 @@ def test_blender_and_the_png_of_abbe_are_equally_bright(studio: Any) -> None:
     for path in (studio.folder / "view.png", studio.exported.picture.with_suffix(".png")):
         image = bpy.data.images.load(str(path))
         pictures.append(np.array(image.pixels[:]).reshape(64, 64, 4)[..., :3])
-    # Both round to 8 bits. Colours outside sRGB may differ, which Abbe compresses and Blender clips.
+    # Both round to 8 bits. Abbe compresses colours outside sRGB, and Blender clips them.
     assert np.median(np.abs(pictures[0] - pictures[1])) <= 1.01 / 255
     assert abs(pictures[0].mean() - pictures[1].mean()) < 0.005
 

@@ -230,8 +230,10 @@ def fill(studio: Any) -> None:
 @pytest.mark.parametrize("name", SETTINGS)
 def test_a_setting_survives_a_file_and_reaches_abbe(studio: Any, name: str) -> None:
     make, find, expected = SETTINGS[name]
+    if name == "temperature of a light" and bpy.app.version < (4, 5, 0):
+        pytest.skip("this version of Blender does not have the setting")
     fill(studio)
-    assert find is not None and not _found(find, studio.export(), expected), "the setting has no effect"
+    assert not _found(find, studio.export(), expected), "the setting has no effect"
     make(studio)
     path = str(studio.folder / "scene.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
