@@ -85,8 +85,8 @@ def film(scene: Any, layer: Any, size: tuple[int, int], report: Report) -> dict[
         report.missing("Color management", f"{what} in the PNG of Abbe (Blender's view has it)")
     if render.film_transparent:
         report.missing("Film", "'Transparent'")
-    if render.use_border:
-        report.missing("Output", "the render region (the whole picture instead)")
+    if render.use_multiview:
+        report.missing("Output", "stereoscopy")
     if render.pixel_aspect_x != render.pixel_aspect_y:
         report.missing("Output", "the aspect of pixels")
     if scene.unit_settings.scale_length != 1.0:

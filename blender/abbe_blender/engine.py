@@ -56,8 +56,9 @@ class AbbeRenderEngine(bpy.types.RenderEngine):
         frame = scene.frame_current if self.is_animation else None
         exported = export(depsgraph, folder_of(scene, layer, frame), self.frame_set)
         AbbeRenderEngine.last = exported
-        exported.picture.unlink(missing_ok=True)
-        wanted, efficacy = passes.passes(scene, layer), scene.abbe.efficacy
+        for old in (exported.picture, exported.picture.with_suffix(".checkpoint.exr")):
+            old.unlink(missing_ok=True)
+        wanted = passes.passes(scene, layer)
         for extra in wanted[1:]:
             self.add_pass(extra.name, len(extra.letters), extra.letters)
         run = program.Render(path, exported.scene, exported.picture, render_options(scene))
@@ -70,27 +71,24 @@ class AbbeRenderEngine(bpy.types.RenderEngine):
             if changed > shown:
                 shown = changed
                 picture = exr.read(exported.picture)
-                self._fill(result, wanted, picture, efficacy)
+                self._fill(result, wanted, picture, scene)
                 self.update_result(result)
                 self._show_progress(scene, _passes_of(picture, scene), time.monotonic() - started)
         if exported.picture.is_file():
             picture = exr.read(exported.picture)
-            self._fill(result, wanted, picture, efficacy)
+            self._fill(result, wanted, picture, scene)
             for field, text in passes.cryptomatte_fields(picture, layer.name).items():
                 self.get_result().stamp_data_add_field(field, text)
         self.end_result(result)
         self._conclude(run, exported)
 
-    def _fill(self, result: Any, wanted: list[passes.Pass], picture: exr.Picture, efficacy: float) -> None:
-        if picture.size != (result.resolution_x, result.resolution_y):
-            raise ValueError(
-                f"the picture has {picture.size} pixels instead of {result.resolution_x, result.resolution_y}"
-            )
+    def _fill(self, result: Any, wanted: list[passes.Pass], picture: exr.Picture, scene: Any) -> None:
         targets = result.layers[0].passes
+        part = passes.region(scene, picture, (result.resolution_x, result.resolution_y))
         for source in wanted:
-            numbers = passes.pixels(source, picture, efficacy)
+            numbers = passes.pixels(source, picture, scene.abbe.efficacy, part)
             if numbers is None and source.name == "Combined":
-                numbers = passes.pixels(passes.COMBINED, picture, efficacy)
+                numbers = passes.pixels(passes.COMBINED, picture, scene.abbe.efficacy, part)
             if numbers is not None:
                 targets[source.name].rect.foreach_set(numbers)
 

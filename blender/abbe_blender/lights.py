@@ -135,6 +135,10 @@ class Lights:
             light.type == "AREA" or (light.type == "POINT" and light.shadow_soft_size > 0)
         ):
             self.report.missing(owner, "invisibility to the camera")
+        kinds = ("diffuse", "glossy", "transmission", "volume_scatter", "shadow")
+        hidden = [kind for kind in kinds if not getattr(thing, f"visible_{kind}")]
+        if hidden:
+            self.report.missing(owner, f"invisibility to {', '.join(hidden)} rays")
         if getattr(thing, "light_linking", None) is not None and thing.light_linking.receiver_collection is not None:
             self.report.missing(owner, "light linking")
 

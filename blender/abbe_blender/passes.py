@@ -63,7 +63,22 @@ def passes(scene: Any, layer: Any) -> list[Pass]:
     return found
 
 
-def pixels(wanted: Pass, picture: Picture, efficacy: float) -> Any:
+def region(scene: Any, picture: Picture, size: tuple[int, int]) -> tuple[slice, slice]:
+    """Returns the rows from the bottom, and the columns, of the region that Blender renders.
+
+    `size` is the width and the height of the region, which Blender computes with 32 bits.
+    """
+    render, corner = scene.render, (0, 0)
+    if render.use_border:
+        low = (render.border_min_x, render.border_min_y)
+        corner = tuple(int(np.float32(edge) * np.float32(length)) for edge, length in zip(low, picture.size))
+    (x, y), (width, height) = corner, size
+    if x + width > picture.size[0] or y + height > picture.size[1]:
+        raise ValueError(f"the picture has {picture.size} pixels, but Blender expects {size} from {corner}")
+    return slice(y, y + height), slice(x, x + width)
+
+
+def pixels(wanted: Pass, picture: Picture, efficacy: float, part: tuple[slice, slice]) -> Any:
     """Returns the numbers of a pass, row by row from the bottom, or None if they are unknown."""
     layers = [picture.channels.get(name) for name in wanted.channels]
     if any(layer is None for layer in layers):
@@ -79,7 +94,7 @@ def pixels(wanted: Pass, picture: Picture, efficacy: float) -> Any:
         layers = [np.where(np.isfinite(layer), layer, _FAR) for layer in layers]
     if wanted.letters == "RGBA" and len(layers) == 3:
         layers.append(np.ones_like(layers[0]))
-    return np.ascontiguousarray(np.stack(layers, axis=-1)[::-1], np.float32).ravel()
+    return np.ascontiguousarray(np.stack(layers, axis=-1)[::-1][part], np.float32).ravel()
 
 
 def cryptomatte_fields(picture: Picture, layer_name: str) -> dict[str, str]:

@@ -27,7 +27,7 @@ class AbbePreferences(bpy.types.AddonPreferences):
         self.layout.prop(self, "program")
         try:
             found = program.find(bpy.path.abspath(self.program))
-            self.layout.label(text=f"{program.output(found, '--version').strip()}: {found}", icon="CHECKMARK")
+            self.layout.label(text=f"{program.version(found)}: {found}", icon="CHECKMARK")
         except program.ProgramError as error:
             self.layout.label(text=str(error), icon="ERROR")
 

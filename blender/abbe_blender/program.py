@@ -27,15 +27,15 @@ def find(program: str) -> str:
     found = shutil.which(program)
     if found is None:
         raise ProgramError(f"the program '{program}' does not exist; set its path in the preferences of the add-on")
-    version = _version(found)
-    if not version.startswith("abbe "):
+    if not version(found).startswith("abbe "):
         raise ProgramError(f"'{found}' is not Abbe; set the path of abbe in the preferences of the add-on")
     return found
 
 
 @functools.cache
-def _version(program: str) -> str:
-    return output(program, "--version")
+def version(program: str) -> str:
+    """Returns the name and the version that a program prints."""
+    return output(program, "--version").strip()
 
 
 def output(program: str, *arguments: str) -> str:

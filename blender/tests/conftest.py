@@ -40,6 +40,7 @@ class Studio:
         scene.abbe.folder, scene.abbe.passes = str(self.folder / "abbe"), 8
         scene.cycles.device, scene.cycles.samples = "CPU", 64
         scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+        scene.cycles.sample_clamp_indirect, scene.cycles.diffuse_bounces = 0, 32
 
     def add(
         self, name: str, data: Any, place: tuple[float, ...] = (0, 0, 0), turn: tuple[float, ...] = (0, 0, 0)

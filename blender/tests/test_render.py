@@ -124,6 +124,18 @@ def test_blender_and_the_png_of_abbe_are_equally_bright(studio: Any) -> None:
     assert abs(pictures[0].mean() - pictures[1].mean()) < 0.005
 
 
+def test_a_render_region_is_a_part_of_the_picture(studio: Any) -> None:
+    suzanne(studio)
+    studio.scene.render.resolution_y = 40
+    whole, render = studio.render(), studio.scene.render
+    render.use_border = render.use_crop_to_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.26, 0.76, 0.3, 0.9
+    cycles = studio.render("CYCLES")
+    part = studio.render()
+    assert part.shape == cycles.shape == (24, 32, 3)
+    assert np.array_equal(part, whole[12:36, 16:48])
+
+
 def test_the_picture_grows_while_it_renders(studio: Any, monkeypatch: Any) -> None:
     from abbe_blender.engine import AbbeRenderEngine
 
