@@ -187,9 +187,9 @@ class _Export:
                 form["transform"] = lights.matrix_step(placed)
             if surface.emission is not None:
                 form["emission"] = {**surface.emission, "group": thing.name}
-                if not part.is_closed:
-                    self.report.missing(owner, "the emission of the back of an open mesh")
             self.content["objects"].append(form)
+            if surface.emission is not None and part.sheet is not None:
+                self.content["objects"].append({**form, "shape": {"shared": self.meshes.back(part)}})
         if thing.abbe.meter != "NONE" and len(parts) == 1:
             meter = {"name": thing.name, "surface": thing.name, "quantity": thing.abbe.meter}
             self.content["meters"].append(meter)

@@ -15,15 +15,20 @@ from .files import Folder
 TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 
+#: The distance between the front and the back of a luminous sheet, relative to its size.
+_SHEET = 1e-5
+
+
 @dataclass
 class Part:
     """The triangles of an object with one material."""
 
     shape: str
     slot: int
-    is_closed: bool
     #: The mean length (m) of a straight path through the body: four volumes per area. 0 if open.
     chord: float
+    #: The name of the shape, the vertices, the triangles and the texture coordinates, if it is open.
+    sheet: tuple[str, Any, Any, Any] | None
 
 
 class Meshes:
@@ -33,6 +38,7 @@ class Meshes:
         self.folder = folder
         self.shapes: dict[str, Any] = {}
         self._known: dict[Any, list[Part]] = {}
+        self._backs: dict[str, str] = {}
 
     def parts(self, thing: Any) -> list[Part]:
         """Returns the parts of an evaluated object, one for each material that its faces have."""
@@ -71,11 +77,25 @@ class Meshes:
                 columns[1] if normals is not None else None, columns[-1] if uvs is not None else None,
             )  # fmt: skip
             self.shapes[shape.removesuffix(".ply")] = {"mesh": {"path": shape}}
+            uv = columns[-1] if uvs is not None else None
             is_closed = ply.is_closed(columns[0], faces)
             volume, area = ply.size(columns[0], faces)
             chord = 4.0 * abs(volume) / area if is_closed and area > 0.0 else 0.0
-            parts.append(Part(shape.removesuffix(".ply"), int(slot), is_closed, chord))
+            sheet = None if is_closed else (name, columns[0], faces, uv)
+            parts.append(Part(shape.removesuffix(".ply"), int(slot), chord, sheet))
         return parts
+
+    def back(self, part: Part) -> str:
+        """Writes the back of an open part, slightly behind it. Returns the name of the shape."""
+        if part.shape not in self._backs:
+            name, positions, faces, uv = part.sheet
+            size = float(np.ptp(positions, axis=0).max())
+            behind = positions - np.float32(_SHEET * size) * ply.normals(positions, faces)
+            path = self.folder.free_name(f"{name}-back", ".ply")
+            ply.write(self.folder.path / path, behind, faces[:, ::-1], None, uv)
+            self._backs[part.shape] = path.removesuffix(".ply")
+            self.shapes[path.removesuffix(".ply")] = {"mesh": {"path": path}}
+        return self._backs[part.shape]
 
 
 def _read(collection: Any, name: str, width: int, kind: Any) -> Any:

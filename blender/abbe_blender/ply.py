@@ -39,6 +39,20 @@ def merged(corners: Any, triangles: Any) -> tuple[Any, Any]:
     return rows[first], inverse.reshape(-1)[triangles]
 
 
+def normals(positions: Any, triangles: Any) -> Any:
+    """Returns the unit normals of all vertices, which are means over equal positions."""
+    points, faces = merged(positions, triangles)
+    a, b, c = (points[faces[:, corner]] for corner in range(3))
+    sums = np.zeros_like(points)
+    for corner in range(3):
+        np.add.at(sums, faces[:, corner], np.cross(b - a, c - a))
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    units = sums / np.where(lengths > 0.0, lengths, 1.0)
+    found = np.empty_like(np.asarray(positions, np.float32))
+    found[triangles] = units[faces]
+    return found
+
+
 def size(positions: Any, triangles: Any) -> tuple[float, float]:
     """Returns the enclosed volume, with the sign of its orientation, and the area of a mesh."""
     a, b, c = (np.asarray(positions, np.float64)[triangles[:, corner]] for corner in range(3))

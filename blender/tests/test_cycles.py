@@ -95,6 +95,16 @@ def test_an_emissive_mesh_is_as_bright_as_in_cycles(studio: Any) -> None:
     compare(studio)
 
 
+@pytest.mark.parametrize("turn", [0.0, 3.0])
+def test_a_luminous_sheet_shines_to_both_sides_as_in_cycles(studio: Any, turn: float) -> None:
+    studio.camera()
+    studio.floor()
+    bpy.ops.mesh.primitive_plane_add(size=1.5, location=(0, 0.5, 1.2), rotation=(turn + 0.9, 0, 0))
+    bpy.context.object.data.materials.append(studio.material("Sheet", "ShaderNodeEmission", Strength=5))
+    compare(studio, 0.01, 0.05)
+    assert studio.exported.report.lines == []
+
+
 MATERIALS = {
     "plastic": ({"Base_Color": (0.2, 0.5, 0.8, 1), "Roughness": 0.4}, 0.02),
     "matt": ({"Base_Color": (0.2, 0.5, 0.8, 1), "Specular_IOR_Level": 0.0}, 0.01),
