@@ -18,8 +18,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import camera, lights, materials, meshes, units
+from . import camera, lights, materials, media, meshes, units
 from .files import Folder
+from .nodes import SocketReader
 from .report import Report
 
 #: The number of keyframes while the shutter is open.
@@ -86,8 +87,9 @@ class _Export:
         world = lights.world_light(self.scene.world, self.files, self.report, self.scene.abbe.efficacy)
         if world is not None:
             self.content["lights"].append(world)
-        if self.scene.world is not None and self.scene.world.abbe.use_medium:
-            self.materials.media["fog"] = materials.medium(self.scene.world.abbe)
+        fog = self._fog()
+        if fog is not None:
+            self.materials.media["fog"] = fog
             form["atmosphere"] = "fog"
         used = {thing["material"] for thing in self.content["objects"]}
         if lights.CLEAR in used:
@@ -98,6 +100,13 @@ class _Export:
         path.write_text(_json(form), encoding="utf-8")
         (self.files.path / "report.txt").write_text(self.report.text(), encoding="utf-8")
         return Exported(path, self.files.path / "scene.exr", self.report, form)
+
+    def _fog(self) -> dict[str, Any] | None:
+        world = self.scene.world
+        if world is None or world.abbe.use_medium:
+            return media.panel_medium(world.abbe) if world is not None else None
+        read = SocketReader(f"World '{world.name}'", self.files, self.report)
+        return media.node_medium(world.node_tree, read) if world.node_tree is not None else None
 
     def _poses(self) -> list[tuple[float, dict[Any, Matrix]]]:
         """Returns times in s while the shutter is open, and the matrices of all instances."""

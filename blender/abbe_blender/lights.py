@@ -179,8 +179,6 @@ def world_light(world: Any, folder: Folder, report: Report, efficacy: float) -> 
     rotation = Matrix.Identity(3)
     tree = world.node_tree if world.use_nodes else None
     if tree is not None:
-        if surface_node(tree, "Volume") is not None:
-            report.missing(owner, "the volume; fog is in the panel Abbe Fog, as it")
         node = surface_node(tree, "Surface")
         if node is None:
             return None

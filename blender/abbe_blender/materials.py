@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from . import units
+from . import media, units
 from .files import Folder
 from .nodes import SocketReader, source, surface_node
 from .report import Report
@@ -86,19 +86,17 @@ class _Conversion:
         if own.surface == "METAL":
             return {"conductor": {"metal": own.metal, "roughness": own.roughness, **self._coating(True)}}
         if own.surface == "BOUNDARY":
-            if not own.use_medium:
-                self.scene.report.add(f"{self.owner}: the boundary of a medium has no medium, so it is invisible")
-                return _HOLE
-            return {"boundary": {"medium": self._medium()}}
+            return {"boundary": {"medium": self._medium()}} if self._medium() else _HOLE
         tree = self.material.node_tree
         if tree is None or not self.material.use_nodes:
             colour = list(self.material.diffuse_color)[:3]
             return self._opaque({"rgb": colour}, 1.5, self.material.roughness)
-        for socket in ("Volume", "Displacement"):
-            node = surface_node(tree, socket)
-            if node is not None:
-                self.read.missing(f"the node '{node.name}' in '{socket}'")
-        return self._node(surface_node(tree, "Surface"))
+        displacement, surface = surface_node(tree, "Displacement"), surface_node(tree, "Surface")
+        if displacement is not None:
+            self.read.missing(f"the node '{displacement.name}' in 'Displacement'")
+        if surface is None and self._medium():
+            return {"boundary": {"medium": self._medium()}}
+        return self._node(surface)
 
     def _node(self, node: Any) -> Any:
         if node is None:
@@ -216,14 +214,12 @@ class _Conversion:
     def _glass(self, form: dict[str, Any]) -> Any:
         own = self.material.abbe
         form.update(self._coating(False))
-        if own.use_medium:
+        if self._medium():
             form["medium"] = self._medium()
         if own.priority:
             form["priority"] = own.priority
         if own.absorption_distance > 0.0 and own.surface == "GLASS":
-            coefficient = units.absorption(list(own.absorption_colour), own.absorption_distance)
-            if coefficient is not None:
-                form["absorption"] = coefficient
+            form["absorption"] = units.absorption(list(own.absorption_colour), own.absorption_distance)
         return {"dielectric": form}
 
     def _tint(self, node: Any, name: str = "Base Color") -> dict[str, Any]:
@@ -234,12 +230,11 @@ class _Conversion:
         colour = self.read.value(node, name)[:3]
         if min(colour) >= 0.999 or self.chord <= 0.0:
             return {}
-        coefficient = units.absorption(colour, self.chord)
         self.scene.report.add(
             f"{self.owner}: the colour of the glass becomes absorption, which reaches this colour after "
             f"{self.chord:.3g} m, the mean chord of {self.user}"
         )
-        return {"absorption": coefficient} if coefficient is not None else {}
+        return {"absorption": units.absorption(colour, self.chord)}
 
     def _principled_film(self, node: Any, transmission: Any) -> dict[str, Any]:
         if "Thin Film Thickness" not in node.inputs or self.material.abbe.use_film:
@@ -259,10 +254,16 @@ class _Conversion:
             return {}
         return {"coating": {"layers": [{"ior": film_index(own.film), "thickness_nm": own.film_thickness}]}}
 
-    def _medium(self) -> str:
-        own = self.material.abbe
-        self.scene.media[self.name] = medium(own)
-        return self.name
+    def _medium(self) -> str | None:
+        """Returns the name of the medium inside, from the panel or else from the nodes."""
+        own, form = self.material.abbe, None
+        if own.use_medium:
+            form = media.panel_medium(own)
+        elif self.material.node_tree is not None:
+            form = media.node_medium(self.material.node_tree, self.read)
+        if form is not None:
+            self.scene.media[self.name] = form
+        return self.name if form is not None else None
 
     def _emit(self, colour: list[float], strength: float, node: Any) -> None:
         """Adds the light of a surface: 1 W/m²/sr becomes the luminance of the efficacy."""
@@ -310,17 +311,6 @@ class _Conversion:
 
     def _part(self, name: str, form: Any) -> str:
         return self.scene.add(f"{self.name} ({name})", form)
-
-
-def medium(settings: Any) -> dict[str, Any]:
-    """Returns the medium of a panel."""
-    return {
-        "homogeneous": {
-            "absorption": settings.medium_absorption,
-            "scattering": settings.medium_scattering,
-            "phase": {"henyey_greenstein": {"g": settings.medium_anisotropy}},
-        }
-    }
 
 
 def _is(weight: Any, value: float) -> bool:

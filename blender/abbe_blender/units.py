@@ -75,14 +75,17 @@ def scaled_ior(ior: float, level: float) -> float:
     return (1.0 + root) / (1.0 - root)
 
 
+def coefficient(rgb: Sequence[float]) -> Any:
+    """Returns a coefficient (1/m) with values for red, green and blue as a spectrum or a number."""
+    largest = max(rgb)
+    if largest <= 0.0 or is_grey(rgb):
+        return max(0.0, largest)
+    return {"mix": [{"spectrum": {"rgb": [part / largest for part in rgb]}, "weight": largest}]}
+
+
 def absorption(rgb: Sequence[float], distance: float) -> Any:
     """Returns the absorption coefficient (1/m) that gives white light a colour after a distance."""
-    coefficients = [-math.log(min(1.0, max(1e-4, component))) / distance for component in rgb]
-    largest = max(coefficients)
-    if largest <= 0.0:
-        return None
-    colour = [coefficient / largest for coefficient in coefficients]
-    return {"mix": [{"spectrum": {"rgb": colour}, "weight": largest}]}
+    return coefficient([-math.log(min(1.0, max(1e-4, component))) / distance for component in rgb])
 
 
 def exposure_ev(exposure: float, efficacy: float) -> float:

@@ -206,3 +206,52 @@ def test_two_materials_of_a_mesh_are_two_objects(studio: Any) -> None:
     compare(studio, 0.01)
     used = [(thing["name"], thing["material"]) for thing in studio.exported.content["objects"]]
     assert used == [("Sphere", "Grey"), ("Sphere", "Red")]
+
+
+VOLUMES = {
+    "scatter": ("ShaderNodeVolumeScatter", {"Color": (0.6, 0.6, 0.6, 1), "Density": 0.6, "Anisotropy": 0.4}),
+    "absorption": ("ShaderNodeVolumeAbsorption", {"Color": (0.2, 0.6, 0.9, 1), "Density": 1.5}),
+    "principled": (
+        "ShaderNodeVolumePrincipled",
+        {"Color": (0.5, 0.5, 0.5, 1), "Density": 1.2, "Absorption Color": (0.2, 0.2, 0.2, 1)},
+    ),
+}
+
+
+def volume(tree: Any, name: str) -> None:
+    """Feeds a volume shader to the output of a tree."""
+    kind, inputs = VOLUMES[name]
+    node = tree.nodes.new(kind)
+    for socket, value in inputs.items():
+        node.inputs[socket].default_value = value
+    output = next(node for node in tree.nodes if node.type.startswith("OUTPUT"))
+    tree.links.new(node.outputs[0], output.inputs["Volume"])
+
+
+@pytest.mark.parametrize("name", VOLUMES)
+def test_bodies_of_media_look_as_in_cycles(studio: Any, name: str) -> None:
+    studio.camera()
+    studio.floor()
+    material = studio.material("Medium", "ShaderNodeBsdfTransparent")
+    material.node_tree.nodes.remove(material.node_tree.nodes["Transparent BSDF"])
+    volume(material.node_tree, name)
+    studio.ball(material)
+    studio.light("SUN", 2, angle=0.1).rotation_euler = (0.3, 0.4, 0)
+    studio.world((0.4, 0.5, 0.6))
+    studio.scene.cycles.volume_bounces, studio.scene.abbe.passes = 32, 64
+    compare(studio, 0.01, 0.05)
+    assert studio.exported.report.lines == []
+
+
+def test_the_fog_of_a_world_looks_as_in_cycles(studio: Any) -> None:
+    # The rays of Cycles begin at the near clipping plane, so that less fog is in front of them.
+    studio.camera((0, -6, 2), (1.0, 0, 0)).data.clip_start = 1e-4
+    studio.floor(20)
+    studio.light("AREA", 300, (0, 0, 4), size=1)
+    studio.world((0, 0, 0), 0.0)
+    volume(studio.scene.world.node_tree, "principled")
+    node = next(node for node in studio.scene.world.node_tree.nodes if node.type == "PRINCIPLED_VOLUME")
+    # Abbe's fog fills a ball around the scene. It absorbs, so that little light returns from outside.
+    node.inputs["Density"].default_value, node.inputs["Absorption Color"].default_value = 0.3, (0, 0, 0, 1)
+    studio.scene.cycles.volume_bounces, studio.scene.cycles.samples, studio.scene.abbe.passes = 32, 256, 64
+    compare(studio, 0.01, 0.15)

@@ -31,7 +31,8 @@ def test_conversions_have_closed_forms() -> None:
     assert (inner - edge) / (1 - edge) == pytest.approx(0.25)
     assert units.scaled_ior(1.5, 0.5) == pytest.approx(1.5)
     assert ((units.scaled_ior(1.5, 0.25) - 1) / (units.scaled_ior(1.5, 0.25) + 1)) ** 2 == pytest.approx(0.02)
-    assert units.absorption((1, 1, 1), 2) is None
+    assert units.absorption((1, 1, 1), 2) == 0.0
+    assert units.absorption((math.exp(-1),) * 3, 2) == pytest.approx(0.5)
     assert units.exposure_ev(2, 1024) == pytest.approx(-8)
     assert units.shutter("CENTER", 0.5) == (-0.25, 0.25)
     assert units.shutter("END", 0.5) == (-0.5, 0.0)
