@@ -86,7 +86,9 @@ class _Conversion:
         if own.surface == "METAL":
             return {"conductor": {"metal": own.metal, "roughness": own.roughness, **self._coating(True)}}
         if own.surface == "BOUNDARY":
-            return {"boundary": {"medium": self._medium()}} if self._medium() else _HOLE
+            if self._medium() is None:
+                self.scene.report.add(f"{self.owner}: the boundary has no medium inside, so it is invisible")
+            return self._clear()
         tree = self.material.node_tree
         if tree is None or not self.material.use_nodes:
             colour = list(self.material.diffuse_color)[:3]
@@ -95,7 +97,7 @@ class _Conversion:
         if displacement is not None:
             self.read.missing(f"the node '{displacement.name}' in 'Displacement'")
         if surface is None and self._medium():
-            return {"boundary": {"medium": self._medium()}}
+            return self._clear()
         return self._node(surface)
 
     def _node(self, node: Any) -> Any:
@@ -172,7 +174,7 @@ class _Conversion:
     def _bsdf_transparent(self, node: Any) -> Any:
         if min(self.read.value(node, "Color")[:3]) < 0.999:
             self.read.missing(f"'Color' of '{node.name}'")
-        return _HOLE
+        return self._clear()
 
     def _holdout(self, node: Any) -> Any:
         self.read.missing(f"the shader '{node.name}' (black instead)")
@@ -264,6 +266,11 @@ class _Conversion:
         if form is not None:
             self.scene.media[self.name] = form
         return self.name if form is not None else None
+
+    def _clear(self) -> Any:
+        """Returns a surface that changes no light. It encloses the medium inside, if there is one."""
+        inside = self._medium()
+        return _HOLE if inside is None else {"boundary": {"medium": inside}}
 
     def _emit(self, colour: list[float], strength: float, node: Any) -> None:
         """Adds the light of a surface: 1 W/m²/sr becomes the luminance of the efficacy."""

@@ -49,6 +49,13 @@ MISSING: dict[str, Any] = {
 }
 
 
+def test_a_boundary_without_a_medium_is_named(studio: Any) -> None:
+    fill(studio)
+    bpy.data.materials["Ball"].abbe.surface = "BOUNDARY"
+    studio.export()
+    assert studio.exported.report.lines == ["Material 'Ball': the boundary has no medium inside, so it is invisible"]
+
+
 def sky(studio: Any) -> None:
     tree = studio.scene.world.node_tree
     node = next(node for node in tree.nodes if node.type == "BACKGROUND")
