@@ -210,9 +210,14 @@ class _Export:
         hidden = [kind for kind in kinds if not getattr(thing, f"visible_{kind}")]
         if hidden:
             self.report.missing(owner, f"invisibility to {', '.join(hidden)} rays")
-        for flag in ("is_holdout", "is_shadow_catcher"):
-            if getattr(thing, flag):
-                self.report.missing(owner, f"'{thing.bl_rna.properties[flag].name}'")
+        if thing.original.holdout_get(view_layer=self.depsgraph.view_layer):
+            self.report.missing(owner, "'Holdout'")
+        if thing.is_shadow_catcher:
+            self.report.missing(owner, "'Shadow Catcher'")
+        if thing.original.indirect_only_get(view_layer=self.depsgraph.view_layer):
+            self.report.missing(owner, "'Indirect Only' of its collection")
+        if self.scene.render.use_motion_blur and not thing.cycles.use_motion_blur:
+            self.report.missing(owner, "motion blur that is switched off")
         if any(it.settings.type == "HAIR" and it.settings.render_type == "PATH" for it in thing.particle_systems):
             self.report.missing(owner, "the hair of a particle system")
         kinds = {"ARMATURE", "CLOTH", "SOFT_BODY", "MESH_DEFORM", "HOOK", "LATTICE", "WAVE"}

@@ -175,6 +175,11 @@ def world_light(world: Any, folder: Folder, report: Report, efficacy: float) -> 
         return None
     owner = f"World '{world.name}'"
     read = SocketReader(owner, folder, report)
+    hidden = [
+        kind for kind in ("camera", "diffuse", "glossy", "transmission") if not world.cycles_visibility.get(kind, 1)
+    ]
+    if hidden:
+        report.missing(owner, f"invisibility to {', '.join(hidden)} rays")
     colour, strength, picture = list(world.color), 1.0, None
     rotation = Matrix.Identity(3)
     tree = world.node_tree if world.use_nodes else None

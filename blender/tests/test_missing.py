@@ -44,6 +44,8 @@ MISSING: dict[str, Any] = {
     "Object 'Sphere': invisibility to camera, shadow rays": lambda it: set_all(
         bpy.data.objects["Sphere"], visible_camera=False, visible_shadow=False
     ),
+    "Object 'Sphere': 'Holdout'": lambda it: set_all(bpy.data.objects["Sphere"], is_holdout=True),
+    "World 'World': invisibility to camera rays": lambda it: set_all(it.scene.world.cycles_visibility, camera=False),
     "Object 'Smoke': the type VOLUME": lambda it: it.add("Smoke", bpy.data.volumes.new("Smoke")),
     "Object 'Hair': the type CURVES": lambda it: it.add("Hair", bpy.data.hair_curves.new("Hair")),
 }
