@@ -216,7 +216,8 @@ class _Export:
             self.report.missing(owner, "'Shadow Catcher'")
         if thing.original.indirect_only_get(view_layer=self.depsgraph.view_layer):
             self.report.missing(owner, "'Indirect Only' of its collection")
-        if self.scene.render.use_motion_blur and not thing.cycles.use_motion_blur:
+        cycles = getattr(thing, "cycles", None)  # The settings of Cycles exist while its add-on is on.
+        if self.scene.render.use_motion_blur and not getattr(cycles, "use_motion_blur", True):
             self.report.missing(owner, "motion blur that is switched off")
         if any(it.settings.type == "HAIR" and it.settings.render_type == "PATH" for it in thing.particle_systems):
             self.report.missing(owner, "the hair of a particle system")

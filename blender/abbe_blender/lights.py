@@ -46,7 +46,7 @@ class Lights:
     ) -> tuple[str, dict[str, Any]] | None:
         """Returns ("lights", light) or ("objects", object), or None if the light emits nothing."""
         light, owner = thing.data, f"Light '{thing.name}'"
-        if light.type == "AREA" and light.cycles.is_portal:
+        if light.type == "AREA" and getattr(getattr(light, "cycles", None), "is_portal", False):
             return None
         self._name_missing(thing, light, owner)
         colour, strength, temperature = self._colour(light, owner)
@@ -175,9 +175,8 @@ def world_light(world: Any, folder: Folder, report: Report, efficacy: float) -> 
         return None
     owner = f"World '{world.name}'"
     read = SocketReader(owner, folder, report)
-    hidden = [
-        kind for kind in ("camera", "diffuse", "glossy", "transmission") if not world.cycles_visibility.get(kind, 1)
-    ]
+    visibility = getattr(world, "cycles_visibility", {})
+    hidden = [kind for kind in ("camera", "diffuse", "glossy", "transmission") if not visibility.get(kind, 1)]
     if hidden:
         report.missing(owner, f"invisibility to {', '.join(hidden)} rays")
     colour, strength, picture = list(world.color), 1.0, None

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import addon_utils
 import bpy
 import pytest
 from test_settings import fill, set_all, shader
@@ -49,6 +50,20 @@ MISSING: dict[str, Any] = {
     "Object 'Smoke': the type VOLUME": lambda it: it.add("Smoke", bpy.data.volumes.new("Smoke")),
     "Object 'Hair': the type CURVES": lambda it: it.add("Hair", bpy.data.hair_curves.new("Hair")),
 }
+
+
+def test_the_engine_does_not_need_cycles(studio: Any) -> None:
+    fill(studio)
+    studio.light("AREA", 10)
+    studio.scene.render.use_motion_blur = True
+    addon_utils.disable("cycles")
+    try:
+        assert not hasattr(bpy.types.Scene, "cycles")
+        studio.scene.abbe.passes = 1
+        bpy.ops.render.render()
+    finally:
+        addon_utils.enable("cycles")
+    assert studio.exported.report.lines == []
 
 
 def test_a_boundary_without_a_medium_is_named(studio: Any) -> None:
