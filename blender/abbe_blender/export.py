@@ -134,8 +134,8 @@ class _Export:
         found = [(time, matrices[key]) for time, matrices in poses if key in matrices]
         if len(found) < 2 or all(_close(matrix, found[0][1]) for _, matrix in found):
             return []
-        if any(not _close(matrix, Matrix.LocRotScale(*matrix.decompose())) for _, matrix in found):
-            self.report.missing(owner, "the motion of a sheared object")
+        if any(not _is_plain(matrix) for _, matrix in found):
+            self.report.missing(owner, "the motion of a sheared or flat object")
             return []
         return found
 
@@ -183,8 +183,12 @@ class _Export:
 
     def _mesh(self, thing: Any, placed: Matrix, motion: list[tuple[float, Matrix]], owner: str) -> None:
         self._name_missing(thing, owner)
-        parts = self.meshes.parts(thing)
         scale = abs(placed.to_3x3().determinant()) ** (1.0 / 3.0)
+        if scale == 0.0:
+            if any(placed.to_scale()):
+                self.report.missing(owner, "a scale that makes the object flat")
+            return
+        parts = self.meshes.parts(thing)
         for part in parts:
             slots = thing.material_slots
             material = slots[min(part.slot, len(slots) - 1)].material if slots else None
@@ -242,6 +246,11 @@ def _identity(instance: Any) -> Any:
     return instance.object.name_full, instance.parent.name_full, tuple(instance.persistent_id)
 
 
+def _is_plain(matrix: Matrix) -> bool:
+    """Returns true if a matrix consists of a translation, a rotation and a scale other than 0."""
+    return matrix.determinant() != 0.0 and _close(matrix, Matrix.LocRotScale(*matrix.decompose()))
+
+
 def _close(first: Matrix, second: Matrix) -> bool:
     return max(abs(a - b) for rows in zip(first, second) for a, b in zip(*rows)) <= 1e-5
 
@@ -257,6 +266,8 @@ def _short(form: Any) -> Any:
     if isinstance(form, float):
         single = np.float32(form)
         return float(str(single)) if float(single) == form else float(f"{form:.12g}")
+    if isinstance(form, str):
+        return f"_{form}" if form.startswith("$") else form  # "$name" is a variable of a scene.
     if isinstance(form, dict):
-        return {key: _short(value) for key, value in form.items()}
+        return {_short(key): _short(value) for key, value in form.items()}
     return [_short(value) for value in form] if isinstance(form, (list, tuple)) else form

@@ -255,3 +255,31 @@ def test_the_fog_of_a_world_looks_as_in_cycles(studio: Any) -> None:
     node.inputs["Density"].default_value, node.inputs["Absorption Color"].default_value = 0.3, (0, 0, 0, 1)
     studio.scene.cycles.volume_bounces, studio.scene.cycles.samples, studio.scene.abbe.passes = 32, 256, 64
     compare(studio, 0.01, 0.15)
+
+
+def test_objects_without_extent_are_left_out(studio: Any) -> None:
+    studio.camera()
+    studio.floor()
+    studio.world()
+    hidden, flat = studio.ball(grey(studio)), studio.ball(grey(studio))
+    hidden.scale, flat.scale, flat.name = (0, 0, 0), (1, 1, 0), "Flat"
+    studio.render()
+    assert [thing["name"] for thing in studio.exported.content["objects"]] == ["Floor"]
+    line = "Object 'Flat': a scale that makes the object flat is not mapped"
+    assert studio.exported.report.lines == [line]
+
+
+def test_any_name_is_a_name_in_abbe(studio: Any) -> None:
+    studio.scene.name = 'Sc"ne/../x'
+    studio.camera()
+    floor = studio.floor()
+    studio.world()
+    floor.name, floor.data.name, floor.data.materials[0].name = "$floor", "../../evil", "$paint"
+    image = chart()
+    image.name = "../../tex/ü.png"
+    texture(studio, floor.data.materials[0], "Diffuse BSDF", "Color", image)
+    studio.light("SUN", 1).name = "Küche 1/2"
+    assert studio.render().mean() > 0.1
+    folder = studio.exported.scene.parent
+    assert folder.parent == studio.folder / "abbe"
+    assert {path.name for path in folder.iterdir()} >= {"evil.ply", "ü.png", "scene.json", "scene.exr"}
