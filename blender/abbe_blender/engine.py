@@ -51,7 +51,7 @@ class AbbeRenderEngine(bpy.types.RenderEngine):
 
     def _render(self, depsgraph: Any) -> None:
         path = program.find(preferences.program_path())
-        scene, layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+        scene, layer = depsgraph.scene, depsgraph.view_layer
         self.update_stats("", "Exporting the scene")
         frame = scene.frame_current if self.is_animation else None
         exported = export(depsgraph, folder_of(scene, layer, frame), self.frame_set)
@@ -63,24 +63,31 @@ class AbbeRenderEngine(bpy.types.RenderEngine):
             self.add_pass(extra.name, len(extra.letters), extra.letters)
         run = program.Render(path, exported.scene, exported.picture, render_options(scene))
         result = self.begin_result(0, 0, self.resolution_x, self.resolution_y, layer=layer.name)
+        try:
+            self._watch(run, result, wanted, scene)
+            if exported.picture.is_file():
+                picture = exr.read(exported.picture)
+                self._fill(result, wanted, picture, scene)
+                for field, text in passes.cryptomatte_fields(picture, layer.name).items():
+                    self.get_result().stamp_data_add_field(field, text)
+        finally:
+            run.stop()
+            self.end_result(result)
+        self._conclude(run, exported)
+
+    def _watch(self, run: program.Render, result: Any, wanted: list[passes.Pass], scene: Any) -> None:
+        """Shows the growing picture until the program ends."""
         shown, started = 0.0, time.monotonic()
         for step in run.steps(_PAUSE, self.is_cancelled):
             if step is not None:
                 self._show_progress(scene, step, time.monotonic() - started)
-            changed = _changed(exported.picture)
+            changed = _changed(run.picture)
             if changed > shown:
                 shown = changed
-                picture = exr.read(exported.picture)
+                picture = exr.read(run.picture)
                 self._fill(result, wanted, picture, scene)
                 self.update_result(result)
                 self._show_progress(scene, _passes_of(picture, scene), time.monotonic() - started)
-        if exported.picture.is_file():
-            picture = exr.read(exported.picture)
-            self._fill(result, wanted, picture, scene)
-            for field, text in passes.cryptomatte_fields(picture, layer.name).items():
-                self.get_result().stamp_data_add_field(field, text)
-        self.end_result(result)
-        self._conclude(run, exported)
 
     def _fill(self, result: Any, wanted: list[passes.Pass], picture: exr.Picture, scene: Any) -> None:
         targets = result.layers[0].passes

@@ -79,6 +79,8 @@ class _Export:
 
     def run(self) -> Exported:
         poses = self._poses()
+        # Another frame may have replaced the evaluated data.
+        self.scene, self.layer = self.depsgraph.scene_eval, self.depsgraph.view_layer_eval
         form: dict[str, Any] = {"title": self.scene.name, "unit": "m", "camera": self._camera(poses)}
         form["film"] = camera.film(self.scene, self.layer, self.size, self.report)
         for instance in self.depsgraph.object_instances:

@@ -96,6 +96,11 @@ class Render:
             self._lines.put(line.rstrip())
         self._lines.put(None)
 
+    def stop(self) -> None:
+        """Ends the program, which saves the finished passes. Does nothing if it has ended."""
+        if self._process.poll() is None:
+            self._process.terminate()
+
     def steps(self, seconds: float, is_cancelled: Callable[[], bool]) -> Iterator[Progress | None]:
         """Yields each progress, and None at least every `seconds` seconds, until the program ends.
 
@@ -109,7 +114,7 @@ class Render:
                 line = ""
             if not stopped and is_cancelled():
                 stopped = True
-                self._process.terminate()
+                self.stop()
             if line is None:
                 self.status = self._process.wait()
                 return

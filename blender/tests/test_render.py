@@ -194,6 +194,23 @@ def test_an_animation_has_a_folder_for_each_frame(studio: Any) -> None:
     assert len(list(studio.folder.glob("frame-*.png"))) == 2
 
 
+def test_an_error_while_rendering_ends_the_program(studio: Any, monkeypatch: Any) -> None:
+    from abbe_blender import exr, program
+
+    suzanne(studio)
+    studio.scene.abbe.passes = 100_000
+    runs: list[Any] = []
+    start = program.Render.__init__
+    monkeypatch.setattr(program.Render, "__init__", lambda run, *args: (runs.append(run), start(run, *args))[1])
+
+    def fail(_path: Path) -> Any:
+        raise ValueError("the picture is damaged")
+
+    monkeypatch.setattr(exr, "read", fail)
+    assert "the picture is damaged" in failure(studio)
+    assert runs[0]._process.wait(timeout=20) == 130
+
+
 def failure(studio: Any) -> str:
     with pytest.raises(RuntimeError) as caught:
         studio.render()
