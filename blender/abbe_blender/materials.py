@@ -158,9 +158,8 @@ class _Conversion:
     def _bsdf_metallic(self, node: Any) -> Any:
         if self.read.value(node, "Anisotropy") != 0.0:
             self.read.missing(f"'Anisotropy' of '{node.name}'")
-        self.read.missing(
-            f"'Edge Tint', 'IOR' and 'Extinction' of '{node.name}'; choose a metal in the panel Abbe, as it"
-        )
+        names = "'IOR' and 'Extinction'" if node.fresnel_type == "PHYSICAL_CONDUCTOR" else "'Edge Tint'"
+        self.read.missing(f"{names} of '{node.name}' (the panel Abbe has metals with n and k)")
         roughness = self.read.number(node, "Roughness")
         return {"conductor": {"reflectance": self.read.reflectance(node, "Base Color"), "roughness": roughness}}
 

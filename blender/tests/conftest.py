@@ -41,6 +41,7 @@ class Studio:
         scene.cycles.device, scene.cycles.samples = "CPU", 64
         scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
         scene.cycles.sample_clamp_indirect, scene.cycles.diffuse_bounces = 0, 32
+        scene.cycles.blur_glossy = 0
 
     def add(
         self, name: str, data: Any, place: tuple[float, ...] = (0, 0, 0), turn: tuple[float, ...] = (0, 0, 0)

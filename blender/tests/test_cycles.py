@@ -129,3 +129,49 @@ def test_materials_reflect_as_much_as_in_cycles(studio: Any, name: str) -> None:
     compare(studio, tolerance, 4 * tolerance)
     if name in {"glass", "rough glass"}:
         assert abs(studio.render("ABBE").mean() - 1.0) < 0.003
+
+
+#: The Glossy BSDF has the name Anisotropic in Python.
+SHADERS = {
+    "Anisotropic": ({"Color": (0.8, 0.7, 0.5, 1), "Roughness": 0.5}, 0.02),
+    "Glass": ({"Color": (1, 1, 1, 1), "Roughness": 0.0, "IOR": 1.5}, 0.01),
+    "Metallic": ({"Base_Color": (0.9, 0.6, 0.3, 1), "Roughness": 0.3}, 0.02),
+    "Translucent": ({"Color": (0.6, 0.4, 0.2, 1)}, 0.02),
+    "Transparent": ({"Color": (1, 1, 1, 1)}, 0.01),
+}
+
+
+@pytest.mark.parametrize("name", SHADERS)
+def test_shaders_look_as_in_cycles(studio: Any, name: str) -> None:
+    inputs, tolerance = SHADERS[name]
+    if not hasattr(bpy.types, f"ShaderNodeBsdf{name}"):
+        pytest.skip("this version of Blender does not have the shader")
+    studio.camera()
+    studio.floor()
+    studio.ball(studio.material(name, f"ShaderNodeBsdf{name}", **inputs))
+    if name != "Glass":  # Cycles finds the caustics of a light with much noise.
+        studio.light("AREA", 200, (1, -1, 3), size=2)
+    studio.world((0.3, 0.3, 0.3))
+    studio.scene.abbe.passes = 16
+    studio.scene.cycles.max_bounces = studio.scene.cycles.transmission_bounces = 32
+    compare(studio, tolerance, 0.05)
+
+
+@pytest.mark.parametrize("kind", ["ShaderNodeMixShader", "ShaderNodeAddShader"])
+def test_two_shaders_look_as_in_cycles(studio: Any, kind: str) -> None:
+    studio.camera()
+    studio.floor()
+    material = studio.material("Both", "ShaderNodeBsdfDiffuse", Color=(0.7, 0.2, 0.1, 1))
+    tree = material.node_tree
+    both, output = tree.nodes.new(kind), next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    is_mix = kind == "ShaderNodeMixShader"
+    other = tree.nodes.new("ShaderNodeBsdfGlossy" if is_mix else "ShaderNodeEmission")
+    if is_mix:
+        both.inputs[0].default_value = 0.3
+    tree.links.new(tree.nodes["Diffuse BSDF"].outputs[0], both.inputs[int(is_mix)])
+    tree.links.new(other.outputs[0], both.inputs[int(is_mix) + 1])
+    tree.links.new(both.outputs[0], output.inputs["Surface"])
+    studio.ball(material)
+    studio.world((0.5, 0.5, 0.5))
+    compare(studio, 0.01, 0.04)
+    assert studio.exported.report.lines == []
