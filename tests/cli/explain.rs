@@ -123,7 +123,7 @@ fn effects_that_are_off_take_one_line() {
     let off: Vec<&str> = brief.lines().filter(|line| line.contains(" off")).collect();
     assert_eq!(off.len(), 1, "{brief}");
     assert!(off[0].starts_with("  off, because the scene has nothing that needs them: shared, "), "{brief}");
-    assert!(off[0].ends_with("; forbidden or negligible: caustics"), "{brief}");
+    assert!(off[0].ends_with("; forbidden or negligible: polarisation, caustics"), "{brief}");
     let all = explain(&["--all"]);
     assert!(all.contains("  caustics        forbidden ") && all.contains("  motion          off "), "{all}");
 

@@ -44,7 +44,7 @@ fn targets(text: &str) -> Vec<String> {
 fn the_links_of_the_documentation_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found: Vec<PathBuf> = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|name| root.join(name)).to_vec();
-    for folder in ["docs", "benches", "scenes", "python"] {
+    for folder in ["docs", "benches", "scenes", "python", "blender"] {
         pages(&root.join(folder), &mut found);
     }
     let (mut links, mut broken) = (0, Vec::new());

@@ -103,7 +103,9 @@ impl MieSpheres {
         let step = (BAND_NM.1 - BAND_NM.0) / f64::from(TABLE_STEPS);
         let nm: Vec<f64> = (0..=TABLE_STEPS).map(|i| BAND_NM.0 + f64::from(i) * step).collect();
         let values: Vec<Vec<f64>> = nm.iter().map(|&nm| self.scattering(nm, &angles).pdf_per_sr).collect();
-        let table = Arc::new(PhaseTable::new(&angles, &nm, &values)?.of_spheres(Spheres::Mie(self.clone())));
+        let table = Arc::new(
+            PhaseTable::new(&angles, &nm, &values)?.of_spheres(Spheres::Mie(self.radii_um.clone(), self.index.clone())),
+        );
         if let Ok(mut known) = known.lock() {
             known.insert(key, table.clone());
         }

@@ -19,6 +19,8 @@ pub use mixture::PhaseMixture;
 pub use rainbow::rainbow;
 pub use table::{PhaseTable, parse as parse_table};
 
+use self::mie::{MieMatrix, MieSpheres};
+use self::table::Spheres;
 use abbe_spectra::math::frame::Frame;
 use abbe_spectra::math::warp;
 use abbe_spectra::spectrum::Spectrum;
@@ -81,7 +83,17 @@ impl PhaseFunction {
     /// Returns the elements S12, S33 and S34 of the phase matrix of spheres in the notation of
     /// Bohren & Huffman, divided by S11, or `None` if the phase function has no polarisation.
     pub fn polarisation(&self, cos_theta: f64, nm: f64) -> Option<[f64; 3]> {
-        if let Self::Table(table) = self { table.polarisation(cos_theta, nm) } else { None }
+        let Self::Table(table) = self else { return None };
+        table.polarisation(cos_theta, nm, |spheres, nm, angles_deg| match spheres {
+            Spheres::Mie(radii_um, index) => {
+                let spheres = MieSpheres { radii_um: radii_um.clone(), index: index.clone() };
+                let relative = |matrix: MieMatrix| {
+                    [matrix.s12, matrix.s33, matrix.s34].map(|element| (element / matrix.s11) as f32)
+                };
+                spheres.phase_matrix(nm, angles_deg).into_iter().map(relative).collect()
+            }
+            Spheres::Rain => rainbow::ratios(nm, angles_deg),
+        })
     }
 
     /// Returns the mean of cos θ at a wavelength in nm.

@@ -8,8 +8,7 @@
 //! Angles are stored as the versine 1 − cos θ, in [0, 2], which keeps full precision near the
 //! forward peak.
 
-use super::mie::{MieMatrix, MieSpheres};
-use super::rainbow;
+use crate::glass::RefractiveIndex;
 use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::distribution::DiscreteDistribution;
 use abbe_spectra::math::elementary::{asin, sin};
@@ -39,9 +38,9 @@ pub struct PhaseTable {
 /// The spheres of a table, whose polarisation can be computed.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Spheres {
-    /// By the series of Mie.
-    Mie(MieSpheres),
-    /// Drops of rain, by geometrical optics.
+    /// Pairs of a radius in µm and its fraction, and the refractive index, for the series of Mie.
+    Mie(Vec<(f64, f64)>, RefractiveIndex),
+    /// Drops of rain, for geometrical optics.
     Rain,
 }
 
@@ -86,13 +85,19 @@ impl PhaseTable {
     }
 
     /// Returns the elements S12, S33 and S34 of the phase matrix in the notation of Bohren &
-    /// Huffman, divided by S11, or `None` if they are unknown. The first call computes a table.
-    pub(super) fn polarisation(&self, cos_theta: f64, nm: f64) -> Option<[f64; 3]> {
+    /// Huffman, divided by S11, or `None` if they are unknown. The first call asks `ratios` for those
+    /// of the spheres at each wavelength in nm and at angles in degrees.
+    pub(super) fn polarisation(
+        &self,
+        cos_theta: f64,
+        nm: f64,
+        ratios: impl Fn(&Spheres, f64, &[f64]) -> Vec<[f32; 3]>,
+    ) -> Option<[f64; 3]> {
         let spheres = self.spheres.as_ref()?;
         let ratios = self.ratios.get_or_init(|| {
             let degrees = |versine: &f64| 2.0 * asin((0.5 * versine).sqrt().min(1.0)).to_degrees();
             let angles: Vec<f64> = self.versines.iter().map(degrees).collect();
-            self.nm.iter().map(|&nm| spheres.ratios(nm, &angles)).collect()
+            self.nm.iter().map(|&nm| ratios(spheres, nm, &angles)).collect()
         });
         let versine = (1.0 - cos_theta).clamp(0.0, 2.0);
         let cell = self.cell(versine);
@@ -167,20 +172,6 @@ impl PhaseTable {
         let step = (((0.5 * versine).sqrt() * steps as f64) as usize).min(steps - 1);
         let (first, last) = (self.guide[step] as usize, self.guide[step + 1] as usize);
         first + self.versines[first + 1..=last].partition_point(|&known| known <= versine)
-    }
-}
-
-impl Spheres {
-    fn ratios(&self, nm: f64, angles_deg: &[f64]) -> Vec<[f32; 3]> {
-        match self {
-            Self::Mie(spheres) => {
-                let relative = |matrix: MieMatrix| {
-                    [matrix.s12, matrix.s33, matrix.s34].map(|element| (element / matrix.s11) as f32)
-                };
-                spheres.phase_matrix(nm, angles_deg).into_iter().map(relative).collect()
-            }
-            Self::Rain => rainbow::ratios(nm, angles_deg),
-        }
     }
 }
 

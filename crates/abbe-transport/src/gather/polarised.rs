@@ -6,7 +6,7 @@
 //! is the product of all matrices with this vector.
 
 use super::camera::throughput::{PathFactors, SpectralMode, product};
-use super::density::gather_point::{PhotonLight, biased_by};
+use super::density::photon_light::{PhotonLight, biased_by};
 use crate::map::StoredPolarisation;
 use crate::map::kernel::KernelValues;
 use crate::plan::LightOrigin;
@@ -47,32 +47,43 @@ impl<'a> PathFactors<'_, 'a> {
 
     /// Returns what the camera receives of natural light that an event scatters into the path, for a
     /// throughput of 1. Without an event, the light arrives at the end of the path as it is.
-    #[inline(always)]
-    pub(in crate::gather) fn received(self, nm: f64, event: Option<&ScatteringEvent<'_>>) -> Stokes {
-        if self.depends_on_polarisation() { self.received_through(nm, event) } else { Stokes::unpolarised(1.0) }
-    }
-
     #[inline(never)]
-    fn received_through(self, nm: f64, event: Option<&ScatteringEvent<'_>>) -> Stokes {
+    pub(in crate::gather) fn received(self, nm: f64, event: Option<&ScatteringEvent<'_>>) -> Stokes {
         let (matrix, natural) = (self.matrix(nm), Stokes::unpolarised(1.0));
         let light = matrix * event.map_or(natural, |event| event.matrix(nm) * natural);
         let throughput = matrix.0[0][0];
         if throughput > 0.0 { light * throughput.recip() } else { Stokes::default() }
     }
 
-    /// Adds the light that the camera receives of a `weight` of natural light, with its relative
-    /// bias.
+    /// Adds a `weight` of natural light with its relative bias, which an event scatters into the
+    /// path, or which arrives at the end of the path as it is.
     #[inline(always)]
     pub(in crate::gather) fn deliver<S: Sink>(
         self,
         (origin, nm): (LightOrigin, f64),
         (weight, bias): (f64, f64),
-        received: &Stokes,
+        event: Option<&ScatteringEvent<'_>>,
         sink: &mut S,
     ) {
+        if self.depends_on_polarisation() {
+            self.deliver_polarised((origin, nm), (weight, bias), event, sink);
+        } else {
+            sink.biased(origin, nm, weight, weight * bias);
+        }
+    }
+
+    #[inline(never)]
+    fn deliver_polarised<S: Sink>(
+        self,
+        (origin, nm): (LightOrigin, f64),
+        (weight, bias): (f64, f64),
+        event: Option<&ScatteringEvent<'_>>,
+        sink: &mut S,
+    ) {
+        let received = self.received(nm, event);
         let radiance = weight * received.power().max(0.0);
         sink.biased(origin, nm, radiance, radiance * bias);
-        self.deliver_stokes(nm, weight, received, sink);
+        self.deliver_stokes(nm, weight, &received, sink);
     }
 
     #[inline(always)]

@@ -12,6 +12,7 @@ use abbe_scene::Layer;
 use abbe_scene::camera::SystemLens;
 use abbe_scene::light::{Emitter, Light};
 use abbe_scene::{Body, Scene};
+use abbe_spectra::error::Result;
 
 impl EffectId {
     pub fn effect(self) -> &'static Effect {
@@ -47,10 +48,7 @@ const fn row(id: EffectId) -> Effect {
             set: |plan, _, on| plan.wavelengths = if on { WavelengthPlan::Both } else { WavelengthPlan::Free },
             events: |tally, _| tally.dispersions,
             removal: Removal::FromScene(|scene, nm| {
-                for material in &mut scene.materials {
-                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
-                    material.surface = surface.without_dispersion(nm)?;
-                }
+                replace_surfaces(scene, |surface| surface.without_dispersion(nm))?;
                 for body in bodies(scene) {
                     body.index = body.index.as_ref().map(|index| RefractiveIndex::constant(index.n(nm))).transpose()?;
                 }
@@ -93,11 +91,7 @@ const fn row(id: EffectId) -> Effect {
             removal: Removal::FromScene(|scene, _| {
                 scene.camera.filter = None;
                 scene.film.layers.retain(|layer| *layer != Layer::Stokes);
-                for material in &mut scene.materials {
-                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
-                    material.surface = surface.without_filters()?;
-                }
-                Ok(())
+                replace_surfaces(scene, Bsdf::without_filters)
             }),
         },
         EffectId::Caustics => Effect {
@@ -120,16 +114,14 @@ const fn row(id: EffectId) -> Effect {
             cost: "per photon at dispersive glass: a path for each of about nine wavelengths, and the pixels between them",
             absent: "behind dispersive glass, each photon adds one wavelength at one point to the picture",
             required_by: "dispersive glass or gratings that throw light on surfaces in a picture",
-            not_required: "no picture shows a surface that receives unpolarised light from dispersive glass or a grating \
-                           by a simple lens",
+            not_required: "no picture shows by a simple lens what dispersive glass or gratings throw on surfaces unpolarised",
             requires: |facts| {
+                let painted = facts.receives() && facts.lens_system.is_none() && facts.meters.is_empty();
                 let natural = facts.polarising.is_empty();
-                let painted = facts.receives() && facts.lens_system.is_none() && facts.meters.is_empty() && natural;
-                if painted { facts.dispersive.clone() } else { Vec::new() }
+                if painted && natural { facts.dispersive.clone() } else { Vec::new() }
             },
             set: |plan, _, on| {
                 let connects = plan.caustics != CausticPlan::Absent && plan.wavelengths != WavelengthPlan::Shared;
-                // The paths of a ribbon carry no polarisation.
                 plan.ribbons = on && connects && !plan.polarisation;
             },
             events: |tally, _| tally.ribbons,
@@ -262,11 +254,8 @@ const fn row(id: EffectId) -> Effect {
             set: |_, _, _| {},
             events: |tally, _| tally.texture_lookups,
             removal: Removal::FromScene(|scene, _| {
-                for material in &mut scene.materials {
-                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
-                    material.surface = surface.without_textures();
-                    material.normal_map = None;
-                }
+                replace_surfaces(scene, |surface| Ok(surface.without_textures()))?;
+                scene.materials.iter_mut().for_each(|material| material.normal_map = None);
                 scene.lights.iter_mut().for_each(Light::remove_texture_of_slide);
                 Ok(())
             }),
@@ -284,10 +273,7 @@ const fn row(id: EffectId) -> Effect {
             set: |_, _, _| {},
             events: |tally, _| tally.film_events,
             removal: Removal::FromScene(|scene, _| {
-                for material in &mut scene.materials {
-                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
-                    material.surface = surface.without_films()?;
-                }
+                replace_surfaces(scene, Bsdf::without_films)?;
                 scene.camera.system_mut().into_iter().for_each(SystemLens::remove_coatings);
                 Ok(())
             }),
@@ -305,10 +291,7 @@ const fn row(id: EffectId) -> Effect {
             set: |plan, facts, on| plan.fluorescence = on && !facts.fluorescent.is_empty(),
             events: |tally, _| tally.fluorescent_events,
             removal: Removal::FromScene(|scene, _| {
-                for material in &mut scene.materials {
-                    let surface = std::mem::replace(&mut material.surface, Bsdf::Absorber);
-                    material.surface = surface.without_fluorescence()?;
-                }
+                replace_surfaces(scene, Bsdf::without_fluorescence)?;
                 scene.media.iter_mut().for_each(|medium| medium.fluorophore = None);
                 Ok(())
             }),
@@ -488,6 +471,14 @@ const fn row(id: EffectId) -> Effect {
             removal: Removal::Refused { alternative: "`abbe render`, which ignores meters" },
         },
     }
+}
+
+/// Replaces the surface of each material.
+fn replace_surfaces(scene: &mut Scene, replace: impl Fn(Bsdf) -> Result<Bsdf>) -> Result<()> {
+    scene.materials.iter_mut().try_for_each(|material| {
+        material.surface = replace(std::mem::replace(&mut material.surface, Bsdf::Absorber))?;
+        Ok(())
+    })
 }
 
 /// The interiors of all materials that have an interior.

@@ -18,16 +18,16 @@ use glam::{DVec2, DVec3};
 const MAX_ERROR: f64 = 0.01;
 
 /// The rays through the picture, across and down, or the points of all sensors.
-const GRID: [u32; 2] = [24, 16];
+const GRID: [u32; 2] = [16, 10];
 
 /// The lights to which rays from a surface lead.
 const MOST_LIGHTS: usize = 4;
 
 /// The chains of a ray end after this many events.
-const MOST_EVENTS: u32 = 8;
+const MOST_EVENTS: u32 = 6;
 
 /// Parts of a chain with less of the ray's power are ignored.
-const LEAST_WEIGHT: f64 = 1e-3;
+const LEAST_WEIGHT: f64 = 3e-3;
 
 /// The power of all rays, and the error of this power.
 #[derive(Debug, Clone, Copy, Default)]
@@ -91,7 +91,7 @@ fn starts(scene: &Scene) -> Vec<RayState> {
     }
     let per_sensor = cells.map(|cell| (cell / size).to_array()).collect::<Vec<_>>();
     let points = camera.sensors().iter().flat_map(|sensor| {
-        per_sensor.iter().step_by(8).map(|&[u, v]| scene.sensor_point(sensor, [0.5, u, v, 0.5])).collect::<Vec<_>>()
+        per_sensor.iter().step_by(10).map(|&[u, v]| scene.sensor_point(sensor, [0.5, u, v, 0.5])).collect::<Vec<_>>()
     });
     points
         .flat_map(|point| {

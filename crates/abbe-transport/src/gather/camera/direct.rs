@@ -55,8 +55,7 @@ impl<'a> CameraPass<'a> {
                 let f = bsdf.eval(wo, sample.wi, sides, TransportMode::Radiance, nm);
                 let weight =
                     throughput * sample.light.spd_at(sample.spd, nm) * sample.strength * f * transmittance(&along, nm);
-                let received = factors.received(nm, event.as_ref());
-                factors.deliver((origin, nm), (weight, bias), &received, context.sink);
+                factors.deliver((origin, nm), (weight, bias), event.as_ref(), context.sink);
             });
             if let Some(luminescence) = luminescence
                 && bsdf.pdf(wo, sample.wi, sides, nm) > 0.0
@@ -99,8 +98,8 @@ impl<'a> CameraPass<'a> {
             each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
                 let response = bsdf.eval_sample(wo, &sample, sides, TransportMode::Radiance, nm) / sample.probability;
                 let arriving = emitter.light.spd_at(emitter.spd, nm) * emitter.radiance * transmittance(&along, nm);
-                let (weight, received) = (throughput * arriving * response, factors.received(nm, event.as_ref()));
-                factors.deliver((origin, nm), (weight, bias), &received, context.sink);
+                let weight = throughput * arriving * response;
+                factors.deliver((origin, nm), (weight, bias), event.as_ref(), context.sink);
             });
             if let Some(luminescence) = luminescence {
                 let exciting = ExcitingLight {
@@ -129,6 +128,6 @@ fn add_emitter<S: Sink>(
     let origin = LightOrigin { class: path.events.class_of_emission(), light: number };
     each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
         let weight = throughput * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;
-        factors.deliver((origin, nm), (weight, bias), &factors.received(nm, None), context.sink);
+        factors.deliver((origin, nm), (weight, bias), None, context.sink);
     });
 }

@@ -1,12 +1,13 @@
 //! The gather point: a point of a camera path on a surface, and the photons around this point.
 
+use super::photon_light::{PhotonLight, add_photon, biased_by};
 use super::responses::SurfaceResponses;
 use crate::gather::camera::path::CameraPath;
-use crate::gather::camera::throughput::{PathFactors, SpectralMode, product};
+use crate::gather::camera::throughput::{PathFactors, SpectralMode};
 use crate::gather::luminescence::Luminescence;
 use crate::gather::polarised::{PolarisedPhoton, add_polarised_photon};
 use crate::map::kernel::{BoundaryCorrection, DiskKernel, KernelValues};
-use crate::map::{NearbyPhoton, PhotonPower, PhotonSpectra, StoredPolarisation};
+use crate::map::{NearbyPhoton, PhotonSpectra, StoredPolarisation};
 use crate::plan::{LightOrigin, PathClass};
 use crate::walk::{CausticWeights, SensorResponse, Sink, SurfaceInteraction, bias_of_excess};
 use abbe_optics::bsdf::{BsdfClass, InterfaceIors, LocalBsdf, TransportMode};
@@ -236,45 +237,4 @@ impl<'e> GatherPoint<'e> {
 pub(in crate::gather) struct ResponseSums {
     pub(in crate::gather) estimate: SensorResponse,
     pub(in crate::gather) bias: SensorResponse,
-}
-
-/// The wavelengths and powers of a photon, with the spectra that the wavelengths refer to.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::gather) struct PhotonLight<'p> {
-    pub(in crate::gather) power: &'p PhotonPower,
-    pub(in crate::gather) spectra: &'p PhotonSpectra,
-    pub(in crate::gather) class: PathClass,
-}
-
-/// Returns the bias per unit of power. `path_bias` is that of all factors except the kernel.
-#[inline(always)]
-pub(in crate::gather) fn biased_by(kernels: KernelValues, path_bias: f64) -> f64 {
-    kernels.bias() + kernels.estimate * path_bias
-}
-
-/// Adds a photon to the radiance of a camera path. `response` returns the fraction of the power at
-/// a wavelength (nm) that is scattered into the path, per steradian. `path_bias` is the relative
-/// bias of all factors except the kernel.
-#[inline(always)]
-pub(in crate::gather) fn add_photon<S: Sink>(
-    PhotonLight { power, spectra, class }: PhotonLight<'_>,
-    kernels: KernelValues,
-    path_bias: f64,
-    (spectral_mode, factors): (SpectralMode, PathFactors<'_, '_>),
-    sink: &mut S,
-    response: impl Fn(f64) -> f64,
-) {
-    let (estimate, bias) = (kernels.estimate, biased_by(kernels, path_bias));
-    let origin = LightOrigin { class, light: spectra.light_of(power.wavelength_code()) };
-    let mut add = |nm: f64, radiance: f64| sink.biased(origin, nm, radiance * estimate, radiance * bias);
-    match spectral_mode {
-        SpectralMode::Free => {
-            power.lanes(spectra).for_each(|(nm, power)| add(nm, response(nm) * product(factors.natural, nm) * power));
-        }
-        SpectralMode::Shared { lane, nm, throughput } => {
-            if let Some(power) = power.at_lane(lane) {
-                add(nm, response(nm) * throughput * power);
-            }
-        }
-    }
 }

@@ -58,8 +58,7 @@ impl<'a> CameraPass<'a> {
                 let scattered = medium.scattering.at(nm) * medium.phase.eval(cosine, nm);
                 let passed = transmittance(&to_point, nm) * transmittance(&sample.transmittance, nm);
                 let weight = throughput * sample.light.spd_at(sample.spd, nm) * strength * scattered * passed;
-                let received = factors.received(nm, event.as_ref());
-                factors.deliver((origin, nm), (weight, bias), &received, context.sink);
+                factors.deliver((origin, nm), (weight, bias), event.as_ref(), context.sink);
             });
             if let Some(luminescence) = luminescence {
                 let exciting = ExcitingLight {

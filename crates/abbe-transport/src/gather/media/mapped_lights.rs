@@ -127,11 +127,15 @@ impl InScattering<'_, '_> {
             let depth = self.extinction[k] * distance.column_m + self.absorption[k] * distance.t_m;
             let scattered =
                 weight * self.scattering[k] * phase[k] * incident.irradiance * distance.strength_m * exp(-depth);
-            let received = self.factors.received(self.wavelengths.nm[k], event.as_ref());
-            let fine_stokes = received * (scattered * exp(-fine[k]));
-            let scattered = scattered * received.power().max(0.0);
-            let (fine, coarse) = (scattered * exp(-fine[k]), scattered * exp(-coarse[k]));
-            self.stokes[k] += fine_stokes;
+            let (fine_part, coarse_part) = (exp(-fine[k]), exp(-coarse[k]));
+            let scattered = if self.factors.depends_on_polarisation() {
+                let received = self.factors.received(self.wavelengths.nm[k], event.as_ref());
+                self.stokes[k] += received * (scattered * fine_part);
+                scattered * received.power().max(0.0)
+            } else {
+                scattered
+            };
+            let (fine, coarse) = (scattered * fine_part, scattered * coarse_part);
             self.sum[k] += fine;
             self.bias[k] += (coarse - fine) / 3.0;
         }

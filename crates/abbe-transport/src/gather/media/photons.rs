@@ -5,7 +5,7 @@ use crate::gather::camera::path::CameraPath;
 use crate::gather::camera::throughput::SpectralMode;
 use crate::gather::camera::visible_point::CameraSegment;
 use crate::gather::camera_pass::{AllPhotons, CameraPass, EventFilter, EventRange, PathContext, TruncatedMaps};
-use crate::gather::density::gather_point::{PhotonLight, add_photon, biased_by};
+use crate::gather::density::photon_light::{PhotonLight, add_photon, biased_by};
 use crate::gather::luminescence::Luminescence;
 use crate::gather::polarised::{PolarisedPhoton, add_polarised_photon};
 use crate::map::kernel::{KernelDomain, KernelValues};

@@ -88,7 +88,7 @@ impl<'a> CameraPass<'a> {
             let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
             each_wavelength(path.spectral_mode, factors, light, wavelength, |nm, throughput| {
                 let weight = throughput * medium.emission_per_m(position, nm) * transmittance(&along, nm) * step;
-                factors.deliver((origin, nm), (weight, bias), &factors.received(nm, None), context.sink);
+                factors.deliver((origin, nm), (weight, bias), None, context.sink);
             });
         }
     }

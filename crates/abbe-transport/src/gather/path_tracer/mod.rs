@@ -2,4 +2,6 @@
 
 mod limit;
 mod medium;
+mod polarised;
+mod sensor;
 pub(super) mod tracer;

@@ -5,27 +5,25 @@
 //! its first dispersive refraction. Unlike photon mapping, it does not find the light of a light
 //! without extent behind glass.
 
-use crate::gather::camera::sampler::{PixelSampler, sensor_pdf};
+use crate::gather::camera::sampler::PixelSampler;
 use crate::gather::camera::throughput::relative_n2;
 use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::{DirectLighting, HitWeighting, LightSample, LightSampleContext};
 use crate::gather::luminescence::{ExcitingLight, Luminescence};
 use crate::map::PhotonSpectra;
 use crate::plan::partition::LightPath;
-use crate::plan::{CameraEvents, LightOrigin, MediumPlan, PathClass, Tally};
+use crate::plan::{CameraEvents, LightOrigin, MediumPlan, Tally};
 use crate::walk::{
     DepthLimit, MAX_EVENTS, PathMatrices, PathTransmittance, RayState, ScatteredRay, SegmentEnd, Sink, StopFlag,
     SurfaceInteraction, SurfaceLookup, TruncatedLight, WithBodies, crosses_more_panes, event_at_camera_filter,
-    light_between_panes, long_path_survival, next_interaction, pane_matrix, rotation_to_picture, scatter,
-    transmittance,
+    light_between_panes, long_path_survival, next_interaction, rotation_to_picture, scatter, transmittance,
 };
 use abbe_optics::bsdf::{BsdfClass, Fluorescent, ScatterEvent, TransportMode};
 use abbe_optics::fluorophore::Fluorophore;
-use abbe_polarisation::{Rotation, Stokes};
+use abbe_polarisation::Rotation;
 use abbe_scene::Scene;
 use abbe_scene::camera::SystemLens;
 use abbe_scene::geometry::{Hit, Ray};
-use abbe_scene::meter::Sensor;
 use abbe_spectra::spectrum::{LANES, Lanes, WavelengthDistribution, Wavelengths};
 use glam::DVec3;
 use std::ops::{ControlFlow, Range};
@@ -70,7 +68,7 @@ pub(super) struct TracedPath {
     /// The throughput at the start of the path, for Russian roulette.
     pub(super) initial_throughput: Lanes,
     /// The number of wavelengths at the start of the path.
-    initial_count: usize,
+    pub(super) initial_count: usize,
     pub(super) hit_weighting: HitWeighting,
     /// The events that decide the class of the path's light.
     pub(super) events: CameraEvents,
@@ -264,7 +262,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Samples four stratified wavelengths (nm). Returns them, and the inverses of their densities.
-    fn stratified_wavelengths(&self, sampler: &PixelSampler) -> (Lanes, Lanes) {
+    pub(super) fn stratified_wavelengths(&self, sampler: &PixelSampler) -> (Lanes, Lanes) {
         let (mut nm, mut throughput) = ([0.0; LANES], [0.0; LANES]);
         for k in 0..LANES {
             let (sampled, pdf) = self.wavelengths.sample((sampler.wavelength + k as f64) / LANES as f64);
@@ -272,54 +270,6 @@ impl<'a> PathTracer<'a> {
             throughput[k] = 1.0 / (pdf * LANES as f64);
         }
         (nm, throughput)
-    }
-
-    /// Adds direct light at a sensor, the first scattering event, and starts the path.
-    fn start_at_sensor<S: Sink>(
-        &self,
-        sensor: &Sensor,
-        sampler: &PixelSampler,
-        tally: &mut Tally,
-        sink: &mut S,
-    ) -> TracedPath {
-        tally.sensor_samples += 1;
-        let (nm, inverse_pdf) = self.stratified_wavelengths(sampler);
-        let start = sampler.sensor_sample(self.scene, sensor, self.direct.portals);
-        let from = ReceivingPoint::on_sensor(&start.point);
-        let limit = DepthLimit::of(self.scene);
-        let pdf = |direction| sensor_pdf((start.point.position, start.point.response), self.direct.portals, direction);
-        for selected in self.direct.select_lights(from, sampler.light()) {
-            let sample = self.direct.sample_direct_at_sensor(&start.point, pdf, selected, tally);
-            let Some(sample) = sample else { continue };
-            let origin = LightOrigin { class: PathClass::Direct, light: selected.number };
-            let along = &sample.transmittance;
-            let radiance = |k: usize| {
-                let arriving = sample.light.spd_at(sample.spd, nm[k]) * sample.strength;
-                let polarised = if self.polarised { pane_matrix(along, nm[k]).0[0][0] } else { 1.0 };
-                inverse_pdf[k] * arriving * transmittance(along, nm[k]) * polarised
-            };
-            if limit.is_explicit() && crosses_more_panes(along, limit.events()) {
-                let truncated = &mut TruncatedLight { sink, factor: 1.0 };
-                (0..LANES).for_each(|k| truncated.radiance(origin, nm[k], radiance(k)));
-                continue;
-            }
-            for (k, &nm) in nm.iter().enumerate() {
-                sink.biased(origin, nm, radiance(k), -radiance(k) * light_between_panes(along, nm));
-            }
-        }
-        TracedPath {
-            ray_state: start.ray_state,
-            initial_count: LANES,
-            wavelengths: Wavelengths::new(nm),
-            observed: nm,
-            throughput: inverse_pdf.map(|throughput| throughput * start.weight),
-            matrices: PathMatrices::IDENTITY,
-            to_picture: None,
-            initial_throughput: inverse_pdf,
-            hit_weighting: HitWeighting::Mis { from, pdf: start.pdf, caustic: None },
-            events: CameraEvents::Surface,
-            events_left: TracedPath::UNLIMITED,
-        }
     }
 
     /// Adds the radiance of the lights on the surface or at infinity at the end of a segment.
@@ -404,42 +354,6 @@ impl<'a> PathTracer<'a> {
 impl TracedPath {
     /// The value of `events_left` without an explicit limit, and beyond it.
     pub(super) const UNLIMITED: u32 = u32::MAX;
-
-    /// Adds light of a weight in a lane, of which the camera receives `received` for a weight of 1.
-    pub(super) fn deliver<S: Sink>(
-        &self,
-        origin: LightOrigin,
-        lane: usize,
-        weight: f64,
-        received: Option<Stokes>,
-        sink: &mut S,
-    ) {
-        let received = received.unwrap_or(Stokes::unpolarised(1.0));
-        sink.radiance(origin, self.observed[lane], weight * received.power().max(0.0));
-        self.deliver_stokes(lane, weight, || received, sink);
-    }
-
-    /// Adds the Stokes vector of light, `received` for a weight of 1, if the film records it.
-    #[inline(always)]
-    pub(super) fn deliver_stokes<S: Sink>(
-        &self,
-        lane: usize,
-        weight: f64,
-        received: impl FnOnce() -> Stokes,
-        sink: &mut S,
-    ) {
-        if let Some(to_picture) = self.to_picture {
-            let Stokes([_, stokes @ ..]) = to_picture * received();
-            sink.stokes(self.observed[lane], stokes.map(|part| weight * part));
-        }
-    }
-
-    /// Corrects the weights of a surface event for polarised light, and adds it to the matrices.
-    #[inline(never)]
-    fn polarise(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &mut ScatteredRay) {
-        let event = interaction.event_of_camera(scattered.direction, scattered.delta);
-        self.matrices.precede(&event, &self.wavelengths, &mut scattered.weight);
-    }
 
     /// Applies a scattering event, or none at a pane that shadow rays pass too.
     fn apply_scattering(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &ScatteredRay, through_pane: bool) {
