@@ -4,6 +4,7 @@
 use crate::common::near::{assert_near, number};
 use crate::common::render;
 use crate::golden::golden;
+use crate::textures::assert_integrators_agree_after;
 use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
 
@@ -325,5 +326,70 @@ fn air_and_rain_polarise_the_light_that_they_scatter() {
         let ([q, u, v], _) = stokes(&render(&scattered(phase, degrees), Integrator::Photon, 8));
         println!("{phase} at {degrees}°: {q:.4}");
         assert!((q + known).abs() < tolerance && u.abs() < 1e-3 && v.abs() < 1e-3, "{phase}: {q} for −{known}");
+    }
+}
+
+/// A lamp above a floor that reflects little, with these sheets and bodies in between.
+fn lamp_over_a_floor(materials: &Value, objects: &[Value], filter: Option<&Value>) -> Value {
+    let mut all = vec![
+        json!({ "shape": { "rectangle": { "width": 2, "height": 2 } }, "material": "grey" }),
+        json!({ "shape": { "sphere": { "radius": 0.1 } }, "material": "absorber",
+                "transform": [{ "translate": [0.4, 1.6, 0.2] }], "emission": { "spectrum": "E", "power": 100 } }),
+    ];
+    all.extend(objects.iter().cloned());
+    let mut materials = materials.clone();
+    materials["grey"] = json!({ "diffuse": { "reflectance": 0.3 } });
+    materials["absorber"] = json!("absorber");
+    let mut scene = json!({
+        "camera": { "from": [0, 0.5, 0], "at": [0, 0, 0], "up": [0, 0, 1], "lens": { "pinhole": { "fov": 40 } } },
+        "film": { "width": 16, "height": 16 },
+        "materials": materials, "objects": all,
+        "render": { "photons": 20000 }
+    });
+    if let Some(filter) = filter {
+        scene["camera"]["filter"] = filter.clone();
+    }
+    scene
+}
+
+fn sheet(height: f64, tilt: f64, material: &str) -> Value {
+    json!({ "shape": { "rectangle": { "width": 3, "height": 3 } }, "material": material,
+            "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": tilt } }, { "translate": [0, height, 0] }] })
+}
+
+/// Photons carry Stokes vectors and camera paths Mueller matrices, and both give the same picture:
+/// through crossed filters and a retarder, behind an oblique pane, and at a glossy floor.
+#[test]
+fn photons_and_paths_agree_on_polarised_light() {
+    let filters = json!({ "p": polariser(0.0), "q": polariser(60.0), "r": { "retarder": { "retardance_nm": 700,
+        "axis": 30 } }, "pane": { "thin_dielectric": { "ior": 1.8 } } });
+    let mut glossy = lamp_over_a_floor(&json!({}), &[], Some(&polariser(90.0)));
+    glossy["materials"]["grey"] = json!({ "glossy": { "reflectance": 0.1, "ior": 1.5, "roughness": 0.4 } });
+    glossy["camera"]["from"] = json!([-0.8, 0.6, 0]);
+    let cases = [
+        ("filters", lamp_over_a_floor(&filters, &[sheet(1.2, 0.0, "p"), sheet(0.8, 10.0, "q")], None)),
+        (
+            "a retarder between filters",
+            lamp_over_a_floor(&filters, &[sheet(1.2, 0.0, "p"), sheet(1.0, 0.0, "r"), sheet(0.8, 10.0, "q")], None),
+        ),
+        ("an oblique pane", lamp_over_a_floor(&filters, &[sheet(1.2, 55.0, "pane"), sheet(0.6, 0.0, "p")], None)),
+        ("a glossy floor", glossy),
+    ];
+    for (name, scene) in cases {
+        assert_integrators_agree_after(16, name, &scene, 2e-2);
+    }
+}
+
+/// Light from the front of a circular polariser leaves circular, and light from its back linear.
+#[test]
+fn circular_polarisers_depend_on_their_side() {
+    let filter = json!({ "circular_polariser": { "handedness": "right", "retardance_nm": 0.25 * 587.56 } });
+    for (degrees, circular) in [(0.0, 0.0), (180.0, 1.0)] {
+        let mut scene = sheets(std::slice::from_ref(&filter));
+        scene["objects"][0]["transform"] = json!([{ "rotate": { "axis": [1, 0, 0], "degrees": degrees } }]);
+        scene["lights"][0]["environment"]["spectrum"] = yellow();
+        let ([q, u, v], _) = stokes(&render(&scene, Integrator::Photon, 1));
+        assert!((v - circular).abs() < 1e-4, "{degrees}°: {q} {u} {v}");
+        assert!(((q * q + u * u).sqrt() - (1.0 - circular)).abs() < 1e-3, "{degrees}°: {q} {u} {v}");
     }
 }

@@ -216,5 +216,23 @@ mod tests {
             let known = (1.0 - x * x) / (1.0 + x * x).powi(2);
             assert!((pressed_disc([x, 0.0]).0 - known).abs() < 1e-14, "{x}");
         }
+        // Elsewhere, the pressures of both points of contact add: each acts along the line to it, and
+        // is cos φ/r (Flamant).
+        for (x, y) in [(0.3, 0.4), (-0.5, 0.1), (0.2, -0.7_f64)] {
+            let (mut twice_cos, mut twice_sin) = (0.0, 0.0);
+            for top in [1.0, -1.0] {
+                let (dx, dy) = (x, top - y);
+                let r = dx.hypot(dy);
+                let pressure = dy.abs() / (r * r);
+                let (c, s) = (dx / r, -dy / r);
+                twice_cos -= pressure * (c * c - s * s);
+                twice_sin -= pressure * 2.0 * c * s;
+            }
+            let (difference, axis) = pressed_disc([x, y]);
+            assert!((difference - 0.5 * twice_cos.hypot(twice_sin)).abs() < 1e-12, "{x}, {y}: {difference}");
+            // The axis of the smaller stress is across that of the larger one.
+            let (c, s) = ((2.0 * axis).cos(), (2.0 * axis).sin());
+            assert!((c * twice_cos + s * twice_sin + 2.0 * difference).abs() < 1e-12, "{x}, {y}: {axis}");
+        }
     }
 }

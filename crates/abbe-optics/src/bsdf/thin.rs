@@ -79,7 +79,7 @@ impl ThinDielectric {
             return FacetResponses::Depolarising;
         }
         let inside = self.index.n(nm);
-        let cos_inside = fresnel::cos_transmitted(cosine, outside, inside);
+        let cos_inside = fresnel::cos_transmitted(cosine.abs(), outside, inside);
         let passage = self.optical_depth.as_ref().map_or(1.0, |depth| exp(-depth.at(nm) / cos_inside));
         let Some(films) = &self.coating else { return FacetResponses::Plate { indices: [outside, inside], passage } };
         FacetResponses::CoatedPlate {

@@ -22,6 +22,9 @@ use abbe_spectra::math::random::Seed;
 use abbe_spectra::spectrum::{LANES, WavelengthDistribution};
 use std::ops::ControlFlow;
 
+/// The rate of null collisions in media that only absorb, relative to their largest extinction.
+const ABSORPTION_RATE: f64 = 4.0;
+
 /// The relative throughput below which paths undergo Russian roulette in media. In white fog, paths
 /// keep their throughput, and roulette would only add noise.
 const ROULETTE_THROUGHPUT: f64 = 0.2;
@@ -209,7 +212,11 @@ impl TracedPath {
         let dye = dye.filter(visible);
         let sigma_dye = dye.map_or(0.0, |dye| dye.dye.absorptance_spectrum().max());
         let largest = sigma_t.iter().copied().fold(0.0, f64::max) + sigma_dye;
-        let rate = largest * medium.majorant(&segment.ray, segment.length_m);
+        // Where nothing scatters, no event ends the path: more null collisions of a smaller weight
+        // then replace survival by chance.
+        let absorbs_only = sigma_dye == 0.0 && sigma_s.iter().all(|&sigma| sigma == 0.0);
+        let bound = if absorbs_only { ABSORPTION_RATE * largest } else { largest };
+        let rate = bound * medium.majorant(&segment.ray, segment.length_m);
         if rate <= 0.0 {
             return None;
         }
