@@ -219,9 +219,9 @@ mod tests {
         // Elsewhere, the pressures of both points of contact add: each acts along the line to it, and
         // is cos φ/r (Flamant).
         for (x, y) in [(0.3, 0.4), (-0.5, 0.1), (0.2, -0.7_f64)] {
-            let (mut twice_cos, mut twice_sin) = (0.0, 0.0);
+            let (mut twice_cos, mut twice_sin) = (0.0_f64, 0.0);
             for top in [1.0, -1.0] {
-                let (dx, dy) = (x, top - y);
+                let (dx, dy): (f64, f64) = (x, top - y);
                 let r = dx.hypot(dy);
                 let pressure = dy.abs() / (r * r);
                 let (c, s) = (dx / r, -dy / r);
