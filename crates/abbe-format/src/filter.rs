@@ -49,7 +49,7 @@ pub struct PolariserFile {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Retarder", example = json!({"retardance_nm": 137.5, "axis": 45}))]
-#[schemars(example = json!({"crystal": "calcite", "thickness_nm": 3000}))]
+#[schemars(example = json!({"crystal": "calcite", "thickness_nm": 3000, "factor": {"gradient": {"a": 0, "b": 1}}}))]
 pub struct RetarderFile {
     /// Angle of the fast axis, or of the optic axis of a crystal, counter-clockwise as seen from
     /// the front: from u on a surface, or from the right side of the picture at the camera. A texture
