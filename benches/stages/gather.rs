@@ -44,8 +44,8 @@ pub(crate) fn benches(c: &mut Criterion) {
         spectra: &prepared.spectra,
         excitation: &[],
         media_plan,
-        polarised: prepared.plan.polarisation,
-        stokes: prepared.plan.stokes,
+        polarised: prepared.plan.polarisation.is_on(),
+        stokes: prepared.plan.polarisation.records_stokes(),
         stop: &NEVER_STOP,
     };
     let pixels: Vec<u64> = (0..scene.camera.pixel_count() as u64).step_by(STEP).collect();

@@ -275,7 +275,10 @@ impl MaterialFile {
             Self::Stress(file) => Some(PolarisingFilterFile::Stress(file.clone())),
             Self::CircularPolariser(file) => Some(PolarisingFilterFile::CircularPolariser(file.clone())),
             Self::Filters(files) => Some(PolarisingFilterFile::Filters(files.clone())),
-            _ => None,
+            Self::Diffuse { .. } | Self::Fluorescent { .. } | Self::Bispectral { .. } | Self::Dielectric(_) => None,
+            Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) | Self::Conductor(_) => None,
+            Self::Mirror { .. } | Self::Glossy { .. } | Self::Translucent { .. } | Self::Mix(_) => None,
+            Self::NormalMap(_) | Self::Boundary { .. } | Self::Absorber => None,
         }
     }
 

@@ -95,7 +95,7 @@ impl Resolver<'_> {
             | MaterialFile::CircularPolariser(_)
             | MaterialFile::Filters(_) => {
                 let filter = file.filter().map(|filter| self.filter(&at, &filter)).transpose()?;
-                (filter.map_or(Ok(Bsdf::Absorber), Bsdf::filter), None)
+                (filter.map_or(Ok(Bsdf::Absorber), Bsdf::polarising), None)
             }
             MaterialFile::Grating(file) => (self.grating(&at.key("grating"), file), None),
             MaterialFile::Conductor(file) => (self.conductor(&at.key("conductor"), file), None),

@@ -56,7 +56,7 @@ impl Bsdf {
     }
 
     /// Creates a sheet with a polarising filter; see [`ThinDielectric::polarising`].
-    pub fn filter(filter: PolarisingFilter) -> Result<Self> {
+    pub fn polarising(filter: PolarisingFilter) -> Result<Self> {
         ThinDielectric::polarising(filter).map(Self::ThinDielectric)
     }
 

@@ -221,13 +221,21 @@ impl Bsdf {
         Ok(match self {
             Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_filters)?),
             Self::ThinDielectric(pane) => Self::ThinDielectric(ThinDielectric { filter: None, ..pane }),
-            other => other,
+            Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) | Self::Mirror(_) => self,
+            Self::Conductor(_) | Self::Dielectric(_) | Self::CoatedDielectric(_) | Self::ThinFilm(_) => self,
+            Self::Grating(_) | Self::Glossy(_) => self,
         })
+    }
+
+    /// Returns the polarising filter of a sheet, or `None` for a mixture.
+    #[inline]
+    pub fn filter(&self) -> Option<&PolarisingFilter> {
+        if let Self::ThinDielectric(pane) = self { pane.filter() } else { None }
     }
 
     /// Returns the polarising filters among the components.
     pub fn filters(&self) -> impl Iterator<Item = &PolarisingFilter> {
-        self.components().filter_map(|part| if let Self::ThinDielectric(pane) = part { pane.filter() } else { None })
+        self.components().filter_map(Self::filter)
     }
 
     /// Returns the BSDF with gratings that diffract all light like light of the wavelength `nm`.

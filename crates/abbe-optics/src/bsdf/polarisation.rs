@@ -91,7 +91,11 @@ impl<'a> LocalBsdf<'a> {
                 coated.eval_facet(wo, wi, iors, self.texels.thickness_nm, mode, nm)
             }
             Bsdf::Glossy(glossy) => glossy.eval_coat(wo, wi, nm),
-            _ => return 1.0,
+            Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) | Bsdf::ThinDielectric(_) => {
+                return 1.0;
+            }
+            Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Fluorescent(_) | Bsdf::Translucent(_) => return 1.0,
+            Bsdf::Mirror(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) | Bsdf::Mix(_) => return 1.0,
         };
         let all = self.eval(wo, wi, iors, mode, nm);
         if all > 0.0 { (single / all).clamp(0.0, 1.0) } else { 0.0 }

@@ -54,7 +54,7 @@ pub struct PhotonConnector<'a> {
 
 impl<'a> PhotonConnector<'a> {
     pub fn new(scene: &'a Scene, plan: &Plan, photons_per_sample: f64) -> Self {
-        Self { scene, media_plan: plan.media_plan, polarised: plan.polarisation, photons_per_sample }
+        Self { scene, media_plan: plan.media_plan, polarised: plan.polarisation.is_on(), photons_per_sample }
     }
 
     /// Connects a photon at a surface to the camera, or returns `None` if the camera does not see

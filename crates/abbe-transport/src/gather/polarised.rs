@@ -110,7 +110,7 @@ impl PolarisedPhoton<'_, '_> {
     }
 }
 
-/// Adds a photon with its polarisation; see [`super::density::gather_point::add_photon`].
+/// Adds a photon with its polarisation; see [`super::density::photon_light::add_photon`].
 pub(in crate::gather) fn add_polarised_photon<S: Sink>(
     PhotonLight { power, spectra, class }: PhotonLight<'_>,
     photon: &PolarisedPhoton<'_, '_>,

@@ -79,7 +79,7 @@ impl<'a> PassContext<'a> {
             ray_densities: None,
             wavelengths,
             fluorescent: self.plan.fluorescence,
-            polarised: self.plan.polarisation,
+            polarised: self.plan.polarisation.is_on(),
             photons_per_ribbon: u64::from(free && self.plan.ribbons),
             count,
             streams: self.budget.seed.streams(purpose).pass(pass),

@@ -21,11 +21,11 @@ pub fn path_pass(context: PassContext<'_>, pass: u64, sums: &mut PassSums) -> Re
     let tracer = PathTracer {
         scene: &scene,
         direct: direct
-            .with_polarisation(plan.polarisation)
+            .with_polarisation(plan.polarisation.is_on())
             .with_portals(without_glass.as_ref().unwrap_or(context.portals)),
         media_plan: plan.media_plan,
-        polarised: plan.polarisation,
-        stokes: plan.stokes,
+        polarised: plan.polarisation.is_on(),
+        stokes: plan.polarisation.records_stokes(),
         wavelengths: &lights.wavelengths,
         spectra: context.spectra,
         excitation: &lights.excitation,

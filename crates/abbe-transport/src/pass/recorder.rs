@@ -124,7 +124,7 @@ impl<'a> PhotonRecorder<'a> {
             // Only caustic photons on directly visible surfaces are connected.
             let light = self.spectra.light_of(arrival.photon.wavelength_code);
             splats.splat((PathClass::Caustic.number(), light), splat.pixel, lanes);
-            if self.plan.stokes {
+            if self.plan.polarisation.records_stokes() {
                 splats.stokes(splat.pixel, splat.stokes().map(|(nm, stokes)| (nm, stokes.map(|part| part * factor))));
             }
         }
@@ -154,7 +154,7 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.stored += 1;
             let position = arrival.interaction.hit.position.as_vec3().to_array();
             let photon = surface_photon(arrival, factor / probability, stream);
-            let polarised = self.plan.polarisation;
+            let polarised = self.plan.polarisation.is_on();
             self.tally.polarised_events += u64::from(polarised);
             let (deposits, events) = self.deposits_for(arrival.photon);
             if polarised {
@@ -206,7 +206,7 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.volume_beams += 1;
             let ends = [segment.ray.origin, segment.ray.at(segment.length_m)];
             let beam = PhotonBeam::new(ends, number, kept_power(photon, probability, stream));
-            let polarised = self.plan.polarisation;
+            let polarised = self.plan.polarisation.is_on();
             let (deposits, events) = self.deposits_for(photon);
             if polarised {
                 let travel = [segment.ray.direction, beam.direction()];
@@ -225,7 +225,7 @@ impl PhotonVisitor for PhotonRecorder<'_> {
             self.tally.volume_points += 1;
             let power = kept_power(photon, probability, stream);
             let point = VolumePhoton::new(position, incoming, number, power);
-            let polarised = self.plan.polarisation;
+            let polarised = self.plan.polarisation.is_on();
             let (deposits, events) = self.deposits_for(photon);
             if polarised {
                 let travel = [incoming, point.incoming()];

@@ -3,8 +3,8 @@
 
 use super::effects::{Effect, EffectId, Removal};
 use super::fields::{
-    AimPlan, AperturePlan, CausticPlan, DirectPlan, IndirectPlan, MediumPlan, MotionPlan, Rim, VolumeDirectLighting,
-    VolumePlan, WavelengthPlan,
+    AimPlan, AperturePlan, CausticPlan, DirectPlan, IndirectPlan, MediumPlan, MotionPlan, PolarisationPlan, Rim,
+    VolumeDirectLighting, VolumePlan, WavelengthPlan,
 };
 use abbe_optics::bsdf::Bsdf;
 use abbe_optics::glass::RefractiveIndex;
@@ -86,7 +86,7 @@ const fn row(id: EffectId) -> Effect {
             required_by: "parts that depend on it",
             not_required: "nothing in the scene polarises light on purpose or depends on its polarisation",
             requires: |facts| facts.polarising.clone(),
-            set: |plan, facts, on| (plan.polarisation, plan.stokes) = (on, on && facts.stokes),
+            set: |plan, facts, on| plan.polarisation = PolarisationPlan::of(on, facts.stokes),
             events: |tally, _| tally.polarised_events,
             removal: Removal::FromScene(|scene, _| {
                 scene.camera.filter = None;
@@ -122,7 +122,7 @@ const fn row(id: EffectId) -> Effect {
             },
             set: |plan, _, on| {
                 let connects = plan.caustics != CausticPlan::Absent && plan.wavelengths != WavelengthPlan::Shared;
-                plan.ribbons = on && connects && !plan.polarisation;
+                plan.ribbons = on && connects && !plan.polarisation.is_on();
             },
             events: |tally, _| tally.ribbons,
             removal: Removal::FromPlan,

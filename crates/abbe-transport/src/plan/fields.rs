@@ -23,10 +23,7 @@ pub struct Plan {
     pub aim: AimPlan,
     pub motion: MotionPlan,
     pub fluorescence: bool,
-    /// True if photons and camera paths carry their polarisation.
-    pub polarisation: bool,
-    /// True if the film records the Stokes vector of the light.
-    pub stokes: bool,
+    pub polarisation: PolarisationPlan,
     /// True if light from 300 to 360 nm excites fluorophores.
     pub ultraviolet: bool,
 }
@@ -44,8 +41,7 @@ impl Plan {
         aim: AimPlan::Plain,
         motion: MotionPlan::Still,
         fluorescence: false,
-        polarisation: false,
-        stokes: false,
+        polarisation: PolarisationPlan::Absent,
         ultraviolet: false,
     };
 
@@ -195,6 +191,39 @@ impl VolumePlan {
     /// Returns whether a medium stores photon beams. `dense` is true if the medium is dense.
     pub fn keeps_beams(self, dense: bool) -> bool {
         self == Self::Beams || (self == Self::ByDensity && !dense)
+    }
+}
+
+/// What photons and camera paths carry of the polarisation of light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PolarisationPlan {
+    /// Surfaces treat light as unpolarised.
+    Absent,
+    /// The polarisation changes the power of the light.
+    Power,
+    /// The film also records the Stokes vector of the light.
+    Stokes,
+}
+
+impl PolarisationPlan {
+    pub(super) fn of(on: bool, stokes: bool) -> Self {
+        match (on, stokes) {
+            (false, _) => Self::Absent,
+            (true, false) => Self::Power,
+            (true, true) => Self::Stokes,
+        }
+    }
+
+    /// Returns true if paths carry polarisation.
+    #[inline]
+    pub fn is_on(self) -> bool {
+        self != Self::Absent
+    }
+
+    /// Returns true if the film records Stokes vectors.
+    #[inline]
+    pub fn records_stokes(self) -> bool {
+        self == Self::Stokes
     }
 }
 

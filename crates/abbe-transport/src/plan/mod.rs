@@ -20,7 +20,7 @@ pub use decide::{EffectRow, EffectState};
 pub use effect_table::EFFECTS;
 pub use effects::{Effect, EffectId};
 pub use fields::{
-    AimPlan, AperturePlan, CausticPlan, DirectPlan, IndirectPlan, MediumPlan, MotionPlan, Plan, Rim,
+    AimPlan, AperturePlan, CausticPlan, DirectPlan, IndirectPlan, MediumPlan, MotionPlan, Plan, PolarisationPlan, Rim,
     VolumeDirectLighting, VolumePlan, WavelengthPlan,
 };
 pub use path_class::{CameraEvents, LightOrigin, PathClass};

@@ -132,7 +132,10 @@ impl PathMatrices {
 pub(crate) fn pane_matrix(along: &[SegmentTransmittance<'_>], nm: f64) -> Mueller {
     along.iter().fold(Mueller::IDENTITY, |matrix, segment| match segment {
         SegmentTransmittance::Pane { event: Some(event), .. } => matrix * event.matrix(nm),
-        _ => matrix,
+        SegmentTransmittance::Pane { event: None, .. }
+        | SegmentTransmittance::Clear { .. }
+        | SegmentTransmittance::Column { .. }
+        | SegmentTransmittance::Tracked { .. } => matrix,
     })
 }
 
@@ -178,7 +181,8 @@ impl<'a> SurfaceInteraction<'a> {
         let selects = match self.bsdf.model {
             Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => self.bsdf.class() == BsdfClass::Specular,
             Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) => true,
-            _ => false,
+            Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Fluorescent(_) | Bsdf::Translucent(_) | Bsdf::Mirror(_) => false,
+            Bsdf::Conductor(_) | Bsdf::Grating(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => false,
         };
         if !selects {
             return None;

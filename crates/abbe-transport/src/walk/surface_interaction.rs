@@ -86,12 +86,12 @@ impl<'a> SurfaceInteraction<'a> {
             scene.materials[material].surface.at(lookup.u)
         };
         let frame = hit.frame();
-        let bsdf = match bsdf.model {
-            Bsdf::Grating(grating) => with_axis(scene, bsdf, grating.grooves(), &hit, &frame),
-            Bsdf::ThinDielectric(pane) if pane.filter().is_some() => {
-                with_axis(scene, bsdf, Grooves::Parallel(0.0), &hit, &frame)
-            }
-            _ => bsdf,
+        let bsdf = if let Some(grating) = bsdf.model.grating() {
+            with_axis(scene, bsdf, grating.grooves(), &hit, &frame)
+        } else if bsdf.model.filter().is_some() {
+            with_axis(scene, bsdf, Grooves::Parallel(0.0), &hit, &frame)
+        } else {
+            bsdf
         };
         Self {
             distance_m: hit.t,

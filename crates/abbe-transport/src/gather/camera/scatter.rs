@@ -27,7 +27,7 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) -> Option<CameraPath> {
         context.tally.film_events += u64::from(interaction.bsdf.model.films().is_some());
-        context.tally.polarised_events += u64::from(self.plan.polarisation);
+        context.tally.polarised_events += u64::from(self.plan.polarisation.is_on());
         let glossy = self.glossy_event(path, interaction, context);
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
@@ -129,7 +129,7 @@ impl<'a> CameraPass<'a> {
     ) -> Option<f64> {
         /// The least probability of an event that is possible at another wavelength.
         const LEAST: f64 = 0.02;
-        if !self.plan.polarisation {
+        if !self.plan.polarisation.is_on() {
             return None;
         }
         let nm = path.reference_nm();

@@ -33,7 +33,7 @@ impl<'a> CameraPass<'a> {
         tally: &mut Tally,
         sink: &mut S,
     ) {
-        buffers.start_path(self.plan.polarisation);
+        buffers.start_path(self.plan.polarisation.is_on());
         if self.stop.is_raised() {
             return;
         }
@@ -45,7 +45,8 @@ impl<'a> CameraPass<'a> {
         let filter = |ray: Ray, context: &mut PathContext<'_, 'a, S>| {
             let event = event_at_camera_filter(&scene.camera, -ray.direction);
             context.tally.polarised_events += u64::from(event.is_some());
-            let stokes = self.plan.stokes.then(|| rotation_to_picture(&scene.camera, -ray.direction));
+            let stokes =
+                self.plan.polarisation.records_stokes().then(|| rotation_to_picture(&scene.camera, -ray.direction));
             context.buffers.to_picture = stokes;
             context.buffers.events.extend(event);
         };
@@ -68,7 +69,7 @@ impl<'a> CameraPass<'a> {
                     context.tally.ghost_rays += u64::from(is_ghost);
                     context.tally.film_events += u64::from(lens.is_coated());
                     context.buffers.events.clear();
-                    if self.plan.polarisation {
+                    if self.plan.polarisation.is_on() {
                         filter(ray, &mut context);
                     }
                     if let Some(mut single) = self.to_shared_wavelength(path(ray), lane, &mut context) {
@@ -79,14 +80,14 @@ impl<'a> CameraPass<'a> {
             }
             (None, WavelengthPlan::Shared) => {
                 let ray = context.sampler.ray(camera, pixel);
-                if self.plan.polarisation {
+                if self.plan.polarisation.is_on() {
                     filter(ray, &mut context);
                 }
                 self.follow_each_shared(path(ray), &mut context);
             }
             (None, WavelengthPlan::Free | WavelengthPlan::Both) => {
                 let ray = context.sampler.ray(camera, pixel);
-                if self.plan.polarisation {
+                if self.plan.polarisation.is_on() {
                     filter(ray, &mut context);
                 }
                 self.follow(&path(ray), &mut context);

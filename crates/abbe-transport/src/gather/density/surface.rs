@@ -217,7 +217,7 @@ impl<'a> CameraPass<'a> {
                     context.tally.tabulated +=
                         add_responses(&photons, &gather_point, surface, spectra, path_class, sink);
                 }
-                (None, None) if self.plan.polarisation && gather_point.depends_on_polarisation() => {
+                (None, None) if self.plan.polarisation.is_on() && gather_point.depends_on_polarisation() => {
                     let (light, of) = ((spectra, path_class), |number| map.polarisation(number));
                     context.tally.gathered += photons.visit(|nearby| {
                         gather_point.add_polarised(nearby, of(nearby.number), interaction, light, sink);
