@@ -25,15 +25,17 @@ pub struct Splat {
     /// its emission.
     lanes: [(f64, f64); 2 * LANES],
     count: usize,
-    /// S1, S2 and S3 at the photon's wavelengths, divided by the radiance, in the frame of the
-    /// picture.
-    stokes: [[f64; 3]; LANES],
 }
 
+/// S1, S2 and S3 of a splat at the photon's wavelengths, divided by the radiance, in the frame of the
+/// picture.
+pub type SplatStokes = [[f64; 3]; LANES];
+
 impl Splat {
-    /// Returns the photon's wavelengths in nm, and S1, S2 and S3 of the radiance there.
-    pub fn stokes(&self) -> impl Iterator<Item = (f64, [f64; 3])> + '_ {
-        let lanes = self.lanes.iter().zip(&self.stokes).take(self.count);
+    /// Returns the photon's wavelengths in nm, and S1, S2 and S3 of the radiance there, from those that
+    /// [`PhotonConnector::connect`] sets.
+    pub fn stokes(&self, stokes: &SplatStokes) -> impl Iterator<Item = (f64, [f64; 3])> {
+        let lanes = self.lanes.iter().zip(stokes).take(self.count);
         lanes.map(|(&(nm, radiance), stokes)| (nm, stokes.map(|part| radiance * part)))
     }
 
@@ -59,8 +61,15 @@ impl<'a> PhotonConnector<'a> {
 
     /// Connects a photon at a surface to the camera, or returns `None` if the camera does not see
     /// it. `lens` in [0, 1)² selects the point of the aperture, and `emission` in [0, 1) the
-    /// wavelengths of the emission at a fluorescent surface.
-    pub fn connect(&self, arrival: &SurfaceArrival<'_>, lens: [f64; 2], emission: f64) -> Option<Splat> {
+    /// wavelengths of the emission at a fluorescent surface. It sets `stokes` if photons carry their
+    /// polarisation.
+    pub fn connect(
+        &self,
+        arrival: &SurfaceArrival<'_>,
+        lens: [f64; 2],
+        emission: f64,
+        stokes: &mut SplatStokes,
+    ) -> Option<Splat> {
         let scene = self.scene;
         let SurfaceArrival { interaction, photon, .. } = arrival;
         let connection = scene.camera.connect(interaction.hit.position, lens)?;
@@ -75,9 +84,8 @@ impl<'a> PhotonConnector<'a> {
             let f = interaction.bsdf.eval(to_camera, to_light, sides, TransportMode::Radiance, nm);
             lanes[k] = (nm, f * photon.power[k] * geometry);
         }
-        let mut stokes = [[0.0; 3]; LANES];
         if self.polarised {
-            stokes = self.polarise(arrival, connection.direction, &mut lanes);
+            *stokes = self.polarise(arrival, connection.direction, &mut lanes);
         }
         if let Some(surface) = interaction.bsdf.model.as_fluorescent()
             && interaction.bsdf.pdf(to_camera, to_light, sides, photon.wavelengths.hero()) > 0.0
@@ -99,7 +107,7 @@ impl<'a> PhotonConnector<'a> {
             let along = self.path_to_camera(interaction, &connection, seed);
             lanes[..count].iter_mut().for_each(|(nm, radiance)| *radiance *= transmittance(&along, *nm));
         }
-        Some(Splat { pixel, lanes, count, stokes })
+        Some(Splat { pixel, lanes, count })
     }
 
     /// Multiplies the radiance of a photon's lanes by the factor of its polarisation, behind the

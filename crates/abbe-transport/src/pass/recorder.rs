@@ -15,7 +15,7 @@ use crate::walk::{LONG_PATH, NumberedMedium};
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_spectra::math::random::Stream;
-use abbe_spectra::spectrum::BAND_NM;
+use abbe_spectra::spectrum::{BAND_NM, LANES};
 use glam::DVec3;
 
 /// After this many surface events, only some photons of a path are recorded: they are alike.
@@ -117,7 +117,8 @@ impl<'a> PhotonRecorder<'a> {
         };
         let camera = PhotonConnector::new(self.scene, self.plan, self.options.photons_per_sample);
         let emission = arrival.interaction.bsdf.model.as_fluorescent().map_or(0.0, |_| stream.uniform());
-        if let Some(splat) = camera.connect(arrival, lens, emission) {
+        let mut stokes = [[0.0; 3]; LANES];
+        if let Some(splat) = camera.connect(arrival, lens, emission, &mut stokes) {
             self.tally.connections += 1;
             let lanes = splat.lanes().map(|(nm, radiance)| (nm, radiance * factor));
             let splats = if arrival.photon.is_truncated() { &mut self.truncated_splats } else { &mut self.splats };
@@ -125,7 +126,10 @@ impl<'a> PhotonRecorder<'a> {
             let light = self.spectra.light_of(arrival.photon.wavelength_code);
             splats.splat((PathClass::Caustic.number(), light), splat.pixel, lanes);
             if self.plan.polarisation.records_stokes() {
-                splats.stokes(splat.pixel, splat.stokes().map(|(nm, stokes)| (nm, stokes.map(|part| part * factor))));
+                splats.stokes(
+                    splat.pixel,
+                    splat.stokes(&stokes).map(|(nm, stokes)| (nm, stokes.map(|part| part * factor))),
+                );
             }
         }
     }

@@ -25,7 +25,7 @@ use abbe_spectra::math::elementary::sin_cos;
 use abbe_spectra::math::frame::Frame;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The polarisation of a photon: for each wavelength, S1, S2 and S3, divided by the power S0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,8 +131,10 @@ impl PathMatrices {
 #[inline(never)]
 pub(crate) fn pane_matrix(along: &[SegmentTransmittance<'_>], nm: f64) -> Mueller {
     along.iter().fold(Mueller::IDENTITY, |matrix, segment| match segment {
-        SegmentTransmittance::Pane { event: Some(event), .. } => matrix * event.matrix(nm),
-        SegmentTransmittance::Pane { event: None, .. }
+        SegmentTransmittance::Pane { pane, outside, polarising: Some(polarising), .. } => {
+            matrix * polarising.event(pane, outside).matrix(nm)
+        }
+        SegmentTransmittance::Pane { polarising: None, .. }
         | SegmentTransmittance::Clear { .. }
         | SegmentTransmittance::Column { .. }
         | SegmentTransmittance::Tracked { .. } => matrix,
@@ -147,16 +149,35 @@ pub(crate) fn rotation_to_picture(camera: &Camera, travel: DVec3) -> Rotation {
     StokesFrame::canonical(travel).rotation_to(x)
 }
 
-/// Returns what a pane in a medium of index `outside` does to light that crosses it along `travel`.
-pub(crate) fn event_at_pane<'a>(
-    scene: &Scene,
-    (pane, retardance, outside): (&'a ThinDielectric, LocalRetardance, &'a RefractiveIndex),
-    hit: &Hit,
-    travel: DVec3,
-) -> ScatteringEvent<'a> {
-    let tangents = pane.filter().and_then(|_| scene.geometry.uv_tangents(hit));
-    let u = tangents.map_or_else(|| Frame::new(hit.normal).to_world(DVec3::X), |[u, _]| u.normalize());
-    ScatteringEvent::through_pane((pane, retardance), outside, travel, [hit.normal, u])
+/// What decides how a pane polarises the light of a shadow ray, in single precision, so that a segment
+/// stays small.
+#[derive(Debug, Clone, Copy)]
+pub struct PolarisingPane {
+    /// The direction of the light.
+    travel: Vec3,
+    normal: Vec3,
+    /// The axis u of a filter.
+    u: Vec3,
+    retardance: LocalRetardance,
+}
+
+impl PolarisingPane {
+    /// Takes a pane with its retardance, and the direction of the light.
+    pub(crate) fn new(
+        scene: &Scene,
+        (pane, retardance): (&ThinDielectric, LocalRetardance),
+        hit: &Hit,
+        travel: DVec3,
+    ) -> Self {
+        let tangents = pane.filter().and_then(|_| scene.geometry.uv_tangents(hit));
+        let u = tangents.map_or_else(|| Frame::new(hit.normal).to_world(DVec3::X), |[u, _]| u.normalize());
+        Self { travel: travel.as_vec3(), normal: hit.normal.as_vec3(), u: u.as_vec3(), retardance }
+    }
+
+    fn event<'a>(&self, pane: &'a ThinDielectric, outside: &'a RefractiveIndex) -> ScatteringEvent<'a> {
+        let [travel, normal, u] = [self.travel, self.normal, self.u].map(|vector| vector.as_dvec3().normalize());
+        ScatteringEvent::through_pane((pane, self.retardance), outside, travel, [normal, u])
+    }
 }
 
 /// Returns the event at the filter of the camera for light that arrives along `travel`, or `None`

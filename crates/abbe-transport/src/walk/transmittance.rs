@@ -1,10 +1,10 @@
 //! Transmittance of media, as a function of wavelength.
 
 use super::medium_segment::{MediumSegment, for_each_segment};
+use super::polarisation::PolarisingPane;
 use super::ray_state::RayState;
 use abbe_optics::bsdf::{PowerFractions, ThinDielectric};
 use abbe_optics::glass::RefractiveIndex;
-use abbe_polarisation::ScatteringEvent;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::{Medium, TransmittanceEstimator};
@@ -42,7 +42,7 @@ pub enum SegmentTransmittance<'a> {
         cosine: f64,
         outside: &'a RefractiveIndex,
         /// What the pane does to polarised light. `None` unless the plan contains polarisation.
-        event: Option<ScatteringEvent<'a>>,
+        polarising: Option<PolarisingPane>,
     },
 }
 

@@ -7,8 +7,8 @@ use super::portals::{PORTAL_FRACTION, Portals};
 use super::selection::{LightSelection, LightSelector, SelectedLight};
 use crate::plan::{MediumPlan, Tally};
 use crate::walk::{
-    BodyMode, CausticWeights, PathTransmittance, RayDensities, RayDensity, RayState, SegmentTransmittance,
-    SurfaceInteraction, event_at_pane, path_transmittance, path_transmittance_tracked,
+    BodyMode, CausticWeights, PathTransmittance, PolarisingPane, RayDensities, RayDensity, RayState,
+    SegmentTransmittance, SurfaceInteraction, path_transmittance, path_transmittance_tracked,
 };
 use abbe_optics::bsdf::{Texels, ThinDielectric, TransportMode};
 use abbe_optics::phase::PhaseMixture;
@@ -266,10 +266,10 @@ impl<'a> DirectLighting<'a> {
                     let outside = self.scene.index_in(&medium_stack);
                     self.cross_panes(ray, [from, target], length_m, u, |(pane, texels), hit| {
                         let cosine = ray.direction.dot(hit.normal).abs();
-                        let event =
-                            || event_at_pane(self.scene, (pane, texels.retardance(), outside), hit, -ray.direction);
-                        let event = self.polarised.then(event);
-                        along.push(SegmentTransmittance::Pane { pane, cosine, outside, event });
+                        let sheet =
+                            || PolarisingPane::new(self.scene, (pane, texels.retardance()), hit, -ray.direction);
+                        let polarising = self.polarised.then(sheet);
+                        along.push(SegmentTransmittance::Pane { pane, cosine, outside, polarising });
                     });
                 }
                 along
