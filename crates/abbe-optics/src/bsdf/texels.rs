@@ -13,26 +13,24 @@ pub struct Texels {
     /// The angle in rad from the first axis of the local frame to the direction across the grooves of
     /// a grating, or to the axis u of a filter.
     pub axis_angle: f32,
-    /// The angle in rad that a varying retarder adds to its axis. Its factor is `thickness_nm`.
-    pub retarder_turn: f32,
 }
 
 impl Texels {
     /// The texels of a surface without textures.
-    pub const NONE: Self =
-        Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, axis_angle: 0.0, retarder_turn: 0.0 };
+    pub const NONE: Self = Self { reflectance: 0, transmittance: 0, thickness_nm: 0.0, axis_angle: 0.0 };
 
     pub(super) fn of_reflectance(reflectance: Texel) -> Self {
         Self { reflectance, ..Self::NONE }
     }
 
     pub(super) fn of_retarder(local: LocalRetardance) -> Self {
-        Self { thickness_nm: local.factor, retarder_turn: local.turn_rad, ..Self::NONE }
+        // Sheets with filters have neither films nor a texel of the transmittance.
+        Self { thickness_nm: local.factor, transmittance: local.turn_rad.to_bits(), ..Self::NONE }
     }
 
     /// Returns the retardance and the axis of a varying retarder.
     pub fn retardance(&self) -> LocalRetardance {
-        LocalRetardance { factor: self.thickness_nm, turn_rad: self.retarder_turn }
+        LocalRetardance { factor: self.thickness_nm, turn_rad: f32::from_bits(self.transmittance) }
     }
 
     pub(super) fn of_thickness(thickness_nm: f64) -> Self {

@@ -153,13 +153,13 @@ fn luminescence_of<'a, S: Sink>(
             let u = context.sampler.stream.uniform();
             let sampled: [(f64, f64); LANES] =
                 std::array::from_fn(|k| fluorophore.wavelengths().sample((u + k as f64) / LANES as f64));
-            let factors = context.buffers.path_factors();
-            let throughput = |nm| product(factors.natural, nm) * factors.of_natural_light(nm);
+            let factors = &context.buffers.factors;
+            let throughput = |nm| product(&factors.natural, nm) * factors.of_natural_light(nm);
             let weights = sampled.map(|(nm, pdf)| per_sr * throughput(nm) / (pdf * LANES as f64));
             Luminescence::new(fluorophore, &Wavelengths::new(sampled.map(|(nm, _)| nm)), &weights)
         }
         SpectralMode::Shared { nm, throughput, .. } => {
-            let weight = per_sr * throughput * context.buffers.path_factors().of_natural_light(nm);
+            let weight = per_sr * throughput * context.buffers.factors.of_natural_light(nm);
             Luminescence::new(fluorophore, &Wavelengths::single(nm), &[weight, 0.0, 0.0, 0.0])
         }
     }

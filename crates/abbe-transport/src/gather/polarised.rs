@@ -16,12 +16,12 @@ use abbe_scene::medium::Medium;
 use abbe_spectra::spectrum::LANES;
 use glam::DVec3;
 
-impl<'a> PathFactors<'_, 'a> {
+impl<'a> PathFactors<'a> {
     /// Returns the event at a surface that scatters natural light from `direction` into the path,
     /// or `None` if it makes no difference to the picture.
     #[inline(always)]
     pub(in crate::gather) fn event_at(
-        self,
+        &self,
         interaction: &SurfaceInteraction<'a>,
         direction: DVec3,
     ) -> Option<ScatteringEvent<'a>> {
@@ -32,7 +32,7 @@ impl<'a> PathFactors<'_, 'a> {
     /// directions are those of the arriving and of the leaving light.
     #[inline(always)]
     pub(in crate::gather) fn event_in_medium(
-        self,
+        &self,
         medium: &'a Medium,
         [arriving, leaving]: [DVec3; 2],
     ) -> Option<ScatteringEvent<'a>> {
@@ -41,14 +41,14 @@ impl<'a> PathFactors<'_, 'a> {
 
     /// Returns true if the picture depends on the polarisation of light at the end of the path.
     #[inline(always)]
-    pub(in crate::gather) fn depends_on_polarisation(self) -> bool {
+    pub(in crate::gather) fn depends_on_polarisation(&self) -> bool {
         !self.events.is_empty() || self.to_picture.is_some()
     }
 
     /// Returns what the camera receives of natural light that an event scatters into the path, for a
     /// throughput of 1. Without an event, the light arrives at the end of the path as it is.
     #[inline(never)]
-    pub(in crate::gather) fn received(self, nm: f64, event: Option<&ScatteringEvent<'_>>) -> Stokes {
+    pub(in crate::gather) fn received(&self, nm: f64, event: Option<&ScatteringEvent<'_>>) -> Stokes {
         let (matrix, natural) = (self.matrix(nm), Stokes::unpolarised(1.0));
         let light = matrix * event.map_or(natural, |event| event.matrix(nm) * natural);
         let throughput = matrix.0[0][0];
@@ -59,7 +59,7 @@ impl<'a> PathFactors<'_, 'a> {
     /// path, or which arrives at the end of the path as it is.
     #[inline(always)]
     pub(in crate::gather) fn deliver<S: Sink>(
-        self,
+        &self,
         (origin, nm): (LightOrigin, f64),
         (weight, bias): (f64, f64),
         event: Option<&ScatteringEvent<'_>>,
@@ -74,7 +74,7 @@ impl<'a> PathFactors<'_, 'a> {
 
     #[inline(never)]
     fn deliver_polarised<S: Sink>(
-        self,
+        &self,
         (origin, nm): (LightOrigin, f64),
         (weight, bias): (f64, f64),
         event: Option<&ScatteringEvent<'_>>,
@@ -87,7 +87,7 @@ impl<'a> PathFactors<'_, 'a> {
     }
 
     #[inline(always)]
-    pub(in crate::gather) fn deliver_stokes<S: Sink>(self, nm: f64, weight: f64, received: &Stokes, sink: &mut S) {
+    pub(in crate::gather) fn deliver_stokes<S: Sink>(&self, nm: f64, weight: f64, received: &Stokes, sink: &mut S) {
         if let Some(to_picture) = self.to_picture {
             let Stokes([_, stokes @ ..]) = to_picture * *received;
             sink.stokes(nm, stokes.map(|part| weight * part));
@@ -105,7 +105,7 @@ pub(in crate::gather) struct PolarisedPhoton<'p, 'a> {
 impl PolarisedPhoton<'_, '_> {
     /// Returns what the camera receives of the photon, for a power of 1 and a throughput of 1
     /// without polarising events.
-    fn received(&self, factors: PathFactors<'_, '_>, lane: usize, nm: f64) -> Stokes {
+    fn received(&self, factors: &PathFactors<'_>, lane: usize, nm: f64) -> Stokes {
         factors.matrix(nm) * (self.event.matrix(nm) * self.polarisation.stokes(lane))
     }
 }
@@ -116,7 +116,7 @@ pub(in crate::gather) fn add_polarised_photon<S: Sink>(
     photon: &PolarisedPhoton<'_, '_>,
     kernels: KernelValues,
     path_bias: f64,
-    (spectral_mode, factors): (SpectralMode, PathFactors<'_, '_>),
+    (spectral_mode, factors): (SpectralMode, &PathFactors<'_>),
     sink: &mut S,
     response: impl Fn(f64) -> f64,
 ) {
@@ -132,7 +132,7 @@ pub(in crate::gather) fn add_polarised_photon<S: Sink>(
             let powers = power.powers();
             for lane in (0..LANES).filter(|&lane| powers[lane] > 0.0) {
                 let nm = spectra.wavelength(power.wavelength_code(), lane);
-                let weight = response(nm) * product(factors.natural, nm) * f64::from(powers[lane]);
+                let weight = response(nm) * product(&factors.natural, nm) * f64::from(powers[lane]);
                 add(nm, weight, photon.received(factors, lane, nm));
             }
         }

@@ -48,7 +48,7 @@ impl<'a> CameraPass<'a> {
             let towards = (sample.direction, sample.line);
             let along = self.direct.transmittance_from::<M>(interaction, towards, sample.distance_m, selected.u);
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
-            let factors = context.buffers.path_factors();
+            let factors = &context.buffers.factors;
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: selected.number };
             let event = factors.event_at(interaction, sample.direction);
             each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {
@@ -92,7 +92,7 @@ impl<'a> CameraPass<'a> {
             let towards = (direction, ShadowLine::Clear);
             let along = self.direct.transmittance_from::<M>(interaction, towards, length_m, direction.to_array());
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, nm));
-            let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
+            let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             let origin = LightOrigin { class: path.events.class_at_surface(LightPath::Direct), light: number };
             let event = factors.event_at(interaction, direction);
             each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
@@ -124,7 +124,7 @@ fn add_emitter<S: Sink>(
     context: &mut PathContext<'_, '_, S>,
 ) {
     let bias = bias_of_excess(path.excess_depth);
-    let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
+    let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
     let origin = LightOrigin { class: path.events.class_of_emission(), light: number };
     each_wavelength(path.spectral_mode, factors, emitter.light, wavelength, |nm, throughput| {
         let weight = throughput * emitter.light.spd_at(emitter.spd, nm) * emitter.radiance;

@@ -8,7 +8,6 @@ use crate::plan::CameraEvents;
 use crate::plan::partition::CameraView;
 use crate::walk::{CausticWeights, RayState, SurfaceInteraction};
 use abbe_optics::bsdf::BsdfSample;
-use abbe_polarisation::{Rotation, ScatteringEvent};
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium_stack::MediumStack;
 use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
@@ -16,13 +15,7 @@ use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
 /// Buffers of one worker, reused from path to path.
 #[derive(Debug, Default)]
 pub struct PathBuffers<'a> {
-    pub(in crate::gather) factors: Vec<Factor<'a>>,
-    /// The events that polarise light; see [`PathFactors::events`].
-    pub(in crate::gather) events: Vec<ScatteringEvent<'a>>,
-    /// True if the plan contains polarisation.
-    pub(in crate::gather) polarised: bool,
-    /// See [`PathFactors::to_picture`].
-    pub(in crate::gather) to_picture: Option<Rotation>,
+    pub(in crate::gather) factors: PathFactors<'a>,
     /// The extinction coefficients of all media and bodies that attenuate the light in a light map.
     pub(in crate::gather) coefficients: Vec<Lanes>,
     /// True if the camera walk fills `visible_points` and `camera_segments`.
@@ -32,32 +25,12 @@ pub struct PathBuffers<'a> {
     pub camera_segments: Vec<CameraSegment>,
 }
 
-impl<'a> PathBuffers<'a> {
-    /// Removes the factors of the last path.
+impl PathBuffers<'_> {
+    /// Removes what the last path left.
     pub(in crate::gather) fn start_path(&mut self, polarised: bool) {
-        self.factors.clear();
-        self.events.clear();
-        (self.polarised, self.to_picture) = (polarised, None);
+        self.factors.start_path(polarised);
         self.visible_points.clear();
         self.camera_segments.clear();
-    }
-
-    #[inline(always)]
-    pub(in crate::gather) fn path_factors(&self) -> PathFactors<'_, 'a> {
-        PathFactors { natural: &self.factors, events: &self.events, to_picture: self.to_picture }
-    }
-
-    /// Returns the numbers of factors and of events, for [`Self::return_to`].
-    #[inline(always)]
-    pub(in crate::gather) fn length(&self) -> [usize; 2] {
-        [self.factors.len(), self.events.len()]
-    }
-
-    /// Removes what was added to the path since it had this length.
-    #[inline(always)]
-    pub(in crate::gather) fn return_to(&mut self, [factors, events]: [usize; 2]) {
-        self.factors.truncate(factors);
-        self.events.truncate(events);
     }
 
     /// Creates buffers that record visible points and camera segments.
@@ -125,7 +98,7 @@ impl CameraPath {
         let at_reference = factor.at(self.reference_nm());
         self.reference_throughput *= at_reference;
         match &mut self.spectral_mode {
-            SpectralMode::Free => buffers.factors.push(factor),
+            SpectralMode::Free => buffers.factors.natural.push(factor),
             SpectralMode::Shared { throughput, .. } => *throughput *= at_reference,
         }
     }
@@ -146,8 +119,8 @@ impl CameraPath {
         }
         let factor = Factor::Scattering { bsdf, wo, sample: *sample, sides, probability: sample.probability };
         self.multiply(factor, buffers);
-        if buffers.polarised {
-            buffers.events.push(interaction.event_of_camera(direction, sample.delta));
+        if buffers.factors.polarised {
+            buffers.factors.events.push(interaction.event_of_camera(direction, sample.delta));
         }
         // Shadow rays and photons at the surface use the wavelength of the arriving path, so their
         // weights refer to the density there.

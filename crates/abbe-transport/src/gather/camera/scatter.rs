@@ -133,7 +133,7 @@ impl<'a> CameraPass<'a> {
             return None;
         }
         let nm = path.reference_nm();
-        let Mueller([response, ..]) = context.buffers.path_factors().matrix(nm);
+        let Mueller([response, ..]) = context.buffers.factors.matrix(nm);
         let scale = if response[0] > 0.0 { response[0].recip() } else { 0.0 };
         let light = Stokes(response.map(|part| part * scale));
         let [natural, polarised] = interaction.smooth_powers(-interaction.incoming, light, nm)?;
@@ -159,12 +159,12 @@ impl<'a> CameraPass<'a> {
         interaction: &SurfaceInteraction<'a>,
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let length = context.buffers.length();
+        let length = context.buffers.factors.length();
         let reflects = self.scatter_forced(&mut path, interaction, ScatterEvent::Reflection, 1.0, context);
         if reflects && survives(self.scene, &mut path, context) {
             self.follow_shared(&path, context);
         }
-        context.buffers.return_to(length);
+        context.buffers.factors.return_to(length);
     }
 
     fn split<S: Sink>(
@@ -174,7 +174,7 @@ impl<'a> CameraPass<'a> {
         event: SplitEvent,
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let (u, length) = (context.sampler.stream.triple(), context.buffers.length());
+        let (u, length) = (context.sampler.stream.triple(), context.buffers.factors.length());
         for lane in 0..LANES {
             let Some(mut single) = self.to_shared_wavelength(path, lane, context) else { continue };
             let continues = match event {
@@ -186,7 +186,7 @@ impl<'a> CameraPass<'a> {
             if continues && survives(self.scene, &mut single, context) {
                 self.follow_shared(&single, context);
             }
-            context.buffers.return_to(length);
+            context.buffers.factors.return_to(length);
         }
     }
 
@@ -265,9 +265,9 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathCon
     }
     let throughput = match path.spectral_mode {
         SpectralMode::Shared { .. } => path.reference_throughput,
-        SpectralMode::Free => largest_throughput(&context.buffers.factors),
+        SpectralMode::Free => largest_throughput(&context.buffers.factors.natural),
     };
-    let throughput = throughput * context.buffers.path_factors().of_natural_light(path.reference_nm());
+    let throughput = throughput * context.buffers.factors.of_natural_light(path.reference_nm());
     let throughput = throughput * relative_n2(scene, &path.ray_state, path.reference_nm());
     let by_throughput = if throughput >= 0.5 { 1.0 } else { throughput.max(0.05) };
     let survival = by_throughput * long_path_survival(path.depth);

@@ -24,7 +24,7 @@ impl<'a> CameraPass<'a> {
         context.tally.sensor_samples += 1;
         let portals = self.direct.portals;
         let start = context.sampler.sensor_sample(self.scene, sensor, portals);
-        let no_factors = PathFactors { natural: &[], events: &[], to_picture: None };
+        let no_factors = PathFactors::default();
         let (from, wavelength) = (ReceivingPoint::on_sensor(&start.point), context.sampler.wavelength);
         let pdf = |direction| sensor_pdf((start.point.position, start.point.response), portals, direction);
         for selected in self.direct.select_lights(from, context.sampler.light()) {
@@ -33,7 +33,7 @@ impl<'a> CameraPass<'a> {
             let along = &sample.transmittance;
             let bias = bias_of_excess(excess_optical_depth(along, REFERENCE_NM));
             let origin = LightOrigin { class: PathClass::Direct, light: selected.number };
-            each_wavelength(SpectralMode::Free, no_factors, sample.light, wavelength, |nm, throughput| {
+            each_wavelength(SpectralMode::Free, &no_factors, sample.light, wavelength, |nm, throughput| {
                 let arriving = sample.light.spd_at(sample.spd, nm) * sample.strength;
                 let weight = throughput * arriving * transmittance(along, nm);
                 context.sink.biased(origin, nm, weight, weight * bias);

@@ -39,30 +39,51 @@ impl Factor<'_> {
 }
 
 /// All factors of a camera path.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::gather) struct PathFactors<'f, 'a> {
+#[derive(Debug, Default)]
+pub(in crate::gather) struct PathFactors<'a> {
     /// The factors for natural light. Those behind a dispersive event belong to the throughput of the
     /// path.
-    pub(in crate::gather) natural: &'f [Factor<'a>],
+    pub(in crate::gather) natural: Vec<Factor<'a>>,
     /// The events that polarise light, from the camera on. Empty unless the plan contains
     /// polarisation.
-    pub(in crate::gather) events: &'f [ScatteringEvent<'a>],
+    pub(in crate::gather) events: Vec<ScatteringEvent<'a>>,
+    /// True if the plan contains polarisation.
+    pub(in crate::gather) polarised: bool,
     /// From the canonical frame at the camera to that of the picture, if the film records Stokes
     /// vectors.
     pub(in crate::gather) to_picture: Option<Rotation>,
 }
 
-impl PathFactors<'_, '_> {
+impl PathFactors<'_> {
+    /// Removes the factors of the last path.
+    pub(in crate::gather) fn start_path(&mut self, polarised: bool) {
+        self.return_to([0; 2]);
+        (self.polarised, self.to_picture) = (polarised, None);
+    }
+
+    /// Returns the numbers of factors and of events, for [`Self::return_to`].
+    #[inline(always)]
+    pub(in crate::gather) fn length(&self) -> [usize; 2] {
+        [self.natural.len(), self.events.len()]
+    }
+
+    /// Removes what was added to the path since it had this length.
+    #[inline(always)]
+    pub(in crate::gather) fn return_to(&mut self, [natural, events]: [usize; 2]) {
+        self.natural.truncate(natural);
+        self.events.truncate(events);
+    }
+
     /// Returns the matrix of everything between the end of the path and the camera.
     #[inline(never)]
-    pub(in crate::gather) fn matrix(self, nm: f64) -> Mueller {
+    pub(in crate::gather) fn matrix(&self, nm: f64) -> Mueller {
         self.events.iter().fold(Mueller::IDENTITY, |matrix, event| matrix * event.matrix(nm))
     }
 
     /// Returns the fraction of natural light that the events transmit to the camera, relative to
     /// the other factors.
     #[inline(always)]
-    pub(in crate::gather) fn of_natural_light(self, nm: f64) -> f64 {
+    pub(in crate::gather) fn of_natural_light(&self, nm: f64) -> f64 {
         if self.events.is_empty() { 1.0 } else { self.matrix(nm).0[0][0].max(0.0) }
     }
 }
@@ -107,7 +128,7 @@ impl SpectralMode {
 #[inline(always)]
 pub(in crate::gather) fn each_wavelength(
     spectral_mode: SpectralMode,
-    factors: PathFactors<'_, '_>,
+    factors: &PathFactors<'_>,
     light: &Light,
     u: f64,
     mut f: impl FnMut(f64, f64),
@@ -116,7 +137,7 @@ pub(in crate::gather) fn each_wavelength(
         SpectralMode::Free => {
             for k in 0..LANES {
                 let (nm, pdf) = light.wavelengths.sample((u + k as f64) / LANES as f64);
-                f(nm, product(factors.natural, nm) * factors.of_natural_light(nm) / (pdf * LANES as f64));
+                f(nm, product(&factors.natural, nm) * factors.of_natural_light(nm) / (pdf * LANES as f64));
             }
         }
         SpectralMode::Shared { nm, throughput, .. } => f(nm, throughput * factors.of_natural_light(nm)),

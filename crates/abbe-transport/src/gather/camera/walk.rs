@@ -47,8 +47,8 @@ impl<'a> CameraPass<'a> {
             context.tally.polarised_events += u64::from(event.is_some());
             let stokes =
                 self.plan.polarisation.records_stokes().then(|| rotation_to_picture(&scene.camera, -ray.direction));
-            context.buffers.to_picture = stokes;
-            context.buffers.events.extend(event);
+            context.buffers.factors.to_picture = stokes;
+            context.buffers.factors.events.extend(event);
         };
         let events = DepthLimit::of(self.scene).events();
         let mut context = PathContext { pixel, events, sampler: &mut sampler, radii, buffers, sink, tally };
@@ -68,7 +68,7 @@ impl<'a> CameraPass<'a> {
                     let Some((ray, weight)) = ray else { continue };
                     context.tally.ghost_rays += u64::from(is_ghost);
                     context.tally.film_events += u64::from(lens.is_coated());
-                    context.buffers.events.clear();
+                    context.buffers.factors.events.clear();
                     if self.plan.polarisation.is_on() {
                         filter(ray, &mut context);
                     }
@@ -115,7 +115,7 @@ impl<'a> CameraPass<'a> {
             return None;
         }
         context.tally.shared_paths += 1;
-        let throughput = product(&context.buffers.factors, nm) / (pdf * LANES as f64);
+        let throughput = product(&context.buffers.factors.natural, nm) / (pdf * LANES as f64);
         Some(CameraPath { spectral_mode: SpectralMode::Shared { lane, nm, throughput }, ..path })
     }
 
@@ -132,14 +132,14 @@ impl<'a> CameraPass<'a> {
     /// Follows a path to its end. Only this function chooses the [`BodyMode`] of camera paths.
     #[inline(always)]
     fn follow<S: Sink>(&self, path: &CameraPath, context: &mut PathContext<'_, 'a, S>) {
-        let length = context.buffers.length();
+        let length = context.buffers.factors.length();
         match self.plan.media_plan {
             MediumPlan::Air => self.follow_in_mode::<WithoutBodies, S>(path, context),
             MediumPlan::Clear | MediumPlan::Absorbing | MediumPlan::Scattering(_) => {
                 self.follow_in_mode::<WithBodies, S>(path, context);
             }
         }
-        context.buffers.return_to(length);
+        context.buffers.factors.return_to(length);
     }
 
     #[inline(always)]

@@ -42,7 +42,7 @@ pub(in crate::gather) struct GatherPoint<'e> {
     height_m: f64,
     kernel: DiskKernel,
     spectral_mode: SpectralMode,
-    factors: PathFactors<'e, 'e>,
+    factors: &'e PathFactors<'e>,
     /// The weights of caustic photons, if they compete with camera paths.
     weights: Option<CausticWeights>,
     reference_nm: f64,
@@ -60,7 +60,7 @@ impl<'e> GatherPoint<'e> {
         radius: f64,
         correction: BoundaryCorrection,
         path: &CameraPath,
-        factors: PathFactors<'e, 'e>,
+        factors: &'e PathFactors<'e>,
     ) -> Self {
         let normal = interaction.hit.normal;
         Self {

@@ -28,7 +28,7 @@ pub(in crate::gather) fn add_photon<S: Sink>(
     PhotonLight { power, spectra, class }: PhotonLight<'_>,
     kernels: KernelValues,
     path_bias: f64,
-    (spectral_mode, factors): (SpectralMode, PathFactors<'_, '_>),
+    (spectral_mode, factors): (SpectralMode, &PathFactors<'_>),
     sink: &mut S,
     response: impl Fn(f64) -> f64,
 ) {
@@ -37,7 +37,7 @@ pub(in crate::gather) fn add_photon<S: Sink>(
     let mut add = |nm: f64, radiance: f64| sink.biased(origin, nm, radiance * estimate, radiance * bias);
     match spectral_mode {
         SpectralMode::Free => {
-            power.lanes(spectra).for_each(|(nm, power)| add(nm, response(nm) * product(factors.natural, nm) * power));
+            power.lanes(spectra).for_each(|(nm, power)| add(nm, response(nm) * product(&factors.natural, nm) * power));
         }
         SpectralMode::Shared { lane, nm, throughput } => {
             if let Some(power) = power.at_lane(lane) {

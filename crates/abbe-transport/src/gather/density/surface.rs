@@ -199,8 +199,8 @@ impl<'a> CameraPass<'a> {
                 PhotonClass::Caustic => self.caustic_weights(path, interaction, bsdf_class, context),
                 PhotonClass::Indirect => None,
             };
-            let gather_point = GatherPoint::new(interaction, radius, correction, path, context.buffers.path_factors())
-                .competing_by(weights);
+            let gather_point =
+                GatherPoint::new(interaction, radius, correction, path, &context.buffers.factors).competing_by(weights);
             let centre = interaction.hit.position.as_vec3().to_array();
             let photons = PhotonsAround { map, filter, centre, radius: radius as f32, surface_extent };
             let (spectra, path_class) = (self.spectra, path.events.class_at_surface(class.light_path()));

@@ -51,7 +51,7 @@ impl<'a> CameraPass<'a> {
             let strength = sample.strength * density / distance.pdf_per_m;
             let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
             let bias = bias_of_excess(path.excess_depth + excess(&to_point) + excess(&sample.transmittance));
-            let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
+            let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             let origin = LightOrigin { class: path.events.class_in_medium(), light: number };
             let event = factors.event_in_medium(medium, [sample.incoming, -segment.ray.direction]);
             each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {

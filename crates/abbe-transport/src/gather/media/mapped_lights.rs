@@ -35,7 +35,7 @@ struct InScattering<'s, 'a> {
     absorption: Lanes,
     /// The coefficients (1/m) of all media and bodies that attenuate the light in the map.
     coefficients: &'s [Lanes],
-    factors: PathFactors<'s, 'a>,
+    factors: &'s PathFactors<'a>,
     sum: Lanes,
     /// The Stokes vectors of the sum.
     stokes: [Stokes; LANES],
@@ -61,7 +61,7 @@ impl<'a> CameraPass<'a> {
                 .and_then(|interval| light.lit_interval(world, &segment.ray, interval, map.virtual_light.randoms()));
             let Some(lit) = lit else { continue };
             let (mut nm, mut weight, mut count) = ([0.0; LANES], [0.0; LANES], 0);
-            let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
+            let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             each_wavelength(path.spectral_mode, factors, light, wavelength, |at, throughput| {
                 (nm[count], weight[count]) = (at, throughput * light.spd_at(EmittedSpd::Own, at));
                 count += 1;
@@ -78,7 +78,7 @@ impl<'a> CameraPass<'a> {
                 extinction: wavelengths.each(|nm| medium.extinction.at(nm)),
                 absorption: wavelengths.each(|nm| segment.absorption.map_or(0.0, |absorption| absorption.at(nm))),
                 coefficients: &context.buffers.coefficients,
-                factors: context.buffers.path_factors(),
+                factors: &context.buffers.factors,
                 sum: [0.0; LANES],
                 stokes: [Stokes::default(); LANES],
                 bias: [0.0; LANES],

@@ -153,7 +153,7 @@ impl<'a> CameraPass<'a> {
         context: &mut PathContext<'_, 'a, S>,
     ) {
         let seed = segment_seed(context, segment.ray.origin);
-        let (factors, sink) = (context.buffers.path_factors(), &mut *context.sink);
+        let (factors, sink) = (&context.buffers.factors, &mut *context.sink);
         let class = path.events.class_in_medium();
         let mut gathered = 0;
         map.along(cone, |photon: PhotonNearRay<'_>| {

@@ -85,7 +85,7 @@ impl<'a> CameraPass<'a> {
             let position = segment.ray.at(t);
             let along = segment.path_transmittance(t, segment_seed(context, segment.ray.origin));
             let bias = bias_of_excess(path.excess_depth + excess_optical_depth(&along, path.reference_nm()));
-            let (factors, wavelength) = (context.buffers.path_factors(), context.sampler.wavelength);
+            let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             each_wavelength(path.spectral_mode, factors, light, wavelength, |nm, throughput| {
                 let weight = throughput * medium.emission_per_m(position, nm) * transmittance(&along, nm) * step;
                 factors.deliver((origin, nm), (weight, bias), None, context.sink);
