@@ -4,7 +4,7 @@ use super::fluorescence::scatter_at_fluorescent_surface;
 use super::guiding_spheres::scatter_with_guiding;
 use super::launch::Launch;
 use super::medium::advance_through_media;
-use super::photon_path::{PhotonDepth, PhotonPath};
+use super::photon_path::{PhotonDepth, PhotonPath, PhotonState};
 use super::source::PhotonSource;
 use super::visitor::{PhotonFlight, PhotonVisitor, SurfaceArrival};
 use crate::plan::MediumPlan;
@@ -230,27 +230,43 @@ fn interact<M: BodyMode, V: PhotonVisitor>(
         return scatter_at_fluorescent_surface(source, path, interaction, surface, depth, ledger, stream);
     }
     let guiding_spheres = &source.strata.guiding_spheres[..];
-    let polarised = path
-        .polarised
-        .then(|| path.photon.polarisation.scatter_at_smooth_surface(interaction, &path.photon.wavelengths, stream));
-    let scattered = if let Some(Some(scattered)) = polarised {
-        scattered
+    let scattered = if path.polarised {
+        scatter_polarised::<M>(source, path, interaction, stream, ledger)
     } else if guiding_spheres.is_empty() {
         M::scatter(interaction, &path.photon.wavelengths, TransportMode::Importance, stream)
     } else {
         scatter_with_guiding::<M>(guiding_spheres, path, interaction, stream, ledger)
     };
-    let Some(mut scattered) = scattered else {
+    let Some(scattered) = scattered else {
         ledger.absorbed[interaction.material] += path.total_w();
         return false;
     };
-    if path.polarised {
-        path.polarise(interaction, &mut scattered);
-    }
     if M::HAS_BODIES && source.has_ribbons() {
         path.photon.ribbon = path.photon.ribbon.after(interaction, scattered.kept.is_some());
     }
     apply_scattering::<M>(path, interaction, &scattered, depth, ledger, stream)
+}
+
+/// Scatters a photon, selected at smooth surfaces by the power of its polarised light, and polarises
+/// it.
+#[inline(never)]
+fn scatter_polarised<M: BodyMode>(
+    source: &PhotonSource<'_>,
+    path: &mut PhotonPath,
+    interaction: &SurfaceInteraction<'_>,
+    stream: &mut Stream,
+    ledger: &mut Ledger,
+) -> Option<ScatteredRay> {
+    let PhotonState { polarisation, wavelengths, .. } = path.photon;
+    let guiding_spheres = &source.strata.guiding_spheres[..];
+    let smooth = polarisation.scatter_at_smooth_surface(interaction, &wavelengths, stream);
+    let mut scattered = match smooth {
+        Some(scattered) => scattered?,
+        None if guiding_spheres.is_empty() => M::scatter(interaction, &wavelengths, TransportMode::Importance, stream)?,
+        None => scatter_with_guiding::<M>(guiding_spheres, path, interaction, stream, ledger)?,
+    };
+    path.polarise(interaction, &mut scattered);
+    Some(scattered)
 }
 
 #[inline(always)]

@@ -5,7 +5,8 @@ use super::keep_probability::KeepProbability;
 use super::sensors::SensorKernels;
 use crate::emit::{
     Launch, MediumCollision, MediumCrossing, PhotonDepth, PhotonFlight, PhotonState, PhotonVisitor, RibbonPainter,
-    RibbonPart, RibbonTally, SurfaceArrival, connect::PhotonConnector,
+    RibbonPart, RibbonTally, SurfaceArrival,
+    connect::{PhotonConnector, SplatStokes},
 };
 use crate::map::{Photon, PhotonBeam, PhotonPower, PhotonSpectra, StoredPolarisation, VolumePhoton};
 use crate::plan::partition::{CameraView, Estimator, PerClass, PhotonClass, PhotonSet, estimator, kept_in_map};
@@ -44,6 +45,8 @@ pub(crate) struct PhotonRecorder<'a> {
     pub(crate) truncated_splats: SplatSink,
     pub(crate) tally: Tally,
     ribbons: Option<RibbonPainter<'a>>,
+    /// The polarisation of the last connection.
+    stokes: SplatStokes,
 }
 
 impl<'a> PhotonRecorder<'a> {
@@ -71,6 +74,7 @@ impl<'a> PhotonRecorder<'a> {
             truncated: PhotonDeposits::default(),
             truncated_splats: splat_sink(),
             tally: Tally::default(),
+            stokes: [[0.0; 3]; LANES],
         }
     }
 
@@ -117,8 +121,7 @@ impl<'a> PhotonRecorder<'a> {
         };
         let camera = PhotonConnector::new(self.scene, self.plan, self.options.photons_per_sample);
         let emission = arrival.interaction.bsdf.model.as_fluorescent().map_or(0.0, |_| stream.uniform());
-        let mut stokes = [[0.0; 3]; LANES];
-        if let Some(splat) = camera.connect(arrival, lens, emission, &mut stokes) {
+        if let Some(splat) = camera.connect(arrival, lens, emission, &mut self.stokes) {
             self.tally.connections += 1;
             let lanes = splat.lanes().map(|(nm, radiance)| (nm, radiance * factor));
             let splats = if arrival.photon.is_truncated() { &mut self.truncated_splats } else { &mut self.splats };
@@ -128,7 +131,7 @@ impl<'a> PhotonRecorder<'a> {
             if self.plan.polarisation.records_stokes() {
                 splats.stokes(
                     splat.pixel,
-                    splat.stokes(&stokes).map(|(nm, stokes)| (nm, stokes.map(|part| part * factor))),
+                    splat.stokes(&self.stokes).map(|(nm, stokes)| (nm, stokes.map(|part| part * factor))),
                 );
             }
         }
