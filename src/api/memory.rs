@@ -60,6 +60,7 @@ mod tests {
         let fixed = Budget {
             passes: 1,
             photons,
+            photon_bytes: 68,
             photons_are_explicit: true,
             camera_samples: None,
             nearest: 1,

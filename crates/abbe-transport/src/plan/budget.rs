@@ -38,8 +38,11 @@ const LIGHT_MAP_MEDIUM_BYTES: u64 = 2 * 4;
 /// A photon and its position, twice while the map sorts, with 4 bytes for the order.
 const PHOTON_BYTES: u64 = 2 * 32 + 4;
 
-/// Bytes per photon path. A path stores two photons on average.
-const PATH_BYTES: u64 = 2 * PHOTON_BYTES;
+/// The polarisation of a stored photon, twice while the map sorts.
+const POLARISATION_BYTES: u64 = 2 * 24;
+
+/// The photons that a path stores on average.
+const PHOTONS_PER_PATH: u64 = 2;
 
 /// The pilot's results: eight radii, the index of the surface extent, and a third of an extent of
 /// 44 bytes, stored near edges only.
@@ -71,6 +74,8 @@ pub struct Budget {
     pub seed: Seed,
     /// The estimated memory of the film, the photons, the geometry and the light maps, in bytes.
     pub memory_bytes: u64,
+    /// The memory of a stored photon, in bytes.
+    pub photon_bytes: u64,
     /// The largest distance (pixels) that an object moves while the shutter is open.
     pub motion_px: f64,
 }
@@ -126,9 +131,10 @@ impl Budget {
             (settings.passes.unwrap_or(enough), settings.photons.unwrap_or_else(|| photons_per_pass(enough, pixels)));
         let measures = scene.measures();
         let light_map_cells = settings.light_map.unwrap_or(DEFAULT_LIGHT_MAP_CELLS);
+        let photon_bytes = PHOTON_BYTES + if plan.polarisation.is_on() { POLARISATION_BYTES } else { 0 };
         let memory_bytes = film_bytes
             .saturating_add(PILOT_PIXEL_BYTES.saturating_mul(pixels))
-            .saturating_add(photons.saturating_mul(PATH_BYTES))
+            .saturating_add(photons.saturating_mul(PHOTONS_PER_PATH * photon_bytes))
             .saturating_add(scene.geometry.memory_bytes() as u64)
             .saturating_add(if plan.media_plan.has_light_maps() {
                 light_map_bytes(scene, light_map_cells, passes)
@@ -146,13 +152,14 @@ impl Budget {
             light_map_cells,
             seed: Seed::new(settings.seed.unwrap_or(0)),
             memory_bytes,
+            photon_bytes,
             motion_px,
         }
     }
 
     /// Returns the memory in bytes of a pass that stores this number of photons.
     pub fn memory_keeping(&self, photons: u64) -> u64 {
-        self.memory_without_photons().saturating_add(photons.saturating_mul(PHOTON_BYTES))
+        self.memory_without_photons().saturating_add(photons.saturating_mul(self.photon_bytes))
     }
 
     /// Returns the light map cells in a pass, along the longest side of a medium's box. They shrink
@@ -165,14 +172,14 @@ impl Budget {
     /// Returns the most photon paths per pass that fit into `bytes`, rounded down to two digits, 0
     /// if even a pass without photons is too large.
     pub fn photons_within(&self, bytes: u64) -> u64 {
-        let photons = bytes.saturating_sub(self.memory_without_photons()) / PATH_BYTES;
+        let photons = bytes.saturating_sub(self.memory_without_photons()) / (PHOTONS_PER_PATH * self.photon_bytes);
         let digit = 10_u64.pow(photons.checked_ilog10().unwrap_or(0).saturating_sub(1));
         photons / digit * digit
     }
 
     /// Returns the memory in bytes of all data except the photons.
     fn memory_without_photons(&self) -> u64 {
-        self.memory_bytes.saturating_sub(self.photons.saturating_mul(PATH_BYTES))
+        self.memory_bytes.saturating_sub(self.photons.saturating_mul(PHOTONS_PER_PATH * self.photon_bytes))
     }
 }
 

@@ -8,6 +8,7 @@ pub mod ledger;
 mod medium_segment;
 mod next_interaction;
 mod polarisation;
+mod polarising_pane;
 mod ray_state;
 mod scatter;
 mod scatter_coated;
@@ -22,8 +23,9 @@ pub use caustic_weights::{CausticWeights, RayDensities, RayDensity, StratumDensi
 pub use depth_limit::{DepthLimit, LONG_PATH, MAX_EVENTS, TruncatedLight, long_path_survival};
 pub use medium_segment::{MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};
+pub use polarisation::PhotonPolarisation;
 pub(crate) use polarisation::{PathMatrices, event_at_camera_filter, pane_matrix, rotation_to_picture};
-pub use polarisation::{PhotonPolarisation, PolarisingPane};
+pub use polarising_pane::PolarisingPane;
 pub use ray_state::RayState;
 pub use scatter::{scatter, scatter_all_wavelengths};
 pub use scattered_ray::ScatteredRay;

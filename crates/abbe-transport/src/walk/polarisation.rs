@@ -11,21 +11,15 @@ use super::scatter_coated::scatter_by_powers;
 use super::scattered_ray::ScatteredRay;
 use super::surface_interaction::SurfaceInteraction;
 use super::transmittance::SegmentTransmittance;
-use abbe_optics::bsdf::{
-    Bsdf, BsdfClass, LocalRetardance, PowerFractions, ScatterEvent, ThinDielectric, TransportMode,
-};
-use abbe_optics::glass::RefractiveIndex;
+use abbe_optics::bsdf::{Bsdf, BsdfClass, LocalRetardance, PowerFractions, ScatterEvent, TransportMode};
 use abbe_polarisation::{
     DiattenuatingRetarder, Mueller, Rotation, ScatteringEvent, Stokes, StokesFrame, SurfaceDirections, smooth_elements,
 };
-use abbe_scene::Scene;
 use abbe_scene::camera::Camera;
-use abbe_scene::geometry::Hit;
 use abbe_spectra::math::elementary::sin_cos;
-use abbe_spectra::math::frame::Frame;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 /// The polarisation of a photon: for each wavelength, S1, S2 and S3, divided by the power S0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -147,37 +141,6 @@ pub(crate) fn rotation_to_picture(camera: &Camera, travel: DVec3) -> Rotation {
     let right = camera.right();
     let x = (right - right.dot(travel) * travel).normalize_or(right);
     StokesFrame::canonical(travel).rotation_to(x)
-}
-
-/// What decides how a pane polarises the light of a shadow ray, in single precision, so that a segment
-/// stays small.
-#[derive(Debug, Clone, Copy)]
-pub struct PolarisingPane {
-    /// The direction of the light.
-    travel: Vec3,
-    normal: Vec3,
-    /// The axis u of a filter.
-    u: Vec3,
-    retardance: LocalRetardance,
-}
-
-impl PolarisingPane {
-    /// Takes a pane with its retardance, and the direction of the light.
-    pub(crate) fn new(
-        scene: &Scene,
-        (pane, retardance): (&ThinDielectric, LocalRetardance),
-        hit: &Hit,
-        travel: DVec3,
-    ) -> Self {
-        let tangents = pane.filter().and_then(|_| scene.geometry.uv_tangents(hit));
-        let u = tangents.map_or_else(|| Frame::new(hit.normal).to_world(DVec3::X), |[u, _]| u.normalize());
-        Self { travel: travel.as_vec3(), normal: hit.normal.as_vec3(), u: u.as_vec3(), retardance }
-    }
-
-    fn event<'a>(&self, pane: &'a ThinDielectric, outside: &'a RefractiveIndex) -> ScatteringEvent<'a> {
-        let [travel, normal, u] = [self.travel, self.normal, self.u].map(|vector| vector.as_dvec3().normalize());
-        ScatteringEvent::through_pane((pane, self.retardance), outside, travel, [normal, u])
-    }
 }
 
 /// Returns the event at the filter of the camera for light that arrives along `travel`, or `None`

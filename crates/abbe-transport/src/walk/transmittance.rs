@@ -1,7 +1,7 @@
 //! Transmittance of media, as a function of wavelength.
 
 use super::medium_segment::{MediumSegment, for_each_segment};
-use super::polarisation::PolarisingPane;
+use super::polarising_pane::PolarisingPane;
 use super::ray_state::RayState;
 use abbe_optics::bsdf::{PowerFractions, ThinDielectric};
 use abbe_optics::glass::RefractiveIndex;
