@@ -56,7 +56,8 @@ pub(crate) fn combine(samples: &Samples, surfaces: &Surfaces, halves: &[Half; 2]
     let of_halves = [1, 0].map(|first| spread.weights.iter().skip(first).step_by(2).sum::<f32>());
     let xyz = |i: usize| {
         let y = spread.mean(guarded(i));
-        let colour = [0, 1, 2].map(|c| of_halves[0] * halves[0].colour[c][i] + of_halves[1] * halves[1].colour[c][i]);
+        let of_half = |half: &Half, c: usize| half.other_groups.mean(half.colour.each_ref().map(|group| group[c][i]));
+        let colour = [0, 1, 2].map(|c| of_halves[0] * of_half(&halves[0], c) + of_halves[1] * of_half(&halves[1], c));
         // The colour is that of the wider means, at the luminance of the narrower ones.
         let scale = if colour[1] > 0.0 { y / (surfaces.divisor[i][1] * colour[1]) } else { 1.0 };
         [surfaces.divisor[i][0] * colour[0] * scale, y, surfaces.divisor[i][2] * colour[2] * scale]

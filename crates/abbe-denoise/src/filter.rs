@@ -5,7 +5,7 @@
 //! the middle, and less if they do, or if it is noisier.
 
 use crate::features::Surfaces;
-use crate::half::{Half, OWN};
+use crate::half::{Half, OWN, Spread};
 use crate::planes::{ROWS, Size, by_rows, mean_around};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -124,11 +124,12 @@ impl<'h> Level<'h> {
         let chroma = by_rows(size, |y, row| {
             for (x, value) in row.iter_mut().enumerate() {
                 let i = y * size.width + x;
-                let of = |group: usize, c: usize| {
-                    let [x, y, z] = &half.guide_colour[group];
-                    [x, z][c][i] - ratios[c][i] * y[i]
+                let of = |[x, y, z]: &[Vec<f32>; 3], c: usize| [x, z][c][i] - ratios[c][i] * y[i];
+                let variance = |groups: &[[Vec<f32>; 3]; 2], spread: &Spread<2>| -> f32 {
+                    (0..2).map(|c| spread.variance(groups.each_ref().map(|group| of(group, c)))).sum()
                 };
-                *value = (0..2).map(|c| half.groups.variance([of(0, c), of(1, c)])).sum();
+                let of_others = variance(&half.colour, &half.other_groups);
+                *value = 0.5 * (variance(&half.guide_colour, &half.groups) + of_others);
             }
         });
         let around = [&luma, &chroma].map(|plane| mean_around(plane, size, VARIANCE_RADIUS, patch));

@@ -60,14 +60,16 @@ pub(crate) struct Half {
     /// The weights of the other replicates.
     pub(crate) others: Spread<OWN>,
     pub(crate) groups: Spread<{ GROUPS / 2 }>,
+    /// The weights of the other groups.
+    pub(crate) other_groups: Spread<{ GROUPS / 2 }>,
     /// Y of the guiding replicates.
     pub(crate) guide: [Vec<f32>; OWN],
     /// X, Y and Z of the two guiding groups.
     pub(crate) guide_colour: [[Vec<f32>; 3]; GROUPS / 2],
     /// Y of the other replicates.
     pub(crate) luma: [Vec<f32>; OWN],
-    /// The mean X, Y and Z of the other half, averaged more widely than Y.
-    pub(crate) colour: [Vec<f32>; 3],
+    /// X, Y and Z of the other groups, averaged more widely than Y of the replicates.
+    pub(crate) colour: [[Vec<f32>; 3]; GROUPS / 2],
 }
 
 impl Half {
@@ -88,18 +90,16 @@ impl Half {
             [divided(&samples.x[group], 0), divided(&y, 1), divided(&samples.z[group], 2)]
         };
         let other = 1 - half;
-        let [a, b] = [other, other + 2].map(colour);
-        let spread = groups(other);
-        let mean = |c: usize| a[c].iter().zip(&b[c]).map(|(a, b)| spread.mean([*a, *b])).collect();
         Self {
             size: samples.size(),
             replicates: Spread::new(std::array::from_fn(|k| samples.passes[2 * k + half])),
             others: Spread::new(std::array::from_fn(|k| samples.passes[2 * k + other])),
             groups: groups(half),
+            other_groups: groups(other),
             guide: std::array::from_fn(|k| divided(&samples.y[2 * k + half], 1)),
             guide_colour: [half, half + 2].map(colour),
             luma: std::array::from_fn(|k| divided(&samples.y[2 * k + other], 1)),
-            colour: [0, 1, 2].map(mean),
+            colour: [other, other + 2].map(colour),
         }
     }
 
@@ -110,7 +110,7 @@ impl Half {
             guide: std::array::from_fn(|_| zeros()),
             guide_colour: std::array::from_fn(|_| std::array::from_fn(|_| zeros())),
             luma: std::array::from_fn(|_| zeros()),
-            colour: std::array::from_fn(|_| zeros()),
+            colour: std::array::from_fn(|_| std::array::from_fn(|_| zeros())),
             ..*self
         }
     }
@@ -118,11 +118,11 @@ impl Half {
     /// Yields all planes, each with the number of its weights: 0 for luma and 1 for chroma.
     pub(crate) fn planes(&self) -> impl Iterator<Item = (&[f32], usize)> {
         let luma = self.guide.iter().chain(&self.luma).map(|plane| (plane.as_slice(), 0));
-        luma.chain(self.guide_colour.iter().flatten().chain(&self.colour).map(|plane| (plane.as_slice(), 1)))
+        luma.chain(self.guide_colour.iter().chain(&self.colour).flatten().map(|plane| (plane.as_slice(), 1)))
     }
 
     pub(crate) fn planes_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
         let Self { guide, guide_colour, luma, colour, .. } = self;
-        guide.iter_mut().chain(luma).chain(guide_colour.iter_mut().flatten()).chain(colour)
+        guide.iter_mut().chain(luma).chain(guide_colour.iter_mut().chain(colour).flatten())
     }
 }

@@ -172,6 +172,28 @@ fn a_single_bright_sample_does_not_become_a_spot() {
     assert!(largest < 0.3, "{largest}");
 }
 
+/// A single blue sample on a facet of 4 × 4 pixels does not colour the others, in whichever replicate
+/// it is.
+#[test]
+fn a_single_coloured_sample_does_not_colour_its_facet() {
+    let pixel = 21 * WIDTH + 21;
+    let facet = |i: usize| i / WIDTH / 4 * WIDTH + i % WIDTH / 4;
+    for replicate in 0..REPLICATES {
+        let mut samples = samples(|i, r| {
+            let white = [0, 1, 2].map(|c| 1.0 + 0.1 * noise(i, r, 21 + c));
+            if (i, r) == (pixel, replicate) { [20.0, 1.2, 100.0] } else { white }
+        });
+        for plane in &mut samples.features {
+            let normal = |i: usize| [0, 1, 2].map(|c| noise(facet(i), c, 24));
+            plane.iter_mut().enumerate().for_each(|(i, feature)| feature.normal = normal(i));
+        }
+        let denoised = denoise(&samples);
+        let excess = |i: usize| (denoised.xyz[i][2] / denoised.xyz[i][1] - 1.0).abs();
+        let largest = all().into_iter().filter(|&i| i != pixel).map(excess).fold(0.0, f32::max);
+        assert!(largest < 0.3, "{replicate}: {largest}");
+    }
+}
+
 /// Clouds of colour are averaged although the luminance has details of one pixel.
 #[test]
 fn colours_are_averaged_across_details_of_luminance() {
