@@ -380,6 +380,22 @@ fn photons_and_paths_agree_on_polarised_light() {
     }
 }
 
+/// A quarter-wave plate makes circular light of what a polariser behind it transmits. In the other
+/// order, the light is linear.
+#[test]
+fn sheets_act_in_the_order_in_which_light_meets_them() {
+    let plate = json!({ "retarder": { "axis": 45, "retardance_nm": 0.25 * 587.56 } });
+    for integrator in INTEGRATORS {
+        for (filters, circular) in [([polariser(0.0), plate.clone()], 1.0), ([plate.clone(), polariser(0.0)], 0.0)] {
+            let mut scene = sheets(&filters);
+            scene["lights"][0]["environment"]["spectrum"] = yellow();
+            let ([q, u, v], _) = stokes(&render(&scene, integrator, 1));
+            assert!((v.abs() - circular).abs() < 1e-4, "{integrator:?} {filters:?}: {q} {u} {v}");
+            assert!((q.hypot(u) - (1.0 - circular)).abs() < 1e-3, "{integrator:?} {filters:?}: {q} {u} {v}");
+        }
+    }
+}
+
 /// Light from the front of a circular polariser leaves circular, and light from its back linear.
 #[test]
 fn circular_polarisers_depend_on_their_side() {

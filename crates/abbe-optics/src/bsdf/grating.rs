@@ -184,6 +184,28 @@ mod tests {
         }
     }
 
+    /// A coarse grating has too many orders for reciprocal efficiencies. The order that misses the
+    /// blaze by 17 orders still has the same efficiency in both modes.
+    #[test]
+    fn camera_paths_use_the_efficiency_of_the_light() {
+        let air = RefractiveIndex::constant(1.0).unwrap();
+        let iors = InterfaceIors { here: &air, there: &air };
+        let profile = GratingProfile::Blazed { order: 20, blaze_nm: 500.0 };
+        let grating = Grating::new(20.0, profile).unwrap();
+        let [white, black] = [1.0, 0.0].map(Spectrum::constant);
+        let grating = DiffractionGrating::new(grating, white, black, Grooves::Parallel(0.0)).unwrap();
+        let at = |sin: f64| DVec3::new(sin, 0.0, (1.0 - sin * sin).sqrt());
+        // Orders are 0.0102 apart. The blaze is evanescent for light from the lamp and not from `out`.
+        let (lamp, out) = (at(-0.9), at(0.93));
+        let coefficient = |wo: DVec3, wi: DVec3, mode| {
+            let sample = BsdfSample::delta(wi, ScatterEvent::Reflection, 1.0);
+            grating.coefficient(wo, &sample, iors, 0.0, mode, 510.0)
+        };
+        let forward = coefficient(lamp, out, TransportMode::Importance);
+        let backward = coefficient(out, lamp, TransportMode::Radiance);
+        assert!(forward > 0.0 && (backward - forward).abs() < 1e-12 * forward, "{backward} for {forward}");
+    }
+
     #[test]
     fn fractions_with_a_sum_above_1_are_refused() {
         let grating = Grating::new(600.0, GratingProfile::BinaryAmplitude { duty: 0.5 }).unwrap();
