@@ -212,6 +212,30 @@ fn the_hidden_part_of_a_glowing_ball_glows_too() {
     assert!(found.is_equal(), "{found}");
 }
 
+/// A body with the index of air and the priority covers a glowing ball, which looks as without it.
+#[test]
+fn a_covered_lamp_looks_like_a_bare_one() {
+    for integrator in [Integrator::Photon, Integrator::Path] {
+        let luminance = |radius: f64| {
+            let scene = json!({
+                "camera": { "from": [0, 0, 4.5], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 3 } } },
+                "film": { "width": 2, "height": 2 },
+                "materials": { "lamp": glass(1.0), "cover": { "dielectric": { "ior": 1, "priority": 1 } } },
+                "objects": [
+                    { "shape": { "sphere": { "radius": 0.5 } }, "material": "lamp",
+                      "emission": { "spectrum": "E", "luminance": 100 } },
+                    { "shape": { "sphere": { "radius": radius } }, "material": "cover",
+                      "transform": [{ "translate": [5, 0, 0] }] }
+                ],
+                "lights": [], "render": { "photons": 100 }
+            });
+            all_y(&render(&scene, integrator, 1)).iter().sum::<f64>() / 4.0
+        };
+        let (bare, covered) = (luminance(1.0), luminance(6.0));
+        assert!(bare > 0.0 && (covered / bare - 1.0).abs() < 1e-6, "{integrator:?}: {covered} for {bare}");
+    }
+}
+
 /// Plates of glass that touch exactly are named, because a film of air remains between them. Plates
 /// that overlap or that are apart are not.
 #[test]
