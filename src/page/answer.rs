@@ -39,6 +39,7 @@ pub struct Answer {
     /// The media type of the body.
     pub kind: &'static str,
     /// The number, the width and the height of the picture, if the body has values of its pixels.
+    /// The body is empty if the picture does not have these values.
     pub plane: Option<[u64; 3]>,
     pub body: Vec<u8>,
 }
@@ -46,7 +47,7 @@ pub struct Answer {
 /// Why there is no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refusal {
-    /// The picture does not exist, or does not have this plane.
+    /// The picture does not exist.
     Absent,
     /// The query is wrong.
     Wrong,
@@ -77,7 +78,8 @@ pub(crate) fn answer(state: &PageState, path: &str, query: &str) -> Answered {
         _ => {}
     }
     let snapshot = state.snapshot.as_deref().ok_or(Refusal::Absent)?;
-    let found = |values: Option<Vec<u8>>| Ok(plane(snapshot, values.ok_or(Refusal::Absent)?));
+    // A plane that the picture lacks is empty, because a page asks for it before it knows the picture.
+    let found = |values: Option<Vec<u8>>| Ok(plane(snapshot, values.unwrap_or_default()));
     match path {
         "picture" => found(Some(snapshot.xyz())),
         "denoised" => found(snapshot.denoised()),

@@ -6,6 +6,8 @@ const stage = $("stage"), canvas = $("canvas"), context = canvas.getContext("2d"
 let version = 0, state = {}, scene = null, spaces = [];
 /// The shown picture: number, width, height, xyz, and the other planes that were fetched for it.
 let picture = null, image = document.createElement("canvas"), isFetching = false;
+/// What recent states said about their pictures, by the number of the picture.
+const summaries = new Map();
 /// True if the panels were not refreshed while a slider moved.
 let hasOldPanels = false;
 /// Screen pixels per picture pixel, and the position of the picture's corner. `zoom` 0 fits the picture.
@@ -50,6 +52,7 @@ const percent = value => value == null ? "not known yet" : (100 * value).toPreci
 
 async function show(next) {
   state = next;
+  if (next.picture) summaries.set(next.picture.number, next.picture);
   if (next.scene !== null && (next.scene !== scene?.number || hasOldPanels && !next.draft)) await showScene();
   $("passes").textContent = next.passes + (next.passes_wanted ? " of " + next.passes_wanted : "");
   $("error").textContent = percent(next.typical_error);
@@ -68,17 +71,20 @@ async function fetchPicture() {
   if (isFetching) return;
   isFetching = true;
   try {
-    const next = await floats("picture");
-    picture = { ...next, xyz: next.values, planes: new Map(), exposure: state.picture?.exposure ?? 1,
-      reaches: state.picture?.reaches ?? {}, passes: state.picture?.passes ?? 0,
-      denoised: state.picture?.denoised ?? false };
-    await draw();
-    refreshProbes();
-    showReference(state.reference);
+    const next = await floats("picture"), summary = summaries.get(next.number);
+    // The state of a picture that has just been published may be on its way. It brings us here again.
+    if (summary) {
+      const { exposure, reaches, passes, denoised } = summary;
+      picture = { ...next, xyz: next.values, planes: new Map(), exposure, reaches, passes, denoised };
+      for (const number of summaries.keys()) if (number < next.number) summaries.delete(number);
+      await draw();
+      refreshProbes();
+      showReference(state.reference);
+    }
   } finally {
     isFetching = false;
   }
-  if (state.picture && state.picture.number > picture.number) fetchPicture();
+  if (state.picture.number > (picture?.number ?? -1)) fetchPicture();
 }
 
 // The picture.
@@ -133,7 +139,7 @@ async function plane(path) {
   const current = picture;
   if (!current.planes.has(path)) {
     const found = await floats(path).catch(() => null);
-    if (!found || found.width !== current.width || found.height !== current.height) return null;
+    if (!found?.values.length || found.width !== current.width || found.height !== current.height) return null;
     current.planes.set(path, found.values);
   }
   return current.planes.get(path);
