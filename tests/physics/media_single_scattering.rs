@@ -1,7 +1,7 @@
 //! Single scattering in fog: sampled distances and light maps against integrals along camera rays.
 
 use crate::common::compare::Measured;
-use crate::common::{job, mean_y, with_setting};
+use crate::common::{all_y, job, mean_y, render, with_setting};
 use abbe_session::render::Integrator;
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
@@ -164,4 +164,22 @@ fn a_lamp_in_fog_of_every_mean_cosine() {
 fn a_lamp_in_fog_of_drops() {
     let (phase, at) = drops();
     check_phase("drops", phase, &at, 6144);
+}
+
+/// The narrow backward peak of the fog sends an even sky behind the camera into it. All pixels find
+/// this light, which single shadow rays rarely do. The wall covers less than 1e-4 of the peak's tail.
+#[test]
+fn an_even_sky_in_fog_with_a_narrow_peak() {
+    let (phase, _) = henyey_greenstein(-0.999);
+    let mut scene = fog(&phase);
+    scene["media"]["fog"]["homogeneous"]["absorption"] = json!(0);
+    scene["lights"] = crate::furnace::surroundings();
+    scene["render"]["forbid"] = json!(["photon-beams"]);
+    let values = all_y(&render(&scene, Integrator::Photon, 8));
+    let camera = job(&scene).scene.camera;
+    for (i, value) in values.into_iter().enumerate() {
+        let film = DVec2::new((i % FILM) as f64 + 0.5, (i / FILM) as f64 + 0.5);
+        let truth = SCATTERING * WALL_Z / camera.ray(film, [0.5; 2]).direction.z;
+        assert!((value / truth - 1.0).abs() < 0.25, "pixel {i}: {value} for {truth} cd/m²");
+    }
 }

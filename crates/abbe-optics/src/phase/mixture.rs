@@ -25,9 +25,21 @@ impl<'a> PhaseMixture<'a> {
     pub fn new(phase: &'a PhaseFunction, wavelengths: &Wavelengths, importance: &Lanes) -> Self {
         let total: f64 = importance[..wavelengths.count].iter().sum();
         let mixed = wavelengths.count > 1 && total > 0.0 && phase.depends_on_wavelength();
-        let (count, fractions) =
-            if mixed { (wavelengths.count, importance.map(|value| value / total)) } else { (1, [1.0, 0.0, 0.0, 0.0]) };
-        Self { phase, nm: wavelengths.nm, fractions, count }
+        if !mixed {
+            return Self::at(phase, wavelengths.nm[0]);
+        }
+        let fractions = importance.map(|value| value / total);
+        Self { phase, nm: wavelengths.nm, fractions, count: wavelengths.count }
+    }
+
+    /// Creates the pdf of a single wavelength in nm.
+    pub fn at(phase: &'a PhaseFunction, nm: f64) -> Self {
+        Self { phase, nm: [nm; LANES], fractions: [1.0, 0.0, 0.0, 0.0], count: 1 }
+    }
+
+    /// Returns true if the phase function has no peak.
+    pub fn is_smooth(&self) -> bool {
+        matches!(self.phase, PhaseFunction::Isotropic | PhaseFunction::Rayleigh)
     }
 
     /// Returns the pdf per steradian at the cosine of the scattering angle.

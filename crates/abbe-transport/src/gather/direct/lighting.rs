@@ -3,7 +3,7 @@
 //! Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
 use super::light_tree::{Receiver, ReceivingPoint};
-use super::portals::{PORTAL_FRACTION, Portals};
+use super::portals::Portals;
 use super::selection::{LightSelection, LightSelector, SelectedLight};
 use crate::plan::{MediumPlan, Tally};
 use crate::walk::{
@@ -63,9 +63,10 @@ pub(in crate::gather) struct LightSampleContext<'e, 'a> {
 pub(in crate::gather) struct VolumeLightSampleContext<'a> {
     /// The path's ray. The origin of this ray is the point in the medium.
     pub(in crate::gather) ray_state: RayState,
-    /// The density of the path's next direction. `None` if the estimator ignores lights that
-    /// scattered rays hit; the shadow ray then has the weight 1.
-    pub(in crate::gather) phase: Option<PhaseMixture<'a>>,
+    pub(in crate::gather) phase: PhaseMixture<'a>,
+    /// True if the path continues with `phase`, so that scattered rays may hit the light as well.
+    /// Otherwise, the shadow ray counts all light.
+    pub(in crate::gather) continues: bool,
 }
 
 /// A sample of direct light at a surface. The sample does not include the attenuation by media.
@@ -317,13 +318,17 @@ impl<'a> DirectLighting<'a> {
         selected: SelectedLight,
         tally: &mut Tally,
     ) -> Option<VolumeLightSample<'a>> {
-        let VolumeLightSampleContext { ray_state, phase } = context;
+        let VolumeLightSampleContext { ray_state, phase, continues } = context;
         let SelectedLight { number, u, probability } = selected;
         let light = &self.scene.lights[number];
-        let incident = self.sample_li(light, ray_state.ray.origin, u)?;
+        let incident = if continues {
+            self.sample_li(light, ray_state.ray.origin, u)?
+        } else {
+            self.sample_li_in_medium(light, ray_state.ray, &phase, u)?
+        };
         let incoming = -incident.direction;
-        let mis_weight = match (phase, incident.pdf_solid_angle) {
-            (Some(phase), Some(pdf)) => {
+        let mis_weight = match incident.pdf_solid_angle {
+            Some(pdf) if continues => {
                 // The phase function is symmetric, so it is the density with which the camera path
                 // would have continued towards the light.
                 let cosine = ray_state.ray.direction.dot(incident.direction);
@@ -424,42 +429,6 @@ impl<'a> DirectLighting<'a> {
             }
         };
         (radiance * weight > 0.0).then_some(EmitterHit { light, radiance: radiance * weight, spd })
-    }
-
-    /// Samples a direction from a point towards a light; see [`Light::sample_li`].
-    #[inline(always)]
-    pub(super) fn sample_li(&self, light: &Light, from: DVec3, u: [f64; 3]) -> Option<LiSample> {
-        if self.portals.open.count() == 0 || !light.surrounds() {
-            return light.sample_li(self.scene.extent(), from, u);
-        }
-        self.sample_li_through_portals(light, from, u)
-    }
-
-    /// Samples a direction towards the surroundings, through a portal or by their radiance.
-    #[inline(never)]
-    fn sample_li_through_portals(&self, light: &Light, from: DVec3, [u, v, choice]: [f64; 3]) -> Option<LiSample> {
-        let mut sample = if choice < PORTAL_FRACTION {
-            let direction = self.portals.open.sample(from, choice / PORTAL_FRACTION, [u, v]);
-            let (radiance, spd) = light.le(direction)?;
-            let (distance, target) = (f64::INFINITY, None);
-            LiSample { direction, distance, target, irradiance: radiance, pdf_solid_angle: None, spd }
-        } else {
-            let sample = light.sample_li(self.scene.extent(), from, [u, v, choice])?;
-            LiSample { irradiance: sample.irradiance * sample.pdf_solid_angle.unwrap_or(1.0), ..sample }
-        };
-        let pdf = self.pdf_li_escaped(light, from, sample.direction);
-        sample.irradiance /= pdf;
-        sample.pdf_solid_angle = Some(pdf);
-        (pdf > 0.0).then_some(sample)
-    }
-
-    /// Returns the density of [`Self::sample_li`] for the direction of a ray that leaves the scene.
-    fn pdf_li_escaped(&self, light: &Light, from: DVec3, direction: DVec3) -> f64 {
-        let pdf = light.pdf_li_escaped(direction);
-        if self.portals.open.count() == 0 || !light.surrounds() {
-            return pdf;
-        }
-        (1.0 - PORTAL_FRACTION) * pdf + PORTAL_FRACTION * self.portals.open.pdf(from, direction)
     }
 
     /// Returns the density of a light's rays along a camera ray that hit it and found `radiance`.

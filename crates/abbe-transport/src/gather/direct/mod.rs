@@ -6,3 +6,4 @@ mod light_trials;
 pub(super) mod lighting;
 pub(super) mod portals;
 pub(super) mod selection;
+mod surroundings;

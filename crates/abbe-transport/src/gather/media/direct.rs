@@ -13,6 +13,7 @@ use crate::walk::{
     MediumSegment, NumberedMedium, RayState, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth,
     transmittance,
 };
+use abbe_optics::phase::PhaseMixture;
 use abbe_scene::geometry::Ray;
 
 impl<'a> CameraPass<'a> {
@@ -45,7 +46,8 @@ impl<'a> CameraPass<'a> {
             let to_point = segment.path_transmittance(distance.t_m, segment_seed(context, segment.ray.origin));
             let ray = Ray { origin: segment.ray.at(distance.t_m), direction: segment.ray.direction };
             let ray_state = RayState { ray, from: None, medium_stack: segment.medium_stack };
-            let point = VolumeLightSampleContext { ray_state, phase: None };
+            let phase = PhaseMixture::at(&medium.phase, path.reference_nm());
+            let point = VolumeLightSampleContext { ray_state, phase, continues: false };
             let Some(sample) = self.direct.sample_direct_in_medium(point, selected, context.tally) else { continue };
             let cosine = -sample.incoming.dot(segment.ray.direction);
             let strength = sample.strength * density / distance.pdf_per_m;

@@ -89,7 +89,7 @@ impl<'a> PathTracer<'a> {
         let mixture = PhaseMixture::new(phase, &path.wavelengths, &path.importance());
         let (from, u) = (ReceivingPoint::in_medium(ray.origin), sampler.stream.triple());
         for selected in self.direct.select_lights(from, u) {
-            let point = VolumeLightSampleContext { ray_state, phase: Some(mixture) };
+            let point = VolumeLightSampleContext { ray_state, phase: mixture, continues: true };
             let Some(sample) = self.direct.sample_direct_in_medium(point, selected, tally) else { continue };
             let cosine = -sample.incoming.dot(incoming);
             let origin = LightOrigin { class: path.events.class_in_medium(), light: selected.number };
