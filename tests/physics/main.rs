@@ -26,6 +26,7 @@ mod free_and_shared;
 mod furnace;
 mod glare;
 mod gratings;
+mod halo;
 mod interval_coverage;
 mod irradiance;
 mod large_worlds;

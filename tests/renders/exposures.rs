@@ -6,14 +6,15 @@ use abbe_session::render::{DisplaySettings, Integrator};
 use abbe_spectra::colour::RgbSpace;
 use abbe_transport::sensor::{Codes, Picture};
 
-/// Twelve scenes: spectra and caustics in rooms, lamps in view, single lines, sky, glass.
-const SCENES: [&str; 12] = [
+/// Scenes of many kinds: spectra and caustics in rooms, lamps in view, single lines, sky, glass.
+const SCENES: [&str; 13] = [
     "prism",
     "two_prisms",
     "grating",
     "glass_ball",
     "cornell",
     "rainbow",
+    "halo",
     "sodium",
     "sodium_flame",
     "neon_tube",

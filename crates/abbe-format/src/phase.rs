@@ -46,12 +46,14 @@ pub enum PhaseFile {
     },
     /// Scattering by water drops that are large enough for a rainbow.
     Rainbow,
+    /// Scattering by ice crystals in all orientations, with the halos of 22° and 46°.
+    Ice,
 }
 
 impl PhaseFile {
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
         match self {
-            Self::Isotropic | Self::Rayleigh | Self::Table { path: _ } | Self::Rainbow => Ok(()),
+            Self::Isotropic | Self::Rayleigh | Self::Table { path: _ } | Self::Rainbow | Self::Ice => Ok(()),
             Self::HenyeyGreenstein { g } => g.validate(&at.key("henyey_greenstein").key("g"), SpectrumUse::MeanCosine),
             Self::Mie { radius_um, spread, ior } => {
                 let at = at.key("mie");

@@ -198,6 +198,7 @@ impl Resolver<'_> {
                 Ok(PhaseFunction::Table(self.at(&at, spheres.and_then(|spheres| spheres.table()))?))
             }
             PhaseFile::Rainbow => Ok(PhaseFunction::Table(phase::rainbow())),
+            PhaseFile::Ice => Ok(PhaseFunction::Table(phase::ice())),
         }
     }
 }

@@ -5,6 +5,7 @@
 //! integrates to 1 over the sphere.
 
 mod henyey_greenstein;
+mod ice;
 pub mod mie;
 mod mixture;
 mod rainbow;
@@ -15,6 +16,7 @@ mod table;
 mod contract;
 
 pub use henyey_greenstein::MAX_MEAN_COSINE;
+pub use ice::ice;
 pub use mixture::PhaseMixture;
 pub use rainbow::rainbow;
 pub use table::{PhaseTable, parse as parse_table};
