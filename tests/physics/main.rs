@@ -16,6 +16,7 @@ mod caustic_colours;
 mod chart;
 mod chromatic_media;
 mod competing_techniques;
+mod crystals;
 mod depth_limits;
 mod diffraction;
 mod dyes;

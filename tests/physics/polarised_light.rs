@@ -65,7 +65,7 @@ fn sheets(filters: &[Value]) -> Value {
     scene(&camera, &materials.into(), &objects.into(), &sky)
 }
 
-fn polariser(axis: f64) -> Value {
+pub(crate) fn polariser(axis: f64) -> Value {
     json!({ "polariser": { "axis": axis } })
 }
 

@@ -56,6 +56,11 @@ pub enum MaterialFile {
     #[schemars(example = json!({"dielectric": {"ior": "N-BK7", "coating": {"layers": [{"ior": "MgF2",
         "thickness_nm": 100}]}}}))]
     Dielectric(DielectricFile),
+    /// A polished uniaxial crystal, which splits light into an ordinary and an extraordinary ray.
+    #[schemars(example = json!({"crystal": {"name": "calcite", "axis": [0, 1, 0]}}))]
+    #[schemars(example = json!({"crystal": {"ordinary": {"file": "CaCO3-o.yml"},
+        "extraordinary": {"file": "CaCO3-e.yml"}, "axis": [1, 1, 0]}}))]
+    Crystal(CrystalFile),
     /// A thin pane: light passes straight through or is reflected.
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.5}}))]
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.52, "thickness": 0.006, "absorption": 7.3}}))]
@@ -183,6 +188,32 @@ pub struct DielectricFile {
     pub priority: i32,
 }
 
+/// A uniaxial crystal. State `name`, or `ordinary` and `extraordinary`.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CrystalFile {
+    /// Name in the catalogue: `calcite`, `quartz`, `MgF2`, `sapphire`, `rutile` or `ice`. `abbe
+    /// crystal` describes them.
+    #[schemars(extend("x-default" = "the two indices"))]
+    pub name: Option<String>,
+    /// Index of refraction of the ordinary ray.
+    #[schemars(extend("minimum" = 1, "x-default" = "that of the name"))]
+    pub ordinary: Option<IndexFile>,
+    /// Index of refraction of the extraordinary ray for fields along the optic axis.
+    #[schemars(extend("minimum" = 1, "x-default" = "that of the name"))]
+    pub extraordinary: Option<IndexFile>,
+    /// Direction of the optic axis in the frame of the object.
+    pub axis: [f64; 3],
+    /// Absorption coefficient inside the body (Beer's law).
+    #[schemars(extend("minimum" = 0, "x-unit" = "1/scene unit", "x-default" = "no absorption"))]
+    pub absorption: Option<SpectrumFile>,
+    /// Priority where dielectrics or media overlap: the highest one fills the space. Among equal
+    /// priorities, the innermost body fills the space.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
+    pub priority: i32,
+}
+
 /// A thin pane. A pane that absorbs states `thickness` and `absorption`, or its measured
 /// `transmittance`.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -276,6 +307,7 @@ impl MaterialFile {
             Self::CircularPolariser(file) => Some(PolarisingFilterFile::CircularPolariser(file.clone())),
             Self::Filters(files) => Some(PolarisingFilterFile::Filters(files.clone())),
             Self::Diffuse { .. } | Self::Fluorescent { .. } | Self::Bispectral { .. } | Self::Dielectric(_) => None,
+            Self::Crystal(_) => None,
             Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) | Self::Conductor(_) => None,
             Self::Mirror { .. } | Self::Glossy { .. } | Self::Translucent { .. } | Self::Mix(_) => None,
             Self::NormalMap(_) | Self::Boundary { .. } | Self::Absorber => None,
@@ -298,6 +330,7 @@ impl MaterialFile {
                 reflectance.validate(&at.key("bispectral").key("reflectance"), SpectrumUse::Fraction)
             }
             Self::Dielectric(dielectric) => dielectric.validate(&at.key("dielectric")),
+            Self::Crystal(crystal) => crystal.validate(&at.key("crystal")),
             Self::ThinDielectric(pane) => pane.validate(&at.key("thin_dielectric")),
             Self::ThinFilm(film) => film.validate(&at.key("thin_film")),
             Self::Polariser(_)
@@ -365,6 +398,28 @@ impl DielectricFile {
             absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative)),
             coating_on(at, coating.as_ref()),
         ])
+    }
+}
+
+impl CrystalFile {
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { name, ordinary, extraordinary, axis, absorption, priority: _ } = self;
+        let index = |key: &str, file: &Option<IndexFile>| {
+            file.as_ref().map_or(Ok(()), |file| file.validate(&at.key(key)))
+        };
+        check::all([
+            index("ordinary", ordinary),
+            index("extraordinary", extraordinary),
+            check::direction(&at.key("axis"), *axis),
+            absorption.as_ref().map_or(Ok(()), |it| it.validate(&at.key("absorption"), SpectrumUse::NotNegative)),
+        ])?;
+        let allowed = "`name`, or both `ordinary` and `extraordinary`";
+        match (name, ordinary, extraordinary) {
+            (Some(_), None, None) | (None, Some(_), Some(_)) => Ok(()),
+            (None, None, None) => Err(check::fault(at, "found none of the indices", allowed)),
+            (None, _, _) => Err(check::fault(at, "found one of the two indices", allowed)),
+            (Some(_), _, _) => Err(check::fault(at, "found a name together with an index", allowed)),
+        }
     }
 }
 

@@ -38,6 +38,8 @@ pub struct ScatteringEvent<'a> {
 enum Element<'a> {
     /// Light leaves unpolarised.
     Depolariser,
+    /// The matrix at the only wavelength of a path.
+    Fixed([[f32; 4]; 4]),
     /// A surface or its facets, with x perpendicular to the plane of incidence.
     Surface { bsdf: LocalBsdf<'a>, sides: InterfaceIors<'a>, wo: DVec3, wi: DVec3, event: ScatterEvent, delta: bool },
     /// A pane that light crosses straight on, with x perpendicular to the plane of incidence.
@@ -128,6 +130,12 @@ impl<'a> ScatteringEvent<'a> {
         Self { element, arriving: Rotation::NONE, leaving: Rotation::NONE }
     }
 
+    /// Returns the event with this relative matrix at the only wavelength of a path, for light with x
+    /// along `s_axis` before and after.
+    pub fn of_matrix(Mueller(matrix): Mueller, [arriving, leaving]: [DVec3; 2], s_axis: DVec3) -> Self {
+        Self::between(Element::Fixed(matrix.map(|row| row.map(|part| part as f32))), [arriving, leaving], s_axis)
+    }
+
     /// The event that makes light unpolarised.
     pub const DEPOLARISER: Self =
         Self { element: Element::Depolariser, arriving: Rotation::NONE, leaving: Rotation::NONE };
@@ -145,6 +153,7 @@ impl<'a> ScatteringEvent<'a> {
     pub fn matrix(&self, nm: f64) -> Mueller {
         match self.element {
             Element::Depolariser => Mueller::depolariser(1.0),
+            Element::Fixed(matrix) => self.leaving * (Mueller(matrix.map(|row| row.map(f64::from))) * self.arriving),
             Element::Filter { filter, local, axes, from_front } => {
                 filter_matrix((filter, local), &axes, from_front, nm)
             }

@@ -57,6 +57,7 @@ use super::motion::{AnimatedLookAt, AnimatedShape, AnimatedTransform, SceneMotio
 use super::{FilmSpec, Material, Object, Scene, Settings};
 use crate::geometry::Geometry;
 use crate::geometry::shape::{PlacedShape, Shape};
+use abbe_optics::bsdf::Bsdf;
 use abbe_optics::glass::RefractiveIndex;
 use abbe_spectra::colour::{AdaptationTransform, Xyz};
 use abbe_spectra::error::{Error, Result};
@@ -97,6 +98,25 @@ impl ObjectSet {
         self.materials.len() - 1
     }
 
+    /// Returns the number of the material with its optic axis, if it is a crystal, in the frame of the
+    /// world instead of the object.
+    fn turned_crystal(&mut self, number: usize, shape: &Shape, placement: &Placement) -> Result<usize> {
+        let Some(crystal) = self.materials.get(number).and_then(|material| material.surface.crystal()) else {
+            return Ok(number);
+        };
+        if placement.motion.is_some() {
+            return Err(Error::input("the object moves and is a crystal").expected("a crystal that does not move"));
+        }
+        if matches!(shape, Shape::Rectangle { .. } | Shape::Disk { .. }) {
+            return Err(Error::input("found a flat shape of a crystal").expected("a shape that encloses a space"));
+        }
+        let axis = (placement.to_world.matrix3 * crystal.axis).normalize();
+        let surface = Bsdf::crystal_surface(crystal.extraordinary.clone(), axis);
+        let material = &self.materials[number];
+        let (name, normal_map, body) = (material.name.clone(), material.normal_map.clone(), material.body.clone());
+        Ok(self.add_material(Material { name, surface, normal_map, body }))
+    }
+
     /// Adds an object with this material and returns its number. Returns an error if the shape is
     /// not a valid body, the material does not exist, or a flat shape's material contains a medium.
     pub fn add_object(
@@ -107,6 +127,7 @@ impl ObjectSet {
         placement: impl Into<Placement>,
     ) -> Result<u32> {
         let (name, placement) = (name.into(), placement.into());
+        let material = self.turned_crystal(material, &shape, &placement)?;
         let Some(Material { name: material_name, body, .. }) = self.materials.get(material) else {
             return Err(Error::input(format!("the object \"{name}\" has the material number {material}"))
                 .expected(format!("a number below {}", self.materials.len())));

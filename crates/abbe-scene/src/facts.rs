@@ -147,14 +147,16 @@ impl Facts {
             let is_grating = material.surface.components().any(|part| part.grating().is_some());
             note(&mut facts.dispersive, is_grating);
             note(&mut facts.bodies, is_grating);
-            note(&mut facts.polarising, material.surface.filters().next().is_some());
+            let crystal = material.surface.crystal();
+            note(&mut facts.polarising, crystal.is_some() || material.surface.filters().next().is_some());
             note(&mut facts.textured, material.is_textured());
             let absorption = material.body.as_ref().and_then(|body| body.absorption.as_ref());
             let is_upsampled = material.surface.is_upsampled() || absorption.is_some_and(Spectrum::is_upsampled);
             note(&mut facts.upsampled, is_upsampled);
             let Some(body) = &material.body else { continue };
             note(&mut facts.bodies, true);
-            note(&mut facts.dispersive, body.index.as_ref().is_some_and(RefractiveIndex::is_dispersive));
+            let extraordinary = crystal.map(|crystal| &crystal.extraordinary);
+            note(&mut facts.dispersive, body.index.iter().chain(extraordinary).any(RefractiveIndex::is_dispersive));
             note(&mut facts.absorbing_bodies, body.absorption.is_some());
             let Some(medium) = body.medium.map(|number| &scene.media[number]) else { continue };
             note(&mut facts.media, true);

@@ -11,13 +11,16 @@
 pub const MAX_NESTING: usize = 8;
 
 /// The bodies that contain a point, from the outermost to the innermost: object numbers plus 1, and
-/// unused entries of 0 at the end.
+/// unused entries of 0 at the end. A crystal's entry also tells which of its two waves the path is.
 ///
 /// Every segment of every path stores a stack, so it is small and leaves the priorities to the
 /// bodies. Any number of bodies may overlap: a full stack always contains the dominant body and the
 /// dominant dielectric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MediumStack([u32; MAX_NESTING]);
+
+/// Marks the entry of a crystal in which the path is the extraordinary wave.
+const EXTRAORDINARY: u32 = 1 << 31;
 
 /// The properties of a body that decide whether it dominates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -47,7 +50,26 @@ impl MediumStack {
 
     /// The objects, from the outermost to the innermost.
     pub fn bodies(&self) -> impl Iterator<Item = u32> {
-        self.0.iter().take_while(|&&entry| entry > 0).map(|entry| entry - 1)
+        self.0.iter().take_while(|&&entry| entry > 0).map(|entry| (entry & !EXTRAORDINARY) - 1)
+    }
+
+    /// Marks the path as the extraordinary wave in a crystal, or as the ordinary one.
+    #[must_use]
+    pub fn with_wave(mut self, crystal: u32, is_extraordinary: bool) -> Self {
+        if let Some(level) = self.level(crystal) {
+            self.0[level] = if is_extraordinary { (crystal + 1) | EXTRAORDINARY } else { crystal + 1 };
+        }
+        self
+    }
+
+    /// Returns true if the path is the extraordinary wave in a crystal.
+    pub fn is_extraordinary(&self, crystal: u32) -> bool {
+        self.level(crystal).is_some_and(|level| self.0[level] & EXTRAORDINARY != 0)
+    }
+
+    /// Returns the last entry of an object.
+    fn level(&self, object: u32) -> Option<usize> {
+        self.0.iter().rposition(|&entry| entry & !EXTRAORDINARY == object + 1)
     }
 
     /// The stack after a path enters `object`. A stack that already contains it, as for a mesh with
@@ -69,7 +91,7 @@ impl MediumStack {
 
     /// Does the same as [`Self::entered`] for a full stack. Drops the body of the lowest priority,
     /// and the outermost of equal ones, that is neither the dominant body nor the dominant
-    /// dielectric.
+    /// dielectric. The waves in crystals become ordinary.
     #[must_use]
     #[cold]
     pub fn entered_full(self, object: u32, priority: impl Fn(u32) -> BodyPriority) -> Self {
@@ -90,8 +112,7 @@ impl MediumStack {
     /// not change.
     #[must_use]
     pub fn left(mut self, object: u32) -> Self {
-        let level = self.0.iter().rposition(|&entry| entry == object + 1);
-        if let Some(level) = level {
+        if let Some(level) = self.level(object) {
             self.0.copy_within(level + 1.., level);
             self.0[MAX_NESTING - 1] = 0;
         }

@@ -3,7 +3,7 @@
 use super::index::{index_file, index_of};
 use super::{context::Resolver, spectra::Role};
 use crate::{
-    ConductorFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
+    ConductorFile, CrystalFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
     OrderEfficiencyFile, PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
 };
 use abbe_optics::bsdf::{
@@ -15,9 +15,11 @@ use abbe_optics::glass::RefractiveIndex;
 use abbe_optics::grating::{EfficiencyTable, Grating, GratingProfile};
 use abbe_optics::texture::SurfaceScalar;
 use abbe_optics::thin_film::OpticalIndex;
+use abbe_polarisation::crystal::Crystal;
 use abbe_scene::{Body, Material};
 use abbe_spectra::error::{Error, Result, both};
 use abbe_spectra::spectrum::{Spectrum, library};
+use glam::DVec3;
 
 /// Mixed materials that are nested more deeply are reported as circular.
 const MAX_DEPTH: usize = 16;
@@ -84,6 +86,10 @@ impl Resolver<'_> {
                 };
                 (surface, Some(body))
             }
+            MaterialFile::Crystal(file) => {
+                let (surface, body) = self.crystal(&at.key("crystal"), file, name, notes)?;
+                (Ok(surface), Some(body))
+            }
             MaterialFile::ThinDielectric(file) => (self.pane(&at.key("thin_dielectric"), file, name, notes), None),
             MaterialFile::ThinFilm(file) => {
                 let air = OpticalIndex::Transparent(self.at(&at, RefractiveIndex::constant(1.0))?);
@@ -135,6 +141,10 @@ impl Resolver<'_> {
                         let what = "found a material with a normal map inside a mix";
                         return Err(self.source.fault(&at.key("material"), what, "a normal map of the whole mix"));
                     }
+                    if part_material.surface.crystal().is_some() {
+                        let what = "found a crystal inside a mix";
+                        return Err(self.source.fault(&at.key("material"), what, "a crystal as the whole material"));
+                    }
                     surfaces.push((self.scalar(&at.key("weight"), &part.weight)?, part_material.surface));
                     body = body.or(part_material.body);
                 }
@@ -164,12 +174,40 @@ impl Resolver<'_> {
         let DielectricFile { ior, roughness: _, absorption, coating: _, medium, priority } = file;
         let medium = medium.as_ref().map(|name| self.medium_number(&at.key("medium"), name)).transpose();
         let index = self.index(&at.key("ior"), ior, name, notes);
-        let resolve = |file| self.spectrum(&at.key("absorption"), file, Role::Coefficient);
-        let absorption = absorption.as_ref().map(resolve).transpose();
+        let absorption = self.absorption(at, absorption.as_ref());
         let ((medium, index), absorption) = both(both(medium, index), absorption)?;
-        let absorption = absorption.filter(|per_unit| per_unit.max() > 0.0);
-        let absorption = absorption.map(|per_unit| per_unit.scaled(1.0 / self.metres));
         Ok(Body { index: Some(index), absorption, medium, priority: *priority })
+    }
+
+    fn crystal(
+        &self,
+        at: &JsonPath,
+        file: &CrystalFile,
+        name: &str,
+        notes: &mut Vec<String>,
+    ) -> Result<(Bsdf, Body)> {
+        let CrystalFile { name: catalogue_name, ordinary, extraordinary, axis, absorption, priority } = file;
+        let indices = match (catalogue_name, ordinary, extraordinary) {
+            (None, Some(ordinary), Some(extraordinary)) => {
+                let ordinary = self.index(&at.key("ordinary"), ordinary, name, notes);
+                let extraordinary = self.index(&at.key("extraordinary"), extraordinary, name, notes);
+                both(ordinary, extraordinary).map(|(ordinary, extraordinary)| [ordinary, extraordinary])
+            }
+            (name, _, _) => {
+                let crystal = Crystal::find(name.as_deref().unwrap_or_default());
+                self.at(&at.key("name"), crystal.and_then(|crystal| crystal.indices()))
+            }
+        };
+        let ([ordinary, extraordinary], absorption) = both(indices, self.absorption(at, absorption.as_ref()))?;
+        let body = Body { index: Some(ordinary), absorption, medium: None, priority: *priority };
+        Ok((Bsdf::crystal_surface(extraordinary, DVec3::from(*axis).normalize()), body))
+    }
+
+    /// Returns the absorption coefficient in 1/m, if it is not 0.
+    fn absorption(&self, at: &JsonPath, file: Option<&SpectrumFile>) -> Result<Option<Spectrum>> {
+        let resolve = |file| self.spectrum(&at.key("absorption"), file, Role::Coefficient);
+        let absorption = file.map(resolve).transpose()?.filter(|per_unit| per_unit.max() > 0.0);
+        Ok(absorption.map(|per_unit| per_unit.scaled(1.0 / self.metres)))
     }
 
     fn pane(&self, at: &JsonPath, file: &ThinDielectricFile, name: &str, notes: &mut Vec<String>) -> Result<Bsdf> {

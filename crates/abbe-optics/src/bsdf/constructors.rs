@@ -2,6 +2,7 @@
 
 use super::coated::{CoatedDielectric, ThinFilm};
 use super::conductor::Conductor;
+use super::crystal::CrystalInterface;
 use super::dielectric::Dielectric;
 use super::diffuse::Diffuse;
 use super::filter::PolarisingFilter;
@@ -15,6 +16,7 @@ use crate::texture::{ScalarTexture, SurfaceScalar, SurfaceSpectrum};
 use crate::thin_film::FilmStack;
 use abbe_spectra::error::Result;
 use abbe_spectra::spectrum::Spectrum;
+use glam::DVec3;
 
 impl Bsdf {
     /// Creates a [`Diffuse`] BSDF; see [`Diffuse::new`].
@@ -48,6 +50,11 @@ impl Bsdf {
     /// Creates a [`Dielectric`] BSDF; see [`Dielectric::new`].
     pub fn dielectric(alpha: f64) -> Result<Self> {
         Dielectric::new(alpha).map(Self::Dielectric)
+    }
+
+    /// Creates the surface of a crystal with this optic axis, a unit vector in world space.
+    pub fn crystal_surface(extraordinary: RefractiveIndex, axis: DVec3) -> Self {
+        Self::Crystal(Box::new(CrystalInterface { extraordinary, axis }))
     }
 
     /// Creates a [`ThinDielectric`] BSDF; see [`ThinDielectric::new`].

@@ -19,7 +19,8 @@ pub struct LocalBsdf<'a> {
     pub texels: Texels,
 }
 
-static PLAIN_INTERFACE: Bsdf = Bsdf::Dielectric(Dielectric { facets: None });
+const SMOOTH: Dielectric = Dielectric { facets: None };
+static PLAIN_INTERFACE: Bsdf = Bsdf::Dielectric(SMOOTH);
 
 impl LocalBsdf<'_> {
     /// A smooth interface without films. Between equal indices, light passes straight on.
@@ -65,6 +66,7 @@ impl Bsdf {
             Bsdf::Glossy(glossy) => Texels::of_reflectance(texel(&glossy.reflectance)),
             Bsdf::Absorber | Bsdf::Fluorescent(_) | Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => Texels::NONE,
             Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) | Bsdf::Mix(_) => Texels::NONE,
+            Bsdf::Crystal(_) => Texels::NONE,
         };
         LocalBsdf { model, texels }
     }
@@ -105,6 +107,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::Mirror(mirror) => Some(mirror.sample(wo)),
             Bsdf::Conductor(conductor) => Some(conductor.sample(wo, u)),
             Bsdf::Dielectric(dielectric) => dielectric.sample(wo, iors, nm, u),
+            Bsdf::Crystal(_) => SMOOTH.sample(wo, iors, nm, u),
             Bsdf::CoatedDielectric(coated) => coated.sample(wo, iors, self.texels.thickness_nm, nm, u),
             Bsdf::ThinDielectric(thin) => Some(thin.sample(wo, iors, self.texels.thickness_nm, nm, u)),
             Bsdf::ThinFilm(film) => Some(film.sample(wo, iors, self.texels.thickness_nm, nm, u)),
@@ -159,7 +162,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::Translucent(translucent) => translucent.absorbed_fraction(self.texels, nm),
             Bsdf::Mirror(mirror) => mirror.absorbed_fraction(reflectance, nm),
             Bsdf::Conductor(conductor) => conductor.absorbed_fraction(wo, sample, iors, self.texels, nm),
-            Bsdf::Dielectric(_) => 0.0,
+            Bsdf::Dielectric(_) | Bsdf::Crystal(_) => 0.0,
             Bsdf::CoatedDielectric(coated) => coated.absorbed_fraction(wo, sample, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinDielectric(thin) => thin.absorbed_fraction(wo, iors, self.texels.thickness_nm, nm),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).absorbed(),
@@ -205,6 +208,7 @@ impl<'a> LocalBsdf<'a> {
         let reflectance = self.texels.reflectance;
         match self.model {
             Bsdf::Absorber | Bsdf::Mirror(_) | Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) => 0.0,
+            Bsdf::Crystal(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.eval(wo, wi, reflectance, nm),
             Bsdf::Fluorescent(surface) => surface.eval(wo, wi, nm),
             Bsdf::Translucent(translucent) => translucent.eval(wo, wi, self.texels, nm),
@@ -225,6 +229,7 @@ impl<'a> LocalBsdf<'a> {
         let reflectance = self.texels.reflectance;
         match self.model {
             Bsdf::Absorber | Bsdf::Mirror(_) | Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) => 0.0,
+            Bsdf::Crystal(_) => 0.0,
             Bsdf::Diffuse(diffuse) => diffuse.pdf(wo, wi),
             Bsdf::Fluorescent(surface) => surface.pdf(wo, wi),
             Bsdf::Translucent(translucent) => translucent.pdf(wo, wi, self.texels, nm),
@@ -249,7 +254,7 @@ impl<'a> LocalBsdf<'a> {
             Bsdf::CoatedDielectric(coated) => {
                 coated::reflection_probability(nm, |nm| coated.powers(wo, iors, thickness_nm, nm))
             }
-            Bsdf::Dielectric(_) => match nm {
+            Bsdf::Dielectric(_) | Bsdf::Crystal(_) => match nm {
                 None if iors.is_dispersive() => {
                     coated::reflection_probability(nm, |nm| dielectric::powers(wo, iors, nm))
                 }
@@ -266,7 +271,7 @@ impl<'a> LocalBsdf<'a> {
         match self.model {
             Bsdf::Mirror(mirror) => mirror.coefficient(reflectance, nm),
             Bsdf::Conductor(conductor) => conductor.coefficient(wo, iors, self.texels, nm),
-            Bsdf::Dielectric(_) => dielectric::coefficient(wo, event, iors, mode, nm),
+            Bsdf::Dielectric(_) | Bsdf::Crystal(_) => dielectric::coefficient(wo, event, iors, mode, nm),
             Bsdf::CoatedDielectric(coated) => coated.coefficient(wo, event, iors, self.texels.thickness_nm, mode, nm),
             Bsdf::ThinDielectric(thin) => thin.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),
             Bsdf::ThinFilm(film) => film.powers(wo, iors, self.texels.thickness_nm, nm).of_event(event),

@@ -23,6 +23,7 @@ mod conductor;
 mod constructors;
 #[cfg(test)]
 mod contract;
+mod crystal;
 mod dielectric;
 mod diffuse;
 mod facet;
@@ -49,6 +50,7 @@ mod translucent;
 
 pub use coated::{CoatedDielectric, ThinFilm};
 pub use conductor::Conductor;
+pub use crystal::CrystalInterface;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use filter::{FilterElement, FilterLayer, LocalRetardance, PolarisingFilter, RetardanceField};
@@ -90,6 +92,8 @@ pub enum Bsdf {
     Dielectric(Dielectric),
     /// See [`CoatedDielectric`].
     CoatedDielectric(CoatedDielectric),
+    /// See [`CrystalInterface`].
+    Crystal(Box<CrystalInterface>),
     /// See [`ThinDielectric`].
     ThinDielectric(ThinDielectric),
     /// See [`ThinFilm`].
@@ -121,6 +125,7 @@ impl Bsdf {
         match self {
             Self::Absorber => BsdfClass::Absorbing,
             Self::Mirror(_) | Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) => BsdfClass::Specular,
+            Self::Crystal(_) => BsdfClass::Specular,
             Self::Conductor(conductor) => rough_class(conductor.is_rough()),
             Self::CoatedDielectric(coated) => rough_class(coated.is_rough()),
             Self::Dielectric(dielectric) => rough_class(dielectric.is_rough()),
@@ -135,7 +140,7 @@ impl Bsdf {
     pub fn is_transmissive(&self) -> bool {
         match self {
             Self::Translucent(_) | Self::Dielectric(_) | Self::CoatedDielectric(_) => true,
-            Self::ThinDielectric(_) | Self::ThinFilm(_) => true,
+            Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Crystal(_) => true,
             Self::Mix(mix) => mix.components().iter().any(Self::is_transmissive),
             Self::Grating(grating) => grating.transmits(),
             Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) => false,
@@ -151,6 +156,7 @@ impl Bsdf {
             Self::Dielectric(dielectric) => dielectric.alpha(),
             Self::CoatedDielectric(coated) => coated.alpha(),
             Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) | Self::Mirror(_) => None,
+            Self::Crystal(_) => None,
             Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) | Self::Glossy(_) | Self::Mix(_) => None,
         }
     }
@@ -164,7 +170,7 @@ impl Bsdf {
             Self::ThinDielectric(pane) => pane.coating.as_ref(),
             Self::Conductor(metal) => metal.films(),
             Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) | Self::Mirror(_) => None,
-            Self::Dielectric(_) | Self::Grating(_) | Self::Glossy(_) | Self::Mix(_) => None,
+            Self::Dielectric(_) | Self::Crystal(_) | Self::Grating(_) | Self::Glossy(_) | Self::Mix(_) => None,
         };
         films.filter(|films| !films.layers().is_empty())
     }
@@ -178,7 +184,7 @@ impl Bsdf {
             Self::Conductor(metal) => Self::Conductor(metal.without_films()),
             Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_films)?),
             Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) => self,
-            Self::Mirror(_) | Self::Dielectric(_) | Self::Grating(_) | Self::Glossy(_) => self,
+            Self::Mirror(_) | Self::Dielectric(_) | Self::Crystal(_) | Self::Grating(_) | Self::Glossy(_) => self,
         })
     }
 
@@ -216,7 +222,7 @@ impl Bsdf {
         if let Self::Grating(grating) = self { Some(grating) } else { None }
     }
 
-    /// Returns the BSDF without polarising filters, which become holes.
+    /// Returns the BSDF without polarising filters, which become holes, and without double refraction.
     pub fn without_filters(self) -> Result<Self> {
         Ok(match self {
             Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_filters)?),
@@ -224,7 +230,14 @@ impl Bsdf {
             Self::Absorber | Self::Diffuse(_) | Self::Fluorescent(_) | Self::Translucent(_) | Self::Mirror(_) => self,
             Self::Conductor(_) | Self::Dielectric(_) | Self::CoatedDielectric(_) | Self::ThinFilm(_) => self,
             Self::Grating(_) | Self::Glossy(_) => self,
+            Self::Crystal(_) => Self::dielectric(0.0)?,
         })
+    }
+
+    /// Returns the surface of a crystal, or `None` for a mixture.
+    #[inline]
+    pub fn crystal(&self) -> Option<&CrystalInterface> {
+        if let Self::Crystal(crystal) = self { Some(crystal) } else { None }
     }
 
     /// Returns the polarising filter of a sheet, or `None` for a mixture.
@@ -238,19 +251,24 @@ impl Bsdf {
         self.components().filter_map(Self::filter)
     }
 
-    /// Returns the BSDF with gratings that diffract all light like light of the wavelength `nm`.
+    /// Returns the BSDF with gratings that diffract all light like light of the wavelength `nm`, and
+    /// with the extraordinary index of this wavelength.
     pub fn without_dispersion(self, nm: f64) -> Result<Self> {
         if let Self::Mix(mix) = self {
             return Ok(Self::Mix(mix.with_components(|part| part.without_dispersion(nm))?));
         }
-        Ok(if let Self::Grating(grating) = self { Self::Grating(grating.without_dispersion(nm)) } else { self })
+        Ok(match self {
+            Self::Grating(grating) => Self::Grating(grating.without_dispersion(nm)),
+            Self::Crystal(crystal) => Self::Crystal(Box::new(crystal.without_dispersion(nm)?)),
+            other => other,
+        })
     }
 
     /// Returns the reflectances and transmittances that may vary over the surface.
     pub fn surface_spectra(&self) -> Vec<&SurfaceSpectrum> {
         match self {
             Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::CoatedDielectric(_) => Vec::new(),
-            Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) => Vec::new(),
+            Self::ThinDielectric(_) | Self::ThinFilm(_) | Self::Grating(_) | Self::Crystal(_) => Vec::new(),
             Self::Diffuse(diffuse) => vec![&diffuse.reflectance],
             Self::Translucent(sheet) => vec![&sheet.reflectance, &sheet.transmittance],
             Self::Mirror(mirror) => vec![&mirror.reflectance],
@@ -274,6 +292,7 @@ impl Bsdf {
             | Self::Mirror(_)
             | Self::Dielectric(_)
             | Self::CoatedDielectric(_)
+            | Self::Crystal(_)
             | Self::ThinFilm(_)
             | Self::Glossy(_) => self.surface_spectra().into_iter().any(SurfaceSpectrum::is_upsampled),
         }
@@ -283,7 +302,7 @@ impl Bsdf {
     #[inline]
     pub fn is_textured(&self) -> bool {
         match self {
-            Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::Grating(_) => false,
+            Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::Crystal(_) | Self::Grating(_) => false,
             Self::CoatedDielectric(coated) => coated.films.is_textured(),
             Self::ThinDielectric(pane) => {
                 let varies = pane.filter().is_some_and(|filter| filter.varying().is_some());
@@ -316,7 +335,7 @@ impl Bsdf {
                 Self::ThinDielectric(ThinDielectric { coating, filter, ..pane })
             }
             Self::ThinFilm(film) => Self::thin_film(film.films.without_textures()),
-            Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::Grating(_) => self,
+            Self::Absorber | Self::Fluorescent(_) | Self::Dielectric(_) | Self::Crystal(_) | Self::Grating(_) => self,
         }
     }
 

@@ -72,7 +72,7 @@ impl<'a> LocalBsdf<'a> {
                 let response = metal.response(cos, here, thickness_nm, nm);
                 response.map_or(FacetResponses::Mirror, FacetResponses::Films)
             }
-            Bsdf::Dielectric(_) => FacetResponses::Interface([here, there]),
+            Bsdf::Dielectric(_) | Bsdf::Crystal(_) => FacetResponses::Interface([here, there]),
             Bsdf::Glossy(glossy) => FacetResponses::Interface([1.0, glossy.coat_index(nm)]),
             Bsdf::CoatedDielectric(coated) => films(&coated.films, there),
             Bsdf::ThinFilm(film) => films(&film.films, here),
@@ -95,7 +95,7 @@ impl<'a> LocalBsdf<'a> {
                 return 1.0;
             }
             Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Fluorescent(_) | Bsdf::Translucent(_) => return 1.0,
-            Bsdf::Mirror(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) | Bsdf::Mix(_) => return 1.0,
+            Bsdf::Mirror(_) | Bsdf::ThinFilm(_) | Bsdf::Grating(_) | Bsdf::Mix(_) | Bsdf::Crystal(_) => return 1.0,
         };
         let all = self.eval(wo, wi, iors, mode, nm);
         if all > 0.0 { (single / all).clamp(0.0, 1.0) } else { 0.0 }

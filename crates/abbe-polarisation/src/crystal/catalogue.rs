@@ -4,9 +4,15 @@ use super::indices::UniaxialIndices;
 use abbe_optics::RefractiveIndex;
 use abbe_optics::glass::catalogue;
 use abbe_spectra::error::{Error, Result};
+use abbe_spectra::spectrum::BAND_NM;
 
 /// The birefringence of ice at all visible wavelengths (Hobbs 1974, *Ice Physics*).
 const ICE_BIREFRINGENCE: f64 = 0.0014;
+
+/// The wavelengths of the indices that differ from their entries by a number, from the start of the
+/// band on.
+const TABLE_STEPS: u32 = 47;
+const TABLE_STEP_NM: f64 = 10.0;
 
 /// The names of the crystals and of their entries in `data/glass/glasses.json`, for o and e. Ice
 /// has one entry for both.
@@ -78,6 +84,18 @@ impl Crystal {
             ordinary: self.ordinary.n(nm) + self.shifts[0],
             extraordinary: self.extraordinary.n(nm) + self.shifts[1],
         }
+    }
+
+    /// Returns the ordinary and the extraordinary index.
+    pub fn indices(&self) -> Result<[RefractiveIndex; 2]> {
+        let shifted = |index: &RefractiveIndex, shift: f64| {
+            if shift == 0.0 {
+                return Ok(index.clone());
+            }
+            let nm: Vec<f64> = (0..=TABLE_STEPS).map(|i| BAND_NM.0 + f64::from(i) * TABLE_STEP_NM).collect();
+            RefractiveIndex::table(&nm, &nm.iter().map(|&nm| index.n(nm) + shift).collect::<Vec<_>>())
+        };
+        Ok([shifted(&self.ordinary, self.shifts[0])?, shifted(&self.extraordinary, self.shifts[1])?])
     }
 
     /// Returns the wavelengths in nm between which both indices are valid.

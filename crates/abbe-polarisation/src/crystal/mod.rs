@@ -7,6 +7,7 @@
 //! *Principles of Optics*, chapter 15, and Yeh, *Optical Waves in Layered Media*, chapter 9.
 
 mod catalogue;
+mod event;
 mod indices;
 mod plate;
 mod prism;
@@ -14,6 +15,7 @@ mod surface;
 mod wave;
 
 pub use catalogue::{CRYSTAL_NAMES, Crystal};
+pub use event::{CrystalEvent, CrystalEvents, CrystalRay, CrystalTracing};
 pub use indices::UniaxialIndices;
 pub use plate::{CrystalPlate, conoscopic_phase};
 pub use prism::{glan_foucault_angles_deg, rochon_exits_deg, wollaston_exits_deg};

@@ -1,7 +1,7 @@
 //! The surface between an isotropic medium and a crystal.
 
 use super::indices::UniaxialIndices;
-use super::wave::{ComplexWave, CrystalMode, CrystalWave, complex, cross};
+use super::wave::{ComplexWave, CrystalMode, CrystalWave, across, complex, cross};
 use abbe_spectra::math::complex::Complex;
 use glam::DVec3;
 
@@ -114,11 +114,6 @@ impl CrystalSurface {
 
 fn tangential(k: DVec3) -> DVec3 {
     DVec3::new(k.x, k.y, 0.0)
-}
-
-/// Returns the direction of s, z × k, which is +y at normal incidence.
-fn across(tangential: DVec3) -> DVec3 {
-    DVec3::Z.cross(tangential).try_normalize().unwrap_or(DVec3::Y)
 }
 
 /// Solves two systems of four linear equations with the same matrix, which is given by its columns,

@@ -49,6 +49,11 @@ pub(super) fn cross(a: [Complex; 3], b: [Complex; 3]) -> [Complex; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// Returns the direction of s, z × k, which is +y at normal incidence.
+pub(super) fn across(tangential: DVec3) -> DVec3 {
+    DVec3::Z.cross(tangential).try_normalize().unwrap_or(DVec3::Y)
+}
+
 pub(super) fn complex(v: DVec3) -> [Complex; 3] {
     v.to_array().map(Complex::from)
 }

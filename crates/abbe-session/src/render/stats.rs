@@ -424,7 +424,11 @@ fn ledger_stats(job: &Job, ledger: &Ledger) -> LedgerStats {
         depth_limit: ledger.depth_limit,
         balance: ledger.balance(),
         lights: job.light_power_w(),
-        by_material: names.zip(ledger.absorbed.iter().copied()).collect(),
+        // Objects of a crystal have materials of the same name.
+        by_material: names.zip(&ledger.absorbed).fold(BTreeMap::new(), |mut sums, (name, absorbed)| {
+            *sums.entry(name).or_default() += absorbed;
+            sums
+        }),
     }
 }
 

@@ -110,6 +110,7 @@ impl<'a> DistantSpheres<'a> {
             delta: false,
             pdf,
             event: ScatterEvent::Reflection,
+            wave: None,
         })
     }
 

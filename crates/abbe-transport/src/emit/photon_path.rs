@@ -5,6 +5,7 @@ use crate::map::WavelengthCode;
 use crate::plan::partition::LightPath;
 use crate::walk::ledger::Ledger;
 use crate::walk::{PhotonPolarisation, RayDensity, RayState, ScatteredRay, SurfaceInteraction};
+use abbe_optics::bsdf::TransportMode;
 use abbe_polarisation::ScatteringEvent;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{BAND_NM, LANES, Lanes, Wavelengths};
@@ -106,7 +107,7 @@ impl PhotonPath {
     /// Corrects the weights of a surface event by the polarisation of the photon, and polarises it.
     #[inline(never)]
     pub(super) fn polarise(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &mut ScatteredRay) {
-        let event = interaction.event_of_photon(scattered.direction, scattered.delta);
+        let event = interaction.event_of(scattered, &self.photon.wavelengths, TransportMode::Importance);
         let factors = self.photon.polarisation.scatter(&event, &self.photon.wavelengths);
         for (k, factor) in factors.into_iter().enumerate() {
             // In the mean, the surface absorbs what it does not scatter.

@@ -3,6 +3,7 @@
 
 mod body_mode;
 mod caustic_weights;
+mod crystal;
 mod depth_limit;
 pub mod ledger;
 mod medium_segment;
@@ -20,6 +21,7 @@ mod transmittance;
 
 pub use body_mode::{BodyMode, WithBodies, WithoutBodies};
 pub use caustic_weights::{CausticWeights, RayDensities, RayDensity, StratumDensity};
+pub(crate) use crystal::scatter_at_crystal;
 pub use depth_limit::{DepthLimit, LONG_PATH, MAX_EVENTS, TruncatedLight, long_path_survival};
 pub use medium_segment::{MediumSegment, NumberedMedium, for_each_segment};
 pub use next_interaction::{SegmentEnd, next_interaction, next_interaction_in_air, next_interaction_through_media};

@@ -7,6 +7,7 @@
 //! "Bi-directional Polarised Light Transport"). Frames are canonical: they follow from the direction
 //! of the light, so no path stores one.
 
+use super::crystal::{event_at_crystal, scatter_at_crystal};
 use super::scatter_coated::scatter_by_powers;
 use super::scattered_ray::ScatteredRay;
 use super::surface_interaction::SurfaceInteraction;
@@ -166,7 +167,7 @@ impl<'a> SurfaceInteraction<'a> {
             Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => self.bsdf.class() == BsdfClass::Specular,
             Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) => true,
             Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Fluorescent(_) | Bsdf::Translucent(_) | Bsdf::Mirror(_) => false,
-            Bsdf::Conductor(_) | Bsdf::Grating(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => false,
+            Bsdf::Conductor(_) | Bsdf::Crystal(_) | Bsdf::Grating(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => false,
         };
         if !selects {
             return None;
@@ -193,11 +194,32 @@ impl<'a> SurfaceInteraction<'a> {
         transport: TransportMode,
         stream: &mut Stream,
     ) -> Option<Option<ScatteredRay>> {
+        if self.bsdf.model.crystal().is_some() {
+            return Some(scatter_at_crystal(self, wavelengths, transport, of_lane, stream));
+        }
         self.smooth_powers(travel, of_lane(0), wavelengths.hero())?;
         let nothing = [PowerFractions { reflected: 0.0, transmitted: 0.0 }; 2];
         Some(scatter_by_powers(self, wavelengths, transport, stream, |lane, nm| {
             self.smooth_powers(travel, of_lane(lane), nm).unwrap_or(nothing)
         }))
+    }
+
+    /// Returns what this point does to the polarisation of a photon or of the light of a camera path,
+    /// which scatters as `scattered` says.
+    pub(crate) fn event_of(
+        &self,
+        scattered: &ScatteredRay,
+        wavelengths: &Wavelengths,
+        transport: TransportMode,
+    ) -> ScatteringEvent<'a> {
+        if self.bsdf.model.crystal().is_some() {
+            let nm = wavelengths.nm[scattered.kept.unwrap_or(0)];
+            return event_at_crystal(self, scattered.wave, transport, nm);
+        }
+        match transport {
+            TransportMode::Importance => self.event_of_photon(scattered.direction, scattered.delta),
+            TransportMode::Radiance => self.event_of_camera(scattered.direction, scattered.delta),
+        }
     }
 
     /// Returns what this point does to the polarisation of a photon that continues in `direction`.

@@ -1,11 +1,13 @@
 //! Scattering of a path that carries several wavelengths. They share one direction until a
 //! dispersive refraction, where the path keeps one of them.
 
+use super::crystal::scatter_at_crystal;
 use super::scatter_coated::scatter_at_coated_interface;
 use super::scattered_ray::{ScatteredRay, single_lane, transmitted_scale};
 use super::surface_interaction::SurfaceInteraction;
 use abbe_optics::bsdf::{Bsdf, ScatterEvent, TransportMode};
 use abbe_optics::fresnel;
+use abbe_polarisation::Stokes;
 use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::{LANES, Wavelengths};
 use glam::DVec3;
@@ -20,6 +22,9 @@ pub fn scatter(
 ) -> Option<ScatteredRay> {
     if matches!(interaction.bsdf.model, Bsdf::Grating(_)) && wavelengths.count > 1 {
         return split_at_dispersive_facets(interaction, wavelengths, transport, stream);
+    }
+    if interaction.bsdf.model.crystal().is_some() {
+        return scatter_at_crystal(interaction, wavelengths, transport, |_| Stokes::unpolarised(1.0), stream);
     }
     let disperses = || interaction.sides.is_dispersive();
     if let Bsdf::CoatedDielectric(coated) = interaction.bsdf.model {
@@ -65,6 +70,7 @@ pub fn scatter_all_wavelengths(
         delta: sample.delta,
         pdf: if sample.delta { 0.0 } else { sample.probability },
         event: sample.event,
+        wave: None,
     })
 }
 

@@ -3,6 +3,7 @@
 use super::ray_state::RayState;
 use super::surface_interaction::SurfaceInteraction;
 use abbe_optics::bsdf::{ScatterEvent, TransportMode};
+use abbe_polarisation::crystal::CrystalMode;
 use abbe_spectra::spectrum::{LANES, Lanes};
 use glam::DVec3;
 
@@ -20,19 +21,26 @@ pub struct ScatteredRay {
     /// The density (1/sr) of the direction at the hero wavelength, 0 for a delta distribution.
     pub pdf: f64,
     pub event: ScatterEvent,
+    /// The wave in which the path continues inside a crystal. `None` everywhere else.
+    pub wave: Option<CrystalMode>,
 }
 
 impl ScatteredRay {
     /// Creates an event of a delta distribution that absorbs nothing and keeps all wavelengths.
     pub(crate) fn specular(direction: DVec3, weight: Lanes, event: ScatterEvent) -> Self {
-        Self { direction, weight, absorbed: [0.0; LANES], kept: None, delta: true, pdf: 0.0, event }
+        Self { direction, weight, absorbed: [0.0; LANES], kept: None, delta: true, pdf: 0.0, event, wave: None }
     }
 }
 
 impl SurfaceInteraction<'_> {
     #[inline]
     pub fn spawn_scattered(&self, scattered: &ScatteredRay) -> RayState {
-        self.spawn_ray(scattered.direction, self.medium_stack_after(scattered.event))
+        let stack = self.medium_stack_after(scattered.event);
+        let stack = match scattered.wave {
+            None => stack,
+            Some(wave) => stack.with_wave(self.hit.object, wave == CrystalMode::Extraordinary),
+        };
+        self.spawn_ray(scattered.direction, stack)
     }
 }
 

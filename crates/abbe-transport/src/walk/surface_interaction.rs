@@ -118,8 +118,13 @@ impl<'a> SurfaceInteraction<'a> {
     /// Returns true if each wavelength takes other directions at this surface.
     #[inline]
     pub fn disperses(&self) -> bool {
-        let refracts = matches!(self.bsdf.model, Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_));
-        matches!(self.bsdf.model, Bsdf::Grating(_)) || refracts && self.sides.is_dispersive()
+        match self.bsdf.model {
+            Bsdf::Grating(_) => true,
+            Bsdf::Dielectric(_) | Bsdf::CoatedDielectric(_) => self.sides.is_dispersive(),
+            Bsdf::Crystal(crystal) => self.sides.is_dispersive() || crystal.extraordinary.is_dispersive(),
+            Bsdf::Absorber | Bsdf::Diffuse(_) | Bsdf::Fluorescent(_) | Bsdf::Translucent(_) | Bsdf::Mirror(_) => false,
+            Bsdf::Conductor(_) | Bsdf::ThinDielectric(_) | Bsdf::ThinFilm(_) | Bsdf::Glossy(_) | Bsdf::Mix(_) => false,
+        }
     }
 
     /// Returns true if `direction` leads back to the side from which the path arrived.

@@ -6,11 +6,11 @@ use crate::gather::direct::light_tree::ReceivingPoint;
 use crate::gather::direct::lighting::HitWeighting;
 use crate::plan::CameraEvents;
 use crate::plan::partition::CameraView;
-use crate::walk::{CausticWeights, RayState, SurfaceInteraction};
-use abbe_optics::bsdf::BsdfSample;
+use crate::walk::{CausticWeights, RayState, ScatteredRay, SurfaceInteraction};
+use abbe_optics::bsdf::{BsdfSample, TransportMode};
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium_stack::MediumStack;
-use abbe_spectra::spectrum::{Lanes, REFERENCE_NM};
+use abbe_spectra::spectrum::{Lanes, REFERENCE_NM, Wavelengths};
 
 /// Buffers of one worker, reused from path to path.
 #[derive(Debug, Default)]
@@ -139,5 +139,21 @@ impl CameraPath {
         };
         self.ray_state = interaction.spawn_ray(direction, interaction.medium_stack_after(sample.event));
         true
+    }
+
+    /// Continues the path of one wavelength at a crystal.
+    pub(in crate::gather) fn continue_at_crystal<'a>(
+        &mut self,
+        interaction: &SurfaceInteraction<'a>,
+        scattered: &ScatteredRay,
+        buffers: &mut PathBuffers<'a>,
+    ) {
+        let wavelengths = Wavelengths::single(self.reference_nm());
+        self.multiply(Factor::Grey(scattered.weight[0]), buffers);
+        buffers.factors.events.push(interaction.event_of(scattered, &wavelengths, TransportMode::Radiance));
+        self.view = CameraView::Indirect;
+        self.events = self.events.after_specular_event();
+        self.hit_weighting = self.hit_weighting.after_specular_event();
+        self.ray_state = interaction.spawn_scattered(scattered);
     }
 }

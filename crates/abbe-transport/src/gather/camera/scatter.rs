@@ -5,12 +5,11 @@ use super::throughput::{Factor, SpectralMode, product, relative_n2};
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::gather::direct::lighting::HitWeighting;
 use crate::plan::WavelengthPlan;
-use crate::walk::{Sink, SurfaceInteraction, long_path_survival};
-use abbe_optics::bsdf::{Bsdf, BsdfClass, PowerFractions, ScatterEvent};
-use abbe_polarisation::{Mueller, Stokes};
+use crate::walk::{Sink, SurfaceInteraction, long_path_survival, scatter_at_crystal};
+use abbe_optics::bsdf::{Bsdf, BsdfClass, PowerFractions, ScatterEvent, TransportMode};
 use abbe_scene::Scene;
 use abbe_spectra::math::random::ONE_MINUS_ULP;
-use abbe_spectra::spectrum::LANES;
+use abbe_spectra::spectrum::{LANES, Wavelengths};
 
 /// The walk follows both paths at a smooth interface if both have at least this weight.
 const LEAST_BRANCH_WEIGHT: f64 = 0.01;
@@ -28,6 +27,9 @@ impl<'a> CameraPass<'a> {
     ) -> Option<CameraPath> {
         context.tally.film_events += u64::from(interaction.bsdf.model.films().is_some());
         context.tally.polarised_events += u64::from(self.plan.polarisation.is_on());
+        if interaction.bsdf.model.crystal().is_some() {
+            return self.scatter_at_crystal(*path, interaction, context);
+        }
         let glossy = self.glossy_event(path, interaction, context);
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
@@ -49,6 +51,39 @@ impl<'a> CameraPass<'a> {
             self.scatter_by_bsdf(&mut path, interaction, u, glossy, context)
         };
         (continues && survives(self.scene, &mut path, context)).then_some(path)
+    }
+
+    /// Scatters a path at a crystal. A free path is followed once for each shared wavelength, and ends.
+    fn scatter_at_crystal<S: Sink>(
+        &self,
+        mut path: CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> Option<CameraPath> {
+        if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
+            context.tally.dispersions += 1;
+            self.split(path, interaction, SplitEvent::Crystal, context);
+            return None;
+        }
+        let continues = self.scatter_wave_at_crystal(&mut path, interaction, context);
+        (continues && survives(self.scene, &mut path, context)).then_some(path)
+    }
+
+    /// Scatters one wavelength at a crystal. Returns whether the path continues.
+    fn scatter_wave_at_crystal<S: Sink>(
+        &self,
+        path: &mut CameraPath,
+        interaction: &SurfaceInteraction<'a>,
+        context: &mut PathContext<'_, 'a, S>,
+    ) -> bool {
+        let wavelengths = Wavelengths::single(path.reference_nm());
+        let light = context.buffers.factors.response(wavelengths.hero());
+        let stream = &mut context.sampler.stream;
+        let scattered = scatter_at_crystal(interaction, &wavelengths, TransportMode::Radiance, |_| light, stream);
+        scattered.is_some_and(|scattered| {
+            path.continue_at_crystal(interaction, &scattered, context.buffers);
+            true
+        })
     }
 
     fn glossy_event<S: Sink>(
@@ -133,9 +168,7 @@ impl<'a> CameraPass<'a> {
             return None;
         }
         let nm = path.reference_nm();
-        let Mueller([response, ..]) = context.buffers.factors.matrix(nm);
-        let scale = if response[0] > 0.0 { response[0].recip() } else { 0.0 };
-        let light = Stokes(response.map(|part| part * scale));
+        let light = context.buffers.factors.response(nm);
         let [natural, polarised] = interaction.smooth_powers(-interaction.incoming, light, nm)?;
         let share =
             |powers: PowerFractions| powers.reflected / (powers.reflected + powers.transmitted).max(f64::MIN_POSITIVE);
@@ -182,6 +215,7 @@ impl<'a> CameraPass<'a> {
                     self.scatter_forced(&mut single, interaction, ScatterEvent::Transmission, probability, context)
                 }
                 SplitEvent::Glossy(glossy) => self.scatter_by_bsdf(&mut single, interaction, u, glossy, context),
+                SplitEvent::Crystal => self.scatter_wave_at_crystal(&mut single, interaction, context),
             };
             if continues && survives(self.scene, &mut single, context) {
                 self.follow_shared(&single, context);
@@ -251,6 +285,8 @@ enum SplitEvent {
     Refraction(f64),
     /// Each wavelength samples the BSDF of rough glass or of a grating.
     Glossy(GlossyEvent),
+    /// Each wavelength selects an event at a crystal.
+    Crystal,
 }
 
 /// Applies Russian roulette to paths of low throughput. Returns false if the path ends. The

@@ -3,7 +3,7 @@
 use crate::plan::partition::PhotonSet;
 use crate::walk::{RayState, SegmentTransmittance};
 use abbe_optics::bsdf::{BsdfSample, InterfaceIors, LocalBsdf, TransportMode};
-use abbe_polarisation::{Mueller, Rotation, ScatteringEvent};
+use abbe_polarisation::{Mueller, Rotation, ScatteringEvent, Stokes};
 use abbe_scene::Scene;
 use abbe_scene::light::Light;
 use abbe_scene::medium_stack::MediumStack;
@@ -78,6 +78,13 @@ impl PathFactors<'_> {
     #[inline(never)]
     pub(in crate::gather) fn matrix(&self, nm: f64) -> Mueller {
         self.events.iter().fold(Mueller::IDENTITY, |matrix, event| matrix * event.matrix(nm))
+    }
+
+    /// Returns the response of the camera to light at the end of the path, for a power of 1.
+    pub(in crate::gather) fn response(&self, nm: f64) -> Stokes {
+        let Mueller([response, ..]) = self.matrix(nm);
+        let scale = if response[0] > 0.0 { response[0].recip() } else { 0.0 };
+        Stokes(response.map(|part| part * scale))
     }
 
     /// Returns the fraction of natural light that the events transmit to the camera, relative to

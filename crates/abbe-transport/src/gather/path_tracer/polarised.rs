@@ -3,6 +3,7 @@
 use super::tracer::TracedPath;
 use crate::plan::LightOrigin;
 use crate::walk::{ScatteredRay, Sink, SurfaceInteraction};
+use abbe_optics::bsdf::TransportMode;
 use abbe_polarisation::Stokes;
 
 impl TracedPath {
@@ -38,7 +39,7 @@ impl TracedPath {
     /// Corrects the weights of a surface event for polarised light, and adds it to the matrices.
     #[inline(never)]
     pub(super) fn polarise(&mut self, interaction: &SurfaceInteraction<'_>, scattered: &mut ScatteredRay) {
-        let event = interaction.event_of_camera(scattered.direction, scattered.delta);
+        let event = interaction.event_of(scattered, &self.wavelengths, TransportMode::Radiance);
         self.matrices.precede(&event, &self.wavelengths, &mut scattered.weight);
     }
 }
