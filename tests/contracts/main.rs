@@ -15,6 +15,7 @@ mod bad_scenes;
 mod body_ranks;
 mod colour_golden;
 mod colour_properties;
+mod crystal_scene;
 mod diamond_mesh;
 mod fluorescence_files;
 mod grating_golden;

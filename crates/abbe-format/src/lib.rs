@@ -120,7 +120,8 @@ pub use lens::{
 };
 pub use light::LightFile;
 pub use material::{
-    ConductorFile, CrystalFile, DielectricFile, MaterialFile, PaneTransmittanceFile, ThinDielectricFile, WeightedMaterialFile,
+    ConductorFile, CrystalFile, DielectricFile, MaterialFile, PaneTransmittanceFile, ThinDielectricFile,
+    WeightedMaterialFile,
 };
 pub use medium::{
     DyeFile, GridFile, HomogeneousFile, MediumBlackbodyFile, MediumEmissionFile, MediumFile, TransmittanceFile,

@@ -404,9 +404,8 @@ impl DielectricFile {
 impl CrystalFile {
     fn validate(&self, at: &JsonPath) -> Result<()> {
         let Self { name, ordinary, extraordinary, axis, absorption, priority: _ } = self;
-        let index = |key: &str, file: &Option<IndexFile>| {
-            file.as_ref().map_or(Ok(()), |file| file.validate(&at.key(key)))
-        };
+        let index =
+            |key: &str, file: &Option<IndexFile>| file.as_ref().map_or(Ok(()), |file| file.validate(&at.key(key)));
         check::all([
             index("ordinary", ordinary),
             index("extraordinary", extraordinary),

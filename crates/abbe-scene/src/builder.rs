@@ -57,7 +57,6 @@ use super::motion::{AnimatedLookAt, AnimatedShape, AnimatedTransform, SceneMotio
 use super::{FilmSpec, Material, Object, Scene, Settings};
 use crate::geometry::Geometry;
 use crate::geometry::shape::{PlacedShape, Shape};
-use abbe_optics::bsdf::Bsdf;
 use abbe_optics::glass::RefractiveIndex;
 use abbe_spectra::colour::{AdaptationTransform, Xyz};
 use abbe_spectra::error::{Error, Result};
@@ -96,25 +95,6 @@ impl ObjectSet {
     pub fn add_material(&mut self, material: Material) -> usize {
         self.materials.push(material);
         self.materials.len() - 1
-    }
-
-    /// Returns the number of the material with its optic axis, if it is a crystal, in the frame of the
-    /// world instead of the object.
-    fn turned_crystal(&mut self, number: usize, shape: &Shape, placement: &Placement) -> Result<usize> {
-        let Some(crystal) = self.materials.get(number).and_then(|material| material.surface.crystal()) else {
-            return Ok(number);
-        };
-        if placement.motion.is_some() {
-            return Err(Error::input("the object moves and is a crystal").expected("a crystal that does not move"));
-        }
-        if matches!(shape, Shape::Rectangle { .. } | Shape::Disk { .. }) {
-            return Err(Error::input("found a flat shape of a crystal").expected("a shape that encloses a space"));
-        }
-        let axis = (placement.to_world.matrix3 * crystal.axis).normalize();
-        let surface = Bsdf::crystal_surface(crystal.extraordinary.clone(), axis);
-        let material = &self.materials[number];
-        let (name, normal_map, body) = (material.name.clone(), material.normal_map.clone(), material.body.clone());
-        Ok(self.add_material(Material { name, surface, normal_map, body }))
     }
 
     /// Adds an object with this material and returns its number. Returns an error if the shape is
@@ -414,6 +394,7 @@ impl SceneBuilder {
         scene.check_copies()?;
         scene.rank_bodies();
         scene.find_medium_stacks();
+        scene.check_crystals()?;
         scene.notes.extend(scene.notes_of_touching_bodies());
         if let Some(white) = white(&scene, &white_balance)? {
             scene.film.white = Some(white);

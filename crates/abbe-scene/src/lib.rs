@@ -50,6 +50,7 @@ mod body_ranks;
 pub mod builder;
 pub mod camera;
 mod copies;
+mod crystals;
 mod emitting_media;
 mod enclosure;
 pub mod facts;

@@ -3,8 +3,8 @@
 use super::index::{index_file, index_of};
 use super::{context::Resolver, spectra::Role};
 use crate::{
-    ConductorFile, CrystalFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath, MaterialFile,
-    OrderEfficiencyFile, PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
+    ConductorFile, CrystalFile, DielectricFile, GratingFile, GratingProfileFile, GroovesFile, IndexFile, JsonPath,
+    MaterialFile, OrderEfficiencyFile, PaneTransmittanceFile, ScalarFile, SpectrumFile, ThinDielectricFile,
 };
 use abbe_optics::bsdf::{
     Bsdf, Conductor, CosinePolynomial, DiffractionGrating, Fluorescent, Glossy, Grooves, ThinDielectric,
@@ -179,13 +179,7 @@ impl Resolver<'_> {
         Ok(Body { index: Some(index), absorption, medium, priority: *priority })
     }
 
-    fn crystal(
-        &self,
-        at: &JsonPath,
-        file: &CrystalFile,
-        name: &str,
-        notes: &mut Vec<String>,
-    ) -> Result<(Bsdf, Body)> {
+    fn crystal(&self, at: &JsonPath, file: &CrystalFile, name: &str, notes: &mut Vec<String>) -> Result<(Bsdf, Body)> {
         let CrystalFile { name: catalogue_name, ordinary, extraordinary, axis, absorption, priority } = file;
         let indices = match (catalogue_name, ordinary, extraordinary) {
             (None, Some(ordinary), Some(extraordinary)) => {
@@ -193,10 +187,9 @@ impl Resolver<'_> {
                 let extraordinary = self.index(&at.key("extraordinary"), extraordinary, name, notes);
                 both(ordinary, extraordinary).map(|(ordinary, extraordinary)| [ordinary, extraordinary])
             }
-            (name, _, _) => {
-                let crystal = Crystal::find(name.as_deref().unwrap_or_default());
-                self.at(&at.key("name"), crystal.and_then(|crystal| crystal.indices()))
-            }
+            (Some(name), _, _) => self.at(&at.key("name"), Crystal::find(name).and_then(|crystal| crystal.indices())),
+            // The check of the file has reported what is missing.
+            (None, _, _) => RefractiveIndex::constant(1.0).map(|index| [index.clone(), index]),
         };
         let ([ordinary, extraordinary], absorption) = both(indices, self.absorption(at, absorption.as_ref()))?;
         let body = Body { index: Some(ordinary), absorption, medium: None, priority: *priority };

@@ -33,7 +33,8 @@ pub(crate) fn scatter_at_crystal(
     let (nm, light) = (wavelengths.nm[lane], light_of(lane));
     let CrystalEvents { events, s_axis } = events_at_crystal(interaction, transport, nm)?;
     let s_axis = interaction.frame.to_world(s_axis);
-    let selection = events.map(|event| event.map_or(0.0, |event| selected_power(interaction, &event, s_axis, transport, light)));
+    let selection =
+        events.map(|event| event.map_or(0.0, |event| selected_power(interaction, &event, s_axis, transport, light)));
     let all: f64 = selection.iter().sum();
     let mut rest = u * all;
     let chosen = selection.iter().position(|power| {
