@@ -16,12 +16,14 @@ use serde::{Deserialize, Serialize};
 
 /// The requests that [`answer`] answers. Each is a path with a query.
 #[cfg(feature = "view")]
-pub(crate) const ANSWERED: [&str; 14] = [
+pub(crate) const ANSWERED: [&str; 16] = [
     "picture",
     "denoised",
     "errors",
     "samples",
     "classes",
+    "stokes",
+    "degree",
     "band",
     "probe",
     "bloomed",
@@ -86,6 +88,8 @@ pub(crate) fn answer(state: &PageState, path: &str, query: &str) -> Answered {
         "errors" => found(Some(snapshot.errors())),
         "samples" => found(snapshot.samples()),
         "classes" => found(snapshot.classes()),
+        "stokes" => found(snapshot.stokes()),
+        "degree" => found(snapshot.degree()),
         "band" => found(snapshot.band(numbers::<BandQuery>(query)?.band)),
         "bloomed" => found(snapshot.bloomed(numbers::<BloomQuery>(query)?.denoised)),
         "probe" => probed(snapshot, query),

@@ -272,6 +272,7 @@ $("denoise").onchange = () => draw();
 $("mode").onchange = () => { if (comparison() === "off") draw(); else setComparison("off"); };
 $("ev").oninput = () => { $("ev-value").textContent = (ev() < 0 ? "−" : "+") + Math.abs(ev()).toFixed(1) + " EV"; draw(); };
 $("band").oninput = () => { showBand(); $("mode").value = "band"; draw(); };
+$("analyser").oninput = () => { $("analyser-value").textContent = $("analyser").value + "°"; $("mode").value = "analyser"; draw(); };
 $("copy").onclick = async () => {
   $("camera").select();
   await navigator.clipboard?.writeText($("camera").value).catch(() => {});

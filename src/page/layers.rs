@@ -20,6 +20,18 @@ pub(crate) fn samples(picture: &Picture) -> Option<&[f32]> {
     channel(picture, "samples")
 }
 
+/// Returns the Stokes vector of Y at each pixel in cd/m², if they were recorded.
+pub(crate) fn stokes(picture: &Picture) -> Option<Vec<[f32; 4]>> {
+    let parts: Option<Vec<&[f32]>> = (0..4).map(|part| channel(picture, &format!("stokes.S{part}"))).collect();
+    let parts = parts?;
+    Some((0..parts[0].len()).map(|pixel| std::array::from_fn(|part| parts[part][pixel])).collect())
+}
+
+/// Returns the degree of polarisation of all pixels, from 0 to 1, if it was recorded.
+pub(crate) fn degree(picture: &Picture) -> Option<&[f32]> {
+    channel(picture, "polarisation.degree")
+}
+
 fn luminance(picture: &Picture, class: &str) -> Option<Vec<f32>> {
     let [r, g, b] = ["R", "G", "B"].map(|component| channel(picture, &format!("path.{class}.{component}")));
     let weights = RgbSpace::Srgb.luminance_weights().map(|weight| weight as f32);

@@ -109,6 +109,15 @@ async function draw() {
       legend = $("band-value").textContent + ", radiance in W/m²/sr/nm";
     } else legend = "The coarse picture has no spectrum";
   } else if (mode === "classes") legend = await drawClasses(current, pixels.data);
+  else if (mode === "analyser") {
+    const xyz = await analysedXyz(current);
+    develop(xyz ?? current.xyz, pixels.data, how);
+    legend = xyz ? `through a polariser at ${$("analyser").value}°; all wavelengths have the polarisation of Y` : "The picture has no polarisation";
+  } else if (mode === "degree") {
+    const values = await plane("degree");
+    for (let i = 0; values && i < values.length; i++) ramp(values[i], pixels.data, 4 * i);
+    legend = values ? "degree of polarisation: dark violet 0, yellow 1" : "The picture has no polarisation";
+  }
   else {
     const values = await valuesOf(mode, current);
     const known = Float32Array.from(values.filter(value => value > 0 && isFinite(value))).sort();
@@ -133,6 +142,20 @@ const bloomedXyz = () => plane("bloomed?denoised=" + showsDenoised());
 /// picture.
 const shownXyz = async current => (showsDenoised() ? await plane("denoised") : null) ?? current.xyz;
 const showsDenoised = () => $("denoise").checked && picture.denoised;
+
+/// Returns the picture as a polariser transmits it whose axis is at the angle of the dial from the
+/// horizontal, or null without Stokes vectors.
+async function analysedXyz(current) {
+  const stokes = await plane("stokes"), xyz = await shownXyz(current);
+  if (!stokes) return null;
+  const angle = 2 * Number($("analyser").value) * Math.PI / 180, cos = Math.cos(angle), sin = Math.sin(angle);
+  const passed = new Float32Array(xyz.length);
+  for (let i = 0, j = 0; i < xyz.length; i += 3, j += 4) {
+    const part = stokes[j] > 0 ? unit(0.5 * (1 + (cos * stokes[j + 1] + sin * stokes[j + 2]) / stokes[j])) : 0;
+    for (let c = 0; c < 3; c++) passed[i + c] = part * xyz[i + c];
+  }
+  return passed;
+}
 
 /// Fetches a plane of the shown picture. Returns null if the picture has no such plane.
 async function plane(path) {

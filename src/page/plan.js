@@ -40,9 +40,11 @@ function showPlan() {
     if (changed.length) $("plan-change").textContent = "Last change of the plan: " + changed.join("; ");
   }
   planBefore = now;
-  const layers = scene.scene?.film?.layers ?? [], isOwn = !changes.has("film.layers") && layers.includes("paths");
-  press_("separate", layers.includes("paths"));
-  $("separate").disabled = isOwn;
+  const layers = sceneLayers();
+  for (const [id, [name]] of Object.entries(BUTTON_LAYERS)) {
+    press_(id, layers.includes(name));
+    $(id).disabled = (changes.has("film.layers") ? ownLayers : layers).includes(name);
+  }
   showEvents();
 }
 
@@ -72,11 +74,13 @@ function measureEffect() {
 }
 
 function showEvents() {
-  const { events = {}, passes = 0, seconds, ledger_w: ledger, classes = [], samples } = state.picture ?? {};
+  const { events = {}, passes = 0, seconds, ledger_w: ledger, classes = [], samples, stokes } = state.picture ?? {};
   for (const option of $("mode").options) {
     if (option.value === "classes") option.disabled = !classes.length;
     if (option.value === "samples") option.disabled = !samples;
+    if (option.value === "degree" || option.value === "analyser") option.disabled = !stokes;
   }
+  $("analyser").disabled = !stokes;
   if (!scene?.live) return;
   measureEffect();
   document.querySelectorAll("#plan [data-effect]").forEach(cell => {
@@ -121,8 +125,21 @@ async function drawClasses(current, codes) {
   return "path classes: yellow emission, blue direct, pink caustic, green indirect, orange volume";
 }
 
-$("separate").onclick = () => {
-  if (changes.has("film.layers")) changes.delete("film.layers");
-  else changes.set("film.layers", [...new Set([...scene.scene?.film?.layers ?? [], "paths", "samples"])]);
+/// The layers that a button adds to those of the scene, by its id. The first one is the button's own.
+const BUTTON_LAYERS = { separate: ["paths", "samples"], record: ["stokes"] };
+/// The layers of the scene without those of the buttons, while `changes` holds layers.
+let ownLayers = [];
+const sceneLayers = () => {
+  const { layers = [], stokes } = scene.scene?.film ?? {};
+  return stokes && !layers.includes("stokes") ? [...layers, "stokes"] : layers;
+};
+
+for (const [id, names] of Object.entries(BUTTON_LAYERS)) $(id).onclick = () => {
+  const layers = sceneLayers();
+  if (!changes.has("film.layers")) ownLayers = layers;
+  const others = layers.filter(layer => !names.includes(layer) || ownLayers.includes(layer));
+  const wanted = layers.includes(names[0]) ? others : [...new Set([...layers, ...names])];
+  if (wanted.length === ownLayers.length) changes.delete("film.layers");
+  else changes.set("film.layers", wanted);
   sendChanges(false);
 };

@@ -144,6 +144,7 @@ impl Snapshot {
             "classes": self.class_means,
             "denoised": self.scene.display.shows_denoised(&self.picture),
             "samples": layers::samples(&self.picture).is_some(),
+            "stokes": layers::degree(&self.picture).is_some(),
         })
     }
 
@@ -156,6 +157,16 @@ impl Snapshot {
     /// Returns the number of camera samples of all pixels. Returns `None` if it was not recorded.
     pub(crate) fn samples(&self) -> Option<Vec<u8>> {
         layers::samples(&self.picture).map(|samples| float_bytes(samples.iter().copied()))
+    }
+
+    /// Returns S0 to S3 of Y at each pixel in cd/m², in the frame of the picture, if they were recorded.
+    pub(crate) fn stokes(&self) -> Option<Vec<u8>> {
+        layers::stokes(&self.picture).map(|stokes| float_bytes(stokes.into_iter().flatten()))
+    }
+
+    /// Returns the degree of polarisation at all pixels, if it was recorded.
+    pub(crate) fn degree(&self) -> Option<Vec<u8>> {
+        layers::degree(&self.picture).map(|degrees| float_bytes(degrees.iter().copied()))
     }
 
     /// Returns Y of each path class at all pixels in cd/m², if the picture separates them.

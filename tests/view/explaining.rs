@@ -1,6 +1,7 @@
 //! The panel of the plan in a real browser.
 
-use crate::page::{DESKTOP, finished, is_clean};
+use crate::client::SCENE;
+use crate::page::{DESKTOP, finished, finished_scene, is_clean};
 
 /// `Difference` renders without an effect, compares, and measures what the effect contributes.
 #[test]
@@ -59,5 +60,41 @@ fn the_page_separates_the_light_by_paths() {
     assert!(browser.run("$('legend').textContent").as_str().unwrap().starts_with("camera samples"));
     browser.run("$('separate').click()");
     browser.wait("!state.picture.samples && picture.passes === 12");
+    is_clean(&browser);
+}
+
+/// Behind a horizontal filter, all light passes the page's polariser at 0°, none at 90°, and half at
+/// 45°, without a new render.
+#[test]
+fn the_page_turns_a_polariser() {
+    let filtered = SCENE.replace(r#""lens": {"#, r#""filter": {"polariser": {}}, "lens": {"#);
+    let Some((_folder, _view, mut browser)) = finished_scene(&filtered, DESKTOP, true) else { return };
+    assert_eq!(browser.run("$('analyser').disabled"), true);
+    browser.run("showTab('plan'); $('record').click()");
+    browser.wait("state.picture.stokes && picture.passes === 12 && state.session === 'finished' && picture.number === state.picture.number");
+    let number = browser.run("picture.number");
+    let at = |browser: &mut crate::browser::Browser, degrees: u32| {
+        let script = format!(
+            "(async () => {{ $('analyser').value = {degrees}; $('analyser').oninput(); const xyz = await analysedXyz(picture);
+              await draw(); let sum = 0; for (let i = 1; i < xyz.length; i += 3) sum += xyz[i]; return sum; }})()"
+        );
+        browser.run(&script).as_f64().unwrap()
+    };
+    let [along, half, across] = [0, 45, 90].map(|degrees| at(&mut browser, degrees));
+    let all = browser.run(
+        "(async () => { const xyz = await shownXyz(picture); let sum = 0; for (let i = 1; i < xyz.length; i += 3) sum += xyz[i]; return sum; })()",
+    );
+    let all = all.as_f64().unwrap();
+    assert!(
+        (along / all - 1.0).abs() < 1e-3 && (half / all - 0.5).abs() < 1e-3 && across < 1e-3 * all,
+        "{along} {half} {across} {all}"
+    );
+    assert!(browser.run("$('legend').textContent").as_str().unwrap().starts_with("through a polariser at 90°"));
+    browser.run("(async () => { $('mode').value = 'degree'; await draw(); })()");
+    assert!(browser.run("$('legend').textContent").as_str().unwrap().starts_with("degree of polarisation"));
+    browser.screenshot("polarisation.png");
+    assert_eq!(browser.run("picture.number"), number, "the polariser renders nothing");
+    browser.run("$('record').click()");
+    browser.wait("!state.picture.stokes && picture.passes === 12");
     is_clean(&browser);
 }

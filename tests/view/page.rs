@@ -15,7 +15,11 @@ pub(crate) fn finished(size: (u32, u32), is_dark: bool) -> Option<(tempfile::Tem
 }
 
 /// Does what [`finished`] does for another scene, which is saved as `ball.json`.
-fn finished_scene(scene: &str, size: (u32, u32), is_dark: bool) -> Option<(tempfile::TempDir, View, Browser)> {
+pub(crate) fn finished_scene(
+    scene: &str,
+    size: (u32, u32),
+    is_dark: bool,
+) -> Option<(tempfile::TempDir, View, Browser)> {
     let mut browser = Browser::start(size, is_dark)?;
     let folder = with_ball(scene);
     let view = View::start(folder.path(), &["ball.json", "--size", "240x160"]);

@@ -59,7 +59,8 @@ pub enum MaterialFile {
     /// A polished uniaxial crystal, which splits light into an ordinary and an extraordinary ray.
     #[schemars(example = json!({"crystal": {"name": "calcite", "axis": [0, 1, 0]}}))]
     #[schemars(example = json!({"crystal": {"ordinary": {"file": "CaCO3-o.yml"},
-        "extraordinary": {"file": "CaCO3-e.yml"}, "axis": [1, 1, 0]}}))]
+        "extraordinary": {"file": "CaCO3-e.yml"}, "axis": [1, 1, 0], "absorption": 5,
+        "priority": 1}}))]
     Crystal(CrystalFile),
     /// A thin pane: light passes straight through or is reflected.
     #[schemars(example = json!({"thin_dielectric": {"ior": 1.5}}))]

@@ -257,11 +257,10 @@ impl Bsdf {
         if let Self::Mix(mix) = self {
             return Ok(Self::Mix(mix.with_components(|part| part.without_dispersion(nm))?));
         }
-        Ok(match self {
-            Self::Grating(grating) => Self::Grating(grating.without_dispersion(nm)),
-            Self::Crystal(crystal) => Self::Crystal(Box::new(crystal.without_dispersion(nm)?)),
-            other => other,
-        })
+        if let Self::Crystal(crystal) = self {
+            return Ok(Self::Crystal(Box::new(crystal.without_dispersion(nm)?)));
+        }
+        Ok(if let Self::Grating(grating) = self { Self::Grating(grating.without_dispersion(nm)) } else { self })
     }
 
     /// Returns the reflectances and transmittances that may vary over the surface.
