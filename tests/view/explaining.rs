@@ -64,7 +64,8 @@ fn the_page_separates_the_light_by_paths() {
 }
 
 /// Behind a horizontal filter, all light passes the page's polariser at 0°, none at 90°, and half at
-/// 45°, without a new render.
+/// 45°, without a new render. Away from the middle, rays cross the filter obliquely, which turns their
+/// polarisation a little.
 #[test]
 fn the_page_turns_a_polariser() {
     let filtered = SCENE.replace(r#""lens": {"#, r#""filter": {"polariser": {}}, "lens": {"#);
@@ -86,7 +87,7 @@ fn the_page_turns_a_polariser() {
     );
     let all = all.as_f64().unwrap();
     assert!(
-        (along / all - 1.0).abs() < 1e-3 && (half / all - 0.5).abs() < 1e-3 && across < 1e-3 * all,
+        (along / all - 1.0).abs() < 0.01 && (half / all - 0.5).abs() < 0.02 && across < 0.01 * all,
         "{along} {half} {across} {all}"
     );
     assert!(browser.run("$('legend').textContent").as_str().unwrap().starts_with("through a polariser at 90°"));
