@@ -7,6 +7,7 @@ use crate::golden::golden;
 use crate::textures::assert_integrators_agree_after;
 use abbe_session::render::{Integrator, Rendered};
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 
 const INTEGRATORS: [Integrator; 2] = [Integrator::Photon, Integrator::Path];
 
@@ -128,6 +129,32 @@ fn retarders_between_crossed_polarisers_have_their_colours() {
             assert!((v - known).abs() < 1e-4, "{handedness}: {v}");
         }
     }
+}
+
+/// A cell whose molecules turn by 90° transmits what Gooch & Tarry (1975) say, from the back as well,
+/// and thick molecules that turn by 40° carry the polarisation along.
+#[test]
+fn liquid_crystals_turn_light() {
+    let transmitted = |cell: Value, [first, last]: [f64; 2]| {
+        let cell = json!({ "filters": [{ "liquid_crystal": cell }] });
+        let mut scene = sheets(&[polariser(first), cell, polariser(last)]);
+        scene["lights"][0]["environment"]["spectrum"] = yellow();
+        let mut bare = scene.clone();
+        bare["objects"] = json!([]);
+        let [through, all] = [scene, bare].map(|scene| mean_xyz(&render(&scene, Integrator::Photon, 4))[1]);
+        through / all
+    };
+    for u in [0.6, 3.0_f64.sqrt(), 2.5] {
+        let cell = json!({ "retardance_nm": 0.5 * u * 587.56 });
+        let parallel = 0.5 * (0.5 * PI * (1.0 + u * u).sqrt()).sin().powi(2) / (1.0 + u * u);
+        // The light meets the back first, where the molecules are at 90°.
+        let found = [[90.0, 90.0], [90.0, 0.0]].map(|axes| transmitted(cell.clone(), axes));
+        assert!((found[0] - parallel).abs() < 2e-3, "{u}: {} for {parallel}", found[0]);
+        assert!((found[1] - (0.5 - parallel)).abs() < 2e-3, "{u}: {} for {}", found[1], 0.5 - parallel);
+    }
+    let thick = json!({ "retardance_nm": 40_000, "twist": 40 });
+    let found = [[40.0, 0.0], [40.0, 90.0]].map(|axes| transmitted(thick.clone(), axes));
+    assert!((found[0] - 0.5).abs() < 2e-3 && found[1] < 2e-3, "{found:?}");
 }
 
 /// A pressed disc has N = 8PC/(πDλ) fringes in the middle, and a bent beam 6MC/(b²λ) at its edges

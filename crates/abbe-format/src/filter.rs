@@ -21,6 +21,9 @@ pub enum PolarisingFilterFile {
     /// A linear polariser with a quarter-wave plate behind it.
     #[schemars(example = json!({"circular_polariser": {"handedness": "right"}}))]
     CircularPolariser(CircularPolariserFile),
+    /// A cell of a twisted nematic liquid crystal.
+    #[schemars(example = json!({"liquid_crystal": {"retardance_nm": 476, "axis": 0}}))]
+    LiquidCrystal(LiquidCrystalFile),
     /// Filters on top of each other, of which the light of the front meets the first one first.
     #[schemars(example = json!({"filters": [{"polariser": {}}, {"retarder": {"crystal": "quartz",
         "thickness_nm": 20000, "axis": 45}}, {"polariser": {"axis": 90}}]}))]
@@ -71,6 +74,32 @@ pub struct RetarderFile {
     /// Thickness of the crystal.
     #[schemars(extend("minimum" = 0, "x-unit" = "nm", "x-default" = "no crystal"))]
     pub thickness_nm: Option<f64>,
+}
+
+/// A cell of a twisted nematic liquid crystal, whose molecules turn evenly from the front to the back.
+/// Between crossed polarisers along its axes, a cell without a voltage is bright, and one whose voltage
+/// has set the molecules upright (`factor` 0) is dark.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "Liquid crystal", example = json!({"retardance_nm": 476, "axis": 45, "twist": -90,
+    "factor": {"image": {"path": "digits.png"}}}))]
+pub struct LiquidCrystalFile {
+    /// Retardance of the cell if its molecules did not turn: thickness times n_e − n_o.
+    #[schemars(extend("minimum" = 0, "x-unit" = "nm"))]
+    pub retardance_nm: SpectrumFile,
+    /// Angle of the molecules at the front, counter-clockwise as seen from the front: from u on a
+    /// surface, or from the right side of the picture at the camera.
+    #[serde(default, skip_serializing_if = "forms::is_default")]
+    #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "degrees"))]
+    pub axis: f64,
+    /// Angle by which the molecules turn from the front to the back, counter-clockwise as seen from the
+    /// front.
+    #[serde(default = "quarter_turn", skip_serializing_if = "is_quarter_turn")]
+    #[schemars(extend("x-unit" = "degrees"))]
+    pub twist: f64,
+    /// Factor of the retardance, which a voltage lowers. A texture is interpolated.
+    #[schemars(extend("minimum" = 0, "x-default" = "1"))]
+    pub factor: Option<ScalarFile>,
 }
 
 /// A sheet under stress, which retards light by the stress-optic law. State `disc` or `beam`.
@@ -151,6 +180,15 @@ pub enum HandednessFile {
     Left,
 }
 
+fn quarter_turn() -> f64 {
+    90.0
+}
+
+#[expect(clippy::float_cmp, reason = "the default is written as a literal")]
+fn is_quarter_turn(degrees: &f64) -> bool {
+    *degrees == quarter_turn()
+}
+
 fn quarter_of_550_nm() -> f64 {
     137.5
 }
@@ -167,6 +205,7 @@ impl PolarisingFilterFile {
             Self::Retarder(file) => file.validate(&at.key("retarder")),
             Self::Stress(file) => file.validate(&at.key("stress")),
             Self::CircularPolariser(file) => file.validate(&at.key("circular_polariser")),
+            Self::LiquidCrystal(file) => file.validate(&at.key("liquid_crystal")),
             Self::Filters(files) => {
                 let at = at.key("filters");
                 check::entries(&at, files.len(), 1, "at least one filter")?;
@@ -202,6 +241,16 @@ impl RetarderFile {
             (None, None, None) => Err(check::fault(at, "found none of the keys it needs", allowed)),
             (Some(_), _, _) => Err(check::fault(at, "found `retardance_nm` together with a crystal", allowed)),
         }
+    }
+}
+
+impl LiquidCrystalFile {
+    fn validate(&self, at: &JsonPath) -> Result<()> {
+        let Self { retardance_nm, axis: _, twist: _, factor } = self;
+        check::all([
+            retardance_nm.validate(&at.key("retardance_nm"), SpectrumUse::NotNegative),
+            factor.as_ref().map_or(Ok(()), |factor| factor.validate(&at.key("factor"), check::not_negative)),
+        ])
     }
 }
 

@@ -110,8 +110,8 @@ pub use film::{
     BloomFile, ExposureFile, FilmFile, GamutFile, LayerFile, ObserverFile, OutputSpaceFile, ToneFile, WhiteBalanceFile,
 };
 pub use filter::{
-    BeamFile, CircularPolariserFile, DiscFile, HandednessFile, PolariserFile, PolarisingFilterFile, RetarderFile,
-    StressFile,
+    BeamFile, CircularPolariserFile, DiscFile, HandednessFile, LiquidCrystalFile, PolariserFile, PolarisingFilterFile,
+    RetarderFile, StressFile,
 };
 pub use grating::{GratingFile, GratingProfileFile, GroovesFile, OrderEfficiencyFile};
 pub use index::{FormulaFile, IndexFile};

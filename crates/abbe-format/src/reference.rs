@@ -27,7 +27,7 @@ pub(super) const CHAPTERS: [(&str, &str); 19] = [
     ("Thin films", "CoatingFile CoatingLayerFile CoatingIndexFile ComplexIndexFile"),
     (
         "Polarising filters",
-        "PolarisingFilterFile PolariserFile RetarderFile StressFile DiscFile BeamFile CircularPolariserFile HandednessFile",
+        "PolarisingFilterFile PolariserFile RetarderFile LiquidCrystalFile StressFile DiscFile BeamFile CircularPolariserFile HandednessFile",
     ),
     ("Gratings", "GratingProfileFile OrderEfficiencyFile GroovesFile"),
     ("Media", "MediumFile DyeFile TransmittanceFile PhaseFile MediumEmissionFile MediumBlackbodyFile"),

@@ -48,6 +48,7 @@ PolarisingFilterFile camera.filter=%
 PolariserFile materials.x.polariser=%
 RetarderFile materials.x.retarder=%
 StressFile materials.x.stress=%
+LiquidCrystalFile materials.x={"filters": [{"liquid_crystal": %}]}
 DiscFile materials.x.stress={"coefficient": 1e-11, "disc": %}
 BeamFile materials.x.stress={"coefficient": 1e-11, "beam": %}
 CircularPolariserFile materials.x.circular_polariser=%

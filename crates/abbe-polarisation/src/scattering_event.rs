@@ -6,7 +6,7 @@
 //! gives both the factor that corrects the power and the polarisation of the leaving light.
 
 use super::diattenuating_retarder::DiattenuatingRetarder;
-use super::filter::{linear_polariser, retarder};
+use super::filter::{linear_polariser, retarder, twisted_retarder};
 use super::frame::{Rotation, StokesFrame};
 use super::mueller::Mueller;
 use super::scattering::{AIR_DEPOLARISATION, rayleigh, spheres};
@@ -21,6 +21,7 @@ use abbe_optics::phase::PhaseFunction;
 use abbe_optics::phase::mie::MieMatrix;
 use abbe_spectra::math::complex::Complex;
 use abbe_spectra::math::elementary::sin_cos;
+use abbe_spectra::spectrum::Spectrum;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -255,20 +256,36 @@ fn filter_matrix(
         let layer = &filter.layers()[number];
         let local = if filter.varying() == Some(number) { local } else { LocalRetardance::WHOLE };
         let (sin, cos) = sin_cos(layer.axis_rad + f64::from(local.turn_rad));
-        let (element, angle) = match &layer.element {
+        let phase = |retardance_nm: &Spectrum| TAU * f64::from(local.factor) * retardance_nm.at(nm) / nm;
+        let turned = |element: Mueller, direction: [f64; 2]| element.turned(axes.rotation(direction)) * matrix;
+        match &layer.element {
             // The direction that a polariser absorbs is projected, at 90° to its axis.
-            FilterElement::Polariser { k1, k2 } => (linear_polariser(k2.at(nm), k1.at(nm)), [-sin, cos]),
-            FilterElement::Retarder { retardance_nm } => {
-                (retarder(TAU * f64::from(local.factor) * retardance_nm.at(nm) / nm), [cos, sin])
+            FilterElement::Polariser { k1, k2 } => turned(linear_polariser(k2.at(nm), k1.at(nm)).into(), [-sin, cos]),
+            FilterElement::Retarder { retardance_nm } => turned(retarder(phase(retardance_nm)).into(), [cos, sin]),
+            FilterElement::TwistedRetarder { retardance_nm, twist_rad } => {
+                // The light meets the axis of its own side first.
+                let (turn, start) =
+                    if from_front { (*twist_rad, [cos, sin]) } else { (-twist_rad, turned_by(*twist_rad, [cos, sin])) };
+                turned(twisted_retarder(phase(retardance_nm), turn * axes.sense()), start)
             }
-        };
-        Mueller::from(element).turned(axes.rotation(angle)) * matrix
+        }
     };
     let count = filter.layers().len();
     if from_front { (0..count).fold(Mueller::IDENTITY, layer) } else { (0..count).rev().fold(Mueller::IDENTITY, layer) }
 }
 
+/// Turns a direction with these components along u and v from u to v.
+fn turned_by(angle: f64, [along_u, along_v]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = sin_cos(angle);
+    [cos * along_u - sin * along_v, sin * along_u + cos * along_v]
+}
+
 impl SheetAxes {
+    /// Returns 1 if the receiver of the light sees the turn from u to v counter-clockwise, else −1.
+    fn sense(&self) -> f64 {
+        (self.u[0] * self.v[1] - self.u[1] * self.v[0]).signum()
+    }
+
     /// Returns the rotation to the projection of a direction with these components along u and v.
     fn rotation(&self, [along_u, along_v]: [f64; 2]) -> Rotation {
         let [x, y] = [0, 1].map(|i| along_u * self.u[i] + along_v * self.v[i]);

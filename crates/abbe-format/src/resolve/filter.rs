@@ -2,8 +2,8 @@
 
 use super::{context::Resolver, spectra::Role};
 use crate::{
-    BeamFile, CircularPolariserFile, DiscFile, HandednessFile, JsonPath, PolariserFile, PolarisingFilterFile,
-    RetarderFile, SpectrumFile, StressFile,
+    BeamFile, CircularPolariserFile, DiscFile, HandednessFile, JsonPath, LiquidCrystalFile, PolariserFile,
+    PolarisingFilterFile, RetarderFile, SpectrumFile, StressFile,
 };
 use abbe_optics::bsdf::{FilterElement, FilterLayer, PolarisingFilter, RetardanceField};
 use abbe_optics::texture::SurfaceScalar;
@@ -26,6 +26,9 @@ impl Resolver<'_> {
             PolarisingFilterFile::Retarder(file) => layers.push(self.retarder(&at.key("retarder"), file)?),
             PolarisingFilterFile::Stress(file) => layers.push(stress(file)),
             PolarisingFilterFile::CircularPolariser(file) => layers.extend(circular_polariser(file)),
+            PolarisingFilterFile::LiquidCrystal(file) => {
+                layers.push(self.liquid_crystal(&at.key("liquid_crystal"), file)?);
+            }
             PolarisingFilterFile::Filters(files) => {
                 let at = at.key("filters");
                 for (i, file) in files.iter().enumerate() {
@@ -44,6 +47,23 @@ impl Resolver<'_> {
         };
         let element = FilterElement::Polariser { k1: fraction("k1", k1, 1.0)?, k2: fraction("k2", k2, 0.0)? };
         Ok(FilterLayer { element, axis_rad: axis.to_radians(), field: RetardanceField::Uniform })
+    }
+
+    fn liquid_crystal(&self, at: &JsonPath, file: &LiquidCrystalFile) -> Result<FilterLayer> {
+        let LiquidCrystalFile { retardance_nm, axis, twist, factor } = file;
+        let retardance_nm = self.spectrum(&at.key("retardance_nm"), retardance_nm, Role::Coefficient)?;
+        let factor = factor.as_ref().map(|factor| self.scalar(&at.key("factor"), factor)).transpose()?;
+        let (retardance_nm, field) = match factor {
+            None => (retardance_nm, RetardanceField::Uniform),
+            Some(SurfaceScalar::Uniform(factor)) => (retardance_nm.scaled(factor), RetardanceField::Uniform),
+            Some(factor) => {
+                (retardance_nm, RetardanceField::Textured { factor, turn_deg: SurfaceScalar::Uniform(0.0) })
+            }
+        };
+        // Light along the molecules is the slower one.
+        let axis_rad = axis.to_radians() + FRAC_PI_2;
+        let element = FilterElement::TwistedRetarder { retardance_nm, twist_rad: twist.to_radians() };
+        Ok(FilterLayer { element, axis_rad, field })
     }
 
     fn retarder(&self, at: &JsonPath, file: &RetarderFile) -> Result<FilterLayer> {

@@ -76,6 +76,14 @@ pub enum FilterElement {
         /// The path by which light across the axis lags behind light along it, in nm.
         retardance_nm: Spectrum,
     },
+    /// A retarder whose axis turns evenly from the front to the back, such as a liquid crystal.
+    TwistedRetarder {
+        /// The path by which light across the fast axis lags behind light along it, in nm, as if the
+        /// axis did not turn.
+        retardance_nm: Spectrum,
+        /// The angle in rad by which the axis turns, counter-clockwise as seen from the front.
+        twist_rad: f64,
+    },
 }
 
 impl FilterElement {
@@ -98,7 +106,7 @@ impl PolarisingFilter {
                     check_within("transmittance", k1, 1.0)?;
                     check_within("transmittance", k2, 1.0)?;
                 }
-                FilterElement::Retarder { retardance_nm } => {
+                FilterElement::Retarder { retardance_nm } | FilterElement::TwistedRetarder { retardance_nm, .. } => {
                     check_within("retardance", retardance_nm, f64::INFINITY)?;
                 }
             }
@@ -133,8 +141,9 @@ impl PolarisingFilter {
     pub fn without_textures(mut self) -> Self {
         if let Some(layer) = self.varying.and_then(|number| self.layers.get_mut(number)) {
             let field = std::mem::replace(&mut layer.field, RetardanceField::Uniform);
-            if let (RetardanceField::Textured { factor, turn_deg }, FilterElement::Retarder { retardance_nm }) =
-                (field, &mut layer.element)
+            if let RetardanceField::Textured { factor, turn_deg } = field
+                && let FilterElement::Retarder { retardance_nm } | FilterElement::TwistedRetarder { retardance_nm, .. } =
+                    &mut layer.element
             {
                 *retardance_nm = retardance_nm.scaled(factor.mean());
                 layer.axis_rad += turn_deg.mean().to_radians();
