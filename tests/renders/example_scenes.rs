@@ -17,7 +17,8 @@ fn the_table_of_example_scenes_is_what_their_plans_say() {
         let name = cells[0].trim_matches('`');
         let job = example_job(name, &[]);
         let on: Vec<&str> = job.rows.iter().filter(|row| row.state.is_on()).map(|row| row.effect.name).collect();
-        assert_eq!(cells[2], on.join(", "), "{name}");
+        assert!(cells[1].contains(&format!("/{name}.png")), "{name} has no picture");
+        assert_eq!(cells[3], on.join(", "), "{name}");
         listed.push(name);
     }
     for name in example_names() {
