@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 /// The width of the picture in mm and in pixels.
 const WIDTH_MM: f64 = 8.0;
-const COLUMNS: usize = 400;
+const COLUMNS: usize = 200;
 
 /// A narrow glowing line below a plate of 10 mm, seen in parallel rays with the incidence of a golden
 /// row, in the plane of the optic axis.
@@ -42,7 +42,7 @@ fn plate(row: &Value) -> Value {
 
 /// Returns the mean place of the light in mm, and its sum.
 fn centroid(scene: &Value, integrator: Integrator) -> (f64, f64) {
-    let values = all_y(&render(scene, integrator, 32));
+    let values = all_y(&render(scene, integrator, 16));
     let sum: f64 = values.iter().sum();
     let moment: f64 = values.iter().enumerate().map(|(i, y)| ((i % COLUMNS) as f64 + 0.5) * y).sum();
     (moment / sum * WIDTH_MM / COLUMNS as f64, sum)
@@ -68,15 +68,14 @@ fn double_images_have_their_golden_places_and_polarisations() {
                 }
                 centroid(&scene, integrator)
             };
-            let [all, extraordinary, ordinary] = [None, Some(0.0), Some(90.0)].map(seen);
+            let [extraordinary, ordinary] = [0.0, 90.0].map(|axis| seen(Some(axis)));
             let shift = extraordinary.0 - ordinary.0;
-            println!(
-                "{integrator:?}, {row}: {shift:.4} mm for {known:.4}, light {}, {}, {}",
-                all.1, extraordinary.1, ordinary.1
-            );
+            println!("{integrator:?}, {row}: {shift:.4} mm for {known:.4}");
             assert!((shift - known).abs() < 0.01, "{row}: {shift} mm for {known}");
-            let sum = (extraordinary.1 + ordinary.1) / all.1;
-            assert!((sum - 1.0).abs() < 0.06, "{row}: the filters show {sum} of the light");
+            if i == 0 {
+                let sum = (extraordinary.1 + ordinary.1) / seen(None).1;
+                assert!((sum - 1.0).abs() < 0.06, "the filters show {sum} of the light");
+            }
         }
         count += 1;
     }
