@@ -70,9 +70,12 @@ async function show(next) {
 async function fetchPicture() {
   if (isFetching) return;
   isFetching = true;
+  let fetched;
   try {
     const next = await floats("picture"), summary = summaries.get(next.number);
-    // The state of a picture that has just been published may be on its way. It brings us here again.
+    // The state of a picture that has just been published may be on its way. It brings us here
+    // again.
+    fetched = next.number;
     if (summary) {
       const { exposure, reaches, passes, denoised } = summary;
       picture = { ...next, xyz: next.values, planes: new Map(), exposure, reaches, passes, denoised };
@@ -84,7 +87,7 @@ async function fetchPicture() {
   } finally {
     isFetching = false;
   }
-  if (state.picture.number > (picture?.number ?? -1)) fetchPicture();
+  if (state.picture?.number > fetched) fetchPicture();
 }
 
 // The picture.

@@ -53,13 +53,7 @@ impl Resolver<'_> {
         let LiquidCrystalFile { retardance_nm, axis, twist, factor } = file;
         let retardance_nm = self.spectrum(&at.key("retardance_nm"), retardance_nm, Role::Coefficient)?;
         let factor = factor.as_ref().map(|factor| self.scalar(&at.key("factor"), factor)).transpose()?;
-        let (retardance_nm, field) = match factor {
-            None => (retardance_nm, RetardanceField::Uniform),
-            Some(SurfaceScalar::Uniform(factor)) => (retardance_nm.scaled(factor), RetardanceField::Uniform),
-            Some(factor) => {
-                (retardance_nm, RetardanceField::Textured { factor, turn_deg: SurfaceScalar::Uniform(0.0) })
-            }
-        };
+        let (retardance_nm, field, _) = varied(retardance_nm, factor, SurfaceScalar::Uniform(0.0));
         // Light along the molecules is the slower one.
         let axis_rad = axis.to_radians() + FRAC_PI_2;
         let element = FilterElement::TwistedRetarder { retardance_nm, twist_rad: twist.to_radians() };
@@ -85,15 +79,24 @@ impl Resolver<'_> {
                 Spectrum::table(&whole_nm, &path, Outside::Hold)?
             }
         };
-        let factor = factor.unwrap_or(SurfaceScalar::Uniform(1.0));
-        let (retardance_nm, field) = match (factor, axis) {
-            (SurfaceScalar::Uniform(factor), SurfaceScalar::Uniform(axis)) => {
-                axis_rad += axis.to_radians();
-                (retardance_nm.scaled(factor), RetardanceField::Uniform)
-            }
-            (factor, turn_deg) => (retardance_nm, RetardanceField::Textured { factor, turn_deg }),
-        };
+        let (retardance_nm, field, turn_rad) = varied(retardance_nm, factor, axis);
+        axis_rad += turn_rad;
         Ok(FilterLayer { element: FilterElement::Retarder { retardance_nm }, axis_rad, field })
+    }
+}
+
+/// Returns the retardance, how it varies over the sheet, and the angle in rad by which the axis turns
+/// everywhere.
+fn varied(
+    retardance_nm: Spectrum,
+    factor: Option<SurfaceScalar>,
+    turn_deg: SurfaceScalar,
+) -> (Spectrum, RetardanceField, f64) {
+    match (factor.unwrap_or(SurfaceScalar::Uniform(1.0)), turn_deg) {
+        (SurfaceScalar::Uniform(factor), SurfaceScalar::Uniform(turn)) => {
+            (retardance_nm.scaled(factor), RetardanceField::Uniform, turn.to_radians())
+        }
+        (factor, turn_deg) => (retardance_nm, RetardanceField::Textured { factor, turn_deg }, 0.0),
     }
 }
 

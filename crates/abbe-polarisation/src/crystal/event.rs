@@ -1,4 +1,5 @@
-//! What the surface of a crystal does to a ray: it leaves outside, or as one of the two waves inside.
+//! What the surface of a crystal does to a ray: it leaves outside, or as one of the two waves
+//! inside.
 
 use super::surface::{CrystalSurface, SurfaceAmplitudes};
 use super::wave::{CrystalMode, across};
@@ -24,8 +25,8 @@ pub struct CrystalRay {
 pub struct CrystalEvent {
     /// The leaving light, or the camera path that goes on to the source of the light.
     pub ray: CrystalRay,
-    /// The fraction of the power of natural light, or of a wave inside. For a camera path, it is the
-    /// factor of the radiance divided by the squared index.
+    /// The fraction of the power of natural light, or of a wave inside. For a camera path, it is
+    /// the factor of the radiance divided by the squared index.
     pub power: f64,
     /// The Mueller matrix of the light, divided by `power`.
     pub matrix: Mueller,
@@ -53,13 +54,12 @@ impl CrystalSurface {
     /// Returns what happens to a ray that arrives at the surface: from outside with a direction of
     /// z < 0, or from inside with z > 0.
     pub fn events(&self, ray: CrystalRay, tracing: CrystalTracing) -> CrystalEvents {
+        debug_assert!(ray.mode.is_some() == (ray.direction.z > 0.0), "the ray leads away from the surface");
         let k = self.wave_vector(ray);
         // The wave vector of the light.
         let k = if tracing == CrystalTracing::FromLight { k } else { -k };
         let tangential = DVec3::new(k.x, k.y, 0.0);
         let away = if tracing == CrystalTracing::FromLight { 1.0 } else { -1.0 };
-        let is_inside = ray.mode.is_some();
-        // The light goes through the surface or back.
         let outer_normal = self.outside * self.outside - tangential.length_squared();
         let outer = |sign: f64| {
             (outer_normal > 0.0)
@@ -102,7 +102,6 @@ impl CrystalSurface {
                 (outside, each_mode(&|mode| Some(amplitudes.inner([mode, leaving]))))
             }
         };
-        debug_assert!(is_inside == (ray.direction.z > 0.0), "the ray leads away from the surface");
         CrystalEvents { events: [outside, ordinary, extraordinary], s_axis: across(tangential) }
     }
 
