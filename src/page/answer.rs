@@ -80,7 +80,8 @@ pub(crate) fn answer(state: &PageState, path: &str, query: &str) -> Answered {
         _ => {}
     }
     let snapshot = state.snapshot.as_deref().ok_or(Refusal::Absent)?;
-    // A plane that the picture lacks is empty, because a page asks for it before it knows the picture.
+    // A plane that the picture lacks is empty, because a page asks for it before it knows the
+    // picture.
     let found = |values: Option<Vec<u8>>| Ok(plane(snapshot, values.unwrap_or_default()));
     match path {
         "picture" => found(Some(snapshot.xyz())),

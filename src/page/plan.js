@@ -125,7 +125,8 @@ async function drawClasses(current, codes) {
   return "path classes: yellow emission, blue direct, pink caustic, green indirect, orange volume";
 }
 
-/// The layers that a button adds to those of the scene, by its id. The first one is the button's own.
+/// The layers that a button adds to those of the scene, by its id. The first one is the button's
+/// own.
 const BUTTON_LAYERS = { separate: ["paths", "samples"], record: ["stokes"] };
 /// The layers of the scene without those of the buttons, while `changes` holds layers.
 let ownLayers = [];

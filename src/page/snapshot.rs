@@ -159,7 +159,8 @@ impl Snapshot {
         layers::samples(&self.picture).map(|samples| float_bytes(samples.iter().copied()))
     }
 
-    /// Returns S0 to S3 of Y at each pixel in cd/m², in the frame of the picture, if they were recorded.
+    /// Returns S0 to S3 of Y at each pixel in cd/m², in the frame of the picture, if they were
+    /// recorded.
     pub(crate) fn stokes(&self) -> Option<Vec<u8>> {
         layers::stokes(&self.picture).map(|stokes| float_bytes(stokes.into_iter().flatten()))
     }

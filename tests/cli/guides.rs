@@ -255,7 +255,8 @@ fn the_guides_show_the_example_scenes() {
             let name = picture.file_stem().unwrap().to_string_lossy().into_owned();
             let scene = root("scenes").join(&name).with_extension("json");
             let is_png = picture.extension().is_some_and(|extension| extension == "png");
-            // The picture of `zoom` shows three focal lengths, and that of `glare_on_water` two filters.
+            // The picture of `zoom` shows three focal lengths, and that of `glare_on_water` two
+            // filters.
             let is_composed = name == "zoom" || name == "glare_on_water";
             if !is_png || !scene.exists() || is_composed || wanted.as_ref().is_some_and(|wanted| *wanted != name) {
                 continue;

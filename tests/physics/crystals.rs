@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 const WIDTH_MM: f64 = 8.0;
 const COLUMNS: usize = 200;
 
-/// A narrow glowing line below a plate of 10 mm, seen in parallel rays with the incidence of a golden
-/// row, in the plane of the optic axis.
+/// A narrow glowing line below a plate of 10 mm, seen in parallel rays with the incidence of a
+/// golden row, in the plane of the optic axis.
 fn plate(row: &Value) -> Value {
     let angle = |key: &str| number(&row[key]).to_radians();
     let (axis_sin, axis_cos) = angle("axis_from_normal_deg").sin_cos();

@@ -167,7 +167,8 @@ fn a_lamp_in_fog_of_drops() {
 }
 
 /// The narrow backward peak of the fog sends an even sky behind the camera into it. All pixels find
-/// this light, which single shadow rays rarely do. The wall covers less than 1e-4 of the peak's tail.
+/// this light, which single shadow rays rarely do. The wall covers less than 1e-4 of the peak's
+/// tail.
 #[test]
 fn an_even_sky_in_fog_with_a_narrow_peak() {
     let (phase, _) = henyey_greenstein(-0.999);

@@ -131,8 +131,8 @@ fn retarders_between_crossed_polarisers_have_their_colours() {
     }
 }
 
-/// A cell whose molecules turn by 90° transmits what Gooch & Tarry (1975) say, from the back as well,
-/// and thick molecules that turn by 40° carry the polarisation along.
+/// A cell whose molecules turn by 90° transmits what Gooch & Tarry (1975) say, from the back as
+/// well, and thick molecules that turn by 40° carry the polarisation along.
 #[test]
 fn liquid_crystals_turn_light() {
     let transmitted = |cell: Value, [first, last]: [f64; 2]| {

@@ -63,9 +63,9 @@ fn the_page_separates_the_light_by_paths() {
     is_clean(&browser);
 }
 
-/// Behind a horizontal filter, all light passes the page's polariser at 0°, none at 90°, and half at
-/// 45°, without a new render. Away from the middle, rays cross the filter obliquely, which turns their
-/// polarisation a little.
+/// Behind a horizontal filter, all light passes the page's polariser at 0°, none at 90°, and half
+/// at 45°, without a new render. Away from the middle, rays cross the filter obliquely, which turns
+/// their polarisation a little.
 #[test]
 fn the_page_turns_a_polariser() {
     let filtered = SCENE.replace(r#""lens": {"#, r#""filter": {"polariser": {}}, "lens": {"#);

@@ -76,9 +76,9 @@ pub struct RetarderFile {
     pub thickness_nm: Option<f64>,
 }
 
-/// A cell of a twisted nematic liquid crystal, whose molecules turn evenly from the front to the back.
-/// Between crossed polarisers along its axes, a cell without a voltage is bright, and one whose voltage
-/// has set the molecules upright (`factor` 0) is dark.
+/// A cell of a twisted nematic liquid crystal, whose molecules turn evenly from the front to the
+/// back. Between crossed polarisers along its axes, a cell without a voltage is bright, and one
+/// whose voltage has set the molecules upright (`factor` 0) is dark.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Liquid crystal", example = json!({"retardance_nm": 476, "axis": 45, "twist": -90,
@@ -92,8 +92,8 @@ pub struct LiquidCrystalFile {
     #[serde(default, skip_serializing_if = "forms::is_default")]
     #[schemars(skip_serializing_if = "crate::schema::never", extend("x-unit" = "degrees"))]
     pub axis: f64,
-    /// Angle by which the molecules turn from the front to the back, counter-clockwise as seen from the
-    /// front.
+    /// Angle by which the molecules turn from the front to the back, counter-clockwise as seen from
+    /// the front.
     #[serde(default = "quarter_turn", skip_serializing_if = "is_quarter_turn")]
     #[schemars(extend("x-unit" = "degrees"))]
     pub twist: f64,

@@ -23,9 +23,9 @@ pub fn retarder(retardance: f64) -> DiattenuatingRetarder {
     DiattenuatingRetarder { cross: Complex::unit(-retardance), ..DiattenuatingRetarder::IDENTITY }
 }
 
-/// Returns a retarder whose fast axis turns evenly from x by `twist`, counter-clockwise as the receiver
-/// sees it, such as a liquid crystal (Yeh & Gu, *Optics of Liquid Crystal Displays*, chapter 4). Both
-/// angles are in radians, and the retardance is that without a twist.
+/// Returns a retarder whose fast axis turns evenly from x by `twist`, counter-clockwise as the
+/// receiver sees it, such as a liquid crystal (Yeh & Gu, *Optics of Liquid Crystal Displays*,
+/// chapter 4). Both angles are in radians, and the retardance is that without a twist.
 pub fn twisted_retarder(retardance: f64, twist: f64) -> Mueller {
     let half = 0.5 * retardance;
     // In the frame that turns with the axis, the Jones vector changes by a constant matrix.

@@ -131,8 +131,8 @@ impl<'a> ScatteringEvent<'a> {
         Self { element, arriving: Rotation::NONE, leaving: Rotation::NONE }
     }
 
-    /// Returns the event with this relative matrix at the only wavelength of a path, for light with x
-    /// along `s_axis` before and after.
+    /// Returns the event with this relative matrix at the only wavelength of a path, for light with
+    /// x along `s_axis` before and after.
     pub fn of_matrix(Mueller(matrix): Mueller, [arriving, leaving]: [DVec3; 2], s_axis: DVec3) -> Self {
         Self::between(Element::Fixed(matrix.map(|row| row.map(|part| part as f32))), [arriving, leaving], s_axis)
     }

@@ -9,8 +9,8 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::math::sobol::Sobol;
 
 impl ObjectSet {
-    /// Returns the number of the material with its optic axis, if it is a crystal, in the frame of the
-    /// world instead of the object.
+    /// Returns the number of the material with its optic axis, if it is a crystal, in the frame of
+    /// the world instead of the object.
     pub(super) fn turned_crystal(&mut self, number: usize, shape: &Shape, placement: &Placement) -> Result<usize> {
         let Some(material) = self.materials.get(number) else { return Ok(number) };
         let Some(crystal) = material.surface.crystal() else { return Ok(number) };
@@ -28,8 +28,9 @@ impl ObjectSet {
 }
 
 impl Scene {
-    /// Returns an error if a surface lies inside a crystal, because only the faces of a crystal know
-    /// its two waves. Rays through the crystals search for such surfaces, and may miss small ones.
+    /// Returns an error if a surface lies inside a crystal, because only the faces of a crystal
+    /// know its two waves. Rays through the crystals search for such surfaces, and may miss small
+    /// ones.
     pub(super) fn check_crystals(&self) -> std::result::Result<(), SceneError> {
         let crystals = (0..self.objects.len() as u32)
             .filter(|&object| self.materials[self.objects[object as usize].material].surface.crystal().is_some());
@@ -46,7 +47,8 @@ impl Scene {
     /// Returns an object whose surface a ray through the crystal meets.
     fn surface_inside(&self, crystal: u32) -> Option<u32> {
         const RAYS: u32 = 256;
-        /// Surfaces this near to the faces of the crystal touch it, as a fraction of the scene's radius.
+        /// Surfaces this near to the faces of the crystal touch it, as a fraction of the scene's
+        /// radius.
         const TOUCHING: f64 = 1e-9;
         let (sobol, margin) = (Sobol::new(7), TOUCHING * self.radius_m);
         (0..RAYS).find_map(|i| {

@@ -4,13 +4,13 @@ use crate::glass::RefractiveIndex;
 use abbe_spectra::error::Result;
 use glam::DVec3;
 
-/// A polished surface of a uniaxial crystal. The index of the body behind it is that of the ordinary
-/// wave.
+/// A polished surface of a uniaxial crystal. The index of the body behind it is that of the
+/// ordinary wave.
 ///
 /// A crystal has two waves, and which of them a path follows is no property of its directions. The
 /// paths of a renderer therefore scatter here by `abbe_polarisation::crystal`. The methods of
-/// [`LocalBsdf`](super::LocalBsdf) take the surface as that of a glass with the ordinary index, which
-/// suffices for estimates.
+/// [`LocalBsdf`](super::LocalBsdf) take the surface as that of a glass with the ordinary index,
+/// which suffices for estimates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrystalInterface {
     /// The index of fields along the optic axis.

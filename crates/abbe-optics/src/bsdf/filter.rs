@@ -78,8 +78,8 @@ pub enum FilterElement {
     },
     /// A retarder whose axis turns evenly from the front to the back, such as a liquid crystal.
     TwistedRetarder {
-        /// The path by which light across the fast axis lags behind light along it, in nm, as if the
-        /// axis did not turn.
+        /// The path by which light across the fast axis lags behind light along it, in nm, as if
+        /// the axis did not turn.
         retardance_nm: Spectrum,
         /// The angle in rad by which the axis turns, counter-clockwise as seen from the front.
         twist_rad: f64,

@@ -222,7 +222,8 @@ impl Bsdf {
         if let Self::Grating(grating) = self { Some(grating) } else { None }
     }
 
-    /// Returns the BSDF without polarising filters, which become holes, and without double refraction.
+    /// Returns the BSDF without polarising filters, which become holes, and without double
+    /// refraction.
     pub fn without_filters(self) -> Result<Self> {
         Ok(match self {
             Self::Mix(mix) => Self::Mix(mix.with_components(Self::without_filters)?),
@@ -251,8 +252,8 @@ impl Bsdf {
         self.components().filter_map(Self::filter)
     }
 
-    /// Returns the BSDF with gratings that diffract all light like light of the wavelength `nm`, and
-    /// with the extraordinary index of this wavelength.
+    /// Returns the BSDF with gratings that diffract all light like light of the wavelength `nm`,
+    /// and with the extraordinary index of this wavelength.
     pub fn without_dispersion(self, nm: f64) -> Result<Self> {
         if let Self::Mix(mix) = self {
             return Ok(Self::Mix(mix.with_components(|part| part.without_dispersion(nm))?));

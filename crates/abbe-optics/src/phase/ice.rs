@@ -2,12 +2,12 @@
 //!
 //! The crystals are hexagonal columns and plates of ice at −7 °C in all orientations, whose length
 //! is 0.5 to 2 times their width. Rays follow geometrical optics, with the ordinary index and
-//! without absorption: crystals refract by their prisms of 60° and 90°, which makes the halos of 22°
-//! and 46°. As much light as they intercept is diffracted forwards. Discs of the same projected area,
-//! whose radii have a lognormal distribution with a median of 50 µm and a standard deviation of ln r
-//! of 0.26, stand for their shadows, and blur the light that leaves a crystal in its old direction
-//! as well. The table is for parallel light, so the sun blurs the rendered halos as in the sky.
-//! Crystals that prefer an orientation, and their sundogs and pillars, are not in it.
+//! without absorption: crystals refract by their prisms of 60° and 90°, which makes the halos of
+//! 22° and 46°. As much light as they intercept is diffracted forwards. Discs of the same projected
+//! area, whose radii have a lognormal distribution with a median of 50 µm and a standard deviation
+//! of ln r of 0.26, stand for their shadows, and blur the light that leaves a crystal in its old
+//! direction as well. The table is for parallel light, so the sun blurs the rendered halos as in
+//! the sky. Crystals that prefer an orientation, and their sundogs and pillars, are not in it.
 
 use super::table::{self, PhaseTable};
 use std::sync::{Arc, OnceLock};
@@ -84,9 +84,9 @@ mod tests {
             (point, face)
         }
 
-        /// Calls `leaves` with each direction in which light leaves the crystal and its fraction, and
-        /// for light without a reflection with the faces through which it entered and left. Stops when
-        /// nearly all light has left.
+        /// Calls `leaves` with each direction in which light leaves the crystal and its fraction,
+        /// and for light without a reflection with the faces through which it entered and left.
+        /// Stops when nearly all light has left.
         fn trace(
             &self,
             n: f64,
@@ -134,8 +134,8 @@ mod tests {
         Some((0.5 * (s * s + p * p), (ratio * travel + (ratio * cos - other) * normal).normalize()))
     }
 
-    /// Calls `visit` with the crystal, the direction of the light and the point of evenly spread rays
-    /// (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+    /// Calls `visit` with the crystal, the direction of the light and the point of evenly spread
+    /// rays (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
     fn rays(count: u32, mut visit: impl FnMut(&Crystal, DVec3, (DVec3, usize))) {
         // The positive root of x⁷ = x + 1.
         let root = (0..64).fold(1.0_f64, |x, _| (1.0 + x).powf(1.0 / 7.0));

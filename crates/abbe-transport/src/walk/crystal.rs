@@ -2,8 +2,8 @@
 //! wave.
 //!
 //! Inside, a path is one of the two waves, and its direction is that of the power. The medium stack
-//! says which wave it is. The phase between the waves is lost: a plate between polarisers that shows
-//! interference colours is a retarder.
+//! says which wave it is. The phase between the waves is lost: a plate between polarisers that
+//! shows interference colours is a retarder.
 
 use super::scattered_ray::{ScatteredRay, single_lane, transmitted_scale};
 use super::surface_interaction::SurfaceInteraction;
@@ -16,9 +16,9 @@ use abbe_spectra::math::random::Stream;
 use abbe_spectra::spectrum::Wavelengths;
 use glam::DVec3;
 
-/// Scatters a path at a crystal, where it keeps one of its wavelengths. The event is selected by the
-/// power of the light of the kept lane, which [`PhotonPolarisation`](super::PhotonPolarisation) or
-/// the response of the camera describes for a power of 1. Returns `None` if nothing is possible.
+/// Scatters a path at a crystal, where it keeps one of its wavelengths. The event is selected by
+/// the power of the light of the kept lane, which [`PhotonPolarisation`](super::PhotonPolarisation)
+/// or the response of the camera describes for a power of 1. Returns `None` if nothing is possible.
 #[inline(never)]
 pub(crate) fn scatter_at_crystal(
     interaction: &SurfaceInteraction<'_>,

@@ -204,8 +204,8 @@ impl<'a> SurfaceInteraction<'a> {
         }))
     }
 
-    /// Returns what this point does to the polarisation of a photon or of the light of a camera path,
-    /// which scatters as `scattered` says.
+    /// Returns what this point does to the polarisation of a photon or of the light of a camera
+    /// path, which scatters as `scattered` says.
     pub(crate) fn event_of(
         &self,
         scattered: &ScatteredRay,

@@ -53,7 +53,8 @@ impl<'a> CameraPass<'a> {
         (continues && survives(self.scene, &mut path, context)).then_some(path)
     }
 
-    /// Scatters a path at a crystal. A free path is followed once for each shared wavelength, and ends.
+    /// Scatters a path at a crystal. A free path is followed once for each shared wavelength, and
+    /// ends.
     fn scatter_at_crystal<S: Sink>(
         &self,
         mut path: CameraPath,
