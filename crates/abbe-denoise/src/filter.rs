@@ -37,6 +37,10 @@ const LARGEST_SINGLE: f32 = 8.0;
 /// Pixels with more than this multiple of a pixel's variance have less weight.
 const LARGEST_VARIANCE: f32 = 4.0;
 
+/// Colours are averaged as ratios to the luminance, so a pixel that is brighter by more than this
+/// factor would decide on the colour alone. Its weight falls with the square of the excess.
+const LARGEST_RATIO: f32 = 4.0;
+
 /// The distance, in those of a pooled comparison, over which the variance around a pixel is the
 /// mean. A single bright sample does not dominate it, and many of them do.
 const VARIANCE_RADIUS: usize = 4;
@@ -86,6 +90,8 @@ struct Level<'h> {
     step: usize,
     /// The distance of the nine pixels over which a comparison is pooled.
     patch: usize,
+    /// The luminance of each pixel, as the levels before have filtered it.
+    luminance: Vec<f32>,
     /// The mean ratios of X and Z to Y around each pixel.
     ratios: [Vec<f32>; 2],
     /// The variance of each pixel: of luma and of chroma.
@@ -110,6 +116,8 @@ impl<'h> Level<'h> {
             mean_around(&own, size, 1, patch)
         };
         let [x, y, z] = [0, 1, 2].map(mean);
+        let of_pixel = |i: usize| half.replicates.mean(std::array::from_fn(|k| half.guide[k][i])).max(0.0);
+        let luminance = (0..y.len()).map(of_pixel).collect();
         let ratio =
             |c: &Vec<f32>| -> Vec<f32> { c.iter().zip(&y).map(|(c, y)| if *y > 0.0 { c / y } else { 0.0 }).collect() };
         let ratios = [ratio(&x), ratio(&z)];
@@ -134,7 +142,7 @@ impl<'h> Level<'h> {
         });
         let around = [&luma, &chroma].map(|plane| mean_around(plane, size, VARIANCE_RADIUS, patch));
         let variances = [luma, chroma];
-        Self { half, surfaces, step, patch, ratios, variances, around, luma: nth < LUMA_LEVELS }
+        Self { half, surfaces, step, patch, luminance, ratios, variances, around, luma: nth < LUMA_LEVELS }
     }
 
     /// Compares the pixels of a row with their partners. Writes the sums over three columns.
@@ -281,6 +289,7 @@ impl Level<'_> {
             let (own, around) = (&self.variances[kind], &self.around[kind]);
             (&around[p..][..count], [&own[q..][..count], &around[q..][..count]])
         });
+        let (middle, partner) = (&self.luminance[p..][..count], &self.luminance[q..][..count]);
         for i in 0..count {
             let pooled: [f32; STATISTICS] = std::array::from_fn(|k| sums[k][0][i] + sums[k][1][i] + sums[k][2][i]);
             let [square, variance, x2, vx, z2, vz] = pooled;
@@ -300,7 +309,8 @@ impl Level<'_> {
                 offset.kernel * rest * rest
             };
             luma[i] = if self.luma { smooth(of_luma) * precision } else { 0.0 };
-            chroma[i] = smooth(of_chroma) * precision.min(precise(chroma_variances));
+            let darker = (LARGEST_RATIO * middle[i] / (partner[i] + TINY)).min(1.0);
+            chroma[i] = smooth(of_chroma) * precision.min(precise(chroma_variances)) * darker * darker;
         }
     }
 }

@@ -127,6 +127,30 @@ fn a_line_of_one_pixel_keeps_its_width() {
     assert!(excess(19).abs() < 0.06 && excess(21).abs() < 0.06, "{} {}", excess(19), excess(21));
 }
 
+/// A lamp that is a thousand times as bright as the room, whose edges lie within pixels, does not
+/// tint the room, although its noise hides that the room is darker.
+#[test]
+fn a_small_bright_lamp_does_not_tint_the_room() {
+    let cover = |i: usize, r: usize| {
+        let (x, y) = ((i % WIDTH).abs_diff(24), (i / WIDTH).abs_diff(20));
+        match x.max(y) {
+            0 | 1 => 1.0,
+            2 => (0.3 + 0.3 * noise(i, r, 12)).clamp(0.0, 1.0),
+            _ => 0.0,
+        }
+    };
+    let samples = samples(|i, r| {
+        let (lamp, room) = (2000.0 * cover(i, r), 1.0 + 0.3 * noise(i, r, 13));
+        [room + 1.4 * lamp, room + lamp, room + 0.2 * lamp]
+    });
+    let denoised = denoise(&samples);
+    let of_room = all().into_iter().filter(|&i| (0..REPLICATES).all(|r| cover(i, r) == 0.0));
+    for i in of_room {
+        let [x, y, z] = denoised.xyz[i];
+        assert!((x / y - 1.0).abs() < 0.05 && (z / y - 1.0).abs() < 0.05, "{}, {}: {x} {y} {z}", i % WIDTH, i / WIDTH);
+    }
+}
+
 /// The albedo of the first surfaces is a checkerboard. The light on it is smooth.
 #[test]
 fn a_texture_in_the_albedo_stays_sharp() {
