@@ -54,6 +54,7 @@ mod photon_and_path;
 mod polarised_light;
 mod prism;
 mod rainbow;
+mod ray_files;
 mod references;
 mod ribbons;
 mod shading_normals;

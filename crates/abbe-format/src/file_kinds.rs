@@ -24,13 +24,14 @@ type FirstBytes = &'static [(usize, &'static [u8])];
 
 /// Files of other programs: the name of the format, the extensions of their names, their first
 /// bytes, and their use.
-const KINDS: [(&str, &str, FirstBytes, Way); 45] = [
+const KINDS: [(&str, &str, FirstBytes, Way); 46] = [
     ("a Wavefront OBJ mesh", "obj", &[], Way::Mesh),
     ("a PLY mesh", "ply", &[(0, b"ply\n"), (0, b"ply\r")], Way::Mesh),
     ("an STL mesh", "stl", &[], Way::Mesh),
     ("a mesh of Mitsuba", "serialized", &[], Way::Mesh),
     ("an IES luminaire", "ies", &[], Way::Luminaire),
     ("an EULUMDAT luminaire", "ldt", &[], Way::Luminaire),
+    ("a ray file", "tm25ray", &[(0, b"TM25")], Way::Other(RAYS)),
     ("a Blender file", "blend", &[(0, b"BLENDER")], Way::Export),
     ("an FBX file", "fbx", &[(0, b"Kaydara FBX Binary")], Way::Export),
     ("a COLLADA file", "dae", &[], Way::Export),
@@ -85,6 +86,9 @@ const KINDS: [(&str, &str, FirstBytes, Way); 45] = [
 /// The way for scenes of programs that export no format that Abbe reads.
 const BY_HAND: &str = "Abbe does not read scenes of this program; if another program can convert it to glTF, render that \
                        file, or name its meshes (OBJ, PLY, STL) in a scene, and write the rest by hand";
+
+const RAYS: &str = "to use this light, add it to the lights of a scene: {\"rays\": {\"at\": [0, 1, 0], \"toward\": [0, -1, 0], \
+                    \"path\": \"led.TM25RAY\"}}";
 
 const LENS: &str =
     "`abbe lens` prints the figures of a .zmx file, and `camera.lens.system` in a scene takes pictures through it";

@@ -80,6 +80,7 @@ mod picture_file;
 mod picture_primaries;
 mod quantity;
 mod radiance_hdr;
+pub mod ray_file;
 mod read;
 mod reference;
 #[cfg(test)]

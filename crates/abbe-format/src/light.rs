@@ -2,10 +2,12 @@
 
 mod distant;
 mod ies;
+mod rays;
 mod sky;
 
 pub use distant::{DirectionalFile, EnvironmentFile, ProjectionFile};
 pub use ies::IesFile;
+pub use rays::RaysFile;
 pub use sky::{PlaceFile, SkyFile, SunFile};
 
 use crate::prelude::*;
@@ -65,6 +67,12 @@ pub enum LightFile {
         "area": true, "spectrum": "D65", "luminous_flux": 800, "group": "lamps", "transform": [], "motion": []}}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": 1, "power": 60}}))]
     Ies(IesFile),
+    /// The rays of a file, as makers of LEDs publish them: IES TM-25, or a source file of Zemax.
+    #[schemars(example = json!({"rays": {"at": [0, 1, 0], "toward": [0, -1, 0], "path": "led.TM25RAY"}}))]
+    #[schemars(example = json!({"rays": {"at": [0, 1, 0], "path": "led.dat", "spectrum": "LED-B3", "luminous_flux": 800,
+        "group": "lamps", "transform": [], "motion": []}}))]
+    #[schemars(example = json!({"rays": {"at": [0, 1, 0], "path": "led.dat", "spectrum": 1, "power": 3}}))]
+    Rays(RaysFile),
 }
 
 /// A point light. State exactly one of `power`, `luminous_flux`, `intensity` and
@@ -286,6 +294,7 @@ impl LightFile {
             Self::Environment(light) => (&light.transform, &light.motion, &light.group),
             Self::Sky(light) => (SkyFile::TRANSFORM, &[], &light.group),
             Self::Ies(light) => (&light.transform, &light.motion, &light.group),
+            Self::Rays(light) => (&light.transform, &light.motion, &light.group),
         }
     }
 
@@ -298,6 +307,7 @@ impl LightFile {
             Self::Environment(light) => light.validate(&at.key("environment")),
             Self::Sky(light) => light.validate(&at.key("sky")),
             Self::Ies(light) => light.validate(&at.key("ies")),
+            Self::Rays(light) => light.validate(&at.key("rays")),
         }
     }
 }

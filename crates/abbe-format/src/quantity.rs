@@ -62,3 +62,18 @@ pub(super) fn validate_quantity(at: &JsonPath, quantity: Result<QuantityFile>) -
         error.on_path(if below.is_empty() { at.to_string() } else { at.key(&below).to_string() })
     })
 }
+
+/// Returns the quantity that replaces that of a file, or `None` without one. Two, or one below 0,
+/// are errors.
+pub(crate) fn quantity_instead(power: Option<f64>, luminous_flux: Option<f64>) -> Result<Option<QuantityFile>> {
+    match (power, luminous_flux) {
+        (None, None) => return Ok(None),
+        (Some(_), Some(_)) => {
+            let error = Error::input("found together with `power`").expected("at most one of power, luminous_flux");
+            return Err(error.on_path("luminous_flux"));
+        }
+        (Some(_), None) | (None, Some(_)) => {}
+    }
+    let choices = [(power, QuantityFile::Power as _), (luminous_flux, QuantityFile::LuminousFlux as _)];
+    one_quantity(&choices).map(Some)
+}

@@ -48,6 +48,8 @@ pub struct Facts {
     /// Lights that a scattered ray can hit by chance: all lights that are not delta lights.
     pub hittable_lights: Vec<String>,
     pub distant_lights: Vec<String>,
+    /// Lights that only photons carry.
+    pub ray_sets: Vec<String>,
     /// Objects and lights with spectra that were reconstructed from RGB.
     pub upsampled: Vec<String>,
     /// Lights with at least `LINE_FRACTION` of their power in spectral lines.
@@ -102,6 +104,11 @@ impl Facts {
     /// Returns true if a surface scatters light or a meter receives it.
     pub fn receives(&self) -> bool {
         self.scatters() || !self.meters.is_empty()
+    }
+
+    /// Returns what throws light on surfaces or meters that their shadow rays do not find.
+    pub fn focusing(&self) -> Vec<String> {
+        if self.receives() { [&self.specular[..], &self.ray_sets].concat() } else { Vec::new() }
     }
 
     /// Returns what photons are aimed at or divided among: objects that focus light, media, and the
@@ -176,6 +183,7 @@ impl Facts {
             note(&mut facts.upsampled, is_upsampled);
             note(&mut facts.line_lights, light.spectrum.line_fraction() >= LINE_FRACTION);
             note(&mut facts.distant_lights, light.is_distant());
+            note(&mut facts.ray_sets, light.is_ray_set());
         }
         facts.aperture_nm = match scene.camera.aperture() {
             Aperture::Pinhole | Aperture::Orthographic => None,

@@ -2,9 +2,9 @@
 
 use super::validate_pose;
 use crate::prelude::*;
-use crate::quantity::{one_quantity, validate_quantity};
+use crate::quantity::{quantity_instead, validate_quantity};
 use crate::{JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse};
-use abbe_spectra::error::{Error, Result};
+use abbe_spectra::error::Result;
 use glam::DVec3;
 
 /// A luminaire with a measured distribution of intensity. State at most one of `power` and
@@ -58,16 +58,7 @@ pub struct IesFile {
 impl IesFile {
     /// Returns the quantity, or `None` if the file sets the scale. Two, or one below 0, are errors.
     pub fn quantity(&self) -> Result<Option<QuantityFile>> {
-        match (self.power, self.luminous_flux) {
-            (None, None) => return Ok(None),
-            (Some(_), Some(_)) => {
-                let error = Error::input("found together with `power`").expected("at most one of power, luminous_flux");
-                return Err(error.on_path("luminous_flux"));
-            }
-            (Some(_), None) | (None, Some(_)) => {}
-        }
-        let choices = [(self.power, QuantityFile::Power as _), (self.luminous_flux, QuantityFile::LuminousFlux as _)];
-        one_quantity(&choices).map(Some)
+        quantity_instead(self.power, self.luminous_flux)
     }
 
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {

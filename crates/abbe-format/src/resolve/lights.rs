@@ -21,12 +21,12 @@ use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-struct LightContext<'n> {
+pub(super) struct LightContext<'n> {
     /// The transform from the light's frame to the world, in the scene's unit.
-    to_world: DAffine3,
+    pub(super) to_world: DAffine3,
     /// The scene's centre in m.
     centre: DVec3,
-    notes: &'n mut Vec<String>,
+    pub(super) notes: &'n mut Vec<String>,
 }
 
 /// The scene to which lights are added, and the observer for whom their wavelengths are sampled.
@@ -35,10 +35,10 @@ struct LightSet<'b> {
     observer: &'static Observer,
 }
 
-type ResolvedEmitter = Result<(Emitter, LightSpectrum)>;
+type ResolvedEmitter = Result<Vec<(Emitter, LightSpectrum)>>;
 
 /// A radiometric quantity, integrated over the band 360–830 nm.
-enum Radiometric {
+pub(super) enum Radiometric {
     /// A power in W.
     Power(f64),
     /// By the kind of light: an intensity in W/sr, a radiance in W/m²/sr or an irradiance in W/m².
@@ -47,7 +47,7 @@ enum Radiometric {
 
 impl Radiometric {
     /// Returns the value of either variant, for a light that supports only one of them.
-    fn value(&self) -> f64 {
+    pub(super) fn value(&self) -> f64 {
         match *self {
             Self::Power(value) | Self::FluxDensity(value) => value,
         }
@@ -55,7 +55,7 @@ impl Radiometric {
 }
 
 /// Converts a quantity of the file to a radiometric quantity.
-fn radiometric(quantity: QuantityFile, spectrum: &LightSpectrum) -> Result<Radiometric> {
+pub(super) fn radiometric(quantity: QuantityFile, spectrum: &LightSpectrum) -> Result<Radiometric> {
     Ok(match quantity {
         QuantityFile::Power(value) => Radiometric::Power(value),
         QuantityFile::LuminousFlux(value) => Radiometric::Power(spectrum.watts_from_lumens(value)?),
@@ -75,8 +75,9 @@ impl Resolver<'_> {
         let at = root.key("lights");
         for (number, file) in self.scene.lights.iter().enumerate() {
             let at = at.index(number);
-            let light = self.light(&at, number, file, &mut set);
-            self.keep(light.and_then(|light| self.at(&at, set.builder.add_light(light))));
+            let lights = self.lights_of(&at, number, file, &mut set);
+            let add = |light| self.at(&at, set.builder.add_light(light));
+            self.keep(lights.and_then(|lights| lights.into_iter().try_for_each(add)));
             if let LightFile::Sky(sky @ SkyFile { sun: Some(sun), .. }) = file {
                 let light = self.sun(&at.key("sky"), number, sky, sun, &mut set);
                 self.keep(light.and_then(|light| self.at(&at, set.builder.add_light(light))));
@@ -122,7 +123,8 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    fn light(&self, at: &JsonPath, number: usize, file: &LightFile, set: &mut LightSet) -> Result<Light> {
+    /// Resolves a light. A file of rays with several spectra is several lights.
+    fn lights_of(&self, at: &JsonPath, number: usize, file: &LightFile, set: &mut LightSet) -> Result<Vec<Light>> {
         let (builder, observer) = (&mut *set.builder, set.observer);
         let (transform, keys, group) = file.pose_and_group();
         let ResolvedMotion { start, motion } = self.motion(transform, keys);
@@ -135,15 +137,26 @@ impl Resolver<'_> {
             LightFile::Environment(file) => ("environment", self.environment(&at.key("environment"), file, &mut place)),
             LightFile::Sky(file) => ("sky", self.sky_light(&at.key("sky"), file, &mut place)),
             LightFile::Ies(file) => ("ies", self.luminaire(&at.key("ies"), file, &mut place)),
+            LightFile::Rays(file) => ("rays", self.ray_lights(&at.key("rays"), file, &mut place)),
         };
-        let (emitter, spectrum) = resolved?;
-        let light = self.at(at, Light::new(format!("{kind} {number}"), emitter, &spectrum, observer))?;
-        let group = group.as_ref().unwrap_or(&light.name).to_owned();
-        Ok(Light { motion, group, ..light })
+        let (emitters, name) = (resolved?, format!("{kind} {number}"));
+        let group = group.as_ref().unwrap_or(&name).to_owned();
+        let several = emitters.len() > 1;
+        let light = |(part, (emitter, spectrum))| {
+            let name = if several { format!("{name} part {part}") } else { name.clone() };
+            let light = self.at(at, Light::new(name, emitter, &spectrum, observer))?;
+            Ok(Light { motion: motion.clone(), group: group.clone(), ..light })
+        };
+        (1..).zip(emitters).map(light).collect()
     }
 
     /// Resolves the spectrum of a light.
-    fn light_spectrum(&self, at: &JsonPath, file: &SpectrumFile, notes: &mut Vec<String>) -> Result<LightSpectrum> {
+    pub(super) fn light_spectrum(
+        &self,
+        at: &JsonPath,
+        file: &SpectrumFile,
+        notes: &mut Vec<String>,
+    ) -> Result<LightSpectrum> {
         let at = at.key("spectrum");
         let spectrum = self.spectrum(&at, file, Role::Light)?;
         notes.extend(self.match_note(file, &at.to_string()));
@@ -151,7 +164,7 @@ impl Resolver<'_> {
     }
 
     /// Transforms a point from the light's frame to the world, in m relative to the scene's centre.
-    fn point_of_light(&self, context: &LightContext, point: [f64; 3]) -> DVec3 {
+    pub(super) fn point_of_light(&self, context: &LightContext, point: [f64; 3]) -> DVec3 {
         self.point(context.to_world.transform_point3(DVec3::from(point)).to_array(), context.centre)
     }
 
@@ -163,7 +176,7 @@ impl Resolver<'_> {
             Radiometric::FluxDensity(intensity) => intensity,
         };
         let position = self.point_of_light(context, *at);
-        Ok((Emitter::Point(PointLight { position, intensity }), spectrum))
+        Ok(vec![(Emitter::Point(PointLight { position, intensity }), spectrum)])
     }
 
     fn spot_light(&self, path: &JsonPath, file: &SpotFile, context: &mut LightContext) -> ResolvedEmitter {
@@ -181,7 +194,7 @@ impl Resolver<'_> {
             Radiometric::Power(power) => power / spot.power_w(),
             Radiometric::FluxDensity(intensity) => intensity,
         };
-        Ok((Emitter::Spot(spot.with_intensity(intensity)), spectrum))
+        Ok(vec![(Emitter::Spot(spot.with_intensity(intensity)), spectrum)])
     }
 
     fn beam_light(&self, path: &JsonPath, file: &BeamFile, context: &mut LightContext) -> ResolvedEmitter {
@@ -192,7 +205,7 @@ impl Resolver<'_> {
         // A transform with a scale also scales the radius of the beam.
         let radius_m = radius * self.metres * mean_scale(&context.to_world);
         let beam = BeamLight::new(from, (to - from).normalize(), radius_m, divergence.to_radians(), power);
-        Ok((Emitter::Beam(beam), spectrum))
+        Ok(vec![(Emitter::Beam(beam), spectrum)])
     }
 
     /// Resolves a luminaire with a measured distribution of intensity.
@@ -220,7 +233,7 @@ impl Resolver<'_> {
         let light = GoniometricLight::new(DVec3::ZERO, [toward, c0], scale, Arc::new(table)).with_opening(opening);
         // A transform with a scale also scales the opening.
         let place = DAffine3 { translation: self.point_of_light(context, file.at), ..context.to_world };
-        Ok((Emitter::Goniometric(light).moved(&place), spectrum))
+        Ok(vec![(Emitter::Goniometric(light).moved(&place), spectrum)])
     }
 
     fn distant(&self, path: &JsonPath, file: &DirectionalFile, context: &mut LightContext) -> ResolvedEmitter {
@@ -229,7 +242,7 @@ impl Resolver<'_> {
         let irradiance = self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value();
         let toward = context.to_world.transform_vector3(DVec3::from(*toward)).normalize();
         let angular_radius = 0.5 * angular_diameter.to_radians();
-        Ok((Emitter::Directional(DirectionalLight::new(toward, angular_radius, irradiance)), spectrum))
+        Ok(vec![(Emitter::Directional(DirectionalLight::new(toward, angular_radius, irradiance)), spectrum)])
     }
 
     fn environment(&self, path: &JsonPath, file: &EnvironmentFile, context: &mut LightContext) -> ResolvedEmitter {
@@ -252,7 +265,7 @@ impl Resolver<'_> {
             of_white.unwrap_or(quantity)
         });
         let irradiance = self.at(path, quantity.and_then(|q| radiometric(q, &spectrum)))?.value();
-        Ok((Emitter::Environment(EnvironmentLight::new(irradiance / PI, pattern)), spectrum))
+        Ok(vec![(Emitter::Environment(EnvironmentLight::new(irradiance / PI, pattern)), spectrum)])
     }
 
     fn sky_light(&self, path: &JsonPath, file: &SkyFile, context: &mut LightContext) -> ResolvedEmitter {
@@ -266,7 +279,7 @@ impl Resolver<'_> {
         let quantity = QuantityFile::Illuminance(illuminance / sky.horizontal_illuminance());
         let mean_radiance = self.at(path, radiometric(quantity, &spectrum))?.value();
         let pattern = EnvironmentPattern::Sky(Arc::new(sky));
-        Ok((Emitter::Environment(EnvironmentLight::new(mean_radiance, pattern)), spectrum))
+        Ok(vec![(Emitter::Environment(EnvironmentLight::new(mean_radiance, pattern)), spectrum)])
     }
 
     /// Resolves the sun of a sky.

@@ -21,6 +21,7 @@ mod meshes;
 mod meters;
 mod motion;
 mod objects;
+mod ray_sets;
 mod spectra;
 mod textures;
 

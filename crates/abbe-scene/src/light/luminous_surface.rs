@@ -16,7 +16,7 @@ impl Light {
         if let Emitter::Goniometric(light) = &self.emitter {
             return light.is_point();
         }
-        matches!(self.emitter, Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_))
+        matches!(self.emitter, Emitter::Point(_) | Emitter::Spot(_) | Emitter::Beam(_) | Emitter::Rays(_))
     }
 
     /// Returns the solid angle that a sample of a luminaire stands for, whose mean over all samples

@@ -19,6 +19,7 @@ mod intensity_table;
 mod lit_interval;
 mod luminous_surface;
 mod point;
+mod ray_set;
 mod sample;
 mod sky;
 mod spectrum;
@@ -40,6 +41,7 @@ pub use intensity_bounds::IntensityBounds;
 pub use intensity_table::{IntensityTable, PhotometricType};
 pub use lit_interval::LitInterval;
 pub use point::{PointLight, SpotFalloff, SpotLight};
+pub use ray_set::{EmittedRay, RaySet, RaySetLight};
 pub use sample::{EmittedSpd, LeRandoms, LeSample, LiSample, RepresentativePoint, SceneExtent};
 pub use sky::{StandardSky, SunDirection};
 pub use spectrum::LightSpectrum;
@@ -93,6 +95,8 @@ pub enum Emitter {
     Goniometric(GoniometricLight),
     /// A disk of parallel or divergent light.
     Beam(BeamLight),
+    /// The rays of a file.
+    Rays(RaySetLight),
     /// Distant light from one direction or from a disk in the sky.
     Directional(DirectionalLight),
     /// Distant light from all directions.
@@ -113,6 +117,7 @@ impl Emitter {
             Self::Spot(light) => Self::Spot(light.moved(map)),
             Self::Goniometric(light) => Self::Goniometric(light.moved(map)),
             Self::Beam(light) => Self::Beam(light.moved(map)),
+            Self::Rays(light) => Self::Rays(light.moved(map)),
             Self::Directional(light) => Self::Directional(light.moved(map)),
             Self::Environment(light) => Self::Environment(light.rotated(DecomposedTransform::of(map).rotation)),
             Self::Area(_) => self.clone(),
@@ -156,6 +161,7 @@ impl Light {
             Emitter::Spot(light) => light.power_w(),
             Emitter::Goniometric(light) => light.power_w(),
             Emitter::Beam(light) => light.power_w,
+            Emitter::Rays(light) => light.power_w,
             Emitter::Directional(light) => light.power_w(extent.radius_m),
             Emitter::Environment(light) => light.power_w(extent.radius_m),
             Emitter::Area(light) => light.power_w(),
@@ -169,6 +175,7 @@ impl Light {
             Emitter::Spot(light) => light.sample_le(u),
             Emitter::Goniometric(light) => light.sample_le(u),
             Emitter::Beam(light) => light.sample_le(u),
+            Emitter::Rays(light) => light.sample_le(u),
             Emitter::Directional(light) => light.sample_le(extent.radius_m, u),
             Emitter::Environment(light) => light.sample_le(extent.radius_m, u),
             Emitter::Area(light) => light.sample_le(extent.geometry, u),
@@ -184,6 +191,7 @@ impl Light {
             Emitter::Spot(light) => light.sample_le_through(sphere, u),
             Emitter::Goniometric(light) => light.sample_le_through(sphere, u),
             Emitter::Beam(light) => light.sample_le_through(sphere, u),
+            Emitter::Rays(light) => light.sample_le(u),
             Emitter::Directional(light) => light.sample_le_through(extent.radius_m, sphere, u),
             Emitter::Environment(light) => light.sample_le_through(extent.radius_m, sphere, u),
             Emitter::Area(light) => light.sample_le_through(extent.geometry, sphere, u),
@@ -200,6 +208,7 @@ impl Light {
             Emitter::Spot(light) => light.sample_li(from),
             Emitter::Goniometric(light) => light.sample_li(from, u),
             Emitter::Beam(light) => light.sample_li(from, u),
+            Emitter::Rays(_) => None,
             Emitter::Directional(light) => Some(light.sample_li(u)),
             Emitter::Environment(light) => light.sample_li(u),
             Emitter::Area(light) => light.sample_li(extent.geometry, from, u),
@@ -214,7 +223,7 @@ impl Light {
             Emitter::Directional(light) => light.le(direction).map(|radiance| (radiance, EmittedSpd::Own)),
             Emitter::Environment(light) => Some(light.le(direction)),
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => None,
-            Emitter::Area(_) | Emitter::Volume(_) => None,
+            Emitter::Rays(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
         }
     }
 
@@ -232,7 +241,7 @@ impl Light {
             Emitter::Directional(light) => light.pdf_li(direction),
             Emitter::Environment(light) => light.pdf_li(direction),
             Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => 0.0,
-            Emitter::Area(_) | Emitter::Volume(_) => 0.0,
+            Emitter::Rays(_) | Emitter::Area(_) | Emitter::Volume(_) => 0.0,
         }
     }
 
@@ -288,6 +297,7 @@ impl Light {
             Emitter::Spot(light) => light.lit_interval(ray, interval),
             Emitter::Goniometric(light) => light.lit_interval(ray, interval, u),
             Emitter::Beam(light) => light.lit_interval(ray, interval),
+            Emitter::Rays(_) => None,
             Emitter::Directional(_) | Emitter::Environment(_) => Some(LitInterval { from, to, pivot: None }),
             Emitter::Area(light) => Some(light.lit_interval(extent.geometry, interval, u)),
             Emitter::Volume(light) => Some(light.lit_interval(interval, u)),
@@ -303,7 +313,7 @@ impl Light {
             Emitter::Beam(light) => light.virtual_light(u),
             Emitter::Directional(light) => Some(light.virtual_light(u)),
             Emitter::Area(light) => light.slide.is_none().then(|| light.virtual_light(extent.geometry, u)),
-            Emitter::Environment(_) | Emitter::Volume(_) => None,
+            Emitter::Rays(_) | Emitter::Environment(_) | Emitter::Volume(_) => None,
         }
     }
 
@@ -331,7 +341,7 @@ impl Light {
             Emitter::Area(light) => light.slide.is_none(),
             Emitter::Goniometric(light) => light.is_point(),
             Emitter::Beam(light) => light.is_parallel(),
-            Emitter::Environment(_) | Emitter::Volume(_) => false,
+            Emitter::Rays(_) | Emitter::Environment(_) | Emitter::Volume(_) => false,
         }
     }
 
@@ -357,6 +367,12 @@ impl Light {
         matches!(self.emitter, Emitter::Directional(_) | Emitter::Environment(_))
     }
 
+    /// Returns true if only photons carry the light, because no direction from a point to the light
+    /// is known.
+    pub fn is_ray_set(&self) -> bool {
+        matches!(self.emitter, Emitter::Rays(_))
+    }
+
     /// Returns true if no scattered ray can hit the light, so that only [`Light::sample_li`] finds
     /// it: beams and luminaires are invisible, and of a volume light, rays see the medium's
     /// emission.
@@ -364,9 +380,8 @@ impl Light {
         match &self.emitter {
             Emitter::Area(_) | Emitter::Environment(_) => false,
             Emitter::Directional(light) => !light.has_extent(),
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) | Emitter::Volume(_) => {
-                true
-            }
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => true,
+            Emitter::Rays(_) | Emitter::Volume(_) => true,
         }
     }
 
@@ -388,7 +403,9 @@ impl Light {
                 EnvironmentPattern::Image(map) => map.fraction_above(CONTRAST) > FRACTION,
                 EnvironmentPattern::Uniform | EnvironmentPattern::Sky(_) => false,
             },
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => true,
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) | Emitter::Rays(_) => {
+                true
+            }
             Emitter::Volume(_) => false,
         }
     }
@@ -411,13 +428,14 @@ impl Light {
         if let Emitter::Volume(light) = &self.emitter { Some(light.box_map()) } else { None }
     }
 
-    /// The position of a point, spot, goniometric or beam light in m about the scene's centre.
+    /// The position of a local light without an object in m about the scene's centre.
     pub fn position(&self) -> Option<DVec3> {
         match &self.emitter {
             Emitter::Point(light) => Some(light.position),
             Emitter::Spot(light) => Some(light.position()),
             Emitter::Goniometric(light) => Some(light.position()),
             Emitter::Beam(light) => Some(light.centre()),
+            Emitter::Rays(light) => Some(light.centre()),
             Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Area(_) | Emitter::Volume(_) => None,
         }
     }
@@ -428,7 +446,7 @@ impl Light {
             Emitter::Area(light) => Some(light.representative_point(geometry)),
             Emitter::Volume(light) => Some(light.representative_point()),
             Emitter::Directional(_) | Emitter::Environment(_) => None,
-            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) => {
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Goniometric(_) | Emitter::Beam(_) | Emitter::Rays(_) => {
                 self.position().map(|position| RepresentativePoint { position, surface: None })
             }
         }
@@ -443,6 +461,7 @@ impl Light {
             Emitter::Spot(light) => around(light.position(), 0.0),
             Emitter::Goniometric(light) => Some(light.corners()),
             Emitter::Beam(light) => around(light.centre(), light.radius_m()),
+            Emitter::Rays(light) => Some(light.bounds()),
             Emitter::Area(light) => object_bounds.get(&light.object).copied(),
             Emitter::Directional(_) | Emitter::Environment(_) | Emitter::Volume(_) => None,
         }

@@ -22,6 +22,11 @@ impl LightSpectrum {
         &self.spectrum
     }
 
+    /// Converts a power in W over the band to a luminous flux in lm.
+    pub fn lumens_from_watts(&self, watts: f64) -> f64 {
+        watts * self.lumens_per_watt
+    }
+
     /// Converts a photometric quantity (lm, cd, cd/m², lx) to the radiometric one in W over the
     /// band, or returns an error if it is positive but the spectrum has no visible light.
     pub fn watts_from_lumens(&self, value: f64) -> Result<f64> {

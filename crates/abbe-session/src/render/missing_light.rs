@@ -7,10 +7,18 @@ use abbe_scene::light::Light;
 use abbe_transport::plan::{CausticPlan, IndirectPlan};
 
 impl Job {
+    /// Returns the lights that only photons carry.
+    fn ray_sets(&self) -> impl Iterator<Item = &Light> {
+        self.scene.lights.iter().filter(|light| light.is_ray_set())
+    }
+
     /// Returns the integrator that suits the meters. The path tracer has no bias, but it finds the
     /// light of small lamps and of the sun behind glass, mirrors or slightly rough metal seldom or
     /// never. Its shadow rays pass through thin panes, so panes alone need no photons.
     pub fn integrator_for_meters(&self) -> Integrator {
+        if self.ray_sets().next().is_some() {
+            return Integrator::Photon;
+        }
         let caustics = self.plan.caustics != CausticPlan::Absent;
         let mirrors = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
         let focusing = caustics && self.any_surface(mirrors) || self.has_narrow_lobes();
@@ -45,6 +53,13 @@ impl Job {
 
     /// Returns a note if the path tracer leaves out light that panes, glass or mirrors deflect.
     pub(super) fn note_of_missing_light(&self, integrator: Integrator) -> Option<String> {
+        if let Some(light) = self.ray_sets().next().filter(|_| integrator == Integrator::Path) {
+            return Some(format!(
+                "the path tracer leaves out the light of {}, of which only rays are known, so the errors are unknown; \
+                 `--integrator photon` finds it",
+                light.name
+            ));
+        }
         let deflects = |bsdf: &Bsdf| {
             let is_hole = bsdf.uniform_pane().is_some_and(|pane| pane.matches(&self.scene.air));
             bsdf.class() == BsdfClass::Specular && !is_hole

@@ -104,7 +104,7 @@ impl PhotonSource<'_> {
             hero_nm: wavelengths.hero(),
         };
         let photon = PhotonState {
-            light_path: LightPath::Direct,
+            light_path: if light.is_ray_set() { LightPath::Caustic } else { LightPath::Direct },
             depth: PhotonDepth::Unlimited,
             wavelengths,
             power: power_of_watt.map(|s| s * flux),
