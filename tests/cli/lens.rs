@@ -167,6 +167,85 @@ fn the_section_is_drawn_whole() {
     }
 }
 
+const PLOTS: [(&str, &str, usize); 9] = [
+    ("section", "focus on the axis", 0),
+    ("spots", "RMS ", 0),
+    ("ray-fans", "14.00°, sagittal", 18),
+    ("mtf", "diffraction limit", 7),
+    ("through-focus", "best focus", 7),
+    ("field-curves", "distortion in %", 7),
+    ("lateral-colour", "radius of the Airy disk", 5),
+    ("illumination", "cos⁴", 2),
+    ("axial-colour", "chromatic focal shift", 4),
+];
+
+#[test]
+fn every_plot_is_a_whole_file_with_its_curves() {
+    let folder = tempfile::tempdir().unwrap();
+    for (plot, words, curves) in PLOTS {
+        assert_eq!(abbe(folder.path(), &["lens", "double-gauss", "--svg", "a.svg", "--plot", plot]).status, 0);
+        let svg = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
+        assert!(
+            svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && svg.contains("double Gauss f/2 f100"),
+            "{plot}"
+        );
+        assert!(!svg.contains("NaN") && !svg.contains("inf") && svg.contains(words), "{plot}");
+        assert_eq!(svg.matches("class=\"curve\"").count(), curves, "{plot}");
+    }
+    abbe(folder.path(), &["lens", "double-gauss", "--plot", "mtf"]).is_error(2, &["--svg"]);
+    abbe(folder.path(), &["lens", "double-gauss", "--svg", "a.svg", "--plot", "psf"]).is_error(2, &["ray-fans"]);
+}
+
+/// The page contains all plots and refers to nothing outside, for a built-in lens, a Zemax file and
+/// wavelengths of one's own.
+#[test]
+fn the_page_of_a_lens_is_whole_and_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let zemax = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/abbe-optics/examples/cooke_triplet.zmx");
+    for (lens, more, words) in [
+        ("cemented", &["--focus", "best"][..], "best focus"),
+        (zemax, &["--wavelengths", "450,550"], "550 nm (reference)"),
+        ("fisheye", &[], "M. Laikin"),
+        ("singlet", &["--wavelengths", "633"], "633 nm"),
+    ] {
+        let arguments = [&["lens", lens, "--html", "lens.html"], more].concat();
+        assert_eq!(abbe(folder.path(), &arguments).status, 0, "{lens}");
+        let page = std::fs::read_to_string(folder.path().join("lens.html")).unwrap();
+        assert_eq!(page.matches("</svg>").count(), 11, "{lens}");
+        for heading in ["Fields", "Prescription", "Spot diagrams", "Ray fans", "Modulation transfer", "Aberrations"] {
+            assert!(page.contains(heading), "{lens}: {heading}");
+        }
+        assert!(page.contains(words) && !page.contains("NaN"), "{lens}");
+        let links = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!links.contains("http") && !links.contains("src="), "{lens}");
+    }
+}
+
+#[test]
+fn wavelengths_and_focus_change_the_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let lens = |more: &[&str]| abbe(folder.path(), &[&["lens", "cooke"], more].concat());
+    let own = lens(&["--wavelengths", "650,450,550"]).out;
+    for words in ["mm at 550 nm", "450' - 650'", "in 450, 550, 650", "ray fans of 550 nm"] {
+        assert!(own.contains(words), "{words}: {own}");
+    }
+    let line = lens(&["--wavelengths", "587.5618", "--json"]).json();
+    assert_eq!((&line["lines"][0]["line"], line["lines"].as_array().unwrap().len()), (&"d".into(), 1));
+    let spot = |json: &serde_json::Value| {
+        let fields = json["fields"].as_array().unwrap().iter();
+        fields.map(|field| field["spots"][1]["rms_mm"].as_f64().unwrap().powi(2)).sum::<f64>()
+    };
+    let (paraxial, best) = (lens(&["--json"]).json(), lens(&["--focus", "best", "--json"]).json());
+    assert!(spot(&best) < 0.6 * spot(&paraxial), "{} {}", spot(&best), spot(&paraxial));
+    assert_eq!((&paraxial["focus_shift_mm"], &best["focus_shift_mm"]), (&0.0.into(), &best["best_focus_shift_mm"]));
+    let shift = best["best_focus_shift_mm"].to_string();
+    assert_eq!(lens(&["--focus", &shift, "--json"]).json()["fields"], best["fields"]);
+    lens(&["--focus", "-99"]).is_error(2, &["not behind the lens", "at least -42.4"]);
+    lens(&["--focus", "near"]).is_error(2, &["a distance in mm", "best"]);
+    lens(&["--wavelengths", "400:700:50"]).is_error(2, &["found 7 wavelengths", "1 to 6"]);
+    lens(&["--wavelengths", "550,550"]).is_error(2, &["550 nm twice"]);
+}
+
 #[test]
 fn the_list_names_every_lens() {
     let folder = tempfile::tempdir().unwrap();
@@ -236,7 +315,11 @@ fn a_system_with_mirrors_is_analysed_but_not_used_in_a_camera() {
     for words in ["1 of them mirrors", "focal length    100.0000 mm", "f-number        5.0000", "passing"] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    abbe(folder.path(), &["lens", "dish.ZMX", "--svg", "a.svg"]).is_error(2, &["cannot be drawn"]);
+    for option in ["--svg", "--html", "--wavelengths=550", "--focus=best"] {
+        let words = if option.contains('=') { "at the image of its file" } else { "cannot be drawn" };
+        let value = if option.contains('=') { &[][..] } else { &["out"] };
+        abbe(folder.path(), &[&["lens", "dish.ZMX", option], value].concat()).is_error(2, &[words]);
+    }
     let scene = r#"{"camera": {"from": [0, 0, 0], "at": [0, 0, 1], "lens": {"system":
         {"prescription": "dish.ZMX", "focus_distance": 9, "sensor_height_mm": 24}}},
         "film": {"width": 8, "height": 8}, "objects": []}"#;

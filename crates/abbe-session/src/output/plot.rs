@@ -150,15 +150,29 @@ fn strip() -> String {
 /// the largest brightness, and darker towards the ends of the visible range. (At the true
 /// luminance, violet would be almost black.)
 fn spectral_colour(nm: f64) -> String {
+    srgb_hex(spectral_linear_srgb(nm))
+}
+
+/// Returns a colour in SVG notation for lines that stand for a wavelength in nm: that of the
+/// spectrum, dark enough for white paper.
+pub fn ink_colour(nm: f64) -> String {
+    /// The largest luminance, relative to white.
+    const BRIGHTEST: f64 = 0.22;
+    let colour = spectral_linear_srgb(nm);
+    let luminance = 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
+    srgb_hex(colour.map(|component| component * (BRIGHTEST / luminance.max(BRIGHTEST))))
+}
+
+fn spectral_linear_srgb(nm: f64) -> [f64; 3] {
     let bar = Observer::cie1931().xyz_bar(nm);
     let linear = xyz_to_linear_srgb(bar);
     let white = linear.into_iter().fold(0.0, |white: f64, component| white.max(-component));
     let brightest = white + linear.into_iter().fold(0.0, f64::max);
     if brightest <= 0.0 {
-        return "#000000".to_string();
+        return [0.0; 3];
     }
     let seen = powf((bar.iter().sum::<f64>() / 0.5).min(1.0), 0.5);
-    srgb_hex(linear.map(|component| (component + white) / brightest * seen))
+    linear.map(|component| (component + white) / brightest * seen)
 }
 
 fn path(up: &Axis, points: &[(f64, f64)]) -> String {
@@ -228,5 +242,8 @@ mod tests {
         let strongest = |nm: f64| (0..3).max_by_key(|&c| component(nm, c)).unwrap();
         assert_eq!([650.0, 530.0, 450.0].map(strongest), [0, 1, 2]);
         assert!(component(360.0, 2) < component(430.0, 2), "the ends fade");
+        let inks = [435.8, 546.1, 656.3].map(ink_colour);
+        assert!(inks.iter().all(|ink| ink.len() == 7) && inks[0] != inks[1] && inks[1] != inks[2], "{inks:?}");
+        assert_eq!(u8::from_str_radix(&ink_colour(580.0)[5..7], 16), Ok(0), "no blue in yellow");
     }
 }
