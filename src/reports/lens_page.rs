@@ -11,8 +11,8 @@ use abbe_spectra::error::Result;
 
 use super::lens::{drawing, line_name, outer_lines};
 use super::lens_plots::{
-    distortion, field_curvature, focal_shift, illumination, lateral_colour, longitudinal, mtf, ray_fans, short_name,
-    spots, through_focus,
+    distortion, field_curvature, focal_shift, illumination, lateral_colour, longitudinal, mtf, number, ray_fans,
+    short_name, signed, spots, through_focus,
 };
 
 /// Returns the page. Returns an error if no light passes at one of the fields.
@@ -29,18 +29,6 @@ pub fn page(lens: &Lens, analysis: &LensAnalysis) -> Result<String> {
         sections: sections(lens, analysis, &curves)?,
         fields: fields(lens, analysis, &curves)?,
     }))
-}
-
-/// Returns a number with the minus sign of typography.
-fn number(value: f64, decimals: usize) -> String {
-    signed(value, decimals).trim_start_matches('+').to_string()
-}
-
-/// Returns a number with its sign, unless all of its decimals are 0.
-fn signed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:+.decimals$}");
-    let is_zero = text.chars().all(|c| !c.is_ascii_digit() || c == '0');
-    if is_zero { text[1..].to_string() } else { text.replace('-', "−") }
 }
 
 fn conditions(analysis: &LensAnalysis) -> String {

@@ -110,7 +110,7 @@ pub(super) fn spots(lens: &Lens, analysis: &LensAnalysis) -> Result<SpotFigure> 
         SpotRow {
             labels: vec![
                 format!("{:.2}°", spot.angle_deg),
-                format!("{:.3} mm", spot.centroid_mm),
+                format!("{} mm", number(spot.centroid_mm, 3)),
                 "largest radius".to_string(),
                 format!("{:.2} µm", 1e3 * spot.largest_mm),
             ],
@@ -272,6 +272,18 @@ pub(super) fn lateral_colour(analysis: &LensAnalysis, curves: &FieldCurves) -> P
     single(legend, plot)
 }
 
+/// Returns a number with the minus sign of typography.
+pub(super) fn number(value: f64, decimals: usize) -> String {
+    signed(value, decimals).trim_start_matches('+').to_string()
+}
+
+/// Returns a number with its sign, unless all of its decimals are 0.
+pub(super) fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:+.decimals$}");
+    let is_zero = text.chars().all(|c| !c.is_ascii_digit() || c == '0');
+    if is_zero { text[1..].to_string() } else { text.replace('-', "−") }
+}
+
 /// Returns a wavelength as a word: `d`, or `550 nm`.
 pub(super) fn short_name(line: &AnalysisLine) -> String {
     if line.name.parse::<f64>().is_ok() { format!("{} nm", line.nm) } else { line.name.to_string() }
@@ -326,12 +338,12 @@ pub(super) fn focal_shift(analysis: &LensAnalysis, axial: &AxialColour) -> PlotG
     let ends = [axial.nm.first(), axial.nm.last()].map(|nm| nm.copied().unwrap_or_default());
     let reference = short_name(&lines[analysis.conditions.reference()]);
     let plot = GridPlot {
-        title: "chromatic focal shift".to_string(),
+        title: format!("chromatic focal shift from {reference}"),
         across: "wavelength in nm".to_string(),
-        up: format!("paraxial focus from that of {reference} in mm"),
+        up: "focal shift in mm".to_string(),
         across_range: PlotRange::Between(ends[0], ends[1]),
         up_range: PlotRange::WithZero,
-        marks: lines.iter().map(|line| (line.nm, short_name(line))).collect(),
+        marks: lines.iter().map(|line| (line.nm, line.name.to_string())).collect(),
         lines: vec![line(BLACK, LineDash::Solid, shift)],
     };
     single(Vec::new(), plot)

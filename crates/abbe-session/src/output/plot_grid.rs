@@ -72,12 +72,12 @@ const GRID_MARGIN: f64 = 12.0;
 const TITLE_LINE: f64 = 30.0;
 const LEGEND_LINE: f64 = 22.0;
 const SAMPLE: f64 = 26.0;
-const CELL_LEFT: f64 = 66.0;
+const CELL_LEFT: f64 = 70.0;
 const CELL_RIGHT: f64 = 16.0;
 const CELL_TOP: f64 = 28.0;
 const CELL_BOTTOM: f64 = 46.0;
 /// The smallest distance between the labels of ticks across and up, in units of the font size.
-const TICK_PITCH: (f64, f64) = (5.0, 2.6);
+const TICK_PITCH: (f64, f64) = (5.0, 2.0);
 
 impl PlotGrid {
     /// Puts the plots of several grids into one row, with the entries of all legends.
@@ -182,14 +182,14 @@ impl GridPlot {
 
     fn axes(&self, (across, up): (&Axis, &Axis), (left, right): (f64, f64), (top, foot): (f64, f64)) -> String {
         let mut svg = String::new();
-        for tick in up.ticks() {
-            let (y, label) = (up.position(tick.value), tick.label.unwrap_or_default());
+        for (value, label) in ticks(up, self.up_range) {
+            let y = up.position(value);
             svg += &format!("<path class=\"rule\" d=\"M{left:.1} {y:.1}H{right:.1}\" stroke=\"#ddd\"/>\n");
             let (x, y) = (left - 7.0, y + 4.8);
             svg += &format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"end\">{}</text>\n", signed(&label));
         }
-        for tick in across.ticks() {
-            let (x, label) = (across.position(tick.value), tick.label.unwrap_or_default());
+        for (value, label) in ticks(across, self.across_range) {
+            let x = across.position(value);
             svg += &format!("<path class=\"rule\" d=\"M{x:.1} {top:.1}V{foot:.1}\" stroke=\"#ddd\"/>\n");
             let y = foot + 18.0;
             svg += &format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>\n", signed(&label));
@@ -206,8 +206,11 @@ impl GridPlot {
                 svg += &format!("<path d=\"M{left:.1} {y:.1}H{right:.1}\" stroke=\"#999\"/>\n");
             }
         }
-        for (value, label) in &self.marks {
-            let (x, y, label) = (across.position(*value), top + 28.0, escape_xml(label));
+        // Labels of neighbours are at different heights, so that they do not overlap.
+        let heights = if self.marks.len() > 3 { 3 } else { 1 };
+        for (i, (value, label)) in self.marks.iter().enumerate() {
+            let y = top + 28.0 + 15.0 * (i % heights) as f64;
+            let (x, label) = (across.position(*value), escape_xml(label));
             svg += &format!("<path d=\"M{x:.1} {top:.1}V{foot:.1}\" stroke=\"#777\" stroke-dasharray=\"2 3\"/>\n");
             let (x, anchor) = if x > 0.5 * (left + right) { (x - 4.0, "end") } else { (x + 4.0, "start") };
             // The white rim keeps the label legible on lines.
@@ -228,6 +231,21 @@ impl GridPlot {
         let turned = format!("transform=\"rotate(-90 {x:.1} {y:.1})\"");
         svg + &format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" {turned}>{name}</text>\n")
     }
+}
+
+/// Returns the ticks with their labels, and the end of an axis between given values if its label is
+/// short and stands apart from that of the last tick.
+fn ticks(axis: &Axis, range: PlotRange) -> Vec<(f64, String)> {
+    const SHORT: usize = 4;
+    let labelled = axis.ticks().into_iter().map(|tick| (tick.value, tick.label.unwrap_or_default()));
+    let mut ticks: Vec<(f64, String)> = labelled.collect();
+    if let (PlotRange::Between(_, end), [.., before, last]) = (range, ticks.as_slice()) {
+        let (label, steps) = (end.to_string(), (end - last.0) / (last.0 - before.0));
+        if label.len() <= SHORT && steps > 0.6 {
+            ticks.push((end, label));
+        }
+    }
+    ticks
 }
 
 /// Returns a label with the minus sign of typography.
@@ -297,6 +315,15 @@ mod tests {
         assert!(svg.contains(&format!("viewBox=\"0 0 624 {height}\"")), "{}", &svg[..200]);
         let row = PlotGrid::beside("row".to_string(), vec![grid.clone(), grid]);
         assert_eq!((row.legend.len(), row.columns, row.plots.len()), (1, 6, 6));
+    }
+
+    #[test]
+    fn the_end_of_an_axis_is_labelled_if_there_is_room() {
+        let last = |end: f64| {
+            let range = PlotRange::Between(0.0, end);
+            ticks(&axis(range, [].into_iter(), (0.0, 400.0), 100.0), range).pop().unwrap().1
+        };
+        assert_eq!([14.0, 11.0, 8.125, 20.0].map(last), ["14", "10", "8", "20"]);
     }
 
     #[test]
