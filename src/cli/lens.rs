@@ -16,8 +16,8 @@ use crate::reports::lens_plots::{self, LensPlot};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct LensArgs {
-    /// The name of a built-in lens, or a file with a prescription: JSON, Zemax (.zmx) or CODE V
-    /// (.seq)
+    /// The name of a built-in lens, or a file with a prescription: JSON, Zemax (.zmx), CODE V
+    /// (.seq), OSLO (.len) or the Optical Bench of photonstophotos.net (.txt)
     #[arg(value_name = "NAME|FILE", required_unless_present = "list")]
     lens: Option<String>,
     /// Half the field of view in degrees [default: the field of the design, or at most 20 if the
@@ -35,7 +35,7 @@ pub(crate) struct LensArgs {
         conflicts_with = "list"
     )]
     focus: Option<SensorFocus>,
-    /// Look up the glasses of a Zemax or CODE V file in this catalogue (.agf), or in all catalogues
+    /// Look up the glasses of a lens file, except JSON, in this catalogue (.agf), or in all catalogues
     /// of this folder, first (repeatable) [default: the files and folders of ABBE_GLASS_PATH, the
     /// catalogues that the file names, if they are in its folder, and then the built-in catalogue]
     #[arg(long = "glass-catalogue", visible_alias = "glasses", value_name = "FILE|FOLDER", conflicts_with = "list")]

@@ -7,7 +7,7 @@ use abbe_format::resolve;
 use abbe_optics::glass::AgfCatalogue;
 use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
 use abbe_optics::lens::section::{DrawnRay, FocusDetail, LensSection, section};
-use abbe_optics::lens::zemax::ZmxSystem;
+use abbe_optics::lens::zemax::{EXTENSIONS, ZmxSystem};
 use abbe_optics::lens::{
     AnalysisLine, FieldPoint, LINES, Lens, LensAnalysis, LensSurface, LineFocus, Pupil, catalogue,
 };
@@ -118,9 +118,10 @@ impl LensList<'static> {
 const GLASS_PATH: &str = "ABBE_GLASS_PATH";
 
 /// Returns the built-in lens with this name, or the system in this file: a prescription in JSON, or
-/// a Zemax or CODE V file (`.zmx`, `.seq`). Its glasses are searched in the catalogues `glasses`
-/// (files or folders) and then in those of `ABBE_GLASS_PATH` first. Returns an error if the name is
-/// unknown, or if a file cannot be read or is wrong.
+/// a file of Zemax, CODE V, OSLO or the Optical Bench (`.zmx`, `.seq`, `.len`, `.txt`). Its glasses
+/// are searched in the catalogues `glasses` (files or folders) and then in those of
+/// `ABBE_GLASS_PATH` first. Returns an error if the name is unknown, or if a file cannot be read or
+/// is wrong.
 pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     let searched = std::env::var_os(GLASS_PATH).unwrap_or_default();
     let searched = std::env::split_paths(&searched).filter(|path| !path.as_os_str().is_empty());
@@ -136,7 +137,7 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if the
     // file exists or has the extension of a lens file.
     let is_lens_file =
-        |ending: &std::ffi::OsStr| ["json", "zmx", "seq"].iter().any(|known| ending.eq_ignore_ascii_case(known));
+        |ending: &std::ffi::OsStr| EXTENSIONS.iter().chain(&["json"]).any(|known| ending.eq_ignore_ascii_case(known));
     if path.exists() || path.extension().is_some_and(is_lens_file) {
         return resolve::lens_system_file(path, &catalogues);
     }

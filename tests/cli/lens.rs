@@ -150,6 +150,36 @@ fn a_code_v_file_is_analysed() {
     abbe(folder.path(), &["lens", "bad.seq"]).is_error(2, &["bad.seq:6:3", "tilted or decentred"]);
 }
 
+/// The singlet of the catalogue as OSLO and the Optical Bench write it, also in a scene.
+#[test]
+fn files_of_oslo_and_of_the_optical_bench_are_analysed() {
+    let folder = tempfile::tempdir().unwrap();
+    let oslo = "LEN NEW \"own\" 100 3\nEBR 10\nANG 5\nUNI 1.0\nTH 1e20\nNXT\nGLA N-BK7\nRD 100\nTH 5\nAST\nNXT\nAIR\nPK CVM 1\nPY 0\nNXT\nEND 3\n";
+    let bench = "[variable distances]\nF-Number\t4.879020143\nAngle of View\t10\nBf\t95\n[lens data]\n1\tAS\t0\t\t20\n\
+        2\t100\t5\t1.5168\t20.4\t64.17\tN-BK7\n3\t-100\tBf\t\t20.4\n";
+    std::fs::write(folder.path().join("own.len"), oslo).unwrap();
+    std::fs::write(folder.path().join("own.txt"), bench).unwrap();
+    let known = abbe(folder.path(), &["lens", "singlet", "--json"]).json();
+    for file in ["own.len", "own.txt"] {
+        let own = abbe(folder.path(), &["lens", file, "--json"]).json();
+        assert_eq!((&own["efl_mm"], &own["half_field_deg"]), (&known["efl_mm"], &5.0.into()), "{file}");
+        let f_number = |lens: &serde_json::Value| lens["f_number"].as_f64().unwrap();
+        assert!((f_number(&own) / f_number(&known) - 1.0).abs() < 1e-6, "{file}");
+        let scene = format!(
+            r#"{{"camera": {{"from": [0, 0, 0], "at": [0, 0, 1], "lens": {{"system":
+            {{"prescription": "{file}", "focus_distance": 9, "sensor_height_mm": 12}}}}}},
+            "film": {{"width": 8, "height": 8}}, "objects": []}}"#
+        );
+        std::fs::write(folder.path().join("scene.json"), scene).unwrap();
+        let checked = abbe(folder.path(), &["check", "scene.json"]);
+        assert!(!checked.err.contains(file), "{file}: {}", checked.err);
+    }
+    std::fs::write(folder.path().join("bad.len"), oslo.replace("AST", "  TLA 3")).unwrap();
+    abbe(folder.path(), &["lens", "bad.len"]).is_error(2, &["bad.len:10:3", "TLA is not supported"]);
+    std::fs::write(folder.path().join("bad.txt"), bench.replace("Bf\t\t", "Bg\t\t")).unwrap();
+    abbe(folder.path(), &["lens", "bad.txt"]).is_error(2, &["bad.txt:8:1", "the thickness \"Bg\""]);
+}
+
 #[test]
 fn the_section_is_drawn_whole() {
     let folder = tempfile::tempdir().unwrap();
