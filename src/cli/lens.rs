@@ -35,9 +35,10 @@ pub(crate) struct LensArgs {
         conflicts_with = "list"
     )]
     focus: Option<SensorFocus>,
-    /// Look up the glasses of a lens file, except JSON, in this catalogue (.agf), or in all catalogues
-    /// of this folder, first (repeatable) [default: the files and folders of ABBE_GLASS_PATH, the
-    /// catalogues that the file names, if they are in its folder, and then the built-in catalogue]
+    /// Look up the glasses of a lens file, except JSON, in this catalogue (.agf), or in all
+    /// catalogues of this folder, first (repeatable) [default: the files and folders of
+    /// ABBE_GLASS_PATH, the catalogues that the file names, if they are in its folder, and then the
+    /// built-in catalogue]
     #[arg(long = "glass-catalogue", visible_alias = "glasses", value_name = "FILE|FOLDER", conflicts_with = "list")]
     glasses: Vec<PathBuf>,
     /// Draw the plot of `--plot`, by default the cross-section with rays

@@ -210,7 +210,8 @@ pub(super) fn outer_lines(analysis: &LensAnalysis) -> [&str; 2] {
     [lines[0].name.as_ref(), lines[lines.len() - 1].name.as_ref()]
 }
 
-/// Draws the cross-section with rays of all wavelengths of the analysis. Returns an error if no light passes.
+/// Draws the cross-section with rays of all wavelengths of the analysis. Returns an error if no
+/// light passes.
 pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
     let LensSection { elements, stop, sensor, rays, foci } = section(lens, analysis)?;
     let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };

@@ -130,7 +130,7 @@ pub(super) fn ray_fans(lens: &Lens, analysis: &LensAnalysis) -> Result<PlotGrid>
     let lines = analysis.conditions.lines();
     let fans = FanCurves::of(lens, analysis)?;
     let all = fans.iter().flat_map(|fan| fan.tangential_mm.iter().chain(&fan.sagittal_mm)).flatten().flatten();
-    let most_um = 1e3 * all.fold(1e-6_f64, |most, mm| most.max(mm.abs()));
+    let end_um = round_above(1e3 * all.fold(1e-6_f64, |most, mm| most.max(mm.abs())));
     let plot = |fan: &FanCurves, name: &str, values: &[Vec<Option<f64>>], pupil: &str, image: &str| {
         let curve = |(line_of, values): (&AnalysisLine, &Vec<Option<f64>>)| {
             let um = values.iter().map(|value| value.map_or(f64::NAN, |mm| 1e3 * mm));
@@ -141,7 +141,7 @@ pub(super) fn ray_fans(lens: &Lens, analysis: &LensAnalysis) -> Result<PlotGrid>
             across: pupil.to_string(),
             up: image.to_string(),
             across_range: PlotRange::Between(-1.0, 1.0),
-            up_range: PlotRange::Between(-1.06 * most_um, 1.06 * most_um),
+            up_range: PlotRange::Between(-end_um, end_um),
             marks: Vec::new(),
             lines: lines.iter().zip(values).map(curve).collect(),
         }
@@ -155,6 +155,13 @@ pub(super) fn ray_fans(lens: &Lens, analysis: &LensAnalysis) -> Result<PlotGrid>
     let plots = fans.iter().flat_map(both).collect();
     let legend = line_entries(lines);
     Ok(PlotGrid { title: String::new(), legend, columns: 2, cell: (WIDTH, FAN_HEIGHT), plots })
+}
+
+/// Returns the next of some round numbers above a positive number.
+fn round_above(value: f64) -> f64 {
+    let decade = 10.0_f64.powi(abbe_spectra::math::elementary::log10(value).floor() as i32);
+    let digits = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0];
+    digits.map(|digit| digit * decade).into_iter().find(|round| *round >= value).unwrap_or(value)
 }
 
 fn field_legend(fields: &[MtfCurve]) -> Vec<LegendEntry> {

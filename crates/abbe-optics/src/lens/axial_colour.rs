@@ -67,10 +67,48 @@ fn axial_crossing_mm(at: &MonochromaticLens<'_>, height_mm: f64) -> Option<f64> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lens::catalogue;
+    use crate::glass::RefractiveIndex;
+    use crate::lens::{ApertureSpec, LensSurface, Prescription, SurfaceProfile, catalogue};
 
-    /// Third-order longitudinal spherical aberration grows as the square of the height, and at small
-    /// heights meets the paraxial focus.
+    /// A thin plano-convex lens of n = 1.5 and f = 100 mm at f/20, with these radii in mm.
+    fn plano_convex(radii_mm: [f64; 2]) -> Lens {
+        let surface = |(radius_mm, thickness_mm, n): (f64, f64, f64)| LensSurface {
+            profile: SurfaceProfile::sphere(radius_mm),
+            thickness_mm,
+            index: RefractiveIndex::constant(n).unwrap(),
+            semi_aperture_mm: 2.5,
+            obscuration_mm: 0.0,
+            coating: None,
+        };
+        Lens::new(Prescription {
+            name: "plano-convex".to_string(),
+            source: None,
+            surfaces: [(radii_mm[0], 0.1, 1.5), (radii_mm[1], 0.0, 1.0)].map(surface).to_vec(),
+            stop: Some(0),
+            opening: ApertureSpec::Stop,
+            half_field_deg: None,
+            notes: Vec::new(),
+        })
+        .unwrap()
+    }
+
+    /// The Seidel aberration of thin lenses of n = 1.5 for a distant object: 7/6 h²/f with the
+    /// convex side in front, and 9/2 h²/f with the plane side (Jenkins and White, *Fundamentals of
+    /// Optics*, §9.5).
+    #[test]
+    fn thin_lenses_have_their_seidel_spherical_aberration() {
+        for (radii_mm, factor) in [([50.0, 0.0], 7.0 / 6.0), ([0.0, -50.0], 4.5)] {
+            let lens = plano_convex(radii_mm);
+            let analysis = LensAnalysis::of(&lens, Some(1.0)).unwrap();
+            let axial = AxialColour::of(&lens, &analysis).unwrap();
+            let found_mm = axial.longitudinal_mm[1][40].unwrap();
+            let seidel_mm = -factor * 2.5 * 2.5 / 100.0;
+            assert!((found_mm / seidel_mm - 1.0).abs() < 0.01, "{radii_mm:?}: {found_mm} {seidel_mm}");
+        }
+    }
+
+    /// Third-order longitudinal spherical aberration grows as the square of the height, and starts
+    /// at the paraxial focus.
     #[test]
     fn the_longitudinal_aberration_starts_at_the_paraxial_focus() {
         let lens = catalogue::find("singlet").unwrap();

@@ -26,8 +26,8 @@ pub struct FieldCurves {
     pub tangential_mm: Vec<Vec<f64>>,
     /// The sagittal focus (S), like `tangential_mm`.
     pub sagittal_mm: Vec<Vec<f64>>,
-    /// Distortion of the reference wavelength, as of [`FieldPoint`](super::FieldPoint), and 0 on the
-    /// axis.
+    /// Distortion of the reference wavelength, as of [`FieldPoint`](super::FieldPoint), and 0 on
+    /// the axis.
     pub distortion: Vec<f64>,
     /// For each wavelength the height of its chief ray minus that of the reference wavelength in
     /// mm.
@@ -293,8 +293,8 @@ mod tests {
         .unwrap()
     }
 
-    /// A thin lens with its stop has no distortion and darkens as cos⁴ of the field angle, also with
-    /// a central obscuration.
+    /// A thin lens with its stop has no distortion and darkens as cos⁴ of the field angle, also
+    /// with a central obscuration.
     #[test]
     fn a_thin_lens_darkens_as_the_fourth_power_of_the_cosine() {
         for obscuration_mm in [0.0, 0.5] {
@@ -306,16 +306,20 @@ mod tests {
         }
     }
 
-    /// A lens of the size of its stop, 10 mm behind it, cuts the bundle to the overlap of two
-    /// discs.
+    /// A lens of the size of its stop, 10 mm behind it, cuts the bundle to the overlap of two discs,
+    /// less the disc of a central obscuration that lies in it.
     #[test]
     fn a_second_aperture_vignettes_the_overlap_of_two_discs() {
-        let (_, curves) = curves(&weak_lens(10.0, 1.0, 0.0), 6.0);
-        for (angle_deg, found) in curves.angles_deg.iter().zip(&curves.relative_illumination) {
-            let (cosine, shift) = (angle_deg.to_radians().cos(), 10.0 * angle_deg.to_radians().tan());
-            let half = 0.5 * shift;
-            let overlap = (2.0 * half.acos() - shift * (1.0 - half * half).sqrt()) * 2.0 / TAU;
-            assert!((found - overlap * cosine.powi(4)).abs() < 2e-3, "{angle_deg}: {found} {overlap}");
+        for (obscuration_mm, half_field_deg) in [(0.0, 6.0), (0.5, 2.5)] {
+            let (_, curves) = curves(&weak_lens(10.0, 1.0, obscuration_mm), half_field_deg);
+            for (angle_deg, found) in curves.angles_deg.iter().zip(&curves.relative_illumination) {
+                let (cosine, shift) = (angle_deg.to_radians().cos(), 10.0 * angle_deg.to_radians().tan());
+                let half = 0.5 * shift;
+                let overlap = (2.0 * half.acos() - shift * (1.0 - half * half).sqrt()) * 2.0 / TAU;
+                let obscured = obscuration_mm * obscuration_mm;
+                let expected = (overlap - obscured) / (1.0 - obscured) * cosine.powi(4);
+                assert!((found - expected).abs() < 3e-3, "{obscuration_mm} {angle_deg}: {found} {expected}");
+            }
         }
     }
 }

@@ -150,29 +150,41 @@ fn strip() -> String {
 /// the largest brightness, and darker towards the ends of the visible range. (At the true
 /// luminance, violet would be almost black.)
 fn spectral_colour(nm: f64) -> String {
-    srgb_hex(spectral_linear_srgb(nm))
-}
-
-/// Returns a colour in SVG notation for lines that stand for a wavelength in nm: that of the
-/// spectrum, dark enough for white paper.
-pub fn ink_colour(nm: f64) -> String {
-    /// The largest luminance, relative to white.
-    const BRIGHTEST: f64 = 0.22;
-    let colour = spectral_linear_srgb(nm);
-    let luminance = 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
-    srgb_hex(colour.map(|component| component * (BRIGHTEST / luminance.max(BRIGHTEST))))
-}
-
-fn spectral_linear_srgb(nm: f64) -> [f64; 3] {
     let bar = Observer::cie1931().xyz_bar(nm);
     let linear = xyz_to_linear_srgb(bar);
     let white = linear.into_iter().fold(0.0, |white: f64, component| white.max(-component));
     let brightest = white + linear.into_iter().fold(0.0, f64::max);
     if brightest <= 0.0 {
-        return [0.0; 3];
+        return "#000000".to_string();
     }
     let seen = powf((bar.iter().sum::<f64>() / 0.5).min(1.0), 0.5);
-    linear.map(|component| (component + white) / brightest * seen)
+    srgb_hex(linear.map(|component| (component + white) / brightest * seen))
+}
+
+/// Wavelengths in nm and colours in sRGB, dark enough for lines on white paper. Unlike the colours
+/// of the spectrum, they still change in the red.
+const INKS: [(f64, [u8; 3]); 9] = [
+    (400.0, [0x6a, 0x1f, 0xb0]),
+    (450.0, [0x24, 0x3f, 0xcf]),
+    (490.0, [0x08, 0x8c, 0x9c]),
+    (530.0, [0x1c, 0x87, 0x2a]),
+    (570.0, [0x84, 0x8c, 0x00]),
+    (590.0, [0xcc, 0x96, 0x00]),
+    (610.0, [0xd8, 0x66, 0x1c]),
+    (640.0, [0xcf, 0x22, 0x2a]),
+    (700.0, [0x6e, 0x0c, 0x1c]),
+];
+
+/// Returns a colour in SVG notation for lines that stand for a wavelength in nm.
+pub fn ink_colour(nm: f64) -> String {
+    let nm = nm.clamp(INKS[0].0, INKS[INKS.len() - 1].0);
+    let pair = INKS.windows(2).find(|pair| nm <= pair[1].0).unwrap_or(&INKS[..2]);
+    let fraction = (nm - pair[0].0) / (pair[1].0 - pair[0].0);
+    let component = |c: usize| {
+        let [from, to] = [pair[0].1[c], pair[1].1[c]].map(f64::from);
+        (from + fraction * (to - from)).round() as u8
+    };
+    format!("#{:02x}{:02x}{:02x}", component(0), component(1), component(2))
 }
 
 fn path(up: &Axis, points: &[(f64, f64)]) -> String {
@@ -242,8 +254,6 @@ mod tests {
         let strongest = |nm: f64| (0..3).max_by_key(|&c| component(nm, c)).unwrap();
         assert_eq!([650.0, 530.0, 450.0].map(strongest), [0, 1, 2]);
         assert!(component(360.0, 2) < component(430.0, 2), "the ends fade");
-        let inks = [435.8, 546.1, 656.3].map(ink_colour);
-        assert!(inks.iter().all(|ink| ink.len() == 7) && inks[0] != inks[1] && inks[1] != inks[2], "{inks:?}");
-        assert_eq!(u8::from_str_radix(&ink_colour(580.0)[5..7], 16), Ok(0), "no blue in yellow");
+        assert_eq!([380.0, 510.0, 640.0, 800.0].map(ink_colour), ["#6a1fb0", "#128a63", "#cf222a", "#6e0c1c"]);
     }
 }

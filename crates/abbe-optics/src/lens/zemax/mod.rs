@@ -1,7 +1,7 @@
 //! Zemax lens files (`.zmx`): sequential systems of spheres, conics and even aspheres, with media
-//! from the built-in catalogue or from `.agf` files. Sequences of CODE V (`.seq`), lens files of OSLO
-//! (`.len`) and prescriptions of the Optical Bench of photonstophotos.net (`.txt`) become the same
-//! operands.
+//! from the built-in catalogue or from `.agf` files. Sequences of CODE V (`.seq`), lens files of
+//! OSLO (`.len`) and prescriptions of the Optical Bench of photonstophotos.net (`.txt`) become the
+//! same operands.
 //!
 //! The file is a list of operands, one per line, where those of a surface are indented under its
 //! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `OBNA`, `FTYP`,

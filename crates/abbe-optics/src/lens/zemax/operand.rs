@@ -26,8 +26,8 @@ pub(super) fn read_all<'a>(operands: impl Iterator<Item = &'a Operand>, reader: 
     Ok(())
 }
 
-/// Returns the name of a glass in the given catalogues, the built-in one or those of the makers, for
-/// a name in any case that may lack hyphens; or the same name if no catalogue has the glass.
+/// Returns the name of a glass in the given catalogues, the built-in one or those of the makers,
+/// for a name in any case that may lack hyphens; or the same name if no catalogue has the glass.
 pub(super) fn glass_name<'a>(name: &'a str, catalogues: &'a [AgfCatalogue]) -> &'a str {
     let same = |known: &&str| known.replace('-', "").eq_ignore_ascii_case(name) || known.eq_ignore_ascii_case(name);
     let own = catalogues.iter().find_map(|file| file.names().find(same));

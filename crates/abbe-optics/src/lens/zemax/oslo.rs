@@ -164,9 +164,9 @@ impl OsloFile {
         Ok(())
     }
 
-    /// Copies a value of an earlier surface (`PK`): `CV` with the asphere, `TH`, `AP` or `GLA`. `CVM`
-    /// and `THM` change its sign, and a last number is added. A negative number of the surface
-    /// counts backwards.
+    /// Copies a value of an earlier surface (`PK`): `CV` with the asphere, `TH`, `AP` or `GLA`.
+    /// `CVM` and `THM` change its sign, and a last number is added. A negative number of the
+    /// surface counts backwards.
     fn pick_up(&mut self, values: &[String], at: usize) -> Result<()> {
         let kind = values.first().map(|word| word.to_uppercase()).unwrap_or_default();
         let from = parsed(values.get(1).ok_or_else(|| Error::input("found PK without a surface"))?)?;
@@ -238,8 +238,8 @@ impl OsloSurface {
     }
 }
 
-/// Returns the arguments of a `GLAS` operand for a name, for an index, or for the indices of a model
-/// glass at the wavelengths (`MOD` and a name may precede them).
+/// Returns the arguments of a `GLAS` operand for a name, for an index, or for the indices of a
+/// model glass at the wavelengths (`MOD` and a name may precede them).
 fn glass(values: &[String], wavelengths_um: &[f64], catalogues: &[AgfCatalogue]) -> Result<Vec<String>> {
     let what = || Error::input("found GLA without a glass").expected("a name or an index");
     let first = values.first().ok_or_else(what)?;
@@ -329,8 +329,8 @@ mod tests {
         assert!((paraxial(&inches).efl_mm / paraxial(&ours).efl_mm - 25.4).abs() < 1e-9);
     }
 
-    /// The three indices are those of N-BK7. The focal length is that of optiland 0.6.3 for the same
-    /// file (`optiland.fileio.load_oslo_file`).
+    /// The three indices are those of N-BK7. The focal length is that of optiland 0.6.3 for the
+    /// same file (`optiland.fileio.load_oslo_file`).
     #[test]
     fn model_glasses_and_pickups_are_resolved() {
         let text = "LEN NEW \"pairs\" 50 5\nEBR 5\nANG 2\nTH 1e20\nNXT\nGLA MOD G1 1.5168 1.52238 1.51432\nRD 40\nTH 4\nNXT\nAIR\nRD -60\n\
