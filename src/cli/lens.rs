@@ -200,7 +200,10 @@ fn text(report: &LensReport<'_>, analysis: &LensAnalysis) -> String {
         ("best focus", format!("{:+.4} mm from the paraxial focus", report.best_focus_shift_mm)),
         ("sensor", format!("{:+.4} mm from the paraxial focus", report.focus_shift_mm)),
     ] {
-        text += &format!("{name:<15} {value}\n");
+        // One wavelength has no longitudinal colour.
+        if lines.len() > 1 || name != colour {
+            text += &format!("{name:<15} {value}\n");
+        }
     }
     text += "\nline         nm   focal length     back focus   transmittance\n";
     for LineFocus { line, wavelength_nm: nm, efl_mm, bfd_mm, transmittance } in &report.lines {

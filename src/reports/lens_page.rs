@@ -125,9 +125,10 @@ fn fields(lens: &Lens, analysis: &LensAnalysis, curves: &FieldCurves) -> Result<
     let lines = analysis.conditions.lines();
     let (reference, [shortest, longest]) = (analysis.conditions.reference(), outer_lines(analysis));
     let mut header: Vec<String> = ["field", "image\nheight\nmm", "distortion\n%"].map(str::to_string).to_vec();
-    header.push(format!("lateral\n{shortest} − {longest}\nµm"));
+    let has_colours = lines.len() > 1;
+    header.extend(has_colours.then(|| format!("lateral\n{shortest} − {longest}\nµm")));
     header.extend(lines.iter().map(|line| format!("RMS\n{}\nµm", short_name(line))));
-    header.push("RMS\nall\nµm".to_string());
+    header.extend(has_colours.then(|| "RMS\nall\nµm".to_string()));
     header.extend(["T focus\nmm", "S focus\nmm", "relative\nillumination\n%"].map(str::to_string));
     let nearest = |angle_deg: f64| {
         let distance = |i: &usize| (curves.angles_deg[*i] - angle_deg).abs();
@@ -139,10 +140,10 @@ fn fields(lens: &Lens, analysis: &LensAnalysis, curves: &FieldCurves) -> Result<
             format!("{:.2}°", field.angle_deg),
             number(field.image_height_mm, 3),
             field.distortion.map_or("–".to_string(), |fraction| signed(100.0 * fraction, 3)),
-            signed(1e3 * field.lateral_colour_mm, 2),
         ];
+        row.extend(has_colours.then(|| signed(1e3 * field.lateral_colour_mm, 2)));
         row.extend(field.spots.iter().map(|spot| number(1e3 * spot.rms_mm, 2)));
-        row.push(number(1e3 * spot.rms_mm, 2));
+        row.extend(has_colours.then(|| number(1e3 * spot.rms_mm, 2)));
         row.push(signed(curves.tangential_mm[reference][i], 4));
         row.push(signed(curves.sagittal_mm[reference][i], 4));
         row.push(number(100.0 * curves.relative_illumination[i], 1));
@@ -159,17 +160,20 @@ fn sections(lens: &Lens, analysis: &LensAnalysis, curves: &FieldCurves) -> Resul
         caption: caption.to_string(),
     };
     let axial = AxialColour::of(lens, analysis)?;
+    let illumination = illumination(curves).svg();
+    let lateral = if analysis.lines.len() > 1 {
+        let figures = vec![lateral_colour(analysis, curves).svg(), illumination];
+        section("Lateral colour and relative illumination", figures, &[LATERAL, ILLUMINATION].concat())
+    } else {
+        section("Relative illumination", vec![illumination], ILLUMINATION)
+    };
     let both = |grids: [PlotGrid; 2]| grids.iter().map(PlotGrid::svg).collect::<Vec<_>>();
     Ok(vec![
         section("Spot diagrams", vec![spots(lens, analysis)?.svg()], SPOTS),
         section("Ray fans", vec![ray_fans(lens, analysis)?.svg()], FANS),
         section("Modulation transfer function", both([mtf(lens, analysis)?, through_focus(lens, analysis)?]), MTF),
         section("Field curvature and distortion", both([field_curvature(analysis, curves), distortion(curves)]), FIELD),
-        section(
-            "Lateral colour and relative illumination",
-            both([lateral_colour(analysis, curves), illumination(curves)]),
-            LATERAL,
-        ),
+        lateral,
         section(
             "Aberrations on the axis",
             both([longitudinal(analysis, &axial), focal_shift(analysis, &axial)]),
@@ -193,8 +197,10 @@ const FIELD: &str = "Foci of thin bundles around the chief ray of each wavelengt
     sensor. Distortion is the height of the chief ray of the reference wavelength relative to that of a paraxial lens, \
     which is f·tan(field angle) in the paraxial focus.";
 const LATERAL: &str = "Lateral colour is the height of the chief ray of each wavelength minus that of the reference \
-    wavelength. Relative illumination is the illuminance of the image of a uniform distant surface at the reference \
-    wavelength: by vignetting, obliquity and the aberrations of the pupil, without the losses of surfaces and glass.";
+    wavelength. ";
+const ILLUMINATION: &str = "Relative illumination is the illuminance of the image of a uniform distant surface at the \
+    reference wavelength: by vignetting, obliquity and the aberrations of the pupil, without the losses of surfaces and \
+    glass.";
 const AXIAL: &str = "Longitudinal aberration is the distance from the sensor at which a ray that enters parallel to the \
     axis crosses it, against the height of this ray in the entrance pupil, divided by the radius of the pupil. The \
     chromatic focal shift is the paraxial focus of a wavelength minus that of the reference wavelength.";

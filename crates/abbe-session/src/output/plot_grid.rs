@@ -101,7 +101,8 @@ impl PlotGrid {
         let top = title_height + legend_height;
         let rows = self.plots.len().div_ceil(self.columns.max(1));
         let height = top + rows as f64 * self.cell.1 + GRID_MARGIN;
-        let mut svg = head("plot grid", (width, height), GRID_FONT);
+        let classes = if self.plots.len() == 1 { "plot single" } else { "plot grid" };
+        let mut svg = head(classes, (width, height), GRID_FONT);
         if !self.title.is_empty() {
             let title = escape_xml(&self.title);
             svg += &format!("<text x=\"{GRID_MARGIN}\" y=\"22\" font-size=\"16\">{title}</text>\n");

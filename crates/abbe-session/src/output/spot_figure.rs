@@ -63,7 +63,8 @@ impl SpotFigure {
     pub fn svg(&self) -> String {
         let count = self.columns.len().max(1) as f64;
         let cell = ((SPOT_CELLS - SPOT_GAP * (count - 1.0)) / count).min(LARGEST_CELL);
-        let width = 2.0 * SPOT_MARGIN + SPOT_LEFT + count * cell + (count - 1.0) * SPOT_GAP;
+        // A figure of few columns has room on its right, so that all figures have the same scale.
+        let width = 2.0 * SPOT_MARGIN + SPOT_LEFT + SPOT_CELLS;
         let row_height = cell + SPOT_CAPTION;
         let title_height = if self.title.is_empty() { 0.0 } else { SPOT_TITLE };
         let head_height = title_height + SPOT_TOP;
