@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use abbe_format::resolve;
 use abbe_optics::glass::AgfCatalogue;
+use abbe_optics::lens::field_curves::FieldCurves;
 use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
 use abbe_optics::lens::section::{DrawnRay, FocusDetail, LensSection, section};
 use abbe_optics::lens::zemax::{EXTENSIONS, ZmxSystem};
@@ -40,6 +41,8 @@ pub struct LensReport<'a> {
     pub exit_pupil: Option<Pupil>,
     /// The foci of the wavelengths: F, d and C by default.
     pub lines: Vec<LineFocus>,
+    /// The radius of the Petzval surface, negative if it curves towards the lens. `None` for a plane.
+    pub petzval_radius_mm: Option<f64>,
     /// Half the field of view.
     pub half_field_deg: f64,
     /// Three fields from the axis to the edge.
@@ -53,6 +56,12 @@ pub struct FieldReport {
     pub image_height_mm: f64,
     pub distortion: Option<f64>,
     pub lateral_colour_mm: f64,
+    /// The distance from the sensor to the tangential focus of a thin bundle.
+    pub tangential_focus_mm: f64,
+    /// The distance from the sensor to the sagittal focus of a thin bundle.
+    pub sagittal_focus_mm: f64,
+    /// The illuminance relative to the axis, without the losses of surfaces and glass.
+    pub relative_illumination: f64,
     pub spots: Vec<SpotReport>,
     pub mtf: Vec<MtfPoint>,
     pub ray_fans: Vec<FanReport>,
@@ -148,6 +157,9 @@ impl<'a> LensReport<'a> {
     /// Reports an analysis with image quality. Returns an error if no light passes at a field.
     pub fn of(lens: &'a Lens, analysis: &LensAnalysis) -> Result<Self> {
         let quality = ImageQuality::of(lens, analysis)?;
+        let angles = analysis.fields.iter().map(|field| field.angle_deg);
+        let curves = FieldCurves::at_angles(lens, analysis, angles)?;
+        let reference = analysis.conditions.reference();
         let LensAnalysis { paraxial, lines, half_field_deg, fields, .. } = analysis;
         let names = analysis.conditions.lines();
         let fan = |RayFan { line, tangential_mm, sagittal_mm }: &RayFan| FanReport {
@@ -156,11 +168,14 @@ impl<'a> LensReport<'a> {
             tangential_mm: *tangential_mm,
             sagittal_mm: *sagittal_mm,
         };
-        let field = |(field, quality): (&FieldPoint, &ImageQuality)| FieldReport {
+        let field = |(i, (field, quality)): (usize, (&FieldPoint, &ImageQuality))| FieldReport {
             angle_deg: field.angle_deg,
             image_height_mm: field.image_height_mm,
             distortion: field.distortion,
             lateral_colour_mm: field.lateral_colour_mm,
+            tangential_focus_mm: curves.tangential_mm[reference][i],
+            sagittal_focus_mm: curves.sagittal_mm[reference][i],
+            relative_illumination: curves.relative_illumination[i],
             spots: names.iter().zip(&field.spots).map(|(line, spot)| spot_report(line, spot.rms_mm)).collect(),
             mtf: quality.mtf.to_vec(),
             ray_fans: quality.fans.iter().map(fan).collect(),
@@ -179,8 +194,9 @@ impl<'a> LensReport<'a> {
             entrance_pupil: paraxial.entrance_pupil,
             exit_pupil: paraxial.exit_pupil,
             lines: lines.clone(),
+            petzval_radius_mm: Some(curves.petzval_radius_mm).filter(|radius| radius.is_finite()),
             half_field_deg: *half_field_deg,
-            fields: fields.iter().zip(&quality).map(field).collect(),
+            fields: fields.iter().zip(&quality).enumerate().map(field).collect(),
         })
     }
 }

@@ -3,7 +3,7 @@
 use abbe_optics::lens::axial_colour::AxialColour;
 use abbe_optics::lens::field_curves::FieldCurves;
 use abbe_optics::lens::spot_diagram::SpotDiagram;
-use abbe_optics::lens::{Lens, LensAnalysis, LensSurface, Pupil, SensorFocus};
+use abbe_optics::lens::{FieldPoint, Lens, LensAnalysis, LensSurface, Pupil, SensorFocus};
 use abbe_session::output::drawing::LensDrawing;
 use abbe_session::output::lens_page::{self, LensPage, PageSection, PageTable};
 use abbe_session::output::plot_grid::PlotGrid;
@@ -27,7 +27,7 @@ pub fn page(lens: &Lens, analysis: &LensAnalysis) -> Result<String> {
         section: LensDrawing { title: "Cross-section".to_string(), ..drawing(lens, analysis)? }.svg(),
         prescription: prescription(lens, analysis),
         sections: sections(lens, analysis, &curves)?,
-        fields: fields(lens, analysis, &curves)?,
+        fields: fields(lens, analysis)?,
     }))
 }
 
@@ -121,7 +121,7 @@ fn prescription(lens: &Lens, analysis: &LensAnalysis) -> PageTable {
     PageTable { header: header.map(str::to_string).to_vec(), rows }
 }
 
-fn fields(lens: &Lens, analysis: &LensAnalysis, curves: &FieldCurves) -> Result<PageTable> {
+fn fields(lens: &Lens, analysis: &LensAnalysis) -> Result<PageTable> {
     let lines = analysis.conditions.lines();
     let (reference, [shortest, longest]) = (analysis.conditions.reference(), outer_lines(analysis));
     let mut header: Vec<String> = ["field", "image\nheight\nmm", "distortion\n%"].map(str::to_string).to_vec();
@@ -130,12 +130,9 @@ fn fields(lens: &Lens, analysis: &LensAnalysis, curves: &FieldCurves) -> Result<
     header.extend(lines.iter().map(|line| format!("RMS\n{}\nµm", short_name(line))));
     header.extend(has_colours.then(|| "RMS\nall\nµm".to_string()));
     header.extend(["T focus\nmm", "S focus\nmm", "relative\nillumination\n%"].map(str::to_string));
-    let nearest = |angle_deg: f64| {
-        let distance = |i: &usize| (curves.angles_deg[*i] - angle_deg).abs();
-        (0..curves.angles_deg.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or_default()
-    };
-    let row = |(field, spot): (&abbe_optics::lens::FieldPoint, &SpotDiagram)| {
-        let i = nearest(field.angle_deg);
+    let angles = analysis.fields.iter().map(|field| field.angle_deg);
+    let curves = FieldCurves::at_angles(lens, analysis, angles)?;
+    let row = |(i, (field, spot)): (usize, (&FieldPoint, &SpotDiagram))| {
         let mut row = vec![
             format!("{:.2}°", field.angle_deg),
             number(field.image_height_mm, 3),
@@ -149,7 +146,7 @@ fn fields(lens: &Lens, analysis: &LensAnalysis, curves: &FieldCurves) -> Result<
         row.push(number(100.0 * curves.relative_illumination[i], 1));
         row
     };
-    let rows = analysis.fields.iter().zip(&SpotDiagram::of(lens, analysis)?).map(row).collect();
+    let rows = analysis.fields.iter().zip(&SpotDiagram::of(lens, analysis)?).enumerate().map(row).collect();
     Ok(PageTable { header, rows })
 }
 

@@ -325,6 +325,11 @@ fn the_image_quality_is_in_the_text_and_in_json() {
         // The chief ray of the d line is the reference.
         assert!(fans[1]["tangential_mm"][4].as_f64().unwrap().abs() < 1e-12);
     }
+    // The values of tests/golden/lens_curves.json at the edge of the field.
+    let edge = |key: &str| json["fields"][2][key].as_f64().unwrap();
+    assert!((edge("tangential_focus_mm") + 0.36567).abs() < 1e-4 && (edge("sagittal_focus_mm") + 0.53156).abs() < 1e-4);
+    assert!(json["fields"][0]["relative_illumination"] == 1.0 && edge("relative_illumination") < 0.7);
+    assert!(json["petzval_radius_mm"].as_f64().unwrap() < -300.0, "{}", json["petzval_radius_mm"]);
     let text = abbe(folder.path(), &["lens", "double-gauss"]).out;
     for words in ["MTF (geometric", "10 /mm", "limit ", "ray fans of the d line", "14.00° y"] {
         assert!(text.contains(words), "{words}: {text}");

@@ -13,11 +13,10 @@ use super::trace::{ApertureCheck, LensRay, MonochromaticLens};
 use abbe_spectra::error::Result;
 use abbe_spectra::math::elementary::sin_cos;
 
-/// Curves from the axis to the edge of the field. The lists of a wavelength have one value per
-/// field angle.
+/// Curves over the field. The lists of a wavelength have one value per field angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FieldCurves {
-    /// Field angles in degrees, from 0.
+    /// Field angles in degrees.
     pub angles_deg: Vec<f64>,
     /// Heights in mm at which the chief ray of the reference wavelength reaches the sensor.
     pub heights_mm: Vec<f64>,
@@ -52,9 +51,15 @@ const RIM_DIRECTIONS: u32 = 120;
 const RIM_STEPS: u32 = 32;
 
 impl FieldCurves {
-    /// Computes the curves up to the half field of an analysis, on its sensor. Returns an error if
-    /// a chief ray does not reach the sensor, or no light passes at one of the angles.
+    /// Computes the curves from the axis to the half field of an analysis, on its sensor. Returns an
+    /// error if a chief ray does not reach the sensor.
     pub fn of(lens: &Lens, analysis: &LensAnalysis) -> Result<Self> {
+        let angle_deg = |step| analysis.half_field_deg * f64::from(step) / f64::from(FIELD_STEPS);
+        Self::at_angles(lens, analysis, (0..=FIELD_STEPS).map(angle_deg))
+    }
+
+    /// Computes the values at these field angles in degrees, like [`Self::of`].
+    pub fn at_angles(lens: &Lens, analysis: &LensAnalysis, angles_deg: impl Iterator<Item = f64>) -> Result<Self> {
         let (at, sensor_z_mm) = (analysis.at(lens), analysis.sensor_z_mm);
         let reference = analysis.conditions.reference();
         let mut curves = Self {
@@ -67,9 +72,10 @@ impl FieldCurves {
             relative_illumination: Vec::new(),
             petzval_radius_mm: at[reference].petzval_radius_mm(),
         };
-        let mut on_axis = 0.0;
-        for step in 0..=FIELD_STEPS {
-            let angle_deg = analysis.half_field_deg * f64::from(step) / f64::from(FIELD_STEPS);
+        let f_number = analysis.paraxial.f_number.unwrap_or(1.0);
+        let light = |angle_deg| projected_solid_angle(&at[reference], angle_deg, sensor_z_mm, f_number);
+        let on_axis = light(0.0)?;
+        for angle_deg in angles_deg {
             let heights_mm = chief_heights_mm(&at, angle_deg, sensor_z_mm)?;
             let height_mm = heights_mm[reference];
             for (i, at) in at.iter().enumerate() {
@@ -79,11 +85,8 @@ impl FieldCurves {
                 curves.lateral_colour_mm[i].push(heights_mm[i] - height_mm);
             }
             let ideal_mm = analysis.paraxial_height_mm(angle_deg);
-            curves.distortion.push(if step == 0 { 0.0 } else { height_mm / ideal_mm - 1.0 });
-            let f_number = analysis.paraxial.f_number.unwrap_or(1.0);
-            let light = projected_solid_angle(&at[reference], angle_deg, sensor_z_mm, f_number)?;
-            on_axis = if step == 0 { light } else { on_axis };
-            curves.relative_illumination.push(light / on_axis);
+            curves.distortion.push(if ideal_mm == 0.0 { 0.0 } else { height_mm / ideal_mm - 1.0 });
+            curves.relative_illumination.push(light(angle_deg)? / on_axis);
             curves.angles_deg.push(angle_deg);
             curves.heights_mm.push(height_mm);
         }
@@ -139,7 +142,7 @@ fn projected_solid_angle(at: &MonochromaticLens<'_>, angle_deg: f64, sensor_z_mm
     let cells = (0..SEARCH).flat_map(|i| (0..SEARCH).map(move |j| DVec2::new(cell(i), cell(j))));
     let passing: Vec<DVec2> = cells.filter(|offset| passes(*offset)).collect();
     if passing.is_empty() {
-        return Err(no_light(angle_deg));
+        return Ok(0.0);
     }
     let middle = passing.iter().sum::<DVec2>() / passing.len() as f64;
     let pitch = 2.0 * width / f64::from(RIM_STEPS);
