@@ -41,7 +41,8 @@ pub struct LensReport<'a> {
     pub exit_pupil: Option<Pupil>,
     /// The foci of the wavelengths: F, d and C by default.
     pub lines: Vec<LineFocus>,
-    /// The radius of the Petzval surface, negative if it curves towards the lens. `None` for a plane.
+    /// The radius of the Petzval surface, negative if it curves towards the lens. `None` for a
+    /// plane.
     pub petzval_radius_mm: Option<f64>,
     /// Half the field of view.
     pub half_field_deg: f64,

@@ -51,8 +51,8 @@ const RIM_DIRECTIONS: u32 = 120;
 const RIM_STEPS: u32 = 32;
 
 impl FieldCurves {
-    /// Computes the curves from the axis to the half field of an analysis, on its sensor. Returns an
-    /// error if a chief ray does not reach the sensor.
+    /// Computes the curves from the axis to the half field of an analysis, on its sensor. Returns
+    /// an error if a chief ray does not reach the sensor.
     pub fn of(lens: &Lens, analysis: &LensAnalysis) -> Result<Self> {
         let angle_deg = |step| analysis.half_field_deg * f64::from(step) / f64::from(FIELD_STEPS);
         Self::at_angles(lens, analysis, (0..=FIELD_STEPS).map(angle_deg))
@@ -309,8 +309,8 @@ mod tests {
         }
     }
 
-    /// A lens of the size of its stop, 10 mm behind it, cuts the bundle to the overlap of two discs,
-    /// less the disc of a central obscuration that lies in it.
+    /// A lens of the size of its stop, 10 mm behind it, cuts the bundle to the overlap of two
+    /// discs, less the disc of a central obscuration that lies in it.
     #[test]
     fn a_second_aperture_vignettes_the_overlap_of_two_discs() {
         for (obscuration_mm, half_field_deg) in [(0.0, 6.0), (0.5, 2.5)] {
