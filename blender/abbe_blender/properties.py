@@ -197,7 +197,7 @@ class AbbeCameraSettings(bpy.types.PropertyGroup):
         items=[
             ("BLENDER", "Ideal Lens", "The focal length, and the depth of field, of the camera"),
             ("LIBRARY", "Library", "A prescription of Abbe's library"),
-            ("FILE", "File", "A prescription in a file (.json, or .zmx of Zemax)"),
+            ("FILE", "File", "A prescription in a file (.json, .zmx, .seq, .len or .txt)"),
         ],
     )
     lens: _name("Name", "double Gauss f/2 f100", "Name of the prescription", "lens")

@@ -110,7 +110,7 @@ def lens(
     glasses: Sequence[Union[str, os.PathLike[str]]] = (),
     svg: Optional[Union[str, os.PathLike[str]]] = None,
 ) -> LensReport:
-    """Analyses a built-in lens, a file with a prescription (JSON or Zemax), or a prescription.
+    """Analyses a built-in lens, a file with a prescription (JSON, Zemax, CODE V, OSLO), or a prescription.
 
     `field` is half the field of view in degrees. `glasses` are Zemax catalogues that are searched
     first. `svg` is a file for the cross-section.

@@ -4,38 +4,97 @@ use std::path::{Path, PathBuf};
 
 use abbe_optics::lens::image_quality::FAN_PUPIL;
 use abbe_optics::lens::zemax::ZmxSystem;
-use abbe_optics::lens::{LensAnalysis, LineFocus, Pupil};
+use abbe_optics::lens::{AnalysisConditions, LensAnalysis, LineFocus, Pupil, SensorFocus};
 use abbe_session::output::file;
 use abbe_spectra::error::{Error, Result};
 
 use super::{Outcome, folded_lens, print, values};
 use crate::reports::folded_lens::FoldedLensReport;
-use crate::reports::lens::{FieldReport, LensList, LensListing, LensReport, drawing, find};
+use crate::reports::lens::{FieldReport, LensList, LensListing, LensReport, find};
+use crate::reports::lens_page;
+use crate::reports::lens_plots::{self, LensPlot};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct LensArgs {
-    /// The name of a built-in lens, or a file with a prescription: JSON, Zemax (.zmx) or CODE V
-    /// (.seq)
+    /// The name of a built-in lens, or a file with a prescription: JSON, Zemax (.zmx), CODE V
+    /// (.seq), OSLO (.len) or the Optical Bench of photonstophotos.net (.txt)
     #[arg(value_name = "NAME|FILE", required_unless_present = "list")]
     lens: Option<String>,
     /// Half the field of view in degrees [default: the field of the design, or at most 20 if the
     /// design states none]
     #[arg(long, value_name = "DEG", value_parser = values::half_field_deg)]
     field: Option<f64>,
-    /// Look up the glasses of a Zemax or CODE V file in this catalogue (.agf), or in all catalogues
-    /// of this folder, first (repeatable) [default: the files and folders of ABBE_GLASS_PATH, the
-    /// catalogues that the file names, if they are in its folder, and then the built-in catalogue]
+    /// Analyse these wavelengths, at most 6, instead of the F, d and C lines: `450,550,650` or
+    /// `450:650:50`. The middle one is the reference wavelength
+    #[arg(long, value_name = "NM,...", value_parser = values::wavelengths, conflicts_with = "list")]
+    wavelengths: Option<values::WavelengthList>,
+    /// Place the sensor this far behind the paraxial focus of the reference wavelength, or with
+    /// `best` where the spots of all fields are smallest [default: 0]
+    #[arg(
+        long, value_name = "MM|best", value_parser = values::sensor_focus, allow_hyphen_values = true,
+        conflicts_with = "list"
+    )]
+    focus: Option<SensorFocus>,
+    /// Look up the glasses of a lens file, except JSON, in this catalogue (.agf), or in all
+    /// catalogues of this folder, first (repeatable) [default: the files and folders of
+    /// ABBE_GLASS_PATH, the catalogues that the file names, if they are in its folder, and then the
+    /// built-in catalogue]
     #[arg(long = "glass-catalogue", visible_alias = "glasses", value_name = "FILE|FOLDER", conflicts_with = "list")]
     glasses: Vec<PathBuf>,
-    /// Draw the cross-section with rays of the F, d and C lines
+    /// Draw the plot of `--plot`, by default the cross-section with rays
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
+    /// What `--svg` draws
+    #[arg(long, value_name = "PLOT", value_enum, default_value_t = PlotName::Section, requires = "svg")]
+    plot: PlotName,
+    /// Write a page for A4 paper with all figures and plots
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
     /// List all built-in lenses
-    #[arg(long, conflicts_with_all = ["lens", "field", "svg"])]
+    #[arg(long, conflicts_with_all = ["lens", "field", "svg", "html"])]
     list: bool,
+}
+
+/// The plots of `--plot`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum PlotName {
+    /// The cross-section with rays at two fields, and magnified foci
+    Section,
+    /// Spot diagrams per field and wavelength
+    Spots,
+    /// Ray fans, tangential and sagittal
+    RayFans,
+    /// MTF against spatial frequency
+    Mtf,
+    /// MTF against the position of the sensor
+    ThroughFocus,
+    /// Field curvature (S and T) and distortion
+    FieldCurves,
+    /// Lateral colour against the field
+    LateralColour,
+    /// Relative illumination against the field
+    Illumination,
+    /// Longitudinal aberration, and focus against wavelength
+    AxialColour,
+}
+
+impl PlotName {
+    fn plot(self) -> LensPlot {
+        match self {
+            Self::Section => LensPlot::Section,
+            Self::Spots => LensPlot::Spots,
+            Self::RayFans => LensPlot::RayFans,
+            Self::Mtf => LensPlot::Mtf,
+            Self::ThroughFocus => LensPlot::ThroughFocus,
+            Self::FieldCurves => LensPlot::FieldCurves,
+            Self::LateralColour => LensPlot::LateralColour,
+            Self::Illumination => LensPlot::Illumination,
+            Self::AxialColour => LensPlot::AxialColour,
+        }
+    }
 }
 
 pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
@@ -47,27 +106,53 @@ pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
 }
 
 fn one(name: &str, arguments: &LensArgs) -> Result<()> {
-    let inputs = arguments.glasses.iter().map(PathBuf::as_path).chain([Path::new(name)]);
-    file::check_keeps_inputs(arguments.svg.as_deref(), inputs)?;
+    for output in [&arguments.svg, &arguments.html] {
+        let inputs = arguments.glasses.iter().map(PathBuf::as_path).chain([Path::new(name)]);
+        file::check_keeps_inputs(output.as_deref(), inputs)?;
+    }
     let lens = match find(name, &arguments.glasses)? {
         ZmxSystem::Lens(lens) => lens,
         ZmxSystem::Folded(system) => {
-            if arguments.svg.is_some() {
-                let error = Error::input("a system with mirrors or coordinate breaks cannot be drawn yet");
-                return Err(error.expected("no --svg"));
-            }
+            refuse_for_mirrors(arguments)?;
             notes(&system.notes);
             let report = FoldedLensReport::of(&system, arguments.field)?;
             return if arguments.json { print::json(&report) } else { print::result(&folded_lens::text(&report)) };
         }
     };
     notes(lens.notes());
-    let analysis = LensAnalysis::of(&lens, arguments.field)?;
+    let mut conditions = AnalysisConditions::default().with_half_field(arguments.field);
+    if let Some(wavelengths) = &arguments.wavelengths {
+        conditions = conditions.with_wavelengths(&wavelengths.0)?;
+    }
+    if let Some(focus) = arguments.focus {
+        conditions = conditions.with_focus(focus);
+    }
+    let analysis = LensAnalysis::under(&lens, conditions)?;
     if let Some(path) = &arguments.svg {
-        file::write_whole(path, drawing(&lens, &analysis)?.svg().as_bytes())?;
+        file::write_whole(path, lens_plots::svg(arguments.plot.plot(), &lens, &analysis)?.as_bytes())?;
+    }
+    if let Some(path) = &arguments.html {
+        file::write_whole(path, lens_page::page(&lens, &analysis)?.as_bytes())?;
     }
     let report = LensReport::of(&lens, &analysis)?;
-    if arguments.json { print::json(&report) } else { print::result(&text(&report)) }
+    if arguments.json { print::json(&report) } else { print::result(&text(&report, &analysis)) }
+}
+
+/// Returns an error for an option that has no effect on a system with mirrors.
+fn refuse_for_mirrors(arguments: &LensArgs) -> Result<()> {
+    let LensArgs { wavelengths, focus, svg, html, .. } = arguments;
+    let given = [
+        ("--svg", svg.is_some()),
+        ("--html", html.is_some()),
+        ("--wavelengths", wavelengths.is_some()),
+        ("--focus", focus.is_some()),
+    ];
+    let Some((option, _)) = given.iter().find(|(_, given)| *given) else { return Ok(()) };
+    let what = match *option {
+        "--svg" | "--html" => "a system with mirrors or coordinate breaks cannot be drawn yet",
+        _ => "a system with mirrors or coordinate breaks is analysed in the F, d and C lines at the image of its file",
+    };
+    Err(Error::input(what).expected(format!("no {option}")))
 }
 
 fn notes(notes: &[String]) {
@@ -87,7 +172,11 @@ fn list(json: bool) -> Result<()> {
     print::result(&list.lenses.iter().map(line).collect::<String>())
 }
 
-fn text(report: &LensReport<'_>) -> String {
+fn text(report: &LensReport<'_>, analysis: &LensAnalysis) -> String {
+    let lines = analysis.conditions.lines();
+    let reference = &lines[analysis.conditions.reference()].name;
+    let [shortest, longest] = [&lines[0].name, &lines[lines.len() - 1].name];
+    let is_default = lines == AnalysisConditions::default().lines();
     let mut text = format!("{} ({} surfaces, {:.3} mm long)\n", report.name, report.surfaces, report.length_mm);
     let pupil = |pupil: &Option<Pupil>| match pupil {
         Some(Pupil { z_mm, diameter_mm }) => {
@@ -96,22 +185,33 @@ fn text(report: &LensReport<'_>) -> String {
         None => "at infinity".to_string(),
     };
     let f_number = report.f_number.map_or("undefined".to_string(), |f_number| format!("{f_number:.4}"));
+    let colour = format!("{shortest}' - {longest}'");
+    let at = if is_default { String::new() } else { format!(" at {reference}{}", unit(reference)) };
     for (name, value) in [
-        ("focal length", format!("{:.4} mm", report.efl_mm)),
+        ("focal length", format!("{:.4} mm{at}", report.efl_mm)),
         ("back focus", format!("{:.4} mm from the last surface to the sensor", report.bfd_mm)),
         ("f-number", f_number),
         ("entrance pupil", pupil(&report.entrance_pupil)),
         ("exit pupil", pupil(&report.exit_pupil)),
-        ("F' - C'", format!("{:+.4} mm of the back focus (longitudinal chromatic aberration)", report.fc_shift_mm)),
+        (
+            colour.as_str(),
+            format!("{:+.4} mm of the back focus (longitudinal chromatic aberration)", report.fc_shift_mm),
+        ),
+        ("best focus", format!("{:+.4} mm from the paraxial focus", report.best_focus_shift_mm)),
+        ("sensor", format!("{:+.4} mm from the paraxial focus", report.focus_shift_mm)),
     ] {
-        text += &format!("{name:<15} {value}\n");
+        // One wavelength has no longitudinal colour.
+        if lines.len() > 1 || name != colour {
+            text += &format!("{name:<15} {value}\n");
+        }
     }
     text += "\nline         nm   focal length     back focus   transmittance\n";
     for LineFocus { line, wavelength_nm: nm, efl_mm, bfd_mm, transmittance } in &report.lines {
         let percent = 100.0 * transmittance;
         text += &format!("{line:<4} {nm:>10.4} {efl_mm:>11.4} mm {bfd_mm:>11.4} mm {percent:>13.3} %\n");
     }
-    text += "\nfield       height  distortion  lateral colour   spot radius (RMS) in F, d, C\n";
+    let names = lines.iter().map(|line| line.name.as_ref()).collect::<Vec<_>>().join(", ");
+    text += &format!("\nfield       height  distortion  lateral colour   spot radius (RMS) in {names}\n");
     for field in &report.fields {
         let distortion = field.distortion.map_or("-".to_string(), |fraction| format!("{:+.3} %", 100.0 * fraction));
         let spots = field.spots.iter().map(|spot| format!("{:>9.2}", 1e3 * spot.rms_mm)).collect::<String>();
@@ -119,13 +219,18 @@ fn text(report: &LensReport<'_>) -> String {
         let colour_um = 1e3 * field.lateral_colour_mm;
         text += &format!("{angle:<7} {height:>7.3} mm {distortion:>11} {colour_um:>12.2} µm {spots} µm\n");
     }
-    text += &quality_text(&report.fields);
+    text += &quality_text(&report.fields, reference);
     text += &report.source.map_or(String::new(), |source| format!("\nsource          {source}\n"));
     text
 }
 
+/// Returns the unit of the name of a wavelength, if the name is a number.
+fn unit(name: &str) -> &'static str {
+    if name.parse::<f64>().is_ok() { " nm" } else { "" }
+}
+
 /// Returns the tables of the MTF and of the ray fans.
-fn quality_text(fields: &[FieldReport]) -> String {
+fn quality_text(fields: &[FieldReport], reference: &str) -> String {
     let mut text = "\nMTF (geometric, times the limit of diffraction), tangential and sagittal\nfield  ".to_string();
     let frequencies = fields.first().map_or(&[][..], |field| &field.mtf);
     text += &frequencies.iter().map(|point| format!("{:>10} /mm", point.per_mm)).collect::<String>();
@@ -135,10 +240,11 @@ fn quality_text(fields: &[FieldReport]) -> String {
     }
     let limits = frequencies.iter().map(|point| format!("{:>14.2}", point.diffraction_limit));
     text += &format!("\nlimit  {}\n", limits.collect::<String>());
-    text += "\nray fans of the d line: transverse aberration in µm by the height in the pupil\nfield    ";
+    let line = if unit(reference).is_empty() { format!("the {reference} line") } else { format!("{reference} nm") };
+    text += &format!("\nray fans of {line}: transverse aberration in µm by the height in the pupil\nfield    ");
     text += &FAN_PUPIL.iter().map(|p| format!("{p:>8.2}")).collect::<String>();
     for FieldReport { angle_deg, ray_fans, .. } in fields {
-        for fan in ray_fans.iter().filter(|fan| fan.line == "d") {
+        for fan in ray_fans.iter().filter(|fan| fan.line == reference) {
             for (plane, values) in [("y", fan.tangential_mm), ("x", fan.sagittal_mm)] {
                 let cell = |value: Option<f64>| value.map_or("-".to_string(), |mm| format!("{:.1}", 1e3 * mm));
                 let cells = values.map(|value| format!("{:>8}", cell(value))).concat();

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+use abbe_optics::lens::SensorFocus;
 use abbe_scene::{Bloom, Exposure};
 use abbe_session::output::gates::{Gate, GateSide};
 use abbe_session::output::relight::LightGain;
@@ -57,6 +58,17 @@ pub(crate) fn fraction(text: &str) -> Result<f64, String> {
 pub(crate) fn half_field_deg(text: &str) -> Result<f64, String> {
     let inside = |degrees: &f64| 0.0 < *degrees && *degrees < 90.0;
     text.trim().parse().ok().filter(inside).ok_or_else(|| "expected degrees above 0 and below 90".to_string())
+}
+
+/// Parses the position of the sensor of a lens: a distance in mm, or `best`.
+pub(crate) fn sensor_focus(text: &str) -> Result<SensorFocus, String> {
+    match text.trim() {
+        "best" => Ok(SensorFocus::Best),
+        number => match number.parse::<f64>() {
+            Ok(mm) if mm.is_finite() => Ok(SensorFocus::Shift(mm)),
+            _ => Err("expected a distance in mm such as -0.2, or best".to_string()),
+        },
+    }
 }
 
 /// Parses a size in pixels such as `640x360`.

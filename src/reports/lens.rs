@@ -1,14 +1,19 @@
 //! The analysis of a lens of several elements.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use abbe_format::resolve;
 use abbe_optics::glass::AgfCatalogue;
+use abbe_optics::lens::field_curves::FieldCurves;
 use abbe_optics::lens::image_quality::{FAN_PUPIL, ImageQuality, MtfPoint, RayFan};
 use abbe_optics::lens::section::{DrawnRay, FocusDetail, LensSection, section};
-use abbe_optics::lens::zemax::ZmxSystem;
-use abbe_optics::lens::{FieldPoint, LINES, Lens, LensAnalysis, LensSurface, LineFocus, Pupil, catalogue};
+use abbe_optics::lens::zemax::{EXTENSIONS, ZmxSystem};
+use abbe_optics::lens::{
+    AnalysisLine, FieldPoint, LINES, Lens, LensAnalysis, LensSurface, LineFocus, Pupil, catalogue,
+};
 use abbe_session::output::drawing::{FocusInset, LensDrawing, RayStroke};
+use abbe_session::output::plot::ink_colour;
 use abbe_spectra::error::Result;
 use serde::Serialize;
 
@@ -22,16 +27,23 @@ pub struct LensReport<'a> {
     pub length_mm: f64,
     pub efl_mm: f64,
     pub bfd_mm: f64,
-    /// The back focus of the F line minus that of the C line.
+    /// The back focus of the shortest wavelength minus that of the longest: of F and C by default.
     pub fc_shift_mm: f64,
+    /// The distance from the paraxial focus of the reference wavelength to the sensor.
+    pub focus_shift_mm: f64,
+    /// The value of `focus_shift_mm` for which the spots of all fields are smallest.
+    pub best_focus_shift_mm: f64,
     /// `None` if the entrance pupil lies at infinity.
     pub f_number: Option<f64>,
     /// `None` if the pupil lies at infinity.
     pub entrance_pupil: Option<Pupil>,
     /// `None` if the pupil lies at infinity.
     pub exit_pupil: Option<Pupil>,
-    /// The foci of the lines F, d and C.
-    pub lines: [LineFocus; 3],
+    /// The foci of the wavelengths: F, d and C by default.
+    pub lines: Vec<LineFocus>,
+    /// The radius of the Petzval surface, negative if it curves towards the lens. `None` for a
+    /// plane.
+    pub petzval_radius_mm: Option<f64>,
     /// Half the field of view.
     pub half_field_deg: f64,
     /// Three fields from the axis to the edge.
@@ -45,15 +57,21 @@ pub struct FieldReport {
     pub image_height_mm: f64,
     pub distortion: Option<f64>,
     pub lateral_colour_mm: f64,
+    /// The distance from the sensor to the tangential focus of a thin bundle.
+    pub tangential_focus_mm: f64,
+    /// The distance from the sensor to the sagittal focus of a thin bundle.
+    pub sagittal_focus_mm: f64,
+    /// The illuminance relative to the axis, without the losses of surfaces and glass.
+    pub relative_illumination: f64,
     pub spots: Vec<SpotReport>,
     pub mtf: Vec<MtfPoint>,
     pub ray_fans: Vec<FanReport>,
 }
 
-/// The ray fans of a line at the heights `pupil`. [`RayFan`] defines the quantities.
+/// The ray fans of a wavelength at the heights `pupil`. [`RayFan`] defines the quantities.
 #[derive(Debug, Serialize)]
 pub struct FanReport {
-    pub line: &'static str,
+    pub line: Cow<'static, str>,
     pub pupil: [f64; FAN_PUPIL.len()],
     pub tangential_mm: [Option<f64>; FAN_PUPIL.len()],
     pub sagittal_mm: [Option<f64>; FAN_PUPIL.len()],
@@ -61,15 +79,15 @@ pub struct FanReport {
 
 #[derive(Debug, Serialize)]
 pub struct SpotReport {
-    /// `F`, `d` or `C`.
-    pub line: &'static str,
+    /// `F`, `d` or `C`, or the wavelength in nm.
+    pub line: Cow<'static, str>,
     /// The root mean square distance of the rays from their centre.
     pub rms_mm: f64,
 }
 
 impl SpotReport {
     pub(super) fn of_lines(rms_mm: [f64; 3]) -> Vec<Self> {
-        LINES.iter().zip(rms_mm).map(|(line, rms_mm)| Self { line: line.0, rms_mm }).collect()
+        LINES.iter().zip(rms_mm).map(|(line, rms_mm)| Self { line: line.0.into(), rms_mm }).collect()
     }
 }
 
@@ -110,9 +128,10 @@ impl LensList<'static> {
 const GLASS_PATH: &str = "ABBE_GLASS_PATH";
 
 /// Returns the built-in lens with this name, or the system in this file: a prescription in JSON, or
-/// a Zemax or CODE V file (`.zmx`, `.seq`). Its glasses are searched in the catalogues `glasses`
-/// (files or folders) and then in those of `ABBE_GLASS_PATH` first. Returns an error if the name is
-/// unknown, or if a file cannot be read or is wrong.
+/// a file of Zemax, CODE V, OSLO or the Optical Bench (`.zmx`, `.seq`, `.len`, `.txt`). Its glasses
+/// are searched in the catalogues `glasses` (files or folders) and then in those of
+/// `ABBE_GLASS_PATH` first. Returns an error if the name is unknown, or if a file cannot be read or
+/// is wrong.
 pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     let searched = std::env::var_os(GLASS_PATH).unwrap_or_default();
     let searched = std::env::split_paths(&searched).filter(|path| !path.as_os_str().is_empty());
@@ -128,7 +147,7 @@ pub fn find(name: &str, glasses: &[PathBuf]) -> Result<ZmxSystem> {
     // Names of lenses contain blanks and slashes ("Tessar f/4.5"). A text is a path only if the
     // file exists or has the extension of a lens file.
     let is_lens_file =
-        |ending: &std::ffi::OsStr| ["json", "zmx", "seq"].iter().any(|known| ending.eq_ignore_ascii_case(known));
+        |ending: &std::ffi::OsStr| EXTENSIONS.iter().chain(&["json"]).any(|known| ending.eq_ignore_ascii_case(known));
     if path.exists() || path.extension().is_some_and(is_lens_file) {
         return resolve::lens_system_file(path, &catalogues);
     }
@@ -139,19 +158,26 @@ impl<'a> LensReport<'a> {
     /// Reports an analysis with image quality. Returns an error if no light passes at a field.
     pub fn of(lens: &'a Lens, analysis: &LensAnalysis) -> Result<Self> {
         let quality = ImageQuality::of(lens, analysis)?;
-        let LensAnalysis { paraxial, lines, half_field_deg, fields } = analysis;
+        let angles = analysis.fields.iter().map(|field| field.angle_deg);
+        let curves = FieldCurves::at_angles(lens, analysis, angles)?;
+        let reference = analysis.conditions.reference();
+        let LensAnalysis { paraxial, lines, half_field_deg, fields, .. } = analysis;
+        let names = analysis.conditions.lines();
         let fan = |RayFan { line, tangential_mm, sagittal_mm }: &RayFan| FanReport {
-            line,
+            line: line.clone(),
             pupil: FAN_PUPIL,
             tangential_mm: *tangential_mm,
             sagittal_mm: *sagittal_mm,
         };
-        let field = |(field, quality): (&FieldPoint, &ImageQuality)| FieldReport {
+        let field = |(i, (field, quality)): (usize, (&FieldPoint, &ImageQuality))| FieldReport {
             angle_deg: field.angle_deg,
             image_height_mm: field.image_height_mm,
             distortion: field.distortion,
             lateral_colour_mm: field.lateral_colour_mm,
-            spots: SpotReport::of_lines(field.spots.map(|spot| spot.rms_mm)),
+            tangential_focus_mm: curves.tangential_mm[reference][i],
+            sagittal_focus_mm: curves.sagittal_mm[reference][i],
+            relative_illumination: curves.relative_illumination[i],
+            spots: names.iter().zip(&field.spots).map(|(line, spot)| spot_report(line, spot.rms_mm)).collect(),
             mtf: quality.mtf.to_vec(),
             ray_fans: quality.fans.iter().map(fan).collect(),
         };
@@ -163,17 +189,46 @@ impl<'a> LensReport<'a> {
             efl_mm: paraxial.efl_mm,
             bfd_mm: paraxial.bfd_mm,
             fc_shift_mm: analysis.fc_shift_mm(),
+            focus_shift_mm: analysis.focus_shift_mm,
+            best_focus_shift_mm: analysis.best_focus_shift_mm,
             f_number: paraxial.f_number,
             entrance_pupil: paraxial.entrance_pupil,
             exit_pupil: paraxial.exit_pupil,
-            lines: *lines,
+            lines: lines.clone(),
+            petzval_radius_mm: Some(curves.petzval_radius_mm).filter(|radius| radius.is_finite()),
             half_field_deg: *half_field_deg,
-            fields: fields.iter().zip(&quality).map(field).collect(),
+            fields: fields.iter().zip(&quality).enumerate().map(field).collect(),
         })
     }
 }
 
-/// Draws the cross-section with rays of the F, d and C lines. Returns an error if no light passes.
+fn spot_report(line: &AnalysisLine, rms_mm: f64) -> SpotReport {
+    SpotReport { line: line.name.clone(), rms_mm }
+}
+
+/// Returns the colour of a wavelength in plots, in SVG notation.
+pub(super) fn line_colour(line: &AnalysisLine) -> String {
+    match line.name.as_ref() {
+        "F" => "#1f5fbf".to_string(),
+        "d" => "#d09a00".to_string(),
+        "C" => "#c0302a".to_string(),
+        _ => ink_colour(line.nm),
+    }
+}
+
+/// Returns the name and the value of a wavelength, such as `F, 486.1 nm`, or only the value.
+pub(super) fn line_name(AnalysisLine { name, nm }: &AnalysisLine) -> String {
+    if name.parse::<f64>().is_ok() { format!("{nm} nm") } else { format!("{name}, {nm:.1} nm") }
+}
+
+/// Returns the names of the shortest and the longest wavelength, as of their foci or heights.
+pub(super) fn outer_lines(analysis: &LensAnalysis) -> [&str; 2] {
+    let lines = analysis.conditions.lines();
+    [lines[0].name.as_ref(), lines[lines.len() - 1].name.as_ref()]
+}
+
+/// Draws the cross-section with rays of all wavelengths of the analysis. Returns an error if no
+/// light passes.
 pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
     let LensSection { elements, stop, sensor, rays, foci } = section(lens, analysis)?;
     let stroke = |ray: DrawnRay| RayStroke { colour: ray.line, window: ray.field, points: ray.points };
@@ -187,22 +242,23 @@ pub fn drawing(lens: &Lens, analysis: &LensAnalysis) -> Result<LensDrawing> {
         half_size: focus.half_size,
         slope: focus.slope,
     };
-    let colours = LINES.iter().zip(["#1f5fbf", "#d09a00", "#c0302a"]);
+    let lines = analysis.conditions.lines();
+    let [shortest, longest] = outer_lines(analysis);
+    let colour = format!(", {shortest}′ − {longest}′ {:+.4} mm", analysis.fc_shift_mm());
+    let colour = if lines.len() > 1 { colour } else { String::new() };
     let f_number = analysis.paraxial.f_number.map_or(String::new(), |f_number| format!(", f/{f_number:.2}"));
     Ok(LensDrawing {
         title: lens.name().to_string(),
         caption: format!(
-            "f = {:.2} mm{f_number}, back focus {:.2} mm, F′ − C′ {:+.4} mm",
-            analysis.paraxial.efl_mm,
-            analysis.paraxial.bfd_mm,
-            analysis.fc_shift_mm()
+            "f = {:.2} mm{f_number}, back focus {:.2} mm{colour}",
+            analysis.paraxial.efl_mm, analysis.paraxial.bfd_mm
         )
         .replace('-', "−"),
         glass: elements,
         stop,
         sensor,
         strokes: rays.into_iter().map(stroke).collect(),
-        colours: colours.map(|((line, nm), colour)| (format!("{line}, {nm:.1} nm"), colour.to_string())).collect(),
+        colours: lines.iter().map(|line| (line_name(line), line_colour(line))).collect(),
         windows: foci.iter().map(window).collect(),
     })
 }

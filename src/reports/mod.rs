@@ -11,6 +11,9 @@ pub mod glass;
 pub mod grating;
 pub mod lamps;
 pub mod lens;
+#[cfg(feature = "pages")]
+pub mod lens_page;
+pub mod lens_plots;
 pub mod luminaire;
 pub mod measurement;
 pub mod metal;

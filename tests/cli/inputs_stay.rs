@@ -91,6 +91,7 @@ fn other_commands_keep_what_they_read() {
     is_refused(at, &["spectrum", "lamp.csv", "--svg", "lamp.csv"]);
     is_refused(at, &["glass", "N-BK7", "--catalogue", "lamp.csv", "--svg", "lamp.csv"]);
     is_refused(at, &["lens", "lens.json", "--svg", "lens.json"]);
+    is_refused(at, &["lens", "lens.json", "--html", "lens.json"]);
     is_refused(at, &["film", "lens.json", "--svg", "lens.json"]);
     is_refused(at, &["probe", "sky.exr", "1", "1", "--heat", "sky.exr"]);
     is_refused(at, &["relight", "sky.exr", "-o", "sky.exr"]);

@@ -150,6 +150,36 @@ fn a_code_v_file_is_analysed() {
     abbe(folder.path(), &["lens", "bad.seq"]).is_error(2, &["bad.seq:6:3", "tilted or decentred"]);
 }
 
+/// The singlet of the catalogue as OSLO and the Optical Bench write it, also in a scene.
+#[test]
+fn files_of_oslo_and_of_the_optical_bench_are_analysed() {
+    let folder = tempfile::tempdir().unwrap();
+    let oslo = "LEN NEW \"own\" 100 3\nEBR 10\nANG 5\nUNI 1.0\nTH 1e20\nNXT\nGLA N-BK7\nRD 100\nTH 5\nAST\nNXT\nAIR\nPK CVM 1\nPY 0\nNXT\nEND 3\n";
+    let bench = "[variable distances]\nF-Number\t4.879020143\nAngle of View\t10\nBf\t95\n[lens data]\n1\tAS\t0\t\t20\n\
+        2\t100\t5\t1.5168\t20.4\t64.17\tN-BK7\n3\t-100\tBf\t\t20.4\n";
+    std::fs::write(folder.path().join("own.len"), oslo).unwrap();
+    std::fs::write(folder.path().join("own.txt"), bench).unwrap();
+    let known = abbe(folder.path(), &["lens", "singlet", "--json"]).json();
+    for file in ["own.len", "own.txt"] {
+        let own = abbe(folder.path(), &["lens", file, "--json"]).json();
+        assert_eq!((&own["efl_mm"], &own["half_field_deg"]), (&known["efl_mm"], &5.0.into()), "{file}");
+        let f_number = |lens: &serde_json::Value| lens["f_number"].as_f64().unwrap();
+        assert!((f_number(&own) / f_number(&known) - 1.0).abs() < 1e-6, "{file}");
+        let scene = format!(
+            r#"{{"camera": {{"from": [0, 0, 0], "at": [0, 0, 1], "lens": {{"system":
+            {{"prescription": "{file}", "focus_distance": 9, "sensor_height_mm": 12}}}}}},
+            "film": {{"width": 8, "height": 8}}, "objects": []}}"#
+        );
+        std::fs::write(folder.path().join("scene.json"), scene).unwrap();
+        let checked = abbe(folder.path(), &["check", "scene.json"]);
+        assert!(!checked.err.contains(file), "{file}: {}", checked.err);
+    }
+    std::fs::write(folder.path().join("bad.len"), oslo.replace("AST", "  TLA 3")).unwrap();
+    abbe(folder.path(), &["lens", "bad.len"]).is_error(2, &["bad.len:10:3", "TLA is not supported"]);
+    std::fs::write(folder.path().join("bad.txt"), bench.replace("Bf\t\t", "Bg\t\t")).unwrap();
+    abbe(folder.path(), &["lens", "bad.txt"]).is_error(2, &["bad.txt:8:1", "the thickness \"Bg\""]);
+}
+
 #[test]
 fn the_section_is_drawn_whole() {
     let folder = tempfile::tempdir().unwrap();
@@ -165,6 +195,86 @@ fn the_section_is_drawn_whole() {
         // enlargement.
         assert_eq!(svg.matches("class=\"ray\"").count(), rays, "{name}");
     }
+}
+
+const PLOTS: [(&str, &str, usize); 9] = [
+    ("section", "focus on the axis", 0),
+    ("spots", "RMS ", 0),
+    ("ray-fans", "14.00°, sagittal", 18),
+    ("mtf", "diffraction limit", 7),
+    ("through-focus", "best focus", 7),
+    ("field-curves", "distortion in %", 7),
+    ("lateral-colour", "radius of the Airy disk", 5),
+    ("illumination", "cos⁴", 2),
+    ("axial-colour", "chromatic focal shift", 4),
+];
+
+#[test]
+fn every_plot_is_a_whole_file_with_its_curves() {
+    let folder = tempfile::tempdir().unwrap();
+    for (plot, words, curves) in PLOTS {
+        assert_eq!(abbe(folder.path(), &["lens", "double-gauss", "--svg", "a.svg", "--plot", plot]).status, 0);
+        let svg = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
+        assert!(
+            svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && svg.contains("double Gauss f/2 f100"),
+            "{plot}"
+        );
+        assert!(!svg.contains("NaN") && !svg.contains("inf") && svg.contains(words), "{plot}");
+        assert_eq!(svg.matches("class=\"curve\"").count(), curves, "{plot}");
+    }
+    abbe(folder.path(), &["lens", "double-gauss", "--plot", "mtf"]).is_error(2, &["--svg"]);
+    abbe(folder.path(), &["lens", "double-gauss", "--svg", "a.svg", "--plot", "psf"]).is_error(2, &["ray-fans"]);
+}
+
+/// The page contains all plots and refers to nothing outside, for a built-in lens, a Zemax file and
+/// wavelengths of one's own.
+#[test]
+fn the_page_of_a_lens_is_whole_and_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let zemax = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/abbe-optics/examples/cooke_triplet.zmx");
+    for (lens, more, words) in [
+        ("cemented", &["--focus", "best"][..], "Lateral colour"),
+        (zemax, &["--wavelengths", "450,550"], "550 nm (reference)"),
+        ("fisheye", &[], "M. Laikin"),
+        // One wavelength has no lateral colour.
+        ("singlet", &["--wavelengths", "633"], "633 nm"),
+    ] {
+        let arguments = [&["lens", lens, "--html", "lens.html"], more].concat();
+        assert_eq!(abbe(folder.path(), &arguments).status, 0, "{lens}");
+        let page = std::fs::read_to_string(folder.path().join("lens.html")).unwrap();
+        assert_eq!(page.matches("</svg>").count(), if lens == "singlet" { 10 } else { 11 }, "{lens}");
+        for heading in ["Fields", "Prescription", "Spot diagrams", "Ray fans", "Modulation transfer", "Aberrations"] {
+            assert!(page.contains(heading), "{lens}: {heading}");
+        }
+        assert!(page.contains(words) && !page.contains("NaN"), "{lens}");
+        let links = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!links.contains("http") && !links.contains("src="), "{lens}");
+    }
+}
+
+#[test]
+fn wavelengths_and_focus_change_the_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let lens = |more: &[&str]| abbe(folder.path(), &[&["lens", "cooke"], more].concat());
+    let own = lens(&["--wavelengths", "650,450,550"]).out;
+    for words in ["mm at 550 nm", "450' - 650'", "in 450, 550, 650", "ray fans of 550 nm"] {
+        assert!(own.contains(words), "{words}: {own}");
+    }
+    let line = lens(&["--wavelengths", "587.5618", "--json"]).json();
+    assert_eq!((&line["lines"][0]["line"], line["lines"].as_array().unwrap().len()), (&"d".into(), 1));
+    let spot = |json: &serde_json::Value| {
+        let fields = json["fields"].as_array().unwrap().iter();
+        fields.map(|field| field["spots"][1]["rms_mm"].as_f64().unwrap().powi(2)).sum::<f64>()
+    };
+    let (paraxial, best) = (lens(&["--json"]).json(), lens(&["--focus", "best", "--json"]).json());
+    assert!(spot(&best) < 0.6 * spot(&paraxial), "{} {}", spot(&best), spot(&paraxial));
+    assert_eq!((&paraxial["focus_shift_mm"], &best["focus_shift_mm"]), (&0.0.into(), &best["best_focus_shift_mm"]));
+    let shift = best["best_focus_shift_mm"].to_string();
+    assert_eq!(lens(&["--focus", &shift, "--json"]).json()["fields"], best["fields"]);
+    lens(&["--focus", "-99"]).is_error(2, &["not behind the lens", "at least -42.4"]);
+    lens(&["--focus", "near"]).is_error(2, &["a distance in mm", "best"]);
+    lens(&["--wavelengths", "400:700:50"]).is_error(2, &["found 7 wavelengths", "1 to 6"]);
+    lens(&["--wavelengths", "550,550"]).is_error(2, &["550 nm twice"]);
 }
 
 #[test]
@@ -215,6 +325,11 @@ fn the_image_quality_is_in_the_text_and_in_json() {
         // The chief ray of the d line is the reference.
         assert!(fans[1]["tangential_mm"][4].as_f64().unwrap().abs() < 1e-12);
     }
+    // The values of tests/golden/lens_curves.json at the edge of the field.
+    let edge = |key: &str| json["fields"][2][key].as_f64().unwrap();
+    assert!((edge("tangential_focus_mm") + 0.36567).abs() < 1e-4 && (edge("sagittal_focus_mm") + 0.53156).abs() < 1e-4);
+    assert!(json["fields"][0]["relative_illumination"] == 1.0 && edge("relative_illumination") < 0.7);
+    assert!(json["petzval_radius_mm"].as_f64().unwrap() < -300.0, "{}", json["petzval_radius_mm"]);
     let text = abbe(folder.path(), &["lens", "double-gauss"]).out;
     for words in ["MTF (geometric", "10 /mm", "limit ", "ray fans of the d line", "14.00° y"] {
         assert!(text.contains(words), "{words}: {text}");
@@ -236,7 +351,11 @@ fn a_system_with_mirrors_is_analysed_but_not_used_in_a_camera() {
     for words in ["1 of them mirrors", "focal length    100.0000 mm", "f-number        5.0000", "passing"] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    abbe(folder.path(), &["lens", "dish.ZMX", "--svg", "a.svg"]).is_error(2, &["cannot be drawn"]);
+    for option in ["--svg", "--html", "--wavelengths=550", "--focus=best"] {
+        let words = if option.contains('=') { "at the image of its file" } else { "cannot be drawn" };
+        let value = if option.contains('=') { &[][..] } else { &["out"] };
+        abbe(folder.path(), &[&["lens", "dish.ZMX", option], value].concat()).is_error(2, &[words]);
+    }
     let scene = r#"{"camera": {"from": [0, 0, 0], "at": [0, 0, 1], "lens": {"system":
         {"prescription": "dish.ZMX", "focus_distance": 9, "sensor_height_mm": 24}}},
         "film": {"width": 8, "height": 8}, "objects": []}"#;

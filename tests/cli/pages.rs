@@ -88,6 +88,24 @@ fn a_page_that_asks_for_anything_or_fails_is_found_out() {
     assert!(counts(&harmless.picture).len() < 300, "next to nothing is to be seen");
 }
 
+/// A page to hand on is light in every scheme.
+#[test]
+fn the_page_of_a_lens_fits_the_window_and_is_light() {
+    let Some(browser) = crate::browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["lens", "double-gauss", "--html", "lens.html"];
+    let status =
+        Command::new(env!("CARGO_BIN_EXE_abbe")).current_dir(folder.path()).args(arguments).output().unwrap().status;
+    assert!(status.success());
+    let page = std::fs::read_to_string(folder.path().join("lens.html")).unwrap();
+    for (size, scheme) in [((1280, 5000), Scheme::Dark), ((420, 7000), Scheme::Light)] {
+        let Seen { picture, console, requests } = open(browser, &page, size, scheme);
+        assert_eq!((picture.dimensions(), console, requests), (size, Vec::new(), Vec::new()));
+        assert_eq!(paper_at_the_edge(&picture).0, [255, 255, 255], "{scheme:?}");
+        assert!(counts(&picture).len() > 300, "plots are to be seen");
+    }
+}
+
 /// Makes the page of a study.
 fn study_page() -> String {
     let folder = tempfile::tempdir().unwrap();

@@ -19,6 +19,7 @@ mod crystal_scene;
 mod diamond_mesh;
 mod fluorescence_files;
 mod grating_golden;
+mod lens_curves;
 mod lens_golden;
 mod lens_properties;
 mod links;

@@ -77,6 +77,8 @@ pub(crate) fn all() -> Vec<Target> {
         Target::new("spdx", "spdx", 5, vec![bytes(SPDX)], spectrum),
         Target::new("table", "csv", 4, vec![bytes("nm,value\n400,0.1\n500,0.5\n600,1\n700,0.2\n")], spectrum),
         Target::new("zemax", "zmx", 5, vec![bytes(ZMX)], lens),
+        Target::new("oslo", "len", 3, vec![bytes(OSLO)], lens),
+        Target::new("bench", "txt", 3, vec![bytes(BENCH)], lens),
         Target::new("prescription", "json", 4, vec![bytes(PRESCRIPTION)], lens),
         Target::new("catalogue", "agf", 2, vec![bytes(AGF)], |path| {
             AgfCatalogue::parse(&std::fs::read(path).unwrap(), path).and_then(|file| file.find("OWN-7")).is_ok()
@@ -262,6 +264,13 @@ const ZMX: &str = "VERS 140124\nMODE SEQ\nNAME achromat\nUNIT MM X W X CM MR CPM
     SURF 0\n  TYPE STANDARD\n  CURV 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  TYPE STANDARD\n  CURV 1.628E-02\n  DISZ 6\n  GLAS N-BK7 0 0 1.5\n  DIAM 12.7\n\
     SURF 2\n  TYPE STANDARD\n  CURV -2.24E-02\n  DISZ 2.5\n  GLAS N-SF5 0 0 1.67\n  DIAM 12.66\nSURF 3\n  TYPE EVENASPH\n  CURV -7.7E-03\n  CONI 0\n\
     \x20 PARM 1 0\n  PARM 2 1E-7\n  DISZ 95.95\n  DIAM 12.53\nSURF 4\n  TYPE STANDARD\n  CURV 0\n  DISZ 0\n  DIAM 2\n";
+
+const OSLO: &str = "LEN NEW \"achromat\" 100 4\nEBR 12.5\nANG 1.0\nUNI 1.0\nTH 1e20\nNXT // SRF 1\nGLA N-BK7\nRD 61.47\nTH 6\nAP CHK 12.7\nAST\n\
+    NXT\nGLA MOD G 1.67271 1.68750 1.66662\nPK CVM 1 -0.006\nTH 2.5\nNXT\nRD -129.94\nCC -0.5\nAD 1e-7\nPY 0\nNXT\nTH 0\nEND 4\n";
+
+const BENCH: &str = "[descriptive data]\ntitle\tachromat\n[constants]\nAsphericalA2\n[variable distances]\nAngle of View\t2\nF-Number\t4\nd0\tInfinity\n\
+    d2\t2.5\nBf\t95.9\n[lens data]\n1\tAS\t1\t\t25\n2\t61.47\t6\t1.5168\t25.4\t64.17\tN-BK7\tschott\n3\t-44.64\td2\t1.67271\t25.3\t32.2\n\
+    4\t-129.94\tBf\t\t25\n[aspherical data]\n4\t-129.94\t-0.5\t0\t1e-7\n";
 
 const AGF: &str = "CC own glasses\nNM OWN-7 2 517642 1.5168 64.17 0 1\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 1.01046945 1.03560653E+2 0 0 0 0\n\
     LD 0.3 2.5\nNM OWN-8 1 0 1.6 50 0 1\nCD 2.5 -0.01 0.01 0 0 0\nLD 0.4 0.7\n";

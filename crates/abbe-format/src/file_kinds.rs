@@ -24,7 +24,7 @@ type FirstBytes = &'static [(usize, &'static [u8])];
 
 /// Files of other programs: the name of the format, the extensions of their names, their first
 /// bytes, and their use.
-const KINDS: [(&str, &str, FirstBytes, Way); 46] = [
+const KINDS: [(&str, &str, FirstBytes, Way); 48] = [
     ("a Wavefront OBJ mesh", "obj", &[], Way::Mesh),
     ("a PLY mesh", "ply", &[(0, b"ply\n"), (0, b"ply\r")], Way::Mesh),
     ("an STL mesh", "stl", &[], Way::Mesh),
@@ -50,6 +50,8 @@ const KINDS: [(&str, &str, FirstBytes, Way); 46] = [
     ("a LuxCore scene", "lxs scn cfg", &[], Way::Other(BY_HAND)),
     ("a binary glTF file", "", &[(0, b"glTF")], Way::Other("give it a name that ends in .glb")),
     ("a lens of Zemax", "zmx zmf zar", &[], Way::Other(LENS)),
+    ("a lens of CODE V", "seq", &[], Way::Other(LENS)),
+    ("a lens of OSLO", "len", &[], Way::Other(LENS)),
     ("a glass catalogue of Zemax", "agf", &[], Way::Other(GLASSES)),
     ("a table", "csv spdx", &[], Way::Other("a scene names the file of a spectrum: {\"file\": \"lamp.csv\"}")),
     (
@@ -90,8 +92,8 @@ const BY_HAND: &str = "Abbe does not read scenes of this program; if another pro
 const RAYS: &str = "to use this light, add it to the lights of a scene: {\"rays\": {\"at\": [0, 1, 0], \"toward\": [0, -1, 0], \
                     \"path\": \"led.TM25RAY\"}}";
 
-const LENS: &str =
-    "`abbe lens` prints the figures of a .zmx file, and `camera.lens.system` in a scene takes pictures through it";
+const LENS: &str = "`abbe lens` prints the figures of a .zmx, .seq or .len file, and `camera.lens.system` in a scene takes \
+                    pictures through it";
 
 const GLASSES: &str = "a scene names its glasses: {\"glass\": {\"path\": \"own.agf\", \"name\": \"N-SF10\"}}";
 
@@ -195,6 +197,7 @@ mod tests {
             ("a.usda", "export the scene as glTF and render that file"),
             ("a.FBX", "export the scene as glTF and render that file"),
             ("a.zmx", "`abbe lens`"),
+            ("a.len", "`abbe lens`"),
             ("a.pov", "a POV-Ray scene"),
             ("a.rad", "a Radiance scene"),
             ("a.appleseed", "an appleseed scene"),

@@ -139,8 +139,9 @@ pub enum LensTransmissionFile {
     Fresnel,
 }
 
-/// A lens prescription: the name of a built-in prescription, the path of a file (JSON or Zemax
-/// `.zmx`), or a list of surfaces. `abbe lens --list` prints the built-in names.
+/// A lens prescription: the name of a built-in prescription, the path of a file (JSON, Zemax
+/// `.zmx`, CODE V `.seq`, OSLO `.len` or Optical Bench `.txt`), or a list of surfaces. `abbe lens
+/// --list` prints the built-in names.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(rename = "PrescriptionFile", title = "Prescription", transform = crate::schema::or_name)]

@@ -24,9 +24,11 @@ fn main() -> Result<()> {
             }
             println!("longitudinal colour F − C: {:.3} mm", analysis.fc_shift_mm());
             for field in &analysis.fields {
-                let [f, d, c] = field.spots.map(|spot| 1000.0 * spot.rms_mm);
+                let spots = analysis.lines.iter().zip(&field.spots);
+                let spots: Vec<String> =
+                    spots.map(|(line, spot)| format!("{} {:.1}", line.line, 1000.0 * spot.rms_mm)).collect();
                 let (angle, height) = (field.angle_deg, field.image_height_mm);
-                println!("{angle:5.1}°: image at {height:7.3} mm, RMS spots F {f:.1}, d {d:.1}, C {c:.1} µm");
+                println!("{angle:5.1}°: image at {height:7.3} mm, RMS spots {} µm", spots.join(", "));
             }
             lens.notes().iter().for_each(|note| println!("note: {note}"));
         }

@@ -10,8 +10,8 @@ use abbe_spectra::error::Result;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Reads a lens from a file: a Zemax or CODE V lens if the extension is `.zmx` or `.seq`, or else a
-/// prescription in JSON as in a scene file. The glasses of the first two are looked up in
+/// Reads a lens from a file: that of a design program if the extension is in [`zemax::EXTENSIONS`],
+/// or else a prescription in JSON as in a scene file. The glasses of the former are looked up in
 /// `catalogues`, then in the catalogues that a Zemax file names and that are in its folder, and
 /// last among the built-in ones.
 ///
@@ -70,7 +70,7 @@ pub fn catalogues_beside(path: &Path, lens: &[u8]) -> Vec<PathBuf> {
 
 /// Returns true for a file of a lens design program.
 fn is_design(path: &Path) -> bool {
-    has_ending(path, "zmx") || has_ending(path, "seq")
+    zemax::EXTENSIONS.iter().any(|ending| has_ending(path, ending))
 }
 
 fn has_ending(path: &Path, ending: &str) -> bool {
@@ -83,7 +83,7 @@ pub fn lone_lens(prescription: &PrescriptionFile, source: &JsonSource) -> Result
 }
 
 impl Resolver<'_> {
-    /// Resolves the lens of a camera: a built-in name, a file (`.zmx` or `.json`), or surfaces.
+    /// Resolves the lens of a camera: a built-in name, a file, or surfaces.
     pub(super) fn lens(&self, at: &JsonPath, prescription: &PrescriptionFile) -> Result<Lens> {
         if let PrescriptionFile::Name(name) = prescription {
             let path = Path::new(name);

@@ -20,6 +20,27 @@ pub struct LensSpot {
     pub rays: usize,
 }
 
+/// A ray behind the lens, where it crosses the plane of the sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ImageRay {
+    /// The point (x, y) in mm.
+    pub(super) point_mm: DVec2,
+    /// The slopes (dx/dz, dy/dz).
+    pub(super) slope: DVec2,
+}
+
+impl ImageRay {
+    /// Returns the crossing of a ray behind the lens with the plane z = `sensor_z_mm`.
+    pub(super) fn of(ray: LensRay, sensor_z_mm: f64) -> Self {
+        Self { point_mm: ray.at_z(sensor_z_mm).truncate(), slope: ray.direction.truncate() / ray.direction.z }
+    }
+
+    /// Returns the point in mm at which the ray crosses a plane `shift_mm` behind the sensor.
+    pub(super) fn at(&self, shift_mm: f64) -> DVec2 {
+        self.point_mm + shift_mm * self.slope
+    }
+}
+
 /// First and smallest step of the field angle in degrees: the search for a chief ray follows the
 /// moving pupil from the axis, and halves the step when it finds none.
 const FIELD_STEP_DEG: f64 = 2.0;
@@ -29,6 +50,19 @@ const MAX_CHIEF_RAY_STEPS: usize = 40;
 /// Number of rays across a bundle, and its width relative to the pupil, for the apertures to cut.
 const RAYS_ACROSS_BUNDLE: u32 = 96;
 const BUNDLE_WIDTH: f64 = 2.0;
+
+impl LensSpot {
+    /// Returns the spot of rays on a plane `shift_mm` behind the sensor, or `None` without rays.
+    pub(super) fn of(rays: &[ImageRay], shift_mm: f64) -> Option<Self> {
+        if rays.is_empty() {
+            return None;
+        }
+        let (count, points) = (rays.len() as f64, || rays.iter().map(|ray| ray.at(shift_mm)));
+        let centroid = points().sum::<DVec2>() / count;
+        let variance = points().map(|point| point.distance_squared(centroid)).sum::<f64>() / count;
+        Some(Self { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: rays.len() })
+    }
+}
 
 impl MonochromaticLens<'_> {
     /// Returns the chief ray at a field angle in degrees, |angle| < 90, or an error if there is
@@ -98,28 +132,24 @@ impl MonochromaticLens<'_> {
     /// Returns the spot of the bundle on the plane z = `sensor_z_mm`, or `None` if all is
     /// vignetted.
     pub fn spot(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Option<LensSpot>> {
-        let landed = self.landing_points(chief, sensor_z_mm)?;
-        if landed.is_empty() {
-            return Ok(None);
-        }
-        let count = landed.len() as f64;
-        let centroid = landed.iter().sum::<DVec2>() / count;
-        let variance = landed.iter().map(|point| point.distance_squared(centroid)).sum::<f64>() / count;
-        Ok(Some(LensSpot { centroid_mm: centroid.y, rms_mm: variance.sqrt(), rays: landed.len() }))
+        Ok(LensSpot::of(&self.image_rays(chief, sensor_z_mm)?, 0.0))
     }
 
-    /// Returns the points in mm at which the unvignetted rays of the bundle reach `sensor_z_mm`.
-    pub(super) fn landing_points(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Vec<DVec2>> {
+    /// Returns the unvignetted rays of the bundle where they reach the plane z = `sensor_z_mm`.
+    pub(super) fn image_rays(&self, chief: LensRay, sensor_z_mm: f64) -> Result<Vec<ImageRay>> {
         let radius_mm = self.bundle_radius_mm()?;
         let offset = |i: u32| ((2 * i + 1) as f64 / f64::from(RAYS_ACROSS_BUNDLE) - 1.0) * radius_mm;
         let mut landed = Vec::new();
         for (i, j) in (0..RAYS_ACROSS_BUNDLE).flat_map(|i| (0..RAYS_ACROSS_BUNDLE).map(move |j| (i, j))) {
-            let ray = parallel_ray(chief, offset(i), offset(j));
-            if let Ok(out) = self.trace(ray, TraceDirection::ToSensor, ApertureCheck::Enforced) {
-                landed.push(out.at_z(sensor_z_mm).truncate());
-            }
+            landed.extend(self.image_ray(parallel_ray(chief, offset(i), offset(j)), sensor_z_mm));
         }
         Ok(landed)
+    }
+
+    /// Returns an unvignetted ray at the plane z = `sensor_z_mm`, or `None` if it is lost.
+    pub(super) fn image_ray(&self, ray: LensRay, sensor_z_mm: f64) -> Option<ImageRay> {
+        let out = self.trace(ray, TraceDirection::ToSensor, ApertureCheck::Enforced).ok()?;
+        Some(ImageRay::of(out, sensor_z_mm))
     }
 
     /// Returns the signed perpendicular distances in mm from the chief ray of the lowest and the
@@ -136,7 +166,8 @@ impl MonochromaticLens<'_> {
         Ok(passing.first().copied().zip(passing.last().copied()))
     }
 
-    fn bundle_radius_mm(&self) -> Result<f64> {
+    /// Returns half the width in mm of the bundle that the apertures cut.
+    pub(super) fn bundle_radius_mm(&self) -> Result<f64> {
         Ok(self.paraxial()?.entrance_pupil.map_or(0.0, |pupil| 0.5 * BUNDLE_WIDTH * pupil.diameter_mm))
     }
 }

@@ -6,7 +6,7 @@
 
 use glam::{DAffine3, DVec2, DVec3};
 
-use super::analysis::LINES;
+use super::conditions::LINES;
 use super::profile::{SurfaceProfile, TraceDirection};
 use super::trace::LensRay;
 use crate::fresnel;

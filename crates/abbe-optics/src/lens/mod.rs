@@ -12,20 +12,27 @@
 //! [`section`] a drawing.
 
 mod analysis;
+pub mod axial_colour;
 pub mod catalogue;
 mod clear_apertures;
+mod conditions;
 mod field;
+pub mod field_curves;
 pub mod folded;
 pub mod image_quality;
 mod losses;
+pub mod mtf;
 mod paraxial;
 mod prescription;
 mod profile;
+pub mod ray_fans;
 pub mod section;
+pub mod spot_diagram;
 mod trace;
 pub mod zemax;
 
-pub use analysis::{FieldPoint, LINES, LensAnalysis, LineFocus};
+pub use analysis::{FieldPoint, LensAnalysis, LineFocus};
+pub use conditions::{AnalysisConditions, AnalysisLine, LINES, MAX_LINES, SensorFocus};
 pub use field::LensSpot;
 pub use losses::GhostPair;
 pub use paraxial::{Paraxial, Pupil};

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::analysis::{LINES, LensAnalysis, no_light};
+use super::analysis::{LensAnalysis, no_light};
 use super::field::parallel_ray;
 use super::prescription::Lens;
 use super::profile::TraceDirection;
@@ -12,7 +12,7 @@ use abbe_spectra::error::Result;
 /// A ray as a polyline from the scene to the sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnRay {
-    /// Index of the spectral line in [`LINES`].
+    /// Index of the wavelength in the conditions of the analysis.
     pub line: usize,
     /// Index of the field in [`LensSection::foci`].
     pub field: usize,
@@ -50,17 +50,17 @@ pub struct LensSection {
 
 const CURVE_POINTS: u32 = 48;
 const RAYS_PER_BUNDLE: u32 = 5;
-/// Width of the bundle of drawn rays, divided by that of the bundle that passes the lens at the d
-/// line: below 1, because rays of the other lines may be vignetted at its edge.
+/// Width of the bundle of drawn rays, divided by that of the bundle that passes the lens at the
+/// reference wavelength: below 1, because rays of the others may be vignetted at its edge.
 const BUNDLE_FRACTION: f64 = 0.97;
 
 /// Computes the cross-section of a lens. Returns an error if no light passes.
 pub fn section(lens: &Lens, analysis: &LensAnalysis) -> Result<LensSection> {
-    let sensor_z_mm = lens.length_mm() + analysis.paraxial.bfd_mm;
+    let sensor_z_mm = analysis.sensor_z_mm;
     let widest_mm = lens.surfaces().iter().map(|surface| surface.semi_aperture_mm).fold(0.0, f64::max);
     let (mut rays, mut foci) = (Vec::new(), Vec::new());
     for (field, angle_deg) in [0.0, analysis.half_field_deg].into_iter().enumerate() {
-        let bundle = bundle(lens, field, angle_deg, sensor_z_mm, 0.5 * widest_mm)?;
+        let bundle = bundle(lens, analysis, field, angle_deg, 0.5 * widest_mm)?;
         foci.push(focus(analysis, angle_deg, &bundle));
         rays.extend(bundle);
     }
@@ -111,22 +111,23 @@ fn stop(lens: &Lens, blade_mm: f64) -> [[DVec2; 2]; 2] {
     [[rim, end], [DVec2::new(rim.x, -rim.y), DVec2::new(end.x, -end.y)]]
 }
 
-/// Returns rays evenly spaced across the bundle that passes at the d line, each at all three lines,
+/// Returns rays evenly spaced across the bundle that passes at the reference wavelength, each at
+/// all wavelengths,
 /// from a plane in front of the lens perpendicular to the bundle.
-fn bundle(lens: &Lens, field: usize, angle_deg: f64, sensor_z_mm: f64, lead_mm: f64) -> Result<Vec<DrawnRay>> {
-    let [_, d, _] = LINES.map(|(_, nm)| lens.at(nm));
-    let chief = d.chief_ray(angle_deg)?;
-    let (lowest_mm, highest_mm) = d.passing_range_mm(chief)?.ok_or_else(|| no_light(angle_deg))?;
+fn bundle(lens: &Lens, analysis: &LensAnalysis, field: usize, angle_deg: f64, lead_mm: f64) -> Result<Vec<DrawnRay>> {
+    let (at, sensor_z_mm) = (analysis.at(lens), analysis.sensor_z_mm);
+    let reference = &at[analysis.conditions.reference()];
+    let chief = reference.chief_ray(angle_deg)?;
+    let (lowest_mm, highest_mm) = reference.passing_range_mm(chief)?.ok_or_else(|| no_light(angle_deg))?;
     let (middle_mm, half_mm) = (0.5 * (lowest_mm + highest_mm), 0.5 * BUNDLE_FRACTION * (highest_mm - lowest_mm));
     let offsets =
         (0..RAYS_PER_BUNDLE).map(|i| middle_mm + half_mm * (2.0 * f64::from(i) / f64::from(RAYS_PER_BUNDLE - 1) - 1.0));
     let mut rays = Vec::new();
     for start in offsets.map(|offset| parallel_ray(chief, 0.0, offset)) {
-        for (line, (_, nm)) in LINES.iter().enumerate() {
+        for (line, at) in at.iter().enumerate() {
             let mut points = Vec::new();
             let visit = |_, point: glam::DVec3| points.push(DVec2::new(point.z, point.y));
-            if let Ok(out) = lens.at(*nm).trace_through(start, TraceDirection::ToSensor, ApertureCheck::Enforced, visit)
-            {
+            if let Ok(out) = at.trace_through(start, TraceDirection::ToSensor, ApertureCheck::Enforced, visit) {
                 points.push(DVec2::new(sensor_z_mm, out.at_z(sensor_z_mm).y));
                 rays.push(DrawnRay { line, field, points });
             }
@@ -153,7 +154,8 @@ fn focus(analysis: &LensAnalysis, angle_deg: f64, bundle: &[DrawnRay]) -> FocusD
     let ends = || bundle.iter().filter_map(|ray| ray.points.last());
     let (low, high) =
         ends().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), end| (low.min(end.y), high.max(end.y)));
-    let shift_mm = analysis.lines.iter().map(|line| (line.bfd_mm - analysis.paraxial.bfd_mm).abs()).fold(0.0, f64::max);
+    let from_sensor_mm = |bfd_mm: f64| (bfd_mm - analysis.paraxial.bfd_mm - analysis.focus_shift_mm).abs();
+    let shift_mm = analysis.lines.iter().map(|line| from_sensor_mm(line.bfd_mm)).fold(0.0, f64::max);
     let along_mm = (2.5 * shift_mm).max(1e-4 * analysis.paraxial.efl_mm);
     let least_mm = 0.2 * along_mm / analysis.paraxial.f_number.unwrap_or(1.0);
     let sensor_z_mm = ends().next().map_or(0.0, |end| end.x);

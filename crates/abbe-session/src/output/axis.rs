@@ -36,6 +36,16 @@ impl Axis {
     /// Returns a linear axis for the finite values, which begins and ends at ticks. `page` holds
     /// the positions of both ends.
     pub(super) fn linear(values: impl Iterator<Item = f64>, from_zero: bool, page: (f64, f64)) -> Self {
+        Self::linear_with(values, from_zero, LINEAR_INTERVALS, page)
+    }
+
+    /// Returns an axis like [`Self::linear`] with at most about this number of intervals.
+    pub(super) fn linear_with(
+        values: impl Iterator<Item = f64>,
+        from_zero: bool,
+        intervals: f64,
+        page: (f64, f64),
+    ) -> Self {
         let (mut least, mut most) = extremes(values.filter(|value| value.is_finite()));
         if from_zero || least > most {
             (least, most) = (least.min(0.0), most.max(0.0));
@@ -45,9 +55,15 @@ impl Axis {
             let margin = if most == 0.0 { 1.0 } else { 0.1 * most.abs() };
             (least, most) = (if from_zero { least.min(0.0) } else { least - margin }, most + margin);
         }
-        let step = round_step((most - least) / LINEAR_INTERVALS);
+        let step = round_step((most - least) / intervals);
         let range = ((least / step).floor() * step, (most / step).ceil() * step);
         Self { scale: AxisScale::Linear { step }, range, page }
+    }
+
+    /// Returns a linear axis between two values, of which the first is smaller, with ticks at round
+    /// numbers inside and at most about this number of intervals.
+    pub(super) fn between(range: (f64, f64), intervals: f64, page: (f64, f64)) -> Self {
+        Self { scale: AxisScale::Linear { step: round_step((range.1 - range.0) / intervals) }, range, page }
     }
 
     /// Returns a logarithmic axis for the positive finite values, with a small margin and at least
@@ -74,7 +90,8 @@ impl Axis {
         let (low, high) = self.range;
         match self.scale {
             AxisScale::Linear { step } => {
-                let values = (0..=((high - low) / step).round() as usize).map(|i| low + i as f64 * step);
+                let first = (low / step - 1e-9).ceil() * step;
+                let values = (0..=((high - first) / step + 1e-9).floor() as usize).map(|i| first + i as f64 * step);
                 let largest = high.abs().max(low.abs());
                 values.map(|value| Tick { value, label: Some(linear_label(value, step, largest)) }).collect()
             }
@@ -160,6 +177,14 @@ mod tests {
         assert!(constant.0 == 0.0 && constant.1 >= 0.5);
         let empty = range(&[f64::NAN], false);
         assert!(empty.0.is_finite() && empty.1 > empty.0, "{empty:?}");
+    }
+
+    #[test]
+    fn an_axis_between_given_ends_has_round_ticks_inside() {
+        let values = |range| Axis::between(range, 4.0, PAGE).ticks().iter().map(|tick| tick.value).collect::<Vec<_>>();
+        assert_eq!(values((0.0, 14.0)), [0.0, 5.0, 10.0]);
+        assert_eq!(values((-1.0, 1.0)), [-1.0, -0.5, 0.0, 0.5, 1.0]);
+        assert_eq!(values((430.0, 655.0)), [500.0, 600.0]);
     }
 
     #[test]

@@ -110,8 +110,10 @@ impl LensDrawing {
     }
 
     fn legend(&self) -> String {
+        let longest = self.colours.iter().map(|(name, _)| name.chars().count()).max().unwrap_or_default();
+        let pitch = 12.0 * longest as f64 - 2.0;
         let entry = |(i, (name, colour)): (usize, &(String, String))| {
-            let (x, name) = (DRAWING_WIDTH - DRAWING_MARGIN - 130.0 * i as f64, escape_xml(name));
+            let (x, name) = (DRAWING_WIDTH - DRAWING_MARGIN - pitch * i as f64, escape_xml(name));
             format!("<text x=\"{x}\" y=\"32\" text-anchor=\"end\" fill=\"{colour}\">{name}</text>\n")
         };
         self.colours.iter().rev().enumerate().map(entry).collect()

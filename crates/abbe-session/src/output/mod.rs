@@ -25,6 +25,8 @@ pub mod junit;
 #[cfg(feature = "pages")]
 pub mod lamps_page;
 #[cfg(feature = "pages")]
+pub mod lens_page;
+#[cfg(feature = "pages")]
 pub mod luminaire_page;
 pub mod metadata;
 #[cfg(feature = "pages")]
@@ -34,12 +36,14 @@ pub mod page;
 #[cfg(feature = "pages")]
 pub mod plan_map;
 pub mod plot;
+pub mod plot_grid;
 pub mod png;
 pub mod polar;
 #[cfg(feature = "pages")]
 pub mod regress_page;
 pub mod relight;
 pub mod selection;
+pub mod spot_figure;
 pub mod stokes;
 pub mod strip;
 mod svg;

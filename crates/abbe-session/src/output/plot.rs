@@ -161,6 +161,32 @@ fn spectral_colour(nm: f64) -> String {
     srgb_hex(linear.map(|component| (component + white) / brightest * seen))
 }
 
+/// Wavelengths in nm and colours in sRGB, dark enough for lines on white paper. Unlike the colours
+/// of the spectrum, they still change in the red.
+const INKS: [(f64, [u8; 3]); 9] = [
+    (400.0, [0x6a, 0x1f, 0xb0]),
+    (450.0, [0x24, 0x3f, 0xcf]),
+    (490.0, [0x08, 0x8c, 0x9c]),
+    (530.0, [0x1c, 0x87, 0x2a]),
+    (570.0, [0x84, 0x8c, 0x00]),
+    (590.0, [0xcc, 0x96, 0x00]),
+    (610.0, [0xd8, 0x66, 0x1c]),
+    (640.0, [0xcf, 0x22, 0x2a]),
+    (700.0, [0x6e, 0x0c, 0x1c]),
+];
+
+/// Returns a colour in SVG notation for lines that stand for a wavelength in nm.
+pub fn ink_colour(nm: f64) -> String {
+    let nm = nm.clamp(INKS[0].0, INKS[INKS.len() - 1].0);
+    let pair = INKS.windows(2).find(|pair| nm <= pair[1].0).unwrap_or(&INKS[..2]);
+    let fraction = (nm - pair[0].0) / (pair[1].0 - pair[0].0);
+    let component = |c: usize| {
+        let [from, to] = [pair[0].1[c], pair[1].1[c]].map(f64::from);
+        (from + fraction * (to - from)).round() as u8
+    };
+    format!("#{:02x}{:02x}{:02x}", component(0), component(1), component(2))
+}
+
 fn path(up: &Axis, points: &[(f64, f64)]) -> String {
     let mut path = String::new();
     let mut command = 'M';
@@ -228,5 +254,6 @@ mod tests {
         let strongest = |nm: f64| (0..3).max_by_key(|&c| component(nm, c)).unwrap();
         assert_eq!([650.0, 530.0, 450.0].map(strongest), [0, 1, 2]);
         assert!(component(360.0, 2) < component(430.0, 2), "the ends fade");
+        assert_eq!([380.0, 510.0, 640.0, 800.0].map(ink_colour), ["#6a1fb0", "#128a63", "#cf222a", "#6e0c1c"]);
     }
 }

@@ -4,9 +4,10 @@
 //! end of a line continues it. Case is ignored. [`COMMANDS`] lists what the reader uses; it refuses
 //! commands that are known to change the rays but are not supported, and ignores all others.
 
+use super::operand::{Operand, glass_name, read_all};
 use super::reader::ZmxReader;
 use super::words::{parsed, unsupported};
-use crate::glass::{AgfCatalogue, catalogue, makers::makers};
+use crate::glass::AgfCatalogue;
 use abbe_spectra::error::{Error, Result};
 
 /// What a command does.
@@ -111,13 +112,6 @@ struct Command {
     words: Vec<String>,
 }
 
-/// A Zemax operand with the place of its command.
-struct Operand {
-    place: (usize, usize),
-    name: &'static str,
-    arguments: Vec<String>,
-}
-
 /// The commands that are read so far.
 #[derive(Default)]
 struct Sequence {
@@ -136,11 +130,7 @@ pub(super) fn read(text: &str, reader: &mut ZmxReader<'_>, catalogues: &[AgfCata
         sequence.command(&command, catalogues).map_err(|error| error.at(command.line, command.column))?;
     }
     let Sequence { header, surfaces, .. } = sequence;
-    for Operand { place: (line, column), name, arguments } in header.iter().chain(surfaces.iter().flatten()) {
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        reader.read(name, &arguments, *line).map_err(|error| error.at(*line, *column))?;
-    }
-    Ok(())
+    read_all(header.iter().chain(surfaces.iter().flatten()), reader)
 }
 
 impl Sequence {
@@ -160,9 +150,7 @@ impl Sequence {
         let named = values.first().and_then(|word| surface_number(&word.to_uppercase(), self.surfaces.len()));
         let values = if named.is_some() { &values[1..] } else { values };
         let value = || values.first().ok_or_else(|| Error::input(format!("found {keyword} without a value")));
-        let of_surface = |name: &'static str, words: &[&str]| {
-            vec![Operand { place, name, arguments: words.iter().map(|word| (*word).to_string()).collect() }]
-        };
+        let of_surface = |name: &'static str, words: &[&str]| vec![Operand::new(place, name, words)];
         let operands = match meaning {
             Meaning::RadiusMode => {
                 self.radii = !values.first().is_some_and(|value| value.eq_ignore_ascii_case("N"));
@@ -268,9 +256,7 @@ fn surface_number(word: &str, count: usize) -> Option<usize> {
 /// Returns the operands of a glass: the name of a catalogue with an underscore and a maker or not,
 /// `REFL` for a mirror, or n_d and V_d with a colon between them.
 fn glass(word: &str, catalogues: &[AgfCatalogue], place: (usize, usize)) -> Vec<Operand> {
-    let operand = |words: &[&str]| {
-        vec![Operand { place, name: "GLAS", arguments: words.iter().map(|word| (*word).to_string()).collect() }]
-    };
+    let operand = |words: &[&str]| vec![Operand::new(place, "GLAS", words)];
     if word.eq_ignore_ascii_case("AIR") {
         return Vec::new();
     }
@@ -282,10 +268,7 @@ fn glass(word: &str, catalogues: &[AgfCatalogue], place: (usize, usize)) -> Vec<
     }
     // CODE V leaves the hyphens out: NBK7_SCHOTT is N-BK7.
     let plain = word.split('_').next().unwrap_or(word);
-    let same = |name: &&str| name.replace('-', "").eq_ignore_ascii_case(plain) || name.eq_ignore_ascii_case(plain);
-    let own = catalogues.iter().find_map(|file| file.names().find(same));
-    let name = own.or_else(|| catalogue::names().find(same)).or_else(|| makers().names().find(same));
-    operand(&[name.unwrap_or(plain)])
+    operand(&[glass_name(plain, catalogues)])
 }
 
 fn curvature(radius: &str) -> Result<String> {

@@ -1,6 +1,7 @@
 //! Zemax lens files (`.zmx`): sequential systems of spheres, conics and even aspheres, with media
-//! from the built-in catalogue or from `.agf` files. Sequences of CODE V (`.seq`) become the same
-//! operands.
+//! from the built-in catalogue or from `.agf` files. Sequences of CODE V (`.seq`), lens files of
+//! OSLO (`.len`) and prescriptions of the Optical Bench of photonstophotos.net (`.txt`) become the
+//! same operands.
 //!
 //! The file is a list of operands, one per line, where those of a surface are indented under its
 //! `SURF` line. The reader uses `MODE`, `NAME`, `UNIT`, `ENPD`, `FNUM`, `FLOA`, `OBNA`, `FTYP`,
@@ -14,6 +15,9 @@
 
 mod codev;
 mod folded;
+mod operand;
+mod optical_bench;
+mod oslo;
 mod reader;
 mod surface;
 #[cfg(test)]
@@ -39,9 +43,13 @@ pub enum ZmxSystem {
     Folded(FoldedSystem),
 }
 
-/// Parses a lens from the bytes of a file in UTF-8, UTF-16 or Latin-1: a CODE V file if the
-/// extension of `path` is `.seq`, or else a Zemax file. Each glass is searched in `catalogues` in
-/// their order, and then as [`in_lens_file`](crate::glass::makers::in_lens_file) does.
+/// The extensions of the files that [`parse`] reads, in small letters.
+pub const EXTENSIONS: [&str; 4] = ["zmx", "seq", "len", "txt"];
+
+/// Parses a lens from the bytes of a file in UTF-8, UTF-16 or Latin-1. The extension of `path`
+/// selects the format: CODE V (`.seq`), OSLO (`.len`), the Optical Bench (`.txt`), or else Zemax.
+/// Each glass is searched in `catalogues` in their order, and then as
+/// [`in_lens_file`](crate::glass::makers::in_lens_file) does.
 ///
 /// Returns an error with `path` and the line number if an operand is not supported, a glass is
 /// unknown, the surfaces form no valid lens, or the system has mirrors or coordinate breaks.
@@ -68,9 +76,15 @@ fn read<'a>(bytes: &[u8], path: &Path, catalogues: &'a [AgfCatalogue]) -> Result
     let text = text(bytes).map_err(|error| error.in_file(path))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut reader = ZmxReader::new(name, catalogues);
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("seq")) {
-        codev::read(&text, &mut reader, catalogues).map_err(|error| error.in_file(path))?;
-        return Ok(reader);
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let other = match extension.as_str() {
+        "seq" => Some(codev::read(&text, &mut reader, catalogues)),
+        "len" => Some(oslo::read(&text, &mut reader, catalogues)),
+        "txt" => Some(optical_bench::read(&text, &mut reader, catalogues)),
+        _ => None,
+    };
+    if let Some(read) = other {
+        return read.map(|()| reader).map_err(|error| error.in_file(path));
     }
     for (i, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
@@ -89,6 +103,6 @@ pub fn catalogues(bytes: &[u8]) -> Vec<String> {
 }
 
 fn text(bytes: &[u8]) -> Result<String> {
-    let expected = "a Zemax lens file in UTF-8 or UTF-16";
+    let expected = "a lens file in UTF-8 or UTF-16";
     decoded(bytes).ok_or_else(|| Error::input("the file is not text").expected(expected))
 }

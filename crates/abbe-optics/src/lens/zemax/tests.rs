@@ -178,9 +178,13 @@ fn damaged_files_never_panic() {
         "{HEAD}SURF 1\n  STOP\n  CURV -0.005\n  CONI -1\n  DISZ -100\n  GLAS MIRROR\n  OBSC 0 4\nSURF 2\n  TYPE COORDBRK\n  PARM 3 45\n  DISZ 9\nSURF 3\n  DISZ 0\n"
     );
     let sequence = "RDM;LEN\nTITLE 'a b'\nEPD 5; DIM M\nYAN 0 &\n 3\nSO 0 1e14\nS 50 5 NBK7_SCHOTT\nSTO\nCIR OBS 1\nK -0.5\nA 1e-6\nS -80 45\nTHI S1 4\nSI 0 0\n";
+    let oslo = "LEN NEW \"a b\" 100 3\nEBR 5; ANG 3\nUNI 1\nTH 1e20\nNXT\nGLA MOD G 1.5168 1.5224 1.5143\nRD 50\nTH 5\nAP CHK 9\nNXT\nAST\n\
+        PK CVM -1 -0.001\nCC -0.5\nAD 1e-6\nTH 45\nNXT\nEND 3\n";
+    let bench = "[variable distances]\nF-Number\t9\nAngle of View\t6\nd1\t5\t6\nBf\t45\n[lens data]\n1\t50\td1\t1.5168\t18\t64.2\n\
+        2\tAS\t1\t\t15\n3\t-80\tBf\t\t18\n[aspherical data]\n3\t-80\t-0.5\t1e-6\n";
     let words = [
         "", "-1", "0", "1e308", "-1e308", "INFINITY", "NaN", "x", "SURF", "\u{e9}", "GLAS", "PARM 8 1", "DIAM 1e9",
-        "S", "SO", "&", "'",
+        "S", "SO", "&", "'", "\t", "\"", "NXT", "PK TH 0", "Infinity", "d1",
     ];
     // A linear congruential generator (Numerical Recipes) makes the choices reproducible.
     let mut state = 1_u32;
@@ -188,9 +192,10 @@ fn damaged_files_never_panic() {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 8) as usize % count.max(1)
     };
-    for (text, path) in [(TRIPLET, "a.zmx"), (&mirrors, "a.zmx"), (sequence, "a.seq")] {
+    let files = [(TRIPLET, "a.zmx"), (&mirrors, "a.zmx"), (sequence, "a.seq"), (oslo, "a.len"), (bench, "a.txt")];
+    for (text, path) in files {
         for _ in 0..300 {
-            let mut parts: Vec<&str> = text.split_inclusive([' ', '\n']).collect();
+            let mut parts: Vec<&str> = text.split_inclusive([' ', '\t', '\n']).collect();
             for _ in 0..=below(3) {
                 if parts.is_empty() {
                     break;
