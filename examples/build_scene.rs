@@ -68,6 +68,7 @@ fn main() -> abbe::Result<()> {
             object("ball", ShapeFile::Sphere { center: [0.0, 0.8, 0.0], radius: 0.7 }, "glass"),
         ],
         meters: Vec::new(),
+        requirements: Vec::new(),
         lights: vec![LightFile::Point(PointFile {
             at: [2.0, 4.0, 1.0],
             spectrum: SpectrumFile::Name("D65".to_string()),

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use abbe_format::RequirementFile;
 use abbe_format::resolve::resolve_meters;
 use abbe_session::output::file as files;
 use abbe_session::render::{Job, StopRules};
@@ -14,7 +15,9 @@ use super::scene_file::SceneFileArgs;
 use super::{Outcome, interrupt, print, values};
 use crate::api::memory;
 use crate::api::provenance::SceneFiles;
-use crate::reports::measurement::{csv, measure, page, table};
+use crate::reports::measurement::{csv, measure, table};
+use crate::reports::measurement_page::page;
+use crate::reports::requirements::{self, JudgedMeasurement};
 
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct MeasureArgs {
@@ -92,7 +95,7 @@ fn target_error(text: &str) -> std::result::Result<TargetError, String> {
 
 pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     interrupt::watch()?;
-    let job = plan(arguments)?;
+    let Measured { job, requirements, title } = plan(arguments)?;
     for path in [&arguments.csv, &arguments.html].into_iter().flatten() {
         files::check_writable(path)?;
     }
@@ -107,16 +110,18 @@ pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
         print::remark("interrupted before the first pass was done, so there is no reading");
         return Ok(Outcome::Interrupted);
     }
+    let judgements = requirements::judgements(&requirements, &report);
     if let Some(path) = &arguments.csv {
         files::write_whole(path, csv(&report).as_bytes())?;
     }
     if let Some(path) = &arguments.html {
-        files::write_whole(path, page(&report, &arguments.scene).as_bytes())?;
+        let page = page(&report, &judgements, &job, (&arguments.scene, title.as_deref()));
+        files::write_whole(path, page.as_bytes())?;
     }
     if arguments.json {
-        print::json(&report)?;
+        print::json(&JudgedMeasurement { report: &report, requirements: &judgements })?;
     } else {
-        print::result(&table(&report))?;
+        print::result(&(table(&report) + &requirements::table(&judgements)))?;
     }
     print::notes(&report.notes, &report.warnings, arguments.quiet);
     if !arguments.quiet {
@@ -127,7 +132,14 @@ pub(crate) fn run(arguments: &MeasureArgs) -> Result<Outcome> {
     Ok(if interrupted { Outcome::Interrupted } else { Outcome::Done })
 }
 
-fn plan(arguments: &MeasureArgs) -> Result<Job> {
+/// A scene to be measured.
+struct Measured {
+    job: Job,
+    requirements: Vec<RequirementFile>,
+    title: Option<String>,
+}
+
+fn plan(arguments: &MeasureArgs) -> Result<Measured> {
     let path = &arguments.scene;
     let mut patches = arguments.set.clone();
     let mut add = |path: &str, value: Option<String>| patches.extend(value.map(|value| format!("{path}={value}")));
@@ -148,5 +160,5 @@ fn plan(arguments: &MeasureArgs) -> Result<Job> {
         }
         resolved.meters.iter_mut().for_each(|meter| meter.decides_stop = meter.name == *name);
     }
-    memory::plan(resolved, path)
+    Ok(Measured { job: memory::plan(resolved, path)?, requirements: scene.requirements, title: scene.title })
 }

@@ -1,12 +1,8 @@
-//! Measurements with the meters of a scene: their readings as a table, as CSV, and as an HTML page.
+//! Measurements with the meters of a scene: their readings as a table and as CSV.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-#[cfg(feature = "pages")]
-use abbe_session::output::meters_page::{self, MeterSection};
-#[cfg(feature = "pages")]
-use abbe_session::output::plan_map::PlanMap;
 use abbe_session::render::{
     Integrator, Job, MeasurementReport, MeterReport, Monitor, PointReport, StopRules, Value, on_threads,
 };
@@ -47,17 +43,17 @@ pub fn table(report: &MeasurementReport) -> String {
     text
 }
 
-fn title(meter: &MeterReport) -> String {
+pub(super) fn title(meter: &MeterReport) -> String {
     format!("{}: {} ({})", meter.name, meter.quantity.replace('_', " "), meter.unit)
 }
 
-fn position(point: &PointReport) -> String {
+pub(super) fn position(point: &PointReport) -> String {
     let short = |value: f64| format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string();
     point.position.map(short).join(", ")
 }
 
 /// Returns the mean and the uniformity of a meter with several readings.
-fn summary(meter: &MeterReport) -> Option<String> {
+pub(super) fn summary(meter: &MeterReport) -> Option<String> {
     let (mean, uniformity, least_to_largest) = (meter.mean?, meter.uniformity?, meter.least_to_largest?);
     let several = meter.points.len() > 1;
     several.then(|| {
@@ -93,12 +89,12 @@ fn spectrum_rows(meter: &MeterReport, point: &PointReport) -> String {
     lines.collect()
 }
 
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     rounded(value, 5.0)
 }
 
 /// Returns a number with this count of significant digits, without trailing zeros.
-fn rounded(value: f64, count: f64) -> String {
+pub(super) fn rounded(value: f64, count: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
@@ -145,74 +141,4 @@ pub fn csv(report: &MeasurementReport) -> String {
 
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
-}
-
-/// Returns the readings as an HTML page. `scene` is the scene file.
-#[cfg(feature = "pages")]
-pub fn page(report: &MeasurementReport, scene: &Path) -> String {
-    let name =
-        scene.file_name().map_or_else(|| scene.display().to_string(), |name| name.to_string_lossy().into_owned());
-    let sections: Vec<MeterSection> = report.meters.iter().map(section).collect();
-    meters_page::page(&format!("Light in {name}"), &sections, &report.notes)
-}
-
-#[cfg(feature = "pages")]
-fn section(meter: &MeterReport) -> MeterSection {
-    let bands = meter.wavelength_nm.as_deref();
-    let mut columns: Vec<&str> = vec!["position"];
-    columns.extend(bands.map(|_| "wavelength in nm"));
-    columns.extend(["value", "95 % interval", "noise", "bias"]);
-    let with_flux = meter.points.iter().any(|point| point.flux.is_some());
-    columns.extend(with_flux.then_some("flux"));
-    let rows = meter.points.iter().flat_map(|point| {
-        let count = bands.map_or(1, <[f64]>::len);
-        (0..count).map(move |band| {
-            let number = |value: Option<&Value>| match value {
-                Some(Value::Number(value)) => significant(*value),
-                Some(Value::Spectrum(values)) => values.get(band).map_or_else(String::new, |value| significant(*value)),
-                None => "–".to_string(),
-            };
-            let ends = point.interval_95.as_ref();
-            let interval = ends.map_or_else(
-                || "–".to_string(),
-                |[low, high]| format!("{} to {}", number(Some(low)), number(Some(high))),
-            );
-            let mut cells = vec![position(point)];
-            cells.extend(bands.map(|nm| nm[band].to_string()));
-            cells.extend([number(Some(&point.value)), interval]);
-            cells.extend([number(point.noise.as_ref()), number(point.bias.as_ref())]);
-            cells.extend(with_flux.then(|| point.flux.map_or_else(String::new, significant)));
-            cells
-        })
-    });
-    MeterSection {
-        title: title(meter),
-        plan: plan(meter),
-        columns: columns.into_iter().map(str::to_string).collect(),
-        rows: rows.collect(),
-        summary: summary(meter),
-    }
-}
-
-/// Returns the plan of a grid. `None` for other meters and for spectra.
-#[cfg(feature = "pages")]
-fn plan(meter: &MeterReport) -> Option<PlanMap> {
-    let grid = meter.grid.as_ref()?;
-    let values = meter.points.iter().map(|point| match point.value {
-        Value::Number(value) => Some(value),
-        Value::Spectrum(_) => None,
-    });
-    let normal = meter.points.first()?.normal.unwrap_or([0.0, 1.0, 0.0]);
-    Some(PlanMap {
-        frame: [grid.u, grid.v, normal].map(glam::DVec3::from),
-        count: grid.count.map(|count| count as usize),
-        values: values.collect::<Option<_>>()?,
-        unit: meter.unit,
-        number: three_digits,
-    })
-}
-
-#[cfg(feature = "pages")]
-fn three_digits(value: f64) -> String {
-    rounded(value, 3.0)
 }

@@ -16,8 +16,11 @@ pub mod lens_page;
 pub mod lens_plots;
 pub mod luminaire;
 pub mod measurement;
+#[cfg(feature = "pages")]
+pub mod measurement_page;
 pub mod metal;
 pub mod named;
 pub mod regression;
+pub mod requirements;
 #[cfg(feature = "pages")]
 pub mod study;

@@ -105,6 +105,35 @@ fn a_grid_has_its_mean_and_its_uniformity() {
     );
 }
 
+/// Each requirement is judged by the intervals, in the text, in the JSON and on the page.
+#[test]
+fn requirements_are_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scene(folder.path());
+    let mut scene: Value = serde_json::from_slice(&std::fs::read(folder.path().join("scene.json")).unwrap()).unwrap();
+    scene["title"] = json!("Room 12");
+    scene["requirements"] = json!([
+        {"meter": "desk", "mean_at_least": 10, "mean_at_most": 20, "uniformity_at_least": 0.01, "source": "clause 3"},
+        {"meter": "desk", "at_least": 1e4},
+        {"meter": "shadow", "at_most": 1e4}
+    ]);
+    std::fs::write(folder.path().join("scene.json"), scene.to_string()).unwrap();
+    let found = measured(folder.path(), &["--passes", "8", "--html", "page.html"]);
+    let judged = found["requirements"].as_array().unwrap();
+    let verdicts: Vec<&str> = judged.iter().map(|judged| judged["verdict"].as_str().unwrap()).collect();
+    assert_eq!(verdicts, ["met", "not_met", "met", "not_met", "met"], "{judged:?}");
+    let mean = &found["meters"][0]["mean"];
+    assert_eq!((&judged[0]["value"], &judged[0]["source"]), (mean, &json!("clause 3")));
+    let [low, high] = [0, 1].map(|end| judged[0]["interval_95"][end].as_f64().unwrap());
+    assert!(low < mean.as_f64().unwrap() && mean.as_f64().unwrap() < high, "{low} to {high}");
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    for text in ["<h1>Room 12</h1>", "each reading at least 10000 lx", "not met", "clause 3", "point 0", "Lights"] {
+        assert!(page.contains(text), "{text}");
+    }
+    let text = abbe(folder.path(), &["measure", "scene.json", "--passes", "8", "--quiet", "--meter", "desk"]).out;
+    assert!(text.contains("mean at most 20 lx") && !text.contains("shadow"), "{text}");
+}
+
 #[test]
 fn the_page_shows_plans_and_readings() {
     let folder = tempfile::tempdir().unwrap();

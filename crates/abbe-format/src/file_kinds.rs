@@ -31,7 +31,7 @@ const KINDS: [(&str, &str, FirstBytes, Way); 48] = [
     ("a mesh of Mitsuba", "serialized", &[], Way::Mesh),
     ("an IES luminaire", "ies", &[], Way::Luminaire),
     ("an EULUMDAT luminaire", "ldt", &[], Way::Luminaire),
-    ("a ray file", "tm25ray", &[(0, b"TM25")], Way::Other(RAYS)),
+    ("a ray file", "tm25ray dat", &[(0, b"TM25")], Way::Other(RAYS)),
     ("a Blender file", "blend", &[(0, b"BLENDER")], Way::Export),
     ("an FBX file", "fbx", &[(0, b"Kaydara FBX Binary")], Way::Export),
     ("a COLLADA file", "dae", &[], Way::Export),

@@ -86,6 +86,7 @@ mod reference;
 #[cfg(test)]
 mod reference_tests;
 mod render;
+mod requirement;
 pub mod resolve;
 mod scene_file;
 #[cfg(feature = "schema")]
@@ -139,6 +140,7 @@ pub use quantity::QuantityFile;
 pub use read::{parse, parse_coating, parse_prescription, parse_spectrum, read, read_scene_text};
 pub use reference::scene_reference;
 pub use render::{LightMapFile, RenderFile};
+pub use requirement::RequirementFile;
 pub use resolve::parse_with_access;
 pub use scene_file::{SceneFile, UnitFile, without_nulls};
 pub use shape::{MeshShapeFile, ShapeFile, TrianglesFile};

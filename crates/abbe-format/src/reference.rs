@@ -36,7 +36,10 @@ pub(super) const CHAPTERS: [(&str, &str); 19] = [
     ("Shapes", "ShapeFile"),
     ("Transforms and motion", "TransformFile TransformStepFile ScaleFile KeyframeFile"),
     ("Lights", "LightFile SpotFalloffFile ProjectionFile PlaceFile SunFile"),
-    ("Meters", "MeterFile MeterGridFile MeterSphereFile MeterCylinderFile MeterSpotFile QuantityKindFile SideFile"),
+    (
+        "Meters",
+        "MeterFile MeterGridFile MeterSphereFile MeterCylinderFile MeterSpotFile QuantityKindFile SideFile RequirementFile",
+    ),
     ("Rendering", "RenderFile LightMapFile"),
 ];
 

@@ -7,7 +7,8 @@ use std::path::Path;
 
 const MINIMAL_SCENE: &str = r#"{
     "camera": {"from": [0, 1, 5], "at": [0, 0.5, 0], "lens": {"pinhole": {"fov": 35}}},
-    "film": {"width": 64, "height": 64}, "materials": {"white": {"diffuse": {"reflectance": 0.5}}}, "objects": []
+    "film": {"width": 64, "height": 64}, "materials": {"white": {"diffuse": {"reflectance": 0.5}}}, "objects": [],
+    "meters": [{"name": "desk", "points": [[0, 1, 0]]}, {"name": "glare", "points": [[0, 1, 0]]}, {"name": "eye", "points": [[0, 1, 0]]}]
 }"#;
 
 /// For each definition with examples, the patch that puts one (`%`) into the minimal scene.
@@ -41,6 +42,7 @@ MeterGridFile meters=[{"name": "m", "grid": %}]
 MeterSphereFile meters=[{"name": "m", "sphere": %}]
 MeterCylinderFile meters=[{"name": "m", "cylinder": %}]
 MeterSpotFile meters=[{"name": "m", "spot": %}]
+RequirementFile requirements=[%]
 CoatingLayerFile materials.x={"thin_film": {"layers": [%]}}
 CoatingIndexFile materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}
 ComplexIndexFile materials.x={"thin_film": {"layers": [{"ior": %, "thickness_nm": 10}]}}

@@ -3,7 +3,7 @@
 use crate::prelude::*;
 use crate::{
     CameraFile, FilmFile, JsonPath, JsonSource, LightFile, MaterialFile, MediumFile, MeterFile, ObjectFile, RenderFile,
-    ShapeFile, SpectrumFile, check, forms, spectrum::SpectrumUse,
+    RequirementFile, ShapeFile, SpectrumFile, check, forms, spectrum::SpectrumUse,
 };
 use abbe_spectra::error::{Error, Result};
 use serde::ser::Error as _;
@@ -25,6 +25,7 @@ use std::collections::BTreeMap;
     "objects": [{"shape": {"sphere": {"center": [0, 0.5, 0], "radius": 0.5}}, "material": "crown"}],
     "lights": [{"point": {"at": [0, 3, 0], "spectrum": "warm", "luminous_flux": 800}}],
     "meters": [{"name": "table", "points": [[0, 0, 1]]}],
+    "requirements": [{"meter": "table", "at_least": 100}],
     "atmosphere": "mist", "render": {"passes": 64}
 }))]
 pub struct SceneFile {
@@ -82,6 +83,10 @@ pub struct SceneFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub meters: Vec<MeterFile>,
+    /// What the readings of the meters must reach.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip_serializing_if = "crate::schema::never")]
+    pub requirements: Vec<RequirementFile>,
     /// Name of the medium outside all objects, from `media`.
     #[schemars(extend("x-default" = "no medium"))]
     pub atmosphere: Option<String>,
@@ -162,6 +167,7 @@ impl SceneFile {
         }
         if !names.is_empty() {
             self.meters.retain(|meter| names.contains(&meter.name));
+            self.requirements.retain(|requirement| names.contains(&requirement.meter));
         }
         Ok(())
     }
@@ -189,6 +195,9 @@ impl SceneFile {
         ];
         let at = root.key("meters");
         results.extend(self.meters.iter().enumerate().map(|(i, meter)| meter.validate(&at.index(i))));
+        let at = root.key("requirements");
+        let requirements = self.requirements.iter().enumerate();
+        results.extend(requirements.map(|(i, requirement)| requirement.validate(&at.index(i), &self.meters)));
         let at = root.key("spectra");
         results.extend(spectra.iter().map(|(name, spectrum)| spectrum.validate(&at.key(name), SpectrumUse::Any)));
         let at = root.key("media");

@@ -10,6 +10,8 @@ pub mod compare;
 #[cfg(feature = "pages")]
 pub mod comparison_page;
 pub mod data_uri;
+#[cfg(feature = "pages")]
+pub mod date;
 pub mod drawing;
 pub mod exr;
 pub mod figures;

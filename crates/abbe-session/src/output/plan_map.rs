@@ -48,9 +48,10 @@ impl PlanMap {
                 points(&corners)
             );
         }
+        let mut labels = Vec::new();
         for level in self.levels() {
             let lines = self.isoline(level);
-            let Some(middle) = lines.get(lines.len() / 2) else { continue };
+            let Some(place) = self.label_place(&lines) else { continue };
             let mut path = String::new();
             for [a, b] in &lines {
                 let [a, b] = [a, b].map(|point| at(point.x + 0.5, point.y + 0.5));
@@ -61,13 +62,8 @@ impl PlanMap {
                     "<path class=\"isoline\" d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"round\"/>\n"
                 );
             }
-            if !with_numbers {
-                let place = 0.5 * (middle[0] + middle[1]);
-                let place = at(place.x + 0.5, place.y + 0.5) + DVec2::new(0.0, 4.0);
-                let style =
-                    "fill=\"#fff\" stroke=\"#000\" stroke-width=\"3\" paint-order=\"stroke\" font-weight=\"600\"";
-                text_at(&mut svg, place, style, &(self.number)(level));
-            }
+            let place = at(place.x + 0.5, place.y + 0.5) + DVec2::new(0.0, 4.0);
+            labels.push((place, (self.number)(level)));
         }
         if with_numbers {
             for (i, &value) in self.values.iter().enumerate() {
@@ -77,6 +73,10 @@ impl PlanMap {
                 let style = format!("fill=\"{ink}\" stroke=\"{halo}\" stroke-width=\"2\" paint-order=\"stroke\"");
                 text_at(&mut svg, place, &style, &(self.number)(value));
             }
+        }
+        for (place, text) in labels {
+            let style = "fill=\"#fff\" stroke=\"#000\" stroke-width=\"3\" paint-order=\"stroke\" font-weight=\"600\"";
+            text_at(&mut svg, place, style, &text);
         }
         svg += &format!("<polygon class=\"edge\" points=\"{}\" fill=\"none\"/>\n", points(&outline));
         // The length of each edge stands beside the edge, on the outer side.
@@ -147,18 +147,51 @@ impl PlanMap {
         ([DVec2::splat(MARGIN) - low * scale, u * scale, v * scale], scale)
     }
 
+    /// Returns the place of an isoline's label in cells: the middle of the segment that is farthest
+    /// from the middles of the cells, where readings may be written, and not beyond the readings if
+    /// it can be helped.
+    fn label_place(&self, lines: &[[DVec2; 2]]) -> Option<DVec2> {
+        let last = DVec2::new(self.count[0] as f64 - 1.0, self.count[1] as f64 - 1.0);
+        let distance = |place: DVec2| {
+            let inside = place.cmpge(DVec2::ZERO).all() && place.cmple(last).all();
+            (place - place.round()).length() + if inside { 1.0 } else { 0.0 }
+        };
+        let middles = lines.iter().map(|[a, b]| 0.5 * (*a + *b));
+        middles.max_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+    }
+
+    /// Returns the value at a node of the lattice of readings and edges: node 0 is the lower edge,
+    /// node 1 the first reading, and the last node the upper edge. Beyond the readings, the value
+    /// continues as between the last two.
+    fn at_node(&self, node: [usize; 2]) -> f64 {
+        let of = |axis: usize| {
+            let last = self.count[axis] - 1;
+            let (near, far) = match node[axis] {
+                0 => (0, 1.min(last)),
+                node if node > last + 1 => (last, last.saturating_sub(1)),
+                node => (node - 1, node - 1),
+            };
+            [(near, if near == far { 1.0 } else { 1.5 }), (far, if near == far { 0.0 } else { -0.5 })]
+        };
+        let [columns, rows] = [of(0), of(1)];
+        let term =
+            |(column, a): (usize, f64), (row, b): (usize, f64)| a * b * self.values[row * self.count[0] + column];
+        rows.iter().map(|row| columns.iter().map(|column| term(*column, *row)).sum::<f64>()).sum()
+    }
+
     /// Returns the segments of an isoline in cells, from the middle of the first one. Between four
-    /// readings, the values are interpolated linearly in the four triangles around their mean.
+    /// nodes, the values are interpolated linearly in the four triangles around their mean.
     fn isoline(&self, level: f64) -> Vec<[DVec2; 2]> {
-        let [columns, rows] = self.count;
-        let value = |column: usize, row: usize| self.values[row * columns + column];
+        let place = |node: usize, axis: usize| (node as f64 - 1.0).clamp(-0.5, self.count[axis] as f64 - 0.5);
         let mut segments = Vec::new();
-        for row in 0..rows.saturating_sub(1) {
-            for column in 0..columns.saturating_sub(1) {
-                let corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
-                    .map(|(i, j)| (DVec2::new((column + i) as f64, (row + j) as f64), value(column + i, row + j)));
+        for row in 0..=self.count[1] {
+            for column in 0..=self.count[0] {
+                let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| {
+                    let (column, row) = (column + i, row + j);
+                    (DVec2::new(place(column, 0), place(row, 1)), self.at_node([column, row]))
+                });
                 let mean = corners.iter().map(|(_, value)| 0.25 * value).sum();
-                let middle = (DVec2::new(column as f64 + 0.5, row as f64 + 0.5), mean);
+                let middle = (0.25 * corners.iter().map(|(place, _)| *place).sum::<DVec2>(), mean);
                 for side in 0..4 {
                     segments.extend(across([corners[side], corners[(side + 1) % 4], middle], level));
                 }
