@@ -108,6 +108,29 @@ fn all_light_of_the_file_arrives() {
     assert!((flux / total - 1.0).abs() < 1e-6, "{flux} for {total}");
 }
 
+/// Of rays with wavelengths from 300 to 900 nm, only those within 360–830 nm count.
+#[test]
+fn light_outside_of_the_band_is_left_out() {
+    let rays = led();
+    let total: f64 = rays.iter().map(|ray| ray[6]).sum();
+    let folder = tempfile::tempdir().unwrap();
+    let line = |(number, ray): (usize, &Ray)| {
+        let um = 0.3 + 0.6 * (number as f64 + 0.5) / RAYS as f64;
+        ray.map(|number| number.to_string()).join(" ") + &format!(" {um}\n")
+    };
+    // The two halves of the chip have other fluxes, so the rays are in a random order.
+    let text = format!("{RAYS} 4\n{}", rays.iter().enumerate().map(line).collect::<String>());
+    std::fs::write(folder.path().join("led.dat"), text).unwrap();
+    let mut scene = scene(0.0, &json!({}));
+    scene["lights"][0]["rays"].as_object_mut().unwrap().remove("spectrum");
+    scene["materials"] = json!({"black": "absorber"});
+    scene["objects"] = json!([{"name": "sphere", "shape": {"sphere": {"radius": 50}}, "material": "black"}]);
+    scene["meters"] = json!([{"name": "all", "quantity": "radiant_flux", "surface": "sphere", "side": "back"}]);
+    let [flux, ..] = reading(&job(&folder, &scene), 4);
+    let expected = total * 470.0 / 600.0;
+    assert!((flux / expected - 1.0).abs() < 0.01, "{flux} for {expected}");
+}
+
 /// The camera sees the light of the rays on a diffuse square, and `luminous_flux` sets the scale.
 #[test]
 fn a_picture_shows_the_light_of_the_rays() {

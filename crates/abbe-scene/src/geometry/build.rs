@@ -241,23 +241,26 @@ impl PlacedSolid {
         // Gauss quadrature along it, on pieces that are shortest at the ends, where stretched
         // bodies are most curved. The error is 1e-6 for an ellipsoid with an axis ratio of 1000 :
         // 1.
-        const AXIAL_PIECES: u32 = 256;
-        const AZIMUTH_STEPS: u32 = 512;
         let around = |u: f64| -> f64 {
-            let steps = (0..AZIMUTH_STEPS).map(|i| (f64::from(i) + 0.5) / f64::from(AZIMUTH_STEPS));
-            steps.map(|azimuth| scale_at([u, azimuth])).sum::<f64>() / f64::from(AZIMUTH_STEPS)
+            refined((8, 512), |count| {
+                let steps = (0..count).map(|i| (f64::from(i) + 0.5) / f64::from(count));
+                steps.map(|azimuth| scale_at([u, azimuth])).sum::<f64>() / f64::from(count)
+            })
         };
         if self.solid.has_straight_sides() {
             return local * around(0.5);
         }
         let gauss = [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
-        let mut mean = 0.0;
-        for piece in 0..AXIAL_PIECES {
-            for (node, weight) in gauss {
-                let (sin, cos) = sin_cos(PI * (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(AXIAL_PIECES));
-                mean += 0.5 * PI * sin * weight * around(0.5 * (1.0 - cos)) / f64::from(AXIAL_PIECES);
+        let mean = refined((8, 256), |count| {
+            let mut mean = 0.0;
+            for piece in 0..count {
+                for (node, weight) in gauss {
+                    let (sin, cos) = sin_cos(PI * (f64::from(piece) + 0.5 + 0.5 * node) / f64::from(count));
+                    mean += 0.5 * PI * sin * weight * around(0.5 * (1.0 - cos)) / f64::from(count);
+                }
             }
-        }
+            mean
+        });
         local * mean
     }
 
@@ -278,6 +281,23 @@ impl PlacedSolid {
             height: 2.0 * half_height * z.length(),
         })
     }
+}
+
+/// Doubles the number of steps of a quadrature from the first to the last number, until the result
+/// hardly changes.
+fn refined((first, last): (u32, u32), quadrature: impl Fn(u32) -> f64) -> f64 {
+    const TOLERANCE: f64 = 1e-10;
+    let (mut count, mut result) = (first, quadrature(first));
+    while count < last {
+        count *= 2;
+        let finer = quadrature(count);
+        let change = (finer - result).abs();
+        result = finer;
+        if change <= TOLERANCE * finer {
+            break;
+        }
+    }
+    result
 }
 
 pub(super) fn is_similarity(map: &DMat3) -> bool {
