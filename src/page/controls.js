@@ -249,6 +249,7 @@ function showTab(name) {
   }
   if (name === "compare") showFigures();
 }
+$("examples").onclick = () => location.assign("./");
 $("pause").onclick = togglePause;
 $("extend").onclick = () => order({ extend: true });
 $("save-exr").onclick = () => save("save.exr");

@@ -26,10 +26,15 @@ pub(crate) use snapshot::Snapshot;
 #[cfg(feature = "view")]
 pub(crate) use state::{PageState, SessionState, ViewProgress};
 
+/// The colours of all pages, in light and in dark surroundings.
+#[cfg(feature = "view")]
+pub(crate) const COLOURS: &str = include_str!("colours.css");
+
 /// The parts of the page in their order. `link` is the script that asks for answers.
 pub fn text(link: &str) -> String {
     [
         include_str!("page_head.html"),
+        include_str!("colours.css"),
         include_str!("page.css"),
         include_str!("page_body.html"),
         link,

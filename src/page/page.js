@@ -51,6 +51,8 @@ const time = s => s == null ? "–" : s < 90 ? s.toFixed(0) + " s" : s < 5400 ? 
 const percent = value => value == null ? "not known yet" : (100 * value).toPrecision(2) + " %";
 
 async function show(next) {
+  if (next.has_examples && !next.example) location.replace("./");
+  $("examples").hidden = !next.has_examples;
   state = next;
   if (next.picture) summaries.set(next.picture.number, next.picture);
   if (next.scene !== null && (next.scene !== scene?.number || hasOldPanels && !next.draft)) await showScene();

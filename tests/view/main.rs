@@ -18,4 +18,5 @@ mod page;
 mod photons;
 mod rendering;
 mod safety;
+mod start;
 mod web;
