@@ -7,7 +7,7 @@ const sendChanges = draft => order({ changes: [...changes].map(([path, value]) =
 async function showScene() {
   scene = await json("scene");
   spaces = scene.spaces.map(prepareSpace);
-  $("title").textContent = scene.scene?.title ?? scene.file ?? "Abbe live view";
+  $("title").textContent = $("title").title = scene.scene?.title ?? scene.file ?? "Abbe live view";
   document.title = "Abbe: " + scene.file;
   if (!$("tone").options.length) {
     const fill = (select, names, chosen) => {

@@ -3,7 +3,9 @@
 //! the page in `web/` has the same answers from a WebAssembly module in a worker.
 
 mod answer;
+mod cells;
 mod engine;
+mod export;
 mod layers;
 mod loaded_scene;
 mod photons;
@@ -27,7 +29,6 @@ pub(crate) use snapshot::Snapshot;
 pub(crate) use state::{PageState, SessionState, ViewProgress};
 
 /// The colours of all pages, in light and in dark surroundings.
-#[cfg(feature = "view")]
 pub(crate) const COLOURS: &str = include_str!("colours.css");
 
 /// The parts of the page in their order. `link` is the script that asks for answers.
@@ -46,6 +47,7 @@ pub fn text(link: &str) -> String {
         include_str!("plan.js"),
         include_str!("objects.js"),
         include_str!("ruler.js"),
+        include_str!("export.js"),
         include_str!("controls.js"),
         "</script></body></html>\n",
     ]

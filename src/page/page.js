@@ -221,7 +221,7 @@ function paint() {
   place();
   context.drawImage(image, 0, 0, picture.width, picture.height);
   paintReference(place);
-  paintPhotons(scale);
+  if (hasPhotons()) paintPaths(context, photons.strokes, picture, scale);
   context.setTransform(ratio, 0, 0, ratio, ratio * left, ratio * top);
   const mark = ({ x0, y0, x1, y1 }, colour) => {
     const grow = Math.max(0, 3 - scale);
@@ -303,14 +303,6 @@ function showProbes() {
   if (hoveredB && area) curves.push({ ...hoveredB, colour: REFERENCE_COLOUR, name: "B: ", dash: "6 3" });
   $("spectrum").innerHTML = spectrumPlot(curves, scene.light);
   $("chromaticity").innerHTML = chromaticityPlot(curves, scene.locus, space());
-  const cell = value => value == null ? "unknown" : short(value);
-  const columns = curves.slice(-2);
-  const row = (name, of) => `<tr><th scope="row">${name}</th>${columns.map(curve => `<td>${of(curve)}</td>`).join("")}</tr>`;
-  $("values").innerHTML = columns.length ? "<table>" + row("pixels", c => `<span class="key" style="background:${c.colour}"></span>` + (c.name ?? "") +
-      (c.area[0] === c.area[2] && c.area[1] === c.area[3] ? `${c.area[0]}, ${c.area[1]}` : `${c.area[0]}–${c.area[2]}, ${c.area[1]}–${c.area[3]}`)) +
-    row("Y in cd/m²", c => cell(c.xyz[1])) + row("X, Z", c => `${cell(c.xyz[0])}, ${cell(c.xyz[2])}`) +
-    row("x, y", c => c.xy ? c.xy.map(value => value.toFixed(4)).join(", ") : "–") +
-    row("noise of Y in cd/m²", c => cell(c.noise)) + row("bias of Y in cd/m²", c => cell(c.bias)) +
-    row("95 % interval of Y", c => c.interval_95 ? c.interval_95.map(value => short(value)).join(" … ") : "unknown") + "</table>"
+  $("values").innerHTML = curves.length ? valueTable(curves.slice(-2))
     : `<p class="soft">Point at the picture, or use the arrow keys. Shift and drag selects a rectangle. A click or Enter pins it.</p>`;
 }

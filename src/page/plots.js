@@ -1,4 +1,4 @@
-// Plots as SVG texts. They contain only numbers and fixed words.
+// Plots and a table as texts, which contain only numbers and fixed words, and lines over a picture.
 
 const PIN_COLOURS = ["#1c7ed6", "#e8590c", "#2b9a3e", "#ae3ec9", "#c92a2a", "#0c8599"];
 const raised = power => String(power).replace(/./g, digit => digit === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
@@ -64,4 +64,38 @@ function chromaticityPlot(curves, locus, space) {
   }
   const name = { srgb: "sRGB", "display-p3": "Display P3" }[space.name];
   return svg + `<text x="${x(0.42)}" y="512" text-anchor="middle">x (dashed: gamut of ${name}, ring: its white)</text><text x="14" y="${y(0.43)}">y</text></svg>`;
+}
+
+/// The values of the areas in `curves`, one column for each.
+function valueTable(curves) {
+  const cell = value => value == null ? "unknown" : short(value);
+  const range = (from, to) => from === to ? `${from}` : `${from}–${to}`;
+  const row = (name, of) => `<tr><th scope="row">${name}</th>${curves.map(curve => `<td>${of(curve)}</td>`).join("")}</tr>`;
+  return "<table>" + row("pixels", c => `<span class="key" style="background:${c.colour}"></span>` + (c.name ?? "") +
+      `${range(c.area[0], c.area[2])}, ${range(c.area[1], c.area[3])}`) +
+    row("Y in cd/m²", c => cell(c.xyz[1])) + row("X, Z", c => `${cell(c.xyz[0])}, ${cell(c.xyz[2])}`) +
+    row("x, y", c => c.xy ? c.xy.map(value => value.toFixed(4)).join(", ") : "–") +
+    row("noise of Y in cd/m²", c => cell(c.noise)) + row("bias of Y in cd/m²", c => cell(c.bias)) +
+    row("95 % interval of Y", c => c.interval_95 ? c.interval_95.map(value => short(value)).join(" … ") : "unknown") + "</table>";
+}
+
+/// Returns a path of lines of four numbers each.
+function linePath(numbers) {
+  const path = new Path2D();
+  for (let i = 0; i < numbers.length; i += 4) { path.moveTo(numbers[i], numbers[i + 1]); path.lineTo(numbers[i + 2], numbers[i + 3]); }
+  return path;
+}
+
+/// Paints photon paths by colour over a picture. `scale` is the number of screen pixels per picture
+/// pixel.
+function paintPaths(context, paths, { width, height }, scale) {
+  // The darker picture lets the lines stand out.
+  context.fillStyle = "rgb(0 0 0 / 55%)";
+  context.fillRect(0, 0, width, height);
+  context.globalAlpha = 0.45;
+  context.lineWidth = 1 / scale;
+  context.globalCompositeOperation = "lighter";
+  for (const [style, path] of paths) { context.strokeStyle = style; context.stroke(path); }
+  context.globalAlpha = 1;
+  context.globalCompositeOperation = "source-over";
 }

@@ -161,6 +161,11 @@ impl Browser {
         std::fs::write(PathBuf::from(folder).join(name), bytes).unwrap();
     }
 
+    /// Forgets the messages and requests so far.
+    pub(crate) fn forget(&mut self) {
+        self.tools.events.clear();
+    }
+
     /// Returns the messages of the console, the exceptions of scripts, and the requests to other
     /// servers.
     pub(crate) fn complaints(&self) -> Vec<String> {

@@ -12,6 +12,7 @@ mod devtools;
 mod comparing;
 mod editing;
 mod explaining;
+mod exporting;
 mod gestures;
 mod moving;
 mod page;
