@@ -1,5 +1,5 @@
-// A page that the reader takes along: one HTML file with the picture as it is shown, its spectra and
-// the photon paths.
+// A page that the reader takes along: one HTML file with the picture as it is shown, its spectra
+// and the photon paths.
 
 /// The largest numbers of cells with a spectrum, and of pixels of the picture. They bound the file.
 const MOST_CELLS = 2 ** 14, MOST_PIXELS = 2 ** 20;
@@ -12,8 +12,8 @@ function cellSize({ width, height }) {
 }
 
 /// Returns the bytes of all cells: seven 32-bit numbers of each (X, Y, Z, noise, bias and upper end
-/// of the 95 % interval of Y, and the scale of the spectrum), then the square roots of all values in
-/// units of the scale, then those of their errors, in 8 bits each.
+/// of the 95 % interval of Y, and the scale of the spectrum), then the square roots of all values
+/// in units of the scale, then those of their errors, in 8 bits each.
 function packedCells(values, cells) {
   const each = values.length / cells, bands = (each - 6) / 2;
   const numbers = new Float32Array(7 * cells), radiance = new Uint8Array(bands * cells), errors = new Uint8Array(bands * cells);
@@ -65,7 +65,7 @@ async function exportedPage() {
     title: $("title").textContent, file: scene.file, legend: $("legend").hidden ? "" : $("legend").textContent,
     width, height, passes, error: state.typical_error, picture: pictureData(),
     size, columns, rows, bands, hasErrors, light: scene.light, locus: scene.locus, space: { name, primaries_xy, white_xy },
-    pins: pins.filter(pin => pin.report).map(({ colour, report }) => ({ ...report, colour })),
+    pins: pins.map(pin => pin.report), srgb: { own_matrix: spaces[0].own_matrix, luminance_weights: spaces[0].luminance_weights },
     paths: hasPhotons() ? { text: $("photon-text").textContent, byColour: [...photons.byColour] } : null,
     scene: scene.live ? JSON.stringify(scene.scene, null, 2) : null,
   };

@@ -1,6 +1,7 @@
 //! The page that the reader takes along: the picture with its spectra, in one HTML file.
 
-use super::COLOURS;
+/// The colours of all pages, in light and in dark surroundings.
+pub(crate) const COLOURS: &str = include_str!("colours.css");
 
 /// Returns the text of the page without data. The page of the view fills the element `data`. The
 /// page has the plots of the view, and its policy forbids all requests.

@@ -29,10 +29,11 @@ function report([column, row]) {
 
 function show() {
   const ink = getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
-  const curves = cell ? [...pins, { ...report(cell), colour: ink }] : pins;
+  const pinned = pinCurves(pins, data.srgb), probed = cell ? [{ ...report(cell), colour: ink }] : [], curves = [...pinned, ...probed];
   $("spectrum").innerHTML = spectrumPlot(curves, data.light);
   $("chromaticity").innerHTML = chromaticityPlot(curves, data.locus, data.space);
-  $("values").innerHTML = curves.length ? valueTable(curves.slice(-2)) : "";
+  $("pins").innerHTML = pinTable(pinned);
+  $("values").innerHTML = cell ? valueTable(probed) : "";
   paint(curves);
 }
 
@@ -44,14 +45,7 @@ function paint(curves) {
   context.imageSmoothingEnabled = scale < 1;
   context.drawImage(picture, 0, 0, width, height);
   if (paths && $("paths").checked) paintPaths(context, paths, data, scale);
-  for (const { area: [x0, y0, x1, y1], colour } of curves) {
-    const isProbe = cell && colour === curves.at(-1).colour;
-    for (const [line, style] of [[4, "#000"], [2, isProbe ? "#fff" : colour]]) {
-      const grow = Math.max(0, 3 / scale);
-      context.lineWidth = line / scale; context.strokeStyle = style;
-      context.strokeRect(x0 - grow, y0 - grow, x1 - x0 + 1 + 2 * grow, y1 - y0 + 1 + 2 * grow);
-    }
-  }
+  paintFrames(context, curves, data.srgb, scale);
 }
 
 function select(column, row) {
@@ -60,8 +54,7 @@ function select(column, row) {
 }
 function pin() {
   if (!cell) return;
-  const used = pins.map(pin => pin.colour), colour = PIN_COLOURS.find(colour => !used.includes(colour)) ?? PIN_COLOURS[0];
-  pins = [...pins, { ...report(cell), colour }].slice(-PIN_COLOURS.length);
+  pins = [...pins, report(cell)].slice(-MOST_PINS);
   show();
 }
 function point(event) {

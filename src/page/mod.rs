@@ -22,14 +22,13 @@ pub use loaded_scene::LoadedScene;
 #[cfg(feature = "view")]
 pub(crate) use answer::{ANSWERED, ANSWERED_OF_SCENE, answer, answer_of_scene};
 #[cfg(feature = "view")]
+pub(crate) use export::COLOURS;
+#[cfg(feature = "view")]
 pub(crate) use scene_panels::ScenePanels;
 #[cfg(feature = "view")]
 pub(crate) use snapshot::Snapshot;
 #[cfg(feature = "view")]
 pub(crate) use state::{PageState, SessionState, ViewProgress};
-
-/// The colours of all pages, in light and in dark surroundings.
-pub(crate) const COLOURS: &str = include_str!("colours.css");
 
 /// The parts of the page in their order. `link` is the script that asks for answers.
 pub fn text(link: &str) -> String {

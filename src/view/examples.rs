@@ -121,7 +121,7 @@ mod tests {
             let (name, (heading, _)) = (example.name, example.title());
             assert!(example.read(&[]).is_ok(), "{name}");
             assert_eq!(Example::named(name), Some(example));
-            assert!(heading != name && heading.len() <= 80, "{name}: {heading}");
+            assert!(heading != name && heading.len() <= 90, "{name}: {heading}");
             assert!(example.thumbnail.starts_with(b"RIFF") && example.thumbnail.len() <= 10_000, "{name}");
         }
         let size = EXAMPLES.iter().map(|example| example.text.len() + example.thumbnail.len()).sum::<usize>();
