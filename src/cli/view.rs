@@ -6,11 +6,11 @@ use std::process::{Command, Stdio};
 
 use crate::api::provenance::{self, SceneFiles};
 use crate::page::LoadedScene;
-use crate::view::{LiveView, SessionEnd, ViewHost};
+use crate::view::{Example, LiveView, SessionEnd, ViewHost};
 use abbe_session::output::exr::write as write_exr;
 use abbe_session::output::file as files;
 use abbe_session::render::{DisplaySettings, Integrator, RenderIdentity, Rendered, StopRules};
-use abbe_spectra::error::Result;
+use abbe_spectra::error::{Error, Result};
 
 use super::checkpoint::CheckpointFile;
 use super::outputs::OutputFiles;
@@ -19,9 +19,10 @@ use super::{Outcome, interrupt, print, values};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ViewArgs {
-    /// The scene file, which the view renders again when it changes; or the EXR file of a picture
+    /// The scene file, which the view renders again when it changes; or the EXR file of a picture.
+    /// Without it, the page offers example scenes
     #[arg(value_name = "SCENE|A.exr")]
-    scene: PathBuf,
+    scene: Option<PathBuf>,
     /// The EXR file of a reference with which the page compares the render, or the picture A
     #[arg(value_name = "B.exr")]
     reference: Option<PathBuf>,
@@ -64,9 +65,13 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(arguments: &ViewArgs) -> Result<Outcome> {
     interrupt::watch()?;
     let is_exr = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-    let picture = Some(arguments.scene.as_path()).filter(|path| is_exr(path));
+    let picture = arguments.scene.as_deref().filter(|path| is_exr(path));
     let outputs = arguments.outputs()?;
-    let view = LiveView::listen(arguments.bind, arguments.port)?;
+    let has_examples = arguments.scene.is_none();
+    if has_examples && (arguments.scene_file.overlay.is_some() || arguments.scene_file.allow_outside) {
+        return Err(Error::input("--overlay and --allow-outside are for a scene file").expected("SCENE"));
+    }
+    let view = LiveView::listen(arguments.bind, arguments.port, has_examples)?;
     if let Some(reference) = &arguments.reference {
         view.compare_with(reference, picture)?;
     }
@@ -132,21 +137,25 @@ impl ViewArgs {
 }
 
 impl ViewHost for ViewArgs {
-    fn scene_path(&self) -> &Path {
-        &self.scene
+    fn scene_path(&self) -> Option<&Path> {
+        self.scene.as_deref()
     }
 
-    fn load(&self, changes: &[String], forbidden: &[String]) -> Result<LoadedScene> {
+    fn load(&self, example: Option<&Example>, changes: &[String], forbidden: &[String]) -> Result<LoadedScene> {
         let mut patches = self.patches(changes);
-        let (mut scene, mut source) = self.scene_file.read(&self.scene, &patches, false)?;
+        let read = |patches: &[String]| match (&self.scene, example) {
+            (Some(path), _) => self.scene_file.read(path, patches, false),
+            (None, Some(example)) => example.read(patches),
+            (None, None) => Err(Error::input("no scene is chosen")),
+        };
+        let (mut scene, mut source) = read(&patches)?;
         if let Some(change) = LoadedScene::change_to_forbid(&scene, forbidden) {
             patches.push(change);
-            (scene, source) = self.scene_file.read(&self.scene, &patches, false)?;
+            (scene, source) = read(&patches)?;
         }
         // The picture is written at the end, but it is too late then to refuse its name.
-        let files = SceneFiles::of(&source);
-        if let Some(outputs) = self.outputs()? {
-            outputs.check_keeps(&self.scene_file.inputs(&files, &self.scene))?;
+        if let (Some(outputs), Some(path)) = (self.outputs()?, &self.scene) {
+            outputs.check_keeps(&self.scene_file.inputs(&SceneFiles::of(&source), path))?;
         }
         LoadedScene::new(&scene, source)
     }

@@ -1,5 +1,7 @@
 //! Answers the page's requests about its pictures, however they arrive.
 
+use super::cells;
+use super::export;
 use super::loaded_scene::LoadedScene;
 use super::photons::paths;
 use super::pick::pick;
@@ -16,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 /// The requests that [`answer`] answers. Each is a path with a query.
 #[cfg(feature = "view")]
-pub(crate) const ANSWERED: [&str; 16] = [
+pub(crate) const ANSWERED: [&str; 18] = [
     "picture",
     "denoised",
     "errors",
@@ -26,6 +28,8 @@ pub(crate) const ANSWERED: [&str; 16] = [
     "degree",
     "band",
     "probe",
+    "cells",
+    "export",
     "bloomed",
     "save.exr",
     "save.png",
@@ -94,6 +98,11 @@ pub(crate) fn answer(state: &PageState, path: &str, query: &str) -> Answered {
         "band" => found(snapshot.band(numbers::<BandQuery>(query)?.band)),
         "bloomed" => found(snapshot.bloomed(numbers::<BloomQuery>(query)?.denoised)),
         "probe" => probed(snapshot, query),
+        "cells" => {
+            let values = cells::values(snapshot, numbers(query)?);
+            Ok(plane(snapshot, values.ok_or(Refusal::Wrong)?))
+        }
+        "export" => file("text/html; charset=utf-8", Some(export::template().into_bytes())),
         "save.exr" => {
             let metadata = snapshot.metadata.as_ref().ok_or(Refusal::Absent)?;
             file("image/x-exr", encode_exr(&snapshot.picture, metadata).ok())

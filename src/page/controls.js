@@ -7,7 +7,7 @@ const sendChanges = draft => order({ changes: [...changes].map(([path, value]) =
 async function showScene() {
   scene = await json("scene");
   spaces = scene.spaces.map(prepareSpace);
-  $("title").textContent = scene.scene?.title ?? scene.file ?? "Abbe live view";
+  $("title").textContent = $("title").title = scene.scene?.title ?? scene.file ?? "Abbe live view";
   document.title = "Abbe: " + scene.file;
   if (!$("tone").options.length) {
     const fill = (select, names, chosen) => {
@@ -249,6 +249,7 @@ function showTab(name) {
   }
   if (name === "compare") showFigures();
 }
+$("examples").onclick = () => location.assign("./");
 $("pause").onclick = togglePause;
 $("extend").onclick = () => order({ extend: true });
 $("save-exr").onclick = () => save("save.exr");

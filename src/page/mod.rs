@@ -3,7 +3,9 @@
 //! the page in `web/` has the same answers from a WebAssembly module in a worker.
 
 mod answer;
+mod cells;
 mod engine;
+mod export;
 mod layers;
 mod loaded_scene;
 mod photons;
@@ -20,6 +22,8 @@ pub use loaded_scene::LoadedScene;
 #[cfg(feature = "view")]
 pub(crate) use answer::{ANSWERED, ANSWERED_OF_SCENE, answer, answer_of_scene};
 #[cfg(feature = "view")]
+pub(crate) use export::COLOURS;
+#[cfg(feature = "view")]
 pub(crate) use scene_panels::ScenePanels;
 #[cfg(feature = "view")]
 pub(crate) use snapshot::Snapshot;
@@ -30,6 +34,7 @@ pub(crate) use state::{PageState, SessionState, ViewProgress};
 pub fn text(link: &str) -> String {
     [
         include_str!("page_head.html"),
+        include_str!("colours.css"),
         include_str!("page.css"),
         include_str!("page_body.html"),
         link,
@@ -41,6 +46,7 @@ pub fn text(link: &str) -> String {
         include_str!("plan.js"),
         include_str!("objects.js"),
         include_str!("ruler.js"),
+        include_str!("export.js"),
         include_str!("controls.js"),
         "</script></body></html>\n",
     ]

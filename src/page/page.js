@@ -51,6 +51,8 @@ const time = s => s == null ? "–" : s < 90 ? s.toFixed(0) + " s" : s < 5400 ? 
 const percent = value => value == null ? "not known yet" : (100 * value).toPrecision(2) + " %";
 
 async function show(next) {
+  if (next.has_examples && !next.example) location.replace("./");
+  $("examples").hidden = !next.has_examples;
   state = next;
   if (next.picture) summaries.set(next.picture.number, next.picture);
   if (next.scene !== null && (next.scene !== scene?.number || hasOldPanels && !next.draft)) await showScene();
@@ -219,17 +221,11 @@ function paint() {
   place();
   context.drawImage(image, 0, 0, picture.width, picture.height);
   paintReference(place);
-  paintPhotons(scale);
+  if (hasPhotons()) paintPaths(context, photons.strokes, picture, scale);
+  const corners = ({ x0, y0, x1, y1 }) => [x0, y0, x1, y1];
+  const frames = pins.map((pin, i) => ({ area: corners(pin.area), xyz: pin.report.xyz, label: String(i + 1) }));
+  paintFrames(context, area ? [...frames, { area: corners(area) }] : frames, spaces[0], scale);
   context.setTransform(ratio, 0, 0, ratio, ratio * left, ratio * top);
-  const mark = ({ x0, y0, x1, y1 }, colour) => {
-    const grow = Math.max(0, 3 - scale);
-    for (const [width, style] of [[4, "#000"], [2, colour]]) {
-      context.lineWidth = width; context.strokeStyle = style;
-      context.strokeRect(x0 * scale - grow, y0 * scale - grow, (x1 - x0 + 1) * scale + 2 * grow, (y1 - y0 + 1) * scale + 2 * grow);
-    }
-  };
-  pins.forEach(pin => mark(pin.area, pin.colour));
-  if (area) mark(area, "#fff");
   paintHandles(scale);
   paintRuler(scale);
 }
@@ -284,11 +280,10 @@ async function refreshProbes() {
 
 function pinArea() {
   if (!area || !hovered) return;
-  const used = pins.map(pin => pin.colour), colour = PIN_COLOURS.find(colour => !used.includes(colour)) ?? PIN_COLOURS[0];
   photonPixel = [area.x0, area.y0];
   if ($("photon-reach").checked) tracePhotons();
-  pins.push({ area: { ...area }, colour, report: hovered });
-  if (pins.length > PIN_COLOURS.length) pins.shift();
+  pins.push({ area: { ...area }, report: hovered });
+  if (pins.length > MOST_PINS) pins.shift();
   paint();
   showProbes();
 }
@@ -296,19 +291,13 @@ function pinArea() {
 function showProbes() {
   if (!scene) return;
   const ink = getComputedStyle(document.documentElement).getPropertyValue("--ink").trim();
-  const curves = [...pins.filter(pin => pin.report).map(pin => ({ ...pin.report, colour: pin.colour }))];
-  if (hovered && area) curves.push({ ...hovered, colour: ink, name: hoveredB ? "A: " : "" });
-  if (hoveredB && area) curves.push({ ...hoveredB, colour: REFERENCE_COLOUR, name: "B: ", dash: "6 3" });
+  const pinned = pinCurves(pins.map(pin => pin.report), spaces[0]), probed = [];
+  if (hovered && area) probed.push({ ...hovered, colour: ink, name: hoveredB ? "A: " : "" });
+  if (hoveredB && area) probed.push({ ...hoveredB, colour: REFERENCE_COLOUR, name: "B: ", dash: "6 3" });
+  const curves = [...pinned, ...probed];
   $("spectrum").innerHTML = spectrumPlot(curves, scene.light);
   $("chromaticity").innerHTML = chromaticityPlot(curves, scene.locus, space());
-  const cell = value => value == null ? "unknown" : short(value);
-  const columns = curves.slice(-2);
-  const row = (name, of) => `<tr><th scope="row">${name}</th>${columns.map(curve => `<td>${of(curve)}</td>`).join("")}</tr>`;
-  $("values").innerHTML = columns.length ? "<table>" + row("pixels", c => `<span class="key" style="background:${c.colour}"></span>` + (c.name ?? "") +
-      (c.area[0] === c.area[2] && c.area[1] === c.area[3] ? `${c.area[0]}, ${c.area[1]}` : `${c.area[0]}–${c.area[2]}, ${c.area[1]}–${c.area[3]}`)) +
-    row("Y in cd/m²", c => cell(c.xyz[1])) + row("X, Z", c => `${cell(c.xyz[0])}, ${cell(c.xyz[2])}`) +
-    row("x, y", c => c.xy ? c.xy.map(value => value.toFixed(4)).join(", ") : "–") +
-    row("noise of Y in cd/m²", c => cell(c.noise)) + row("bias of Y in cd/m²", c => cell(c.bias)) +
-    row("95 % interval of Y", c => c.interval_95 ? c.interval_95.map(value => short(value)).join(" … ") : "unknown") + "</table>"
+  $("pins").innerHTML = pinTable(pinned);
+  $("values").innerHTML = probed.length ? valueTable(probed)
     : `<p class="soft">Point at the picture, or use the arrow keys. Shift and drag selects a rectangle. A click or Enter pins it.</p>`;
 }

@@ -25,31 +25,19 @@ async function tracePhotons() {
 /// Converts the XYZ of the lines to codes of the selected colour space. The brightness of all lines is the same.
 function colourPhotons() {
   const code = value => CODES[value * 65535 + 0.5 | 0];
-  photons.strokes = new Map();
+  photons.byColour = new Map();
   for (const [ax, ay, bx, by, x, y, z] of photons.lines) {
     const rgb = apply(space().own_matrix, x, y, z), most = Math.max(...rgb);
     if (most > 0) for (let c = 0; c < 3; c++) rgb[c] /= most;
     GAMUTS.desaturate(rgb, space());
     const style = `rgb(${rgb.map(code).join(" ")})`;
-    if (!photons.strokes.has(style)) photons.strokes.set(style, new Path2D());
-    const line = photons.strokes.get(style);
-    line.moveTo(ax, ay); line.lineTo(bx, by);
+    if (!photons.byColour.has(style)) photons.byColour.set(style, []);
+    photons.byColour.get(style).push(ax, ay, bx, by);
   }
+  photons.strokes = new Map([...photons.byColour].map(([style, numbers]) => [style, linePath(numbers)]));
 }
 
-/// Paints the lines. `scale` is the number of screen pixels per picture pixel.
-function paintPhotons(scale) {
-  if (!photons || photons.scene !== scene.number) return;
-  // The darker picture lets the lines stand out.
-  context.fillStyle = "rgb(0 0 0 / 55%)";
-  context.fillRect(0, 0, picture.width, picture.height);
-  context.globalAlpha = 0.45;
-  context.lineWidth = 1 / scale;
-  context.globalCompositeOperation = "lighter";
-  for (const [style, line] of photons.strokes) { context.strokeStyle = style; context.stroke(line); }
-  context.globalAlpha = 1;
-  context.globalCompositeOperation = "source-over";
-}
+const hasPhotons = () => photons?.strokes && photons.scene === scene.number;
 
 function sayPhotons() {
   const count = value => value.toLocaleString("en"), reach = $("photon-reach").checked;

@@ -38,6 +38,18 @@ pub(crate) struct AreaReport {
     errors: Option<Vec<f64>>,
 }
 
+impl AreaReport {
+    /// Returns X, Y, Z, the noise, the bias, the upper end of the 95 % interval, the values of all
+    /// bands, and their standard errors. Unknown values are NaN.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        let unknown = || vec![f64::NAN; self.values.len()];
+        let errors = self.errors.clone().unwrap_or_else(unknown);
+        let of_y = [self.noise, self.bias, self.interval_95.map(|interval| interval[1])]
+            .map(|value| value.unwrap_or(f64::NAN));
+        [&self.xyz[..], &of_y, &self.values, &errors].concat()
+    }
+}
+
 /// Returns the mean values of an area, or `None` if it is not inside the picture. The noise of
 /// neighbouring pixels is correlated, because their estimates share photons, so the noise of an
 /// area is the upper bound: the mean noise of its pixels.

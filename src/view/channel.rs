@@ -1,5 +1,6 @@
 //! The state that the session, the server and the watch thread share.
 
+use super::examples::Example;
 use crate::page::{LoadedScene, PageState, ScenePanels, SessionState, Snapshot, ViewProgress};
 use abbe_transport::walk::StopFlag;
 use serde_json::{Value, json};
@@ -11,6 +12,8 @@ use tokio::sync::watch;
 pub(super) struct Orders {
     /// Counts the changes of the scene: of its file, and by the page.
     pub(super) revision: u64,
+    /// The example that the reader chose.
+    pub(super) example: Option<&'static Example>,
     /// True if the render waits.
     pub(super) paused: bool,
     /// Changes of the scene in the form `PATH=JSON`.
@@ -33,6 +36,8 @@ struct ViewState {
     page: PageState,
     /// The scene that is rendered, or `None` if a saved picture is shown.
     loaded: Option<Arc<LoadedScene>>,
+    /// The number of rendered pictures.
+    pictures: u64,
 }
 
 impl ViewState {
@@ -52,17 +57,21 @@ pub(super) struct ViewChannel {
     changed: Condvar,
     /// Counts the changes that the page should see.
     version: watch::Sender<u64>,
+    /// True if the reader chooses among the examples.
+    has_examples: bool,
 }
 
 impl ViewChannel {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(has_examples: bool) -> Self {
         let state = ViewState {
             orders: Orders::default(),
             stop: (0, Arc::default()),
             page: PageState::default(),
             loaded: None,
+            pictures: 0,
         };
-        Self { state: Mutex::new(state), changed: Condvar::new(), version: watch::Sender::new(1) }
+        let version = watch::Sender::new(1);
+        Self { state: Mutex::new(state), changed: Condvar::new(), version, has_examples }
     }
 
     /// No thread leaves the state inconsistent, so a panic elsewhere does not matter here.
@@ -78,6 +87,26 @@ impl ViewChannel {
     pub(super) fn order(&self, change: impl FnOnce(&mut Orders)) {
         self.update(|state| {
             change(&mut state.orders);
+            state.stop_if_over();
+        });
+        self.changed.notify_all();
+    }
+
+    pub(super) fn has_examples(&self) -> bool {
+        self.has_examples
+    }
+
+    /// Opens an example without the changes and the pictures of the last one. Does nothing if it is
+    /// open.
+    pub(super) fn open(&self, example: &'static Example) {
+        self.update(|state| {
+            if state.orders.example == Some(example) {
+                return;
+            }
+            let Orders { revision, extensions, interrupted, .. } = state.orders;
+            let example = Some(example);
+            state.orders = Orders { revision: revision + 1, example, extensions, interrupted, ..Orders::default() };
+            (state.page, state.loaded) = (PageState::default(), None);
             state.stop_if_over();
         });
         self.changed.notify_all();
@@ -162,8 +191,11 @@ impl ViewChannel {
         });
     }
 
-    pub(super) fn snapshot(&self) -> Option<Arc<Snapshot>> {
-        self.lock().page.snapshot.clone()
+    /// Returns the number of a new picture.
+    pub(super) fn next_picture(&self) -> u64 {
+        let mut state = self.lock();
+        state.pictures += 1;
+        state.pictures
     }
 
     /// Sets the picture with which the page compares the published one.
@@ -203,6 +235,8 @@ impl ViewChannel {
         json["draft"] = json!(orders.is_draft);
         json["changes"] = json!(orders.changes);
         json["forbidden"] = json!(orders.forbidden);
+        json["has_examples"] = json!(self.has_examples);
+        json["example"] = json!(orders.example.map(|example| example.name));
         json
     }
 }
@@ -213,7 +247,7 @@ mod tests {
 
     #[test]
     fn orders_wake_a_waiting_session() {
-        let channel = Arc::new(ViewChannel::new());
+        let channel = Arc::new(ViewChannel::new(false));
         let other = Arc::clone(&channel);
         let waiting = std::thread::spawn(move || other.wait(None, |orders| orders.revision > 0).revision);
         channel.scene_file_changed();
@@ -221,5 +255,19 @@ mod tests {
         let orders = channel.wait(Some(Duration::from_millis(1)), |orders| orders.interrupted);
         assert!(!orders.interrupted);
         assert!(*channel.versions().borrow() > 1);
+    }
+
+    #[test]
+    fn an_example_opens_without_the_changes_of_the_last_one() {
+        let channel = ViewChannel::new(true);
+        let open = |name: &str| channel.open(Example::named(name).unwrap());
+        open("prism");
+        channel.order(|orders| orders.changes = vec!["film.width=3".to_string()]);
+        let before = channel.orders();
+        open("prism");
+        assert_eq!(channel.orders(), before, "it is open");
+        open("grating");
+        let after = channel.orders();
+        assert_eq!((after.revision, after.changes.len()), (before.revision + 1, 0));
     }
 }

@@ -7,14 +7,17 @@
 
 mod access;
 mod channel;
+mod examples;
 mod host;
 mod listener;
 mod pictures;
 mod publisher;
 mod server;
 mod session;
+mod start_page;
 mod watch;
 
+pub use examples::Example;
 pub use host::ViewHost;
 pub use session::SessionEnd;
 
@@ -34,9 +37,10 @@ pub struct LiveView {
 }
 
 impl LiveView {
-    /// Starts the server, on a free port for 0, or returns a machine error.
-    pub fn listen(bind: IpAddr, port: u16) -> Result<Self> {
-        let channel = Arc::new(ViewChannel::new());
+    /// Starts the server, on a free port for 0, or returns a machine error. If `has_examples` is
+    /// true, the first page offers the example scenes.
+    pub fn listen(bind: IpAddr, port: u16, has_examples: bool) -> Result<Self> {
+        let channel = Arc::new(ViewChannel::new(has_examples));
         let token = access::random_token();
         let wanted = SocketAddr::new(bind, port);
         let unusable = |error: std::io::Error| Error::machine(format!("cannot listen on {wanted}: {error}"));

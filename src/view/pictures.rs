@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// example during a render. Returns an error if the first read fails, or if a thread cannot be
 /// started.
 pub(super) fn run(channel: &Arc<ViewChannel>, path: &Path, is_interrupted: fn() -> bool) -> Result<()> {
-    watch::start(path, is_interrupted, Arc::clone(channel))?;
+    watch::start(Some(path), is_interrupted, Arc::clone(channel))?;
     let mut number = 0;
     loop {
         let orders = channel.orders();

@@ -62,7 +62,7 @@ impl<'a> Publisher<'a> {
     }
 
     fn snapshot(&self, picture: Picture, run: Option<&Run>) -> Arc<Snapshot> {
-        let number = self.channel.snapshot().map_or(1, |snapshot| snapshot.number + 1);
+        let number = self.channel.next_picture();
         let scene = (self.loaded, Arc::clone(&self.scene));
         Arc::new(Snapshot::of_render(number, scene, (picture, run), self.last.as_deref()))
     }

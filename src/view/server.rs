@@ -2,7 +2,9 @@
 
 use super::access::Access;
 use super::channel::ViewChannel;
+use super::examples::Example;
 use super::listener::LimitedListener;
+use super::start_page;
 use crate::page::{self, Answer, Refusal};
 use axum::Router;
 use axum::body::{Body, to_bytes};
@@ -85,7 +87,9 @@ async fn checked_answer(server: &ViewServer, request: Request) -> Result<Respons
     let query = parts.uri.query().unwrap_or_default();
     let channel = &server.channel;
     match (&parts.method, path) {
-        (&Method::GET, "") => Ok(typed("text/html; charset=utf-8", page::text(LINK))),
+        (&Method::GET, "") if channel.has_examples() => Ok(html(start_page::text(channel.orders().example))),
+        (&Method::GET, "") => Ok(html(page::text(LINK))),
+        (&Method::GET, "view") if channel.has_examples() => Ok(html(page::text(LINK))),
         (&Method::GET, "state") => Ok(state(channel, query).await),
         (&Method::GET, "scene") => json(channel.scene().ok_or(StatusCode::NOT_FOUND)?.text.clone()),
         (&Method::GET, path) if page::ANSWERED.contains(&path) => pictured(channel, path, query).await,
@@ -108,6 +112,10 @@ fn value_of(headers: &HeaderMap, name: header::HeaderName) -> Option<&str> {
 
 fn typed(kind: &'static str, body: impl Into<Body>) -> Response {
     ([(header::CONTENT_TYPE, kind)], body.into()).into_response()
+}
+
+fn html(text: String) -> Response {
+    typed("text/html; charset=utf-8", text)
 }
 
 fn json(text: String) -> Result<Response, StatusCode> {
@@ -172,6 +180,8 @@ fn status(refusal: Refusal) -> StatusCode {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PageOrders {
+    /// The name of an example to open.
+    open: Option<String>,
     paused: Option<bool>,
     /// True to render twice as many passes, after all passes are done.
     #[serde(default)]
@@ -191,6 +201,10 @@ fn follow(channel: &ViewChannel, wanted: PageOrders) -> Result<Response, StatusC
     let count = |list: &Option<Vec<String>>| list.as_ref().map_or(0, Vec::len);
     if count(&wanted.changes).max(count(&wanted.forbidden)) > MAX_CHANGES {
         return Err(StatusCode::PAYLOAD_TOO_LARGE);
+    }
+    if let Some(name) = &wanted.open {
+        let example = Example::named(name).filter(|_| channel.has_examples());
+        channel.open(example.ok_or(StatusCode::NOT_FOUND)?);
     }
     if wanted.keep {
         channel.keep_as_reference();

@@ -32,9 +32,13 @@ pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRul
         if orders.interrupted {
             return Ok(SessionEnd { last: None });
         }
-        let loaded = match host.load(&orders.changes, &orders.forbidden) {
+        if host.scene_path().is_none() && orders.example.is_none() {
+            wait_for_change(channel, &orders);
+            continue;
+        }
+        let loaded = match host.load(orders.example, &orders.changes, &orders.forbidden) {
             Ok(loaded) => Arc::new(loaded),
-            Err(error) if number == 0 => return Err(error),
+            Err(error) if number == 0 && orders.example.is_none() => return Err(error),
             Err(error) => {
                 channel.fail(orders.revision, with_carets(&error, host.scene_path()));
                 wait_for_change(channel, &orders);
@@ -195,10 +199,10 @@ impl Monitor for ViewMonitor<'_, '_> {
 }
 
 /// Returns an error as text, with the lines of the scene file to which it refers, and carets.
-fn with_carets(error: &Error, scene: &Path) -> String {
-    let text = std::fs::read_to_string(scene).unwrap_or_default();
+fn with_carets(error: &Error, scene: Option<&Path>) -> String {
+    let text = scene.and_then(|scene| std::fs::read_to_string(scene).ok()).unwrap_or_default();
     let fault = |fault: Error| {
-        let place = fault.location.line_column.filter(|_| fault.location.file.as_deref() == Some(scene));
+        let place = fault.location.line_column.filter(|_| scene.is_some() && fault.location.file.as_deref() == scene);
         let line = place.and_then(|(line, column)| Some((text.lines().nth(line - 1)?, line, column)));
         match line {
             Some((content, line, column)) => {
@@ -222,7 +226,7 @@ mod tests {
         let path = folder.path().join("a.json");
         std::fs::write(&path, "{\n  \"film\": 3\n}").unwrap();
         let error = Error::input("found 3").in_file(&path).at(2, 11);
-        let text = with_carets(&error, &path);
+        let text = with_carets(&error, Some(&path));
         assert!(text.ends_with("found 3\n2 |   \"film\": 3\n              ^"), "{text}");
     }
 }

@@ -17,15 +17,16 @@ fn stamp(path: &Path) -> FileStamp {
     Some((found.modified().ok()?, found.len()))
 }
 
-/// Starts the watch thread, which ends with the process or after an interruption. Returns a machine
-/// error if it cannot be started.
-pub(super) fn start(path: &Path, is_interrupted: fn() -> bool, channel: Arc<ViewChannel>) -> Result<()> {
-    let path = path.to_path_buf();
-    let mut seen = stamp(&path);
+/// Starts the watch thread for a file, or only for interruptions. The thread ends with the
+/// process or after an interruption. Returns a machine error if it cannot be started.
+pub(super) fn start(path: Option<&Path>, is_interrupted: fn() -> bool, channel: Arc<ViewChannel>) -> Result<()> {
+    let path = path.map(Path::to_path_buf);
+    let look = move || path.as_deref().and_then(stamp);
+    let mut seen = look();
     let watch = move || {
         while !is_interrupted() {
             std::thread::sleep(INTERVAL);
-            let now = stamp(&path);
+            let now = look();
             // Some editors remove the file before they write it again.
             if now.is_some() && now != seen {
                 seen = now;

@@ -94,12 +94,22 @@ impl Browser {
         result["result"]["value"].clone()
     }
 
-    /// Waits until an expression is true.
+    /// Returns the names that a screen reader reads for all elements of a role.
+    pub(crate) fn accessible(&mut self, role: &str) -> Vec<String> {
+        let tree = self.tools.call("Accessibility.getFullAXTree", &json!({}));
+        let nodes = tree["nodes"].as_array().unwrap().iter().filter(|node| node["role"]["value"] == role);
+        nodes.map(|node| node["name"]["value"].as_str().unwrap_or_default().to_string()).collect()
+    }
+
+    /// Waits until an expression is true, also on another page to which the browser is on its way.
     pub(crate) fn wait(&mut self, expression: &str) {
         let start = Instant::now();
         // Before the page is loaded, its names are unknown.
         let guarded = format!("(() => {{ try {{ return Boolean({expression}); }} catch {{ return false; }} }})()");
-        while self.run(&guarded) != true {
+        let wanted = json!({"expression": guarded, "returnByValue": true});
+        // A page that the browser leaves answers with an error.
+        let is_true = |found: Value| found["result"]["value"] == true;
+        while !self.tools.try_call("Runtime.evaluate", &wanted).is_ok_and(is_true) {
             assert!(start.elapsed() < PATIENCE, "waited for {expression}: {:?}", self.complaints());
             std::thread::sleep(Duration::from_millis(10));
         }
@@ -151,6 +161,11 @@ impl Browser {
         std::fs::write(PathBuf::from(folder).join(name), bytes).unwrap();
     }
 
+    /// Forgets the messages and requests so far.
+    pub(crate) fn forget(&mut self) {
+        self.tools.events.clear();
+    }
+
     /// Returns the messages of the console, the exceptions of scripts, and the requests to other
     /// servers.
     pub(crate) fn complaints(&self) -> Vec<String> {
@@ -165,7 +180,7 @@ impl Browser {
                 }
                 "Network.requestWillBeSent" => {
                     let url = parameters["request"]["url"].as_str()?;
-                    let is_own = ["http://127.0.0.1:", "blob:http://127.0.0.1:", "about:"]
+                    let is_own = ["http://127.0.0.1:", "blob:http://127.0.0.1:", "data:image/", "about:"]
                         .iter()
                         .any(|own| url.starts_with(own));
                     (!is_own).then(|| url.to_string())

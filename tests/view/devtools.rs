@@ -50,6 +50,11 @@ impl DevTools {
 
     /// Calls a method, and returns its result.
     pub(crate) fn call(&mut self, method: &str, parameters: &Value) -> Value {
+        self.try_call(method, parameters).unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    /// Calls a method, and returns its result, or the error of the browser.
+    pub(crate) fn try_call(&mut self, method: &str, parameters: &Value) -> Result<Value, Value> {
         self.last_id += 1;
         let message = json!({"id": self.last_id, "method": method, "params": parameters}).to_string();
         // The final text frame. A client masks its frames; this mask changes nothing.
@@ -61,8 +66,8 @@ impl DevTools {
         loop {
             let answer = self.message();
             if answer["id"] == self.last_id {
-                assert!(answer["error"].is_null(), "{method}: {answer}");
-                return answer["result"].clone();
+                let error = answer["error"].clone();
+                return if error.is_null() { Ok(answer["result"].clone()) } else { Err(error) };
             }
             self.events.push(answer);
         }

@@ -117,6 +117,45 @@ fn hovering_shows_a_spectrum_and_a_click_pins_it() {
     is_clean(&browser);
 }
 
+/// A pin has a row and a number, and its line has the colour of its light with enough contrast to
+/// the paper.
+#[test]
+fn pins_have_rows_numbers_and_the_colours_of_their_light() {
+    let Some((_folder, _view, mut browser)) = finished(DESKTOP, false) else { return };
+    for pixel in ["[60, 120]", "[180, 120]"] {
+        browser.run(&format!("select(areaOf({pixel}))"));
+        browser.wait(&format!("hovered?.area.slice(0, 2).join() === {pixel}.join()"));
+        browser.run("pinArea()");
+    }
+    browser.wait("$('pins').querySelectorAll('tbody tr').length === 2");
+    let rows = browser.run("$('pins').textContent").as_str().unwrap().to_string();
+    assert!(rows.contains("160, 120") && rows.contains("2180, 120"), "{rows}");
+    assert_eq!(browser.run("$('spectrum').querySelectorAll('text[fill]').length"), 2);
+    browser.screenshot("pins.png");
+    // Red, green, blue and white light, and the green of 520 nm, which is outside sRGB.
+    for (xyz, strongest) in [
+        ("[41, 21, 2]", Some(0)),
+        ("[36, 72, 12]", Some(1)),
+        ("[18, 7, 95]", Some(2)),
+        ("[95, 100, 109]", None),
+        ("[63, 710, 78]", Some(1)),
+    ] {
+        for (is_dark, paper) in [(false, 1.0_f64), (true, 0.009)] {
+            let found = browser.run(&format!(
+                "lineColour({xyz}, spaces[0], {is_dark}).match(/\\d+/g).map(code => {{ const v = code / 255;
+                  return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4; }})"
+            ));
+            let rgb: Vec<f64> = serde_json::from_value(found).unwrap();
+            let light = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+            let contrast = (paper.max(light) + 0.05) / (paper.min(light) + 0.05);
+            assert!(contrast > 3.0, "{xyz} {is_dark}: {contrast}");
+            let most = (0..3).max_by(|&a, &b| rgb[a].total_cmp(&rgb[b])).unwrap();
+            assert!(strongest.is_none_or(|strongest| most == strongest), "{xyz} {is_dark}: {rgb:?}");
+        }
+    }
+    is_clean(&browser);
+}
+
 #[test]
 fn exposure_zoom_and_modes_change_the_canvas() {
     let Some((_folder, _view, mut browser)) = finished(DESKTOP, true) else { return };

@@ -12,6 +12,8 @@ pub enum FileAccess {
     WithinFolder,
     /// All files.
     Anywhere,
+    /// No files, for a text that is not a file.
+    Nowhere,
 }
 
 impl FileAccess {
@@ -25,8 +27,12 @@ impl FileAccess {
     ///
     /// # Errors
     /// Returns an error if the access is [`Self::WithinFolder`] and the path is absolute or leads
-    /// above the folder.
+    /// above the folder, or if the access is [`Self::Nowhere`].
     pub fn file(self, folder: &Path, path: &Path) -> Result<PathBuf> {
+        if self == Self::Nowhere {
+            let what = format!("the path \"{}\" in a scene that is not a file", path.display());
+            return Err(Error::input(what).expected("no files; save the scene in a file to use others"));
+        }
         if self == Self::WithinFolder && leaves_folder(path) {
             return Err(Error::input(format!("the path \"{}\" leads out of the folder", path.display()))
                 .expected(Self::EXPECTED_WITHIN_FOLDER));
@@ -62,6 +68,7 @@ mod tests {
         for outside in ["..", "../lamp.csv", "a/../../lamp.csv", "./../x", "/etc/passwd", "a/../.."] {
             let error = within(outside).unwrap_err();
             assert_eq!(error.expected.as_deref(), Some(FileAccess::EXPECTED_WITHIN_FOLDER), "{outside}");
+            assert!(FileAccess::Nowhere.file(Path::new("scenes"), Path::new(outside)).is_err());
             assert!(FileAccess::Anywhere.file(Path::new("scenes"), Path::new(outside)).is_ok());
         }
     }
