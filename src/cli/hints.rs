@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn an_unknown_option_gets_the_known_one() {
         assert_eq!(
-            hint(&["abbe", "lens", "a", "--html", "a.html"]),
+            hint(&["abbe", "glass", "N-BK7", "--html", "a.html"]),
             "unexpected argument '--html' found; did you mean --svg?"
         );
         assert!(hint(&["abbe", "render", "a.json", "--spp=4"]).ends_with("; did you mean --passes?"));
