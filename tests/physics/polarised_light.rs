@@ -155,6 +155,21 @@ fn liquid_crystals_turn_light() {
     let thick = json!({ "retardance_nm": 40_000, "twist": 40 });
     let found = [[40.0, 0.0], [40.0, 90.0]].map(|axes| transmitted(thick.clone(), axes));
     assert!((found[0] - 0.5).abs() < 2e-3 && found[1] < 2e-3, "{found:?}");
+    // Turned over, the cell shows the light its front, and its molecules turn to −40° of the scene.
+    let turned_over = |last: f64| {
+        let cell = json!({ "filters": [{ "liquid_crystal": thick.clone() }] });
+        let mut scene = sheets(&[polariser(0.0), cell, polariser(last)]);
+        scene["lights"][0]["environment"]["spectrum"] = yellow();
+        let flip = json!({ "rotate": { "axis": [1, 0, 0], "degrees": 180 } });
+        let transform = scene["objects"][1]["transform"].as_array().cloned().unwrap_or_default();
+        scene["objects"][1]["transform"] = [vec![flip], transform].concat().into();
+        let mut bare = scene.clone();
+        bare["objects"] = json!([]);
+        let [through, all] = [scene, bare].map(|scene| mean_xyz(&render(&scene, Integrator::Photon, 4))[1]);
+        through / all
+    };
+    let found = [140.0, 50.0, 40.0].map(turned_over);
+    assert!((found[0] - 0.5).abs() < 2e-3 && found[1] < 2e-3 && found[2] < 0.1, "{found:?}");
 }
 
 /// A pressed disc has N = 8PC/(πDλ) fringes in the middle, and a bent beam 6MC/(b²λ) at its edges
