@@ -45,8 +45,8 @@ pub(crate) struct LensArgs {
     #[arg(long, value_name = "FILE.svg")]
     svg: Option<PathBuf>,
     /// What `--svg` draws
-    #[arg(long, value_name = "PLOT", value_enum, default_value_t = PlotName::Section, requires = "svg")]
-    plot: PlotName,
+    #[arg(long, value_name = "PLOT", value_enum, default_value_t = LensPlot::Section, requires = "svg")]
+    plot: LensPlot,
     /// Write a page for A4 paper with all figures and plots
     #[arg(long, value_name = "FILE.html")]
     html: Option<PathBuf>,
@@ -56,45 +56,6 @@ pub(crate) struct LensArgs {
     /// List all built-in lenses
     #[arg(long, conflicts_with_all = ["lens", "field", "svg", "html"])]
     list: bool,
-}
-
-/// The plots of `--plot`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum PlotName {
-    /// The cross-section with rays at two fields, and magnified foci
-    Section,
-    /// Spot diagrams per field and wavelength
-    Spots,
-    /// Ray fans, tangential and sagittal
-    RayFans,
-    /// MTF against spatial frequency
-    Mtf,
-    /// MTF against the position of the sensor
-    ThroughFocus,
-    /// Field curvature (S and T) and distortion
-    FieldCurves,
-    /// Lateral colour against the field
-    LateralColour,
-    /// Relative illumination against the field
-    Illumination,
-    /// Longitudinal aberration, and focus against wavelength
-    AxialColour,
-}
-
-impl PlotName {
-    fn plot(self) -> LensPlot {
-        match self {
-            Self::Section => LensPlot::Section,
-            Self::Spots => LensPlot::Spots,
-            Self::RayFans => LensPlot::RayFans,
-            Self::Mtf => LensPlot::Mtf,
-            Self::ThroughFocus => LensPlot::ThroughFocus,
-            Self::FieldCurves => LensPlot::FieldCurves,
-            Self::LateralColour => LensPlot::LateralColour,
-            Self::Illumination => LensPlot::Illumination,
-            Self::AxialColour => LensPlot::AxialColour,
-        }
-    }
 }
 
 pub(crate) fn run(arguments: &LensArgs) -> Result<Outcome> {
@@ -129,7 +90,7 @@ fn one(name: &str, arguments: &LensArgs) -> Result<()> {
     }
     let analysis = LensAnalysis::under(&lens, conditions)?;
     if let Some(path) = &arguments.svg {
-        file::write_whole(path, lens_plots::svg(arguments.plot.plot(), &lens, &analysis)?.as_bytes())?;
+        file::write_whole(path, lens_plots::svg(arguments.plot, &lens, &analysis)?.as_bytes())?;
     }
     if let Some(path) = &arguments.html {
         file::write_whole(path, lens_page::page(&lens, &analysis)?.as_bytes())?;

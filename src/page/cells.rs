@@ -17,7 +17,8 @@ pub(crate) struct CellQuery {
 
 /// Returns the values that a probe of each cell reports, row by row, as 32-bit floating-point
 /// numbers: X, Y, Z, the noise, the bias and the upper end of the 95 % interval of Y, the spectral
-/// radiance in all bands, and its standard errors. Unknown values are NaN. Returns `None` for too many cells.
+/// radiance in all bands, and its standard errors. Unknown values are NaN. Returns `None` for too
+/// many cells.
 pub(crate) fn values(snapshot: &Snapshot, CellQuery { size }: CellQuery) -> Option<Vec<u8>> {
     let (width, height) = (snapshot.picture.width, snapshot.picture.height);
     if size == 0 || width.div_ceil(size) * height.div_ceil(size) > MOST_CELLS {

@@ -5,8 +5,8 @@ const raised = power => String(power).replace(/./g, digit => digit === "-" ? "â
 const short = (value, digits = 3) => value === 0 ? "0" : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3
   ? value.toExponential(digits - 1).replace(/e(.*)/, (_, power) => "Â·10" + raised(Number(power))) : String(Number(value.toPrecision(digits)));
 
-/// Returns the colour of light with these XYZ as the colour of a line in sRGB, light enough for dark
-/// paper or dark enough for light paper.
+/// Returns the colour of light with these XYZ as the colour of a line in sRGB, light enough for
+/// dark paper or dark enough for light paper.
 function lineColour(xyz, { own_matrix, luminance_weights }, isDark) {
   const product = (a, b) => a.reduce((sum, value, i) => sum + value * b[i], 0);
   const rgb = own_matrix.map(row => product(row, xyz)), most = Math.max(...rgb), y = product(luminance_weights, rgb) / most;

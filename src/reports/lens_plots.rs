@@ -12,26 +12,27 @@ use abbe_spectra::error::Result;
 
 use super::lens::{drawing, line_colour, line_name};
 
-/// A plot of a lens.
+/// A plot of a lens. The help text of `abbe lens --plot` describes the plots in these words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum LensPlot {
-    /// The cross-section with rays.
+    /// The cross-section with rays at two fields, and magnified foci
     Section,
-    /// Spot diagrams.
+    /// Spot diagrams per field and wavelength
     Spots,
-    /// Tangential and sagittal ray fans.
+    /// Ray fans, tangential and sagittal
     RayFans,
-    /// The MTF against spatial frequency.
+    /// MTF against spatial frequency
     Mtf,
-    /// The MTF against the position of the sensor.
+    /// MTF against the position of the sensor
     ThroughFocus,
-    /// Field curvature and distortion.
+    /// Field curvature (S and T) and distortion
     FieldCurves,
-    /// Lateral colour.
+    /// Lateral colour against the field
     LateralColour,
-    /// Relative illumination.
+    /// Relative illumination against the field
     Illumination,
-    /// Longitudinal aberration and chromatic focal shift.
+    /// Longitudinal aberration, and focus against wavelength
     AxialColour,
 }
 

@@ -11,8 +11,8 @@ use abbe_spectra::colour::cct_duv;
 use abbe_spectra::spectrum::{LUMENS_PER_WATT, Observer};
 use std::path::Path;
 
-/// Returns the readings, the judgements of the requirements and the lights as an HTML page. `scene` is
-/// the scene file, and `scene_title` its title.
+/// Returns the readings, the judgements of the requirements and the lights as an HTML page. `scene`
+/// is the scene file, and `scene_title` its title.
 pub fn page(
     report: &MeasurementReport,
     judgements: &[Judgement],

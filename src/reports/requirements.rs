@@ -6,7 +6,7 @@ use abbe_session::render::{MeasurementReport, MeterReport, Value};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Whether readings reach a limit.
+/// The verdict on a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {

@@ -1,12 +1,12 @@
-//! What a lighting installation must reach.
+//! Requirements on the readings of meters.
 
 use crate::prelude::*;
 use crate::{JsonPath, MeterFile, check};
 use abbe_scene::meter::Quantity;
 use abbe_spectra::error::{Error, Result};
 
-/// What the readings of a meter must reach. State at least one limit. `abbe measure` judges each limit
-/// by the 95 % intervals of the readings.
+/// A requirement on the readings of a meter. State at least one limit. `abbe measure` judges each
+/// limit by the 95 % intervals of the readings.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Requirement", example = json!({"meter": "desk", "mean_at_least": 500, "uniformity_at_least": 0.6,

@@ -54,7 +54,7 @@ pub struct RayFile {
     pub notes: Vec<String>,
 }
 
-/// Reads a ray file: TM-25 by its first bytes, and otherwise a source file of Zemax, as binary or as
+/// Reads a ray file: TM-25 by its first bytes, and otherwise a source file of Zemax, binary or
 /// text.
 ///
 /// # Errors
@@ -74,6 +74,18 @@ pub(crate) fn parse(reader: impl std::io::BufRead, length: u64) -> Result<RayFil
         first if i32::from_le_bytes(first) == zemax::IDENTIFIER => zemax::parse(&mut bytes),
         _ => zemax::parse_text(&mut bytes),
     }
+}
+
+/// Checks the number of rays that a file states.
+fn checked_count(count: u64) -> Result<u64> {
+    let wrong = || Error::input(format!("{count} rays")).expected(format!("from 1 to {MAX_RAYS} rays"));
+    (1..=MAX_RAYS).contains(&count).then_some(count).ok_or_else(wrong)
+}
+
+/// Checks a wavelength in this unit. `whose` names it in errors.
+fn checked_wavelength(value: f64, unit: &str, whose: impl FnOnce() -> String) -> Result<f64> {
+    let wrong = || Error::input(format!("{} is {value} {unit}", whose())).expected("a number above 0");
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err(wrong()) }
 }
 
 /// Returns a ray, or an error that names it, by its number from 0.

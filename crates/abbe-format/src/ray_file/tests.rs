@@ -98,7 +98,8 @@ fn each_spectrum_has_its_rays() {
     assert!(message(&wrong.bytes()).contains("from 1 to 2"), "{}", message(&wrong.bytes()));
 }
 
-/// Few wavelengths stay lines. Many form groups with the flux and the mean wavelength of their rays.
+/// Few wavelengths stay lines. Many form groups, with the flux and the mean wavelength of their
+/// rays.
 #[test]
 fn rays_with_their_own_wavelengths_form_groups() {
     let ray = |nm: f32| [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, nm];

@@ -1,7 +1,7 @@
 //! IES TM-25 ray files, in the layout of TM-25-13.
 
 use super::bytes::{Bytes, numbers};
-use super::{FluxUnit, MAX_RAYS, RayFile, RayGroup, RaySpectrum, ray, wavelengths};
+use super::{FluxUnit, RayFile, RayGroup, RaySpectrum, checked_count, checked_wavelength, ray, wavelengths};
 use abbe_scene::light::EmittedRay;
 use abbe_spectra::error::{Error, Result};
 use std::io::BufRead;
@@ -26,6 +26,8 @@ struct Columns {
     lumens: Option<usize>,
     wavelength: Option<usize>,
     table: Option<usize>,
+    /// True if the rays have columns of the standard that are not used.
+    has_unused: bool,
 }
 
 pub(super) fn parse<R: BufRead>(bytes: &mut Bytes<R>) -> Result<RayFile> {
@@ -36,10 +38,7 @@ pub(super) fn parse<R: BufRead>(bytes: &mut Bytes<R>) -> Result<RayFile> {
     }
     // The method of creation and the totals of the flux: the sum over the rays counts.
     bytes.skip(12)?;
-    let count = bytes.u64()?;
-    if count == 0 || count > MAX_RAYS {
-        return Err(Error::input(format!("{count} rays")).expected(format!("from 1 to {MAX_RAYS} rays")));
-    }
+    let count = checked_count(bytes.u64()?)?;
     // The date, and where the rays start.
     bytes.skip(28 + 4)?;
     let kind = match bytes.whole("the kind of spectral data", (0, 4))? {
@@ -63,30 +62,27 @@ pub(super) fn parse<R: BufRead>(bytes: &mut Bytes<R>) -> Result<RayFile> {
     bytes.check_records(count, columns.numbers)?;
     let unit = if columns.watts.is_some() { FluxUnit::Watt } else { FluxUnit::Lumen };
     let mut notes = Vec::new();
-    let needs_stokes = columns.numbers - items > 6 + columns.used();
-    notes.extend(needs_stokes.then(|| "the polarisation or the colours of single rays are not used".to_owned()));
+    notes.extend(columns.has_unused.then(|| "the polarisation or the colours of single rays are not used".to_owned()));
+    let of_all = |bytes: &mut Bytes<R>, spectrum: RaySpectrum| -> Result<Vec<RayGroup>> {
+        Ok(vec![RayGroup { spectrum, rays: rays(bytes, count, &columns)? }])
+    };
     let groups = match kind {
-        SpectrumKind::Unknown => vec![RayGroup { spectrum: RaySpectrum::Unknown, rays: rays(bytes, count, &columns)? }],
+        SpectrumKind::Unknown => of_all(bytes, RaySpectrum::Unknown)?,
         SpectrumKind::SingleWavelength => {
-            if !(single_nm > 0.0 && single_nm.is_finite()) {
-                return Err(Error::input(format!("the wavelength is {single_nm} nm")).expected("a number above 0"));
-            }
-            vec![RayGroup { spectrum: RaySpectrum::Line(single_nm), rays: rays(bytes, count, &columns)? }]
+            let nm = checked_wavelength(single_nm, "nm", || "the wavelength".to_owned())?;
+            of_all(bytes, RaySpectrum::Line(nm))?
         }
         SpectrumKind::OneTable => {
             let table = tables.into_iter().next();
             let table = table.ok_or_else(|| Error::input("no spectral table").expected("the table of all rays"))?;
-            vec![RayGroup { spectrum: RaySpectrum::Table(table), rays: rays(bytes, count, &columns)? }]
+            of_all(bytes, RaySpectrum::Table(table))?
         }
         SpectrumKind::WavelengthPerRay => {
             let mut found = Vec::with_capacity(count as usize);
             let column = columns.wavelength.ok_or_else(|| missing("wavelength"))?;
             each_ray(bytes, count, &columns, |number, ray, values| {
-                let nm = f64::from(values[column]);
-                if !(nm > 0.0 && nm.is_finite()) {
-                    let what = format!("ray {}: its wavelength is {nm} nm", number + 1);
-                    return Err(Error::input(what).expected("a number above 0"));
-                }
+                let whose = || format!("ray {}: its wavelength", number + 1);
+                let nm = checked_wavelength(f64::from(values[column]), "nm", whose)?;
                 found.push((nm, ray));
                 Ok(())
             })?;
@@ -117,13 +113,6 @@ fn missing(column: &str) -> Error {
     Error::input(format!("the rays have no {column}")).expected(format!("a column with the {column} of each ray"))
 }
 
-impl Columns {
-    /// The number of columns that are used beside the point and the direction.
-    fn used(&self) -> usize {
-        [self.watts, self.lumens, self.wavelength, self.table].iter().flatten().count()
-    }
-}
-
 /// Reads the flags of the columns. A record is the point and the direction, and then the columns in
 /// the order of their flags, but the tristimulus values X and Z after the polarisation.
 fn columns<R: BufRead>(bytes: &mut Bytes<R>, items: usize) -> Result<Columns> {
@@ -141,13 +130,14 @@ fn columns<R: BufRead>(bytes: &mut Bytes<R>, items: usize) -> Result<Columns> {
     let wavelength = column(flag("wavelengths")?, 1);
     let lumens = column(flag("luminous flux")?, 1);
     // Three Stokes parameters and the axis of the ellipse.
-    column(flag("Stokes vectors")?, 6);
-    column(flag("tristimulus values")?, 2);
+    let stokes = column(flag("Stokes vectors")?, 6);
+    let tristimulus = column(flag("tristimulus values")?, 2);
     let table = column(flag("spectrum indices")?, 1);
     if watts.is_none() && lumens.is_none() {
         return Err(missing("flux"));
     }
-    Ok(Columns { numbers: numbers + items, watts, lumens, wavelength, table })
+    let has_unused = stokes.is_some() || tristimulus.is_some();
+    Ok(Columns { numbers: numbers + items, watts, lumens, wavelength, table, has_unused })
 }
 
 /// Reads spectral tables, which end at a multiple of 32 bytes.

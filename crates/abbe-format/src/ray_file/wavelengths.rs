@@ -10,8 +10,8 @@ const GROUPS: usize = 8;
 /// The width in nm of the steps of a group's spectrum.
 const STEP_NM: f64 = 2.0;
 
-/// Divides rays with their wavelengths in nm into groups. A photon of a group has a wavelength of its
-/// group, but not necessarily that of its ray.
+/// Divides rays with their wavelengths in nm into groups. A photon of a group has a wavelength of
+/// its group, but not necessarily that of its ray.
 pub(super) fn groups(mut rays: Vec<(f64, EmittedRay)>) -> Vec<RayGroup> {
     rays.sort_by(|a, b| a.0.total_cmp(&b.0));
     let lines: Vec<&[(f64, EmittedRay)]> = rays.chunk_by(|a, b| a.0 == b.0).collect();

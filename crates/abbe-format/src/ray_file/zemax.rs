@@ -1,7 +1,7 @@
 //! Source files of Zemax, binary and as text.
 
 use super::bytes::{Bytes, numbers};
-use super::{FluxUnit, MAX_RAYS, RayFile, RayGroup, RaySpectrum, ray, wavelengths};
+use super::{FluxUnit, MAX_RAYS, RayFile, RayGroup, RaySpectrum, checked_count, checked_wavelength, ray, wavelengths};
 use abbe_scene::light::EmittedRay;
 use abbe_spectra::error::{Error, Result};
 use std::io::BufRead;
@@ -14,10 +14,7 @@ const UNITS_M: [f64; 5] = [1.0, 0.0254, 0.01, 0.3048, 0.001];
 
 pub(super) fn parse<R: BufRead>(bytes: &mut Bytes<R>) -> Result<RayFile> {
     bytes.skip(4)?;
-    let count = u64::from(bytes.i32()? as u32);
-    if count == 0 || count > MAX_RAYS {
-        return Err(Error::input(format!("{count} rays")).expected(format!("from 1 to {MAX_RAYS} rays")));
-    }
+    let count = checked_count(u64::from(bytes.i32()? as u32))?;
     // The description, and the flux of the source and of the rays: the sum over the rays counts.
     bytes.skip(100 + 8)?;
     let wavelength_um = f64::from(bytes.f32()?);
@@ -92,12 +89,8 @@ fn grouped(rows: Vec<(Option<f64>, EmittedRay)>, unit: FluxUnit, wavelength_um: 
     let groups = if rows.iter().all(|(um, _)| um.is_some()) {
         let mut rays = Vec::with_capacity(rows.len());
         for (number, (um, ray)) in (1..).zip(rows) {
-            let um = um.unwrap_or(0.0);
-            if !(um > 0.0 && um.is_finite()) {
-                return Err(
-                    Error::input(format!("ray {number}: its wavelength is {um} µm")).expected("a number above 0")
-                );
-            }
+            let whose = || format!("ray {number}: its wavelength");
+            let um = checked_wavelength(um.unwrap_or(0.0), "µm", whose)?;
             rays.push((1e3 * um, ray));
         }
         wavelengths::groups(rays)

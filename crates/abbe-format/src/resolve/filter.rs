@@ -85,8 +85,8 @@ impl Resolver<'_> {
     }
 }
 
-/// Returns the retardance, how it varies over the sheet, and the angle in rad by which the axis turns
-/// everywhere.
+/// Returns the retardance, how it varies over the sheet, and the angle in rad by which the axis
+/// turns everywhere.
 fn varied(
     retardance_nm: Spectrum,
     factor: Option<SurfaceScalar>,

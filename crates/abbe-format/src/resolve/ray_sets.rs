@@ -70,8 +70,8 @@ fn joined(groups: Vec<RayGroup>) -> Vec<RayGroup> {
     vec![RayGroup { spectrum: RaySpectrum::Unknown, rays }]
 }
 
-/// Returns the spectrum and the fraction of its power that lies within the band. `None` if that is 0
-/// or if the spectrum is unknown.
+/// Returns the spectrum and the fraction of its power that lies within the band. `None` if that is
+/// 0 or if the spectrum is unknown.
 fn spectrum_in_band(spectrum: &RaySpectrum) -> Result<Option<(LightSpectrum, f64)>> {
     let (spectrum, power) = match spectrum {
         RaySpectrum::Unknown => return Ok(None),

@@ -67,29 +67,13 @@ fn axial_crossing_mm(at: &MonochromaticLens<'_>, height_mm: f64) -> Option<f64> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::glass::RefractiveIndex;
-    use crate::lens::{ApertureSpec, LensSurface, Prescription, SurfaceProfile, catalogue};
+    use crate::lens::catalogue;
+    use crate::lens::test_lens::{TestSurface, lens_of};
 
     /// A thin plano-convex lens of n = 1.5 and f = 100 mm at f/20, with these radii in mm.
     fn plano_convex(radii_mm: [f64; 2]) -> Lens {
-        let surface = |(radius_mm, thickness_mm, n): (f64, f64, f64)| LensSurface {
-            profile: SurfaceProfile::sphere(radius_mm),
-            thickness_mm,
-            index: RefractiveIndex::constant(n).unwrap(),
-            semi_aperture_mm: 2.5,
-            obscuration_mm: 0.0,
-            coating: None,
-        };
-        Lens::new(Prescription {
-            name: "plano-convex".to_string(),
-            source: None,
-            surfaces: [(radii_mm[0], 0.1, 1.5), (radii_mm[1], 0.0, 1.0)].map(surface).to_vec(),
-            stop: Some(0),
-            opening: ApertureSpec::Stop,
-            half_field_deg: None,
-            notes: Vec::new(),
-        })
-        .unwrap()
+        let surface = |radius, thickness, n| TestSurface { radius, thickness, n, semi_aperture: 2.5, obscuration: 0.0 };
+        lens_of(&[surface(radii_mm[0], 0.1, 1.5), surface(radii_mm[1], 0.0, 1.0)])
     }
 
     /// The Seidel aberration of thin lenses of n = 1.5 for a distant object: 7/6 h²/f with the

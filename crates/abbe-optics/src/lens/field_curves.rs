@@ -182,10 +182,8 @@ fn area(corners: &[DVec2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::glass::RefractiveIndex;
-    use crate::lens::{
-        AnalysisConditions, ApertureSpec, LensSurface, Prescription, SensorFocus, SurfaceProfile, catalogue,
-    };
+    use crate::lens::test_lens::{TestSurface, lens_of};
+    use crate::lens::{AnalysisConditions, SensorFocus, catalogue};
 
     fn curves(lens: &Lens, half_field_deg: f64) -> (LensAnalysis, FieldCurves) {
         let analysis = LensAnalysis::of(lens, Some(half_field_deg)).unwrap();
@@ -271,29 +269,16 @@ mod tests {
 
     /// A weak thin lens, `gap_mm` behind its stop if there is a gap.
     fn weak_lens(gap_mm: f64, semi_aperture_mm: f64, obscuration_mm: f64) -> Lens {
-        let surface = |radius_mm, thickness_mm, n, semi_aperture_mm, obscuration_mm| LensSurface {
-            profile: SurfaceProfile::sphere(radius_mm),
-            thickness_mm,
-            index: RefractiveIndex::constant(n).unwrap(),
-            semi_aperture_mm,
-            obscuration_mm,
-            coating: None,
+        let stop =
+            TestSurface { radius: 0.0, thickness: gap_mm, n: 1.0, semi_aperture: 1.0, obscuration: obscuration_mm };
+        let glass = |radius, thickness, n| TestSurface {
+            radius,
+            thickness,
+            n,
+            semi_aperture: semi_aperture_mm,
+            obscuration: 0.0,
         };
-        let surfaces = vec![
-            surface(0.0, gap_mm, 1.0, 1.0, obscuration_mm),
-            surface(2000.0, 0.01, 1.5, semi_aperture_mm, 0.0),
-            surface(-2000.0, 0.0, 1.0, semi_aperture_mm, 0.0),
-        ];
-        Lens::new(Prescription {
-            name: "weak".to_string(),
-            source: None,
-            surfaces,
-            stop: Some(0),
-            opening: ApertureSpec::Stop,
-            half_field_deg: None,
-            notes: Vec::new(),
-        })
-        .unwrap()
+        lens_of(&[stop, glass(2000.0, 0.01, 1.5), glass(-2000.0, 0.0, 1.0)])
     }
 
     /// A thin lens with its stop has no distortion and darkens as cos⁴ of the field angle, also

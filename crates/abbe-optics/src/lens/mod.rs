@@ -28,6 +28,8 @@ mod profile;
 pub mod ray_fans;
 pub mod section;
 pub mod spot_diagram;
+#[cfg(test)]
+mod test_lens;
 mod trace;
 pub mod zemax;
 

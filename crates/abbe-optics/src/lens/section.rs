@@ -112,8 +112,7 @@ fn stop(lens: &Lens, blade_mm: f64) -> [[DVec2; 2]; 2] {
 }
 
 /// Returns rays evenly spaced across the bundle that passes at the reference wavelength, each at
-/// all wavelengths,
-/// from a plane in front of the lens perpendicular to the bundle.
+/// all wavelengths, from a plane in front of the lens perpendicular to the bundle.
 fn bundle(lens: &Lens, analysis: &LensAnalysis, field: usize, angle_deg: f64, lead_mm: f64) -> Result<Vec<DrawnRay>> {
     let (at, sensor_z_mm) = (analysis.at(lens), analysis.sensor_z_mm);
     let reference = &at[analysis.conditions.reference()];

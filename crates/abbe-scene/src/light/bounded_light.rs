@@ -6,8 +6,8 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 impl Light {
-    /// Returns bounds of the light, or `None` for distant lights, sets of rays and beams of parallel
-    /// rays, whose irradiance does not fall with the distance.
+    /// Returns bounds of the light, or `None` for distant lights, sets of rays and beams of
+    /// parallel rays, whose irradiance does not fall with the distance.
     pub fn intensity_bounds(&self, extent: SceneExtent<'_>) -> Option<IntensityBounds> {
         let over_sphere = self.power_w(extent) / (4.0 * PI);
         match &self.emitter {

@@ -20,8 +20,8 @@ pub struct EmittedRay {
     pub flux: f32,
 }
 
-/// The rays of a file in rows of similar polar angle, and by azimuth in each row, so that two random
-/// numbers select rays with evenly distributed directions.
+/// The rays of a file in rows of similar polar angle, and by azimuth in each row, so that two
+/// random numbers select rays with evenly distributed directions.
 #[derive(Debug)]
 pub struct RaySet {
     rays: Vec<EmittedRay>,

@@ -1,7 +1,7 @@
 //! Plots of functions of wavelength as SVG.
 
 use super::axis::Axis;
-use super::svg::{CURVE_COLOURS, escape_xml, head};
+use super::svg::{CURVE_COLOURS, escape_xml, head, path};
 use abbe_spectra::colour::{srgb_hex, xyz_to_linear_srgb};
 use abbe_spectra::math::elementary::powf;
 use abbe_spectra::spectrum::{BAND_NM, Observer, Spectrum};
@@ -83,7 +83,7 @@ impl SpectralPlot {
         }
         for (i, curve) in self.curves.iter().enumerate().rev() {
             let colour = CURVE_COLOURS[i % CURVE_COLOURS.len()];
-            let path = path(&up, &curve.points);
+            let path = curve_path(&up, &curve.points);
             let style = "fill=\"none\" stroke-width=\"2\" stroke-linejoin=\"round\"";
             svg += &format!("<path class=\"curve{i}\" d=\"{path}\" {style} stroke=\"{colour}\"/>\n");
         }
@@ -187,18 +187,8 @@ pub fn ink_colour(nm: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", component(0), component(1), component(2))
 }
 
-fn path(up: &Axis, points: &[(f64, f64)]) -> String {
-    let mut path = String::new();
-    let mut command = 'M';
-    for &(nm, value) in points {
-        if value.is_finite() && nm.is_finite() {
-            path += &format!("{command}{:.2} {:.2}", x(nm), up.position(value));
-            command = 'L';
-        } else {
-            command = 'M';
-        }
-    }
-    path
+fn curve_path(up: &Axis, points: &[(f64, f64)]) -> String {
+    path(points.iter().map(|&(nm, value)| (x(nm), up.position(value))), 2)
 }
 
 /// Fills the area under a curve with the colours of the spectrum, unless a point is not finite.
@@ -207,7 +197,7 @@ fn area(up: &Axis, points: &[(f64, f64)]) -> String {
     if !points.iter().all(|(nm, value)| nm.is_finite() && value.is_finite()) {
         return String::new();
     }
-    let (path, foot) = (path(up, points), up.position(0.0));
+    let (path, foot) = (curve_path(up, points), up.position(0.0));
     let (from, to) = (x(first.0), x(last.0));
     format!("<path d=\"{path}L{to:.2} {foot:.2}H{from:.2}Z\" fill=\"url(#spectrum)\" fill-opacity=\"0.45\"/>\n")
 }

@@ -1,7 +1,7 @@
 //! Plots with linear axes side by side in one SVG document, with a common legend.
 
 use super::axis::Axis;
-use super::svg::{escape_xml, head};
+use super::svg::{escape_xml, head, path};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineDash {
@@ -175,7 +175,8 @@ impl GridPlot {
         let clip = format!("plot{}-{number}", clip_name(&format!("{}{}{}", self.title, self.across, self.up)));
         svg += &format!("<clipPath id=\"{clip}\"><rect {frame}/></clipPath>\n<g clip-path=\"url(#{clip})\">\n");
         for line in &self.lines {
-            let (path, colour, style) = (path(&line.points, &across, &up), &line.colour, stroke(line.dash));
+            let points = line.points.iter().map(|&(x, y)| (across.position(x), up.position(y)));
+            let (path, colour, style) = (path(points, 1), &line.colour, stroke(line.dash));
             svg += &format!(
                 "<path class=\"curve\" d=\"{path}\" fill=\"none\" stroke-linejoin=\"round\" stroke=\"{colour}\" {style}/>\n"
             );
@@ -197,17 +198,15 @@ impl GridPlot {
             let y = foot + 18.0;
             svg += &format!("<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\">{}</text>\n", signed(&label));
         }
-        for (x, y) in [(Some(0.0), None), (None, Some(0.0))] {
-            let inside = |axis: &Axis, value: f64, ends: (f64, f64)| {
-                let place = axis.position(value);
-                (place > ends.0 + 0.5 && place < ends.1 - 0.5).then_some(place)
-            };
-            if let Some(x) = x.and_then(|x| inside(across, x, (left, right))) {
-                svg += &format!("<path d=\"M{x:.1} {top:.1}V{foot:.1}\" stroke=\"#999\"/>\n");
-            }
-            if let Some(y) = y.and_then(|y| inside(up, y, (top, foot))) {
-                svg += &format!("<path d=\"M{left:.1} {y:.1}H{right:.1}\" stroke=\"#999\"/>\n");
-            }
+        let zero_inside = |axis: &Axis, ends: (f64, f64)| {
+            let place = axis.position(0.0);
+            (place > ends.0 + 0.5 && place < ends.1 - 0.5).then_some(place)
+        };
+        if let Some(x) = zero_inside(across, (left, right)) {
+            svg += &format!("<path d=\"M{x:.1} {top:.1}V{foot:.1}\" stroke=\"#999\"/>\n");
+        }
+        if let Some(y) = zero_inside(up, (top, foot)) {
+            svg += &format!("<path d=\"M{left:.1} {y:.1}H{right:.1}\" stroke=\"#999\"/>\n");
         }
         // Labels of neighbours are at different heights, so that they do not overlap.
         let heights = if self.marks.len() > 3 { 3 } else { 1 };
@@ -262,20 +261,6 @@ fn clip_name(text: &str) -> String {
         .bytes()
         .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
     format!("{hash:x}")
-}
-
-fn path(points: &[(f64, f64)], across: &Axis, up: &Axis) -> String {
-    let mut path = String::new();
-    let mut command = 'M';
-    for &(x, y) in points {
-        if x.is_finite() && y.is_finite() {
-            path += &format!("{command}{:.1} {:.1}", across.position(x), up.position(y));
-            command = 'L';
-        } else {
-            command = 'M';
-        }
-    }
-    path
 }
 
 #[cfg(test)]
@@ -334,6 +319,7 @@ mod tests {
         let middle = axis(PlotRange::Symmetric, [1.0, 3.0, f64::NAN].into_iter(), (0.0, 100.0), 20.0);
         assert_eq!(middle.position(0.0), 50.0);
         let points = [(0.0, 0.0), (1.0, f64::NAN), (2.0, 0.0), (3.0, 0.0)];
-        assert_eq!(path(&points, &middle, &middle).matches('M').count(), 2, "a gap");
+        let on_page = points.into_iter().map(|(x, y)| (middle.position(x), middle.position(y)));
+        assert_eq!(path(on_page, 1).matches('M').count(), 2, "a gap");
     }
 }

@@ -13,6 +13,22 @@ pub(super) fn head(classes: &str, (width, height): (f64, f64), font_size: f64) -
     )
 }
 
+/// Returns the path through points of the page, with this number of decimals. It has gaps at points
+/// that are not finite.
+pub(super) fn path(points: impl Iterator<Item = (f64, f64)>, decimals: usize) -> String {
+    let mut path = String::new();
+    let mut command = 'M';
+    for (x, y) in points {
+        if x.is_finite() && y.is_finite() {
+            path += &format!("{command}{x:.decimals$} {y:.decimals$}");
+            command = 'L';
+        } else {
+            command = 'M';
+        }
+    }
+    path
+}
+
 pub(super) fn escape_xml(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
