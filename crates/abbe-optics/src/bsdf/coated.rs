@@ -13,7 +13,7 @@ use super::sample::{BsdfSample, InterfaceIors, ScatterEvent, TransportMode, radi
 use crate::fresnel;
 use crate::glass::RefractiveIndex;
 use crate::microfacet::MIN_ALPHA;
-use crate::thin_film::{FilmStack, StackResponse};
+use crate::thin_film::FilmStack;
 use abbe_spectra::error::Result;
 use abbe_spectra::math::complex::Complex;
 use abbe_spectra::spectrum::BAND_NM;
@@ -76,8 +76,8 @@ impl CoatedDielectric {
 
     /// Returns R and T of the smooth interface at `nm`, with this thickness of the varying film.
     pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
-        let (here, there) = (iors.here.n(nm), Complex::from(iors.there.n(nm)));
-        powers_of(&oriented(&self.films, wo.z >= 0.0, wo.z, here, there, thickness_nm, nm), self.films.absorbs())
+        let indices = [iors.here.n(nm), iors.there.n(nm)];
+        powers_of(&self.films, wo.z >= 0.0, wo.z, indices, thickness_nm, nm)
     }
 
     pub(super) fn sample(
@@ -243,8 +243,8 @@ struct CoatedFacet<'a> {
 
 impl FacetResponse for CoatedFacet<'_> {
     fn powers(&self, cos: f64) -> PowerFractions {
-        let Self { films, outside, indices: [here, there], thickness_nm, nm } = *self;
-        powers_of(&oriented(films, outside, cos, here, there.into(), thickness_nm, nm), films.absorbs())
+        let Self { films, outside, indices, thickness_nm, nm } = *self;
+        powers_of(films, outside, cos, indices, thickness_nm, nm)
     }
 
     /// Beyond the critical angle, the probability is 1.
@@ -267,9 +267,7 @@ impl ThinFilm {
 
     /// Returns R and T at the wavelength `nm`; see [`CoatedDielectric::powers`].
     pub fn powers(&self, wo: DVec3, iors: InterfaceIors<'_>, thickness_nm: f32, nm: f64) -> PowerFractions {
-        let outside = iors.here.n(nm);
-        let response = oriented(&self.films, wo.z >= 0.0, wo.z, outside, outside.into(), thickness_nm, nm);
-        powers_of(&response, self.films.absorbs())
+        powers_of(&self.films, wo.z >= 0.0, wo.z, [iors.here.n(nm); 2], thickness_nm, nm)
     }
 
     pub(super) fn sample(
@@ -285,10 +283,29 @@ impl ThinFilm {
     }
 }
 
-/// Returns the powers of a stack. If the stack is clear, R + T is exactly 1.
-fn powers_of(response: &StackResponse, absorbs: bool) -> PowerFractions {
+/// Returns the powers of a stack, for light that meets the first film first if `outside`. The
+/// indices are those of the medium of the light and of the other one. If the stack is clear, R + T
+/// is exactly 1.
+fn powers_of(
+    films: &FilmStack,
+    outside: bool,
+    cos: f64,
+    indices: [f64; 2],
+    thickness_nm: f32,
+    nm: f64,
+) -> PowerFractions {
+    let thickness = f64::from(thickness_nm);
+    if let Some(reflected) = films.clear_reflectance(outside, cos, indices, nm, thickness) {
+        return PowerFractions { reflected, transmitted: 1.0 - reflected };
+    }
+    let (here, there) = (indices[0], Complex::from(indices[1]));
+    let response = if outside {
+        films.response(cos, here, there, nm, thickness)
+    } else {
+        films.response_reversed(cos, here, there, nm, thickness)
+    };
     let (reflected, transmitted) = (response.reflectance(), response.transmittance());
-    if absorbs {
+    if films.absorbs() {
         return PowerFractions { reflected, transmitted: transmitted.min(1.0 - reflected) };
     }
     // Under total reflection, the transmittance is exactly 0.
@@ -312,24 +329,6 @@ pub(super) fn reflection_probability(nm: Option<f64>, powers: impl Fn(f64) -> Po
     let sum = |of: fn(&PowerFractions) -> f64| powers.iter().map(of).sum::<f64>();
     let (reflected, transmitted) = (sum(|powers| powers.reflected), sum(|powers| powers.transmitted));
     PowerFractions { reflected, transmitted }.reflection_probability()
-}
-
-/// Returns the response to light that meets the first film first if `outside`.
-fn oriented(
-    films: &FilmStack,
-    outside: bool,
-    cos: f64,
-    here: f64,
-    there: Complex,
-    thickness_nm: f32,
-    nm: f64,
-) -> StackResponse {
-    let thickness = f64::from(thickness_nm);
-    if outside {
-        films.response(cos, here, there, nm, thickness)
-    } else {
-        films.response_reversed(cos, here, there, nm, thickness)
-    }
 }
 
 #[cfg(test)]

@@ -7,10 +7,10 @@ use abbe_spectra::math::complex::Complex;
 /// The least modulus of n·cos θ in a layer. At 0, the critical angle of the layer, the amplitudes
 /// of both faces are ±1 and their sum is 0/0. The results are even in n·cos θ, so this bound
 /// changes them by less than 10⁻¹¹.
-const LEAST_NORMAL_INDEX: f64 = 1e-6;
+pub(super) const LEAST_NORMAL_INDEX: f64 = 1e-6;
 
 /// At smaller cosines, all light is reflected, before transmitted power underflows.
-const LEAST_COSINE: f64 = 1e-100;
+pub(super) const LEAST_COSINE: f64 = 1e-100;
 
 /// The response of a stack to s or p polarised light.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,6 +9,7 @@
 //! have opposite signs at normal incidence.
 
 mod airy;
+mod clear;
 mod plate;
 mod stack;
 

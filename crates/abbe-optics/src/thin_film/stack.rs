@@ -1,6 +1,7 @@
 //! Stacks of layers with their materials.
 
 use super::airy::{StackResponse, response};
+use super::clear::clear_reflectance;
 use crate::glass::RefractiveIndex;
 use crate::texture::{LookupRandom, SurfaceScalar, TexturePoint};
 use abbe_spectra::error::{Error, Result};
@@ -150,6 +151,28 @@ impl FilmStack {
         thickness_nm: f64,
     ) -> StackResponse {
         response(cos, incident, self.layers_at(nm, thickness_nm).rev(), substrate, nm)
+    }
+
+    /// Returns the reflectance for unpolarised light between two transparent media, which is quicker
+    /// than [`response`](Self::response). `None` if a layer absorbs, or if light does not propagate
+    /// in one. If `outside` is false, the light arrives at the last layer.
+    pub fn clear_reflectance(
+        &self,
+        outside: bool,
+        cos: f64,
+        [incident, substrate]: [f64; 2],
+        nm: f64,
+        thickness_nm: f64,
+    ) -> Option<f64> {
+        if self.absorbs {
+            return None;
+        }
+        let layers = self.layers_at(nm, thickness_nm).map(|(index, thickness_nm)| (index.re, thickness_nm));
+        if outside {
+            clear_reflectance(cos, incident, layers, substrate, nm)
+        } else {
+            clear_reflectance(cos, incident, layers.rev(), substrate, nm)
+        }
     }
 
     fn layers_at(&self, nm: f64, thickness_nm: f64) -> impl DoubleEndedIterator<Item = (Complex, f64)> {
