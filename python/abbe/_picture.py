@@ -129,7 +129,7 @@ class Picture:
     def denoised(self) -> Optional[Picture]:
         """The denoised picture with its own noise and bias.
 
-        None if the render did not denoise, or has fewer than eight passes.
+        None if the render did not denoise, or has fewer than four passes.
         """
         native = self._native.denoised
         return None if native is None else Picture(native)

@@ -163,7 +163,7 @@ impl Image {
     }
 
     /// The denoised image, whose noise and bias are those of its own pixels, or `None` if the
-    /// render did not denoise or has fewer than eight passes. It has no spectrum and no edges.
+    /// render did not denoise or has fewer than four passes. It has no spectrum and no edges.
     pub fn denoised(&self) -> Option<Self> {
         Some(Self { picture: self.picture.denoised()?, ..self.clone() })
     }

@@ -102,7 +102,7 @@ pub(crate) fn run(arguments: &DevelopArgs) -> Result<Outcome> {
         file.picture.denoised = denoised_checkpoint(&arguments.picture)?;
     }
     if settings.denoise == Some(true) && file.picture.denoised.is_none() {
-        let expected = "a picture with at least eight passes of a render without --no-denoise, or its checkpoint";
+        let expected = "a picture with at least four passes of a render without --no-denoise, or its checkpoint";
         return Err(Error::input("contains no denoised picture").expected(expected).in_file(&arguments.picture));
     }
     let exposure = on_threads(None, || {

@@ -14,9 +14,8 @@ const GUARD_RADIUS_PX: usize = 3;
 /// The distance (pixels) over which the squared bias is averaged.
 const BIAS_RADIUS_PX: usize = 2;
 
-/// The degrees of freedom of the neighbours in the noise of a pixel, and of its own replicates.
+/// The degrees of freedom of the neighbours in the noise of a pixel.
 const NEIGHBOUR_DEGREES: f32 = 2.0;
-const DEGREES: f32 = (REPLICATES - 1) as f32;
 
 /// Y of each replicate in one pixel.
 type Values = [f32; REPLICATES];
@@ -50,8 +49,9 @@ pub(crate) fn combine(samples: &Samples, surfaces: &Surfaces, halves: &[Half; 2]
         .collect();
     let (variance, square): (Vec<f32>, Vec<f32>) = own.into_iter().unzip();
     let around = mean_around(&variance, size, 1, 1);
+    let degrees = spread.degrees;
     let pooled =
-        |(own, around): (&f32, &f32)| (DEGREES * own + NEIGHBOUR_DEGREES * around) / (DEGREES + NEIGHBOUR_DEGREES);
+        |(own, around): (&f32, &f32)| (degrees * own + NEIGHBOUR_DEGREES * around) / (degrees + NEIGHBOUR_DEGREES);
     // The half 0 holds the odd replicates.
     let of_halves = [1, 0].map(|first| spread.weights.iter().skip(first).step_by(2).sum::<f32>());
     let xyz = |i: usize| {

@@ -8,16 +8,20 @@ use crate::{GROUPS, REPLICATES};
 /// The replicates of a half.
 pub(crate) const OWN: usize = REPLICATES / 2;
 
-/// The weights of independent means, as fractions of their passes.
+/// The weights of independent means, as fractions of their passes. A mean without passes has the
+/// weight 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spread<const N: usize> {
     pub(crate) weights: [f32; N],
+    /// The number of means with passes, minus one.
+    pub(crate) degrees: f32,
 }
 
 impl<const N: usize> Spread<N> {
     pub(crate) fn new(passes: [u64; N]) -> Self {
         let all: u64 = passes.iter().sum();
-        Self { weights: passes.map(|passes| passes as f32 / all as f32) }
+        let count = passes.iter().filter(|&&passes| passes > 0).count();
+        Self { weights: passes.map(|passes| passes as f32 / all as f32), degrees: count as f32 - 1.0 }
     }
 
     #[inline]
@@ -37,14 +41,14 @@ impl<const N: usize> Spread<N> {
         for (value, weight) in values.iter().zip(self.weights) {
             spread += weight * (value - mean) * (value - mean);
         }
-        spread / (N - 1) as f32
+        spread / self.degrees
     }
 
     /// Returns the covariance of two means, from the values of the same replicates.
     pub(crate) fn covariance(&self, a: [f32; N], b: [f32; N]) -> f32 {
         let (mean_a, mean_b) = (self.mean(a), self.mean(b));
         let products = a.iter().zip(b).zip(self.weights).map(|((a, b), weight)| weight * (a - mean_a) * (b - mean_b));
-        products.sum::<f32>() / (N - 1) as f32
+        products.sum::<f32>() / self.degrees
     }
 
     pub(crate) fn variance_at(&self, planes: &[Vec<f32>; N], i: usize) -> f32 {

@@ -86,8 +86,7 @@ const MARGIN_ROWS: usize = 2 * ((1 << filter::LEVELS) + filter::LEVELS * filter:
 /// Denoises a picture on the current thread pool.
 ///
 /// # Panics
-/// Panics if a plane of the samples has not `width` × `height` values, or a replicate has no
-/// passes.
+/// Panics if a plane of the samples has not `width` × `height` values, or a group has no passes.
 pub fn denoise(samples: &Samples) -> Denoised {
     samples.check();
     let rows = (STRIP_PIXELS / samples.width.max(1)).max(2 * MARGIN_ROWS);

@@ -13,9 +13,9 @@ pub struct Samples {
     pub width: usize,
     /// The number of rows.
     pub height: usize,
-    /// The number of passes of each replicate, which is above 0.
+    /// The number of passes of each replicate. Each group has at least one.
     pub passes: [u64; REPLICATES],
-    /// The mean Y of each replicate.
+    /// The mean Y of each replicate, and any finite values for one without passes.
     pub y: [Vec<f32>; REPLICATES],
     /// The mean X of each group: of the replicates r whose remainder modulo [`GROUPS`] is its
     /// number.
@@ -54,7 +54,13 @@ impl Samples {
         let planes = self.y.iter().chain(&self.x).chain(&self.z);
         let complete = planes.map(Vec::len).chain(self.features.iter().map(Vec::len)).all(|length| length == count);
         assert!(complete, "each plane has {count} values");
-        assert!(!self.passes.contains(&0), "each replicate has passes");
+        assert!(Self::suffice(self.passes), "each group has passes");
+    }
+
+    /// Returns true if so many passes of each replicate can be denoised: if each group has at least
+    /// one, so that each half has two independent means, which tell noise from differences.
+    pub fn suffice(passes: [u64; REPLICATES]) -> bool {
+        (0..GROUPS).all(|group| passes.iter().skip(group).step_by(GROUPS).any(|&passes| passes > 0))
     }
 
     /// Returns the samples of some rows.

@@ -5,7 +5,7 @@ use abbe_spectra::math::elementary::hypot;
 use abbe_transport::sensor::{DenoisedPicture, Film, Picture, PictureErrors};
 
 /// Denoises the picture of a film on the current thread pool. Returns `None` if the film has no
-/// sums for it, or if some replicates have no passes yet.
+/// sums for it, or fewer than four passes.
 ///
 /// The bias contains that of the picture. It is unknown if that is unknown.
 pub fn denoised(film: &Film, picture: &Picture) -> Option<DenoisedPicture> {

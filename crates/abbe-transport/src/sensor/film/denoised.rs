@@ -14,14 +14,14 @@ impl Film {
         denoising::plane_names().take(self.denoising_planes())
     }
 
-    /// Returns the means for the denoiser, in cd/m². `None` if the film has no sums for it, or if
-    /// some replicates have no passes yet.
+    /// Returns the means for the denoiser, in cd/m². `None` if the film has no sums for it, or too
+    /// few passes: the first four, or others that fill as many groups.
     pub fn denoising_samples(&self) -> Option<Samples> {
-        if self.denoising.is_empty() || self.passes.contains(&0) {
+        if self.denoising.is_empty() || !Samples::suffice(self.passes) {
             return None;
         }
         let unit = self.unit.value() * LUMENS_PER_WATT;
-        let mean = |sum: f64, passes: u64| (unit * sum / passes as f64) as f32;
+        let mean = |sum: f64, passes: u64| (unit * sum / passes.max(1) as f64) as f32;
         let of_group: [u64; GROUPS] = std::array::from_fn(|group| self.passes.iter().skip(group).step_by(GROUPS).sum());
         let blank = || Vec::with_capacity(self.pixel_count());
         let mut means = Samples {
