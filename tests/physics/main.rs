@@ -20,6 +20,7 @@ mod crystals;
 mod depth_limits;
 mod diffraction;
 mod dyes;
+mod final_gather;
 mod fluorescence;
 mod fluorescence_through_lenses;
 mod fluorescent_plates;

@@ -36,6 +36,8 @@ pub struct CameraPass<'a> {
     /// `None` if the sink needs the wavelength of each contribution.
     pub responses: Option<&'a SensorResponses>,
     pub surface_extents: &'a SurfaceExtents,
+    /// True if camera paths gather indirect photons behind the first diffuse surface.
+    pub final_gather: bool,
     /// The weights of paths from sensors. Empty if no photon finds the same light.
     pub sensors: &'a [CausticWeights],
     /// The factors by which this pass scales the first kernel radii.

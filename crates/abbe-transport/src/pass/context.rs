@@ -117,6 +117,7 @@ impl<'a> PassContext<'a> {
             spectra: self.spectra,
             responses: self.responses,
             surface_extents,
+            final_gather: false,
             sensors: &[],
             stop: self.stop,
         }

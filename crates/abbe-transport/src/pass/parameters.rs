@@ -22,6 +22,8 @@ pub struct PassParameters {
     pub(crate) sensor_radii: Vec<f64>,
     pub(crate) surface_extents: SurfaceExtents,
     pub(crate) photons: PerSet<u64>,
+    /// True if camera paths gather indirect photons behind the first diffuse surface.
+    pub(crate) final_gather: bool,
     /// One of this many photons paints a ribbon, if the plan has ribbons.
     pub(crate) photons_per_ribbon: u64,
     pub(crate) camera_samples: CameraSamples,
@@ -72,7 +74,8 @@ impl PassParameters {
     ) -> CameraPass<'s> {
         let kernels = (&self.surface_extents, self.photons_per_sample());
         let plain = context.camera_pass((scene, selector), (maps, light_maps), shared, kernels);
-        CameraPass { direct: plain.direct.with_ray_densities(self.ray_densities.as_ref()), ..plain }
+        let direct = plain.direct.with_ray_densities(self.ray_densities.as_ref());
+        CameraPass { direct, final_gather: self.final_gather, ..plain }
     }
 }
 

@@ -53,7 +53,8 @@ pub(super) fn measure_surface_extents(
     visible: &[Option<VisiblePoint>],
 ) {
     // A moving camera changes the visible point of a pixel from pass to pass, so nothing is stored.
-    if context.plan.indirect != IndirectPlan::Absent && context.scene.motions.camera.is_none() {
+    let in_place = context.plan.indirect != IndirectPlan::Absent && !parameters.final_gather;
+    if in_place && context.scene.motions.camera.is_none() {
         let scale = scales(0, parameters.stored_photons).surface.indirect;
         let swept = context.scene.swept_boxes();
         parameters.surface_extents = surface_extents(context, scene, visible, &swept, (&parameters.radii, scale));

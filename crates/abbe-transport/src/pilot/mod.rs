@@ -14,6 +14,7 @@ mod aims;
 mod balance;
 mod camera_samples;
 mod coarse;
+mod gathering;
 mod guiding_spheres;
 mod importance;
 mod keep_probability;

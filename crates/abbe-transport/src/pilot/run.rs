@@ -13,9 +13,10 @@
 use super::aims::{LearnedAims, learn_aims};
 use super::balance::{Balance, BalanceLimits};
 use super::coarse::coarse_photon_picture;
+use super::gathering::forces_final_gather;
 use super::measure::{measure, measure_surface_extents};
 use super::sensor_radii::first_radii;
-use super::trial::balanced;
+use super::trial::{Choice, balanced};
 use crate::gather::SurfaceExtents;
 use crate::map::FirstRadii;
 use crate::map::radius::PerKernel;
@@ -118,6 +119,7 @@ impl Pilot {
             sensor_radii: Vec::new(),
             surface_extents: SurfaceExtents::default(),
             photons: PerSet::default(),
+            final_gather: false,
             photons_per_ribbon: 1,
             camera_samples: CameraSamples::Same(1),
             stored_photons: PerKernel::splat(1.0),
@@ -161,12 +163,17 @@ fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &S
     let largest_medium_factor = PhotonClass::ALL.map(|class| parameters.keep[class].largest_medium_factor());
     let largest_medium_factor = largest_medium_factor.into_iter().fold(1.0, f64::max);
     let limits = BalanceLimits { photons, photons_are_explicit, camera_samples, largest_medium_factor };
-    let (balance, camera_samples) = if limits.is_fixed() {
-        (limits.plain(), CameraSamples::Same(limits.plain().camera_samples))
+    let Choice { balance, camera_samples, final_gather } = if limits.is_fixed() {
+        let balance = limits.plain();
+        Choice {
+            balance,
+            camera_samples: CameraSamples::Same(balance.camera_samples),
+            final_gather: forces_final_gather(context),
+        }
     } else {
         balanced(context, scene, parameters, limits)
     };
-    parameters.camera_samples = camera_samples;
+    (parameters.camera_samples, parameters.final_gather) = (camera_samples, final_gather);
     let Balance { photons: chosen, stored_fraction, medium_factor, photons_per_ribbon, .. } = balance;
     parameters.photons_per_ribbon = photons_per_ribbon;
     let fraction = chosen as f64 / photons as f64;

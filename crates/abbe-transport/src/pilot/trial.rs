@@ -6,9 +6,10 @@
 
 use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{FilmNoise, ProbedPixel};
+use super::gathering::{Gathering, forces_final_gather};
 use super::small_pass::{SmallPass, TILE, TRIALS, TrialPhotons, TrialPixel, mean_of_components, sample_light, tiles};
 use super::work::{SampleWork, Work};
-use crate::gather::PathBuffers;
+use crate::gather::{CameraPass, PathBuffers};
 use crate::map::LightMaps;
 use crate::pass::{CameraSamples, PassContext, PassParameters};
 use crate::plan::Tally;
@@ -115,14 +116,23 @@ fn mean_of_pixels(
     std::array::from_fn(|c| sum(c) / first.len() as f64)
 }
 
-/// Divides the work of a pass between photons and camera samples, and chooses the camera samples of
-/// each pixel: all the same if different numbers would gain little.
+/// What the trial chooses for all passes.
+pub(super) struct Choice {
+    pub(super) balance: Balance,
+    pub(super) camera_samples: CameraSamples,
+    /// True if camera paths gather indirect photons behind the first diffuse surface.
+    pub(super) final_gather: bool,
+}
+
+/// Divides the work of a pass between photons and camera samples, and chooses where camera paths
+/// gather photons, and the camera samples of each pixel: all the same if different numbers would
+/// gain little.
 pub(super) fn balanced(
     context: &PassContext<'_>,
     scene: &Scene,
     parameters: &PassParameters,
     limits: BalanceLimits,
-) -> (Balance, CameraSamples) {
+) -> Choice {
     let (width, pixels) = (scene.camera.width(), scene.camera.pixel_count());
     let tiles = tiles((width, pixels / width));
     let all = parameters.photons.free + parameters.photons.shared;
@@ -134,20 +144,29 @@ pub(super) fn balanced(
     }
     let selector = context.light_selector(scene);
     let traced = [0, 1].map(|number| TrialPhotons::trace(context, scene, parameters, (number, counts)));
-    let camera_passes = traced.each_ref().map(|traced| {
-        let maps = (&traced.maps, &light_maps);
-        parameters.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0))
-    });
-    let passes = [0, 1].map(|n| SmallPass::run(context, parameters, &traced[n], &camera_passes[n], &tiles));
-    let of_tiles = TileVariance::of_tiles(passes.each_ref().map(|pass| pass.tiles.as_slice()));
     let splats = traced.each_ref().map(|traced| traced.splats.as_slice());
-    let photons = traced.iter().map(|traced| traced.tally).sum();
-    let samples = passes.iter().map(|pass| pass.tally).sum();
-    let paths = (counts.free + counts.shared) as f64;
     let painted = traced.each_ref().map(|traced| traced.painted.as_slice());
-    let variances = variances(&of_tiles, splats, painted, width, paths);
-    let work = Work::of_trial(&photons, &samples, paths, pixels as f64);
-    let balance = limits.choose(variances, work);
+    let photons = traced.iter().map(|traced| traced.tally).sum();
+    let paths = (counts.free + counts.shared) as f64;
+    let measured = |final_gather: bool| {
+        let camera_passes = traced.each_ref().map(|traced| {
+            let maps = (&traced.maps, &light_maps);
+            let plain = parameters.camera_pass(context, (scene, &selector), maps, context.shared_wavelengths(0));
+            CameraPass { final_gather, ..plain }
+        });
+        let passes = [0, 1].map(|n| SmallPass::run(context, parameters, &traced[n], &camera_passes[n], &tiles));
+        let of_tiles = TileVariance::of_tiles(passes.each_ref().map(|pass| pass.tiles.as_slice()));
+        let samples = passes.iter().map(|pass| pass.tally).sum();
+        let variances = variances(&of_tiles, splats, painted, width, paths);
+        let work = Work::of_trial(&photons, &samples, paths, pixels as f64);
+        Gathering { camera_passes, passes, variances, work, balance: limits.choose(variances, work) }
+    };
+    let in_place = measured(false);
+    let behind = context.plan.final_gather.then(|| measured(true));
+    let is_forced = forces_final_gather(context);
+    let behind = behind.filter(|behind| is_forced || behind.improves_on(&in_place, &tiles));
+    let final_gather = behind.is_some();
+    let Gathering { camera_passes, passes, variances, work, balance } = behind.unwrap_or(in_place);
     let probe = |pixels: &[usize]| {
         let mut buffers = PathBuffers::default();
         let of_pixel = |&pixel: &usize| {
@@ -168,7 +187,7 @@ pub(super) fn balanced(
         let choices = noise.choices(balance.camera_samples);
         noise.samples(balance.choose_samples(variances, work, &choices))
     });
-    (balance, samples)
+    Choice { balance, camera_samples: samples, final_gather }
 }
 
 /// Measures the noise of camera samples on the film by `probe`, which samples some pixels, and
@@ -300,7 +319,7 @@ fn variances(
 }
 
 /// Returns the pixels of the tiles and the variance of a camera sample in each of them.
-fn sample_variances<'p>(
+pub(super) fn sample_variances<'p>(
     [first, second]: &'p [SmallPass; 2],
     tiles: &'p [Vec<usize>],
 ) -> impl Iterator<Item = (usize, [f64; 3])> + use<'p> {

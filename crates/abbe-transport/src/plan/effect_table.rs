@@ -140,6 +140,26 @@ const fn row(id: EffectId) -> Effect {
             events: |tally, _| tally.map_queries,
             removal: Removal::FromPlan,
         },
+        EffectId::FinalGather => Effect {
+            id,
+            name: "final-gather",
+            field: "final_gather",
+            cost: "a ray, shadow rays and a query behind each diffuse surface in the picture; unless it is forced, the \
+                   pilot chooses it only if it lowers the noise",
+            absent: "camera paths read indirect light from the photons around the first diffuse surface",
+            required_by: "diffuse surfaces in a picture",
+            not_required: "no picture shows a diffuse surface in clear air and natural light",
+            requires: |facts| {
+                let clear = facts.dense_media.is_empty() && facts.thin_media.is_empty();
+                let pictured = facts.meters.is_empty() && facts.polarising.is_empty();
+                if clear && pictured { facts.diffuse.clone() } else { Vec::new() }
+            },
+            set: |plan, _, on| {
+                plan.final_gather = on && plan.indirect != IndirectPlan::Absent && !plan.polarisation.is_on();
+            },
+            events: |tally, _| tally.final_gathers,
+            removal: Removal::FromPlan,
+        },
         EffectId::Direct => Effect {
             id,
             name: "direct",

@@ -23,6 +23,8 @@ pub enum EffectId {
     Ribbons,
     /// Light is scattered from surface to surface.
     Indirect,
+    /// Camera paths may gather indirect light behind the first diffuse surface.
+    FinalGather,
     /// Light reaches surfaces straight from its source.
     Direct,
     /// The camera's aperture has a finite size.
@@ -91,13 +93,14 @@ pub(super) enum Removal {
 
 impl EffectId {
     /// All effects, in the order of decision.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 26] = [
         Self::Dispersion,
         Self::Shared,
         Self::Polarisation,
         Self::Caustics,
         Self::Ribbons,
         Self::Indirect,
+        Self::FinalGather,
         Self::Direct,
         Self::DepthOfField,
         Self::Diffraction,

@@ -15,6 +15,8 @@ pub struct Plan {
     pub ribbons: bool,
     /// Light scattered from surface to surface.
     pub indirect: IndirectPlan,
+    /// True if camera paths may gather indirect light behind the first diffuse surface.
+    pub final_gather: bool,
     pub direct: DirectPlan,
     pub aperture: AperturePlan,
     pub media_plan: MediumPlan,
@@ -34,6 +36,7 @@ impl Plan {
         caustics: CausticPlan::Absent,
         ribbons: false,
         indirect: IndirectPlan::Absent,
+        final_gather: false,
         direct: DirectPlan::Absent,
         aperture: AperturePlan::Pinhole,
         media_plan: MediumPlan::Air,

@@ -23,6 +23,9 @@ pub struct Tally {
     /// Photons within the kernels of camera paths in media.
     pub volume_gathered: u64,
     pub map_queries: u64,
+    /// Camera paths that continued at a diffuse surface.
+    #[serde(default)]
+    pub final_gathers: u64,
     /// Dispersive refractions that split a camera path, plus surface arrivals of photons that carry
     /// one wavelength after a dispersive refraction.
     pub dispersions: u64,
@@ -102,6 +105,7 @@ impl Tally {
         self.tabulated += other.tabulated;
         self.volume_gathered += other.volume_gathered;
         self.map_queries += other.map_queries;
+        self.final_gathers += other.final_gathers;
         self.dispersions += other.dispersions;
         self.ribbons += other.ribbons;
         self.ribbon_nodes += other.ribbon_nodes;

@@ -67,6 +67,8 @@ pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) depth: u32,
     /// The error that ray marching causes in the path's optical depth.
     pub(in crate::gather) excess_depth: f64,
+    /// The first kernel radius (m) behind a final gather.
+    pub(in crate::gather) final_radius_m: Option<f64>,
 }
 
 impl CameraPath {
@@ -82,6 +84,7 @@ impl CameraPath {
             distance_m: 0.0,
             depth: 0,
             excess_depth: 0.0,
+            final_radius_m: None,
         }
     }
 

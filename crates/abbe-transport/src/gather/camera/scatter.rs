@@ -93,7 +93,7 @@ impl<'a> CameraPass<'a> {
         interaction: &SurfaceInteraction<'a>,
         context: &PathContext<'_, 'a, S>,
     ) -> GlossyEvent {
-        let caustic = self.caustic_weights(path, interaction, interaction.bsdf.class(), context);
+        let caustic = self.caustic_weights(path, interaction, context);
         GlossyEvent { caustic, reference_nm: path.reference_nm() }
     }
 

@@ -1,5 +1,6 @@
 //! The camera walk: follows a camera path over mirrors, glass and glossy surfaces to the first
-//! diffuse surface, and gathers light along the way.
+//! diffuse surface, and gathers light along the way. With a final gather, the path goes on to the
+//! next such surface.
 //!
 //! The loop is compiled twice (see [`BodyMode`]). The code that every path runs is inlined, so that
 //! the path and the interaction stay in registers; rare code (for mirrors and visible lights)
@@ -12,7 +13,7 @@ use super::visible_point::VisiblePoint;
 use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::map::PixelRadii;
 use crate::plan::partition::CameraView;
-use crate::plan::{MediumPlan, Tally, WavelengthPlan};
+use crate::plan::{CameraEvents, MediumPlan, Tally, WavelengthPlan};
 use crate::walk::{
     BodyMode, DepthLimit, MAX_EVENTS, Sink, SurfaceInteraction, SurfaceLookup, WithBodies, WithoutBodies,
     event_at_camera_filter, rotation_to_picture,
@@ -200,13 +201,19 @@ impl<'a> CameraPass<'a> {
     ) -> Option<CameraPath> {
         context.tally.texture_lookups += u64::from(interaction.textured);
         let class = interaction.bsdf.class();
+        let gathers_behind = self.final_gather && class == BsdfClass::Diffuse && gathers_behind(path, interaction);
+        let ends = class == BsdfClass::Diffuse && !gathers_behind;
         if class >= BsdfClass::Glossy {
-            self.gather_at_surface::<M, S>(path, interaction, class, context);
+            self.gather_at_surface::<M, S>(path, interaction, ends, context);
         }
-        if matches!(class, BsdfClass::Absorbing | BsdfClass::Diffuse) {
+        if ends || class == BsdfClass::Absorbing {
             return None;
         }
-        let (path_copy, interaction_copy) = (*path, *interaction);
+        let (mut path_copy, interaction_copy) = (*path, *interaction);
+        if gathers_behind {
+            context.tally.final_gathers += 1;
+            path_copy.final_radius_m = Some(self.final_radius(&path_copy, context));
+        }
         self.scatter(&path_copy, &interaction_copy, context)
     }
 
@@ -235,17 +242,16 @@ impl<'a> CameraPass<'a> {
         });
     }
 
-    /// Gathers direct light and light from photons. The path ends at diffuse surfaces.
+    /// Gathers direct light and light from photons, without indirect light unless the path `ends`.
     #[inline(always)]
     fn gather_at_surface<M: BodyMode, S: Sink>(
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
-        class: BsdfClass,
+        ends: bool,
         context: &mut PathContext<'_, 'a, S>,
     ) {
-        let ends = class == BsdfClass::Diffuse;
-        context.tally.rough_events += u64::from(!ends);
+        context.tally.rough_events += u64::from(interaction.bsdf.class() == BsdfClass::Glossy);
         if context.buffers.records {
             context.buffers.visible_points.push(self.visible_point(path, interaction));
         }
@@ -253,10 +259,12 @@ impl<'a> CameraPass<'a> {
         if !self.plan.direct.is_absent() {
             self.gather_direct::<M, S>(path, interaction, luminescence.as_ref(), context);
         }
-        // At a glossy surface, the continued path itself can hit a light.
+        // A continued path can hit a light itself.
         if ends && self.plan.direct.traces_scattered_rays() {
             self.gather_direct_by_bsdf::<M, S>(path, interaction, luminescence.as_ref(), context);
         }
+        // Indirect light arrives at a path that continues as at a glossy surface.
+        let class = if ends { BsdfClass::Diffuse } else { BsdfClass::Glossy };
         self.gather_photons(path, interaction, class, context);
         if let Some(luminescence) = &luminescence {
             self.gather_excitation(path, interaction, luminescence, context);
@@ -281,4 +289,10 @@ impl<'a> CameraPass<'a> {
             is_fluorescent: interaction.bsdf.model.as_fluorescent().is_some(),
         }
     }
+}
+
+/// Returns true if a final gather replaces the indirect photons at a diffuse surface: at the first
+/// one that scatters the path. Photons excite fluorescent surfaces in place.
+fn gathers_behind(path: &CameraPath, interaction: &SurfaceInteraction<'_>) -> bool {
+    path.events == CameraEvents::Specular && interaction.bsdf.model.as_fluorescent().is_none()
 }

@@ -15,6 +15,10 @@ use crate::walk::{CausticWeights, Sink, SurfaceInteraction};
 use abbe_optics::bsdf::BsdfClass;
 use std::f64::consts::PI;
 
+/// The radius of kernels behind a final gather, relative to that in place. Each camera sample reads
+/// photons elsewhere, so few of them suffice.
+const FINAL_RADIUS: f64 = 0.3;
+
 /// Returns the view that selects the estimator of photons. Only free photons are connected to the
 /// camera, so a shared path uses the photon map even if it sees the surface directly.
 #[inline(always)]
@@ -111,13 +115,20 @@ impl<'a> CameraPass<'a> {
     #[inline(always)]
     fn kernel_radius<S: Sink>(
         &self,
-        set: PhotonSet,
-        class: PhotonClass,
+        path: &CameraPath,
+        (set, class): (PhotonSet, PhotonClass),
         interaction: &SurfaceInteraction<'a>,
         context: &PathContext<'_, 'a, S>,
     ) -> f64 {
-        let radius = f64::from(context.radii.surface[set][class]) * self.scales.surface[class];
+        let of_pixel = || f64::from(context.radii.surface[set][class]);
+        let radius = path.final_radius_m.unwrap_or_else(of_pixel) * self.scales.surface[class];
         radius.max(radius::least(interaction.hit.position))
+    }
+
+    /// Returns the first kernel radius (m) of both photon classes behind a final gather at the end
+    /// of a path.
+    pub(in crate::gather) fn final_radius<S: Sink>(&self, path: &CameraPath, context: &PathContext<'_, 'a, S>) -> f64 {
+        FINAL_RADIUS * f64::from(context.radii.surface[path.spectral_mode.photon_set()].indirect)
     }
 
     /// Returns the weights of caustic photons and of camera paths, if the two compete.
@@ -126,9 +137,9 @@ impl<'a> CameraPass<'a> {
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
-        bsdf_class: BsdfClass,
         context: &PathContext<'_, 'a, S>,
     ) -> Option<CausticWeights> {
+        let bsdf_class = interaction.bsdf.class();
         if self.direct.ray_densities.is_none() || bsdf_class != BsdfClass::Glossy {
             return None;
         }
@@ -136,7 +147,7 @@ impl<'a> CameraPass<'a> {
         let area_m2 = if estimator(LightPath::Caustic, bsdf_class, photon_view(path)) == Estimator::Connection {
             self.scene.camera.pixel_width_m(path.distance_m).powi(2)
         } else {
-            PI * self.kernel_radius(set, PhotonClass::Caustic, interaction, context).powi(2)
+            PI * self.kernel_radius(path, (set, PhotonClass::Caustic), interaction, context).powi(2)
         };
         Some(CausticWeights { photons_m2: self.photons_per_sample[set] * area_m2 })
     }
@@ -190,13 +201,13 @@ impl<'a> CameraPass<'a> {
                 continue;
             }
             context.tally.map_queries += 1;
-            let radius = self.kernel_radius(set, class, interaction, context);
+            let radius = self.kernel_radius(path, (set, class), interaction, context);
             let surface_extent = self.surface_extent_around(path, interaction, radius, context.pixel);
             let surface_extent = surface_extent.limiting();
             let correction =
                 surface_extent.map_or(BoundaryCorrection::WHOLE, |surface_extent| surface_extent.correction(radius));
             let weights = match class {
-                PhotonClass::Caustic => self.caustic_weights(path, interaction, bsdf_class, context),
+                PhotonClass::Caustic => self.caustic_weights(path, interaction, context),
                 PhotonClass::Indirect => None,
             };
             let gather_point =
