@@ -91,6 +91,32 @@ fn noise_that_all_pixels_share_stays_in_the_bars() {
     assert!(denoised.noise.iter().all(|noise| (noise / known - 1.0).abs() < 1e-3));
 }
 
+/// With one pass in each group, two replicates of each half are left. The pixels keep noise that all
+/// share, and are cleaned of their own.
+#[test]
+fn four_passes_have_honest_error_bars() {
+    let four = |y: &dyn Fn(usize, usize) -> f32| {
+        let mut samples = grey(|i, r| if r < GROUPS { y(i, r) } else { 0.0 });
+        samples.passes = std::array::from_fn(|r| u64::from(r < GROUPS));
+        // The mean of a group is that of its only replicate.
+        let planes: [Vec<f32>; GROUPS] = std::array::from_fn(|g| samples.y[g].clone());
+        (samples.x, samples.z) = (planes.clone(), planes);
+        samples
+    };
+    let samples = four(&|i, r| 2.0 + 0.4 * noise(i, r, 20));
+    let denoised = denoise(&samples);
+    let rms = (denoised.xyz.iter().map(|xyz| (xyz[1] - 2.0).powi(2)).sum::<f32>() / all().len() as f32).sqrt();
+    assert!(rms < 0.2 / 4.0, "{rms} of 0.2");
+    let samples = four(&|_, r| 2.0 + 0.4 * noise(0, r, 21));
+    let denoised = denoise(&samples);
+    let values: [f32; GROUPS] = std::array::from_fn(|r| samples.y[r][0]);
+    let mean = values.iter().sum::<f32>() / 4.0;
+    let known = (values.iter().map(|value| (value - mean).powi(2)).sum::<f32>() / (4.0 * 3.0)).sqrt();
+    assert!(denoised.xyz.iter().all(|xyz| (xyz[1] - mean).abs() < 1e-5));
+    assert!(denoised.noise.iter().all(|noise| (noise / known - 1.0).abs() < 1e-3), "{} {known}", denoised.noise[0]);
+    assert!(!Samples::suffice([1, 1, 1, 0, 0, 0, 0, 0]) && Samples::suffice([1, 1, 0, 1, 0, 0, 1, 0]));
+}
+
 /// Blotches of eight pixels, as of photon maps, become smaller, and their error bars stay honest.
 #[test]
 fn blotches_are_averaged_over_more_than_their_size() {
