@@ -21,8 +21,8 @@ pub use spectrum_samples::SpectrumSamples;
 /// `BEGIN_DATA_FORMAT`.
 const CGATS_EXTENSIONS: [&str; 6] = ["cgats", "cgt", "ti3", "sp", "ccss", "it8"];
 
-/// Reads the samples of a file with one spectrum: `.spdx` and `.xml` as IES TM-27, CGATS files, and
-/// all others as columns of text. Returns an error with the file, line and column if it cannot be
+/// Reads the samples of a file with one spectrum: `.spdx`, `.xml` and `.tm33` as IES TM-27 or the
+/// spectrum of an IES TM-33 luminaire, CGATS files, and all others as columns of text. Returns an error with the file, line and column if it cannot be
 /// read or a sample is invalid.
 pub fn samples(path: &Path) -> Result<SpectrumSamples> {
     samples_of(path, None)
@@ -38,7 +38,7 @@ pub fn samples_of(path: &Path, sample: Option<&str>) -> Result<SpectrumSamples> 
     let ends_with = |ends: &[&str]| {
         path.extension().is_some_and(|extension| ends.iter().any(|end| extension.eq_ignore_ascii_case(end)))
     };
-    let is_xml = ends_with(&["spdx", "xml"]);
+    let is_xml = ends_with(&["spdx", "xml", "tm33"]);
     let is_cgats = !is_xml && (ends_with(&CGATS_EXTENSIONS) || cgats::is_cgats(text));
     let samples = match sample {
         _ if is_cgats => cgats::parse(text, sample),
