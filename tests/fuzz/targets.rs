@@ -96,7 +96,7 @@ pub(crate) fn all() -> Vec<Target> {
         Target::new("luminaire", "tm33", 4, vec![bytes(TM33)], luminaire),
         Target::new("checkpoint", "exr", 4, vec![checkpoint()], is_saved),
         Target::new("sky", "exr", 1, vec![picture()], is_sky),
-        Target::new("spectral_sky", "exr", 2, vec![spectral_picture()], is_sky),
+        Target::new("spectral_sky", "exr", 6, vec![spectral_picture()], is_sky),
         Target::new("sky", "png", 1, vec![png()], is_sky),
         Target::new("sky", "hdr", 1, vec![HDR.to_vec()], is_sky),
     ]
