@@ -24,9 +24,9 @@ in cd/m², wavelengths in nm, spectral radiances in W/m²/sr/nm.
 from . import regress
 from ._errors import Error, InputError, Interrupted, MachineError
 from ._lamps import LampsReport, compare_lamps
-from ._measure import Measurement, MeterReport, measure
+from ._measure import Judgement, Measurement, MeterReport, measure
 from ._native import __version__
-from ._optics import Glass, LensReport, glass, glasses, lens, lenses
+from ._optics import Glass, LensReport, glass, glasses, lens, lens_plots, lenses
 from ._optiland import lens_from_optiland, lens_to_optiland
 from ._picture import Picture, read
 from ._render import Progress, check, explain, passes, render
@@ -45,6 +45,7 @@ __all__ = [
     "Glass",
     "InputError",
     "Interrupted",
+    "Judgement",
     "LampsReport",
     "LensReport",
     "MachineError",
@@ -63,6 +64,7 @@ __all__ = [
     "glasses",
     "lens",
     "lens_from_optiland",
+    "lens_plots",
     "lens_to_optiland",
     "lenses",
     "measure",

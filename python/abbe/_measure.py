@@ -68,6 +68,28 @@ class MeterReport(Report):
         return np.array([unknown if value is None else value for value in values], dtype=np.float64)
 
 
+class Judgement(Report):
+    """The verdict on a limit of a scene's `requirements`, by the interval of the measured value."""
+
+    __slots__ = ()
+
+    meter: str
+    #: The limit in words, such as ``mean at least 500 lx``.
+    requirement: str
+    limit: float
+    #: The measured value: of a limit of each reading, that of the worst reading.
+    value: Optional[float]
+    #: The 95 % interval of the value, or None if it is unknown.
+    interval_95: Optional[list[float]]
+    #: ``met`` or ``not_met`` if the whole interval is on one side of the limit, else ``undecided``.
+    verdict: Literal["met", "not_met", "undecided"]
+
+    @property
+    def source(self) -> Optional[str]:
+        """The standard or the agreement that states the limit, or None."""
+        return self.get("source")
+
+
 class Measurement(Report):
     """The readings of all meters. Its entries are those of `abbe measure --json`."""
 
@@ -83,6 +105,11 @@ class Measurement(Report):
     def meters(self) -> list[MeterReport]:
         """The meters in the order of the scene."""
         return [MeterReport(meter) for meter in self["meters"]]
+
+    @property
+    def requirements(self) -> list[Judgement]:
+        """The verdicts on the requirements of the scene whose meters were read, in their order."""
+        return [Judgement(judgement) for judgement in self.get("requirements", [])]
 
     def meter(self, name: str) -> MeterReport:
         """Returns the meter with this name."""
@@ -104,15 +131,17 @@ def measure(
     seed: Optional[int] = None,
     threads: Optional[int] = None,
     integrator: Optional[Literal["photon", "path"]] = None,
+    html: Optional[Union[str, os.PathLike[str]]] = None,
     folder: Optional[Union[str, os.PathLike[str]]] = None,
     allow_outside: bool = False,
 ) -> Measurement:
-    """Measures the light at the meters of a scene.
+    """Measures the light at the meters of a scene, and judges its `requirements`.
 
     `meters` contains the names of the meters to use; the default is all meters. The measurement
     stops as soon as one of these limits is reached: a number of `passes`, a `time` in seconds, or a
     relative `target_error` of every reading. The limits and the `integrator` have the defaults of
-    `abbe measure`. The other options are those of `render`.
+    `abbe measure`. `html` is a file for the page of readings, plans and verdicts. The other options
+    are those of `render`.
 
     >>> import abbe
     >>> scene = {
@@ -120,10 +149,14 @@ def measure(
     ...     "objects": [],
     ...     "lights": [{"point": {"at": [0, 2, 0], "spectrum": "D65", "luminous_flux": 100}}],
     ...     "meters": [{"name": "desk", "quantity": "illuminance", "points": [[0, 0, 0]]}],
+    ...     "requirements": [{"meter": "desk", "mean_at_least": 500}],
     ... }
-    >>> desk = abbe.measure(scene, passes=16).meter("desk")
+    >>> measurement = abbe.measure(scene, passes=16)
+    >>> desk = measurement.meter("desk")
     >>> desk.unit, round(float(desk.value[0]), 3)
     ('lx', 1.989)
+    >>> [(judgement.requirement, judgement.verdict) for judgement in measurement.requirements]
+    [('mean at least 500 lx', 'not_met')]
     """
     changes: dict[str, Any] = dict(set or {})
     for key, value in (("render.photons", photons), ("render.seed", seed), ("render.threads", threads)):
@@ -135,6 +168,7 @@ def measure(
         "passes": passes,
         "seconds": time.total_seconds() if isinstance(time, datetime.timedelta) else time,
         "target_error": target_error,
+        "html": None if html is None else os.fspath(html),
     }
     arguments = scene_arguments(scene, changes, folder, allow_outside)
     return Measurement(json.loads(finished_report(_native.ReportTask.measure(arguments, options))))

@@ -7,12 +7,13 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, Optional, Union, overload
+from typing import Any, Literal, Optional, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
+from ._errors import InputError
 from ._report import Report
 
 
@@ -72,10 +73,26 @@ def glasses() -> list[str]:
     return _native.glass_names()
 
 
-class LensReport(Report):
-    """The analysis of a lens. Its attributes are those of `abbe lens --json`; lengths are in mm."""
+Plot = Literal[
+    "section",
+    "spots",
+    "ray-fans",
+    "mtf",
+    "through-focus",
+    "field-curves",
+    "lateral-colour",
+    "illumination",
+    "axial-colour",
+]
 
-    __slots__ = ()
+
+class LensReport(Report):
+    """The analysis of a lens. Its attributes are those of `abbe lens --json`; lengths are in mm.
+
+    In a notebook, a report shows the cross-section with rays.
+    """
+
+    __slots__ = ("_native",)
 
     name: str
     surfaces: int
@@ -85,9 +102,42 @@ class LensReport(Report):
     fc_shift_mm: float
     f_number: Optional[float]
     half_field_deg: float
-    #: The foci and the transmittance on the axis in the F, d and C lines.
+    #: The foci and the transmittance on the axis at each wavelength.
     lines: list[Any]
     fields: list[Any]
+
+    def __init__(self, entries: Mapping[str, Any], native: Optional[_native.Lens] = None) -> None:
+        super().__init__(entries)
+        object.__setattr__(self, "_native", native)
+
+    def plot(self, plot: Plot = "section") -> str:
+        """Returns a plot as the text of an SVG file.
+
+        `plot` is the cross-section with rays (``"section"``), spot diagrams (``"spots"``),
+        ``"ray-fans"``, the MTF against frequency (``"mtf"``) or against the position of the sensor
+        (``"through-focus"``), ``"field-curves"`` with the distortion, ``"lateral-colour"``,
+        relative ``"illumination"``, or ``"axial-colour"``.
+
+        >>> import abbe
+        >>> abbe.lens("double gauss").plot("mtf").startswith("<svg")
+        True
+        """
+        return self._analysed().plot(plot)
+
+    def page(self) -> str:
+        """Returns a page for A4 paper with all figures and plots as the text of an HTML file."""
+        return self._analysed().page()
+
+    def _analysed(self) -> _native.Lens:
+        native: Optional[_native.Lens] = self._native
+        if native is None:
+            raise TypeError("a report that was pickled or copied has no plots; call abbe.lens again")
+        return native
+
+    def _repr_svg_(self) -> Optional[str]:
+        # A system with mirrors is not drawn, and a copy has no plots.
+        native: Optional[_native.Lens] = self._native
+        return native.plot("section") if native is not None and native.is_drawn() else None
 
 
 @contextmanager
@@ -107,23 +157,48 @@ def lens(
     name: Union[str, os.PathLike[str], Mapping[str, Any]],
     *,
     field: Optional[float] = None,
+    wavelengths: Optional[ArrayLike] = None,
+    focus: Union[float, Literal["best"], None] = None,
     glasses: Sequence[Union[str, os.PathLike[str]]] = (),
     svg: Optional[Union[str, os.PathLike[str]]] = None,
+    plot: Plot = "section",
+    html: Optional[Union[str, os.PathLike[str]]] = None,
 ) -> LensReport:
     """Analyses a built-in lens, a file with a prescription (JSON, Zemax, CODE V, OSLO), or a prescription.
 
-    `field` is half the field of view in degrees. `glasses` are Zemax catalogues that are searched
-    first. `svg` is a file for the cross-section.
+    `field` is half the field of view in degrees. `wavelengths` are 1 to 6 wavelengths in nm, whose
+    middle one is the reference; the default are the F, d and C lines. `focus` is the distance of the
+    sensor in mm behind the paraxial focus, or ``"best"`` for the smallest spots. `glasses` are Zemax
+    catalogues that are searched first. `svg` is a file for the `plot`, and `html` one for the page;
+    `LensReport.plot` and `LensReport.page` return them as texts.
 
     >>> import abbe
-    >>> report = abbe.lens("singlet")
+    >>> report = abbe.lens("singlet", wavelengths=[450, 550, 650], focus="best")
     >>> report.efl_mm > 0 and len(report.fields) > 0
     True
+    >>> [line.nm for line in report.lines]
+    [450.0, 550.0, 650.0]
     """
-    files = [os.fspath(path) for path in glasses]
+    if isinstance(focus, str) and focus != "best":
+        raise InputError(f'focus: {focus!r}; expected a distance in mm, or "best"')
+    conditions = {
+        "field": field,
+        "wavelengths": None if wavelengths is None else np.asarray(wavelengths, dtype=float).ravel().tolist(),
+        "focus": None if isinstance(focus, str) else focus,
+        "best_focus": focus == "best",
+    }
     with lens_argument(name) as argument:
-        text = _native.lens_report(argument, field, files, None if svg is None else os.fspath(svg))
-    return LensReport(json.loads(text))
+        native = _native.Lens(argument, [os.fspath(path) for path in glasses], conditions)
+    if svg is not None:
+        _native.write_whole(os.fspath(svg), native.plot(plot))
+    if html is not None:
+        _native.write_whole(os.fspath(html), native.page())
+    return LensReport(json.loads(native.report_json()), native)
+
+
+def lens_plots() -> list[str]:
+    """Returns the names of the plots of a lens."""
+    return _native.lens_plot_names()
 
 
 def lenses() -> list[str]:

@@ -117,7 +117,8 @@ class Picture:
         """
         double = math.radians(2.0 * angle)
         s0, s1, s2, _ = np.moveaxis(self.stokes.astype(np.float64), -1, 0)
-        return np.maximum(0.5 * (s0 + math.cos(double) * s1 + math.sin(double) * s2), 0.0)
+        passed: NDArray[np.float64] = 0.5 * (s0 + math.cos(double) * s1 + math.sin(double) * s2)
+        return np.maximum(passed, 0.0)
 
     def _stokes_layer(self, name: str) -> NDArray[np.float32]:
         values = self._native.layer(name)

@@ -6,6 +6,7 @@ import json
 import math
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -54,6 +55,29 @@ def test_readings_are_those_of_the_command_line() -> None:
     known = json.loads(done.stdout)
     found = abbe.measure(scene, passes=16, meters=["desk"], seed=3)
     assert found.to_dict()["meters"] == known["meters"] and found.passes == 16
+
+
+def test_requirements_are_judged_as_on_the_command_line(lamp: dict[str, Any], tmp_path: Path) -> None:
+    assert abbe.measure(lamp, passes=16).requirements == []
+    lamp["requirements"] = [
+        {"meter": "desk", "mean_at_least": 500, "source": "EN 12464-1"},
+        {"meter": "desk", "at_most": 100},
+    ]
+    path = tmp_path / "room.json"
+    path.write_text(json.dumps(lamp))
+    words = [sys.executable, "-m", "abbe", "measure", str(path), "--passes", "16", "--json", "--quiet"]
+    known = json.loads(subprocess.run(words, capture_output=True, text=True, check=True).stdout)
+    page = tmp_path / "room.html"
+    measurement = abbe.measure(path, passes=16, html=page)
+    assert [judgement.to_dict() for judgement in measurement.requirements] == known["requirements"]
+    mean, largest = measurement.requirements
+    assert (mean.verdict, mean.source, mean.limit) == ("not_met", "EN 12464-1", 500)
+    assert (largest.verdict, largest.source) == ("met", None)
+    assert mean.interval_95 is not None and mean.value is not None
+    assert mean.interval_95[0] <= mean.value <= mean.interval_95[1]
+    assert "EN 12464-1" in page.read_text() and "not met" in page.read_text()
+    only = abbe.measure(lamp, passes=16, meters=["spectrum"])
+    assert only.requirements == []
 
 
 def test_wrong_arguments_are_input_errors(lamp: dict[str, Any]) -> None:

@@ -59,6 +59,43 @@ def test_lens_reports_are_those_of_the_command_line(tmp_path: Path) -> None:
         abbe.lens("no such lens")
 
 
+def test_a_lens_is_analysed_under_the_conditions_of_the_command_line() -> None:
+    name = "double gauss"
+    report = abbe.lens(name, field=10, wavelengths=[450, 550, 650], focus=-0.1)
+    words = ["--field", 10, "--wavelengths", "450,550,650", "--focus=-0.1", "--json"]
+    assert report.to_dict() == command_line("lens", name, *words)
+    best = abbe.lens(name, focus="best")
+    assert best.to_dict() == command_line("lens", name, "--focus", "best", "--json")
+    assert best.to_dict() != abbe.lens(name).to_dict()
+    for wrong in (
+        {"wavelengths": [550, 550]},
+        {"wavelengths": [1550]},
+        {"focus": math.nan},
+        {"focus": "least"},
+        {"field": 90},
+    ):
+        with pytest.raises(abbe.InputError, match=next(iter(wrong))):
+            abbe.lens(name, **wrong)
+
+
+def test_plots_and_the_page_of_a_lens_are_those_of_the_command_line(tmp_path: Path) -> None:
+    name = "double gauss"
+    files = [tmp_path / "theirs.svg", tmp_path / "theirs.html"]
+    report = abbe.lens(name, svg=tmp_path / "ours.svg", plot="mtf", html=tmp_path / "ours.html")
+    command_line("lens", name, "--svg", files[0], "--plot", "mtf", "--html", files[1], "--json")
+    assert files[0].read_text() == report.plot("mtf") == (tmp_path / "ours.svg").read_text()
+    assert files[1].read_text() == report.page() == (tmp_path / "ours.html").read_text()
+    plots = {plot: report.plot(plot) for plot in abbe.lens_plots()}  # type: ignore[arg-type]
+    assert len(set(plots.values())) == 9 and all(plot.startswith("<svg") for plot in plots.values())
+    assert report._repr_svg_() == plots["section"]
+    with pytest.raises(abbe.InputError, match="did you mean \"spots\""):
+        report.plot("spot")  # type: ignore[arg-type]
+    copy = pickle.loads(pickle.dumps(report))
+    assert copy.to_dict() == report.to_dict() and copy._repr_svg_() is None
+    with pytest.raises(TypeError, match="call abbe.lens again"):
+        copy.plot()
+
+
 def test_lamp_reports_are_those_of_the_command_line(tmp_path: Path) -> None:
     lines = ["{\"lines\": [{\"nm\": 660, \"power\": 1}]}", "{\"lines\": [{\"nm\": 540, \"power\": 1}]}"]
     red, green = abbe.Spectrum.from_lines({660: 1}), abbe.Spectrum.from_lines({540: 1})

@@ -18,9 +18,9 @@ use crate::reports::named::NamedSpectrum;
 #[derive(Debug, clap::Args)]
 #[command(override_usage = "abbe lamps A [B [C]] [--match PRIMARY...] [OPTIONS]\n       abbe lamps FILE.ies [OPTIONS]")]
 pub(crate) struct LampsArgs {
-    /// The first lamp: a name of the library, a file (columns nm,value; or IES TM-27 .spdx), or a
-    /// spectrum in the JSON form of scenes; or a luminaire file (.ies or .ldt) whose figures and
-    /// polar diagram are shown
+    /// The first lamp: a name of the library, a file (columns nm,value; IES TM-27 .spdx; or CGATS),
+    /// or a spectrum in the JSON form of scenes; or a luminaire file (.ies, .ldt, .tm33 or .xml)
+    /// whose figures and polar diagram are shown
     #[arg(value_name = "A")]
     a: String,
     /// The second lamp [default: the match of A]

@@ -1,4 +1,4 @@
-//! `abbe lamps FILE.ies`: the figures and the polar diagram of a luminaire.
+//! `abbe lamps FILE.ies` (or `.ldt`, `.tm33`, `.xml`): the figures and the polar diagram of a luminaire.
 
 use std::path::Path;
 
@@ -14,6 +14,7 @@ use crate::reports::luminaire::{LuminaireReport, diagram, rows};
 pub(crate) fn run(path: &Path, html: Option<&Path>, json: bool) -> Result<Outcome> {
     let photometry = luminaire::read(path, FileAccess::WithinFolder)?;
     let summary = LuminaireSummary::of(&photometry).map_err(|error| error.in_file(path))?;
+    photometry.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
     let name = if photometry.name.is_empty() { path.display().to_string() } else { photometry.name.clone() };
     let rows = rows(&photometry, &summary);
     if let Some(page) = html {

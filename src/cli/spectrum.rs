@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use abbe_format::resolve::Role;
+use abbe_format::{SpectrumFile, SpectrumPathFile};
 use abbe_session::output::figures::report_rows;
 use abbe_session::output::file;
 use abbe_session::output::plot::SpectralPlot;
@@ -17,10 +18,13 @@ use crate::reports::named::{NamedSpectrum, SpectrumList, SpectrumListing, light_
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SpectrumArgs {
-    /// A name of the library, a file (columns nm,value; or IES TM-27 .spdx), or a spectrum in the
-    /// JSON form of scenes
+    /// A name of the library, a file (columns nm,value; IES TM-27 .spdx; or CGATS, such as .ti3), or
+    /// a spectrum in the JSON form of scenes
     #[arg(value_name = "NAME|FILE|JSON", required_unless_present = "list")]
     spectrum: Option<String>,
+    /// The sample of a CGATS file with several samples, by SAMPLE_ID, SAMPLE_NAME or SAMPLE_LOC
+    #[arg(long, value_name = "NAME", conflicts_with = "list")]
+    sample: Option<String>,
     /// The standard observer: cie1931, cie1964, cie2015_2 or cie2015_10
     #[arg(long, value_name = "O", default_value = "cie1931")]
     observer: String,
@@ -65,13 +69,23 @@ fn list(json: bool) -> Result<()> {
 fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Result<Outcome> {
     let under = arguments.reflectance_under.as_deref();
     file::check_keeps_inputs(arguments.svg.as_deref(), [Some(text), under].into_iter().flatten())?;
+    let of_sample = arguments.sample.as_ref().map(|sample| {
+        let file = SpectrumPathFile { path: text.to_string(), sample: Some(sample.clone()) };
+        serde_json::to_string(&SpectrumFile::File(Box::new(file))).expect("texts are JSON")
+    });
+    let text = of_sample.as_deref().unwrap_or(text);
     let (named, light) = match under {
-        Some(lamp) => (spectrum(text, Role::Reflectance)?, Some(spectrum(lamp, Role::Light)?)),
+        Some(lamp) => {
+            let reflectance = spectrum(text, Role::Reflectance)?;
+            print_notes(&reflectance);
+            (reflectance, Some(light(lamp)?))
+        }
         None => (light(text)?, None),
     };
     let report = colour(text, &named.spectrum, light.as_ref().map(|light| &light.spectrum), observer)?;
     if let Some(path) = &arguments.svg {
-        file::write_whole(path, SpectralPlot::of_spectrum(text, &named.spectrum, "value", None).svg().as_bytes())?;
+        let title = if of_sample.is_some() { &named.name } else { text };
+        file::write_whole(path, SpectralPlot::of_spectrum(title, &named.spectrum, "value", None).svg().as_bytes())?;
     }
     let json = serde_json::to_value(NamedColour::new(&named.name, &report, observer, under))
         .expect("a report has text keys and no fallible values");
@@ -90,7 +104,12 @@ fn one(text: &str, observer: &'static Observer, arguments: &SpectrumArgs) -> Res
 pub(super) fn light(text: &str) -> Result<NamedSpectrum> {
     let light = spectrum(text, Role::Light)?;
     light_remark(text).iter().for_each(|remark| print::remark(&format!("note: {remark}")));
+    print_notes(&light);
     Ok(light)
+}
+
+fn print_notes(spectrum: &NamedSpectrum) {
+    spectrum.notes.iter().for_each(|note| print::remark(&format!("note: {note}")));
 }
 
 /// Writes the report, one quantity per line.

@@ -91,7 +91,7 @@ impl LampsCompared {
     #[cfg(feature = "pages")]
     pub fn html(&self) -> Result<String> {
         let Self { observer, lamps, comparison, fluorescent, third: _, mix } = self;
-        fn lamp(NamedSpectrum { name, origin, spectrum }: &NamedSpectrum) -> NamedLamp<'_> {
+        fn lamp(NamedSpectrum { name, origin, spectrum, .. }: &NamedSpectrum) -> NamedLamp<'_> {
             NamedLamp { name, origin, spectrum }
         }
         let primaries = mix.iter().flat_map(|mix| &mix.primaries).map(lamp).collect();
@@ -125,6 +125,7 @@ impl PrimaryMix {
             name: format!("its match from {}", self.names()),
             origin: format!("the non-negative mix nearest to {} in XYZ: {}", of.name, self.weights_text()),
             spectrum: self.found.mix(self.primaries.iter().map(|primary| &primary.spectrum)),
+            notes: Vec::new(),
         }
     }
 

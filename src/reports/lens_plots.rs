@@ -8,7 +8,7 @@ use abbe_optics::lens::spot_diagram::SpotDiagram;
 use abbe_optics::lens::{AnalysisLine, Lens, LensAnalysis};
 use abbe_session::output::plot_grid::{GridPlot, LegendEntry, LineDash, PlotGrid, PlotLine, PlotRange};
 use abbe_session::output::spot_figure::{SpotCell, SpotFigure, SpotPoints, SpotRow};
-use abbe_spectra::error::Result;
+use abbe_spectra::error::{Error, Result};
 
 use super::lens::{drawing, line_colour, line_name};
 
@@ -34,6 +34,31 @@ pub enum LensPlot {
     Illumination,
     /// Longitudinal aberration, and focus against wavelength
     AxialColour,
+}
+
+impl LensPlot {
+    /// All plots with their names, which are those of `abbe lens --plot`.
+    pub const ALL: [(&'static str, Self); 9] = [
+        ("section", Self::Section),
+        ("spots", Self::Spots),
+        ("ray-fans", Self::RayFans),
+        ("mtf", Self::Mtf),
+        ("through-focus", Self::ThroughFocus),
+        ("field-curves", Self::FieldCurves),
+        ("lateral-colour", Self::LateralColour),
+        ("illumination", Self::Illumination),
+        ("axial-colour", Self::AxialColour),
+    ];
+
+    /// Returns the plot with a name. Returns an error that lists all names for another one.
+    pub fn by_name(name: &str) -> Result<Self> {
+        let names = || Self::ALL.iter().map(|(name, _)| *name);
+        let unknown = || {
+            let expected = format!("one of {}", names().collect::<Vec<_>>().join(", "));
+            Error::unknown_name("plot", name, names()).expected(expected)
+        };
+        Self::ALL.iter().find(|(known, _)| *known == name).map(|(_, plot)| *plot).ok_or_else(unknown)
+    }
 }
 
 const BLACK: &str = "#1b1b1b";
@@ -355,4 +380,23 @@ pub(super) fn focal_shift(analysis: &LensAnalysis, axial: &AxialColour) -> PlotG
         lines: vec![line(BLACK, LineDash::Solid, shift)],
     };
     single(Vec::new(), plot)
+}
+
+#[cfg(all(test, feature = "cli"))]
+mod tests {
+    use super::*;
+    use clap::ValueEnum;
+
+    #[test]
+    fn plots_have_the_names_of_the_command_line() {
+        let names: Vec<String> = LensPlot::value_variants()
+            .iter()
+            .map(|plot| plot.to_possible_value().unwrap().get_name().to_owned())
+            .collect();
+        assert_eq!(names, LensPlot::ALL.map(|(name, _)| name));
+        assert!(LensPlot::value_variants().iter().zip(LensPlot::ALL).all(|(plot, (_, same))| *plot == same));
+        assert_eq!(LensPlot::by_name("mtf").unwrap(), LensPlot::Mtf);
+        let error = LensPlot::by_name("spot").unwrap_err();
+        assert_eq!(error.suggestion.as_deref(), Some("spots"));
+    }
 }

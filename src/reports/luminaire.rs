@@ -3,6 +3,8 @@
 use abbe_format::luminaire::{BeamAngles, LuminaireSummary, Photometry};
 use abbe_scene::light::{OpeningShape, PhotometricType};
 use abbe_session::output::polar::{PolarCurve, PolarDiagram};
+use abbe_spectra::colour::ColourReport;
+use abbe_spectra::spectrum::Observer;
 use serde::Serialize;
 
 /// The names of the two planes of the diagram, and their angles C in degrees.
@@ -51,6 +53,13 @@ pub fn rows(photometry: &Photometry, summary: &LuminaireSummary) -> Vec<(&'stati
     if let Some((watts, efficacy)) = photometry.input_watts.zip(summary.efficacy) {
         rows.push(("efficacy", format!("{efficacy:.1} lm/W at {watts} W")));
     }
+    if let Some(colour) = light_colour(photometry) {
+        let temperature = colour.temperature.map(|it| format!("correlated colour temperature {:.0} K", it.cct_k));
+        let rendering = colour.rendering.map(|it| format!("Ra {:.0}", it.ra));
+        let [x, y] = colour.xy;
+        let parts = [Some(format!("xy {x:.4} {y:.4}")), temperature, rendering];
+        rows.push(("spectrum", parts.into_iter().flatten().collect::<Vec<_>>().join(", ")));
+    }
     let opening = photometry.opening;
     let shape = match opening.shape {
         OpeningShape::Point => "a point".to_string(),
@@ -61,6 +70,11 @@ pub fn rows(photometry: &Photometry, summary: &LuminaireSummary) -> Vec<(&'stati
     };
     rows.push(("opening", shape));
     rows
+}
+
+/// Returns the colour of the light if the file contains its spectrum.
+fn light_colour(photometry: &Photometry) -> Option<ColourReport> {
+    photometry.spectrum.as_ref().and_then(|spectrum| ColourReport::of_light(spectrum, Observer::cie1931()).ok())
 }
 
 /// Returns the tilt factor and the flux in lm of a luminaire with tilt factors that points down.
@@ -99,11 +113,18 @@ pub struct LuminaireReport<'a> {
     pub input_watts: Option<f64>,
     /// The flux divided by the electrical power.
     pub efficacy_lm_per_w: Option<f64>,
+    /// The chromaticity of the spectrum, if the file contains one.
+    pub xy: Option<[f64; 2]>,
+    /// The correlated colour temperature of the spectrum in K, if it is defined.
+    pub cct_k: Option<f64>,
+    /// The general colour rendering index of the spectrum, if it is defined.
+    pub ra: Option<f64>,
 }
 
 impl<'a> LuminaireReport<'a> {
     /// Returns the figures of a photometric table and its summary.
     pub fn new(name: &'a str, photometry: &'a Photometry, summary: &LuminaireSummary) -> Self {
+        let colour = light_colour(photometry);
         Self {
             name,
             format: &photometry.format,
@@ -119,6 +140,9 @@ impl<'a> LuminaireReport<'a> {
             field_deg: summary.beams.map(|beam| beam.map(|beam| beam.tenth_deg)),
             input_watts: photometry.input_watts,
             efficacy_lm_per_w: summary.efficacy,
+            xy: colour.as_ref().map(|colour| colour.xy),
+            cct_k: colour.as_ref().and_then(|colour| colour.temperature).map(|temperature| temperature.cct_k),
+            ra: colour.as_ref().and_then(|colour| colour.rendering.as_ref()).map(|rendering| rendering.ra),
         }
     }
 }

@@ -17,6 +17,8 @@ pub struct NamedSpectrum {
     pub origin: String,
     /// A light, a reflectance or a coefficient.
     pub spectrum: Spectrum,
+    /// What the reader of a file decided from its values.
+    pub notes: Vec<String>,
 }
 
 /// Returns the spectrum that a text describes: a name of the library, the path of a file, or the
@@ -28,11 +30,12 @@ pub fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
     if is_colour || text.trim_start().starts_with(['{', '"']) || text.trim().parse::<f64>().is_ok() {
         let json = if is_colour { serde_json::to_string(text).expect("a text is JSON") } else { text.to_string() };
         let (file, source) = format::parse_spectrum(&json, origin)?;
-        let spectrum = resolve::lone_spectrum(&file, &source, role)?;
+        let (spectrum, notes) = resolve::lone_spectrum_with_notes(&file, &source, role)?;
         return Ok(NamedSpectrum {
             name: described(&file, text),
             origin: "written on the command line".to_string(),
             spectrum,
+            notes,
         });
     }
     let unknown = match library::find(text) {
@@ -42,7 +45,7 @@ pub fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
             let (_, source) = format::parse_spectrum(&name, origin)?;
             let spectrum = resolve::lone_spectrum(&SpectrumFile::Name(text.to_string()), &source, role)?;
             let origin = format!("{}; source: {}", entry.description, entry.source);
-            return Ok(NamedSpectrum { name: entry.name.to_string(), origin, spectrum });
+            return Ok(NamedSpectrum { name: entry.name.to_string(), origin, spectrum, notes: Vec::new() });
         }
         Err(unknown) => unknown,
     };
@@ -51,9 +54,15 @@ pub fn spectrum(text: &str, role: Role) -> Result<NamedSpectrum> {
         // A misspelt name with a slash, such as led/red, looks like the path of a missing file, so
         // the error also suggests a name.
         let near = unknown.suggestion.filter(|_| !path.exists());
-        let spectrum =
-            read::spectrum_file(path, role.outside()).map_err(|error| Error { suggestion: near, ..error })?;
-        return Ok(NamedSpectrum { name: text.to_string(), origin: "read from this file".to_string(), spectrum });
+        let samples = read::samples(path).map_err(|error| Error { suggestion: near.or(error.suggestion), ..error })?;
+        let spectrum = samples.spectrum(role.outside()).map_err(|error| error.in_file(path))?;
+        let notes = samples.note.iter().map(|note| format!("{text}: {note}")).collect();
+        return Ok(NamedSpectrum {
+            name: text.to_string(),
+            origin: "read from this file".to_string(),
+            spectrum,
+            notes,
+        });
     }
     Err(unknown.expected("a name of `abbe spectrum --list`, a file, or a spectrum as JSON"))
 }
@@ -69,9 +78,11 @@ fn described(file: &SpectrumFile, text: &str) -> String {
         SpectrumFile::Blackbody { temperature } => format!("a black body at {temperature} K"),
         SpectrumFile::Daylight { temperature } => format!("daylight of {temperature} K"),
         SpectrumFile::Gaussian { peak_nm, fwhm_nm } => format!("a Gaussian band at {peak_nm} nm, {fwhm_nm} nm wide"),
+        SpectrumFile::File(file) => {
+            file.sample.as_ref().map_or_else(|| text.to_string(), |sample| format!("{sample} of {}", file.path))
+        }
         SpectrumFile::Number(_)
         | SpectrumFile::Table { .. }
-        | SpectrumFile::File(_)
         | SpectrumFile::Rgb(_)
         | SpectrumFile::Srgb(_)
         | SpectrumFile::Mix(_)

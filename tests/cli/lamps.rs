@@ -274,6 +274,80 @@ fn a_luminaire_is_described_with_its_polar_diagram() {
     lamps(&["bad.ies"]).is_error(2, &["bad.ies:6:27: a vertical angle: 70", "above the one before it, 80°"]);
 }
 
+/// The luminaire of `LAMBERTIAN` as TM-33, with a spectrum of equal power from 400 to 700 nm.
+const LAMBERTIAN_TM33: &str = r#"<?xml version="1.0"?>
+<IESTM33><Version>1.0</Version><Header><Manufacturer>Abbe</Manufacturer><Description>panel</Description></Header>
+<Emitter><Quantity>2</Quantity><Description>LED</Description><InputWattage>25</InputWattage><LuminousData><LuminousIntensity>
+<Multiplier>10</Multiplier><NumberHorz>1</NumberHorz><NumberVert>10</NumberVert>
+<IntData h="0" v="0">100</IntData><IntData h="0" v="10">98.481</IntData><IntData h="0" v="20">93.969</IntData>
+<IntData h="0" v="30">86.603</IntData><IntData h="0" v="40">76.604</IntData><IntData h="0" v="50">64.279</IntData>
+<IntData h="0" v="60">50</IntData><IntData h="0" v="70">34.202</IntData><IntData h="0" v="80">17.365</IntData>
+<IntData h="0" v="90">0</IntData></LuminousIntensity></LuminousData>
+<SpectralData><EmitterSpectral><PwrData w="400">1</PwrData><PwrData w="700">1</PwrData></EmitterSpectral></SpectralData>
+<EmissionAreas><BottomFace><BottomArea><Length>0.5</Length><Width>0.2</Width><LengthOffset>0</LengthOffset>
+<WidthOffset>0</WidthOffset></BottomArea></BottomFace></EmissionAreas></Emitter></IESTM33>
+"#;
+
+#[test]
+fn a_tm33_luminaire_has_the_figures_of_the_same_ies_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("lamp.ies"), LAMBERTIAN).unwrap();
+    let known = abbe(folder.path(), &["lamps", "lamp.ies", "--json"]).json();
+    for name in ["lamp.tm33", "lamp.xml"] {
+        std::fs::write(folder.path().join(name), LAMBERTIAN_TM33).unwrap();
+        let found = abbe(folder.path(), &["lamps", name, "--json"]).json();
+        for figure in ["flux_lm", "downward", "peak_cd", "beam_deg", "field_deg", "input_watts", "symmetry"] {
+            assert_eq!(found[figure], known[figure], "{figure}");
+        }
+        assert!(known["xy"].is_null() && (found["xy"][0].as_f64().unwrap() - 0.333).abs() < 0.01, "{found}");
+    }
+    let said = abbe(folder.path(), &["lamps", "lamp.xml"]);
+    assert!(
+        said.err.contains("note: the emitter \"LED\": the intensities are those of all 2 emitters"),
+        "{}",
+        said.err
+    );
+    for words in ["Abbe, panel\n", "IES TM-33-18, type C", "spectrum        xy 0.33", "0.200 m along C0 × 0.500 m"] {
+        assert!(said.out.contains(words), "{words}: {}", said.out);
+    }
+    std::fs::write(folder.path().join("bad.tm33"), LAMBERTIAN_TM33.replace("v=\"80\"", "v=\"60\"")).unwrap();
+    abbe(folder.path(), &["lamps", "bad.tm33"]).is_error(2, &["bad.tm33:7:", "above the one before it, 60°"]);
+}
+
+/// The illuminance 2 m below a luminaire of 1000 cd is 250 lx, and its spectrum is that of the file.
+#[test]
+fn a_tm33_luminaire_lights_a_scene_with_its_own_spectrum() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("lamp.tm33"), LAMBERTIAN_TM33).unwrap();
+    let scene = |light: &str| {
+        let scene = format!(
+            r#"{{"objects": [], "lights": [{{"ies": {{"at": [0, 2, 0], "toward": [0, -1, 0], "path": "lamp.tm33"{light}}}}}],
+            "meters": [{{"name": "below", "points": [[0, 0, 0]]}},
+                       {{"name": "bands", "quantity": "spectral_irradiance", "points": [[0, 0, 0]]}}]}}"#
+        );
+        std::fs::write(folder.path().join("scene.json"), scene).unwrap();
+        abbe(folder.path(), &["measure", "scene.json", "--passes", "64", "--json"])
+    };
+    let said = scene("");
+    assert!(said.err.contains("lamp.tm33: the emitter \"LED\""), "{}", said.err);
+    let report = said.json();
+    assert_near("illuminance", &report["meters"][0]["points"][0]["value"], &json!(250.0), 0.5);
+    let bands = &report["meters"][1];
+    let nm = bands["wavelength_nm"].as_array().unwrap().iter().map(|nm| nm.as_f64().unwrap());
+    let values = bands["points"][0]["value"].as_array().unwrap().iter().map(|value| value.as_f64().unwrap());
+    // 250 lx of a flat spectrum from 400 to 700 nm.
+    let expected = 250.0 / (683.0 * 106.86);
+    for (nm, value) in nm.zip(values) {
+        let is_inside = (402.0..698.0).contains(&nm);
+        assert!(if is_inside { (value / expected - 1.0).abs() < 0.2 } else { value < 0.6 * expected }, "{nm}: {value}");
+        assert!(is_inside || (397.0..703.0).contains(&nm) || value == 0.0, "{nm}: {value}");
+    }
+    let dark = LAMBERTIAN_TM33.replace("SpectralData", "OtherData");
+    std::fs::write(folder.path().join("lamp.tm33"), dark).unwrap();
+    scene("").is_error(2, &["lights[0].ies", "missing key \"spectrum\""]);
+    assert_near("D65", &scene(r#", "spectrum": "D65""#).json()["meters"][0]["points"][0]["value"], &json!(250.0), 0.5);
+}
+
 /// R9 of FL2 is negative (CIE 13.3: a lamp with little red).
 #[test]
 fn the_rendering_of_red_is_stated() {

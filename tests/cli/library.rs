@@ -238,3 +238,32 @@ fn completions_and_manual_pages_are_printed() {
     assert!(page.status == 0 && page.out.contains("abbe\\-render"), "{}", page.out);
     abbe(folder.path(), &["man", "rendre"]).is_error(2, &["rendre", "render"]);
 }
+
+/// A chart in percent gives the colour of the same table in fractions, and a note about the scale.
+#[test]
+fn a_sample_of_a_cgats_file_is_chosen_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let chart = "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME SPECTRAL_NM400 SPECTRAL_NM550 SPECTRAL_NM700\n\
+                 END_DATA_FORMAT\nBEGIN_DATA\n1 A1 0.5 1.0 1.5\n2 \"dark skin\" 10 20 40\nEND_DATA\n";
+    std::fs::write(folder.path().join("chart.txt"), chart).unwrap();
+    let table = r#"{"table": {"nm": [400, 550, 700], "values": [0.1, 0.2, 0.4]}}"#;
+    let of = |spectrum: &[&str]| {
+        let arguments = [&["spectrum"], spectrum, &["--reflectance-under", "D50", "--json"]].concat();
+        abbe(folder.path(), &arguments)
+    };
+    let known = of(&[table]).json();
+    for arguments in [
+        &["chart.txt", "--sample", "dark skin"][..],
+        &["chart.txt", "--sample", "2"],
+        &[r#"{"file": {"path": "chart.txt", "sample": "2"}}"#],
+    ] {
+        let found = of(arguments);
+        assert!(found.err.contains("note: chart.txt: the file has values up to 40, which are read as percent"));
+        assert_near("xyz", &numbers(&found.json()["xyz"]), &numbers(&known["xyz"]), 1e-9);
+    }
+    assert_eq!(of(&["chart.txt", "--sample", "A1"]).json()["name"], "A1 of chart.txt");
+    of(&["chart.txt"]).is_error(2, &["chart.txt:5:1: a file with 2 samples", "1 (A1), 2 (dark skin)"]);
+    of(&["chart.txt", "--sample", "dark"]).is_error(2, &["chart.txt:5:1: unknown sample \"dark\""]);
+    std::fs::write(folder.path().join("lamp.csv"), "nm,value\n400,1\n700,1\n").unwrap();
+    of(&["lamp.csv", "--sample", "A1"]).is_error(2, &["lamp.csv", "a CGATS file"]);
+}

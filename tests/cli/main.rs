@@ -40,5 +40,6 @@ mod reference;
 mod regress;
 mod render;
 mod slurm;
+mod spectral_environment;
 mod spectral_exr;
 mod study;

@@ -13,6 +13,7 @@ use abbe_session::output::Metadata;
 use abbe_session::output::exr;
 use abbe_session::render::{Integrator, Job, NoMonitor, PartSet, RenderIdentity, Request, SavedRun, StopRules};
 use abbe_spectra::spectrum::{Outside, read};
+use abbe_transport::sensor::SpectralBands;
 
 /// A kind of input.
 pub(crate) struct Target {
@@ -43,6 +44,7 @@ impl Target {
 pub(crate) fn all() -> Vec<Target> {
     let mesh = |path: &Path| mesh::load(path, FileAccess::WithinFolder).is_ok();
     let spectrum = |path: &Path| read::spectrum_file(path, Outside::Zero).is_ok();
+    let of_sample = |path: &Path| read::samples_of(path, Some("A2")).is_ok();
     let luminaire = |path: &Path| {
         let read = luminaire::read(path, FileAccess::WithinFolder);
         read.and_then(|photometry| LuminaireSummary::of(&photometry)).is_ok()
@@ -75,6 +77,7 @@ pub(crate) fn all() -> Vec<Target> {
         },
         Target::new("glb", "glb", 6, vec![glb()], mesh),
         Target::new("spdx", "spdx", 5, vec![bytes(SPDX)], spectrum),
+        Target::new("chart", "ti3", 3, vec![bytes(CHART)], of_sample),
         Target::new("table", "csv", 4, vec![bytes("nm,value\n400,0.1\n500,0.5\n600,1\n700,0.2\n")], spectrum),
         Target::new("zemax", "zmx", 5, vec![bytes(ZMX)], lens),
         Target::new("oslo", "len", 3, vec![bytes(OSLO)], lens),
@@ -90,8 +93,10 @@ pub(crate) fn all() -> Vec<Target> {
         }),
         Target::new("luminaire", "ies", 4, vec![bytes(IES), bytes(IES_TYPE_B)], luminaire),
         Target::new("luminaire", "ldt", 4, vec![bytes(LDT)], luminaire),
+        Target::new("luminaire", "tm33", 4, vec![bytes(TM33)], luminaire),
         Target::new("checkpoint", "exr", 4, vec![checkpoint()], is_saved),
         Target::new("sky", "exr", 1, vec![picture()], is_sky),
+        Target::new("spectral_sky", "exr", 6, vec![spectral_picture()], is_sky),
         Target::new("sky", "png", 1, vec![png()], is_sky),
         Target::new("sky", "hdr", 1, vec![HDR.to_vec()], is_sky),
     ]
@@ -233,6 +238,12 @@ fn picture() -> Vec<u8> {
     .unwrap()
 }
 
+fn spectral_picture() -> Vec<u8> {
+    let bands = SpectralBands { centres_nm: SpectralBands::centres_nm(3), values: vec![0.5; 36] };
+    let picture = abbe_transport::sensor::Picture::black(4, 3);
+    exr::encode(&abbe_transport::sensor::Picture { bands: Some(bands), ..picture }, &Metadata::new()).unwrap()
+}
+
 pub(crate) fn png() -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
     image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([60 * x as u8, 100 * y as u8, 200]))
@@ -260,6 +271,10 @@ const SPDX: &str = r#"<?xml version="1.0"?>
 <SpectralData wavelength="400">0.034</SpectralData><SpectralData wavelength="500">0.5</SpectralData>
 <SpectralData wavelength="700">0.1</SpectralData></SpectralDistribution></IESTM2714>"#;
 
+const CHART: &str = "CTI3\nDEVICE_CLASS \"OUTPUT\"\nSPECTRAL_BANDS \"3\"\nSPECTRAL_START_NM \"400\"\nSPECTRAL_END_NM \"700\"\n\
+    BEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_LOC SPEC_400 SPEC_550 SPEC_700\nEND_DATA_FORMAT\nNUMBER_OF_SETS 2\nBEGIN_DATA\n\
+    1 \"A1\" 5.0 6.1 7.2\n2 \"A2\" 80.5 85 92.5\nEND_DATA\n";
+
 const ZMX: &str = "VERS 140124\nMODE SEQ\nNAME achromat\nUNIT MM X W X CM MR CPMM\nENPD 25\nFTYP 0 0 2 3 0 0 0\nYFLN 0 1\nWAVM 1 0.5876 1\n\
     SURF 0\n  TYPE STANDARD\n  CURV 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  TYPE STANDARD\n  CURV 1.628E-02\n  DISZ 6\n  GLAS N-BK7 0 0 1.5\n  DIAM 12.7\n\
     SURF 2\n  TYPE STANDARD\n  CURV -2.24E-02\n  DISZ 2.5\n  GLAS N-SF5 0 0 1.67\n  DIAM 12.66\nSURF 3\n  TYPE EVENASPH\n  CURV -7.7E-03\n  CONI 0\n\
@@ -286,6 +301,14 @@ const IES_TYPE_B: &str =
 const LDT: &str = "Abbe\n1\n2\n4\n90\n3\n45\nreport\nLamp\n1\nlamp.ldt\ntoday\n600\n200\n50\n600\n200\n0\n0\n0\n0\n100\n100\n\
     1\n0\n1\n1\nLED\n2000\n4000\n80\n20\n0\n0\n0\n0\n0\n0\n0\n0\n0\n0\n0\n90\n180\n270\n0\n45\n90\n\
     300\n200\n10\n300\n150\n5\n300\n180\n7\n";
+
+const TM33: &str = r#"<IESTM33><Version>1.0</Version><Header><Description>a</Description></Header><Emitter>
+<Quantity>2</Quantity><InputWattage>9</InputWattage><LuminousData><LuminousIntensity><Multiplier>2</Multiplier>
+<NumberHorz>2</NumberHorz><NumberVert>2</NumberVert><IntData h="0" v="0">9</IntData><IntData h="0" v="90">1</IntData>
+<IntData h="90" v="0">9</IntData><IntData h="90" v="90">2</IntData></LuminousIntensity><LuminousFlux>50</LuminousFlux>
+</LuminousData><SpectralData><EmitterSpectral><PwrData w="400">1</PwrData><PwrData w="700">1</PwrData></EmitterSpectral>
+</SpectralData><EmissionAreas><BottomFace><BottomArea><Length>1</Length><Width>1</Width></BottomArea></BottomFace>
+</EmissionAreas></Emitter></IESTM33>"#;
 
 /// A grid of 2 × 3 × 4 values.
 fn npy() -> Vec<u8> {

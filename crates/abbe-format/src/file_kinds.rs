@@ -24,13 +24,14 @@ type FirstBytes = &'static [(usize, &'static [u8])];
 
 /// Files of other programs: the name of the format, the extensions of their names, their first
 /// bytes, and their use.
-const KINDS: [(&str, &str, FirstBytes, Way); 48] = [
+const KINDS: [(&str, &str, FirstBytes, Way); 49] = [
     ("a Wavefront OBJ mesh", "obj", &[], Way::Mesh),
     ("a PLY mesh", "ply", &[(0, b"ply\n"), (0, b"ply\r")], Way::Mesh),
     ("an STL mesh", "stl", &[], Way::Mesh),
     ("a mesh of Mitsuba", "serialized", &[], Way::Mesh),
     ("an IES luminaire", "ies", &[], Way::Luminaire),
     ("an EULUMDAT luminaire", "ldt", &[], Way::Luminaire),
+    ("a TM-33 luminaire", "tm33", &[], Way::Luminaire),
     ("a ray file", "tm25ray dat", &[(0, b"TM25")], Way::Other(RAYS)),
     ("a Blender file", "blend", &[(0, b"BLENDER")], Way::Export),
     ("an FBX file", "fbx", &[(0, b"Kaydara FBX Binary")], Way::Export),
@@ -53,7 +54,12 @@ const KINDS: [(&str, &str, FirstBytes, Way); 48] = [
     ("a lens of CODE V", "seq", &[], Way::Other(LENS)),
     ("a lens of OSLO", "len", &[], Way::Other(LENS)),
     ("a glass catalogue of Zemax", "agf", &[], Way::Other(GLASSES)),
-    ("a table", "csv spdx", &[], Way::Other("a scene names the file of a spectrum: {\"file\": \"lamp.csv\"}")),
+    (
+        "a table",
+        "csv spdx cgats ti3 sp ccss",
+        &[],
+        Way::Other("a scene names the file of a spectrum: {\"file\": \"lamp.csv\"}"),
+    ),
     (
         "a YAML file",
         "yml yaml",

@@ -31,7 +31,7 @@
 //! | --- | --- |
 //! | [`json`] | strict JSON with the position of every value, patches, the folder that a scene may read |
 //! | [`light`] | the forms of lights |
-//! | [`luminaire`] | IES LM-63 and EULUMDAT files |
+//! | [`luminaire`] | IES LM-63, EULUMDAT and IES TM-33 files |
 //! | [`mesh`] | OBJ, PLY, STL, glTF and Mitsuba's serialized meshes (feature `meshes`) |
 //! | [`volume_file`] | volumes in `.npz` files |
 //! | [`resolve`] | the resolution of a scene file into a scene |
@@ -144,7 +144,7 @@ pub use requirement::RequirementFile;
 pub use resolve::parse_with_access;
 pub use scene_file::{SceneFile, UnitFile, without_nulls};
 pub use shape::{MeshShapeFile, ShapeFile, TrianglesFile};
-pub use spectrum::{ImageFile, LineFile, SpectrumFile, WeightedSpectrumFile};
+pub use spectrum::{ImageFile, LineFile, SpectrumFile, SpectrumPathFile, WeightedSpectrumFile};
 pub use srgb::{SrgbFile, is_hex_colour, linear_of_hex};
 pub use texture::{GradientFile, NoisePatternFile, PatternFile, ReflectanceFile, ScalarFile};
 pub use transform::{KeyframeFile, ScaleFile, TransformFile, TransformStepFile};

@@ -53,6 +53,7 @@ pub enum LightFile {
     #[schemars(example = json!({"environment": {"image": "sky.exr", "irradiance": 100, "group": "daylight",
         "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}], "motion": []}}))]
     #[schemars(example = json!({"environment": {"image": "sky.exr", "projection": "equal_area", "luminance": 1}}))]
+    #[schemars(example = json!({"environment": {"image": "spectral.exr"}}))]
     Environment(EnvironmentFile),
     /// A CIE standard sky (ISO 15469, CIE S 011) above a uniform ground. The zenith is +y.
     #[schemars(example = json!({"sky": {"type": 12, "sun_elevation": 60, "sun_azimuth": 180, "illuminance": 10_000,
@@ -61,11 +62,13 @@ pub enum LightFile {
     #[schemars(example = json!({"sky": {"type": 12, "place": {"latitude": 52.52, "longitude": 13.405},
         "time": "2026-06-21T12:00:00+02:00", "illuminance": 20_000, "sun": {"illuminance": 90_000}}}))]
     Sky(SkyFile),
-    /// A luminaire with a measured distribution of intensity, from an IES LM-63 or EULUMDAT file.
+    /// A luminaire with a measured distribution of intensity, from an IES LM-63, EULUMDAT or IES TM-33
+    /// file.
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "c0": [0, 0, 1], "path": "lamp.ldt",
         "area": true, "spectrum": "D65", "luminous_flux": 800, "group": "lamps", "transform": [], "motion": []}}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": 1, "power": 60}}))]
+    #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.tm33"}}))]
     Ies(IesFile),
     /// The rays of a file, as makers of LEDs publish them: IES TM-25, or a source file of Zemax.
     #[schemars(example = json!({"rays": {"at": [0, 1, 0], "toward": [0, -1, 0], "path": "led.TM25RAY"}}))]

@@ -94,6 +94,12 @@ pub(super) fn unreadable(error: &dyn std::fmt::Display) -> Error {
     Error::input(format!("the image cannot be read: {error}"))
 }
 
+/// Returns whether a channel of the file has a name of this kind. A damaged header has none.
+pub(super) fn has_channel(bytes: &[u8], is_kind: impl Fn(&str) -> bool) -> bool {
+    let Ok(reader) = exr::block::read(Cursor::new(bytes), false) else { return false };
+    reader.headers().iter().any(|header| header.channels.list.iter().any(|channel| is_kind(&channel.name.to_string())))
+}
+
 /// Refuses a file if its header states far more pixels than the file can contain.
 pub(super) fn check_size(bytes: &[u8]) -> Result<()> {
     const ALWAYS_ALLOWED: u64 = 1 << 24;

@@ -104,6 +104,8 @@ pub(super) struct BandPicture {
     pub(super) nm: Vec<f64>,
     /// The values of the bands. The values of a pixel are adjacent.
     pub(super) values: Vec<f32>,
+    /// The attribute `emissiveUnits` of the file.
+    pub(super) emissive_units: Option<String>,
 }
 
 impl BandPicture {
@@ -112,12 +114,28 @@ impl BandPicture {
         Self::of_file(path).map_err(|error| error.in_file(path))
     }
 
+    /// Reads the channels `S0.…nm` of a file. Returns `None` if the file is no OpenEXR file, or has
+    /// no such channel.
+    pub(super) fn read_light(path: &Path) -> Result<Option<Self>> {
+        let bytes = std::fs::read(path).map_err(|error| unreadable(&error).in_file(path))?;
+        if !bytes.starts_with(picture_exr::MAGIC) || !picture_exr::has_channel(&bytes, is_emissive) {
+            return Ok(None);
+        }
+        Self::of_bytes(&bytes, &[emissive_wavelength_nm]).map(Some).map_err(|error| error.in_file(path))
+    }
+
     fn of_file(path: &Path) -> Result<Self> {
-        use exr::prelude::*;
         let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
-        picture_exr::check_size(&bytes)?;
+        Self::of_bytes(&bytes, &[reflective_wavelength_nm, emissive_wavelength_nm])
+    }
+
+    /// Reads the channels of the first kind of which the file has one. A kind of channels is a
+    /// function that returns their wavelengths.
+    fn of_bytes(bytes: &[u8], kinds: &[fn(&str) -> Option<f64>]) -> Result<Self> {
+        use exr::prelude::*;
+        picture_exr::check_size(bytes)?;
         let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-        let image = reader.all_attributes().from_buffered(Cursor::new(&bytes)).map_err(|error| unreadable(&error))?;
+        let image = reader.all_attributes().from_buffered(Cursor::new(bytes)).map_err(|error| unreadable(&error))?;
         let layer = image.layer_data;
         let bands = |wavelength: fn(&str) -> Option<f64>| {
             let whole = layer.channel_data.list.iter().filter(|channel| channel.sampling == Vec2(1, 1));
@@ -127,22 +145,31 @@ impl BandPicture {
             bands.dedup_by_key(|(nm, _)| nm.to_bits());
             bands
         };
-        let mut found = bands(reflective_wavelength_nm);
-        if found.is_empty() {
-            found = bands(emissive_wavelength_nm);
-        }
-        if found.is_empty() {
+        let found = kinds.iter().map(|wavelength| bands(*wavelength)).find(|found| !found.is_empty());
+        let Some(found) = found else {
             return Err(abbe_spectra::error::Error::input("the image has no spectral bands")
                 .expected("channels such as `T.550nm` or `S0.550nm`"));
-        }
+        };
+        let emissive_units = [&layer.attributes.other, &image.attributes.other].into_iter().find_map(|attributes| {
+            attributes.get(&Text::from("emissiveUnits"))?.to_text().ok().map(|units| units.to_string())
+        });
         let Vec2(width, height) = layer.size;
         let mut values = vec![0.0; width * height * found.len()];
         for (band, (_, channel)) in found.iter().enumerate() {
             let of_band = values.iter_mut().skip(band).step_by(found.len());
             of_band.zip(channel.sample_data.values_as_f32()).for_each(|(value, sample)| *value = sample);
         }
-        Ok(Self { size: ImageSize { width, height }, nm: found.iter().map(|(nm, _)| *nm).collect(), values })
+        Ok(Self {
+            size: ImageSize { width, height },
+            nm: found.iter().map(|(nm, _)| *nm).collect(),
+            values,
+            emissive_units,
+        })
     }
+}
+
+fn is_emissive(channel: &str) -> bool {
+    emissive_wavelength_nm(channel).is_some()
 }
 
 /// Decodes components.

@@ -16,7 +16,7 @@ pub(super) const CHAPTERS: [(&str, &str); 19] = [
         "The film",
         "FilmFile ObserverFile LayerFile GamutFile ToneFile WhiteBalanceFile OutputSpaceFile ExposureFile BloomFile",
     ),
-    ("Spectra", "SpectrumFile LineFile WeightedSpectrumFile"),
+    ("Spectra", "SpectrumFile SpectrumPathFile LineFile WeightedSpectrumFile"),
     (
         "Reflectances and textures",
         "ReflectanceFile ScalarFile ColourImageFile BandImageFile ScalarImageFile UvFile EncodingFile WrapFile \

@@ -24,6 +24,7 @@ WhiteBalanceFile film.white_balance=%
 BloomFile film.bloom=%
 ExposureFile film.exposure=%
 SpectrumFile spectra.x=%
+SpectrumPathFile spectra.x={"file": %}
 LineFile spectra.x={"lines": [%]}
 WeightedSpectrumFile spectra.x={"mix": [%]}
 ReflectanceFile materials.x.diffuse.reflectance=%

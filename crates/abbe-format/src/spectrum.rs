@@ -34,10 +34,12 @@ pub enum SpectrumFile {
         /// One value for each wavelength.
         values: Vec<f64>,
     },
-    /// Path of a CSV file with the columns nm,value, or of an IES TM-27 `.spdx` file, relative to
-    /// the scene's folder.
+    /// Path of a CSV file with the columns nm,value, of an IES TM-27 `.spdx` file, or of a CGATS
+    /// file (`.ti3` and the like), relative to the scene's folder; or an object with the path and a
+    /// sample of a CGATS file.
     #[schemars(example = json!({"file": "lamp.csv"}))]
-    File(String),
+    #[schemars(example = json!({"file": {"path": "chart.ti3", "sample": "A1"}}))]
+    File(Box<SpectrumPathFile>),
     /// Spectral lines.
     #[schemars(example = json!({"lines": [{"nm": 588.995, "power": 2}, {"nm": 589.592, "power": 1}]}))]
     Lines(#[schemars(length(min = 1))] Vec<LineFile>),
@@ -97,6 +99,46 @@ pub enum SpectrumFile {
         #[schemars(length(min = 1))]
         primaries: Vec<SpectrumFile>,
     },
+}
+
+/// A file with a spectrum: its path, or an object with the keys `path` and `sample`.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(rename = "SpectrumPathFile", title = "File of a spectrum", transform = crate::schema::or_name)]
+#[schemars(example = &"lamp.csv", example = json!({"path": "chart.ti3", "sample": "A1"}))]
+pub struct SpectrumPathFile {
+    /// Path of the file, relative to the scene's folder: a CSV file, an IES TM-27 `.spdx` file, or
+    /// a CGATS file, which is recognised by its contents.
+    pub path: String,
+    /// `SAMPLE_ID`, `SAMPLE_NAME` or `SAMPLE_LOC` of a sample of a CGATS file. A file with several
+    /// samples needs it. Reflectances in percent become fractions: a file is in percent if one of
+    /// its values is above 2, unless its column names (`SPECTRAL_PCT`) or `SPECTRAL_NORM` tell it.
+    #[schemars(extend("x-default" = "the only sample of the file"))]
+    pub sample: Option<String>,
+}
+
+impl Forms for SpectrumPathFile {
+    const EXPECTED: &'static str = "a path, or an object with the keys path and sample";
+
+    fn from_name(path: String) -> Option<Self> {
+        Some(Self { path, sample: None })
+    }
+
+    fn from_object<'de, A: MapAccess<'de>>(form: Form<A>) -> std::result::Result<Self, A::Error> {
+        Self::deserialize(form)
+    }
+}
+
+impl<'de> Deserialize<'de> for SpectrumPathFile {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        forms::deserialize(deserializer)
+    }
+}
+
+impl Serialize for SpectrumPathFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        if self.sample.is_none() { serializer.serialize_str(&self.path) } else { Self::serialize(self, serializer) }
+    }
 }
 
 /// A spectral line.

@@ -6,6 +6,7 @@
 
 mod errors;
 mod json;
+mod lens;
 mod optics;
 mod picture;
 mod render;
@@ -28,6 +29,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<render::RenderTask>()?;
     module.add_class::<picture::NativePicture>()?;
     module.add_class::<optics::NativeGlass>()?;
+    module.add_class::<lens::NativeLens>()?;
     module.add_class::<spectrum::NativeSpectrum>()?;
     module.add_function(wrap_pyfunction!(run_command_line, module)?)?;
     module.add_function(wrap_pyfunction!(render::check_scene, module)?)?;
@@ -36,10 +38,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(spectrum::spectrum_names, module)?)?;
     module.add_function(wrap_pyfunction!(reports::regression_set, module)?)?;
     module.add_function(wrap_pyfunction!(reports::regression_report, module)?)?;
-    module.add_function(wrap_pyfunction!(reports::lens_report, module)?)?;
-    module.add_function(wrap_pyfunction!(reports::lens_names, module)?)?;
-    module.add_function(wrap_pyfunction!(reports::lens_prescription, module)?)?;
+    module.add_function(wrap_pyfunction!(lens::lens_names, module)?)?;
+    module.add_function(wrap_pyfunction!(lens::lens_plot_names, module)?)?;
+    module.add_function(wrap_pyfunction!(lens::lens_prescription, module)?)?;
     module.add_function(wrap_pyfunction!(reports::lamps_report, module)?)?;
+    module.add_function(wrap_pyfunction!(reports::write_whole, module)?)?;
     module.add_class::<reports::ReportTask>()?;
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Reports as JSON text: lenses, comparisons of lamps, regression tests, measurements and studies.
+//! Reports as JSON text: comparisons of lamps, regression tests, measurements and studies.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -12,17 +12,15 @@ use super::errors::OrException;
 use super::json::json;
 use super::render::{SIGNAL_INTERVAL, SceneArguments, integrator};
 use abbe::api::memory;
-use abbe::reports::folded_lens::FoldedLensReport;
 use abbe::reports::lamps::{LampsCompared, LampsReport};
-use abbe::reports::lens::{self, LensPrescription, LensReport};
 use abbe::reports::measurement::measure;
+use abbe::reports::measurement_page;
 use abbe::reports::named::{light_remark, spectrum};
 use abbe::reports::regression::{colours_of_json, exported_set};
+use abbe::reports::requirements::{JudgedMeasurement, judgements};
 use abbe::reports::study::{StudyFiles, study};
 use abbe::study::{StudyMonitor, StudyOutcome};
 use abbe_format::resolve::{Role, resolve_meters};
-use abbe_optics::lens::zemax::ZmxSystem;
-use abbe_optics::lens::{LensAnalysis, catalogue};
 use abbe_session::output::{file, regress_page};
 use abbe_session::render::{Monitor, Progress, StopRules};
 use abbe_spectra::colour::regress::{RegressionSet, RegressionTolerances, compare_given};
@@ -30,48 +28,10 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::Observer;
 use abbe_transport::walk::StopFlag;
 
-/// Analyses a lens. `field` is half the field of view in degrees. Draws the cross-section to the
-/// file `svg`.
+/// Writes a text to a file, completely or not at all.
 #[pyfunction]
-pub(super) fn lens_report(
-    py: Python<'_>,
-    name: &str,
-    field: Option<f64>,
-    glasses: Vec<PathBuf>,
-    svg: Option<PathBuf>,
-) -> PyResult<String> {
-    let report = || match lens::find(name, &glasses)? {
-        ZmxSystem::Lens(lens) => {
-            let analysis = LensAnalysis::of(&lens, field)?;
-            if let Some(path) = &svg {
-                file::write_whole(path, lens::drawing(&lens, &analysis)?.svg().as_bytes())?;
-            }
-            Ok(json(&LensReport::of(&lens, &analysis)?))
-        }
-        ZmxSystem::Folded(_) if svg.is_some() => {
-            Err(Error::input("a system with mirrors or coordinate breaks cannot be drawn yet"))
-        }
-        ZmxSystem::Folded(system) => Ok(json(&FoldedLensReport::of(&system, field)?)),
-    };
-    py.detach(report).or_exception(py)
-}
-
-/// The surfaces of a lens, with their indices of refraction at wavelengths in nm.
-#[pyfunction]
-pub(super) fn lens_prescription(py: Python<'_>, name: &str, nm: Vec<f64>, glasses: Vec<PathBuf>) -> PyResult<String> {
-    let prescription = || match lens::find(name, &glasses)? {
-        ZmxSystem::Lens(lens) => Ok(json(&LensPrescription::of(&lens, &nm))),
-        ZmxSystem::Folded(_) => {
-            Err(Error::input("the system has mirrors or coordinate breaks").expected("a lens with one axis"))
-        }
-    };
-    py.detach(prescription).or_exception(py)
-}
-
-/// The names of the built-in lenses.
-#[pyfunction]
-pub(super) fn lens_names() -> Vec<&'static str> {
-    catalogue::all().iter().map(|lens| lens.name()).collect()
+pub(super) fn write_whole(py: Python<'_>, path: PathBuf, text: &str) -> PyResult<()> {
+    py.detach(|| file::write_whole(&path, text.as_bytes())).or_exception(py)
 }
 
 /// Compares two or three lamps, and writes the page of the comparison to the file `html`.
@@ -86,7 +46,7 @@ pub(super) fn lamps_report(
 ) -> PyResult<String> {
     let light = |text: &str| {
         let light = spectrum(text, Role::Light)?;
-        light_remark(text).iter().for_each(|remark| eprintln!("note: {remark}"));
+        light_remark(text).iter().chain(&light.notes).for_each(|remark| eprintln!("note: {remark}"));
         Ok(light)
     };
     let report = || {
@@ -191,6 +151,8 @@ struct MeasureArguments {
     seconds: Option<f64>,
     #[pyo3(item)]
     target_error: Option<f64>,
+    #[pyo3(item)]
+    html: Option<PathBuf>,
 }
 
 impl ReportTask {
@@ -242,16 +204,25 @@ impl ReportTask {
     /// Starts a measurement with the meters of a scene.
     #[staticmethod]
     fn measure(py: Python<'_>, scene: SceneArguments, options: MeasureArguments) -> PyResult<Self> {
-        let MeasureArguments { meters, integrator: name, passes, seconds, target_error } = options;
+        let MeasureArguments { meters, integrator: name, passes, seconds, target_error, html } = options;
         let integrator = name.map(|name| integrator(&name)).transpose().or_exception(py)?;
         let time = seconds.map(duration).transpose().or_exception(py)?;
         let stop = StopRules { passes, time, target_error };
         Self::start(py, move |steps| {
-            let (mut file, source) = scene.file()?;
-            file.select_meters(&meters).map_err(|error| error.in_file(&scene.path))?;
-            let job = memory::plan(resolve_meters(&file, &source)?, &scene.path)?;
+            let (mut scene_file, source) = scene.file()?;
+            scene_file.select_meters(&meters).map_err(|error| error.in_file(&scene.path))?;
+            let job = memory::plan(resolve_meters(&scene_file, &source)?, &scene.path)?;
             let (report, interrupted) = measure(&job, &scene.path, integrator, stop, steps)?;
-            Ok((!interrupted).then(|| json(&report)))
+            if interrupted {
+                return Ok(None);
+            }
+            let judgements = judgements(&scene_file.requirements, &report);
+            if let Some(path) = &html {
+                let text =
+                    measurement_page::page(&report, &judgements, &job, (&scene.path, scene_file.title.as_deref()));
+                file::write_whole(path, text.as_bytes())?;
+            }
+            Ok(Some(json(&JudgedMeasurement { report: &report, requirements: &judgements })))
         })
     }
 

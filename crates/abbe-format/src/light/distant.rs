@@ -7,6 +7,7 @@ use crate::{
     ImageFile, JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse,
 };
 use abbe_spectra::error::Result;
+use std::path::Path;
 
 /// A directional light. State exactly one of `irradiance` and `illuminance`. The power is not a key
 /// of this light, because it depends on the size of the scene.
@@ -52,7 +53,9 @@ pub struct EnvironmentFile {
     /// Relative distribution of the light over wavelength, the same from all directions.
     #[schemars(extend("minimum" = 0))]
     pub spectrum: Option<SpectrumFile>,
-    /// A picture of all directions. PNG, JPEG, WebP, OpenEXR and Radiance HDR files are read.
+    /// A picture of all directions. PNG, JPEG, WebP, OpenEXR and Radiance HDR files are read. The
+    /// channels `S0.…nm` of an OpenEXR file are spectral radiances, which are used in the place of
+    /// its colours.
     pub image: Option<ImageFile>,
     /// Projection of the picture.
     #[serde(default, skip_serializing_if = "forms::is_default")]
@@ -64,7 +67,9 @@ pub struct EnvironmentFile {
     /// π × the mean luminance.
     #[schemars(range(min = 0), extend("x-unit" = "lx"))]
     pub illuminance: Option<f64>,
-    /// Luminance of the light. For a picture, luminance of a pixel with the linear value (1, 1, 1).
+    /// Luminance of the light. For a picture, luminance of a pixel with the linear value (1, 1, 1),
+    /// or in a picture with spectral radiances, of a pixel with 1 cd/m². Such a picture has the
+    /// luminance 1 if no quantity is given.
     #[schemars(range(min = 0), extend("x-unit" = "cd/m²"))]
     pub luminance: Option<f64>,
     /// Name of the light's group. With the layer `lights`, the lights of a group share a layer of
@@ -124,12 +129,25 @@ impl EnvironmentFile {
         ])
     }
 
+    /// Returns whether a quantity is given.
+    pub fn has_quantity(&self) -> bool {
+        self.irradiance.is_some() || self.illuminance.is_some() || self.luminance.is_some()
+    }
+
+    /// Returns whether the light may be a picture with spectral radiances, which needs no quantity.
+    fn may_be_spectral(&self) -> bool {
+        let is_exr = |path: &str| Path::new(path).extension().is_some_and(|end| end.eq_ignore_ascii_case("exr"));
+        self.image.as_ref().is_some_and(|image| is_exr(&image.path))
+    }
+
     pub(super) fn validate(&self, at: &JsonPath) -> Result<()> {
+        let needs_one = self.has_quantity() || !self.may_be_spectral();
+        let quantity = if needs_one { validate_quantity(at, self.quantity()) } else { Ok(()) };
         check::all([
             check::exactly_one(at, &[("spectrum", self.spectrum.is_some()), ("image", self.image.is_some())]),
             self.spectrum.as_ref().map_or(Ok(()), |it| it.validate(&at.key("spectrum"), SpectrumUse::NotNegative)),
             self.validate_projection(at),
-            validate_quantity(at, self.quantity()),
+            quantity,
             validate_pose(at, &self.transform, &self.motion),
         ])
     }

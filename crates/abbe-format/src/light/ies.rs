@@ -1,11 +1,13 @@
 //! Luminaires with a measured distribution of intensity.
 
 use super::validate_pose;
+use crate::luminaire;
 use crate::prelude::*;
 use crate::quantity::{quantity_instead, validate_quantity};
 use crate::{JsonPath, KeyframeFile, QuantityFile, SpectrumFile, TransformFile, check, forms, spectrum::SpectrumUse};
 use abbe_spectra::error::Result;
 use glam::DVec3;
+use std::path::Path;
 
 /// A luminaire with a measured distribution of intensity. State at most one of `power` and
 /// `luminous_flux`. By default, the luminaire has the luminous intensities of the file.
@@ -23,8 +25,8 @@ pub struct IesFile {
     #[schemars(extend("x-range" = "not parallel to `toward`"))]
     #[schemars(extend("x-default" = "`[1, 0, 0]`, turned with the axis if `toward` is not down"))]
     pub c0: Option<[f64; 3]>,
-    /// Path of the IES LM-63 file (`.ies`) or EULUMDAT file (`.ldt`), relative to the scene's
-    /// folder.
+    /// Path of the IES LM-63 file (`.ies`), EULUMDAT file (`.ldt`) or IES TM-33 file (`.tm33`,
+    /// `.xml`), relative to the scene's folder.
     pub path: String,
     /// True if the light leaves the luminous opening of the file, a flat rectangle or ellipse.
     /// False if it leaves a point. The opening is invisible.
@@ -32,9 +34,9 @@ pub struct IesFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub area: bool,
     /// Relative distribution of the light over wavelength. The file or the given quantity sets the
-    /// scale.
-    #[schemars(extend("minimum" = 0))]
-    pub spectrum: SpectrumFile,
+    /// scale. An IES LM-63 or EULUMDAT file requires it, and so does a TM-33 file without a spectrum.
+    #[schemars(extend("minimum" = 0, "x-default" = "the spectrum of the TM-33 file"))]
+    pub spectrum: Option<SpectrumFile>,
     /// Power over 360–830 nm. It replaces the luminous flux of the file.
     #[schemars(range(min = 0), extend("x-unit" = "W"))]
     pub power: Option<f64>,
@@ -66,10 +68,21 @@ impl IesFile {
         check::all([
             check::direction(&at.key("toward"), self.toward),
             self.validate_c0(at),
-            self.spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            self.validate_spectrum(at),
             quantity,
             validate_pose(at, &self.transform, &self.motion),
         ])
+    }
+
+    fn validate_spectrum(&self, at: &JsonPath) -> Result<()> {
+        match &self.spectrum {
+            Some(spectrum) => spectrum.validate(&at.key("spectrum"), SpectrumUse::NotNegative),
+            None if luminaire::lacks_spectrum(Path::new(&self.path)) => {
+                let expected = "the spectrum of the light, which IES LM-63 and EULUMDAT files do not contain";
+                Err(check::fault(at, "missing key \"spectrum\"", expected))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Checks that C0 and the photometric axis span a plane.

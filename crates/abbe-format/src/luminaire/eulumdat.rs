@@ -89,6 +89,8 @@ pub(super) fn parse(text: &str) -> Result<Photometry> {
         input_watts: (watts > 0.0).then_some(watts),
         opening: opening(&lines)?,
         tilt: Vec::new(),
+        spectrum: None,
+        notes: Vec::new(),
     })
 }
 

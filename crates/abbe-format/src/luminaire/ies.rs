@@ -236,6 +236,8 @@ fn luminaire(numbers: &mut NumberReader, version: Lm63Version) -> Result<Photome
         input_watts: (watts > 0.0).then_some(watts),
         opening: opening([width, length, height]),
         tilt: Vec::new(),
+        spectrum: None,
+        notes: Vec::new(),
     })
 }
 
@@ -249,7 +251,7 @@ fn photometric_type(number: PlacedValue) -> Result<PhotometricType> {
 }
 
 /// Returns the symmetry that the ranges of the angles express.
-fn symmetry(kind: PhotometricType, vertical: &[f64], horizontal: &[f64]) -> Result<LuminaireSymmetry> {
+pub(super) fn symmetry(kind: PhotometricType, vertical: &[f64], horizontal: &[f64]) -> Result<LuminaireSymmetry> {
     let ends = |angles: &[f64]| angles.first().zip(angles.last()).map_or((0.0, 0.0), |(first, last)| (*first, *last));
     let (first, last) = ends(horizontal);
     if kind != PhotometricType::C {

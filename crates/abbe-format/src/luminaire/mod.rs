@@ -1,4 +1,5 @@
-//! Measured distributions of luminaires: IES LM-63 (`.ies`) and EULUMDAT (`.ldt`).
+//! Measured distributions of luminaires: IES LM-63 (`.ies`), EULUMDAT (`.ldt`) and IES TM-33 (`.tm33`,
+//! `.xml`).
 
 mod eulumdat;
 mod ies;
@@ -7,6 +8,7 @@ mod photometry;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod tm33;
 
 use crate::FileAccess;
 use abbe_spectra::error::{Error, Result};
@@ -20,25 +22,43 @@ pub use summary::{BeamAngles, LuminaireSummary};
 /// The largest size of a file in bytes.
 const MAX_FILE_BYTES: u64 = 16 << 20;
 
-/// Returns whether the name of a file ends with `.ies` or `.ldt`.
+/// Returns whether the name of a file ends with `.ies`, `.ldt` or `.tm33`, or whether it is an
+/// `.xml` file of TM-33.
 pub fn is_luminaire(path: &Path) -> bool {
-    path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ies") || end.eq_ignore_ascii_case("ldt"))
+    ["ies", "ldt", "tm33"].iter().any(|end| ends_with(path, end))
+        || ends_with(path, "xml") && text_of(path).is_ok_and(|text| tm33::is_tm33(&text))
 }
 
-/// Reads a luminaire file: EULUMDAT if its name ends with `.ldt`, and IES LM-63 otherwise. `access`
-/// decides whether the file may name a file with tilt factors in another folder.
+/// Returns whether luminaire files with this name contain no spectrum, as those of IES LM-63 and
+/// EULUMDAT.
+pub(crate) fn lacks_spectrum(path: &Path) -> bool {
+    !ends_with(path, "tm33") && !ends_with(path, "xml")
+}
+
+fn ends_with(path: &Path, end: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(end))
+}
+
+/// Reads a luminaire file: EULUMDAT if its name ends with `.ldt`, IES TM-33 if it ends with `.tm33`
+/// or `.xml`, and IES LM-63 otherwise. `access` decides whether the file may name a file with tilt
+/// factors in another folder.
 ///
 /// # Errors
 /// Returns an error with the name of the file, and with its line and column if they are known, if
 /// the file cannot be read, is larger than 16 MiB, or is damaged.
 pub fn read(path: &Path, access: FileAccess) -> Result<Photometry> {
     let text = text_of(path)?;
-    let is_eulumdat = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("ldt"));
     let tilt_file = |name: &str| {
         let folder = path.parent().unwrap_or(Path::new(""));
         access.file(folder, Path::new(name)).and_then(|path| text_of(&path))
     };
-    let parsed = if is_eulumdat { eulumdat::parse(&text) } else { ies::parse(&text, &tilt_file) };
+    let parsed = if ends_with(path, "ldt") {
+        eulumdat::parse(&text)
+    } else if lacks_spectrum(path) {
+        ies::parse(&text, &tilt_file)
+    } else {
+        tm33::parse(&text)
+    };
     // A damaged table is found before the scene is built.
     parsed.and_then(|photometry| photometry.table().map(|_| photometry)).map_err(|error| error.in_file(path))
 }
@@ -51,6 +71,11 @@ pub fn parse_ies(text: &str) -> Result<Photometry> {
 /// Parses the text of an EULUMDAT file. An error has its line and column.
 pub fn parse_eulumdat(text: &str) -> Result<Photometry> {
     eulumdat::parse(text)
+}
+
+/// Parses the text of an IES TM-33 document. An error has its line and column.
+pub fn parse_tm33(text: &str) -> Result<Photometry> {
+    tm33::parse(text)
 }
 
 /// Reads a text file. Bytes that are not UTF-8 are read as Latin-1.

@@ -2,6 +2,7 @@
 
 use abbe_scene::light::{IntensityTable, OpeningShape, PhotometricType};
 use abbe_spectra::error::Result;
+use abbe_spectra::spectrum::Spectrum;
 
 /// The planes about which a distribution is symmetric. The file contains only one part of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,11 +66,18 @@ pub struct Photometry {
     /// Pairs of a tilt angle of the luminaire in degrees and the factor of its intensity,
     /// ascending. The list is empty if the flux does not depend on the tilt.
     pub tilt: Vec<(f64, f64)>,
+    /// The spectrum of the light on any scale. `None` for IES LM-63 and EULUMDAT.
+    pub spectrum: Option<Spectrum>,
+    /// What the reader decided, or left out.
+    pub notes: Vec<String>,
 }
 
 impl Photometry {
     /// Returns the intensity in cd over all directions, or an error if all intensities are 0.
     pub fn table(&self) -> Result<IntensityTable> {
+        if self.kind == PhotometricType::C {
+            return type_c_table(self.symmetry, &self.vertical_deg, &self.horizontal_deg, &self.candela);
+        }
         let count = self.vertical_deg.len();
         let mut planes: Vec<Vec<f64>> = self.candela.chunks(count.max(1)).map(<[f64]>::to_vec).collect();
         let (mut polar, mut azimuth) = (self.vertical_deg.clone(), self.horizontal_deg.clone());
@@ -78,52 +86,24 @@ impl Photometry {
             planes = (0..count).map(|v| planes.iter().map(|plane| plane[v]).collect()).collect();
             std::mem::swap(&mut polar, &mut azimuth);
         }
-        if self.kind == PhotometricType::C {
-            self.complete_planes(&mut azimuth, &mut planes);
-        } else {
-            let mirrors = match self.symmetry {
-                LuminaireSymmetry::Quadrants => [true, true],
-                LuminaireSymmetry::AboutC0 => [self.kind == PhotometricType::A, self.kind == PhotometricType::B],
-                LuminaireSymmetry::AboutC90 => [self.kind == PhotometricType::B, self.kind == PhotometricType::A],
-                LuminaireSymmetry::None | LuminaireSymmetry::Rotational => [false, false],
-            };
-            if mirrors[0] {
-                planes.iter_mut().for_each(|plane| mirror_below(plane, Clone::clone));
-                mirror_below(&mut polar, |angle| -angle);
-            }
-            if mirrors[1] {
-                mirror_below(&mut planes, Clone::clone);
-                mirror_below(&mut azimuth, |angle| -angle);
-            }
-            // The polar angle is 90° minus the latitude.
-            polar = polar.iter().rev().map(|latitude| 90.0 - latitude).collect();
-            planes.iter_mut().for_each(|plane| plane.reverse());
+        let mirrors = match self.symmetry {
+            LuminaireSymmetry::Quadrants => [true, true],
+            LuminaireSymmetry::AboutC0 => [self.kind == PhotometricType::A, self.kind == PhotometricType::B],
+            LuminaireSymmetry::AboutC90 => [self.kind == PhotometricType::B, self.kind == PhotometricType::A],
+            LuminaireSymmetry::None | LuminaireSymmetry::Rotational => [false, false],
+        };
+        if mirrors[0] {
+            planes.iter_mut().for_each(|plane| mirror_below(plane, Clone::clone));
+            mirror_below(&mut polar, |angle| -angle);
         }
-        let radians = |degrees: &[f64]| degrees.iter().map(|angle| angle.to_radians()).collect::<Vec<f64>>();
+        if mirrors[1] {
+            mirror_below(&mut planes, Clone::clone);
+            mirror_below(&mut azimuth, |angle| -angle);
+        }
+        // The polar angle is 90° minus the latitude.
+        polar = polar.iter().rev().map(|latitude| 90.0 - latitude).collect();
+        planes.iter_mut().for_each(|plane| plane.reverse());
         IntensityTable::new(self.kind, &radians(&polar), &radians(&azimuth), &planes.concat())
-    }
-
-    /// Adds the planes that follow from the symmetry, so that the planes span 360°.
-    fn complete_planes(&self, azimuth: &mut Vec<f64>, planes: &mut Vec<Vec<f64>>) {
-        match self.symmetry {
-            LuminaireSymmetry::Rotational => {
-                *azimuth = vec![0.0, 360.0];
-                planes.truncate(1);
-                planes.extend(planes.first().cloned());
-            }
-            LuminaireSymmetry::AboutC0 | LuminaireSymmetry::AboutC90 => mirror_above(azimuth, planes),
-            LuminaireSymmetry::Quadrants => {
-                mirror_above(azimuth, planes);
-                mirror_above(azimuth, planes);
-            }
-            LuminaireSymmetry::None => {
-                let first = azimuth.first().copied().unwrap_or_default();
-                if azimuth.last().is_some_and(|last| *last < first + 360.0) {
-                    azimuth.push(first + 360.0);
-                    planes.extend(planes.first().cloned());
-                }
-            }
-        }
     }
 
     /// Returns the factor of the intensity for a tilt in degrees, linear between the file's.
@@ -135,6 +115,48 @@ impl Photometry {
             let [(from, low), (to, high)] = [pair[0], pair[1]];
             low + (tilt - from) / (to - from) * (high - low)
         })
+    }
+}
+
+fn radians(degrees: &[f64]) -> Vec<f64> {
+    degrees.iter().map(|angle| angle.to_radians()).collect()
+}
+
+/// Returns the intensity over all directions from photometry of type C: `candela` contains one plane
+/// for each horizontal angle in degrees, with one value for each vertical angle in degrees. Returns
+/// an error if all intensities are 0.
+pub(super) fn type_c_table(
+    symmetry: LuminaireSymmetry,
+    vertical_deg: &[f64],
+    horizontal_deg: &[f64],
+    candela: &[f64],
+) -> Result<IntensityTable> {
+    let mut planes: Vec<Vec<f64>> = candela.chunks(vertical_deg.len().max(1)).map(<[f64]>::to_vec).collect();
+    let mut azimuth = horizontal_deg.to_vec();
+    complete_planes(symmetry, &mut azimuth, &mut planes);
+    IntensityTable::new(PhotometricType::C, &radians(vertical_deg), &radians(&azimuth), &planes.concat())
+}
+
+/// Adds the planes that follow from the symmetry, so that the planes span 360°.
+fn complete_planes(symmetry: LuminaireSymmetry, azimuth: &mut Vec<f64>, planes: &mut Vec<Vec<f64>>) {
+    match symmetry {
+        LuminaireSymmetry::Rotational => {
+            *azimuth = vec![0.0, 360.0];
+            planes.truncate(1);
+            planes.extend(planes.first().cloned());
+        }
+        LuminaireSymmetry::AboutC0 | LuminaireSymmetry::AboutC90 => mirror_above(azimuth, planes),
+        LuminaireSymmetry::Quadrants => {
+            mirror_above(azimuth, planes);
+            mirror_above(azimuth, planes);
+        }
+        LuminaireSymmetry::None => {
+            let first = azimuth.first().copied().unwrap_or_default();
+            if azimuth.last().is_some_and(|last| *last < first + 360.0) {
+                azimuth.push(first + 360.0);
+                planes.extend(planes.first().cloned());
+            }
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use abbe_optics::texture::SurfaceScalar;
 use abbe_optics::thin_film::{FilmLayer, FilmStack, OpticalIndex};
 use abbe_spectra::error::{Error, Result, both, every};
 use abbe_spectra::spectrum::library;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// A stack of films between two media.
@@ -28,7 +29,8 @@ const AIR: &str = "air";
 /// Resolves a stack of films that is not part of a scene, in which both media are air by default.
 /// The first medium must not absorb, and no thickness may be a texture.
 pub fn lone_coating(file: &CoatingFile, source: &JsonSource) -> Result<FilmSystem> {
-    let spectra = Spectra { named: &BTreeMap::new(), source };
+    let notes = RefCell::default();
+    let spectra = Spectra { named: &BTreeMap::new(), source, notes: &notes };
     let (root, air) = (JsonPath::Root, OpticalIndex::Transparent(RefractiveIndex::constant(1.0)?));
     let medium = |key: &str, file: &Option<CoatingIndexFile>| {
         file.as_ref().map_or(Ok(air.clone()), |file| spectra.film_index(&root.key(key), file))

@@ -29,6 +29,8 @@ pub(super) struct Resolver<'a> {
     faults: RefCell<Vec<Error>>,
     /// The textures of pictures that were read before. Copies share their texels.
     pub(super) textures: RefCell<Vec<(ColourImageFile, SpectralTexture)>>,
+    /// What the readers of spectra decided from the values of their files.
+    pub(super) spectrum_notes: RefCell<Vec<String>>,
 }
 
 impl<'a> Resolver<'a> {
@@ -40,8 +42,17 @@ impl<'a> Resolver<'a> {
     ) -> Self {
         // Meters read the scene while the shutter of its camera is open.
         let shutter = scene.camera.as_ref().map_or(Shutter::new(0.0, 0.0, None), shutter);
-        let (metres, faults, textures) = (scene.unit.metres(), RefCell::default(), RefCell::default());
-        Self { scene, source, metres, view, shutter, centre, faults, textures }
+        Self {
+            scene,
+            source,
+            metres: scene.unit.metres(),
+            view,
+            shutter,
+            centre,
+            faults: RefCell::default(),
+            textures: RefCell::default(),
+            spectrum_notes: RefCell::default(),
+        }
     }
 
     /// Returns the value of a part of the scene, or keeps its fault and returns `None`.

@@ -7,6 +7,7 @@ use abbe_optics::glass::{AgfCatalogue, RefractiveIndex};
 use abbe_optics::lens::zemax::{self, ZmxSystem};
 use abbe_optics::lens::{ApertureSpec, Lens, LensSurface, Prescription, SurfaceProfile, catalogue, medium};
 use abbe_spectra::error::Result;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -79,7 +80,8 @@ fn has_ending(path: &Path, ending: &str) -> bool {
 
 /// Resolves a lens outside a scene: a built-in name, or surfaces. Errors have a place in `source`.
 pub fn lone_lens(prescription: &PrescriptionFile, source: &JsonSource) -> Result<Lens> {
-    lens_at(&JsonPath::Root, prescription, &Spectra { named: &BTreeMap::new(), source })
+    let notes = RefCell::default();
+    lens_at(&JsonPath::Root, prescription, &Spectra { named: &BTreeMap::new(), source, notes: &notes })
 }
 
 impl Resolver<'_> {

@@ -2,7 +2,11 @@
 
 use super::objects::{EmissionSource, EmittingObject};
 use super::{
-    context::Resolver, environment_image, environment_image::EnvironmentImage, motion::ResolvedMotion, spectra::Role,
+    context::Resolver,
+    environment_image,
+    environment_image::{EnvironmentImage, ImageScale},
+    motion::ResolvedMotion,
+    spectra::Role,
 };
 use crate::light::{
     BeamFile, DirectionalFile, EnvironmentFile, IesFile, PointFile, SkyFile, SpotFalloffFile, SpotFile, SunFile,
@@ -210,11 +214,19 @@ impl Resolver<'_> {
 
     /// Resolves a luminaire with a measured distribution of intensity.
     fn luminaire(&self, path: &JsonPath, file: &IesFile, context: &mut LightContext) -> ResolvedEmitter {
-        let spectrum = self.light_spectrum(path, &file.spectrum, context.notes)?;
         let at_path = path.key("path");
         let photometry = self.source.file(&file.path).and_then(|it| luminaire::read(&it, self.source.file_access()));
         let photometry = self.at(&at_path, photometry)?;
         let table = self.at(&at_path, photometry.table())?;
+        context.notes.extend(photometry.notes.iter().map(|note| format!("{}: {note}", file.path)));
+        let spectrum = match (&file.spectrum, &photometry.spectrum) {
+            (Some(spectrum), _) => self.light_spectrum(path, spectrum, context.notes)?,
+            (None, Some(spectrum)) => LightSpectrum::new(spectrum),
+            (None, None) => {
+                let expected = "the spectrum of the light, which the file does not contain";
+                return Err(self.source.fault(path, "missing key \"spectrum\"", expected));
+            }
+        };
         let toward = DVec3::from(file.toward).normalize();
         let c0 = file.c0.map_or_else(|| GoniometricLight::default_c0(toward), DVec3::from);
         let c0 = (c0 - c0.dot(toward) * toward).normalize();
@@ -247,24 +259,39 @@ impl Resolver<'_> {
 
     fn environment(&self, path: &JsonPath, file: &EnvironmentFile, context: &mut LightContext) -> ResolvedEmitter {
         let EnvironmentFile { spectrum, image, projection, .. } = file;
-        let (spectrum, pattern, mean) = match (spectrum, image) {
+        let (spectrum, pattern, scale) = match (spectrum, image) {
             (_, Some(image)) => {
                 let at = path.key("image");
                 let map = self.source.file(&image.path);
                 let image = map.and_then(|path| environment_image::load(&path, *projection, context.to_world));
-                let EnvironmentImage { map, mean_luminance } = self.at(&at.key("path"), image)?;
-                (LightSpectrum::new(&map.mean_spectrum()), EnvironmentPattern::Image(Arc::new(map)), mean_luminance)
+                let EnvironmentImage { map, scale } = self.at(&at.key("path"), image)?;
+                (LightSpectrum::new(&map.mean_spectrum()), EnvironmentPattern::Image(Arc::new(map)), scale)
             }
             (Some(spectrum), None) => {
-                (self.light_spectrum(path, spectrum, context.notes)?, EnvironmentPattern::Uniform, 1.0)
+                let scale = ImageScale::Colours { mean_luminance: 1.0 };
+                (self.light_spectrum(path, spectrum, context.notes)?, EnvironmentPattern::Uniform, scale)
             }
             (None, None) => return Err(self.source.fault(path, "found neither", "one of `spectrum`, `image`")),
         };
-        let quantity = file.quantity().map(|quantity| {
-            let of_white = file.luminance.map(|luminance| QuantityFile::Illuminance(PI * mean * luminance));
-            of_white.unwrap_or(quantity)
-        });
-        let irradiance = self.at(path, quantity.and_then(|q| radiometric(q, &spectrum)))?.value();
+        let irradiance = match (scale, file.luminance) {
+            (ImageScale::Radiance { mean_radiance }, luminance) if luminance.is_some() || !file.has_quantity() => {
+                PI * mean_radiance * luminance.unwrap_or(1.0)
+            }
+            (ImageScale::Colours { mean_luminance }, Some(luminance)) => {
+                let quantity = QuantityFile::Illuminance(PI * mean_luminance * luminance);
+                self.at(path, radiometric(quantity, &spectrum))?.value()
+            }
+            (ImageScale::Colours { .. }, None) if !file.has_quantity() => {
+                let expected = "exactly one of irradiance, illuminance, luminance";
+                return Err(self.source.fault(path, "a picture without spectral channels has no scale", expected));
+            }
+            (ImageScale::UnknownUnit(unit), luminance) if luminance.is_some() || !file.has_quantity() => {
+                let what = format!("the unit of the spectral channels is \"{unit}\"");
+                let expected = "W.m^-2.sr^-1 in the attribute emissiveUnits, or the key `irradiance` or `illuminance`";
+                return Err(self.source.fault(&path.key("image"), what, expected));
+            }
+            _ => self.at(path, file.quantity().and_then(|q| radiometric(q, &spectrum)))?.value(),
+        };
         Ok(vec![(Emitter::Environment(EnvironmentLight::new(irradiance / PI, pattern)), spectrum)])
     }
 

@@ -39,6 +39,7 @@ use abbe_spectra::error::{Error, Result};
 use abbe_spectra::spectrum::{Observer, Spectrum};
 use context::{ResolvedFor, Resolver};
 use glam::DVec3;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -101,7 +102,20 @@ fn about_view<'a>(resolver: impl Fn(Option<DVec3>) -> Resolver<'a>) -> Result<Sc
 
 /// Resolves a spectrum outside a scene, with names of the library. Errors have a place in `source`.
 pub fn lone_spectrum(spectrum: &SpectrumFile, source: &JsonSource, role: Role) -> Result<Spectrum> {
-    spectra::Spectra { named: &BTreeMap::new(), source }.checked(&JsonPath::Root, spectrum, role)
+    lone_spectrum_with_notes(spectrum, source, role).map(|(spectrum, _)| spectrum)
+}
+
+/// Resolves a spectrum as [`lone_spectrum`] does, and also returns what the readers of its files
+/// decided from the values, such as the scale of a CGATS file.
+pub fn lone_spectrum_with_notes(
+    spectrum: &SpectrumFile,
+    source: &JsonSource,
+    role: Role,
+) -> Result<(Spectrum, Vec<String>)> {
+    let notes = RefCell::default();
+    let spectra = spectra::Spectra { named: &BTreeMap::new(), source, notes: &notes };
+    let spectrum = spectra.checked(&JsonPath::Root, spectrum, role)?;
+    Ok((spectrum, notes.take()))
 }
 
 impl Resolver<'_> {
@@ -133,6 +147,7 @@ impl Resolver<'_> {
         builder.title = title.clone().unwrap_or_else(|| stem(&self.source.path));
         builder.settings = self.settings(render);
         builder.notes.extend(self.note_without_motion());
+        builder.notes.extend(self.spectrum_notes.take());
         match (self.kept_faults(), view) {
             (None, Some(view)) => builder.build(view).map_err(|error| self.placed(error)),
             (faults, _) => Err(faults.unwrap_or_else(|| Error::input("the scene has a fault"))),

@@ -1,11 +1,12 @@
 //! Translates spectra of the scene file to functions of wavelength, checked for their role.
 
 use super::context::Resolver;
-use crate::{JsonPath, JsonSource, LineFile, SpectrumFile, is_hex_colour, linear_of_hex};
+use crate::{JsonPath, JsonSource, LineFile, SpectrumFile, SpectrumPathFile, is_hex_colour, linear_of_hex};
 use abbe_optics::phase::MAX_MEAN_COSINE;
 use abbe_spectra::colour::{PrimaryMatch, match_primaries};
 use abbe_spectra::error::{Error, Result, both, every};
 use abbe_spectra::spectrum::{Observer, Outside, SpectralLine, Spectrum, library, read};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// The use of a spectrum, which decides its valid values and its extrapolation.
@@ -42,11 +43,13 @@ const MAX_DEPTH: usize = 64;
 pub(super) struct Spectra<'a> {
     pub(super) named: &'a BTreeMap<String, SpectrumFile>,
     pub(super) source: &'a JsonSource,
+    /// What the readers of files decided from the values, without repetitions.
+    pub(super) notes: &'a RefCell<Vec<String>>,
 }
 
 impl Resolver<'_> {
     pub(super) fn spectra(&self) -> Spectra<'_> {
-        Spectra { named: &self.scene.spectra, source: self.source }
+        Spectra { named: &self.scene.spectra, source: self.source, notes: &self.spectrum_notes }
     }
 
     pub(super) fn spectrum(&self, at: &JsonPath, file: &SpectrumFile, role: Role) -> Result<Spectrum> {
@@ -98,7 +101,7 @@ impl Spectra<'_> {
             SpectrumFile::Name(name) => return self.spectrum_by_name(at, name, role, depth),
             SpectrumFile::Table { nm, values } if role == Role::MeanCosine => signed_table(nm, values),
             SpectrumFile::Table { nm, values } => Spectrum::table(nm, values, role.outside()),
-            SpectrumFile::File(path) => self.source.file(path).and_then(|it| read::spectrum_file(&it, role.outside())),
+            SpectrumFile::File(file) => self.file(file, role),
             SpectrumFile::Lines(lines) => {
                 let line = |&LineFile { nm, power, fwhm_nm }: &LineFile| SpectralLine { nm, power, fwhm_nm };
                 Spectrum::lines(&lines.iter().map(line).collect::<Vec<_>>())
@@ -130,6 +133,19 @@ impl Spectra<'_> {
             }
         };
         self.at(at, made)
+    }
+
+    fn file(&self, SpectrumPathFile { path, sample }: &SpectrumPathFile, role: Role) -> Result<Spectrum> {
+        let place = self.source.file(path)?;
+        let samples = read::samples_of(&place, sample.as_deref())?;
+        if let Some(note) = &samples.note {
+            let note = format!("{path}: {note}");
+            let mut notes = self.notes.borrow_mut();
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+        samples.spectrum(role.outside()).map_err(|error| error.in_file(&place))
     }
 
     fn spectrum_by_name(&self, at: &JsonPath, name: &str, role: Role, depth: usize) -> Result<Spectrum> {

@@ -83,7 +83,7 @@ impl Resolver<'_> {
     fn band_image(&self, file: &BandImageFile) -> Result<SpectralTexture> {
         let BandImageFile { path, factor, wrap, filter, uv } = file;
         let path = self.source.file(path)?;
-        let BandPicture { size, nm, mut values } = BandPicture::read(&path)?;
+        let BandPicture { size, nm, mut values, .. } = BandPicture::read(&path)?;
         let pattern = image_pattern(size, *wrap, *filter, uv).map_err(|error| error.in_file(&path))?;
         values.iter_mut().for_each(|value| *value *= *factor as f32);
         fractions(&mut values, nm.len(), size).map_err(|error| error.in_file(&path))?;

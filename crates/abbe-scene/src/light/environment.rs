@@ -144,7 +144,15 @@ impl EnvironmentLight {
     /// The value of a mixture of the basis spectra at a wavelength in nm, per nm.
     pub(super) fn mixture_at(&self, weights: [f64; 3], nm: f64) -> f64 {
         match &self.pattern {
-            EnvironmentPattern::Image(map) => (0..3).map(|c| weights[c] * map.basis[c].at(nm)).sum(),
+            EnvironmentPattern::Image(map) => map.mixture_at(weights, nm),
+            EnvironmentPattern::Uniform | EnvironmentPattern::Sky(_) => 0.0,
+        }
+    }
+
+    /// The spectrum of a pixel with spectral bands at a wavelength in nm, per nm.
+    pub(super) fn bands_at(&self, pixel: u32, nm: f64) -> f64 {
+        match &self.pattern {
+            EnvironmentPattern::Image(map) => map.bands_at(pixel, nm),
             EnvironmentPattern::Uniform | EnvironmentPattern::Sky(_) => 0.0,
         }
     }

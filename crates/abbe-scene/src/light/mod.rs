@@ -12,6 +12,7 @@ mod beam;
 mod bounded_light;
 mod directional;
 mod environment;
+mod environment_bands;
 mod environment_map;
 mod goniometric;
 mod intensity_bounds;
@@ -35,6 +36,7 @@ pub use area::AreaLight;
 pub use beam::{BeamLight, mean_scale};
 pub use directional::DirectionalLight;
 pub use environment::{EnvironmentLight, EnvironmentPattern};
+pub use environment_bands::EnvironmentBands;
 pub use environment_map::EnvironmentMap;
 pub use goniometric::{GoniometricLight, LuminousOpening, OpeningShape};
 pub use intensity_bounds::IntensityBounds;
@@ -266,10 +268,16 @@ impl Light {
     pub fn spd_at(&self, spd: EmittedSpd, nm: f64) -> f64 {
         match (spd, &self.emitter) {
             (EmittedSpd::Mixed(weights), Emitter::Environment(light)) => light.mixture_at(weights, nm),
+            (EmittedSpd::Bands(pixel), Emitter::Environment(light)) => light.bands_at(pixel, nm),
             (EmittedSpd::Thermal(temperature), Emitter::Volume(light)) => light.spd_at(temperature, nm),
-            (EmittedSpd::Own | EmittedSpd::Mixed(_) | EmittedSpd::Filtered(_) | EmittedSpd::Thermal(_), _) => {
-                self.spectrum.at(nm) * self.filter_at(spd, nm)
-            }
+            (
+                EmittedSpd::Own
+                | EmittedSpd::Mixed(_)
+                | EmittedSpd::Bands(_)
+                | EmittedSpd::Filtered(_)
+                | EmittedSpd::Thermal(_),
+                _,
+            ) => self.spectrum.at(nm) * self.filter_at(spd, nm),
         }
     }
 
@@ -278,7 +286,14 @@ impl Light {
     pub fn filter_at(&self, spd: EmittedSpd, nm: f64) -> f64 {
         match (spd, &self.emitter) {
             (EmittedSpd::Filtered(texel), Emitter::Area(light)) => light.transmittance(texel, nm),
-            (EmittedSpd::Own | EmittedSpd::Mixed(_) | EmittedSpd::Filtered(_) | EmittedSpd::Thermal(_), _) => 1.0,
+            (
+                EmittedSpd::Own
+                | EmittedSpd::Mixed(_)
+                | EmittedSpd::Bands(_)
+                | EmittedSpd::Filtered(_)
+                | EmittedSpd::Thermal(_),
+                _,
+            ) => 1.0,
         }
     }
 

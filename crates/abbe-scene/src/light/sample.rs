@@ -11,6 +11,8 @@ pub enum EmittedSpd {
     Own,
     /// Weights, with sum 1, of the red, green and blue basis spectra of an environment map.
     Mixed([f64; 3]),
+    /// The spectral bands of this pixel of an environment map.
+    Bands(u32),
     /// The light's own spectrum behind this texel of a slide.
     Filtered(Texel),
     /// The emission of hot matter at this temperature in K.

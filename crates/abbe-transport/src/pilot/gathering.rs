@@ -83,7 +83,7 @@ fn is_spread(mut noise: Vec<f64>) -> bool {
 /// Returns true if the plan gathers behind diffuse surfaces without a choice of the pilot.
 pub(super) fn forces_final_gather(context: &PassContext<'_>) -> bool {
     let is_forced = || context.scene.settings.force.iter().any(|name| name == EffectId::FinalGather.effect().name);
-    context.plan.final_gather && is_forced()
+    context.plan.indirect.may_gather_behind() && is_forced()
 }
 
 #[cfg(test)]

@@ -162,7 +162,7 @@ pub(super) fn balanced(
         Gathering { camera_passes, passes, variances, work, balance: limits.choose(variances, work) }
     };
     let in_place = measured(false);
-    let behind = context.plan.final_gather.then(|| measured(true));
+    let behind = context.plan.indirect.may_gather_behind().then(|| measured(true));
     let is_forced = forces_final_gather(context);
     let behind = behind.filter(|behind| is_forced || behind.improves_on(&in_place, &tiles));
     let final_gather = behind.is_some();

@@ -143,7 +143,7 @@ const fn row(id: EffectId) -> Effect {
         EffectId::FinalGather => Effect {
             id,
             name: "final-gather",
-            field: "final_gather",
+            field: "indirect",
             cost: "a ray, shadow rays and a query behind each diffuse surface in the picture; unless it is forced, the \
                    pilot chooses it only if it lowers the noise",
             absent: "camera paths read indirect light from the photons around the first diffuse surface",
@@ -155,7 +155,9 @@ const fn row(id: EffectId) -> Effect {
                 if clear && pictured { facts.diffuse.clone() } else { Vec::new() }
             },
             set: |plan, _, on| {
-                plan.final_gather = on && plan.indirect != IndirectPlan::Absent && !plan.polarisation.is_on();
+                if on && plan.indirect == IndirectPlan::Photons && !plan.polarisation.is_on() {
+                    plan.indirect = IndirectPlan::PhotonsOrFinalGather;
+                }
             },
             events: |tally, _| tally.final_gathers,
             removal: Removal::FromPlan,

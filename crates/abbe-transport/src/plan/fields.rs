@@ -15,8 +15,6 @@ pub struct Plan {
     pub ribbons: bool,
     /// Light scattered from surface to surface.
     pub indirect: IndirectPlan,
-    /// True if camera paths may gather indirect light behind the first diffuse surface.
-    pub final_gather: bool,
     pub direct: DirectPlan,
     pub aperture: AperturePlan,
     pub media_plan: MediumPlan,
@@ -36,7 +34,6 @@ impl Plan {
         caustics: CausticPlan::Absent,
         ribbons: false,
         indirect: IndirectPlan::Absent,
-        final_gather: false,
         direct: DirectPlan::Absent,
         aperture: AperturePlan::Pinhole,
         media_plan: MediumPlan::Air,
@@ -81,6 +78,15 @@ pub enum IndirectPlan {
     Absent,
     /// Density estimation in a photon map computes this light.
     Photons,
+    /// So it does, either around the first diffuse surface of a camera path or behind it.
+    PhotonsOrFinalGather,
+}
+
+impl IndirectPlan {
+    /// Returns true if camera paths may gather photons behind the first diffuse surface.
+    pub fn may_gather_behind(self) -> bool {
+        self == Self::PhotonsOrFinalGather
+    }
 }
 
 /// The method of computing direct light (light straight from its source).

@@ -13,6 +13,8 @@ pub(super) fn distant_cases() -> Vec<LightCase> {
     };
     let map = Arc::new(image());
     let mean = map.mean_spectrum();
+    let bands = Arc::new(spectral_image());
+    let mean_of_bands = bands.mean_spectrum();
     let environment = |pattern| Emitter::Environment(EnvironmentLight::new(2.0, pattern));
     let sky = StandardSky::new(12, SunDirection { elevation: 0.8, azimuth: 2.0 }, 0.3).unwrap();
     vec![
@@ -20,6 +22,7 @@ pub(super) fn distant_cases() -> Vec<LightCase> {
         case("sun", Emitter::Directional(DirectionalLight::new(toward, 0.3, 4.0)), flat_spectrum()),
         case("uniform", environment(EnvironmentPattern::Uniform), flat_spectrum()),
         case("image", environment(EnvironmentPattern::Image(map)), mean),
+        case("spectral image", environment(EnvironmentPattern::Image(bands)), mean_of_bands),
         case("sky", environment(EnvironmentPattern::Sky(Arc::new(sky))), flat_spectrum()),
     ]
 }
@@ -43,6 +46,14 @@ fn a_rotated_image_is_sampled_where_it_shines() {
         towards_x += u32::from(sample.direction.x > 0.8);
     }
     assert!(towards_x > 900, "{towards_x} of 1000 samples");
+}
+
+/// An image with three bands of unequal widths in each pixel, and with black pixels.
+fn spectral_image() -> EnvironmentMap {
+    let values =
+        (0..48_u32).flat_map(|i| [i % 5, (i * 7) % 3, i % 4].map(|value| if i % 6 == 2 { 0.0 } else { value as f32 }));
+    let bands = EnvironmentBands::new(&[450.0, 550.0, 600.0], values.collect()).unwrap();
+    EnvironmentMap::from_bands(8, 6, bands).unwrap().0
 }
 
 /// An image with unequal pixels, black pixels and a black row.

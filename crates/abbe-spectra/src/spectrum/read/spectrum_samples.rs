@@ -18,6 +18,8 @@ pub struct SpectrumSamples {
     pub values: Vec<f64>,
     /// The physical quantity, if the file contains it.
     pub kind: Option<SpectrumKind>,
+    /// What the reader decided from the values, such as the scale of a CGATS file.
+    pub note: Option<String>,
 }
 
 /// A number with its line and column in the file, from 1.
@@ -59,6 +61,6 @@ impl SpectrumSamples {
             let expected = format!("wavelengths between {} and {} nm", BAND_NM.0, BAND_NM.1);
             return Err(Error::input(what).expected(expected).at(line, column));
         }
-        Ok(Self { nm, values, kind })
+        Ok(Self { nm, values, kind, note: None })
     }
 }

@@ -50,7 +50,7 @@ impl EmittedPower {
     pub(super) fn support_nm(&self, spd: EmittedSpd) -> (f64, f64) {
         match spd {
             EmittedSpd::Own | EmittedSpd::Filtered(_) => self.distribution.support(),
-            EmittedSpd::Mixed(_) | EmittedSpd::Thermal(_) => BAND_NM,
+            EmittedSpd::Mixed(_) | EmittedSpd::Bands(_) | EmittedSpd::Thermal(_) => BAND_NM,
         }
     }
 
@@ -77,7 +77,7 @@ impl EmittedPower {
                 };
                 Piece { nm, power: self.total * (to.below - from.below) * light.filter_at(spd, nm) }
             }
-            EmittedSpd::Mixed(_) | EmittedSpd::Thermal(_) => {
+            EmittedSpd::Mixed(_) | EmittedSpd::Bands(_) | EmittedSpd::Thermal(_) => {
                 Piece { nm: middle, power: light.spd_at(spd, middle) * (to.nm - from.nm) }
             }
         }
