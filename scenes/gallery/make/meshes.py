@@ -12,6 +12,8 @@ import pathlib
 
 import numpy as np
 
+import textures
+
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "meshes"
 
 
@@ -41,7 +43,9 @@ def spline(points, count):
     return np.array(curve + [p[-1]])
 
 
-def write_ply(name, vertices, faces):
+def write_ply(name, vertices, faces, columns="nx ny nz"):
+    """Writes a mesh. A vertex has its position and the values that `columns` names."""
+    properties = "\n".join(f"property float {column}" for column in columns.split())
     header = f"""ply
 format binary_little_endian 1.0
 comment Written by scenes/gallery/make/meshes.py.
@@ -49,9 +53,7 @@ element vertex {len(vertices)}
 property float x
 property float y
 property float z
-property float nx
-property float ny
-property float nz
+{properties}
 element face {len(faces)}
 property list uchar int vertex_indices
 end_header
@@ -163,7 +165,133 @@ def wine():
     turn("wine", np.vstack([below, meniscus]))
 
 
+def stand():
+    """A turned brass stand for a ball of radius 5 whose centre is 14.2 above the table."""
+    foot = smooth([(0, 0), (4.8, 0), (4.8, 0.55), (3.9, 0.75), (2.2, 1.5), (1.25, 2.4)], 0.2)
+    stem = spline([(1.25, 2.4), (0.85, 3.6), (0.75, 4.8), (1.45, 5.5), (1.45, 6.0), (0.75, 6.7), (0.9, 7.6)], 6)
+    cup = smooth([(0.9, 7.6), (1.8, 8.6), (2.75, 9.5), (2.95, 9.95), (2.62, 9.9), (1.6, 9.1), (0, 8.7)], 0.2)
+    turn("stand", np.vstack([foot, stem, cup]), 72)
+
+
+def ball(radius, centre):
+    """An octahedron, divided twice, with its corners on a sphere."""
+    faces = []
+    for x in (1, -1):
+        for y in (1, -1):
+            for z in (1, -1):
+                corners = [np.array([x, 0, 0.0]), np.array([0, y, 0.0]), np.array([0, 0, z * 1.0])]
+                faces.append(corners if x * y * z > 0 else corners[::-1])
+    for _ in range(2):
+        divided = []
+        for a, b, c in faces:
+            ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+            divided += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        faces = divided
+    points = np.array(faces).reshape(-1, 3)
+    normals = points / np.linalg.norm(points, axis=1, keepdims=True)
+    return np.hstack([normals * radius + centre, normals])
+
+
+def bulbs():
+    """A string of small bulbs on the wall behind the ball."""
+    rng = np.random.default_rng(91)
+    vertices = []
+    for i in range(15):
+        x = -62 + 9.2 * i + rng.uniform(-1.2, 1.2)
+        sag = 7.5 * (1 - ((i % 5) - 2) ** 2 / 4)
+        vertices.append(ball(0.75, [x, 35 - sag + rng.uniform(-0.7, 0.7), -58 + rng.uniform(-1, 1)]))
+    vertices = np.vstack(vertices)
+    write_ply("bulbs", vertices, [(3, (i, i + 1, i + 2)) for i in range(0, len(vertices), 3)])
+
+
+def fractal(x, z, size, octaves, seed, ridged=False):
+    """Noise between about -1 and 1 over a plane. Its largest features have this size."""
+    grid = textures.noise((256, 256), 0.0, 1, seed)
+    grid = np.clip(grid / 1.6, -1, 1)
+    total = np.zeros(np.broadcast(x, z).shape)
+    weight, crest = 1.0, 1.0
+    for octave in range(octaves):
+        angle = 0.7 * octave
+        u = (x * np.cos(angle) + z * np.sin(angle)) / size * 2**octave + 17.3 * octave
+        v = (z * np.cos(angle) - x * np.sin(angle)) / size * 2**octave + 5.1 * octave
+        i, j = np.floor(u).astype(int), np.floor(v).astype(int)
+        a, b = (t * t * t * (t * (6 * t - 15) + 10) for t in (u - i, v - j))
+        at = lambda di, dj: grid[(j + dj) % 256, (i + di) % 256]
+        value = (at(0, 0) * (1 - a) + at(1, 0) * a) * (1 - b) + (at(0, 1) * (1 - a) + at(1, 1) * a) * b
+        if ridged:
+            value = (1 - np.abs(value)) ** 2 * crest
+            crest = np.clip(1.6 * value, 0, 1)
+            value = 2 * value - 1
+        total += weight * value
+        weight *= 0.5
+    return total / 1.6
+
+
+def ground(name, x, y, z, uv_size):
+    """Writes a mesh over the rows and columns of x, y and z, with one unit of uv for each `uv_size`."""
+    rows, columns = y.shape
+    vertices = np.stack([x, y, z, x / uv_size, z / uv_size], -1).reshape(-1, 5)
+    index = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    faces = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+    up = np.cross(vertices[faces[:, 1], :3] - vertices[faces[:, 0], :3], vertices[faces[:, 2], :3] - vertices[faces[:, 0], :3])
+    if up[:, 1].mean() < 0:
+        faces = faces[:, ::-1]
+    # Faces below the sea are never seen.
+    faces = faces[(vertices[faces, 1] > -0.6).any(1)]
+    write_ply(name, vertices, [(3, tuple(face)) for face in faces], "u v")
+
+
+def coast():
+    """The rocks in front of the camera at (0, 7.2, 0): their grid is finer near the camera."""
+    angle = np.radians(np.linspace(-56, 56, 190))[None, :]
+    distance = np.geomspace(3.0, 62, 105)[:, None]
+    x, z = distance * np.sin(angle), -distance * np.cos(angle)
+    edge = 24 + 9 * fractal(x * 1.0, z * 0 + 3.0, 26, 4, 101) - 0.012 * x**2 + 0.30 * np.abs(x)
+    slope = 1 / (1 + np.exp(-(edge - distance) / 3.2))
+    rocks = fractal(x, z * 1.5 + 0.4 * x, 9, 6, 102, ridged=True)
+    y = -2.5 + 6.6 * slope + (0.5 + 1.15 * slope) * rocks + 0.55 * fractal(x, z, 2.2, 4, 103) * slope
+    y -= 1.3 * np.exp(-((distance - 3) / 4.5) ** 2)
+    ground("coast", x, y, z, 6.0)
+
+
+def island():
+    """The island of the lighthouse, 60 m wide, around the origin."""
+    x, z = np.meshgrid(np.linspace(-42, 42, 130), np.linspace(-24, 24, 76))
+    r = np.hypot(x / 36, z / 19) + 0.20 * fractal(x, z, 16, 4, 111)
+    body = np.clip(1 - r, -0.4, 1)
+    steep = np.sign(body) * np.abs(body) ** 0.55
+    top = np.clip((0.45 - r) * 3, 0, 1)
+    rocks = fractal(x, z * 1.3, 11, 6, 112, ridged=True)
+    y = 8.5 * steep + (1 - top) * 1.9 * rocks + 0.5 * (1 - top) * fractal(x, z, 3, 3, 113)
+    y = np.where(top > 0, y * (1 - top) + top * (8.0 + 0.35 * fractal(x, z, 6, 3, 114)), y)
+    ground("island", x, y, z, 8.0)
+
+
+def band(curve, low, high, thickness=0.0):
+    """The piece of a curve of (radius, height) between two heights, from the axis to the axis."""
+    heights = np.linspace(low, high, 4)
+    side = np.stack([np.interp(heights, curve[:, 1], curve[:, 0]) + thickness, heights], -1)
+    return np.vstack([[(0, low)], side, [(0, high)]])
+
+
+def lighthouse():
+    """A tower of 19 m with bands, its gallery, its lantern and its roof."""
+    tower = spline([(3.3, 0), (2.75, 4), (2.35, 9), (2.1, 14), (2.05, 16.6)], 6)
+    for name, pieces in (("tower_white", [(0, 4.2), (8.4, 12.6)]), ("tower_red", [(4.2, 8.4), (12.6, 16.6)])):
+        for number, (low, high) in enumerate(pieces, 1):
+            turn(f"{name}_{number}", band(tower, low, high), 56)
+    turn("lantern_frame", np.array([(0, 16.6), (2.15, 16.6), (3.0, 17.2), (3.0, 17.5), (1.55, 17.5), (1.55, 18.3), (0, 18.3)]), 48)
+    roof = [(0, 20.9), (1.95, 20.9), (1.95, 21.05), (1.6, 21.6), (0.9, 22.3), (0.28, 22.6), (0.28, 23.0), (0.1, 23.2), (0.06, 24.6), (0, 24.6)]
+    turn("lantern_roof", np.array(roof), 48)
+
+
 if __name__ == "__main__":
     water()
     milk()
     wine()
+    stand()
+    bulbs()
+    coast()
+    island()
+    lighthouse()

@@ -233,6 +233,36 @@ def garden():
     write_png("garden.png", np.clip(picture, 0, 1))
 
 
+def sea():
+    """The normals of waves that the wind drives across the picture, and of the ripples on them."""
+    shape = (512, 512)
+    waves = noise(shape, 1.9, 0.45, 121, low=5)
+    ripples = noise(shape, 1.25, 0.7, 122, low=14)
+    write_png("sea_normal.png", normals(waves - 0.25 * np.abs(waves) + 0.35 * ripples, 1.1))
+
+
+def storm():
+    """All directions of the sky, equirectangular: rain clouds ahead, and the clear evening sky behind the camera."""
+    height, width = 768, 1536
+    azimuth = (np.arange(width)[None, :] + 0.5) / width * 2 * np.pi - np.pi
+    elevation = np.pi / 2 - (np.arange(height)[:, None] + 0.5) / height * np.pi
+    ahead = 0.5 + 0.5 * np.cos(azimuth) * np.cos(np.clip(elevation, 0, 2))
+    # Clouds lie in a layer, so they are finer near the horizon.
+    clouds = np.zeros((height, width))
+    for k, (slope, stretch, seed, weight) in enumerate(((1.7, 2.6, 131, 1.0), (1.35, 3.6, 132, 0.55))):
+        layer = noise((height, width), slope, stretch, seed)
+        rise = (height * (0.5 - 0.42 * np.tanh(2.2 * np.clip(elevation, 0, 2)))).astype(int)[:, 0] * (k + 1)
+        clouds += weight * layer[rise % height]
+    bulge = np.clip(0.5 + 0.28 * clouds, 0, 1)
+    up = np.clip(elevation / (np.pi / 2), 0, 1)
+    dark = mix([0.27, 0.30, 0.36], [0.15, 0.17, 0.21], up * 1.8) * (0.70 + 0.55 * bulge)[..., None]
+    clear = mix([0.98, 0.86, 0.70], [0.42, 0.58, 0.86], up * 2.2)
+    white = mix(clear, [1.0, 0.94, 0.86], np.clip(clouds - 0.6, 0, 1) * 0.8)
+    sky = mix(white, dark, np.clip((ahead - 0.30) * 2.4 + 0.12 * clouds, 0, 1))
+    sky = np.where(elevation[..., None] < 0, sky[height // 2 - 1][None] * 0.25, sky)
+    write_png("storm.png", sky)
+
+
 if __name__ == "__main__":
     wood()
     letter()
@@ -241,3 +271,5 @@ if __name__ == "__main__":
     cobbles()
     bricks()
     garden()
+    sea()
+    storm()
