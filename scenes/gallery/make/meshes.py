@@ -45,7 +45,7 @@ def spline(points, count):
 
 def write_ply(name, vertices, faces, columns="nx ny nz"):
     """Writes a mesh. A vertex has its position and the values that `columns` names."""
-    properties = "\n".join(f"property float {column}" for column in columns.split())
+    properties = "".join(f"property float {column}\n" for column in columns.split())
     header = f"""ply
 format binary_little_endian 1.0
 comment Written by scenes/gallery/make/meshes.py.
@@ -53,8 +53,7 @@ element vertex {len(vertices)}
 property float x
 property float y
 property float z
-{properties}
-element face {len(faces)}
+{properties}element face {len(faces)}
 property list uchar int vertex_indices
 end_header
 """
@@ -170,18 +169,18 @@ def stand():
     foot = smooth([(0, 0), (4.8, 0), (4.8, 0.55), (3.9, 0.75), (2.2, 1.5), (1.25, 2.4)], 0.2)
     stem = spline([(1.25, 2.4), (0.85, 3.6), (0.75, 4.8), (1.45, 5.5), (1.45, 6.0), (0.75, 6.7), (0.9, 7.6)], 6)
     cup = smooth([(0.9, 7.6), (1.8, 8.6), (2.75, 9.5), (2.95, 9.95), (2.62, 9.9), (1.6, 9.1), (0, 8.7)], 0.2)
-    turn("stand", np.vstack([foot, stem, cup]), 72)
+    turn("stand", np.vstack([foot, stem, cup]), 48)
 
 
 def ball(radius, centre):
-    """An octahedron, divided twice, with its corners on a sphere."""
+    """An octahedron, divided once, with its corners on a sphere."""
     faces = []
     for x in (1, -1):
         for y in (1, -1):
             for z in (1, -1):
                 corners = [np.array([x, 0, 0.0]), np.array([0, y, 0.0]), np.array([0, 0, z * 1.0])]
                 faces.append(corners if x * y * z > 0 else corners[::-1])
-    for _ in range(2):
+    for _ in range(1):
         divided = []
         for a, b, c in faces:
             ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
@@ -227,45 +226,145 @@ def fractal(x, z, size, octaves, seed, ridged=False):
     return total / 1.6
 
 
-def ground(name, x, y, z, uv_size):
-    """Writes a mesh over the rows and columns of x, y and z, with one unit of uv for each `uv_size`."""
+def ground(name, x, y, z, uv_size, grass=None):
+    """Writes meshes over the rows and columns of x, y and z, with one unit of uv for each `uv_size`.
+
+    The faces on which `grass` is above 0 go into a mesh of their own, and so do those that the
+    waves of the sea at the height 0 wet. A fourth mesh is the foam on the shallow sea.
+    """
     rows, columns = y.shape
-    vertices = np.stack([x, y, z, x / uv_size, z / uv_size], -1).reshape(-1, 5)
     index = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
     faces = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
-    up = np.cross(vertices[faces[:, 1], :3] - vertices[faces[:, 0], :3], vertices[faces[:, 2], :3] - vertices[faces[:, 0], :3])
+    points = np.stack([x, y, z], -1).reshape(-1, 3)
+    up = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
     if up[:, 1].mean() < 0:
         faces = faces[:, ::-1]
+    uv = np.stack([x, z], -1).reshape(-1, 2) / uv_size
+
+    def part(suffix, chosen, vertices):
+        used, corners = np.unique(faces[chosen], return_inverse=True)
+        write_ply(name + suffix, vertices[used], [(3, tuple(face)) for face in corners.reshape(-1, 3)], "nx ny nz u v")
+
+    along, across = np.gradient(points.reshape(rows, columns, 3), axis=(0, 1))
+    normal = np.cross(along, across).reshape(-1, 3)
+    normal *= np.sign(normal[:, 1:2]) / np.linalg.norm(normal, axis=1, keepdims=True)
+    vertices = np.hstack([points, normal, uv])
     # Faces below the sea are never seen.
-    faces = faces[(vertices[faces, 1] > -0.6).any(1)]
-    write_ply(name, vertices, [(3, tuple(face)) for face in faces], "u v")
+    visible = (points[faces, 1] > -0.4).any(1)
+    green = visible & (grass.reshape(-1)[faces].mean(1) > 0)
+    wet = visible & ~green & (points[faces, 1].mean(1) < 0.85 + 0.5 * fractal(*points[faces][:, 0, ::2].T, 4, 3, 118))
+    part("", visible & ~green & ~wet, vertices)
+    part("_wet", wet, vertices)
+    part("_grass", green, vertices)
+    water = points[:, 1] + 0.75 * fractal(points[:, 0], points[:, 2], 5, 4, 119)
+    foam = (np.abs(water[faces] + 0.25) < 0.62).all(1) & (points[faces, 1] < 0.12).all(1)
+    part("_foam", foam, np.hstack([points * [1, 0, 1] + [0, 0.15, 0], points * 0 + [0, 1, 0], uv]))
+
+
+def shore():
+    """The rocks in front of the camera at (0, 7.2, 0): their grid is finer near the camera.
+
+    Returns x, y, z, and where grass grows.
+    """
+    angle = np.radians(np.linspace(-50, 50, 176))[None, :]
+    distance = np.geomspace(4.5, 58, 96)[:, None]
+    x, z = distance * np.sin(angle), -distance * np.cos(angle)
+    edge = 26 + 9 * fractal(x, z * 0 + 3.0, 26, 4, 101) - 0.010 * x**2 + 0.28 * np.abs(x)
+    slope = 1 / (1 + np.exp(-(edge - distance) / 3.0))
+    rocks = fractal(x + 0.5 * z, z * 1.4 - 0.3 * x, 7, 6, 102, ridged=True)
+    # Beds of rock: the height rises in tilted steps.
+    tilt = 0.16 * x - 0.05 * z
+    y = -2.6 + 6.4 * slope + (0.5 + 1.3 * slope) * rocks + 0.30 * fractal(x, z, 1.6, 4, 103) * slope
+    bed = 0.9
+    level = (y + tilt) / bed
+    steps = np.floor(level) + np.clip((level - np.floor(level) - 0.5) * 2.4 + 0.5, 0, 1)
+    y = 0.35 * y + 0.65 * (steps * bed - tilt)
+    y = np.minimum(y, 4.3 + 0.12 * rocks)
+    grass = fractal(x, z, 7, 4, 104) - 0.35 + 0.5 * (y - 3.0) - 0.02 * distance
+    return x, y, z, grass
+
+
+def tufts(count=230):
+    """Transforms of the tufts of grass on the shore, as rows of x, y, z, an angle and a size."""
+    x, y, z, grass = (a.ravel() for a in shore())
+    rng = np.random.default_rng(105)
+    distance = np.hypot(x, z)
+    # Points of the grid are dense near the camera, so a point counts with its area.
+    weight = np.where((grass > 0) & (distance < 30), distance**1.2, 0)
+    chosen = rng.choice(len(x), count, replace=False, p=weight / weight.sum())
+    return np.stack([x[chosen], y[chosen] - 0.05, z[chosen], rng.uniform(0, 360, count), rng.uniform(0.7, 1.25, count)], -1)
+
+
+def tuft():
+    """A patch of grass with a diameter of 1.5 m, and flowers on thin stems."""
+    rng = np.random.default_rng(106)
+    vertices, faces = [], []
+    for _ in range(420):
+        r, a = 0.75 * np.sqrt(rng.uniform()), rng.uniform(0, 2 * np.pi)
+        foot = np.array([r * np.cos(a), 0, r * np.sin(a)])
+        lean = rng.uniform(0, 2 * np.pi)
+        side = np.array([np.cos(lean), 0, np.sin(lean)])
+        bend = np.array([-side[2], 0, side[0]]) * rng.uniform(0.02, 0.16)
+        height, width, colour = rng.uniform(0.10, 0.30) * (1 - 0.4 * r), rng.uniform(0.006, 0.011), rng.uniform()
+        first = len(vertices)
+        for t in (0, 0.55, 1):
+            for sign in (-1, 1) if t < 1 else (0,):
+                point = foot + bend * t * t + [0, height * t, 0] + side * width * sign * (1 - 0.5 * t)
+                normal = np.array([0, 1, 0]) + 0.6 * np.cross(side, [0, 1, 0])
+                vertices.append((*point, *(normal / np.linalg.norm(normal)), colour, 1 - t))
+        faces += [(3, (first, first + 1, first + 3)), (3, (first, first + 3, first + 2)), (3, (first + 2, first + 3, first + 4))]
+    write_ply("tuft", vertices, faces, "nx ny nz u v")
+    heads = []
+    for _ in range(9):
+        r, a = 0.6 * np.sqrt(rng.uniform()), rng.uniform(0, 2 * np.pi)
+        heads.append(ball(0.026, [r * np.cos(a), rng.uniform(0.2, 0.32), r * np.sin(a)]))
+    heads = np.vstack(heads)
+    write_ply("thrift", heads, [(3, (i, i + 1, i + 2)) for i in range(0, len(heads), 3)])
 
 
 def coast():
-    """The rocks in front of the camera at (0, 7.2, 0): their grid is finer near the camera."""
-    angle = np.radians(np.linspace(-56, 56, 190))[None, :]
-    distance = np.geomspace(3.0, 62, 105)[:, None]
+    """The rocks in front of the camera at (0, 7.2, 0)."""
+    ground("coast", *shore()[:3], 3.0, shore()[3])
+
+
+def sea():
+    """Waves between the shore and 150 m from the camera. Far from it, the grid holds only long waves."""
+    angle = np.radians(np.linspace(-48, 48, 150))[None, :]
+    distance = np.geomspace(15, 150, 118)[:, None]
     x, z = distance * np.sin(angle), -distance * np.cos(angle)
-    edge = 24 + 9 * fractal(x * 1.0, z * 0 + 3.0, 26, 4, 101) - 0.012 * x**2 + 0.30 * np.abs(x)
-    slope = 1 / (1 + np.exp(-(edge - distance) / 3.2))
-    rocks = fractal(x, z * 1.5 + 0.4 * x, 9, 6, 102, ridged=True)
-    y = -2.5 + 6.6 * slope + (0.5 + 1.15 * slope) * rocks + 0.55 * fractal(x, z, 2.2, 4, 103) * slope
-    y -= 1.3 * np.exp(-((distance - 3) / 4.5) ** 2)
-    ground("coast", x, y, z, 6.0)
+    rng = np.random.default_rng(116)
+    y = np.zeros(x.shape)
+    for length in np.geomspace(0.9, 17, 46):
+        heading = 0.5 + rng.normal(0, 0.45)
+        phase = 2 * np.pi / length * (x * np.sin(heading) + z * np.cos(heading)) + rng.uniform(0, 2 * np.pi)
+        resolved = np.clip((length / (0.021 * distance) - 2.2) / 2, 0, 1)
+        wave = 0.0066 * length**0.8 * np.cos(phase)
+        y += resolved * (wave + 0.12 * np.abs(wave))
+    index = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    faces = np.concatenate([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)])
+    points = np.stack([x, y, z], -1).reshape(-1, 3)
+    up = np.cross(points[faces[0, 1]] - points[faces[0, 0]], points[faces[0, 2]] - points[faces[0, 0]])
+    faces = faces if up[1] > 0 else faces[:, ::-1]
+    write_ply("sea", points, [(3, tuple(face)) for face in faces], "")
 
 
 def island():
     """The island of the lighthouse, 60 m wide, around the origin."""
-    x, z = np.meshgrid(np.linspace(-42, 42, 130), np.linspace(-24, 24, 76))
+    x, z = np.meshgrid(np.linspace(-40, 40, 124), np.linspace(-22, 22, 70))
     r = np.hypot(x / 36, z / 19) + 0.20 * fractal(x, z, 16, 4, 111)
     body = np.clip(1 - r, -0.4, 1)
     steep = np.sign(body) * np.abs(body) ** 0.55
     top = np.clip((0.45 - r) * 3, 0, 1)
-    rocks = fractal(x, z * 1.3, 11, 6, 112, ridged=True)
-    y = 8.5 * steep + (1 - top) * 1.9 * rocks + 0.5 * (1 - top) * fractal(x, z, 3, 3, 113)
+    rocks = fractal(x + 0.5 * z, z * 1.3, 9, 6, 112, ridged=True)
+    y = 8.5 * steep + (1 - top) * 2.2 * rocks + 0.6 * (1 - top) * fractal(x, z, 3, 3, 113)
+    level = (y + 0.2 * x) / 1.3
+    steps = np.floor(level) + np.clip((level - np.floor(level) - 0.5) * 2.4 + 0.5, 0, 1)
+    y = 0.4 * y + 0.6 * (steps * 1.3 - 0.2 * x)
     y = np.where(top > 0, y * (1 - top) + top * (8.0 + 0.35 * fractal(x, z, 6, 3, 114)), y)
-    ground("island", x, y, z, 8.0)
+    grass = top - 0.25 + 0.3 * fractal(x, z, 5, 3, 115) + 0.16 * (y - 7)
+    ground("island", x, y, z, 4.0, grass)
 
 
 def band(curve, low, high, thickness=0.0):
@@ -293,5 +392,7 @@ if __name__ == "__main__":
     stand()
     bulbs()
     coast()
+    tuft()
+    sea()
     island()
     lighthouse()

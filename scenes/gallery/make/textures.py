@@ -233,14 +233,6 @@ def garden():
     write_png("garden.png", np.clip(picture, 0, 1))
 
 
-def sea():
-    """The normals of waves that the wind drives across the picture, and of the ripples on them."""
-    shape = (512, 512)
-    waves = noise(shape, 1.9, 0.45, 121, low=5)
-    ripples = noise(shape, 1.25, 0.7, 122, low=14)
-    write_png("sea_normal.png", normals(waves - 0.25 * np.abs(waves) + 0.35 * ripples, 1.1))
-
-
 def storm():
     """All directions of the sky, equirectangular: rain clouds ahead, and the clear evening sky behind the camera."""
     height, width = 768, 1536
@@ -271,5 +263,4 @@ if __name__ == "__main__":
     cobbles()
     bricks()
     garden()
-    sea()
     storm()
