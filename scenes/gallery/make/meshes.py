@@ -198,7 +198,7 @@ def bulbs():
     for i in range(15):
         x = -62 + 9.2 * i + rng.uniform(-1.2, 1.2)
         sag = 7.5 * (1 - ((i % 5) - 2) ** 2 / 4)
-        vertices.append(ball(0.75, [x, 35 - sag + rng.uniform(-0.7, 0.7), -58 + rng.uniform(-1, 1)]))
+        vertices.append(ball(0.95, [x, 34 - sag + rng.uniform(-0.7, 0.7), -58 + rng.uniform(-1, 1)]))
     vertices = np.vstack(vertices)
     write_ply("bulbs", vertices, [(3, (i, i + 1, i + 2)) for i in range(0, len(vertices), 3)])
 
@@ -385,6 +385,52 @@ def lighthouse():
     turn("lantern_roof", np.array(roof), 48)
 
 
+def road():
+    """A road 260 cm wide, with a hollow in which rain stands up to the height 0. Lengths are in cm."""
+    x, z = np.meshgrid(np.linspace(-130, 130, 66), np.linspace(-210, 50, 58))
+    hollow = np.exp(-(((x + 6) / 44) ** 2 + ((z + 6) / 26) ** 2))
+    y = 0.55 - 1.25 * hollow + 0.34 * fractal(x, z, 34, 4, 161) + 0.002 * np.abs(x)
+    along, across = np.gradient(np.stack([x, y, z], -1), axis=(0, 1))
+    normal = np.cross(along, across)
+    normal *= np.sign(normal[..., 1:2]) / np.linalg.norm(normal, axis=-1, keepdims=True)
+    vertices = np.dstack([x, y, z, normal, (x + 130) / 260, (z + 210) / 260]).reshape(-1, 8)
+    index = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    faces = np.concatenate([np.stack([a, c, b], -1).reshape(-1, 3), np.stack([a, d, c], -1).reshape(-1, 3)])
+    write_ply("road", vertices, [(3, tuple(face)) for face in faces], "nx ny nz u v")
+
+
+def leaf():
+    """A fallen leaf with five lobes, 8 cm long, which curls up at its edges."""
+    angle = np.linspace(-np.pi, np.pi, 121)[:-1]
+    lobes = 0.0
+    for at, size, width in ((0, 1.0, 0.30), (0.95, 0.86, 0.27), (-0.95, 0.86, 0.27), (2.0, 0.55, 0.30), (-2.0, 0.55, 0.30)):
+        lobes = np.maximum(lobes, size * np.exp(-(((angle - at) / width) ** 2)))
+    radius = 4.2 * (0.30 + 0.70 * lobes) * (1 + 0.05 * np.cos(41 * angle)) * np.clip((np.pi - np.abs(angle)) * 3, 0.15, 1)
+    rings = np.linspace(0, 1, 7)[1:]
+    x, z = (np.concatenate([[0], np.outer(rings, radius * f(angle)).ravel()]) for f in (np.sin, np.cos))
+    y = 0.018 * (x**2 + z**2) + 0.10 * np.sin(1.9 * x) * np.cos(1.3 * z)
+    faces = []
+    for k in range(120):
+        n = (k + 1) % 120
+        faces.append((3, (0, 1 + k, 1 + n)))
+        for ring in range(5):
+            a = 1 + 120 * ring
+            faces += [(3, (a + k, a + 120 + k, a + 120 + n)), (3, (a + k, a + 120 + n, a + n))]
+    write_ply("leaf", np.stack([x, y, z, x / 9 + 0.5, z / 9 + 0.5], -1), faces, "u v")
+
+
+def dome():
+    """The upper half of a ball of radius 1, whose texture coordinates are those of a sphere."""
+    polar, turned = np.meshgrid(np.linspace(0, np.pi / 2, 19), np.linspace(0, 2 * np.pi, 57), indexing="ij")
+    normal = np.stack([np.sin(polar) * np.cos(turned), np.cos(polar), -np.sin(polar) * np.sin(turned)], -1)
+    vertices = np.dstack([normal, normal, turned / (2 * np.pi), polar / np.pi]).reshape(-1, 8)
+    index = np.arange(polar.size).reshape(polar.shape)
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    faces = np.concatenate([np.stack([a, d, c], -1)[0:].reshape(-1, 3), np.stack([a, c, b], -1)[1:].reshape(-1, 3)])
+    write_ply("dome", vertices, [(3, tuple(face)) for face in faces], "nx ny nz u v")
+
+
 if __name__ == "__main__":
     water()
     milk()
@@ -396,3 +442,6 @@ if __name__ == "__main__":
     sea()
     island()
     lighthouse()
+    road()
+    leaf()
+    dome()

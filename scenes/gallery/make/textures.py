@@ -15,10 +15,10 @@ import numpy as np
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "textures"
 
 
-def write_png(name, picture):
+def write_png(name, picture, step=4):
     """Writes values from 0 to 1 as a PNG file with 8 bits, in grey or in RGB."""
     # Steps of 4 are invisible in these grains, and make the files half as large.
-    data = np.clip(np.round(picture * 63.75) * 4, 0, 255).astype(np.uint8)
+    data = np.clip(np.round(picture * (255 / step)) * step, 0, 255).astype(np.uint8)
     height, width = data.shape[:2]
     rows = data.reshape(height, -1)
     # The PNG filter "Up" stores differences of rows, which compress better.
@@ -255,6 +255,40 @@ def storm():
     write_png("storm.png", sky)
 
 
+def asphalt():
+    """Stones in bitumen, and a worn line of white paint for a mix of materials."""
+    shape = (384, 384)
+    stones = noise(shape, 0.55, 1, 141, low=22)
+    size = noise(shape, 1.4, 1, 142)
+    tone = 0.35 + 0.22 * stones + 0.12 * size
+    colour = mix([0.13, 0.13, 0.135], [0.40, 0.38, 0.36], tone)
+    write_png("asphalt.png", colour, 16)
+    write_png("asphalt_normal.png", normals(np.clip(1.7 * stones, -1.2, 1.5), 0.75), 12)
+    height, width = 480, 480
+    y, x = np.mgrid[0:height, 0:width] / height
+    across = (y - 0.50 - 0.14 * x) / 0.026
+    wear = noise((height, width), 0.9, 1.6, 143) + 0.8 * noise((height, width), 1.9, 1, 144)
+    line = np.clip((1 - np.abs(across)) * 9, 0, 1) * np.clip((1.15 - wear) * 2.5, 0, 1)
+    write_png("line.png", line, 32)
+
+
+def films():
+    """Thicknesses of the film of a bubble, which drains and swirls, and of oil on a puddle."""
+    height, width = 256, 512
+    v = np.arange(height)[:, None] / height + np.zeros((1, width))
+    across = np.arange(width)[None, :] / width * 2 * np.pi
+    swirl = noise((height, width), 2.3, 1.6, 151) * np.sin(np.pi * v)
+    fine = noise((height, width), 1.7, 3, 152) * np.sin(np.pi * v) ** 2
+    film = 0.08 + 0.80 * v**0.8 + 0.085 * swirl + 0.04 * fine * (0.6 + 0.4 * np.cos(across + 4 * v))
+    write_png("bubble_film.png", film, 1)
+    size = 384
+    y, x = np.mgrid[0:size, 0:size] / size - 0.5
+    warp = [noise((size, size), 2.4, 1, seed) for seed in (153, 154, 155)]
+    r = np.hypot(x + 0.07 * warp[0], (y + 0.07 * warp[1]) * 1.15)
+    oil = np.exp(-((r / 0.24) ** 2)) + 0.10 * warp[2] * np.exp(-((r / 0.3) ** 2))
+    write_png("oil_film.png", np.clip(oil * 0.85, 0, 1), 1)
+
+
 if __name__ == "__main__":
     wood()
     letter()
@@ -264,3 +298,5 @@ if __name__ == "__main__":
     bricks()
     garden()
     storm()
+    asphalt()
+    films()
