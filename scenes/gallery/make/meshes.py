@@ -285,13 +285,13 @@ def shore():
     return x, y, z, grass
 
 
-def tufts(count=230):
+def tufts(count=330):
     """Transforms of the tufts of grass on the shore, as rows of x, y, z, an angle and a size."""
     x, y, z, grass = (a.ravel() for a in shore())
     rng = np.random.default_rng(105)
     distance = np.hypot(x, z)
     # Points of the grid are dense near the camera, so a point counts with its area.
-    weight = np.where((grass > 0) & (distance < 30), distance**1.2, 0)
+    weight = np.where((grass > 0) & (distance < 30), distance**0.9, 0)
     chosen = rng.choice(len(x), count, replace=False, p=weight / weight.sum())
     return np.stack([x[chosen], y[chosen] - 0.05, z[chosen], rng.uniform(0, 360, count), rng.uniform(0.7, 1.25, count)], -1)
 
@@ -330,8 +330,8 @@ def coast():
 
 def sea():
     """Waves between the shore and 150 m from the camera. Far from it, the grid holds only long waves."""
-    angle = np.radians(np.linspace(-48, 48, 150))[None, :]
-    distance = np.geomspace(15, 150, 118)[:, None]
+    angle = np.radians(np.linspace(-58, 58, 150))[None, :]
+    distance = np.geomspace(15, 170, 118)[:, None]
     x, z = distance * np.sin(angle), -distance * np.cos(angle)
     rng = np.random.default_rng(116)
     y = np.zeros(x.shape)
