@@ -3,9 +3,10 @@
 
     scenes/gallery/make/meshes.py
 
-Each mesh is a curve that is turned about the y axis. Glasses are closed shells. A liquid reaches a
-fifth of a millimetre into its glass, where its higher priority replaces the glass, so that no gap
-of air remains. Lengths are in cm. Needs NumPy.
+Glasses, the stand and the tower are curves that are turned about the y axis. Glasses are closed
+shells. A liquid reaches a fifth of a millimetre into its glass, where its higher priority replaces
+the glass, so that no gap of air remains. Rocks, the sea and the road are heights over a grid.
+Lengths are in cm, and in m for the shore and the lighthouse. Needs NumPy.
 """
 
 import pathlib
