@@ -15,10 +15,10 @@ import numpy as np
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "textures"
 
 
-def write_png(name, picture):
+def write_png(name, picture, step=4):
     """Writes values from 0 to 1 as a PNG file with 8 bits, in grey or in RGB."""
     # Steps of 4 are invisible in these grains, and make the files half as large.
-    data = np.clip(np.round(picture * 63.75) * 4, 0, 255).astype(np.uint8)
+    data = np.clip(np.round(picture * (255 / step)) * step, 0, 255).astype(np.uint8)
     height, width = data.shape[:2]
     rows = data.reshape(height, -1)
     # The PNG filter "Up" stores differences of rows, which compress better.
@@ -233,6 +233,62 @@ def garden():
     write_png("garden.png", np.clip(picture, 0, 1))
 
 
+def storm():
+    """All directions of the sky, equirectangular: rain clouds ahead, and the clear evening sky behind the camera."""
+    height, width = 768, 1536
+    azimuth = (np.arange(width)[None, :] + 0.5) / width * 2 * np.pi - np.pi
+    elevation = np.pi / 2 - (np.arange(height)[:, None] + 0.5) / height * np.pi
+    ahead = 0.5 + 0.5 * np.cos(azimuth) * np.cos(np.clip(elevation, 0, 2))
+    # Clouds lie in a layer, so they are finer near the horizon.
+    clouds = np.zeros((height, width))
+    for k, (slope, stretch, seed, weight) in enumerate(((1.7, 2.6, 131, 1.0), (1.35, 3.6, 132, 0.55))):
+        layer = noise((height, width), slope, stretch, seed)
+        rise = (height * (0.5 - 0.42 * np.tanh(2.2 * np.clip(elevation, 0, 2)))).astype(int)[:, 0] * (k + 1)
+        clouds += weight * layer[rise % height]
+    bulge = np.clip(0.5 + 0.28 * clouds, 0, 1)
+    up = np.clip(elevation / (np.pi / 2), 0, 1)
+    dark = mix([0.27, 0.30, 0.36], [0.15, 0.17, 0.21], up * 1.8) * (0.70 + 0.55 * bulge)[..., None]
+    clear = mix([0.98, 0.86, 0.70], [0.42, 0.58, 0.86], up * 2.2)
+    white = mix(clear, [1.0, 0.94, 0.86], np.clip(clouds - 0.6, 0, 1) * 0.8)
+    sky = mix(white, dark, np.clip((ahead - 0.30) * 2.4 + 0.12 * clouds, 0, 1))
+    sky = np.where(elevation[..., None] < 0, sky[height // 2 - 1][None] * 0.25, sky)
+    write_png("storm.png", sky)
+
+
+def asphalt():
+    """Stones in bitumen, and a worn line of white paint for a mix of materials."""
+    shape = (384, 384)
+    stones = noise(shape, 0.55, 1, 141, low=22)
+    size = noise(shape, 1.4, 1, 142)
+    tone = 0.35 + 0.22 * stones + 0.12 * size
+    colour = mix([0.13, 0.13, 0.135], [0.40, 0.38, 0.36], tone)
+    write_png("asphalt.png", colour, 16)
+    write_png("asphalt_normal.png", normals(np.clip(1.7 * stones, -1.2, 1.5), 0.75), 12)
+    height, width = 480, 480
+    y, x = np.mgrid[0:height, 0:width] / height
+    across = (y - 0.50 - 0.14 * x) / 0.026
+    wear = noise((height, width), 0.9, 1.6, 143) + 0.8 * noise((height, width), 1.9, 1, 144)
+    line = np.clip((1 - np.abs(across)) * 9, 0, 1) * np.clip((1.15 - wear) * 2.5, 0, 1)
+    write_png("line.png", line, 32)
+
+
+def films():
+    """Thicknesses of the film of a bubble, which drains and swirls, and of oil on a puddle."""
+    height, width = 256, 512
+    v = np.arange(height)[:, None] / height + np.zeros((1, width))
+    across = np.arange(width)[None, :] / width * 2 * np.pi
+    swirl = noise((height, width), 2.3, 1.6, 151) * np.sin(np.pi * v)
+    fine = noise((height, width), 1.7, 3, 152) * np.sin(np.pi * v) ** 2
+    film = 0.08 + 0.80 * v**0.8 + 0.085 * swirl + 0.04 * fine * (0.6 + 0.4 * np.cos(across + 4 * v))
+    write_png("bubble_film.png", film, 1)
+    size = 384
+    y, x = np.mgrid[0:size, 0:size] / size - 0.5
+    warp = [noise((size, size), 2.4, 1, seed) for seed in (153, 154, 155)]
+    r = np.hypot(x + 0.07 * warp[0], (y + 0.07 * warp[1]) * 1.15)
+    oil = np.exp(-((r / 0.24) ** 2)) + 0.10 * warp[2] * np.exp(-((r / 0.3) ** 2))
+    write_png("oil_film.png", np.clip(oil * 0.85, 0, 1), 1)
+
+
 if __name__ == "__main__":
     wood()
     letter()
@@ -241,3 +297,6 @@ if __name__ == "__main__":
     cobbles()
     bricks()
     garden()
+    storm()
+    asphalt()
+    films()
