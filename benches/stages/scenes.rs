@@ -143,6 +143,7 @@ pub(crate) fn camera_pass<'a>(
         lens_systems: None,
         light_maps,
         surface_extents,
+        final_gather: false,
         sensors: &[],
         spectra: &prepared.spectra,
         responses: None,
