@@ -415,6 +415,8 @@ fn summary(rendered: &Rendered, outputs: &OutputFiles, display: &DisplaySettings
     let mut text = format!("wrote {}: {passes} in {spent}, exposure {exposure}\n{error}", outputs.named());
     if let Some(denoised) = rendered.picture.denoised() {
         text += &format!("\n{}", print::denoised(&denoised, display.shows_denoised(&rendered.picture)));
+    } else if rendered.run.denoises() {
+        text += "\nthe PNG shows the picture as rendered: the denoiser needs at least four passes";
     }
     text
 }

@@ -51,6 +51,11 @@ impl Run {
         Picture { denoised: denoised(&self.sums.film, &picture), ..picture }
     }
 
+    /// Returns true if the film collects what the denoiser needs, also before the fourth pass.
+    pub fn denoises(&self) -> bool {
+        self.sums.film.denoises()
+    }
+
     pub fn readings(&self) -> Vec<Reading> {
         self.sums.film.readings()
     }

@@ -236,8 +236,8 @@ impl LibraryMetal {
 pub fn metal(name: &str) -> Result<LibraryMetal> {
     metals().find(|metal| metal.is_called(name)).ok_or_else(|| {
         let candidates = metals().flat_map(|metal| [metal.symbol, metal.name]);
-        let symbols: Vec<&str> = metals().map(|metal| metal.symbol).collect();
-        Error::unknown_name("metal", name, candidates).expected(symbols.join(", "))
+        let named: Vec<String> = metals().map(|metal| format!("{} ({})", metal.name, metal.symbol)).collect();
+        Error::unknown_name("metal", name, candidates).expected(named.join(", "))
     })
 }
 

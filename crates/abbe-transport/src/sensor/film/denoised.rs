@@ -6,8 +6,13 @@ use abbe_denoise::{GROUPS, Samples};
 use abbe_spectra::spectrum::LUMENS_PER_WATT;
 
 impl Film {
+    /// Returns true if the film has sums for the denoiser.
+    pub fn denoises(&self) -> bool {
+        self.channels.denoises()
+    }
+
     pub(super) fn denoising_planes(&self) -> usize {
-        if self.channels.denoises() { denoising::PLANES } else { 0 }
+        if self.denoises() { denoising::PLANES } else { 0 }
     }
 
     pub(super) fn denoising_plane_names(&self) -> impl Iterator<Item = String> {
