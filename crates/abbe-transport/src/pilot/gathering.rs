@@ -6,8 +6,7 @@
 //! if its samples lack light that photons in place have, or if few tiles have most of its noise.
 
 use super::balance::{Balance, Variances};
-use super::small_pass::SmallPass;
-use super::trial::sample_variances;
+use super::small_pass::{SmallPass, sample_variances};
 use super::work::Work;
 use crate::gather::CameraPass;
 use crate::pass::PassContext;

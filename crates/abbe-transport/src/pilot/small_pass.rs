@@ -163,6 +163,28 @@ pub(super) fn tiles((width, height): (usize, usize)) -> Vec<Vec<usize>> {
     corners.into_iter().map(pixels).collect()
 }
 
+/// Returns the variance of two values, estimated from their difference.
+pub(super) fn half_square(one: f64, other: f64) -> f64 {
+    0.5 * (one - other).powi(2)
+}
+
+/// Returns the variance of X, Y or Z, from the samples of both passes.
+pub(super) fn variance_of_sample(passes: [[[f64; 3]; TRIALS]; 2], c: usize) -> f64 {
+    let [first, second] = passes.map(|[one, other]| half_square(one[c], other[c]));
+    0.5 * (first + second)
+}
+
+/// Returns the pixels of the tiles and the variance of a camera sample in each of them.
+pub(super) fn sample_variances<'p>(
+    [first, second]: &'p [SmallPass; 2],
+    tiles: &'p [Vec<usize>],
+) -> impl Iterator<Item = (usize, [f64; 3])> + use<'p> {
+    let light = first.tiles.iter().flatten().zip(second.tiles.iter().flatten());
+    tiles.iter().flatten().zip(light).map(|(&pixel, (first, second))| {
+        (pixel, std::array::from_fn(|c| variance_of_sample([first.samples, second.samples], c)))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,10 @@
 use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{FilmNoise, ProbedPixel};
 use super::gathering::{Gathering, forces_final_gather};
-use super::small_pass::{SmallPass, TILE, TRIALS, TrialPhotons, TrialPixel, mean_of_components, sample_light, tiles};
+use super::small_pass::{
+    SmallPass, TILE, TRIALS, TrialPhotons, TrialPixel, half_square, mean_of_components, sample_light, sample_variances,
+    tiles, variance_of_sample,
+};
 use super::work::{SampleWork, Work};
 use crate::gather::{CameraPass, PathBuffers};
 use crate::map::LightMaps;
@@ -93,17 +96,6 @@ impl SampleVariance {
             camera,
         }
     }
-}
-
-/// Returns the variance of two values, estimated from their difference.
-fn half_square(one: f64, other: f64) -> f64 {
-    0.5 * (one - other).powi(2)
-}
-
-/// Returns the variance of X, Y or Z, from the samples of both passes.
-fn variance_of_sample(passes: [[[f64; 3]; TRIALS]; 2], c: usize) -> f64 {
-    let [first, second] = passes.map(|[one, other]| half_square(one[c], other[c]));
-    0.5 * (first + second)
 }
 
 /// Returns the mean of a value over pairs of equal pixels, for X, Y and Z.
@@ -316,17 +308,6 @@ fn variances(
         with_splats(sampled(of_pixels, Reference::Picture), of_splats(of_pixel, Reference::Picture)),
         with_splats(sampled(of_means, Reference::Block), of_splats(of_mean, Reference::Block)),
     ]
-}
-
-/// Returns the pixels of the tiles and the variance of a camera sample in each of them.
-pub(super) fn sample_variances<'p>(
-    [first, second]: &'p [SmallPass; 2],
-    tiles: &'p [Vec<usize>],
-) -> impl Iterator<Item = (usize, [f64; 3])> + use<'p> {
-    let light = first.tiles.iter().flatten().zip(second.tiles.iter().flatten());
-    tiles.iter().flatten().zip(light).map(|(&pixel, (first, second))| {
-        (pixel, std::array::from_fn(|c| variance_of_sample([first.samples, second.samples], c)))
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The table of effects: the facts that require each effect, its field of the plan, its event
 //! counter, its removal, and the texts of `abbe explain`.
 
+use super::effect_parts::{bodies, pictured_diffuse, replace_surfaces, with_final_gather};
 use super::effects::{Effect, EffectId, Removal};
 use super::fields::{
     AimPlan, AperturePlan, CausticPlan, DirectPlan, IndirectPlan, MediumPlan, MotionPlan, PolarisationPlan, Rim,
@@ -11,8 +12,6 @@ use abbe_optics::glass::RefractiveIndex;
 use abbe_scene::Layer;
 use abbe_scene::camera::SystemLens;
 use abbe_scene::light::{Emitter, Light};
-use abbe_scene::{Body, Scene};
-use abbe_spectra::error::Result;
 
 impl EffectId {
     pub fn effect(self) -> &'static Effect {
@@ -144,21 +143,12 @@ const fn row(id: EffectId) -> Effect {
             id,
             name: "final-gather",
             field: "indirect",
-            cost: "a ray, shadow rays and a query behind each diffuse surface in the picture; unless it is forced, the \
-                   pilot chooses it only if it lowers the noise",
+            cost: "a ray, shadow rays and a query behind each diffuse surface; the pilot chooses, unless it is forced",
             absent: "camera paths read indirect light from the photons around the first diffuse surface",
             required_by: "diffuse surfaces in a picture",
             not_required: "no picture shows a diffuse surface in clear air and natural light",
-            requires: |facts| {
-                let clear = facts.dense_media.is_empty() && facts.thin_media.is_empty();
-                let pictured = facts.meters.is_empty() && facts.polarising.is_empty();
-                if clear && pictured { facts.diffuse.clone() } else { Vec::new() }
-            },
-            set: |plan, _, on| {
-                if on && plan.indirect == IndirectPlan::Photons && !plan.polarisation.is_on() {
-                    plan.indirect = IndirectPlan::PhotonsOrFinalGather;
-                }
-            },
+            requires: pictured_diffuse,
+            set: |plan, _, on| plan.indirect = with_final_gather(plan, on),
             events: |tally, _| tally.final_gathers,
             removal: Removal::FromPlan,
         },
@@ -493,19 +483,6 @@ const fn row(id: EffectId) -> Effect {
             removal: Removal::Refused { alternative: "`abbe render`, which ignores meters" },
         },
     }
-}
-
-/// Replaces the surface of each material.
-fn replace_surfaces(scene: &mut Scene, replace: impl Fn(Bsdf) -> Result<Bsdf>) -> Result<()> {
-    scene.materials.iter_mut().try_for_each(|material| {
-        material.surface = replace(std::mem::replace(&mut material.surface, Bsdf::Absorber))?;
-        Ok(())
-    })
-}
-
-/// The interiors of all materials that have an interior.
-fn bodies(scene: &mut Scene) -> impl Iterator<Item = &mut Body> {
-    scene.materials.iter_mut().filter_map(|material| material.body.as_mut())
 }
 
 #[cfg(test)]

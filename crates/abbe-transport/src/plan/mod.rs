@@ -4,6 +4,7 @@
 
 pub mod budget;
 mod decide;
+mod effect_parts;
 mod effect_table;
 mod effects;
 pub mod explain;
