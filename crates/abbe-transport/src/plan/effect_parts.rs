@@ -15,10 +15,8 @@ pub(super) fn pictured_diffuse(facts: &Facts) -> Vec<String> {
 
 /// Returns the plan of indirect light if a final gather is `on`. Paths with polarisation have none.
 pub(super) fn with_final_gather(plan: &Plan, on: bool) -> IndirectPlan {
-    match plan.indirect {
-        IndirectPlan::Photons if on && !plan.polarisation.is_on() => IndirectPlan::PhotonsOrFinalGather,
-        indirect => indirect,
-    }
+    let is_possible = on && plan.indirect == IndirectPlan::Photons && !plan.polarisation.is_on();
+    if is_possible { IndirectPlan::PhotonsOrFinalGather } else { plan.indirect }
 }
 
 /// Replaces the surface of each material.
