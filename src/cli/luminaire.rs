@@ -1,4 +1,5 @@
-//! `abbe lamps FILE.ies` (or `.ldt`, `.tm33`, `.xml`): the figures and the polar diagram of a luminaire.
+//! `abbe lamps FILE.ies` (or `.ldt`, `.tm33`, `.xml`): the figures and the polar diagram of a
+//! luminaire.
 
 use std::path::Path;
 

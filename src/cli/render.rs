@@ -416,7 +416,7 @@ fn summary(rendered: &Rendered, outputs: &OutputFiles, display: &DisplaySettings
     if let Some(denoised) = rendered.picture.denoised() {
         text += &format!("\n{}", print::denoised(&denoised, display.shows_denoised(&rendered.picture)));
     } else if rendered.run.denoises() {
-        text += "\nthe PNG shows the picture as rendered: the denoiser needs at least four passes";
+        text += "\nthe PNG shows the picture as rendered: the denoiser needs four passes in a row";
     }
     text
 }

@@ -18,8 +18,8 @@ use crate::reports::named::{NamedSpectrum, SpectrumList, SpectrumListing, light_
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SpectrumArgs {
-    /// A name of the library, a file (columns nm,value; IES TM-27 .spdx; or CGATS, such as .ti3), or
-    /// a spectrum in the JSON form of scenes
+    /// A name of the library, a file (columns nm,value; IES TM-27 .spdx; or CGATS, such as .ti3),
+    /// or a spectrum in the JSON form of scenes
     #[arg(value_name = "NAME|FILE|JSON", required_unless_present = "list")]
     spectrum: Option<String>,
     /// The sample of a CGATS file with several samples, by SAMPLE_ID, SAMPLE_NAME or SAMPLE_LOC

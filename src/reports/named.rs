@@ -17,7 +17,7 @@ pub struct NamedSpectrum {
     pub origin: String,
     /// A light, a reflectance or a coefficient.
     pub spectrum: Spectrum,
-    /// What the reader of a file decided from its values.
+    /// Remarks on what the reader of a file decided from its values.
     pub notes: Vec<String>,
 }
 

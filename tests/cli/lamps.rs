@@ -314,7 +314,8 @@ fn a_tm33_luminaire_has_the_figures_of_the_same_ies_file() {
     abbe(folder.path(), &["lamps", "bad.tm33"]).is_error(2, &["bad.tm33:7:", "above the one before it, 60°"]);
 }
 
-/// The illuminance 2 m below a luminaire of 1000 cd is 250 lx, and its spectrum is that of the file.
+/// The illuminance 2 m below a luminaire of 1000 cd is 250 lx, and its spectrum is that of the
+/// file.
 #[test]
 fn a_tm33_luminaire_lights_a_scene_with_its_own_spectrum() {
     let folder = tempfile::tempdir().unwrap();

@@ -91,8 +91,8 @@ fn noise_that_all_pixels_share_stays_in_the_bars() {
     assert!(denoised.noise.iter().all(|noise| (noise / known - 1.0).abs() < 1e-3));
 }
 
-/// With one pass in each group, two replicates of each half are left. The pixels keep noise that all
-/// share, and are cleaned of their own.
+/// With one pass in each group, two replicates of each half are left. The pixels keep noise that
+/// all share, and are cleaned of their own.
 #[test]
 fn four_passes_have_honest_error_bars() {
     let four = |y: &dyn Fn(usize, usize) -> f32| {

@@ -62,8 +62,8 @@ pub enum LightFile {
     #[schemars(example = json!({"sky": {"type": 12, "place": {"latitude": 52.52, "longitude": 13.405},
         "time": "2026-06-21T12:00:00+02:00", "illuminance": 20_000, "sun": {"illuminance": 90_000}}}))]
     Sky(SkyFile),
-    /// A luminaire with a measured distribution of intensity, from an IES LM-63, EULUMDAT or IES TM-33
-    /// file.
+    /// A luminaire with a measured distribution of intensity, from an IES LM-63, EULUMDAT or IES
+    /// TM-33 file.
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "path": "lamp.ies", "spectrum": "LED-B3"}}))]
     #[schemars(example = json!({"ies": {"at": [0, 3, 0], "toward": [0, -1, 0], "c0": [0, 0, 1], "path": "lamp.ldt",
         "area": true, "spectrum": "D65", "luminous_flux": 800, "group": "lamps", "transform": [], "motion": []}}))]

@@ -36,8 +36,7 @@ impl PictureFile {
     /// Returns an error if the file cannot be read or is not a picture. The error contains the name
     /// of the file.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|error| unreadable(&error).in_file(path))?;
-        Self::decode(&bytes).map_err(|error| error.in_file(path))
+        Self::decode(&contents(path)?).map_err(|error| error.in_file(path))
     }
 
     /// Decodes the contents of a PNG, JPEG, WebP, OpenEXR or Radiance HDR file.
@@ -111,22 +110,18 @@ pub(super) struct BandPicture {
 impl BandPicture {
     /// Reads the channels `T.…nm` of a file, or the channels `S0.…nm` if there are no others.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        Self::of_file(path).map_err(|error| error.in_file(path))
+        let kinds = [reflective_wavelength_nm, emissive_wavelength_nm];
+        Self::of_bytes(&contents(path)?, &kinds).map_err(|error| error.in_file(path))
     }
 
-    /// Reads the channels `S0.…nm` of a file. Returns `None` if the file is no OpenEXR file, or has
-    /// no such channel.
-    pub(super) fn read_light(path: &Path) -> Result<Option<Self>> {
-        let bytes = std::fs::read(path).map_err(|error| unreadable(&error).in_file(path))?;
-        if !bytes.starts_with(picture_exr::MAGIC) || !picture_exr::has_channel(&bytes, is_emissive) {
+    /// Reads the channels `S0.…nm` of the contents of a file. Returns `None` if they are no OpenEXR
+    /// file, or have no such channel.
+    pub(super) fn of_light(bytes: &[u8]) -> Result<Option<Self>> {
+        let is_emissive = |channel: &str| emissive_wavelength_nm(channel).is_some();
+        if !bytes.starts_with(picture_exr::MAGIC) || !picture_exr::has_channel(bytes, is_emissive) {
             return Ok(None);
         }
-        Self::of_bytes(&bytes, &[emissive_wavelength_nm]).map(Some).map_err(|error| error.in_file(path))
-    }
-
-    fn of_file(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|error| unreadable(&error))?;
-        Self::of_bytes(&bytes, &[reflective_wavelength_nm, emissive_wavelength_nm])
+        Self::of_bytes(bytes, &[emissive_wavelength_nm]).map(Some)
     }
 
     /// Reads the channels of the first kind of which the file has one. A kind of channels is a
@@ -168,8 +163,9 @@ impl BandPicture {
     }
 }
 
-fn is_emissive(channel: &str) -> bool {
-    emissive_wavelength_nm(channel).is_some()
+/// Returns the contents of a picture file.
+pub(super) fn contents(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|error| unreadable(&error).in_file(path))
 }
 
 /// Decodes components.

@@ -260,6 +260,13 @@ pub struct Settings {
     pub forbid: Vec<String>,
 }
 
+impl Settings {
+    /// Returns true if the scene forces the effect with this name.
+    pub fn forces(&self, effect: &str) -> bool {
+        self.force.iter().any(|name| name == effect)
+    }
+}
+
 impl Material {
     /// A material whose objects only bound a medium.
     pub fn boundary(name: &str, medium: usize, priority: i32) -> Self {

@@ -34,7 +34,8 @@ pub struct IesFile {
     #[schemars(skip_serializing_if = "crate::schema::never")]
     pub area: bool,
     /// Relative distribution of the light over wavelength. The file or the given quantity sets the
-    /// scale. An IES LM-63 or EULUMDAT file requires it, and so does a TM-33 file without a spectrum.
+    /// scale. An IES LM-63 or EULUMDAT file requires it, and so does a TM-33 file without a
+    /// spectrum.
     #[schemars(extend("minimum" = 0, "x-default" = "the spectrum of the TM-33 file"))]
     pub spectrum: Option<SpectrumFile>,
     /// Power over 360–830 nm. It replaces the luminous flux of the file.

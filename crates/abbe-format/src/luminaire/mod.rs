@@ -1,5 +1,5 @@
-//! Measured distributions of luminaires: IES LM-63 (`.ies`), EULUMDAT (`.ldt`) and IES TM-33 (`.tm33`,
-//! `.xml`).
+//! Measured distributions of luminaires: IES LM-63 (`.ies`), EULUMDAT (`.ldt`) and IES TM-33
+//! (`.tm33`, `.xml`).
 
 mod eulumdat;
 mod ies;

@@ -122,9 +122,9 @@ fn radians(degrees: &[f64]) -> Vec<f64> {
     degrees.iter().map(|angle| angle.to_radians()).collect()
 }
 
-/// Returns the intensity over all directions from photometry of type C: `candela` contains one plane
-/// for each horizontal angle in degrees, with one value for each vertical angle in degrees. Returns
-/// an error if all intensities are 0.
+/// Returns the intensity over all directions from photometry of type C: `candela` contains one
+/// plane for each horizontal angle in degrees, with one value for each vertical angle in degrees.
+/// Returns an error if all intensities are 0.
 pub(super) fn type_c_table(
     symmetry: LuminaireSymmetry,
     vertical_deg: &[f64],

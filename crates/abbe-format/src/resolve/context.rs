@@ -29,7 +29,7 @@ pub(super) struct Resolver<'a> {
     faults: RefCell<Vec<Error>>,
     /// The textures of pictures that were read before. Copies share their texels.
     pub(super) textures: RefCell<Vec<(ColourImageFile, SpectralTexture)>>,
-    /// What the readers of spectra decided from the values of their files.
+    /// Remarks on what the readers of spectra decided from the values of their files.
     pub(super) spectrum_notes: RefCell<Vec<String>>,
 }
 

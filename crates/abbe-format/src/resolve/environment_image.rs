@@ -1,6 +1,6 @@
 //! Reads image files as environment maps.
 
-use crate::picture_file::BandPicture;
+use crate::picture_file::{BandPicture, contents};
 use crate::picture_primaries::ColourUse;
 use crate::{PictureFile, light::ProjectionFile};
 use abbe_scene::light::{EnvironmentBands, EnvironmentMap};
@@ -27,17 +27,20 @@ pub(super) enum ImageScale {
     UnknownUnit(String),
 }
 
-/// The units of spectral radiance, without blanks. The layout of Fichet, Pacanowski and Wilkie leaves
-/// out "per nm".
+/// The units of spectral radiance, without blanks. The layout of Fichet, Pacanowski and Wilkie
+/// leaves out "per nm".
 const RADIANCE_UNITS: [&str; 2] = ["W.m^-2.sr^-1", "W.m^-2.sr^-1.nm^-1"];
 
-/// Reads a picture of all directions (EXR, HDR, PNG, JPEG, WebP), rotated by `to_world`. The spectral
-/// channels of an EXR file are spectral radiances; all other pictures are linear sRGB.
+/// Reads a picture of all directions (EXR, HDR, PNG, JPEG, WebP), rotated by `to_world`. The
+/// spectral channels of an EXR file are spectral radiances; all other pictures are linear sRGB.
 pub(super) fn load(path: &Path, projection: ProjectionFile, to_world: DAffine3) -> Result<EnvironmentImage> {
-    match BandPicture::read_light(path)? {
-        Some(bands) => spectral(bands, projection, to_world).map_err(|error| error.in_file(path)),
-        None => colours(path, projection, to_world),
-    }
+    let bytes = contents(path)?;
+    let image = match BandPicture::of_light(&bytes) {
+        Ok(Some(bands)) => spectral(bands, projection, to_world),
+        Ok(None) => colours(&bytes, projection, to_world),
+        Err(error) => Err(error),
+    };
+    image.map_err(|error| error.in_file(path))
 }
 
 /// Returns the map of a picture with spectral bands.
@@ -56,20 +59,19 @@ fn spectral(picture: BandPicture, projection: ProjectionFile, to_world: DAffine3
 }
 
 /// Returns the map of a picture as linear sRGB.
-fn colours(path: &Path, projection: ProjectionFile, to_world: DAffine3) -> Result<EnvironmentImage> {
-    let picture = PictureFile::read(path)?;
+fn colours(bytes: &[u8], projection: ProjectionFile, to_world: DAffine3) -> Result<EnvironmentImage> {
+    let picture = PictureFile::decode(bytes)?;
     let (width, height) = (picture.size.width, picture.size.height);
     let rgb = picture.linear(None, ColourUse::Light);
     if rgb.iter().flatten().any(|c| !c.is_finite() || *c < 0.0) {
-        return Err(Error::input("the image has values that are negative or not finite").in_file(path));
+        return Err(Error::input("the image has values that are negative or not finite"));
     }
-    let (width, height, values) =
-        upright((width, height), rgb.into_flattened(), 3, projection, to_world).map_err(|error| error.in_file(path))?;
+    let (width, height, values) = upright((width, height), rgb.into_flattened(), 3, projection, to_world)?;
     let (rgb, _) = values.as_chunks::<3>();
     let lights = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let [red, green, blue] = lights.map(Spectrum::rgb_light);
     let map = EnvironmentMap::new(width, height, rgb, [&red?, &green?, &blue?])
-        .ok_or_else(|| Error::input("the image is black").expected("at least one pixel above 0").in_file(path))?;
+        .ok_or_else(|| Error::input("the image is black").expected("at least one pixel above 0"))?;
     Ok(EnvironmentImage { map, scale: ImageScale::Colours { mean_luminance: mean_luminance(width, height, rgb) } })
 }
 

@@ -43,7 +43,7 @@ const MAX_DEPTH: usize = 64;
 pub(super) struct Spectra<'a> {
     pub(super) named: &'a BTreeMap<String, SpectrumFile>,
     pub(super) source: &'a JsonSource,
-    /// What the readers of files decided from the values, without repetitions.
+    /// Remarks on what the readers of files decided from the values, without repetitions.
     pub(super) notes: &'a RefCell<Vec<String>>,
 }
 

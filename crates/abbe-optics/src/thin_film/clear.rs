@@ -1,8 +1,8 @@
 //! The reflectance of a stack of clear layers, by characteristic matrices.
 //!
 //! Without absorption, the matrix of a layer has real diagonal and imaginary off-diagonal elements
-//! (Abelès; Macleod, *Thin-Film Optical Filters*, chapter 2), so no complex number has to be divided
-//! and the only root is that of the angle.
+//! (Abelès; Macleod, *Thin-Film Optical Filters*, chapter 2), so no complex number has to be
+//! divided and the only root is that of the angle.
 
 use super::airy::{LEAST_COSINE, LEAST_NORMAL_INDEX};
 use abbe_spectra::math::elementary::sin_cos;

@@ -153,9 +153,9 @@ impl FilmStack {
         response(cos, incident, self.layers_at(nm, thickness_nm).rev(), substrate, nm)
     }
 
-    /// Returns the reflectance for unpolarised light between two transparent media, which is quicker
-    /// than [`response`](Self::response). `None` if a layer absorbs, or if light does not propagate
-    /// in one. If `outside` is false, the light arrives at the last layer.
+    /// Returns the reflectance for unpolarised light between two transparent media, which is
+    /// quicker than [`response`](Self::response). `None` if a layer absorbs, or if light does not
+    /// propagate in one. If `outside` is false, the light arrives at the last layer.
     pub fn clear_reflectance(
         &self,
         outside: bool,

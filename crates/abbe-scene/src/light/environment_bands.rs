@@ -22,8 +22,8 @@ pub struct EnvironmentBands {
 const STEP_NM: f64 = 1e-6;
 
 impl EnvironmentBands {
-    /// Creates the bands with these wavelengths in nm. `values` has one value for each wavelength of
-    /// a pixel, in W/m²/sr/nm.
+    /// Creates the bands with these wavelengths in nm. `values` has one value for each wavelength
+    /// of a pixel, in W/m²/sr/nm.
     ///
     /// # Errors
     /// Returns an error if there are fewer than two wavelengths, if they do not ascend, if no band

@@ -50,8 +50,9 @@ impl EnvironmentMap {
         Some(Self { width, height, texels: Texels::Mixed { weights, basis }, pixels })
     }
 
-    /// Creates a map from spectral radiances (row by row from the top), and returns it with the mean
-    /// radiance over all directions in W/m²/sr over the band. Returns `None` if the image is black.
+    /// Creates a map from spectral radiances (row by row from the top), and returns it with the
+    /// mean radiance over all directions in W/m²/sr over the band. Returns `None` if the image is
+    /// black.
     pub fn from_bands(width: usize, height: usize, bands: EnvironmentBands) -> Option<(Self, f64)> {
         let mean = mean(width, height, |pixel| bands.radiance(pixel))?;
         let pixels = pixels(width, height, |pixel| bands.radiance(pixel) / mean)?;

@@ -173,10 +173,10 @@ impl Balance {
         exact < WORTHWHILE.powi(3) * noisy
     }
 
-    /// Returns the noise that a person sees in a picture, at equal time: the product of the variances
-    /// of squares of 1, 2, 4, 8 and 16 pixels a side, times the fifth power of the work. Camera
-    /// samples of different pixels are independent, so their variance falls with the number of
-    /// pixels; the noise of photons is common to neighbours.
+    /// Returns the noise that a person sees in a picture, at equal time: the product of the
+    /// variances of squares of 1, 2, 4, 8 and 16 pixels a side, times the fifth power of the work.
+    /// Camera samples of different pixels are independent, so their variance falls with the number
+    /// of pixels; the noise of photons is common to neighbours.
     pub(super) fn visible_noise(self, [of_pixels, _, of_squares]: [Variances; 3], work: Work) -> f64 {
         let in_squares = |of_one: Variances, pixels: f64| Variances { camera: of_one.camera / pixels, ..of_one };
         let variances = [

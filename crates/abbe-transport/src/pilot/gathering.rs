@@ -34,6 +34,11 @@ pub(super) struct Gathering<'p> {
 }
 
 impl Gathering<'_> {
+    /// Returns true if camera paths gather photons behind the first diffuse surface.
+    pub(super) fn is_behind(&self) -> bool {
+        self.camera_passes[0].final_gather
+    }
+
     /// Returns true if this way is less noisy than photons in place, as far as the trial can tell.
     /// `tiles` holds the pixels of each tile.
     pub(super) fn improves_on(&self, in_place: &Self, tiles: &[Vec<usize>]) -> bool {
@@ -81,8 +86,8 @@ fn is_spread(mut noise: Vec<f64>) -> bool {
 
 /// Returns true if the plan gathers behind diffuse surfaces without a choice of the pilot.
 pub(super) fn forces_final_gather(context: &PassContext<'_>) -> bool {
-    let is_forced = || context.scene.settings.force.iter().any(|name| name == EffectId::FinalGather.effect().name);
-    context.plan.indirect.may_gather_behind() && is_forced()
+    let name = EffectId::FinalGather.effect().name;
+    context.plan.indirect.may_gather_behind() && context.scene.settings.forces(name)
 }
 
 #[cfg(test)]

@@ -153,12 +153,15 @@ pub(super) fn balanced(
         let work = Work::of_trial(&photons, &samples, paths, pixels as f64);
         Gathering { camera_passes, passes, variances, work, balance: limits.choose(variances, work) }
     };
-    let in_place = measured(false);
-    let behind = context.plan.indirect.may_gather_behind().then(|| measured(true));
-    let is_forced = forces_final_gather(context);
-    let behind = behind.filter(|behind| is_forced || behind.improves_on(&in_place, &tiles));
-    let final_gather = behind.is_some();
-    let Gathering { camera_passes, passes, variances, work, balance } = behind.unwrap_or(in_place);
+    let gathering = if forces_final_gather(context) {
+        measured(true)
+    } else {
+        let in_place = measured(false);
+        let behind = context.plan.indirect.may_gather_behind().then(|| measured(true));
+        behind.filter(|behind| behind.improves_on(&in_place, &tiles)).unwrap_or(in_place)
+    };
+    let final_gather = gathering.is_behind();
+    let Gathering { camera_passes, passes, variances, work, balance } = gathering;
     let probe = |pixels: &[usize]| {
         let mut buffers = PathBuffers::default();
         let of_pixel = |&pixel: &usize| {

@@ -63,9 +63,9 @@ pub(super) fn negligible(scene: &Scene) -> Vec<NegligibleEffect> {
     let mut all = unreachable(scene, &facts);
     let mut add =
         |effect, because: Option<String>| all.extend(because.map(|because| NegligibleEffect { effect, because }));
-    for effect in [EffectId::Indirect, EffectId::FinalGather] {
-        add(effect, indirect(scene, &facts));
-    }
+    let indirect = indirect(scene, &facts);
+    add(EffectId::Indirect, indirect.clone());
+    add(EffectId::FinalGather, indirect);
     add(EffectId::Dispersion, dispersion(scene, &facts));
     add(EffectId::DepthOfField, depth_of_field(scene, &facts));
     add(EffectId::Absorption, absorption(scene, &facts));

@@ -22,7 +22,7 @@ pub fn prepare(scene: &mut Scene) -> Result<(Plan, Vec<EffectRow>)> {
     let light_nm = light_centre_nm(scene);
     for absent in &negligible {
         let effect = absent.effect.effect();
-        if !scene.settings.force.iter().any(|name| name == effect.name)
+        if !scene.settings.forces(effect.name)
             && let Removal::FromScene(remove) = effect.removal
         {
             remove(scene, light_nm)?;

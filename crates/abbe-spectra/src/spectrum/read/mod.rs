@@ -22,8 +22,8 @@ pub use spectrum_samples::SpectrumSamples;
 const CGATS_EXTENSIONS: [&str; 6] = ["cgats", "cgt", "ti3", "sp", "ccss", "it8"];
 
 /// Reads the samples of a file with one spectrum: `.spdx`, `.xml` and `.tm33` as IES TM-27 or the
-/// spectrum of an IES TM-33 luminaire, CGATS files, and all others as columns of text. Returns an error with the file, line and column if it cannot be
-/// read or a sample is invalid.
+/// spectrum of an IES TM-33 luminaire, CGATS files, and all others as columns of text. Returns an
+/// error with the file, line and column if it cannot be read or a sample is invalid.
 pub fn samples(path: &Path) -> Result<SpectrumSamples> {
     samples_of(path, None)
 }

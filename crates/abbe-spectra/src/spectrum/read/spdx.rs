@@ -5,8 +5,8 @@
 //! attribute `wavelength` is in nm and whose text is the value. `SpectralQuantity` names the
 //! measured quantity.
 //!
-//! The spectrum of a luminaire file of IES TM-33 is read as well: the element `EmitterSpectral`, which
-//! contains one element `PwrData` per sample with the attribute `w`.
+//! The spectrum of a luminaire file of IES TM-33 is read as well: the element `EmitterSpectral`,
+//! which contains one element `PwrData` per sample with the attribute `w`.
 
 use roxmltree::{Document, Node};
 
