@@ -12,7 +12,7 @@ impl Scene {
     pub(super) fn notes_of_touching_bodies(&self) -> Vec<String> {
         /// The largest number of notes, and of pairs whose faces are compared.
         const MOST_NOTES: usize = 3;
-        const MOST_PAIRS: usize = 500;
+        const MOST_PAIRS: usize = 100;
         const MOST_BODIES: usize = 1000;
         let refracts = |object: u32| self.body_of(object).is_some_and(|body| body.index.is_some());
         let bodies = self.geometry.object_bounds().into_iter().filter(|(object, _)| refracts(*object));

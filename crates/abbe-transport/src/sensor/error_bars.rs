@@ -159,11 +159,14 @@ impl ErrorSquares {
     ///
     /// The rule ends at the first estimate below the target, and eight replicates often estimate
     /// too little. With the estimates as they are, 91 % to 94 % of the intervals contain the truth;
-    /// with noise that makes the error equal to the target, 93 % to 98 %.
+    /// with noise that makes the error equal to the target, 93 % to 98 %. An estimate far below the
+    /// target was not selected: for seven degrees of freedom, an error above the target is estimated
+    /// as less than half of it in only 3 % of the renders (the χ² distribution).
     pub fn widening(&self, target: f64) -> f64 {
+        const LARGEST: f64 = 2.0;
         let noise = self.kernel_noise + self.sampling;
-        let allowed = target * target - self.bias;
-        if self.relative() <= target && noise > 0.0 { (allowed / noise).sqrt().max(1.0) } else { 1.0 }
+        let factor = ((target * target - self.bias) / noise).sqrt();
+        if self.relative() <= target && (1.0..LARGEST).contains(&factor) { factor } else { 1.0 }
     }
 }
 
