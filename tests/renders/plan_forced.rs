@@ -60,6 +60,15 @@ fn what_forcing_changes(name: &str) -> Vec<String> {
     changed
 }
 
+/// Light that is reflected totally does not split its path, or paths in a puddle would nest without
+/// end.
+#[test]
+fn forced_polarisation_keeps_paths_in_a_puddle_from_splitting() {
+    let sets = ["film.width=24", "film.height=15", "render.photons=20000", "render.force=[\"polarisation\"]"];
+    let rendered = render_job(&example_job("oil_on_asphalt", &sets), Integrator::Photon, 8);
+    assert!(rendered.picture.mean_y() > 0.0);
+}
+
 #[test]
 #[ignore = "nightly: 30 seconds of CPU time"]
 fn forced_effects_leave_a_diffuse_box_unchanged() {

@@ -34,8 +34,7 @@ impl<'a> CameraPass<'a> {
         let mut path = *path;
         let continues = if let (SpectralMode::Free, true) = (path.spectral_mode, self.disperses(interaction)) {
             self.scatter_free_at_dispersive(&mut path, interaction, glossy, context)
-        } else if is_smooth_interface(interaction) && self.splits(&path, self.reflectance(&path, interaction, context))
-        {
+        } else if is_smooth_interface(interaction) && self.splits(&path, natural_reflectance(&path, interaction)) {
             self.follow_reflection(path, interaction, context);
             self.scatter_forced(&mut path, interaction, ScatterEvent::Transmission, 1.0, context)
         } else if let Some(reflectance) = self.polarised_reflectance(&path, interaction, context) {
@@ -120,7 +119,7 @@ impl<'a> CameraPass<'a> {
             return false;
         }
         let reflectance = self.reflectance(path, interaction, context);
-        let both = self.splits(path, reflectance);
+        let both = self.splits(path, natural_reflectance(path, interaction));
         let reflects = both || context.sampler.stream.uniform() < reflectance;
         let refracts = both || !reflects;
         if refracts && reflectance < 1.0 {
@@ -135,28 +134,20 @@ impl<'a> CameraPass<'a> {
         self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
     }
 
-    /// Returns the reflectance of a smooth interface at the wavelength of the path, or a mean over
-    /// the band for a free path: films may reflect other wavelengths only, and near the critical
-    /// angle, dispersive glass refracts some wavelengths and totally reflects others.
+    /// Returns the probability of a reflection at a smooth interface.
     fn reflectance<S: Sink>(
         &self,
         path: &CameraPath,
         interaction: &SurfaceInteraction<'a>,
         context: &PathContext<'_, 'a, S>,
     ) -> f64 {
-        if let Some(polarised) = self.polarised_reflectance(path, interaction, context) {
-            return polarised;
-        }
-        let nm = match path.spectral_mode {
-            SpectralMode::Free => None,
-            SpectralMode::Shared { nm, .. } => Some(nm),
-        };
-        interaction.bsdf.reflection_probability(interaction.wo, interaction.sides, nm)
+        let polarised = self.polarised_reflectance(path, interaction, context);
+        polarised.unwrap_or_else(|| natural_reflectance(path, interaction))
     }
 
     /// Returns the reflectance of a smooth surface for the light that the camera would receive, or
     /// `None` if the plan has no polarisation, or at all other surfaces. It is 0 or 1 only if the
-    /// reflectance of natural light is, because it holds at one wavelength.
+    /// reflectance of natural light is nearly so, because it holds at one wavelength.
     fn polarised_reflectance<S: Sink>(
         &self,
         path: &CameraPath,
@@ -165,6 +156,8 @@ impl<'a> CameraPass<'a> {
     ) -> Option<f64> {
         /// The least probability of an event that is possible at another wavelength.
         const LEAST: f64 = 0.02;
+        /// Less power than this is a rounding error of total reflection.
+        const NEGLIGIBLE: f64 = 1e-12;
         if !self.plan.polarisation.is_on() {
             return None;
         }
@@ -173,14 +166,14 @@ impl<'a> CameraPass<'a> {
         let [natural, polarised] = interaction.smooth_powers(-interaction.incoming, light, nm)?;
         let share =
             |powers: PowerFractions| powers.reflected / (powers.reflected + powers.transmitted).max(f64::MIN_POSITIVE);
-        let natural = share(natural);
-        let is_certain =
-            natural == 0.0 || (natural == 1.0 && matches!(path.spectral_mode, SpectralMode::Shared { .. }));
-        Some(if is_certain { natural } else { share(polarised).clamp(LEAST, 1.0 - LEAST) })
+        let natural =
+            if is_smooth_interface(interaction) { natural_reflectance(path, interaction) } else { share(natural) };
+        let is_certain = natural.min(1.0 - natural) < NEGLIGIBLE;
+        Some(if is_certain { natural.round() } else { share(polarised).clamp(LEAST, 1.0 - LEAST) })
     }
 
-    /// Returns true if the walk follows both paths at a smooth interface with this reflectance.
-    /// Otherwise, it selects one of them.
+    /// Returns true if the walk follows both paths at a smooth interface with this reflectance of
+    /// natural light. Otherwise, it selects one of them.
     fn splits(&self, path: &CameraPath, reflectance: f64) -> bool {
         let weight = path.reference_throughput * relative_n2(self.scene, &path.ray_state, path.reference_nm());
         weight * reflectance.min(1.0 - reflectance) > LEAST_BRANCH_WEIGHT
@@ -271,6 +264,17 @@ impl<'a> CameraPass<'a> {
             None => false,
         }
     }
+}
+
+/// Returns the reflectance of a smooth interface for natural light at the wavelength of the path, or
+/// a mean over the band for a free path: films may reflect other wavelengths only, and near the
+/// critical angle, dispersive glass refracts some wavelengths and totally reflects others.
+fn natural_reflectance(path: &CameraPath, interaction: &SurfaceInteraction<'_>) -> f64 {
+    let nm = match path.spectral_mode {
+        SpectralMode::Free => None,
+        SpectralMode::Shared { nm, .. } => Some(nm),
+    };
+    interaction.bsdf.reflection_probability(interaction.wo, interaction.sides, nm)
 }
 
 /// Returns true if the surface is a smooth interface between two dielectrics, or a film.
