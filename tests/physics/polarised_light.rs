@@ -290,7 +290,7 @@ fn a_slab_transmits_the_sum_of_both_polarisations() {
 /// Light that is linear at 45° is circular after the two total reflections of Fresnel's rhomb.
 #[test]
 fn a_fresnel_rhomb_makes_circular_light() {
-    let (n, degrees) = (1.51, 54.623_105_441_2_f64);
+    let (n, degrees) = (1.51_f64, 54.623_105_441_2_f64);
     let (sin, cos) = degrees.to_radians().sin_cos();
     let (height, length) = (1.0, 2.0 * degrees.to_radians().tan());
     // The section in the plane of incidence: the ends are perpendicular to the light.
@@ -329,11 +329,14 @@ fn a_fresnel_rhomb_makes_circular_light() {
     let materials =
         json!({ "glass": { "dielectric": { "ior": n } }, "polariser": polariser(45.0), "lamp": "absorber" });
     let scene = scene(&camera, &materials, &objects, &json!([]));
+    // Of the light, 0.2 % is reflected back and forth between the ends, and arrives with the opposite
+    // handedness. Few of the samples follow it.
+    let back_and_forth = ((n - 1.0) / (n + 1.0)).powi(4);
+    let expected = (1.0 - back_and_forth) / (1.0 + back_and_forth);
     for integrator in INTEGRATORS {
-        let ([q, u, v], _) = stokes(&render(&scene, integrator, 8));
-        println!("{integrator:?}: {q:.5} {u:.5} {v:.5}");
-        // Of the light, 0.2 % is reflected back and forth between the ends.
-        assert!(q.abs() < 4e-3 && u.abs() < 4e-3 && v.abs() > 0.996, "{q} {u} {v}");
+        let ([q, u, v], _) = stokes(&render(&scene, integrator, 6400));
+        println!("{integrator:?}: {q:.5} {u:.5} {v:.5}, expected {expected:.5}");
+        assert!(q.abs() < 1e-3 && u.abs() < 1e-3 && (v.abs() - expected).abs() < 1.5e-3, "{q} {u} {v}");
     }
 }
 
