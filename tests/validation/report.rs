@@ -37,15 +37,15 @@ pub(crate) fn markdown(title: &str, introduction: &str, results: &[CaseResult]) 
         text.push_str("| --- | ---: | ---: | ---: | ---: | --- |\n");
         for value in &result.values {
             let published = value.published.map_or("–".to_string(), number);
-            let [low, high] = value.interval_95;
+            let interval = value
+                .interval_95
+                .map_or("unknown".to_string(), |[low, high]| format!("{} to {}", number(low), number(high)));
             let _ = writeln!(
                 text,
-                "| {} | {} | {published} | {} | {} to {} | {} |",
+                "| {} | {} | {published} | {} | {interval} | {} |",
                 value.id,
                 number(value.expected),
                 number(value.measured),
-                number(low),
-                number(high),
                 if value.passes { "passes" } else { "**fails**" }
             );
         }
