@@ -12,8 +12,6 @@ are small. The Monge-Ampère equation for the potential is solved by repeated Po
 algorithm"). Lengths are in cm. Needs NumPy, Pillow and the font DejaVu Serif.
 """
 
-import pathlib
-
 import numpy as np
 from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
@@ -122,12 +120,14 @@ def transport(light, steps=300):
 
 def plate(potential):
     """The vertices with normals and the faces of the lens. Light flows along -z, and y is up."""
-    count, cells = len(potential), MESH_CELLS
+    cells = MESH_CELLS
     u = np.linspace(0, 1, cells + 1)
     u, v = (g.ravel() for g in np.meshgrid(u, u))
     scale = SIDE / (DISTANCE * (INDEX - 1))
     (to_x, to_y), *_ = derivatives(potential)
-    sloped = [MAGNIFICATION * sample(part, u, v) + (MAGNIFICATION - 1) * (w - 0.5) for part, w in ((to_x, u), (to_y, v))]
+    sloped = [
+        MAGNIFICATION * sample(part, u, v) + (MAGNIFICATION - 1) * (w - 0.5) for part, w in ((to_x, u), (to_y, v))
+    ]
     slope_x, slope_y = (scale * part for part in sloped)
     height = MAGNIFICATION * sample(potential, u, v) + (MAGNIFICATION - 1) * ((u - 0.5) ** 2 + (v - 0.5) ** 2) / 2
     z = -scale * SIDE * (height - height.min()) - THICKNESS / 2
@@ -138,7 +138,12 @@ def plate(potential):
     a, b, c, d = (part.ravel() for part in (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]))
     vertices, faces = [front], [np.stack([a, b, c], -1), np.stack([a, c, d], -1)]
     back = THICKNESS / 2
-    for edge, normal in ((grid[0], (0, 1, 0)), (grid[::-1, 0], (-1, 0, 0)), (grid[-1, ::-1], (0, -1, 0)), (grid[:, -1], (1, 0, 0))):
+    for edge, normal in (
+        (grid[0], (0, 1, 0)),
+        (grid[::-1, 0], (-1, 0, 0)),
+        (grid[-1, ::-1], (0, -1, 0)),
+        (grid[:, -1], (1, 0, 0)),
+    ):
         near = front[edge, :3]
         far = near * [1, 1, 0] + [0, 0, back]
         first, steps = sum(map(len, vertices)), len(edge)
@@ -151,7 +156,7 @@ def plate(potential):
     flat = np.concatenate([front[rim, :3] * [1, 1, 0] + [0, 0, back], [[0, 0, back]]])
     vertices.append(np.concatenate([flat, np.tile((0, 0, 1), (len(flat), 1))], -1))
     i = np.arange(len(rim))
-    faces.append(np.stack([first + len(rim) + 0 * i, first + (i + 1) % len(rim), first + i], -1))
+    faces.append(np.stack([np.full_like(i, first + len(rim)), first + (i + 1) % len(rim), first + i], -1))
     return np.concatenate(vertices), np.concatenate(faces)
 
 
