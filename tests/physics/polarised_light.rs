@@ -329,8 +329,8 @@ fn a_fresnel_rhomb_makes_circular_light() {
     let materials =
         json!({ "glass": { "dielectric": { "ior": n } }, "polariser": polariser(45.0), "lamp": "absorber" });
     let scene = scene(&camera, &materials, &objects, &json!([]));
-    // Of the light, 0.2 % is reflected back and forth between the ends, and arrives with the opposite
-    // handedness. Few of the samples follow it.
+    // Of the light, 0.2 % is reflected back and forth between the ends, and arrives with the
+    // opposite handedness. Few of the samples follow it.
     let back_and_forth = ((n - 1.0) / (n + 1.0)).powi(4);
     let expected = (1.0 - back_and_forth) / (1.0 + back_and_forth);
     for integrator in INTEGRATORS {

@@ -27,7 +27,7 @@ FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSerif-Italic.ttf"
 
 
 def picture(size):
-    """The light on the wall, with a mean of 1: Abbe's formula for the resolution of a microscope."""
+    """The light on the wall, with a mean of 1: Abbe's formula for what a microscope resolves."""
     scale = 4
     image = Image.new("L", (size * scale, size * scale), 0)
     draw, unit = ImageDraw.Draw(image), size * scale / 100

@@ -160,8 +160,8 @@ impl ErrorSquares {
     /// The rule ends at the first estimate below the target, and eight replicates often estimate
     /// too little. With the estimates as they are, 91 % to 94 % of the intervals contain the truth;
     /// with noise that makes the error equal to the target, 93 % to 98 %. An estimate far below the
-    /// target was not selected: for seven degrees of freedom, an error above the target is estimated
-    /// as less than half of it in only 3 % of the renders (the χ² distribution).
+    /// target was not selected: for seven degrees of freedom, an error above the target is
+    /// estimated as less than half of it in only 3 % of the renders (the χ² distribution).
     pub fn widening(&self, target: f64) -> f64 {
         const LARGEST: f64 = 2.0;
         let noise = self.kernel_noise + self.sampling;

@@ -118,8 +118,9 @@ impl<'a> CameraPass<'a> {
             self.split(*path, interaction, SplitEvent::Glossy(glossy), context);
             return false;
         }
-        let reflectance = self.reflectance(path, interaction, context);
-        let both = self.splits(path, natural_reflectance(path, interaction));
+        let natural = natural_reflectance(path, interaction);
+        let reflectance = self.polarised_reflectance(path, interaction, context).unwrap_or(natural);
+        let both = self.splits(path, natural);
         let reflects = both || context.sampler.stream.uniform() < reflectance;
         let refracts = both || !reflects;
         if refracts && reflectance < 1.0 {
@@ -132,17 +133,6 @@ impl<'a> CameraPass<'a> {
         }
         let probability = if both { 1.0 } else { reflectance };
         self.scatter_forced(path, interaction, ScatterEvent::Reflection, probability, context)
-    }
-
-    /// Returns the probability of a reflection at a smooth interface.
-    fn reflectance<S: Sink>(
-        &self,
-        path: &CameraPath,
-        interaction: &SurfaceInteraction<'a>,
-        context: &PathContext<'_, 'a, S>,
-    ) -> f64 {
-        let polarised = self.polarised_reflectance(path, interaction, context);
-        polarised.unwrap_or_else(|| natural_reflectance(path, interaction))
     }
 
     /// Returns the reflectance of a smooth surface for the light that the camera would receive, or
@@ -266,8 +256,8 @@ impl<'a> CameraPass<'a> {
     }
 }
 
-/// Returns the reflectance of a smooth interface for natural light at the wavelength of the path, or
-/// a mean over the band for a free path: films may reflect other wavelengths only, and near the
+/// Returns the reflectance of a smooth interface for natural light at the wavelength of the path,
+/// or a mean over the band for a free path: films may reflect other wavelengths only, and near the
 /// critical angle, dispersive glass refracts some wavelengths and totally reflects others.
 fn natural_reflectance(path: &CameraPath, interaction: &SurfaceInteraction<'_>) -> f64 {
     let nm = match path.spectral_mode {
