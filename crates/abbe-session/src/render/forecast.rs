@@ -17,7 +17,8 @@
 //!
 //! A forecast has an interval. It contains the scatter of the measured errors about the fit, which
 //! is large if rare bright samples cause them, and the uncertainty of the rate, which matters more
-//! the farther the forecast reaches.
+//! the farther the forecast reaches. Where few pixels with rare bright samples have almost all of the
+//! error, more of them may appear and raise the error of a typical pixel, so the rate is unknown.
 
 use abbe_spectra::math::elementary::{exp, ln, log10, powf};
 use abbe_spectra::math::random::REPLICATES;
@@ -45,6 +46,9 @@ const SCATTER_WEIGHT: f64 = 2.0;
 /// The standard deviation of the rate −d ln(error)/d ln(passes) with the prior alone, and after
 /// many measurements: the rates of the terms hold only approximately.
 const RATE_UNCERTAINTY: [f64; 2] = [0.15, 0.03];
+
+/// The same if few pixels have almost all of the error: that of a typical pixel may stay or rise.
+const RATE_UNCERTAINTY_OF_GLINTS: f64 = 1.0;
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct ErrorHistory {
@@ -126,7 +130,7 @@ impl ErrorHistory {
     pub(super) fn forecast(&self, times: RunTimes) -> Option<Forecasts> {
         let of = |norm: fn(&PictureErrors) -> ErrorSquares| {
             let points: Vec<(u64, ErrorSquares)> = self.points.iter().map(|(n, errors)| (*n, norm(errors))).collect();
-            Forecast::of(&points, times)
+            Forecast::of(&points, self.points.last()?.1.has_glints, times)
         };
         Some(Forecasts { typical: of(|errors| errors.typical)?, whole: of(|errors| errors.whole)? })
     }
@@ -153,7 +157,7 @@ struct SamplingFit {
 
 impl Forecast {
     /// Fits a forecast to errors after numbers of passes. Returns `None` without errors.
-    fn of(points: &[(u64, ErrorSquares)], times: RunTimes) -> Option<Self> {
+    fn of(points: &[(u64, ErrorSquares)], has_glints: bool, times: RunTimes) -> Option<Self> {
         let RunTimes { passes: done, total_s, before_first_pass_s } = times;
         let &(passes, squares) = points.last()?;
         let passes = passes as f64;
@@ -164,7 +168,7 @@ impl Forecast {
             slope,
             error: squares.relative(),
             scatter,
-            rate_uncertainty,
+            rate_uncertainty: if has_glints { RATE_UNCERTAINTY_OF_GLINTS } else { rate_uncertainty },
             seconds_before: before_first_pass_s,
             seconds_per_pass: (total_s - before_first_pass_s).max(0.0) / done.max(1) as f64,
         })
@@ -212,7 +216,7 @@ fn ln_strata(passes: f64) -> f64 {
 impl Forecast {
     /// Returns the forecast from the last error alone, with the slope of the prior.
     pub fn without_history(squares: ErrorSquares, times: RunTimes) -> Option<Self> {
-        Self::of(&[(times.passes, squares)], times)
+        Self::of(&[(times.passes, squares)], false, times)
     }
 
     /// Returns the relative error after this many passes from the beginning.
@@ -287,7 +291,8 @@ mod tests {
         for &n in passes {
             let [bias, kernel_noise, sampling] = parts(n as f64);
             let squares = ErrorSquares { bias, kernel_noise, sampling };
-            history.add(n, PictureErrors { whole: ErrorSquares { bias: 1.0, ..squares }, typical: squares });
+            let whole = ErrorSquares { bias: 1.0, ..squares };
+            history.add(n, PictureErrors { whole, typical: squares, has_glints: false });
         }
         history
     }
@@ -387,6 +392,18 @@ mod tests {
         assert!(most > 10.0 * least, "{least} to {most}");
         let [least, most] = interval(&history(&[8], at), 8, variance_of_mean(64.0, 1.2).sqrt()).unwrap();
         assert!(least < 64.0 && 64.0 < most && most > 2.0 * least, "{least} to {most}");
+    }
+
+    #[test]
+    fn the_time_to_an_error_is_unknown_while_few_pixels_have_most_of_it() {
+        let errors =
+            |has_glints: bool| PictureErrors { has_glints, ..history(&[10], |_| [0.0, 0.0, 0.01]).points[0].1 };
+        let interval = |has_glints: bool| {
+            let forecast = Forecasts::without_history(errors(has_glints), times(10, 1.0, 0.0)).unwrap().typical;
+            forecast.milestone(0.05).unwrap().seconds_interval
+        };
+        assert_eq!(interval(true), None);
+        assert!(interval(false).is_some());
     }
 
     #[test]

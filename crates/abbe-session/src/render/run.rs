@@ -5,9 +5,12 @@ use super::job::Job;
 use super::part::PassPart;
 use abbe_transport::emit::SpectrumCoverage;
 use abbe_transport::pass::{PassSums, StageSeconds};
+use abbe_transport::pilot::PassSize;
 use abbe_transport::plan::Tally;
 use abbe_transport::sensor::{Film, FilmUnit, Picture, PictureErrors, Reading, ReadingSpectrum};
 use abbe_transport::walk::ledger::Ledger;
+use std::time::Duration;
+use web_time::Instant;
 
 /// The state of a render between two passes, which can continue elsewhere and be merged.
 #[derive(Debug)]
@@ -20,6 +23,8 @@ pub struct Run {
     pub(super) wanted: Option<u64>,
     /// The spectra that the shared wavelengths of the completed passes have sampled.
     pub(super) coverage: SpectrumCoverage,
+    /// The largest work of a pass in instructions, if the time limit made the passes smaller.
+    pub(super) largest_work: Option<f64>,
 }
 
 impl Run {
@@ -38,7 +43,7 @@ impl Run {
             tally: Tally::default(),
             seconds: StageSeconds::default(),
         };
-        Self { sums, part, done: 0, wanted: None, coverage: SpectrumCoverage::default() }
+        Self { sums, part, done: 0, wanted: None, coverage: SpectrumCoverage::default(), largest_work: None }
     }
 
     pub fn picture(&self) -> Picture {
@@ -67,6 +72,19 @@ impl Run {
 
     pub fn passes(&self) -> u64 {
         self.done
+    }
+
+    /// Returns the size of the passes that follow. A new run with a time limit has passes of which
+    /// several fit into it, and a continued run those of its beginning. Parts of a picture have the
+    /// passes of the whole.
+    pub(super) fn pass_size(&self, time: Option<Duration>, start: Instant) -> PassSize {
+        match (self.largest_work, time) {
+            (Some(work), _) => PassSize::AtMost(work),
+            (None, Some(time)) if self.done == 0 && self.part == PassPart::WHOLE => {
+                start.checked_add(time).map_or(PassSize::Free, PassSize::Until)
+            }
+            (None, _) => PassSize::Free,
+        }
     }
 
     /// Returns the number of photons that the lights have emitted.

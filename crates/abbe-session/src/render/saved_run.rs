@@ -33,6 +33,9 @@ pub struct SavedRun {
     pub(super) part: PassPart,
     pub(super) done: u64,
     pub(super) wanted: Option<u64>,
+    /// The largest work of a pass in instructions, if the time limit made the passes smaller.
+    #[serde(default)]
+    largest_work: Option<f64>,
     unit: FilmUnit,
     ledger: Ledger,
     tally: Tally,
@@ -57,6 +60,7 @@ impl SavedRun {
             part: run.part,
             done: run.done,
             wanted: run.wanted,
+            largest_work: run.largest_work,
             unit: film.unit(),
             ledger: ledger.clone(),
             tally: *tally,
@@ -98,9 +102,9 @@ impl SavedRun {
             return Err(Error::input(what).expected(format!("part {part}")).in_file(path));
         }
         let film = saved.film(path, job.scene.film.observer)?;
-        let (part, done, wanted) = (saved.part, saved.done, saved.wanted);
+        let Self { part, done, wanted, largest_work, .. } = saved;
         let sums = PassSums { film, ledger: saved.ledger, tally: saved.tally, seconds: saved.stats.seconds };
-        Ok(Run { sums, part, done, wanted, coverage: SpectrumCoverage::default() })
+        Ok(Run { sums, part, done, wanted, coverage: SpectrumCoverage::default(), largest_work })
     }
 
     /// Returns true if the pass is done. `pass` is the index of the pass in the picture.

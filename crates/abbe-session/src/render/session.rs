@@ -85,13 +85,19 @@ impl Job {
         let selector =
             if stopped { Cow::Borrowed(context.selector) } else { learn_lights(&context, &mut run.sums.seconds) };
         let context = PassContext { selector: &selector, ..context };
-        // The pilot depends only on the scene and the seed, so that of a resumed run is the same.
+        // The pilot depends only on the scene, the seed and the size of the passes, which is saved, so
+        // that of a resumed run is the same.
         let wants_coarse_picture = run.done == 0 && monitor.wants_coarse_picture();
         let pilot = match request.integrator {
             Integrator::Photon if !stopped => {
                 monitor.before_pilot();
                 let show = wants_coarse_picture.then_some(|picture: &Picture| monitor.show_coarse_picture(picture));
-                Some(Pilot::run(&context, &mut run.sums.seconds, show)?)
+                // The samples of a meter take milliseconds in any case.
+                let time = request.stop.time.filter(|_| !self.scene.measures());
+                let size = run.pass_size(time, clock.started());
+                let pilot = Pilot::run(&context, size, &mut run.sums.seconds, show)?;
+                run.largest_work = pilot.largest_work;
+                Some(pilot)
             }
             Integrator::Path if wants_coarse_picture && !stopped => {
                 coarse_path_picture(&context)?.inspect(|picture| monitor.show_coarse_picture(picture));

@@ -310,7 +310,9 @@ fn notes(job: &Job, run: &Run, unlit: &[String]) -> Vec<String> {
              one in {wavelengths:.0} suits the spectrum that is sampled least; a short render may lack its light"
         )
     });
-    limited.into_iter().chain(capped).chain(open).chain(unlit).chain(rare).collect()
+    let small = run.largest_work.is_some();
+    let small = small.then(|| "passes are smaller than without a time limit, so that eight fit into it".to_owned());
+    limited.into_iter().chain(capped).chain(open).chain(unlit).chain(rare).chain(small).collect()
 }
 
 /// Names lights whose spectra no pass has sampled, if there are any.

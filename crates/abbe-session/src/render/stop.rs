@@ -23,6 +23,10 @@ impl RunClock {
         Self { start: Instant::now(), before_s: run.sums.seconds.total }
     }
 
+    pub(super) fn started(&self) -> Instant {
+        self.start
+    }
+
     pub(super) fn update(&self, run: &mut Run) {
         run.sums.seconds.total = self.before_s + self.start.elapsed().as_secs_f64();
     }

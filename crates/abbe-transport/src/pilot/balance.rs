@@ -17,6 +17,7 @@ use super::camera_samples::SampleChoice;
 use super::work::Work;
 use crate::plan::{PHOTON_DOUBLINGS, PHOTON_HALVINGS};
 use abbe_spectra::math::elementary::powf;
+use std::ops::RangeInclusive;
 
 /// The division of the work of a pass between photons and camera samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,22 +108,55 @@ impl BalanceLimits {
             .unwrap_or(self.plain())
     }
 
-    /// Returns all divisions within the limits. A pass stores at most as many photons on surfaces
-    /// as the plain division, and at least as many as if it traced the least number of paths and
-    /// stored all photons.
+    /// Returns the division of a pass with at most this work: the least variance at equal time
+    /// among fewer photons and camera samples than the scene states, or the least work.
+    pub(super) fn choose_within<const MEASURES: usize>(
+        self,
+        variances: [Variances; MEASURES],
+        work: Work,
+        most: f64,
+    ) -> Balance {
+        let variance = |choice: &Balance| variances.map(|of_one| choice.variance(of_one)).iter().product::<f64>();
+        let cost_of = |choice: &Balance| variance(choice) * choice.work(work).powi(MEASURES as i32);
+        let of_samples: Vec<i32> = self
+            .camera_samples
+            .map_or((0..=DOUBLINGS_OF_SAMPLES).collect(), |samples| (0..=samples.max(1).ilog2() as i32).collect());
+        let samples = |halvings: i32| self.camera_samples.map_or(1 << halvings, |samples| samples >> halvings);
+        let divisions = || {
+            let samples = of_samples.iter().map(|&halvings| samples(halvings));
+            samples.flat_map(|samples| self.divisions(-HALVINGS..=0, samples, work.paint > 0.0))
+        };
+        let least_work = || divisions().min_by(|one, other| one.work(work).total_cmp(&other.work(work)));
+        divisions()
+            .filter(|choice| choice.work(work) <= most)
+            .min_by(|one, other| cost_of(one).total_cmp(&cost_of(other)))
+            .or_else(least_work)
+            .unwrap_or(self.plain())
+    }
+
+    /// Returns all divisions within the limits.
     fn choices(self, has_ribbons: bool) -> impl Iterator<Item = Balance> {
-        let Self { photons, photons_are_explicit, camera_samples, largest_medium_factor } = self;
-        let of_photons = if photons_are_explicit { 0..=0 } else { -HALVINGS..=PHOTON_DOUBLINGS as i32 };
-        let most_samples = if camera_samples.is_some() { 0 } else { DOUBLINGS_OF_SAMPLES };
+        let of_photons = if self.photons_are_explicit { 0..=0 } else { -HALVINGS..=PHOTON_DOUBLINGS as i32 };
+        let most_samples = if self.camera_samples.is_some() { 0 } else { DOUBLINGS_OF_SAMPLES };
+        let samples = (0..=most_samples).map(move |of_samples| self.camera_samples.unwrap_or(1 << of_samples));
+        samples.flat_map(move |samples| self.divisions(of_photons.clone(), samples, has_ribbons))
+    }
+
+    /// Returns the divisions with these numbers of photons, as powers of two, and of camera samples.
+    /// A pass stores at most as many photons on surfaces as the plain division, and at least as many
+    /// as if it traced the least number of paths and stored all photons.
+    fn divisions(
+        self,
+        of_photons: RangeInclusive<i32>,
+        camera_samples: u64,
+        has_ribbons: bool,
+    ) -> impl Iterator<Item = Balance> {
+        let Self { photons, largest_medium_factor, .. } = self;
         let divisions = of_photons.flat_map(move |of_photons| {
             let of_stored = of_photons.max(0)..=of_photons + HALVINGS;
-            of_stored.flat_map(move |of_stored| {
-                (0..=most_samples).map(move |of_samples| {
-                    (of_photons, 0.5_f64.powi(of_stored), camera_samples.unwrap_or(1 << of_samples))
-                })
-            })
+            of_stored.map(move |of_stored| (of_photons, 0.5_f64.powi(of_stored)))
         });
-        divisions.flat_map(move |(of_photons, stored_fraction, camera_samples)| {
+        divisions.flat_map(move |(of_photons, stored_fraction)| {
             let factors = (-HALVINGS - of_photons..=HALVINGS - of_photons).map(|of_media| 2_f64.powi(of_media));
             let effective = factors.filter(move |&factor| factor <= largest_medium_factor);
             let of_ribbons = if has_ribbons { 0..=HALVINGS } else { 0..=0 };
@@ -198,7 +232,7 @@ impl Balance {
         (of_one.traced + of_one.ribbons * self.photons_per_ribbon as f64 + stored) / self.photons as f64
     }
 
-    fn work(self, work: Work) -> f64 {
+    pub(super) fn work(self, work: Work) -> f64 {
         self.work_of_photons(work) + self.work_of_samples(work) * self.camera_samples as f64
     }
 
@@ -290,6 +324,20 @@ mod tests {
         assert_eq!(samples.choose([variances], SMALL_FILM).camera_samples, 3);
         assert!(BalanceLimits { camera_samples: Some(3), ..explicit }.is_fixed());
         assert!(!explicit.is_fixed() && !samples.is_fixed());
+    }
+
+    /// A time limit is a wish as well, so it comes before the numbers of the scene.
+    #[test]
+    fn a_limited_pass_has_at_most_the_work_or_the_least() {
+        let variances = [Variances { traced: 1.0, surfaces: 100.0, camera: 1.0, ..NO_NOISE }];
+        let explicit = BalanceLimits { photons_are_explicit: true, camera_samples: Some(6), ..FREE };
+        let free = explicit.choose(variances, SMALL_FILM).work(SMALL_FILM);
+        let within = |most: f64| explicit.choose_within(variances, SMALL_FILM, most);
+        let half = within(0.5 * free);
+        assert!(half.work(SMALL_FILM) <= 0.5 * free && half.work(SMALL_FILM) > 0.2 * free, "{half:?}");
+        let least = within(0.0);
+        assert_eq!((least.photons, least.camera_samples), (25_000, 1));
+        assert!([0.2, 0.3, 0.7].iter().all(|part| within(part * free).work(SMALL_FILM) <= part * free));
     }
 
     /// Media store more photons of each path if they are noisy and cheap to gather.

@@ -7,7 +7,8 @@
 //! `importance` and `guiding_spheres` learn the emission distributions. `measure` fixes the first
 //! kernel radii and the photons that media store (`survey`, `volume_radii`, `volume_samples`,
 //! `keep_probability`), and the surface extents (`surface_extents`). `trial`, `small_pass`, `work`,
-//! `balance` and `camera_samples` decide how many photons and camera samples a pass has.
+//! `balance` and `camera_samples` decide how many photons and camera samples a pass has, within the
+//! `pass_size` of a time limit.
 //! `sensor_radii` fixes the kernels of meters. `coarse` renders a picture before the first pass.
 
 mod aims;
@@ -20,6 +21,7 @@ mod importance;
 mod keep_probability;
 mod learned_lights;
 mod measure;
+mod pass_size;
 mod portals;
 mod run;
 mod sensor_radii;
@@ -34,5 +36,6 @@ mod work;
 pub(crate) use aims::{LearnedAims, learn_aims};
 pub use coarse::coarse_path_picture;
 pub use learned_lights::learn_lights;
+pub use pass_size::PassSize;
 pub use portals::find_portals;
 pub use run::Pilot;

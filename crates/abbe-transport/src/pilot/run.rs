@@ -15,6 +15,7 @@ use super::balance::{Balance, BalanceLimits};
 use super::coarse::coarse_photon_picture;
 use super::gathering::forces_final_gather;
 use super::measure::{measure, measure_surface_extents};
+use super::pass_size::PassSize;
 use super::sensor_radii::first_radii;
 use super::trial::{Choice, balanced};
 use crate::gather::SurfaceExtents;
@@ -41,6 +42,8 @@ pub struct Pilot {
     pub parameters: PassParameters,
     /// The names of the specular objects that no pilot photon reached.
     pub unlit: Vec<String>,
+    /// The largest work of a pass in instructions, if a limit made the passes smaller.
+    pub largest_work: Option<f64>,
 }
 
 /// Returns the scene at the pilot's times: the middles, by transmitted light, of intervals that
@@ -62,6 +65,7 @@ impl Pilot {
     /// early and must not be used. Returns an error if the scene cannot be posed.
     pub fn run(
         context: &PassContext<'_>,
+        size: PassSize,
         seconds: &mut StageSeconds,
         show: Option<impl FnOnce(&Picture)>,
     ) -> Result<Self> {
@@ -76,13 +80,13 @@ impl Pilot {
             pilot.set_aims(learn_aims(context, &scenes), context);
         }
         pilot.show_coarse_picture(context, &scenes[0], after)?;
-        pilot.measure(context, &scenes);
+        pilot.measure(context, size, &scenes);
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
     }
 
     /// Makes the measurements one after the other, as long as the flag is not raised.
-    fn measure(&mut self, context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) {
+    fn measure(&mut self, context: &PassContext<'_>, size: PassSize, scenes: &[Cow<'_, Scene>]) {
         let parameters = &mut self.parameters;
         if context.stop.is_raised() {
             return;
@@ -91,7 +95,7 @@ impl Pilot {
         if context.stop.is_raised() {
             return;
         }
-        balance(parameters, context, &scenes[0]);
+        self.largest_work = balance(parameters, context, size, &scenes[0]);
         measure_surface_extents(parameters, context, &scenes[0], &visible);
         parameters.sensor_radii = first_radii(context, &scenes[0], &parameters.strata, parameters.photons.free);
     }
@@ -125,7 +129,7 @@ impl Pilot {
             stored_photons: PerKernel::splat(1.0),
             keep: KEEP_ALL,
         };
-        let mut pilot = Self { parameters, unlit };
+        let mut pilot = Self { parameters, unlit, largest_work: None };
         pilot.set_ray_densities(context);
         pilot
     }
@@ -157,21 +161,23 @@ impl Pilot {
     }
 }
 
-/// Divides the work of a pass between photons and camera samples.
-fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &Scene) {
+/// Divides the work of a pass between photons and camera samples. Returns the largest work of a
+/// pass in instructions, if a limit made it smaller.
+fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, size: PassSize, scene: &Scene) -> Option<f64> {
     let Budget { photons, photons_are_explicit, camera_samples, .. } = *context.budget;
     let largest_medium_factor = PhotonClass::ALL.map(|class| parameters.keep[class].largest_medium_factor());
     let largest_medium_factor = largest_medium_factor.into_iter().fold(1.0, f64::max);
     let limits = BalanceLimits { photons, photons_are_explicit, camera_samples, largest_medium_factor };
-    let Choice { balance, camera_samples, final_gather } = if limits.is_fixed() {
+    let Choice { balance, camera_samples, final_gather, largest_work } = if limits.is_fixed() && !size.is_limited() {
         let balance = limits.plain();
         Choice {
             balance,
             camera_samples: CameraSamples::Same(balance.camera_samples),
             final_gather: forces_final_gather(context),
+            largest_work: None,
         }
     } else {
-        balanced(context, scene, parameters, limits)
+        balanced(context, scene, parameters, (limits, size))
     };
     (parameters.camera_samples, parameters.final_gather) = (camera_samples, final_gather);
     let Balance { photons: chosen, stored_fraction, medium_factor, photons_per_ribbon, .. } = balance;
@@ -195,6 +201,7 @@ fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, scene: &S
         0 => 0,
         count => ((count as f64 * fraction) as u64).max(1),
     });
+    largest_work
 }
 
 /// Returns true if photons and camera paths find the same light: of lights that glossy surfaces or

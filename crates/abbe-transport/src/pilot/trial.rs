@@ -7,17 +7,20 @@
 use super::balance::{Balance, BalanceLimits, Variances};
 use super::camera_samples::{FilmNoise, ProbedPixel};
 use super::gathering::{Gathering, forces_final_gather};
+use super::pass_size::PassSize;
 use super::small_pass::{
     SmallPass, TILE, TRIALS, TrialPhotons, TrialPixel, half_square, mean_of_components, sample_light, sample_variances,
     tiles, variance_of_sample,
 };
-use super::work::{SampleWork, Work};
+use super::work::{self, SampleWork, Work};
 use crate::gather::{CameraPass, PathBuffers};
 use crate::map::LightMaps;
 use crate::pass::{CameraSamples, PassContext, PassParameters};
 use crate::plan::Tally;
 use crate::plan::partition::PerSet;
 use abbe_scene::Scene;
+use std::cell::{Cell, OnceCell};
+use web_time::Instant;
 
 /// The fraction of a pass's photon paths that one pass of the trial traces.
 const PHOTON_FRACTION: f64 = 1.0 / 16.0;
@@ -114,6 +117,8 @@ pub(super) struct Choice {
     pub(super) camera_samples: CameraSamples,
     /// True if camera paths gather indirect photons behind the first diffuse surface.
     pub(super) final_gather: bool,
+    /// The largest work of a pass in instructions, if it changed the choice.
+    pub(super) largest_work: Option<f64>,
 }
 
 /// Divides the work of a pass between photons and camera samples, and chooses where camera paths
@@ -123,8 +128,9 @@ pub(super) fn balanced(
     context: &PassContext<'_>,
     scene: &Scene,
     parameters: &PassParameters,
-    limits: BalanceLimits,
+    (limits, size): (BalanceLimits, PassSize),
 ) -> Choice {
+    let start = Instant::now();
     let (width, pixels) = (scene.camera.width(), scene.camera.pixel_count());
     let tiles = tiles((width, pixels / width));
     let all = parameters.photons.free + parameters.photons.shared;
@@ -140,6 +146,15 @@ pub(super) fn balanced(
     let painted = traced.each_ref().map(|traced| traced.painted.as_slice());
     let photons = traced.iter().map(|traced| traced.tally).sum();
     let paths = (counts.free + counts.shared) as f64;
+    let (largest_work, is_limited) = (OnceCell::new(), Cell::new(false));
+    let choose = |variances: [Variances; 3], work: Work, largest: f64| {
+        let choice = limits.choose(variances, work);
+        if choice.work(work) <= largest {
+            return choice;
+        }
+        is_limited.set(true);
+        limits.choose_within(variances, work, largest)
+    };
     let measured = |final_gather: bool| {
         let camera_passes = traced.each_ref().map(|traced| {
             let maps = (&traced.maps, &light_maps);
@@ -151,7 +166,9 @@ pub(super) fn balanced(
         let samples = passes.iter().map(|pass| pass.tally).sum();
         let variances = variances(&of_tiles, splats, painted, width, paths);
         let work = Work::of_trial(&photons, &samples, paths, pixels as f64);
-        Gathering { camera_passes, passes, variances, work, balance: limits.choose(variances, work) }
+        let measure = || size.largest_work(|| work::of_events(&photons, &samples) / start.elapsed().as_secs_f64());
+        let balance = choose(variances, work, *largest_work.get_or_init(measure));
+        Gathering { camera_passes, passes, variances, work, balance }
     };
     let gathering = if forces_final_gather(context) {
         measured(true)
@@ -182,7 +199,8 @@ pub(super) fn balanced(
         let choices = noise.choices(balance.camera_samples);
         noise.samples(balance.choose_samples(variances, work, &choices))
     });
-    Choice { balance, camera_samples: samples, final_gather }
+    let largest_work = largest_work.into_inner().filter(|_| is_limited.get());
+    Choice { balance, camera_samples: samples, final_gather, largest_work }
 }
 
 /// Measures the noise of camera samples on the film by `probe`, which samples some pixels, and

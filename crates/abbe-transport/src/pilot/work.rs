@@ -53,10 +53,7 @@ impl Work {
     pub(super) fn of_trial(photons: &Tally, samples: &Tally, paths: f64, pixels: f64) -> Self {
         use instructions::*;
         let stored_in_media = (photons.volume_points + photons.volume_beams) as f64;
-        let trace = EMITTED_PHOTON * photons.photons as f64
-            + RAY * photons.photon_segments as f64
-            + CONNECTION * photons.connections as f64;
-        let paint = RIBBON_NODE * photons.ribbon_nodes as f64 + RIBBON_PIXEL * photons.ribbon_pixels as f64;
+        let (trace, paint) = (trace(photons), paint(photons));
         let per_path = 1.0 / (paths * TRIALS as f64);
         let per_sample = pixels / samples.camera_samples as f64;
         let SampleWork { sample, gather_on_surfaces, gather_in_media } = SampleWork::of(samples);
@@ -71,6 +68,25 @@ impl Work {
             gather_in_media: gather_in_media * per_sample / paths,
         }
     }
+}
+
+/// Returns the work of events in the trial or in a pass, in instructions.
+pub(super) fn of_events(photons: &Tally, samples: &Tally) -> f64 {
+    let stored = photons.stored + photons.volume_points + photons.volume_beams;
+    let of_photons = trace(photons) + paint(photons) + instructions::STORED_PHOTON * stored as f64;
+    of_photons + SampleWork::of(samples).with_photons(1.0)
+}
+
+fn trace(photons: &Tally) -> f64 {
+    use instructions::*;
+    EMITTED_PHOTON * photons.photons as f64
+        + RAY * photons.photon_segments as f64
+        + CONNECTION * photons.connections as f64
+}
+
+fn paint(photons: &Tally) -> f64 {
+    use instructions::*;
+    RIBBON_NODE * photons.ribbon_nodes as f64 + RIBBON_PIXEL * photons.ribbon_pixels as f64
 }
 
 impl SampleWork {

@@ -13,7 +13,7 @@
 //! kernels have the same radius, so they measure only the curvature of the illumination. Pixels
 //! near an edge are marked.
 
-use super::error_distribution::{dark_square, typical_squares};
+use super::error_distribution::{TRIMMED, dark_square, typical_squares};
 use abbe_spectra::math::random::REPLICATES;
 
 /// The measured means of a pixel over passes, in cd/m².
@@ -67,6 +67,10 @@ const RADIUS_PX: usize = if NOISE_RADIUS_PX > BIAS_RADIUS_PX { NOISE_RADIUS_PX }
 /// The rows that are computed at a time, so that single estimates need little memory.
 const ROWS_PER_BLOCK: usize = 64;
 
+/// The squared errors of the pixels that the typical error leaves out, divided by those of all
+/// others, above which it may rise.
+const MANY_GLINTS: f64 = 10.0;
+
 /// The bias changes its sign at an edge: its mean must be below this fraction of its RMS.
 const EDGE_MEAN_FRACTION: f64 = 0.5;
 
@@ -115,11 +119,16 @@ impl ErrorBars {
             let squares = [(*noise)?, bias.unwrap_or(0.0)].map(|bar| f64::from(bar).powi(2));
             Some(squares.map(|square| square / (xyz[1].powi(2) + dark_square(mean_y))))
         });
-        let [noise, bias] = typical_squares(bars.collect(), |[noise, bias]| noise + bias)?;
+        let bars: Vec<[f64; 2]> = bars.collect();
+        let (lit, all) = (bars.len() as f64, bars.iter().flatten().sum::<f64>());
+        let [noise, bias] = typical_squares(bars, |[noise, bias]| noise + bias)?;
+        let kept = (lit - (TRIMMED * lit).floor()) * (noise + bias);
+        let has_glints = all - kept > MANY_GLINTS * kept;
         // The variance of the kernel estimates is known only for all pixels together.
         let of_noise = whole.kernel_noise / (whole.kernel_noise + whole.sampling).max(f64::MIN_POSITIVE);
         let kernel_noise = of_noise * noise;
-        Some(PictureErrors { whole, typical: ErrorSquares { bias, kernel_noise, sampling: noise - kernel_noise } })
+        let typical = ErrorSquares { bias, kernel_noise, sampling: noise - kernel_noise };
+        Some(PictureErrors { whole, typical, has_glints })
     }
 
     /// `mean_y` is that of the picture. `None` if the error is unknown.
@@ -147,6 +156,10 @@ pub struct PictureErrors {
     pub whole: ErrorSquares,
     /// The error of a typical pixel; see [`typical_squares`].
     pub typical: ErrorSquares,
+    /// The pixels that the typical error leaves out have more than ten times the squared errors of
+    /// all others together. If one more tenth of such pixels appears, the typical error rises, so its
+    /// history does not tell how it goes on.
+    pub has_glints: bool,
 }
 
 impl ErrorSquares {
@@ -346,6 +359,15 @@ mod tests {
         assert!(noise.iter().all(|value| (value - noise[0]).abs() < 1e-7));
         assert!(bias.iter().all(|value| (value - 0.05).abs() < 1e-7));
         assert_eq!(ErrorBars::new((3, 9), |_| None, EVEN).squares(1.0), None);
+    }
+
+    #[test]
+    fn few_pixels_with_most_of_the_errors_are_glints() {
+        let has_glints = |spread: f64| {
+            let pixel = |i: usize| noisy(1.0, if i.is_multiple_of(100) { spread } else { 0.01 });
+            ErrorBars::new((20, 1000), |i| Some(pixel(i)), EVEN).errors(&[[1.0; 3]; 1000]).unwrap().has_glints
+        };
+        assert!(has_glints(0.5) && !has_glints(0.2));
     }
 
     /// One replicate has no noise, and the even replicates alone have a bias.

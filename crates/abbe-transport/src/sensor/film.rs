@@ -328,7 +328,7 @@ impl Film {
         match &self.measurement {
             Some(measurement) => {
                 let largest = measurement.layout.largest_error(&self.readings());
-                largest.map(|largest| PictureErrors { whole: largest, typical: largest })
+                largest.map(|largest| PictureErrors { whole: largest, typical: largest, has_glints: false })
             }
             None => self.picture_without_layers().1,
         }
