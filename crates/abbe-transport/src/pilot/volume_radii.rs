@@ -14,6 +14,10 @@ use std::iter;
 /// point, because a ray collects along its whole length.
 const PHOTONS_PER_RAY: f64 = 10.0;
 
+/// The same for photon points. Dense media spread their light evenly over a free path, and a kernel
+/// contains several points of the same photon.
+const POINTS_PER_RAY: f64 = 30.0;
+
 /// The lower limit of the first kernel radius in media, in pixels.
 const MIN_VOLUME_RADIUS_PX: f64 = 0.7;
 
@@ -134,7 +138,8 @@ impl NearbyPhotons {
     fn first_radius(&self, keep: KeepProbability) -> f64 {
         let within = |found: f64, dimensions: f64| powf(PHOTONS_PER_RAY / found.max(PHOTONS_PER_RAY), 1.0 / dimensions);
         let [points, beams, free_paths, width] = [self.points, self.beams, self.free_paths, self.width].map(f64::from);
-        let narrow = within(points * keep.points, 2.0).min(within(beams * keep.beams, 1.0));
+        let points = points * keep.points * PHOTONS_PER_RAY / POINTS_PER_RAY;
+        let narrow = within(points, 2.0).min(within(beams * keep.beams, 1.0));
         (width * narrow).min(MAX_RADIUS_FREE_PATHS / free_paths)
     }
 }

@@ -67,6 +67,8 @@ pub(in crate::gather) struct CameraPath {
     pub(in crate::gather) depth: u32,
     /// The error that ray marching causes in the path's optical depth.
     pub(in crate::gather) excess_depth: f64,
+    /// A body has absorbed or scattered most of the light.
+    pub(in crate::gather) is_faint: bool,
     /// The first kernel radius (m) behind a final gather.
     pub(in crate::gather) final_radius_m: Option<f64>,
 }
@@ -84,6 +86,7 @@ impl CameraPath {
             distance_m: 0.0,
             depth: 0,
             excess_depth: 0.0,
+            is_faint: false,
             final_radius_m: None,
         }
     }
@@ -101,7 +104,10 @@ impl CameraPath {
         let at_reference = factor.at(self.reference_nm());
         self.reference_throughput *= at_reference;
         match &mut self.spectral_mode {
-            SpectralMode::Free => buffers.factors.natural.push(factor),
+            SpectralMode::Free => {
+                let factor = if factor.is_grey() { Factor::Grey(at_reference) } else { factor };
+                buffers.factors.natural.push(factor);
+            }
             SpectralMode::Shared { throughput, .. } => *throughput *= at_reference,
         }
     }

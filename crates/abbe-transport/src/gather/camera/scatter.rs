@@ -291,7 +291,7 @@ fn survives<S: Sink>(scene: &Scene, path: &mut CameraPath, context: &mut PathCon
     if path.reference_throughput <= 0.0 && matches!(path.spectral_mode, SpectralMode::Shared { .. }) {
         return false;
     }
-    if path.depth < CAMERA_DEPTH_BEFORE_ROULETTE {
+    if path.depth < CAMERA_DEPTH_BEFORE_ROULETTE && !path.is_faint {
         return true;
     }
     let throughput = match path.spectral_mode {

@@ -2,7 +2,7 @@
 
 use crate::plan::partition::PhotonSet;
 use crate::walk::{RayState, SegmentTransmittance};
-use abbe_optics::bsdf::{BsdfSample, InterfaceIors, LocalBsdf, TransportMode};
+use abbe_optics::bsdf::{Bsdf, BsdfSample, InterfaceIors, LocalBsdf, TransportMode};
 use abbe_polarisation::{Mueller, Rotation, ScatteringEvent, Stokes};
 use abbe_scene::Scene;
 use abbe_scene::light::Light;
@@ -27,6 +27,17 @@ pub(in crate::gather) enum Factor<'a> {
 }
 
 impl Factor<'_> {
+    /// Returns true if the factor is the same at all wavelengths.
+    pub(in crate::gather) fn is_grey(&self) -> bool {
+        match self {
+            Factor::Scattering { bsdf, sides, .. } => {
+                matches!(bsdf.model, Bsdf::Dielectric(_)) && !sides.is_dispersive()
+            }
+            Factor::SegmentTransmittance(_) => false,
+            Factor::Grey(_) => true,
+        }
+    }
+
     pub(in crate::gather) fn at(&self, nm: f64) -> f64 {
         match self {
             Factor::Scattering { bsdf, wo, sample, sides, probability } => {

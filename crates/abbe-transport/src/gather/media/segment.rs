@@ -16,6 +16,9 @@ use std::ops::ControlFlow;
 /// The number of positions on a segment at which emission is evaluated.
 const EMISSION_POSITIONS: u32 = 16;
 
+/// A segment that transmits a smaller part of the light may end the path by Russian roulette.
+const FAINT: f64 = 0.05;
+
 impl<'a> CameraPass<'a> {
     /// Advances the path to the next surface, `None` outside, and gathers the light of the media.
     pub(in crate::gather) fn advance_through_media<S: Sink>(
@@ -60,9 +63,11 @@ impl<'a> CameraPass<'a> {
         let seed = segment_seed(context, segment.ray.origin);
         let along = segment.path_transmittance(segment.length_m, seed);
         path.excess_depth += excess_optical_depth(&along, path.reference_nm());
+        let before = path.reference_throughput;
         for segment_transmittance in along {
             path.multiply(Factor::SegmentTransmittance(segment_transmittance), context.buffers);
         }
+        path.is_faint |= path.reference_throughput < FAINT * before;
     }
 
     /// Gathers the light that a medium emits into the ray. Elsewhere, next-event estimation samples
