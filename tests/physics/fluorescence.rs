@@ -459,18 +459,6 @@ fn a_dye_seen_through_a_prism_keeps_its_energy() {
     assert_same("dye through a prism, photon against path", &photon, &path, 1.4e-2);
 }
 
-/// A part of the photons carries shared wavelengths, and the others those that excite a dye. Both
-/// parts together emit the power of the lamp.
-#[test]
-fn photons_that_excite_a_dye_have_the_power_of_the_lamp() {
-    let mut scene = still_life("N-SF11", json!("D65"));
-    scene["objects"].as_array_mut().unwrap().pop();
-    scene["lights"] = json!([{ "point": { "at": [-0.4, 2.8, 0], "power": 10, "spectrum": { "lines": [{ "nm": 450, "power": 1 }] } } }]);
-    assert_eq!(job(&scene).plan.wavelengths, WavelengthPlan::Both);
-    let ledger = render(&scene, Integrator::Photon, 4).ledger;
-    assert!((ledger.emitted - 10.0).abs() < 0.05 && ledger.balance().abs() < 1e-9, "{ledger:?}");
-}
-
 /// Fluorescence is an effect of the plan. If it is forbidden, the surfaces reflect without
 /// emission.
 #[test]
