@@ -20,12 +20,13 @@ const module_ = (async () => {
 })();
 const script = URL.createObjectURL(new Blob([embedded("abbe-worker")], { type: "text/javascript" }));
 
-/// Starts a worker. `ask` sends it a task, and `onsums` receives the sums of its render.
-function startWorker(onsums = () => {}) {
+/// Starts a worker. `ask` sends it a task, and `onnews` receives what its render sends: the sums of
+/// a part, or a coarse picture.
+function startWorker(onnews = () => {}) {
   const worker = new Worker(script), waiting = new Map();
   let next = 0;
-  worker.onmessage = ({ data: { id, index, bytes, result, error } }) => {
-    if (id === undefined) { onsums(index, bytes); return; }
+  worker.onmessage = ({ data: { id, result, error, ...news } }) => {
+    if (id === undefined) { onnews(news); return; }
     const { done, failed } = waiting.get(id);
     waiting.delete(id);
     if (error === undefined) done(result); else failed(new Error(error));
@@ -71,8 +72,7 @@ async function restart() {
     try {
       await leader.started;
       await leader.ask("load", wantedScene());
-      changed();
-      await leader.ask("coarse");
+      await leader.ask("sketch");
     } catch (error) {
       // The state of the leader contains the message.
     }
@@ -82,8 +82,15 @@ async function restart() {
     await fetched;
   } while (now !== revision);
   isLoading = false;
-  if (wish.draft) draftEnd = setTimeout(() => { wish.draft = false; changed(); startRenderers(); }, DRAFT_END);
-  else startRenderers();
+  if (wish.draft) draftEnd = setTimeout(endDraft, DRAFT_END); else startRenderers();
+}
+
+/// Begins the whole render when the reader rests.
+function endDraft() {
+  clearTimeout(draftEnd);
+  wish.draft = false;
+  changed();
+  startRenderers();
 }
 
 const wantedPasses = async () => await leader.ask("passes") * 2 ** wish.extensions;
@@ -94,7 +101,12 @@ async function startRenderers() {
   if (!passes || now !== revision || wish.paused) return;
   begun = performance.now();
   for (let index = 0; index < of; index++) {
-    const renderer = startWorker((index, bytes) => { parts[index] = bytes; if (now === revision) showSums(passes); });
+    const renderer = startWorker(({ coarse, bytes }) => {
+      if (now !== revision) return;
+      if (coarse) { leader.ask("coarse", { bytes: coarse }).then(changed); return; }
+      parts[index] = bytes;
+      showSums(passes);
+    });
     renderers.push(renderer);
     renderer.started
       .then(() => renderer.ask("load", wantedScene()))
@@ -152,11 +164,13 @@ async function post({ paused, extend, changes, forbidden, draft, keep }) {
     startRenderers();
   }
   const wanted = JSON.stringify([changes ?? wish.changes, forbidden ?? wish.forbidden]);
-  if (wanted !== JSON.stringify([wish.changes, wish.forbidden])) {
+  const wasDraft = wish.draft;
+  const isNew = wanted !== JSON.stringify([wish.changes, wish.forbidden]);
+  wish.draft = Boolean(draft) && (isNew || wasDraft);
+  if (isNew) {
     [wish.changes, wish.forbidden] = JSON.parse(wanted);
-    wish.draft = draft ?? false;
     restart();
-  }
+  } else if (wasDraft && !wish.draft && !isLoading) endDraft();
   changed();
 }
 

@@ -10,7 +10,8 @@ const TASKS = {
     engine = new wasm_bindgen.Engine();
   },
   load: ({ text, changes, forbidden }) => engine.load(text, changes, forbidden),
-  coarse: () => engine.showCoarse(),
+  sketch: () => engine.showSketch(),
+  coarse: ({ bytes }) => engine.showCoarse(new Uint8Array(bytes)),
   passes: () => engine.passes(),
   show: ({ parts, wanted, elapsed }) => engine.show(parts, wanted, elapsed),
   keep: () => engine.keepAsReference(),
@@ -20,12 +21,15 @@ const TASKS = {
     const [name, query] = path.split("?"), answer = engine.answer(name, query ?? "");
     return { kind: answer.kind, plane: [...answer.plane], bytes: answer.bytes.buffer };
   },
-  /// Renders a part of the passes. Sends the sums after the first pass, then at most once in
+  /// Renders a part of the passes. The first part also sends coarse pictures before its first pass.
+  /// Sends the sums after the first pass, then at most once in
   /// `pause` milliseconds, and at the end.
   render({ index, of, passes, earlier, pause }) {
     let sent = -Infinity;
+    const show = bytes => postMessage({ coarse: bytes.buffer }, [bytes.buffer]);
     const send = bytes => { postMessage({ index, bytes: bytes.buffer }, [bytes.buffer]); sent = performance.now(); return true; };
-    const last = engine.render(index, of, passes, earlier && new Uint8Array(earlier), () => performance.now() - sent < pause || send);
+    const last = engine.render(index, of, passes, earlier && new Uint8Array(earlier), () => performance.now() - sent < pause || send,
+      index ? undefined : show);
     send(last);
   },
 };
