@@ -20,8 +20,8 @@ const module_ = (async () => {
 })();
 const script = URL.createObjectURL(new Blob([embedded("abbe-worker")], { type: "text/javascript" }));
 
-/// Starts a worker. `ask` sends it a task, and `onnews` receives what its render sends: the sums of
-/// a part, or a coarse picture.
+/// Starts a worker. `ask` sends it a task and the buffers that move to it, and `onnews` receives
+/// what its render sends: the sums of a part, or a coarse picture.
 function startWorker(onnews = () => {}) {
   const worker = new Worker(script), waiting = new Map();
   let next = 0;
@@ -31,9 +31,9 @@ function startWorker(onnews = () => {}) {
     waiting.delete(id);
     if (error === undefined) done(result); else failed(new Error(error));
   };
-  const ask = (task, values = {}) => new Promise((done, failed) => {
+  const ask = (task, values = {}, moved = []) => new Promise((done, failed) => {
     waiting.set(++next, { done, failed });
-    worker.postMessage({ id: next, task, ...values });
+    worker.postMessage({ id: next, task, ...values }, moved);
   });
   return { ask, started: module_.then(module => ask("start", { module })), end: () => worker.terminate() };
 }
@@ -43,7 +43,11 @@ const wish = { text: "", changes: [], forbidden: [], draft: false, paused: false
 /// The task of loading the scene that the reader wants.
 const wantedScene = () => ({ text: wish.text, changes: wish.changes, forbidden: wish.forbidden });
 const leader = startWorker();
-let renderers = [], parts = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null, isLoading = false, isShowing = false, hasNews = false, draftEnd = 0, pictureFetched = () => {};
+/// The sums that the leader does not have yet, by the index of the part.
+let parts = [];
+let renderers = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null;
+let isLoading = false, isShowing = false, hasNews = false, draftEnd = 0;
+let pictureFetched = () => {};
 
 function changed() {
   stateVersion++;
@@ -68,6 +72,7 @@ async function restart() {
   do {
     now = revision;
     parts = [];
+    hasNews = false;
     spent = 0;
     try {
       await leader.started;
@@ -110,7 +115,8 @@ async function startRenderers() {
     renderers.push(renderer);
     renderer.started
       .then(() => renderer.ask("load", wantedScene()))
-      .then(() => renderer.ask("render", { index, of, passes, earlier: parts[index], pause: SUMS_PAUSE }))
+      .then(async () => parts[index] ?? (await leader.ask("part", { index })).bytes)
+      .then(earlier => renderer.ask("render", { index, of, passes, earlier, pause: SUMS_PAUSE }))
       .catch(error => console.error(error))
       .finally(() => renderer.end());
   }
@@ -124,7 +130,10 @@ async function showSums(wanted) {
   while (hasNews) {
     hasNews = false;
     const begin = performance.now(), elapsed = (spent + (begun === null ? 0 : performance.now() - begun)) / 1000, now = revision;
-    await leader.ask("show", { parts: parts.filter(Boolean).map(bytes => new Uint8Array(bytes)), wanted, elapsed }).catch(() => {});
+    // Sums have many bytes, so they move instead of being copied.
+    const news = parts;
+    parts = [];
+    await leader.ask("show", { news, wanted, elapsed }, news.filter(Boolean)).catch(() => {});
     if (now !== revision) continue;
     changed();
     // The leader should be free most of the time, for drags and for spectra.

@@ -2,6 +2,8 @@
 // the bindings of the module, which define `wasm_bindgen`.
 
 let engine = null;
+/// The newest sums of each part of the passes, for the worker that shows pictures.
+let sums = [];
 
 /// What the page can ask for. Each function returns the result, and the buffers that move with it.
 const TASKS = {
@@ -9,11 +11,19 @@ const TASKS = {
     wasm_bindgen.initSync({ module });
     engine = new wasm_bindgen.Engine();
   },
-  load: ({ text, changes, forbidden }) => engine.load(text, changes, forbidden),
+  load({ text, changes, forbidden }) {
+    sums = [];
+    engine.load(text, changes, forbidden);
+  },
   sketch: () => engine.showSketch(),
   coarse: ({ bytes }) => engine.showCoarse(new Uint8Array(bytes)),
   passes: () => engine.passes(),
-  show: ({ parts, wanted, elapsed }) => engine.show(parts, wanted, elapsed),
+  /// Shows the passes so far. `news` contains the parts that have changed.
+  show({ news, wanted, elapsed }) {
+    news.forEach((bytes, index) => { sums[index] = bytes; });
+    engine.show(sums.filter(Boolean).map(bytes => new Uint8Array(bytes)), wanted, elapsed);
+  },
+  part: ({ index }) => ({ bytes: sums[index]?.slice(0) }),
   keep: () => engine.keepAsReference(),
   state: ({ version }) => engine.state(version),
   text: () => engine.sceneText(),
