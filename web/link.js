@@ -20,19 +20,20 @@ const module_ = (async () => {
 })();
 const script = URL.createObjectURL(new Blob([embedded("abbe-worker")], { type: "text/javascript" }));
 
-/// Starts a worker. `ask` sends it a task, and `onsums` receives the sums of its render.
-function startWorker(onsums = () => {}) {
+/// Starts a worker. `ask` sends it a task and the buffers that move to it, and `onnews` receives
+/// what its render sends: the sums of a part, or a coarse picture.
+function startWorker(onnews = () => {}) {
   const worker = new Worker(script), waiting = new Map();
   let next = 0;
-  worker.onmessage = ({ data: { id, index, bytes, result, error } }) => {
-    if (id === undefined) { onsums(index, bytes); return; }
+  worker.onmessage = ({ data: { id, result, error, ...news } }) => {
+    if (id === undefined) { onnews(news); return; }
     const { done, failed } = waiting.get(id);
     waiting.delete(id);
     if (error === undefined) done(result); else failed(new Error(error));
   };
-  const ask = (task, values = {}) => new Promise((done, failed) => {
+  const ask = (task, values = {}, moved = []) => new Promise((done, failed) => {
     waiting.set(++next, { done, failed });
-    worker.postMessage({ id: next, task, ...values });
+    worker.postMessage({ id: next, task, ...values }, moved);
   });
   return { ask, started: module_.then(module => ask("start", { module })), end: () => worker.terminate() };
 }
@@ -42,7 +43,11 @@ const wish = { text: "", changes: [], forbidden: [], draft: false, paused: false
 /// The task of loading the scene that the reader wants.
 const wantedScene = () => ({ text: wish.text, changes: wish.changes, forbidden: wish.forbidden });
 const leader = startWorker();
-let renderers = [], parts = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null, isLoading = false, isShowing = false, hasNews = false, draftEnd = 0, pictureFetched = () => {};
+/// The sums that the leader does not have yet, by the index of the part.
+let parts = [];
+let renderers = [], revision = 0, stateVersion = 1, listeners = [], spent = 0, begun = null;
+let isLoading = false, isShowing = false, hasNews = false, draftEnd = 0;
+let pictureFetched = () => {};
 
 function changed() {
   stateVersion++;
@@ -67,12 +72,12 @@ async function restart() {
   do {
     now = revision;
     parts = [];
+    hasNews = false;
     spent = 0;
     try {
       await leader.started;
       await leader.ask("load", wantedScene());
-      changed();
-      await leader.ask("coarse");
+      await leader.ask("sketch");
     } catch (error) {
       // The state of the leader contains the message.
     }
@@ -82,8 +87,15 @@ async function restart() {
     await fetched;
   } while (now !== revision);
   isLoading = false;
-  if (wish.draft) draftEnd = setTimeout(() => { wish.draft = false; changed(); startRenderers(); }, DRAFT_END);
-  else startRenderers();
+  if (wish.draft) draftEnd = setTimeout(endDraft, DRAFT_END); else startRenderers();
+}
+
+/// Begins the whole render when the reader rests.
+function endDraft() {
+  clearTimeout(draftEnd);
+  wish.draft = false;
+  changed();
+  startRenderers();
 }
 
 const wantedPasses = async () => await leader.ask("passes") * 2 ** wish.extensions;
@@ -94,11 +106,17 @@ async function startRenderers() {
   if (!passes || now !== revision || wish.paused) return;
   begun = performance.now();
   for (let index = 0; index < of; index++) {
-    const renderer = startWorker((index, bytes) => { parts[index] = bytes; if (now === revision) showSums(passes); });
+    const renderer = startWorker(({ coarse, bytes }) => {
+      if (now !== revision) return;
+      if (coarse) { leader.ask("coarse", { bytes: coarse }).then(changed); return; }
+      parts[index] = bytes;
+      showSums(passes);
+    });
     renderers.push(renderer);
     renderer.started
       .then(() => renderer.ask("load", wantedScene()))
-      .then(() => renderer.ask("render", { index, of, passes, earlier: parts[index], pause: SUMS_PAUSE }))
+      .then(async () => parts[index] ?? (await leader.ask("part", { index })).bytes)
+      .then(earlier => renderer.ask("render", { index, of, passes, earlier, pause: SUMS_PAUSE }))
       .catch(error => console.error(error))
       .finally(() => renderer.end());
   }
@@ -112,7 +130,10 @@ async function showSums(wanted) {
   while (hasNews) {
     hasNews = false;
     const begin = performance.now(), elapsed = (spent + (begun === null ? 0 : performance.now() - begun)) / 1000, now = revision;
-    await leader.ask("show", { parts: parts.filter(Boolean).map(bytes => new Uint8Array(bytes)), wanted, elapsed }).catch(() => {});
+    // Sums have many bytes, so they move instead of being copied.
+    const news = parts;
+    parts = [];
+    await leader.ask("show", { news, wanted, elapsed }, news.filter(Boolean)).catch(() => {});
     if (now !== revision) continue;
     changed();
     // The leader should be free most of the time, for drags and for spectra.
@@ -152,11 +173,13 @@ async function post({ paused, extend, changes, forbidden, draft, keep }) {
     startRenderers();
   }
   const wanted = JSON.stringify([changes ?? wish.changes, forbidden ?? wish.forbidden]);
-  if (wanted !== JSON.stringify([wish.changes, wish.forbidden])) {
+  const wasDraft = wish.draft;
+  const isNew = wanted !== JSON.stringify([wish.changes, wish.forbidden]);
+  wish.draft = Boolean(draft) && (isNew || wasDraft);
+  if (isNew) {
     [wish.changes, wish.forbidden] = JSON.parse(wanted);
-    wish.draft = draft ?? false;
     restart();
-  }
+  } else if (wasDraft && !wish.draft && !isLoading) endDraft();
   changed();
 }
 

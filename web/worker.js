@@ -2,6 +2,8 @@
 // the bindings of the module, which define `wasm_bindgen`.
 
 let engine = null;
+/// The newest sums of each part of the passes, for the worker that shows pictures.
+let sums = [];
 
 /// What the page can ask for. Each function returns the result, and the buffers that move with it.
 const TASKS = {
@@ -9,10 +11,19 @@ const TASKS = {
     wasm_bindgen.initSync({ module });
     engine = new wasm_bindgen.Engine();
   },
-  load: ({ text, changes, forbidden }) => engine.load(text, changes, forbidden),
-  coarse: () => engine.showCoarse(),
+  load({ text, changes, forbidden }) {
+    sums = [];
+    engine.load(text, changes, forbidden);
+  },
+  sketch: () => engine.showSketch(),
+  coarse: ({ bytes }) => engine.showCoarse(new Uint8Array(bytes)),
   passes: () => engine.passes(),
-  show: ({ parts, wanted, elapsed }) => engine.show(parts, wanted, elapsed),
+  /// Shows the passes so far. `news` contains the parts that have changed.
+  show({ news, wanted, elapsed }) {
+    news.forEach((bytes, index) => { sums[index] = bytes; });
+    engine.show(sums.filter(Boolean).map(bytes => new Uint8Array(bytes)), wanted, elapsed);
+  },
+  part: ({ index }) => ({ bytes: sums[index]?.slice(0) }),
   keep: () => engine.keepAsReference(),
   state: ({ version }) => engine.state(version),
   text: () => engine.sceneText(),
@@ -20,12 +31,15 @@ const TASKS = {
     const [name, query] = path.split("?"), answer = engine.answer(name, query ?? "");
     return { kind: answer.kind, plane: [...answer.plane], bytes: answer.bytes.buffer };
   },
-  /// Renders a part of the passes. Sends the sums after the first pass, then at most once in
+  /// Renders a part of the passes. The first part also sends coarse pictures before its first pass.
+  /// Sends the sums after the first pass, then at most once in
   /// `pause` milliseconds, and at the end.
   render({ index, of, passes, earlier, pause }) {
     let sent = -Infinity;
+    const show = bytes => postMessage({ coarse: bytes.buffer }, [bytes.buffer]);
     const send = bytes => { postMessage({ index, bytes: bytes.buffer }, [bytes.buffer]); sent = performance.now(); return true; };
-    const last = engine.render(index, of, passes, earlier && new Uint8Array(earlier), () => performance.now() - sent < pause || send);
+    const last = engine.render(index, of, passes, earlier && new Uint8Array(earlier), () => performance.now() - sent < pause || send,
+      index ? undefined : show);
     send(last);
   },
 };

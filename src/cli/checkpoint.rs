@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 
 use abbe_session::output::file as files;
 use abbe_session::output::metadata::{Metadata, names};
-use abbe_session::render::{Job, Monitor, PassPart, Progress, RenderIdentity, Run, SavedRun};
+use abbe_session::render::{
+    CoarseLevel, CoarsePicture, Job, Monitor, PassPart, Progress, RenderIdentity, Run, SavedRun,
+};
 use abbe_spectra::error::{Error, Result};
-use abbe_transport::sensor::Picture;
 use abbe_transport::walk::StopFlag;
 
 use super::preview::Preview;
@@ -111,12 +112,12 @@ impl Monitor for RenderMonitor<'_> {
         self.display.before_pilot();
     }
 
-    fn wants_coarse_picture(&self) -> bool {
-        self.preview.is_possible()
+    fn coarse_levels(&self) -> &'static [CoarseLevel] {
+        if self.preview.is_possible() { &[CoarseLevel::Sketch(1.0)] } else { &[] }
     }
 
-    fn show_coarse_picture(&mut self, picture: &Picture) {
-        self.preview.show(picture, 0);
+    fn show_coarse_picture(&mut self, coarse: &CoarsePicture) {
+        self.preview.show(&coarse.enlarged(), 0);
     }
 
     fn after_pass(&mut self, progress: &Progress) -> bool {

@@ -16,6 +16,9 @@ async function showScene() {
     };
     fill($("tone"), scene.tones, scene.tone);
     fill($("space"), spaces.map(space => space.name), scene.space);
+    const { from_nm, to_nm, values } = scene.light;
+    $("band").max = values.length - 1;
+    $("band").value = Math.floor((555 - from_nm) / (to_nm - from_nm) * values.length);
   }
   ["pause", "extend", "orbit", "move", "undo", "ruler", "save-scene", "tab-plan", "tab-scene", "tab-photons"].forEach(id => { $(id).hidden = !scene.live; });
   $("keep").disabled = !scene.live;

@@ -7,13 +7,17 @@
 use super::answer::{ANSWERED_OF_SCENE, Answer, Refusal, answer, answer_of_scene};
 use super::loaded_scene::LoadedScene;
 use super::scene_panels::ScenePanels;
-use super::snapshot::Snapshot;
+use super::sketch::{SketchSize, of_bytes, to_bytes};
+use super::snapshot::{Shown, Snapshot};
 use super::state::{PageState, SessionState};
 use abbe_format::{FileAccess, parse_with_access};
-use abbe_session::render::{Integrator, Monitor, PassPart, Progress, Request, Run, StopRules};
+use abbe_session::render::{
+    CoarseLevel, CoarsePicture, Integrator, Monitor, PassPart, Progress, Request, Run, StopRules,
+};
 use abbe_spectra::error::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
+use web_time::Instant;
 
 /// The name of the scene in messages.
 const SCENE_NAME: &str = "scene.json";
@@ -27,6 +31,9 @@ pub struct PageEngine {
     scenes: u64,
     /// The number of pictures.
     pictures: u64,
+    size: SketchSize,
+    /// The time of the last load in s.
+    load_s: f64,
 }
 
 impl PageEngine {
@@ -36,6 +43,7 @@ impl PageEngine {
     /// # Errors
     /// Returns an input error if the scene or a change is wrong, or if the scene uses files.
     pub fn load(&mut self, text: &str, changes: &[String], forbidden: &[String]) -> Result<()> {
+        let start = Instant::now();
         let load = |changes: &[String]| parse_with_access(text, Path::new(SCENE_NAME), changes, FileAccess::default());
         let loaded = load(changes).and_then(|(scene, source)| {
             let Some(change) = LoadedScene::change_to_forbid(&scene, forbidden) else {
@@ -50,22 +58,48 @@ impl PageEngine {
         self.scenes += 1;
         self.state.begin(Arc::new(ScenePanels::new(self.scenes, &loaded)));
         self.loaded = Some(loaded);
+        self.load_s = start.elapsed().as_secs_f64();
         Ok(())
     }
 
-    /// Shows a coarse picture of the scene. Returns false if the film is too small for one.
+    /// Shows a sketch of the scene. Its size depends on the time that the sketches before it took.
     ///
     /// # Errors
     /// Returns an input error if no scene is loaded, or if the scene cannot be posed.
-    pub fn show_coarse(&mut self) -> Result<bool> {
-        let coarse = self.loaded()?.job.coarse_picture()?;
-        let is_shown = coarse.is_some();
-        if let Some(picture) = coarse {
-            self.pictures += 1;
-            let scene = self.scene()?;
-            self.state.snapshot = Some(Arc::new(Snapshot::of_render(self.pictures, scene, (picture, None), None)));
+    pub fn show_sketch(&mut self) -> Result<()> {
+        let start = Instant::now();
+        if let Some(coarse) = self.loaded()?.job.sketch(self.size.get())? {
+            self.size.update(self.load_s, start.elapsed().as_secs_f64());
+            self.show_coarse(coarse)?;
         }
-        Ok(is_shown)
+        Ok(())
+    }
+
+    /// Shows a coarse picture, the bytes of which [`Self::render`] passed to `show_coarse`, unless
+    /// a pass of this scene is shown.
+    ///
+    /// # Errors
+    /// Returns an input error if no scene is loaded, or if the bytes are not a coarse picture of
+    /// its size.
+    pub fn show_coarse_bytes(&mut self, bytes: &[u8]) -> Result<()> {
+        let film = &self.loaded()?.job.scene.film;
+        let size = [film.width as usize, film.height as usize];
+        let coarse = of_bytes(bytes).filter(|coarse| coarse.film == size);
+        let coarse = coarse.ok_or_else(|| Error::input("the bytes are not a coarse picture of the scene"))?;
+        if self.last_of_scene().is_none() { self.show_coarse(coarse) } else { Ok(()) }
+    }
+
+    fn show_coarse(&mut self, coarse: CoarsePicture) -> Result<()> {
+        self.pictures += 1;
+        let snapshot = Snapshot::of_render(self.pictures, self.scene()?, Shown::Coarse(coarse), None);
+        self.state.snapshot = Some(Arc::new(snapshot));
+        Ok(())
+    }
+
+    /// Returns the shown picture if it contains passes of this scene.
+    fn last_of_scene(&self) -> Option<&Snapshot> {
+        let last = self.state.snapshot.as_deref();
+        last.filter(|last| last.passes > 0 && last.scene.number == self.scenes)
     }
 
     /// Returns the number of passes of the whole picture, before the reader wants more.
@@ -77,8 +111,9 @@ impl PageEngine {
     }
 
     /// Renders a part of the first `passes` passes, after those in `earlier`, the bytes of an
-    /// earlier call. `after_pass` receives the run after each pass, and returns false to end the
-    /// render. Returns the bytes of all passes.
+    /// earlier call. `show_coarse` receives the bytes of finer and finer pictures before the first
+    /// pass. `after_pass` receives the run after each pass, and returns false to end the render.
+    /// Returns the bytes of all passes.
     ///
     /// # Errors
     /// Returns an input error if no scene is loaded, if the part has no passes, or if the bytes
@@ -88,6 +123,7 @@ impl PageEngine {
         part: PassPart,
         passes: u64,
         earlier: Option<&[u8]>,
+        show_coarse: Option<&mut dyn FnMut(Vec<u8>)>,
         after_pass: &mut dyn FnMut(&Run) -> bool,
     ) -> Result<Vec<u8>> {
         let job = &self.loaded()?.job;
@@ -96,7 +132,7 @@ impl PageEngine {
             None => Run::new(job, part),
         };
         let stop = StopRules { passes: Some(passes), ..StopRules::default() };
-        let mut monitor = EngineMonitor { after_pass, goes_on: true };
+        let mut monitor = EngineMonitor { show_coarse, after_pass, goes_on: true };
         let rendered = job.continue_run(Request { integrator: Integrator::Photon, stop }, run, &mut monitor)?;
         Ok(rendered.run.to_bytes())
     }
@@ -110,9 +146,8 @@ impl PageEngine {
     pub fn show(&mut self, parts: &[impl AsRef<[u8]>], wanted: u64, elapsed_s: f64) -> Result<()> {
         let run = self.loaded()?.job.run_of_bytes(parts)?;
         self.pictures += 1;
-        let last = self.state.snapshot.as_ref().filter(|last| last.passes > 0 && last.scene.number == self.scenes);
-        let picture = (run.picture_with_denoised(), Some(&run));
-        let snapshot = Snapshot::of_render(self.pictures, self.scene()?, picture, last.map(Arc::as_ref));
+        let shown = Shown::Passes(run.picture_with_denoised(), &run);
+        let snapshot = Snapshot::of_render(self.pictures, self.scene()?, shown, self.last_of_scene());
         let is_done = run.passes() >= wanted;
         self.state.session = if is_done { SessionState::Finished } else { SessionState::Rendering };
         self.state.progress.passes = run.passes();
@@ -176,12 +211,23 @@ impl PageEngine {
     }
 }
 
-struct EngineMonitor<'a> {
+struct EngineMonitor<'a, 'c> {
+    show_coarse: Option<&'c mut dyn FnMut(Vec<u8>)>,
     after_pass: &'a mut dyn FnMut(&Run) -> bool,
     goes_on: bool,
 }
 
-impl Monitor for EngineMonitor<'_> {
+impl Monitor for EngineMonitor<'_, '_> {
+    fn coarse_levels(&self) -> &'static [CoarseLevel] {
+        if self.show_coarse.is_some() { &[CoarseLevel::Half, CoarseLevel::Full] } else { &[] }
+    }
+
+    fn show_coarse_picture(&mut self, coarse: &CoarsePicture) {
+        if let Some(show) = &mut self.show_coarse {
+            show(to_bytes(coarse));
+        }
+    }
+
     fn after_pass(&mut self, _: &Progress) -> bool {
         self.goes_on
     }
@@ -211,8 +257,8 @@ mod tests {
         let part = |index| {
             let part = PassPart::new(index, 2).unwrap();
             // The render is interrupted after the first pass, and continues.
-            let first = engine.render(part, 6, None, &mut |run| run.passes() < 1).unwrap();
-            engine.render(part, 6, Some(&first), &mut |_| true).unwrap()
+            let first = engine.render(part, 6, None, None, &mut |run| run.passes() < 1).unwrap();
+            engine.render(part, 6, Some(&first), None, &mut |_| true).unwrap()
         };
         let parts = [part(0), part(1)];
         let job = &engine.loaded().unwrap().job;
@@ -233,10 +279,38 @@ mod tests {
         assert!(engine.answer("band", "band=1000").unwrap().body.is_empty());
     }
 
+    /// Coarse pictures become finer and have no errors. Passes replace them, and have the bits of a
+    /// render without coarse pictures.
+    #[test]
+    fn coarse_pictures_come_before_the_first_pass() {
+        let mut engine = PageEngine::default();
+        let film = ["film.width=240", "film.height=135", "render.photons=4000", "film.spectral_bands=0"];
+        engine.load(SCENE, &film.map(str::to_string), &[]).unwrap();
+        let coarse = |engine: &PageEngine| engine.state(1)["picture"]["coarse"]["size"].clone();
+        engine.show_sketch().unwrap();
+        assert_eq!(coarse(&engine), serde_json::json!([80, 45]));
+        let mut shown = Vec::new();
+        let with =
+            engine.render(PassPart::WHOLE, 1, None, Some(&mut |bytes| shown.push(bytes)), &mut |_| true).unwrap();
+        let without = engine.render(PassPart::WHOLE, 1, None, None, &mut |_| true).unwrap();
+        assert_eq!(engine.hash_of_sums(&[&with]).unwrap(), engine.hash_of_sums(&[without]).unwrap());
+        assert!(!shown.is_empty());
+        engine.show_coarse_bytes(&shown[0]).unwrap();
+        assert_eq!(coarse(&engine), serde_json::json!([120, 68]));
+        assert!(engine.answer("save.exr", "").is_err(), "a coarse picture is not saved");
+        let errors = engine.answer("errors", "").unwrap().body;
+        assert!(errors.chunks(4).all(|value| f32::from_le_bytes(value.try_into().unwrap()).is_nan()));
+        engine.show(&[with], 1, 1.0).unwrap();
+        engine.show_coarse_bytes(&shown[0]).unwrap();
+        let state = engine.state(2);
+        assert_eq!((&state["picture"]["coarse"], &state["picture"]["passes"]), (&serde_json::Value::Null, &1.into()));
+        assert!(engine.show_coarse_bytes(&shown[0][1..]).is_err());
+    }
+
     #[test]
     fn wrong_bytes_are_refused() {
         let engine = engine();
-        let bytes = engine.render(PassPart::WHOLE, 1, None, &mut |_| true).unwrap();
+        let bytes = engine.render(PassPart::WHOLE, 1, None, None, &mut |_| true).unwrap();
         let job = &engine.loaded().unwrap().job;
         for wrong in [&bytes[1..], &bytes[..bytes.len() - 16], &[]] {
             assert!(job.run_of_bytes(&[wrong]).is_err());

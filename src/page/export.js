@@ -62,7 +62,8 @@ async function exportedPage() {
   const { width, height, passes } = picture, columns = Math.ceil(width / size), rows = Math.ceil(height / size);
   const { bytes, bands, hasErrors } = packedCells(found.values, columns * rows), { name, primaries_xy, white_xy } = space();
   const content = {
-    title: $("title").textContent, file: scene.file, legend: $("legend").hidden ? "" : $("legend").textContent,
+    title: $("title").textContent, file: scene.file,
+    legend: $("legend").hidden || moveHint() ? "" : $("legend").textContent,
     width, height, passes, error: state.typical_error, picture: pictureData(),
     size, columns, rows, bands, hasErrors, light: scene.light, locus: scene.locus, space: { name, primaries_xy, white_xy },
     pins: pins.map(pin => pin.report), srgb: { own_matrix: spaces[0].own_matrix, luminance_weights: spaces[0].luminance_weights },

@@ -12,6 +12,7 @@ mod photons;
 mod pick;
 mod probe;
 mod scene_panels;
+mod sketch;
 mod snapshot;
 mod state;
 
@@ -26,7 +27,9 @@ pub(crate) use export::COLOURS;
 #[cfg(feature = "view")]
 pub(crate) use scene_panels::ScenePanels;
 #[cfg(feature = "view")]
-pub(crate) use snapshot::Snapshot;
+pub(crate) use sketch::SketchSize;
+#[cfg(feature = "view")]
+pub(crate) use snapshot::{Shown, Snapshot};
 #[cfg(feature = "view")]
 pub(crate) use state::{PageState, SessionState, ViewProgress};
 

@@ -286,13 +286,14 @@ function showObjects() {
     }));
   }
 }
+/// What the reader can do with objects, before one is chosen.
+const moveHint = () => isMoving && !chosen
+  ? "Drag an object. The ring turns it, and the arrow lifts it." : "";
 function toggleMoving() {
   isMoving = !isMoving && Boolean(camera());
   if (isMoving && isOrbiting) toggleOrbit();
   if (isMoving && isMeasuring) toggleRuler();
   press_("move", isMoving);
   stage.style.cursor = isMoving ? "move" : "crosshair";
-  $("legend").textContent = isMoving ? "Drag an object. The ring turns it, and the arrow lifts it." : "";
-  $("legend").hidden = !isMoving;
-  paint();
+  draw();
 }

@@ -79,8 +79,9 @@ async function fetchPicture() {
     // again.
     fetched = next.number;
     if (summary) {
-      const { exposure, reaches, passes, denoised } = summary;
-      picture = { ...next, xyz: next.values, planes: new Map(), exposure, reaches, passes, denoised };
+      const { exposure, reaches, passes, denoised, coarse } = summary;
+      picture = { ...next, xyz: next.values, planes: new Map(),
+        exposure, reaches, passes, denoised, coarse };
       for (const number of summaries.keys()) if (number < next.number) summaries.delete(number);
       await draw();
       refreshProbes();
@@ -103,7 +104,8 @@ async function draw() {
   const current = picture, { width, height } = current, mode = $("mode").value;
   const pixels = new ImageData(width, height), factor = current.exposure * 2 ** ev();
   const how = { space: space(), tone: $("tone").value, gamut: scene.gamut, factor, reaches: current.reaches };
-  let legend = current.passes ? "" : "coarse picture";
+  const { coarse } = current, size = coarse?.size.join(" × ");
+  let legend = coarse ? `coarse picture: ${size} pixels, ${coarse.photons} photons` : moveHint();
   if (comparison() !== "off") legend = await compare(current, pixels, how);
   else if (mode === "colour") develop((scene.bloom && await bloomedXyz()) || await shownXyz(current), pixels.data, how);
   else if (mode === "band") {
@@ -299,5 +301,6 @@ function showProbes() {
   $("chromaticity").innerHTML = chromaticityPlot(curves, scene.locus, space());
   $("pins").innerHTML = pinTable(pinned);
   $("values").innerHTML = probed.length ? valueTable(probed)
-    : `<p class="soft">Point at the picture, or use the arrow keys. Shift and drag selects a rectangle. A click or Enter pins it.</p>`;
+    : `<p class="soft">Point at the picture, or use the arrow keys. Shift and drag selects a
+rectangle. A click or Enter pins it. To drag an object, press <em>Move objects</em> first.</p>`;
 }

@@ -7,12 +7,19 @@ use crate::api::provenance;
 use abbe_session::output::Metadata;
 #[cfg(feature = "view")]
 use abbe_session::output::metadata::names;
-use abbe_session::render::{LedgerStats, Run, StageSeconds};
+use abbe_session::render::{CoarsePicture, LedgerStats, Run, StageSeconds};
 use abbe_transport::plan::EffectState;
 use abbe_transport::sensor::{Picture, bloom, exposure};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
+
+/// What a render shows.
+#[derive(Debug)]
+pub(crate) enum Shown<'a> {
+    Coarse(CoarsePicture),
+    Passes(Picture, &'a Run),
+}
 
 /// A picture that the page can show. It never changes.
 #[derive(Debug)]
@@ -22,6 +29,8 @@ pub(crate) struct Snapshot {
     pub(crate) name: String,
     pub(crate) scene: Arc<ScenePanels>,
     pub(crate) passes: u64,
+    /// The width and the height in pixels, and the number of photons, of a coarse picture.
+    coarse: Option<([usize; 2], u64)>,
     pub(crate) picture: Picture,
     /// The exposure of the scene's settings in 1/(cd/m²).
     pub(crate) exposure: f64,
@@ -45,15 +54,21 @@ pub(crate) struct Snapshot {
 }
 
 impl Snapshot {
-    /// The picture of a run, or a coarse one without a run. `last` is the picture before it in the
-    /// same render.
+    /// A picture of a render. `last` is the picture before it in the same render.
     pub(crate) fn of_render(
         number: u64,
         (loaded, scene): (&LoadedScene, Arc<ScenePanels>),
-        (picture, run): (Picture, Option<&Run>),
+        shown: Shown<'_>,
         last: Option<&Self>,
     ) -> Self {
         let job = &loaded.job;
+        let (picture, coarse, run) = match shown {
+            Shown::Coarse(coarse) => (coarse.enlarged(), Some(coarse), None),
+            Shown::Passes(picture, run) => (picture, None, Some(run)),
+        };
+        // A small picture is measured sooner.
+        let metered = coarse.as_ref().map_or(&picture, |coarse| &coarse.picture);
+        let (exposure, reaches) = (scene.display.factor(metered), scene.reaches(metered));
         let metadata = run.map(|run| {
             let of_scene = &loaded.metadata;
             let metadata = provenance::of_passes(of_scene, run.passes(), &run.ledger_stats(job), run.seconds());
@@ -66,8 +81,9 @@ impl Snapshot {
             number,
             name: loaded.source.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             passes,
-            exposure: scene.display.factor(&picture),
-            reaches: scene.reaches(&picture),
+            coarse: coarse.map(|coarse| ([coarse.picture.width, coarse.picture.height], coarse.photons)),
+            exposure,
+            reaches,
             band_noise: band_noise(&picture, passes, last),
             without: forbidden.map(|row| row.effect.name).collect(),
             mean_y: picture.mean_y(),
@@ -93,6 +109,7 @@ impl Snapshot {
             number,
             name: name.to_string(),
             passes: metadata.get(names::PASSES).and_then(|passes| passes.parse().ok()).unwrap_or(0),
+            coarse: None,
             exposure: scene.display.factor(&picture),
             reaches: scene.reaches(&picture),
             class_means: layers::class_means(&picture),
@@ -133,6 +150,7 @@ impl Snapshot {
             "width": self.picture.width,
             "height": self.picture.height,
             "passes": self.passes,
+            "coarse": self.coarse.map(|(size, photons)| json!({"size": size, "photons": photons})),
             "exposure": self.exposure,
             "reaches": self.reaches,
             "events": self.events,

@@ -1,8 +1,8 @@
 //! Publishes the pictures of a render.
 
 use super::channel::ViewChannel;
-use crate::page::{LoadedScene, ScenePanels, Snapshot};
-use abbe_session::render::Run;
+use crate::page::{LoadedScene, ScenePanels, Shown, Snapshot};
+use abbe_session::render::{CoarsePicture, Run};
 use abbe_transport::sensor::Picture;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -35,13 +35,13 @@ impl<'a> Publisher<'a> {
         Self { channel, loaded, scene, revision, last: None, schedule: PublicationSchedule::new() }
     }
 
-    pub(super) fn coarse(&self, picture: &Picture) {
-        self.channel.publish(self.revision, self.snapshot(picture.clone(), None));
+    pub(super) fn coarse(&self, coarse: &CoarsePicture) {
+        self.channel.publish(self.revision, self.snapshot(Shown::Coarse(coarse.clone())));
     }
 
     /// Publishes a coarse picture while the reader moves a slider or the camera.
-    pub(super) fn draft(&self, picture: &Picture) {
-        self.channel.publish_draft(self.snapshot(picture.clone(), None));
+    pub(super) fn draft(&self, coarse: CoarsePicture) {
+        self.channel.publish_draft(self.snapshot(Shown::Coarse(coarse)));
     }
 
     /// Publishes the picture of a run if it is due.
@@ -55,16 +55,16 @@ impl<'a> Publisher<'a> {
 
     pub(super) fn publish(&mut self, run: &Run, picture: Picture) {
         if self.last.as_ref().is_none_or(|last| last.passes < run.passes()) {
-            let snapshot = self.snapshot(picture, Some(run));
+            let snapshot = self.snapshot(Shown::Passes(picture, run));
             self.last = Some(Arc::clone(&snapshot));
             self.channel.publish(self.revision, snapshot);
         }
     }
 
-    fn snapshot(&self, picture: Picture, run: Option<&Run>) -> Arc<Snapshot> {
+    fn snapshot(&self, shown: Shown<'_>) -> Arc<Snapshot> {
         let number = self.channel.next_picture();
         let scene = (self.loaded, Arc::clone(&self.scene));
-        Arc::new(Snapshot::of_render(number, scene, (picture, run), self.last.as_deref()))
+        Arc::new(Snapshot::of_render(number, scene, shown, self.last.as_deref()))
     }
 }
 

@@ -215,10 +215,9 @@ fn follow(channel: &ViewChannel, wanted: PageOrders) -> Result<Response, StatusC
         let before = (orders.changes.clone(), orders.forbidden.clone());
         orders.changes = wanted.changes.unwrap_or_else(|| before.0.clone());
         orders.forbidden = wanted.forbidden.unwrap_or_else(|| before.1.clone());
-        if (&orders.changes, &orders.forbidden) != (&before.0, &before.1) {
-            orders.revision += 1;
-            orders.is_draft = wanted.draft;
-        }
+        let is_new = (&orders.changes, &orders.forbidden) != (&before.0, &before.1);
+        orders.revision += u64::from(is_new);
+        orders.is_draft = wanted.draft && (is_new || orders.is_draft);
     });
     json("{}".to_string())
 }

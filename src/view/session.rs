@@ -3,10 +3,11 @@
 use super::channel::{Orders, ViewChannel};
 use super::host::ViewHost;
 use super::publisher::Publisher;
-use crate::page::{LoadedScene, ScenePanels, SessionState, ViewProgress};
-use abbe_session::render::{Integrator, Monitor, PassPart, Progress, Rendered, Request, Run, StopRules, on_threads};
+use crate::page::{LoadedScene, ScenePanels, SessionState, SketchSize, ViewProgress};
+use abbe_session::render::{
+    CoarseLevel, CoarsePicture, Integrator, Monitor, PassPart, Progress, Rendered, Request, Run, StopRules, on_threads,
+};
 use abbe_spectra::error::{Error, Result};
-use abbe_transport::sensor::Picture;
 use abbe_transport::walk::StopFlag;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
@@ -26,7 +27,7 @@ pub struct SessionEnd {
 /// session starts the next render at once, and the abandoned one ends soon. Returns an
 /// error if the first load of the scene fails, or if a thread cannot be started.
 pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRules) -> Result<SessionEnd> {
-    let mut number = 0;
+    let (mut number, mut size) = (0, SketchSize::default());
     loop {
         let orders = channel.orders();
         if orders.interrupted {
@@ -36,6 +37,7 @@ pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRul
             wait_for_change(channel, &orders);
             continue;
         }
+        let start = Instant::now();
         let loaded = match host.load(orders.example, &orders.changes, &orders.forbidden) {
             Ok(loaded) => Arc::new(loaded),
             Err(error) if number == 0 && orders.example.is_none() => return Err(error),
@@ -50,8 +52,9 @@ pub(super) fn run(host: &dyn ViewHost, channel: &Arc<ViewChannel>, stop: StopRul
         channel.begin(Arc::clone(&scene), Some(Arc::clone(&loaded)));
         let threads = loaded.job.scene.settings.threads;
         if orders.is_draft {
+            let load_s = start.elapsed().as_secs_f64();
             let publisher = Publisher::new(channel, &loaded, Arc::clone(&scene), orders.revision);
-            match on_threads(threads, || draft(&loaded, &publisher))? {
+            match on_threads(threads, || draft(&loaded, &publisher, (&mut size, load_s)))? {
                 Ok(true) => {
                     end_draft(channel, &orders);
                     continue;
@@ -91,16 +94,20 @@ fn wait_for_change(channel: &ViewChannel, orders: &Orders) -> Orders {
 }
 
 /// Publishes a coarse picture. Returns false if the picture is too small for one.
-fn draft(loaded: &LoadedScene, publisher: &Publisher<'_>) -> Result<bool> {
-    let coarse = loaded.job.coarse_picture()?;
-    coarse.iter().for_each(|picture| publisher.draft(picture));
-    Ok(coarse.is_some())
+fn draft(loaded: &LoadedScene, publisher: &Publisher<'_>, (size, load_s): (&mut SketchSize, f64)) -> Result<bool> {
+    let start = Instant::now();
+    let Some(coarse) = loaded.job.sketch(size.get())? else { return Ok(false) };
+    size.update(load_s, start.elapsed().as_secs_f64());
+    publisher.draft(coarse);
+    Ok(true)
 }
 
-/// Waits for the next change. If the reader pauses, the session renders the whole picture.
+/// Waits for the next change. If the reader rests or releases the object, the session renders the
+/// whole picture.
 fn end_draft(channel: &ViewChannel, orders: &Orders) {
-    let now = channel.wait(Some(DRAFT_END), |now| now.revision != orders.revision || now.interrupted);
-    if now.revision == orders.revision {
+    let is_over = |now: &Orders| now.revision != orders.revision || now.interrupted || !now.is_draft;
+    let now = channel.wait(Some(DRAFT_END), is_over);
+    if now.revision == orders.revision && now.is_draft {
         channel.order(|orders| orders.is_draft = false);
     }
 }
@@ -171,12 +178,12 @@ impl Monitor for ViewMonitor<'_, '_> {
         Arc::clone(&self.stop)
     }
 
-    fn wants_coarse_picture(&self) -> bool {
-        true
+    fn coarse_levels(&self) -> &'static [CoarseLevel] {
+        &[CoarseLevel::Sketch(1.0), CoarseLevel::Half, CoarseLevel::Full]
     }
 
-    fn show_coarse_picture(&mut self, picture: &Picture) {
-        self.publisher.coarse(picture);
+    fn show_coarse_picture(&mut self, coarse: &CoarsePicture) {
+        self.publisher.coarse(coarse);
     }
 
     fn after_pass(&mut self, progress: &Progress) -> bool {

@@ -94,6 +94,20 @@ impl Browser {
         result["result"]["value"].clone()
     }
 
+    /// Counts the workers that start from now on.
+    pub(crate) fn watch_workers(&mut self) {
+        let wanted = json!({"autoAttach": true, "waitForDebuggerOnStart": false, "flatten": true});
+        self.tools.call("Target.setAutoAttach", &wanted);
+    }
+
+    /// Returns the number of running workers.
+    pub(crate) fn workers(&mut self) -> usize {
+        // The answer to any call comes after the events.
+        self.run("0");
+        let count = |name: &str| self.tools.events.iter().filter(|event| event["method"] == name).count();
+        count("Target.attachedToTarget") - count("Target.detachedFromTarget")
+    }
+
     /// Returns the names that a screen reader reads for all elements of a role.
     pub(crate) fn accessible(&mut self, role: &str) -> Vec<String> {
         let tree = self.tools.call("Accessibility.getFullAXTree", &json!({}));

@@ -31,13 +31,20 @@ fn changes_of_the_page_render_again() {
     let folder = with_ball(SCENE);
     let view = View::start(folder.path(), &["ball.json", "--size", "480x320"]);
     let first = view.finished();
-    view.post(&json!({"changes": ["objects[name=ball].shape.sphere.radius=0.4"], "draft": true}));
+    let changes = ["objects[name=ball].shape.sphere.radius=0.4"];
+    view.post(&json!({"changes": changes, "draft": true}));
     let next = |state: &Value| state["picture"]["scene"].as_u64() > first["picture"]["scene"].as_u64();
     let draft = view.wait("a coarse picture", next);
     assert_eq!(draft["picture"]["passes"], 0);
+    let coarse = &draft["picture"]["coarse"];
+    assert!(coarse["size"][0].as_u64() < Some(480) && coarse["photons"].as_u64() <= Some(500), "{coarse}");
+    // The reader releases the slider.
+    view.post(&json!({"changes": changes, "draft": false}));
+    assert_eq!(view.get("state").json()["draft"], false);
     assert_eq!(view.get("scene").json()["scene"]["objects"][1]["shape"]["sphere"]["radius"], 0.4);
     let last = view.wait("the whole picture", |state| state["session"] == "finished" && next(state));
     assert_eq!((&last["draft"], &last["picture"]["passes"]), (&json!(false), &json!(12)));
+    assert_eq!(last["picture"]["coarse"], Value::Null);
     assert!(std::fs::read_to_string(folder.path().join("ball.json")).unwrap() == SCENE, "the file does not change");
 }
 

@@ -6,7 +6,7 @@ use abbe::page::PageEngine;
 use abbe_session::render::PassPart;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -14,6 +14,34 @@ fn root() -> &'static Path {
 
 fn scene(name: &str) -> PathBuf {
     root().join("scenes").join(name).with_extension("json")
+}
+
+fn page() -> String {
+    format!("file://{}", root().join("target/page/index.html").display())
+}
+
+/// Returns the fraction of the time in which the cores of the machine work, over a second.
+fn load_of_machine() -> f64 {
+    let times = || -> [f64; 2] {
+        let stat = std::fs::read_to_string("/proc/stat").unwrap();
+        let fields: Vec<f64> =
+            stat.lines().next().unwrap().split_whitespace().skip(1).map(|field| field.parse().unwrap()).collect();
+        // The fourth and the fifth count the time without work.
+        [fields.iter().sum(), fields[3] + fields[4]]
+    };
+    let before = times();
+    std::thread::sleep(Duration::from_secs(1));
+    let after = times();
+    1.0 - (after[1] - before[1]) / (after[0] - before[0])
+}
+
+/// Presses the left button on the prism.
+fn press_prism(browser: &mut Browser) {
+    browser.run("stage.focus()");
+    browser.key("o", "o");
+    let press = position(browser, (95, 130));
+    browser.mouse("mousePressed", press, false);
+    browser.wait("chosen?.name === 'prism' && dragging?.ready");
 }
 
 /// The page asks for nothing but itself and its own workers, and reports no error.
@@ -47,7 +75,7 @@ fn node_has_the_bits_of_the_program() {
         let mut engine = PageEngine::default();
         engine.load(&std::fs::read_to_string(scene(name)).unwrap(), &changes, &[]).unwrap();
         let start = cpu_time::ThreadTime::now();
-        let bytes = pool.install(|| engine.render(PassPart::WHOLE, PASSES, None, &mut |_| true)).unwrap();
+        let bytes = pool.install(|| engine.render(PassPart::WHOLE, PASSES, None, None, &mut |_| true)).unwrap();
         let native_s = start.elapsed().as_secs_f64();
         println!("{name}: {hash}, {native_s:.2} s native, {web_s:.2} s in Node: {:.2}", native_s / web_s);
         assert_eq!(engine.hash_of_sums(&[bytes]).unwrap(), hash, "{name}");
@@ -61,26 +89,16 @@ fn node_has_the_bits_of_the_program() {
 fn the_page_renders_without_a_server() {
     let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
     let start = Instant::now();
-    browser.open(&format!("file://{}", root().join("target/page/index.html").display()));
+    browser.open(&page());
     browser.wait("picture !== null");
     println!("first picture after {:.2} s", start.elapsed().as_secs_f64());
     browser.wait("state.passes > 0");
     println!("first pass after {:.2} s", start.elapsed().as_secs_f64());
     browser.wait("state.typical_error !== null && state.typical_error < 0.2");
     println!("error of 20 % after {:.2} s", start.elapsed().as_secs_f64());
-    browser.run("stage.focus()");
-    browser.key("o", "o");
-    let press = position(&mut browser, (95, 130));
-    browser.mouse("mousePressed", press, false);
-    browser.wait("chosen?.name === 'prism'");
-    browser.run("globalThis.firstNumber = picture.number; globalThis.dragStart = performance.now()");
-    for step in 1..=20 {
-        let at = position(&mut browser, (95 + step, 130));
-        browser.mouse("mouseMoved", at, false);
-    }
-    browser.wait("picture.number > firstNumber");
-    println!("the picture followed after {} ms", browser.run("performance.now() - dragStart"));
+    press_prism(&mut browser);
     let end = position(&mut browser, (115, 130));
+    browser.mouse("mouseMoved", end, false);
     browser.mouse("mouseReleased", end, false);
     browser.wait("!state.draft && state.passes > 0 && scene.scene.objects[3].transform.length === 4");
     browser.screenshot("web.png");
@@ -93,13 +111,67 @@ fn the_page_renders_without_a_server() {
     uses_only_itself(&browser);
 }
 
+/// While an object follows the pointer, five pictures come each second, the first one within 0.3 s,
+/// if nothing else uses the machine.
+#[test]
+#[ignore = "web: tests/run --web builds the page and runs this"]
+fn a_drag_keeps_five_pictures_a_second() {
+    let load = load_of_machine();
+    let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
+    browser.open(&page());
+    browser.wait("state.passes > 0 && picture?.passes > 0");
+    press_prism(&mut browser);
+    let seen = browser.run(&format!("({})(4)", include_str!("drag.js")));
+    let numbers = |key: &str| -> Vec<f64> { serde_json::from_value(seen[key].clone()).unwrap() };
+    let (times, columns) = (numbers("times"), numbers("columns"));
+    let per_second = 1e3 * (times.len() - 1) as f64 / (times[times.len() - 1] - times[0]);
+    println!("load of the machine {load:.2}; first picture after {:.0} ms, {per_second:.1} a second", times[0]);
+    println!("columns of the pictures: {columns:?}");
+    if load < 0.1 {
+        assert!(times[0] <= 300.0 && per_second >= 5.0, "{times:?}");
+    }
+    let end = position(&mut browser, (95, 130));
+    browser.mouse("mouseReleased", end, false);
+    browser.wait("!state.draft && picture.passes > 0 && picture.number === state.picture.number");
+    uses_only_itself(&browser);
+}
+
+/// Before the first pass, the picture becomes finer, and says that it is coarse.
+#[test]
+#[ignore = "web: tests/run --web builds the page and runs this"]
+fn coarse_pictures_become_finer() {
+    let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
+    browser.open(&(page() + "#prism_in_fog"));
+    browser.wait("picture?.coarse?.size[0] === 160 && $('legend').textContent.includes('160 × 90')");
+    assert_eq!(browser.run("$('legend').hidden"), false);
+    assert_eq!(browser.run("$('error').textContent"), "not known yet");
+    browser.wait("picture.passes > 0");
+    assert_eq!(browser.run("picture.coarse"), serde_json::Value::Null);
+}
+
+/// The workers end when the reader leaves the page.
+#[test]
+#[ignore = "web: tests/run --web builds the page and runs this"]
+fn the_workers_end_with_the_page() {
+    let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
+    browser.watch_workers();
+    browser.open(&page());
+    browser.wait("state.passes > 0");
+    assert!(browser.workers() >= 2, "the one that shows pictures, and at least one that renders");
+    browser.open("about:blank");
+    let start = Instant::now();
+    while browser.workers() > 0 {
+        assert!(start.elapsed() < Duration::from_secs(10), "{} workers", browser.workers());
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
 /// A shared address opens the same scene.
 #[test]
 #[ignore = "web: tests/run --web builds the page and runs this"]
 fn an_address_contains_the_scene() {
     let Some(mut browser) = Browser::start(DESKTOP, false) else { return };
-    let page = format!("file://{}", root().join("target/page/index.html").display());
-    browser.open(&(page.clone() + "#soap_film"));
+    browser.open(&(page() + "#soap_film"));
     browser.wait("picture !== null && scene.scene.title.includes('oap')");
     browser.run("$('share').click()");
     browser.wait("location.hash.startsWith('#scene=')");

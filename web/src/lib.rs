@@ -38,9 +38,14 @@ impl Engine {
         self.0.load(text, &changes, &forbidden).map_err(|error| thrown(&error))
     }
 
+    #[wasm_bindgen(js_name = showSketch)]
+    pub fn show_sketch(&mut self) -> Result<(), JsValue> {
+        self.0.show_sketch().map_err(|error| thrown(&error))
+    }
+
     #[wasm_bindgen(js_name = showCoarse)]
-    pub fn show_coarse(&mut self) -> Result<bool, JsValue> {
-        self.0.show_coarse().map_err(|error| thrown(&error))
+    pub fn show_coarse(&mut self, bytes: &[u8]) -> Result<(), JsValue> {
+        self.0.show_coarse_bytes(bytes).map_err(|error| thrown(&error))
     }
 
     pub fn passes(&self) -> Result<u32, JsValue> {
@@ -49,6 +54,7 @@ impl Engine {
 
     /// Renders the passes of part `index` of `of`. Calls `after_pass` with the number of passes and
     /// a function that returns the bytes of the run; it returns false to end the render.
+    /// Calls `show_coarse` with the bytes of coarse pictures.
     pub fn render(
         &self,
         index: u32,
@@ -56,6 +62,7 @@ impl Engine {
         passes: u32,
         earlier: Option<Vec<u8>>,
         after_pass: &Function,
+        show_coarse: Option<Function>,
     ) -> Result<Uint8Array, JsValue> {
         let part = PassPart::new(index, of).map_err(|error| thrown(&error))?;
         let mut report = |run: &Run| {
@@ -70,7 +77,14 @@ impl Engine {
                 Err(_) => false,
             }
         };
-        let bytes = self.0.render(part, passes.into(), earlier.as_deref(), &mut report);
+        let mut show = show_coarse.map(|show| {
+            move |bytes: Vec<u8>| {
+                // The page ignores a picture that it cannot receive; the passes replace it.
+                let _ = show.call1(&JsValue::NULL, &Uint8Array::from(bytes.as_slice()));
+            }
+        });
+        let show = show.as_mut().map(|show| show as &mut dyn FnMut(Vec<u8>));
+        let bytes = self.0.render(part, passes.into(), earlier.as_deref(), show, &mut report);
         bytes.map(|bytes| Uint8Array::from(bytes.as_slice())).map_err(|error| thrown(&error))
     }
 

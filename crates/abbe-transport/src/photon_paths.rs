@@ -4,7 +4,7 @@
 use crate::emit::{EmissionStrata, MediumCollision, PhotonState, PhotonVisitor, SurfaceArrival};
 use crate::emit::{WavelengthSampling, trace};
 use crate::pass::{EmissionRequest, PassContext};
-use crate::pilot::{LearnedAims, learn_aims};
+use crate::pilot::{LearnedAims, PATHS_PER_STRATUM, learn_aims};
 use crate::plan::AimPlan;
 use crate::walk::ledger::Ledger;
 use abbe_scene::Scene;
@@ -68,7 +68,7 @@ pub struct RecordedSegment {
 /// exist or emits nothing.
 pub fn photon_paths(context: &PassContext<'_>, query: &PathQuery) -> PhotonPaths {
     let aims = match context.plan.aim {
-        AimPlan::Learned => learn_aims(context, &[Cow::Borrowed(context.scene)]),
+        AimPlan::Learned => learn_aims(context, &[Cow::Borrowed(context.scene)], PATHS_PER_STRATUM),
         AimPlan::Plain => LearnedAims::plain(context),
     };
     let Some(strata) = of_light(aims.strata, query.light) else { return PhotonPaths::default() };

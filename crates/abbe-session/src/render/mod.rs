@@ -27,6 +27,7 @@ mod transfer;
 
 pub use abbe_transport::pass::StageSeconds;
 pub use abbe_transport::photon_paths::{PathQuery, PhotonPaths, RecordedPath, RecordedSegment};
+pub use abbe_transport::pilot::{CoarseLevel, CoarsePicture};
 pub use denoise::denoised;
 pub use diffraction::DiffractionSetup;
 pub use display::DisplaySettings;

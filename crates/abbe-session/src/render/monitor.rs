@@ -2,7 +2,7 @@
 
 use super::forecast::Forecast;
 use super::run::Run;
-use abbe_transport::sensor::Picture;
+use abbe_transport::pilot::{CoarseLevel, CoarsePicture};
 use abbe_transport::walk::StopFlag;
 use std::sync::Arc;
 use std::time::Duration;
@@ -41,13 +41,14 @@ pub trait Monitor {
 
     fn before_pilot(&mut self) {}
 
-    /// Returns true if the monitor shows a coarse picture before pass 0, which costs little.
-    fn wants_coarse_picture(&self) -> bool {
-        false
+    /// Returns the levels of the coarse pictures that the monitor shows before pass 0. A sketch
+    /// costs little, and the others together at most as much as a pass.
+    fn coarse_levels(&self) -> &'static [CoarseLevel] {
+        &[]
     }
 
-    /// Receives a coarse picture in the size of the film. Small films have none.
-    fn show_coarse_picture(&mut self, _picture: &Picture) {}
+    /// Receives a coarse picture. Small films have none, and the path tracer has only a sketch.
+    fn show_coarse_picture(&mut self, _coarse: &CoarsePicture) {}
 
     /// Receives the progress after each pass. Returns false to end the render.
     fn after_pass(&mut self, progress: &Progress) -> bool;

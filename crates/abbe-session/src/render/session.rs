@@ -13,7 +13,7 @@ use abbe_transport::emit::SpectrumCoverage;
 use abbe_transport::gather::Portals;
 use abbe_transport::map::LightMaps;
 use abbe_transport::pass::{PassContext, StageSeconds, path_pass, photon_pass};
-use abbe_transport::pilot::{Pilot, coarse_path_picture, find_portals, learn_lights};
+use abbe_transport::pilot::{CoarsePicture, Pilot, coarse_path_picture, find_portals, learn_lights};
 use abbe_transport::plan::{MotionPlan, WavelengthPlan};
 use abbe_transport::sensor::Picture;
 use abbe_transport::walk::ledger::Ledger;
@@ -52,12 +52,13 @@ impl Job {
         coverage
     }
 
-    /// Renders a coarse picture in the size of the film on the current thread pool, without bands
-    /// and errors. `None` if the film is small. Returns an error if the scene cannot be posed.
-    pub fn coarse_picture(&self) -> Result<Option<Picture>> {
+    /// Renders a sketch of this size in the size of the film on the current thread pool, without
+    /// bands and errors. `None` if the film is small. Returns an error if the scene cannot be
+    /// posed.
+    pub fn sketch(&self, size: f64) -> Result<Option<CoarsePicture>> {
         let context = self.pass_context();
         let portals = find_portals(&context, &mut StageSeconds::default());
-        Pilot::coarse_picture(&PassContext { portals: &portals, ..context })
+        Pilot::sketch(&PassContext { portals: &portals, ..context }, size)
     }
 
     /// Continues a new or saved run until a stop rule is satisfied. The rules count from the
@@ -87,20 +88,20 @@ impl Job {
         let context = PassContext { selector: &selector, ..context };
         // The pilot depends only on the scene, the seed and the size of the passes, which is saved, so
         // that of a resumed run is the same.
-        let wants_coarse_picture = run.done == 0 && monitor.wants_coarse_picture();
+        let levels = if run.done == 0 { monitor.coarse_levels() } else { &[] };
         let pilot = match request.integrator {
             Integrator::Photon if !stopped => {
                 monitor.before_pilot();
-                let show = wants_coarse_picture.then_some(|picture: &Picture| monitor.show_coarse_picture(picture));
+                let show = |coarse: &CoarsePicture| monitor.show_coarse_picture(coarse);
                 // The samples of a meter take milliseconds in any case.
                 let time = request.stop.time.filter(|_| !self.scene.measures());
                 let size = run.pass_size(time, clock.started());
-                let pilot = Pilot::run(&context, size, &mut run.sums.seconds, show)?;
+                let pilot = Pilot::run(&context, size, &mut run.sums.seconds, levels, show)?;
                 run.largest_work = pilot.largest_work;
                 Some(pilot)
             }
-            Integrator::Path if wants_coarse_picture && !stopped => {
-                coarse_path_picture(&context)?.inspect(|picture| monitor.show_coarse_picture(picture));
+            Integrator::Path if !(levels.is_empty() || stopped) => {
+                coarse_path_picture(&context)?.inspect(|coarse| monitor.show_coarse_picture(coarse));
                 None
             }
             Integrator::Photon | Integrator::Path => None,

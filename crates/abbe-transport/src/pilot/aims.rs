@@ -14,7 +14,11 @@ use std::borrow::Cow;
 
 /// The pilot paths per stratum in each round, which emits photons as the preceding round learned.
 /// If that learned nothing, the rounds end.
-const PATHS_PER_STRATUM: [u64; 2] = [1 << 14, 1 << 15];
+pub(crate) const PATHS_PER_STRATUM: &[u64] = &[1 << 14, 1 << 15];
+
+/// The pilot paths of all strata for a sketch while the reader moves something, in one round. Each
+/// half of the paths needs a task.
+pub(super) const PATHS_FOR_SKETCH: u64 = 2 * PATHS_PER_TASK;
 
 /// The number of paths per round grows with the number of strata, up to this many strata.
 const MAX_STRATA: u64 = 4;
@@ -46,8 +50,9 @@ impl LearnedAims {
     }
 }
 
-/// Learns from photons traced in the scene at several times.
-pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -> LearnedAims {
+/// Learns from photons traced in the scene at several times, in rounds of so many paths per
+/// stratum.
+pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>], rounds: &[u64]) -> LearnedAims {
     let (spheres, lights) = (GuidingSpheres::new(scenes, &context.portals.all()), &context.lights.lights);
     let (extent, count) = (context.scene.extent(), context.scene.lights.len() as f64);
     // Half of the pilot's paths belong to all lights in equal parts, so that it finds the dim ones.
@@ -59,7 +64,7 @@ pub(crate) fn learn_aims(context: &PassContext<'_>, scenes: &[Cow<'_, Scene>]) -
     let affordable = (LARGEST_ROUND * context.budget.photons as f64) as u64;
     let mut reached = Vec::new();
     let mut contributions = Vec::new();
-    for (round, per_stratum) in (0..).zip(PATHS_PER_STRATUM) {
+    for (round, &per_stratum) in (0..).zip(rounds) {
         // The paths of one stratum take a fraction of a second.
         let paths = (counted * per_stratum).min(affordable.max(per_stratum));
         let layout = GridLayout::new(&strata, paths);

@@ -8,8 +8,8 @@
 //! kernel radii and the photons that media store (`survey`, `volume_radii`, `volume_samples`,
 //! `keep_probability`), and the surface extents (`surface_extents`). `trial`, `small_pass`, `work`,
 //! `balance` and `camera_samples` decide how many photons and camera samples a pass has, within the
-//! `pass_size` of a time limit.
-//! `sensor_radii` fixes the kernels of meters. `coarse` renders a picture before the first pass.
+//! `pass_size` of a time limit. `sensor_radii` fixes the kernels of meters. `coarse` renders
+//! pictures before the first pass.
 
 mod aims;
 mod balance;
@@ -33,8 +33,8 @@ mod volume_radii;
 mod volume_samples;
 mod work;
 
-pub(crate) use aims::{LearnedAims, learn_aims};
-pub use coarse::coarse_path_picture;
+pub(crate) use aims::{LearnedAims, PATHS_PER_STRATUM, learn_aims};
+pub use coarse::{CoarseLevel, CoarsePicture, coarse_path_picture};
 pub use learned_lights::learn_lights;
 pub use pass_size::PassSize;
 pub use portals::find_portals;

@@ -10,9 +10,9 @@
 //! it adds noise, but these contribute less light. Surface extents are stored only where nothing
 //! moves.
 
-use super::aims::{LearnedAims, learn_aims};
+use super::aims::{LearnedAims, PATHS_FOR_SKETCH, PATHS_PER_STRATUM, learn_aims};
 use super::balance::{Balance, BalanceLimits};
-use super::coarse::coarse_photon_picture;
+use super::coarse::{CoarseLevel, CoarsePicture, FULL_DIVISOR, coarse_photon_picture};
 use super::gathering::forces_final_gather;
 use super::measure::{measure, measure_surface_extents};
 use super::pass_size::PassSize;
@@ -24,15 +24,15 @@ use crate::map::radius::PerKernel;
 use crate::pass::{CameraSamples, KEEP_ALL, KeepProbability, PassContext, PassParameters, StageSeconds};
 use crate::plan::partition::{PerClass, PerSet, PhotonClass};
 use crate::plan::{AimPlan, Budget, CausticPlan, MotionPlan};
-use crate::sensor::Picture;
 use abbe_optics::bsdf::BsdfClass;
 use abbe_scene::Scene;
 use abbe_spectra::error::Result;
 use std::borrow::Cow;
 use web_time::Instant;
 
-/// The photon paths of a pass for which a single coarse picture learns its emission distributions.
-const COARSE_AIM_PHOTONS: u64 = 4_000;
+/// The full coarse picture is skipped if the one before it takes less than this time in s, because
+/// the first pass is near.
+const SLOW_HALF_S: f64 = 1.0;
 
 /// The number of shutter times in the pilot's survey of a moving scene.
 const MOMENTS: usize = 4;
@@ -60,57 +60,77 @@ fn posed_scenes<'a>(context: &PassContext<'a>) -> Result<Vec<Cow<'a, Scene>>> {
 }
 
 impl Pilot {
-    /// Runs the pilot, and adds its duration to `seconds`. Calls `show` with a coarse picture as
-    /// soon as possible, unless the film is small. If the context's flag is raised, the pilot ends
-    /// early and must not be used. Returns an error if the scene cannot be posed.
+    /// Runs the pilot, and adds its duration to `seconds`. Calls `show` with coarse pictures of
+    /// these levels, from coarse to fine and the first one as soon as possible, unless the film is
+    /// small. If the context's flag is raised, the pilot ends early and must not be used. Returns
+    /// an error if the scene cannot be posed.
     pub fn run(
         context: &PassContext<'_>,
         size: PassSize,
         seconds: &mut StageSeconds,
-        show: Option<impl FnOnce(&Picture)>,
+        levels: &[CoarseLevel],
+        mut show: impl FnMut(&CoarsePicture),
     ) -> Result<Self> {
         let start = Instant::now();
         let scenes = posed_scenes(context)?;
         let mut pilot = Self::with_plain_aims(context);
         // Few photons reach glass and mirrors if they are not aimed.
         let needs_aims = context.plan.caustics != CausticPlan::Absent;
-        let (before, after) = if needs_aims { (None, show) } else { (show, None) };
-        pilot.show_coarse_picture(context, &scenes[0], before)?;
-        if context.plan.aim == AimPlan::Learned {
-            pilot.set_aims(learn_aims(context, &scenes), context);
+        let (before, after) = levels.split_at(if needs_aims { 0 } else { levels.len().min(1) });
+        let mut last_s = f64::INFINITY;
+        for &level in before {
+            last_s = pilot.show_coarse_picture(context, &scenes[0], level, &mut show)?;
         }
-        pilot.show_coarse_picture(context, &scenes[0], after)?;
-        pilot.measure(context, size, &scenes);
+        if context.plan.aim == AimPlan::Learned {
+            pilot.set_aims(learn_aims(context, &scenes, PATHS_PER_STRATUM), context);
+        }
+        for &level in after.iter().filter(|&&level| level != CoarseLevel::Full) {
+            last_s = pilot.show_coarse_picture(context, &scenes[0], level, &mut show)?;
+        }
+        let is_full_wanted = levels.contains(&CoarseLevel::Full) && last_s >= SLOW_HALF_S;
+        pilot.measure(context, size, &scenes, is_full_wanted.then_some(&mut show))?;
         seconds.pilot += start.elapsed().as_secs_f64();
         Ok(pilot)
     }
 
-    /// Makes the measurements one after the other, as long as the flag is not raised.
-    fn measure(&mut self, context: &PassContext<'_>, size: PassSize, scenes: &[Cow<'_, Scene>]) {
+    /// Makes the measurements one after the other, as long as the flag is not raised. Calls `show`
+    /// with a full coarse picture as soon as the radii are known.
+    fn measure(
+        &mut self,
+        context: &PassContext<'_>,
+        size: PassSize,
+        scenes: &[Cow<'_, Scene>],
+        show: Option<&mut impl FnMut(&CoarsePicture)>,
+    ) -> Result<()> {
+        if context.stop.is_raised() {
+            return Ok(());
+        }
+        let visible = measure(&mut self.parameters, context, scenes);
+        if let Some(show) = show {
+            self.show_full_picture(context, &scenes[0], show)?;
+        }
+        if context.stop.is_raised() {
+            return Ok(());
+        }
         let parameters = &mut self.parameters;
-        if context.stop.is_raised() {
-            return;
-        }
-        let visible = measure(parameters, context, scenes);
-        if context.stop.is_raised() {
-            return;
-        }
         self.largest_work = balance(parameters, context, size, &scenes[0]);
         measure_surface_extents(parameters, context, &scenes[0], &visible);
         parameters.sensor_radii = first_radii(context, &scenes[0], &parameters.strata, parameters.photons.free);
+        Ok(())
     }
 
-    /// Renders only the coarse picture, with fewer photons for the aims. `None` if small.
-    pub fn coarse_picture(context: &PassContext<'_>) -> Result<Option<Picture>> {
-        let photons = context.budget.photons.min(COARSE_AIM_PHOTONS);
-        let budget = Budget { photons, ..context.budget.clone() };
-        let context = &PassContext { budget: &budget, ..*context };
+    /// Renders only a sketch of this size, with fewer photons for the aims. `None` if the film is
+    /// small.
+    pub fn sketch(context: &PassContext<'_>, size: f64) -> Result<Option<CoarsePicture>> {
         let scenes = posed_scenes(context)?;
         let mut pilot = Self::with_plain_aims(context);
         if context.plan.aim == AimPlan::Learned {
-            pilot.set_aims(learn_aims(context, &scenes), context);
+            // The budget limits the paths of all strata together.
+            let budget = Budget { photons: PATHS_FOR_SKETCH, ..context.budget.clone() };
+            let context = PassContext { budget: &budget, ..*context };
+            pilot.set_aims(learn_aims(&context, &scenes, &[PATHS_FOR_SKETCH]), &context);
         }
-        coarse_photon_picture(context, &scenes[0], &mut pilot.parameters)
+        coarse_photon_picture(context, &scenes[0], &mut pilot.parameters, CoarseLevel::Sketch(size))
     }
 
     /// Returns a pilot that has measured nothing. The emitted rays follow the lights.
@@ -145,18 +165,38 @@ impl Pilot {
         parameters.ray_densities = has_competition(context).then(densities);
     }
 
+    /// Shows a coarse picture, and returns its time in s.
     fn show_coarse_picture(
         &mut self,
         context: &PassContext<'_>,
         scene: &Scene,
-        show: Option<impl FnOnce(&Picture)>,
-    ) -> Result<()> {
-        if let Some(show) = show
-            && let Some(picture) = coarse_photon_picture(context, scene, &mut self.parameters)?
+        level: CoarseLevel,
+        show: &mut impl FnMut(&CoarsePicture),
+    ) -> Result<f64> {
+        let start = Instant::now();
+        if !context.stop.is_raised()
+            && let Some(coarse) = coarse_photon_picture(context, scene, &mut self.parameters, level)?
             && !context.stop.is_raised()
         {
-            show(&picture);
+            show(&coarse);
         }
+        Ok(start.elapsed().as_secs_f64())
+    }
+
+    /// Shows a picture with fewer photons than a pass, and with the radii of the survey.
+    fn show_full_picture(
+        &mut self,
+        context: &PassContext<'_>,
+        scene: &Scene,
+        show: &mut impl FnMut(&CoarsePicture),
+    ) -> Result<()> {
+        let PassParameters { photons, stored_photons, .. } = self.parameters;
+        self.parameters.photons = PerSet::from_fn(|set| photons[set].div_ceil(FULL_DIVISOR));
+        if context.budget.radius_m.is_none() {
+            self.parameters.stored_photons = PerKernel::splat(1.0 / FULL_DIVISOR as f64);
+        }
+        self.show_coarse_picture(context, scene, CoarseLevel::Full, show)?;
+        (self.parameters.photons, self.parameters.stored_photons) = (photons, stored_photons);
         Ok(())
     }
 }
