@@ -154,7 +154,8 @@ proptest! {
                 let of_w = |w: f64| 4.0 * w * f(1.0_f64.copysign(g) * (1.0 - 2.0 * w * w));
                 (0..64).map(|i| gauss16((f64::from(i) / 64.0, f64::from(i + 1) / 64.0), of_w)).sum()
             };
-            prop_assert!((TAU * over(&|cos| eval(cos)) - 1.0).abs() < 1e-9);
+            let eval = |cos: f64| phase.eval(Deflection::horizontal(cos), 550.0);
+            prop_assert!((TAU * over(&eval) - 1.0).abs() < 1e-9);
             prop_assert!((TAU * over(&|cos| cos * eval(cos)) - phase.mean_cosine(550.0).unwrap()).abs() < 1e-9);
             let outgoing = phase.sample(incoming, 550.0, [u, v]);
             prop_assert!((outgoing.length() - 1.0).abs() < 1e-14 && phase.eval(Deflection::between(incoming, outgoing), 550.0) > 0.0);
