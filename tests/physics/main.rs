@@ -50,6 +50,7 @@ mod meter_closed_forms;
 mod meters;
 mod motion;
 mod nesting;
+mod oriented_ice;
 mod orthographic;
 mod photon_and_path;
 mod polarised_light;

@@ -133,7 +133,7 @@ pub use meter::{
 };
 pub use normal_map::{GreenFile, NormalMapFile};
 pub use object::ObjectFile;
-pub use phase::PhaseFile;
+pub use phase::{IceOrientationFile, IcePopulationFile, PhaseFile};
 pub use picture::{BandImageFile, ChannelFile, ColourImageFile, EncodingFile, FilterFile, ScalarImageFile, WrapFile};
 pub use picture_file::PictureFile;
 pub use quantity::QuantityFile;

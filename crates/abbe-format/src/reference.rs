@@ -30,7 +30,10 @@ pub(super) const CHAPTERS: [(&str, &str); 19] = [
         "PolarisingFilterFile PolariserFile RetarderFile LiquidCrystalFile StressFile DiscFile BeamFile CircularPolariserFile HandednessFile",
     ),
     ("Gratings", "GratingProfileFile OrderEfficiencyFile GroovesFile"),
-    ("Media", "MediumFile DyeFile TransmittanceFile PhaseFile MediumEmissionFile MediumBlackbodyFile"),
+    (
+        "Media",
+        "MediumFile DyeFile TransmittanceFile PhaseFile IcePopulationFile IceOrientationFile MediumEmissionFile MediumBlackbodyFile",
+    ),
     ("Density and temperature fields", "FieldFile ExponentialFieldFile PlanetFile SphereFieldFile NoiseFieldFile"),
     ("Objects", "ObjectFile GroupFile EmissionFile"),
     ("Shapes", "ShapeFile"),

@@ -60,6 +60,7 @@ OrderEfficiencyFile materials.x={"grating": {"lines_per_mm": 600, "profile": {"t
 WeightedMaterialFile materials.x={"mix": [%]}
 MediumFile media.x=%
 PhaseFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": %}
+IcePopulationFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": {"ice_crystals": [%]}}
 DyeFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "dye": %}
 MediumEmissionFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "emission": %}
 MediumBlackbodyFile media.x.homogeneous={"absorption": 0, "scattering": 1, "phase": "isotropic", "emission": {"blackbody": %}}

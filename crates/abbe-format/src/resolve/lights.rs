@@ -309,6 +309,24 @@ impl Resolver<'_> {
         Ok(vec![(Emitter::Environment(EnvironmentLight::new(mean_radiance, pattern)), spectrum)])
     }
 
+    /// Returns the sines of the elevations of all distant lights in the file. A faulty light, which
+    /// another function reports, has none.
+    pub(super) fn distant_light_sines(&self) -> Vec<f64> {
+        let sine = |file: &LightFile| match file {
+            LightFile::Directional(light) => {
+                let start = self.motion(&light.transform, &light.motion).start;
+                let toward = start.transform_vector3(DVec3::from(light.toward)).try_normalize();
+                toward.map(|toward| -toward.y)
+            }
+            LightFile::Sky(sky) => {
+                let position = sky.sun.as_ref().and_then(|_| sky.sun_position().ok().flatten());
+                position.map(|SunPosition { direction, .. }| direction.to_vector().y)
+            }
+            _ => None,
+        };
+        self.scene.lights.iter().filter_map(sine).collect()
+    }
+
     /// Resolves the sun of a sky.
     fn sun(&self, path: &JsonPath, number: usize, sky: &SkyFile, file: &SunFile, set: &mut LightSet) -> Result<Light> {
         let at = path.key("sun");

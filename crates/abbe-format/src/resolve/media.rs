@@ -2,13 +2,14 @@
 
 use super::{context::Resolver, index::index_of, motion::ResolvedMotion, spectra::Role};
 use crate::{
-    DyeFile, ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, JsonPath, MediumFile, NoiseFieldFile,
-    PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile, volume_file,
+    DyeFile, ExponentialFieldFile, FieldFile, GridFile, HomogeneousFile, IceOrientationFile, IcePopulationFile,
+    JsonPath, MediumFile, NoiseFieldFile, PhaseFile, PlanetFile, SpectrumFile, SphereFieldFile, TransmittanceFile,
+    volume_file,
 };
 use abbe_optics::fluorophore::Fluorophore;
 use abbe_optics::glass::RefractiveIndex;
 use abbe_optics::phase::mie::MieSpheres;
-use abbe_optics::phase::{self, PhaseFunction, PhaseTable};
+use abbe_optics::phase::{self, IceOrientation, IcePopulation, PhaseFunction, PhaseTable, PrismShape};
 use abbe_scene::builder::SceneBuilder;
 use abbe_scene::medium::field::{Atmosphere, BallField, FieldGrid, FieldShape, Ground, Noise, Planet, ScalarField};
 use abbe_scene::medium::{Density, Medium, TransmittanceEstimator};
@@ -199,8 +200,30 @@ impl Resolver<'_> {
             }
             PhaseFile::Rainbow => Ok(PhaseFunction::Table(phase::rainbow())),
             PhaseFile::Ice => Ok(PhaseFunction::Table(phase::ice())),
+            PhaseFile::IceCrystals(populations) => {
+                let populations: Vec<IcePopulation> = populations.iter().map(ice_population).collect();
+                Ok(phase::ice_crystals(&populations, &self.distant_light_sines()))
+            }
         }
     }
+}
+
+/// Translates a population of ice crystals. Angles become rad.
+fn ice_population(file: &IcePopulationFile) -> IcePopulation {
+    /// Degrees.
+    const DEFAULT_TILT: f64 = 1.0;
+    let IcePopulationFile { orientation, length_to_width, tilt, weight } = *file;
+    let shape = |length: f64| PrismShape {
+        length_to_width: length_to_width.unwrap_or(length),
+        tilt: tilt.unwrap_or(DEFAULT_TILT).to_radians(),
+    };
+    let orientation = match orientation {
+        IceOrientationFile::Random => IceOrientation::Random,
+        IceOrientationFile::Plates => IceOrientation::Plates(shape(0.3)),
+        IceOrientationFile::Columns => IceOrientation::Columns(shape(2.0)),
+        IceOrientationFile::Parry => IceOrientation::Parry(shape(2.0)),
+    };
+    IcePopulation { orientation, weight }
 }
 
 /// Reads a tabulated phase function from a file.

@@ -1,11 +1,11 @@
 //! The mixture of a phase function over the wavelengths of a path.
 
-use super::PhaseFunction;
+use super::{Deflection, PhaseFunction};
 use abbe_spectra::math::random::ONE_MINUS_ULP;
 use abbe_spectra::spectrum::{LANES, Lanes, Wavelengths};
 use glam::DVec3;
 
-/// The pdf from which a path with several wavelengths samples its direction in a medium.
+/// The pdf from which a camera path with several wavelengths samples its direction in a medium.
 ///
 /// Each wavelength has a fraction of it in proportion to its importance (the balance heuristic over
 /// wavelengths; Wilkie et al., "Hero wavelength spectral sampling", 2014), so its weight is bounded
@@ -42,15 +42,16 @@ impl<'a> PhaseMixture<'a> {
         matches!(self.phase, PhaseFunction::Isotropic | PhaseFunction::Rayleigh)
     }
 
-    /// Returns the pdf per steradian at the cosine of the scattering angle.
-    pub fn eval(&self, cos_theta: f64) -> f64 {
+    /// Returns the pdf per steradian of [`sample`](Self::sample). `deflection` is that of the path,
+    /// whose direction is opposite to the light's.
+    pub fn pdf(&self, deflection: Deflection) -> f64 {
         if self.count == 1 {
-            return self.phase.eval(cos_theta, self.nm[0]);
+            return self.phase.reversed_pdf(deflection, self.nm[0]);
         }
-        (0..self.count).map(|k| self.fractions[k] * self.phase.eval(cos_theta, self.nm[k])).sum()
+        (0..self.count).map(|k| self.fractions[k] * self.phase.reversed_pdf(deflection, self.nm[k])).sum()
     }
 
-    /// Samples the direction of scattered light; see [`PhaseFunction::sample`].
+    /// Samples the direction in which the path continues; see [`PhaseFunction::sample_reversed`].
     pub fn sample(&self, incoming: DVec3, [mut u, v]: [f64; 2]) -> DVec3 {
         let mut lane = 0;
         while lane + 1 < self.count && u >= self.fractions[lane] {
@@ -60,7 +61,7 @@ impl<'a> PhaseMixture<'a> {
         if self.count > 1 {
             u = (u / self.fractions[lane]).clamp(0.0, ONE_MINUS_ULP);
         }
-        self.phase.sample(incoming, self.nm[lane], [u, v])
+        self.phase.sample_reversed(incoming, self.nm[lane], [u, v])
     }
 }
 
@@ -88,9 +89,9 @@ mod tests {
         let n = 40_000;
         let mut sums = [0.0; LANES];
         for _ in 0..n {
-            let cosine = mixture.sample(DVec3::Z, stream.pair()).z;
+            let deflection = Deflection::between(DVec3::Z, mixture.sample(DVec3::Z, stream.pair()));
             for (k, sum) in sums.iter_mut().enumerate() {
-                let weight = phase.eval(cosine, wavelengths.nm[k]) / mixture.eval(cosine);
+                let weight = phase.eval(deflection, wavelengths.nm[k]) / mixture.pdf(deflection);
                 assert!(weight <= 1.0 / [0.1, 0.2, 0.4, 0.3][k] + 1e-9, "lane {k}: {weight}");
                 *sum += weight / f64::from(n);
             }
@@ -105,7 +106,8 @@ mod tests {
         let phase = PhaseFunction::HenyeyGreenstein { g: Spectrum::constant(0.5) };
         let wavelengths = Wavelengths::new([420.0, 500.0, 600.0, 690.0]);
         let mixture = PhaseMixture::new(&phase, &wavelengths, &[1.0, 2.0, 4.0, 3.0]);
-        assert_eq!(mixture.eval(0.3), phase.eval(0.3, 420.0));
+        let deflection = Deflection::horizontal(0.3);
+        assert_eq!(mixture.pdf(deflection), phase.eval(deflection, 420.0));
         assert_eq!(mixture.sample(DVec3::Z, [0.2, 0.7]), phase.sample(DVec3::Z, 420.0, [0.2, 0.7]));
     }
 }

@@ -81,8 +81,8 @@ pub(super) fn ratios(nm: f64, angles_deg: &[f64]) -> Vec<[f32; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::PhaseFunction;
     use super::super::mie::{MieSpheres, lognormal};
+    use super::super::{Deflection, PhaseFunction};
     use super::*;
     use crate::glass::RefractiveIndex;
     use std::fmt::Write;
@@ -128,7 +128,7 @@ mod tests {
                 let table = PhaseFunction::Table(rainbow());
                 for (angle, pdf_per_sr) in angles().into_iter().zip(column).step_by(7) {
                     // They are normalised separately, and the table is rounded to five digits.
-                    let found = table.eval(angle.to_radians().cos(), *nm);
+                    let found = table.eval(Deflection::horizontal(angle.to_radians().cos()), *nm);
                     assert!((found / pdf_per_sr - 1.0).abs() < 0.02, "{angle}° {nm} nm: {found}, {pdf_per_sr}");
                 }
             }

@@ -17,6 +17,7 @@ use crate::walk::{
     MAX_EVENTS, MediumSegment, NumberedMedium, RayState, SurfaceInteraction, SurfaceLookup,
     next_interaction_through_media,
 };
+use abbe_optics::phase::Deflection;
 use abbe_polarisation::ScatteringEvent;
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::Medium;
@@ -178,8 +179,8 @@ impl PhotonPath {
         let hero = self.sample_hero(&fractions, stream);
         let direction = medium.phase.sample(incoming, self.photon.wavelengths.nm[hero], stream.pair());
         if self.photon.wavelengths.count > 1 {
-            let cosine = incoming.dot(direction);
-            let pdfs = self.photon.wavelengths.each(|nm| medium.phase.eval(cosine, nm));
+            let deflection = Deflection::between(incoming, direction);
+            let pdfs = self.photon.wavelengths.each(|nm| medium.phase.eval(deflection, nm));
             self.weight_by_balance_heuristic(&fractions, &pdfs);
         }
         if self.polarised {

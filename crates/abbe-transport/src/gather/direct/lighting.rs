@@ -11,7 +11,7 @@ use crate::walk::{
     SegmentTransmittance, SurfaceInteraction, path_transmittance, path_transmittance_tracked,
 };
 use abbe_optics::bsdf::{Texels, ThinDielectric, TransportMode};
-use abbe_optics::phase::PhaseMixture;
+use abbe_optics::phase::{Deflection, PhaseMixture};
 use abbe_optics::texture::TexturePoint;
 use abbe_scene::Scene;
 use abbe_scene::geometry::{Hit, Ray, SurfaceId};
@@ -329,10 +329,9 @@ impl<'a> DirectLighting<'a> {
         let incoming = -incident.direction;
         let mis_weight = match incident.pdf_solid_angle {
             Some(pdf) if continues => {
-                // The phase function is symmetric, so it is the density with which the camera path
-                // would have continued towards the light.
-                let cosine = ray_state.ray.direction.dot(incident.direction);
-                power_heuristic(pdf * probability, phase.eval(cosine))
+                // The density with which the camera path would have continued towards the light.
+                let onwards = Deflection::between(ray_state.ray.direction, incident.direction);
+                power_heuristic(pdf * probability, phase.pdf(onwards))
             }
             _ => 1.0,
         };

@@ -3,7 +3,7 @@
 
 use super::lighting::DirectLighting;
 use super::portals::PORTAL_FRACTION;
-use abbe_optics::phase::PhaseMixture;
+use abbe_optics::phase::{Deflection, PhaseMixture};
 use abbe_scene::geometry::Ray;
 use abbe_scene::light::{LiSample, Light};
 use glam::DVec3;
@@ -53,7 +53,7 @@ impl DirectLighting<'_> {
             without_weight(self.sample_li(light, origin, [u, v, choice])?)
         };
         let by_radiance = self.pdf_li_escaped(light, origin, sample.direction);
-        let by_phase = phase.eval(travel.dot(sample.direction));
+        let by_phase = phase.pdf(Deflection::between(travel, sample.direction));
         with_density(sample, (1.0 - PHASE_FRACTION) * by_radiance + PHASE_FRACTION * by_phase)
     }
 

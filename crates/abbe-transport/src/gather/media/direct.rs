@@ -13,7 +13,7 @@ use crate::walk::{
     MediumSegment, NumberedMedium, RayState, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth,
     transmittance,
 };
-use abbe_optics::phase::PhaseMixture;
+use abbe_optics::phase::{Deflection, PhaseMixture};
 use abbe_scene::geometry::Ray;
 
 impl<'a> CameraPass<'a> {
@@ -49,15 +49,16 @@ impl<'a> CameraPass<'a> {
             let phase = PhaseMixture::at(&medium.phase, path.reference_nm());
             let point = VolumeLightSampleContext { ray_state, phase, continues: false };
             let Some(sample) = self.direct.sample_direct_in_medium(point, selected, context.tally) else { continue };
-            let cosine = -sample.incoming.dot(segment.ray.direction);
+            let directions = [sample.incoming, -segment.ray.direction];
+            let deflection = Deflection::between(directions[0], directions[1]);
             let strength = sample.strength * density / distance.pdf_per_m;
             let excess = |along: &[SegmentTransmittance<'_>]| excess_optical_depth(along, path.reference_nm());
             let bias = bias_of_excess(path.excess_depth + excess(&to_point) + excess(&sample.transmittance));
             let (factors, wavelength) = (&context.buffers.factors, context.sampler.wavelength);
             let origin = LightOrigin { class: path.events.class_in_medium(), light: number };
-            let event = factors.event_in_medium(medium, [sample.incoming, -segment.ray.direction]);
+            let event = factors.event_in_medium(medium, directions);
             each_wavelength(path.spectral_mode, factors, sample.light, wavelength, |nm, throughput| {
-                let scattered = medium.scattering.at(nm) * medium.phase.eval(cosine, nm);
+                let scattered = medium.scattering.at(nm) * medium.phase.eval(deflection, nm);
                 let passed = transmittance(&to_point, nm) * transmittance(&sample.transmittance, nm);
                 let weight = throughput * sample.light.spd_at(sample.spd, nm) * strength * scattered * passed;
                 factors.deliver((origin, nm), (weight, bias), event.as_ref(), context.sink);

@@ -13,6 +13,7 @@ use crate::gather::camera_pass::{CameraPass, PathContext};
 use crate::map::LightMap;
 use crate::plan::{LightOrigin, Tally};
 use crate::walk::{MediumSegment, NumberedMedium, Sink};
+use abbe_optics::phase::Deflection;
 use abbe_polarisation::Stokes;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
@@ -118,10 +119,10 @@ impl InScattering<'_, '_> {
         if self.scene.geometry.occluded(&shadow_ray, None, incident.target, incident.distance) {
             return;
         }
-        // Both vectors point against the direction of the light. This does not change the cosine.
-        let cosine = incident.direction.dot(ray.direction);
-        let event = self.factors.event_in_medium(self.medium, [-incident.direction, -ray.direction]);
-        let phase = self.wavelengths.each(|nm| self.medium.phase.eval(cosine, nm));
+        let directions = [-incident.direction, -ray.direction];
+        let deflection = Deflection::between(directions[0], directions[1]);
+        let event = self.factors.event_in_medium(self.medium, directions);
+        let phase = self.wavelengths.each(|nm| self.medium.phase.eval(deflection, nm));
         let [fine, coarse] = self.map.optical_depths(&lookup, incident.distance, self.coefficients);
         for k in 0..self.wavelengths.count {
             let depth = self.extinction[k] * distance.column_m + self.absorption[k] * distance.t_m;

@@ -15,6 +15,7 @@ use crate::plan::partition::{PhotonClass, PhotonSet};
 use crate::walk::{
     MediumSegment, NumberedMedium, SegmentTransmittance, Sink, bias_of_excess, excess_optical_depth, transmittance,
 };
+use abbe_optics::phase::Deflection;
 use abbe_polarisation::ScatteringEvent;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
@@ -181,7 +182,8 @@ impl<'a> CameraPass<'a> {
             let Some(kernels) = kernels_between_faces(self.scene, &segment.ray, &photon) else { return };
             let kernels = kernels.times(probability.recip());
             let to_photon = segment.path_transmittance(photon.t, seed);
-            let cosine = -photon.incoming.dot(segment.ray.direction);
+            let directions = [photon.incoming, -segment.ray.direction];
+            let deflection = Deflection::between(directions[0], directions[1]);
             // A beam stores the power at its start, so its response includes the attenuation up to
             // the camera ray and the scattering coefficient there, which the power of a point
             // already includes. No face is between beam and ray, so both are in the same bodies.
@@ -206,13 +208,12 @@ impl<'a> CameraPass<'a> {
                 } else {
                     per_coefficient(nm) * medium.scattering.at(nm)
                 };
-                scattered * medium.phase.eval(cosine, nm) * transmittance(&to_photon, nm)
+                scattered * medium.phase.eval(deflection, nm) * transmittance(&to_photon, nm)
             };
             if scatters {
                 let light = PhotonLight { power: photon.power, spectra: self.spectra, class };
                 let mode = (path.spectral_mode, factors);
                 if let Some(polarisation) = photon.polarisation {
-                    let directions = [photon.incoming, -segment.ray.direction];
                     let event = ScatteringEvent::in_medium(&medium.phase, directions[0], directions[1]);
                     let photon = PolarisedPhoton { polarisation, event };
                     add_polarised_photon(light, &photon, kernels, bias, mode, sink, response);

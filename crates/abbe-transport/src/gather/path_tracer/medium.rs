@@ -12,7 +12,7 @@ use crate::walk::{
     crosses_more_panes, next_interaction_through_media, transmittance,
 };
 use abbe_optics::fluorophore::Fluorophore;
-use abbe_optics::phase::{PhaseFunction, PhaseMixture};
+use abbe_optics::phase::{Deflection, PhaseFunction, PhaseMixture};
 use abbe_polarisation::ScatteringEvent;
 use abbe_scene::Scene;
 use abbe_scene::geometry::Ray;
@@ -91,7 +91,7 @@ impl<'a> PathTracer<'a> {
         for selected in self.direct.select_lights(from, u) {
             let point = VolumeLightSampleContext { ray_state, phase: mixture, continues: true };
             let Some(sample) = self.direct.sample_direct_in_medium(point, selected, tally) else { continue };
-            let cosine = -sample.incoming.dot(incoming);
+            let deflection = Deflection::between(sample.incoming, -incoming);
             let origin = LightOrigin { class: path.events.class_in_medium(), light: selected.number };
             let event = self.polarised.then(|| ScatteringEvent::in_medium(phase, sample.incoming, -incoming));
             let arriving = path.wavelengths.active().iter().enumerate().map(|(k, &nm)| {
@@ -99,7 +99,7 @@ impl<'a> PathTracer<'a> {
                     sample.light.spd_at(sample.spd, nm) * sample.strength * transmittance(&sample.transmittance, nm);
                 let along = &sample.transmittance;
                 let received = event.as_ref().map(|event| path.matrices.received(k, event, along, nm));
-                (k, path.throughput[k] * phase.eval(cosine, nm) * arriving, received)
+                (k, path.throughput[k] * phase.eval(deflection, nm) * arriving, received)
             });
             if crosses_more_panes(&sample.transmittance, path.events_left) {
                 let truncated = &mut TruncatedLight { sink, factor: 1.0 };
@@ -109,10 +109,10 @@ impl<'a> PathTracer<'a> {
             }
         }
         let direction = mixture.sample(incoming, sampler.stream.pair());
-        let cosine = incoming.dot(direction);
-        let pdf = mixture.eval(cosine);
+        let onwards = Deflection::between(incoming, direction);
+        let (of_light, pdf) = (onwards.reversed(), mixture.pdf(onwards));
         for (k, &nm) in path.wavelengths.active().iter().enumerate() {
-            path.throughput[k] *= phase.eval(cosine, nm) / pdf;
+            path.throughput[k] *= phase.eval(of_light, nm) / pdf;
         }
         if self.polarised {
             let event = ScatteringEvent::in_medium(phase, -direction, -incoming);
