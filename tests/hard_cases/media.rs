@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use abbe_optics::phase::PhaseFunction;
+use abbe_optics::phase::{Deflection, PhaseFunction};
 use abbe_scene::geometry::Ray;
 use abbe_scene::medium::field::{FieldGrid, FieldShape, ScalarField};
 use abbe_scene::medium::{Density, Medium, TransmittanceEstimator};
@@ -53,7 +53,9 @@ pub(crate) const CASES: &[Case] = &[
         pace: Pace::Fast,
         measure: || {
             phase_rows("phase_densities")
-                .map(|(g, cos, density)| (henyey_greenstein(g).eval(cos, 550.0) / density - 1.0).abs())
+                .map(|(g, cos, density)| {
+                    (henyey_greenstein(g).eval(Deflection::horizontal(cos), 550.0) / density - 1.0).abs()
+                })
                 .fold(0.0, f64::max)
         },
     },
@@ -179,7 +181,8 @@ fn draw_error(g: f64, u: f64, truth: f64) -> f64 {
     let drawn = henyey_greenstein(g).sample(DVec3::Z, 550.0, [u, 0.3]);
     let axis = DVec3::Z * 1.0_f64.copysign(g);
     let one_minus_cos = 0.5 * (drawn - axis).length_squared();
-    let by_u = u / (std::f64::consts::TAU * henyey_greenstein(g.abs()).eval(1.0 - truth, 550.0));
+    let by_u =
+        u / (std::f64::consts::TAU * henyey_greenstein(g.abs()).eval(Deflection::horizontal(1.0 - truth), 550.0));
     let by_direction = (truth * (2.0 - truth)).max(0.0).sqrt();
     (one_minus_cos - truth).abs() / (8.0 * f64::EPSILON * (truth + by_direction + by_u) + f64::EPSILON * f64::EPSILON)
 }
