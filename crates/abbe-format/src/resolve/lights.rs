@@ -322,7 +322,8 @@ impl Resolver<'_> {
                 let position = sky.sun.as_ref().and_then(|_| sky.sun_position().ok().flatten());
                 position.map(|SunPosition { direction, .. }| direction.to_vector().y)
             }
-            _ => None,
+            LightFile::Point(_) | LightFile::Spot(_) | LightFile::Beam(_) | LightFile::Environment(_) => None,
+            LightFile::Ies(_) | LightFile::Rays(_) => None,
         };
         self.scene.lights.iter().filter_map(sine).collect()
     }

@@ -99,7 +99,7 @@ impl DirectionTable {
     /// Creates the table from the powers at the nodes, of which one is above 0.
     pub(super) fn new(grid: &DirectionGrid, powers: &[f64]) -> Self {
         let sums: Vec<f64> = powers.chunks(grid.side()).map(|row| row.iter().sum()).collect();
-        let nodes = powers.chunks(grid.side()).flat_map(|row| cumulative(row)).collect();
+        let nodes = powers.chunks(grid.side()).flat_map(cumulative).collect();
         Self { rows: cumulative(&sums), nodes }
     }
 

@@ -103,7 +103,9 @@ impl PhaseFunction {
     pub fn reversed_pdf(&self, deflection: Deflection, nm: f64) -> f64 {
         match self {
             Self::Oriented(ice) => ice.reversed_pdf(deflection, nm),
-            _ => self.eval(deflection, nm),
+            Self::Isotropic | Self::Rayleigh | Self::HenyeyGreenstein { .. } | Self::Table(_) => {
+                self.eval(deflection, nm)
+            }
         }
     }
 
@@ -129,7 +131,9 @@ impl PhaseFunction {
     pub fn sample_reversed(&self, incoming: DVec3, nm: f64, u: [f64; 2]) -> DVec3 {
         match self {
             Self::Oriented(ice) => ice.sample_reversed(incoming, nm, u),
-            _ => self.sample(incoming, nm, u),
+            Self::Isotropic | Self::Rayleigh | Self::HenyeyGreenstein { .. } | Self::Table(_) => {
+                self.sample(incoming, nm, u)
+            }
         }
     }
 
