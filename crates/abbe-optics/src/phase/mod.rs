@@ -94,7 +94,7 @@ impl PhaseFunction {
             Self::Rayleigh => rayleigh::eval(cos_theta),
             Self::HenyeyGreenstein { g } => henyey_greenstein::eval(g.at(nm), cos_theta),
             Self::Table(table) => table.eval(cos_theta, nm),
-            Self::Oriented(ice) => ice.eval(deflection, nm),
+            Self::Oriented(ice) => ice.tables().eval(deflection, nm),
         }
     }
 
@@ -102,7 +102,7 @@ impl PhaseFunction {
     /// path, whose direction is opposite to the light's.
     pub fn reversed_pdf(&self, deflection: Deflection, nm: f64) -> f64 {
         match self {
-            Self::Oriented(ice) => ice.reversed_pdf(deflection, nm),
+            Self::Oriented(ice) => ice.tables().reversed_pdf(deflection, nm),
             Self::Isotropic | Self::Rayleigh | Self::HenyeyGreenstein { .. } | Self::Table(_) => {
                 self.eval(deflection, nm)
             }
@@ -120,7 +120,7 @@ impl PhaseFunction {
                 (incoming * 1.0_f64.copysign(g), henyey_greenstein::quantile(g.abs(), u[0]))
             }
             Self::Table(table) => (incoming, table.quantile(nm, u[0])),
-            Self::Oriented(ice) => return ice.sample(incoming, nm, u),
+            Self::Oriented(ice) => return ice.tables().sample(incoming, nm, u),
         };
         Frame::new(axis).to_world(warp::spherical_direction(one_minus_cos, u[1]))
     }
@@ -130,7 +130,7 @@ impl PhaseFunction {
     /// arrives from the sampled direction is scattered into the path.
     pub fn sample_reversed(&self, incoming: DVec3, nm: f64, u: [f64; 2]) -> DVec3 {
         match self {
-            Self::Oriented(ice) => ice.sample_reversed(incoming, nm, u),
+            Self::Oriented(ice) => ice.tables().sample_reversed(incoming, nm, u),
             Self::Isotropic | Self::Rayleigh | Self::HenyeyGreenstein { .. } | Self::Table(_) => {
                 self.sample(incoming, nm, u)
             }

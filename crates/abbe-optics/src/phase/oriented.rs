@@ -2,8 +2,8 @@
 //!
 //! Plates fall with a vertical axis, columns with a horizontal axis (Greenler 1980, *Rainbows, Halos,
 //! and Glories*; Tape 1994, *Atmospheric Halos*). Their light makes sundogs, the parhelic circle, the
-//! circumzenithal arc, tangent arcs, pillars and the subsun. Rays are traced through crystals when
-//! the scene is loaded, for light of some elevations, among them those of the scene's distant
+//! circumzenithal arc, tangent arcs, pillars and the subsun. Rays are traced through crystals before
+//! the first event of light, for light of some elevations, among them those of the scene's distant
 //! lights. The vertical is the y axis of the scene.
 //!
 //! Between two elevations, the pdf is a mixture of two tables. The sine z of the elevation of the
@@ -21,9 +21,8 @@ use abbe_spectra::math::elementary::{acos, cos, ln, sin, sin_cos};
 use abbe_spectra::math::frame::Frame;
 use abbe_spectra::math::warp;
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 /// The wavelengths of the tables in nm. Between them, tables are mixed.
 const NM: [f64; 5] = [420.0, 475.0, 530.0, 590.0, 660.0];
@@ -79,8 +78,31 @@ pub struct IcePopulation {
 }
 
 /// The phase function of populations of ice crystals.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug)]
 pub struct OrientedIce {
+    populations: Vec<IcePopulation>,
+    sun_sines: Vec<f64>,
+    /// Computed at the first use, because a scene that is only checked does not need them.
+    tables: OnceLock<IceTables>,
+}
+
+impl PartialEq for OrientedIce {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.populations, &self.sun_sines) == (&other.populations, &other.sun_sines)
+    }
+}
+
+impl OrientedIce {
+    /// One thread computes the tables: if others helped, the pool might give it a task that waits
+    /// for them.
+    pub(super) fn tables(&self) -> &IceTables {
+        self.tables.get_or_init(|| IceTables::new(&self.populations, &self.sun_sines, EFFORTS))
+    }
+}
+
+/// The tables of all elevations.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct IceTables {
     /// The fraction of the light that crystals in all orientations scatter.
     random: f64,
     all_orientations: Arc<PhaseTable>,
@@ -106,25 +128,24 @@ struct Elevation {
 /// Returns the phase function of populations of ice crystals, of which one has a weight above 0.
 /// `sun_sines` are the sines of the elevations of distant lights, for which it is most accurate.
 pub fn ice_crystals(populations: &[IcePopulation], sun_sines: &[f64]) -> PhaseFunction {
-    type Known = (Vec<IcePopulation>, Vec<f64>, Weak<OrientedIce>);
     /// The phase functions in use. Scenes are resolved more than once.
-    static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
+    static KNOWN: Mutex<Vec<Weak<OrientedIce>>> = Mutex::new(Vec::new());
     let populations: Vec<IcePopulation> = populations.iter().copied().filter(|it| it.weight > 0.0).collect();
     if populations.iter().all(|it| it.orientation == IceOrientation::Random) {
         return PhaseFunction::Table(ice());
     }
+    let ice = OrientedIce { populations, sun_sines: sun_sines.to_vec(), tables: OnceLock::new() };
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    known.retain(|(_, _, phase)| phase.strong_count() > 0);
-    let found = known.iter().find(|(of, suns, _)| *of == populations && suns == sun_sines);
-    if let Some(phase) = found.and_then(|(_, _, phase)| phase.upgrade()) {
-        return PhaseFunction::Oriented(phase);
+    known.retain(|phase| phase.strong_count() > 0);
+    if let Some(same) = known.iter().filter_map(Weak::upgrade).find(|phase| **phase == ice) {
+        return PhaseFunction::Oriented(same);
     }
-    let phase = Arc::new(OrientedIce::new(&populations, sun_sines, EFFORTS));
-    known.push((populations, sun_sines.to_vec(), Arc::downgrade(&phase)));
+    let phase = Arc::new(ice);
+    known.push(Arc::downgrade(&phase));
     PhaseFunction::Oriented(phase)
 }
 
-impl OrientedIce {
+impl IceTables {
     fn new(populations: &[IcePopulation], sun_sines: &[f64], efforts: [Effort; 2]) -> Self {
         let weight = |it: &IcePopulation| it.weight;
         let total: f64 = populations.iter().map(weight).sum();
@@ -147,7 +168,7 @@ impl OrientedIce {
         let node = |&(sine, grid): &(f64, usize)| {
             Elevation::new(&oriented, sine, (grid, &grids[grid], efforts[grid]), &indices)
         };
-        let mut nodes: Vec<Elevation> = elevations.par_iter().map(node).collect();
+        let mut nodes: Vec<Elevation> = elevations.iter().map(node).collect();
         make_reciprocal(&mut nodes, &grids);
         let columns: Vec<Vec<f64>> = NM.iter().map(|&nm| diffraction(nm)).collect();
         let forward = PhaseTable::new(&angles(), &NM, &columns).expect("angles and values of diffraction");

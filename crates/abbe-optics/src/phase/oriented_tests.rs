@@ -77,7 +77,7 @@ fn rays_through_level_plates_have_bravais_azimuths() {
 #[test]
 fn tabulated_sundogs_begin_at_bravais_azimuths() {
     let heights = HEIGHTS_DEG.map(sine);
-    let ice = OrientedIce::new(&[plates(0.3)], &heights, QUICK);
+    let ice = IceTables::new(&[plates(0.3)], &heights, QUICK);
     for height in HEIGHTS_DEG {
         let edges = [NM[0], NM[2], NM[4]].map(|nm| {
             let known = bravais_deg(ice_index(nm), height);
@@ -117,7 +117,7 @@ fn circumzenithal_arc_has_its_elevation() {
         });
     });
     assert!(found > 100, "{found}");
-    let ice = OrientedIce::new(&[plates(0.3)], &[sine(height)], QUICK);
+    let ice = IceTables::new(&[plates(0.3)], &[sine(height)], QUICK);
     let nm = NM[2];
     let at = |elevation: f64| ice.eval(Deflection::between(travelling(-height, 0.0), travelling(elevation, 10.0)), nm);
     let elevations = || (300..800).map(|i| 0.1 * f64::from(i));
@@ -131,7 +131,7 @@ fn circumzenithal_arc_has_its_elevation() {
 /// image above.
 #[test]
 fn level_plates_are_mirrors() {
-    let ice = OrientedIce::new(&[plates(1.0)], &[sine(25.0)], QUICK);
+    let ice = IceTables::new(&[plates(1.0)], &[sine(25.0)], QUICK);
     for height in [-25.0, -31.0, 31.0] {
         let at =
             |elevation: f64| ice.eval(Deflection::between(travelling(height, 0.0), travelling(elevation, 0.0)), 550.0);
@@ -147,12 +147,12 @@ fn crystals_in_all_orientations_are_the_built_in_table() {
     assert_eq!(ice_crystals(&[random()], &[0.3]), PhaseFunction::Table(ice()));
 }
 
-fn cases() -> Vec<OrientedIce> {
+fn cases() -> Vec<IceTables> {
     let with_random = [plates(1.5), columns_of(0.5), random()];
     let parry = PrismShape { length_to_width: 1.5, tilt: 0.01 };
     let parry = IcePopulation { orientation: IceOrientation::Parry(parry), weight: 2.0 };
     let quick = [QUICK[0], Effort { steps: 360, rays: 5_000, smoothing: 200.0 }];
-    vec![OrientedIce::new(&with_random, &[sine(17.3)], quick), OrientedIce::new(&[parry], &[], quick)]
+    vec![IceTables::new(&with_random, &[sine(17.3)], quick), IceTables::new(&[parry], &[], quick)]
 }
 
 /// Directions of light: of a table, between two, level, steep and vertical.
@@ -196,7 +196,7 @@ fn the_reversed_pdf_is_nowhere_much_smaller() {
 #[ignore = "nightly: 5 seconds of CPU time"]
 fn the_pdf_is_also_one_of_the_arriving_light() {
     let mut stream = Stream::new(Seed::new(7), Purpose::SurveyPhoton, 1, 0);
-    for ice in [OrientedIce::new(&[plates(1.5)], &[], EFFORTS), OrientedIce::new(&[columns_of(1.0)], &[], EFFORTS)] {
+    for ice in [IceTables::new(&[plates(1.5)], &[], EFFORTS), IceTables::new(&[columns_of(1.0)], &[], EFFORTS)] {
         for leaving in [-12.0, 4.0, 33.5, 46.1, 70.0].map(|elevation| travelling(elevation, 10.0)) {
             let n = 40_000;
             let (mut sum, mut squares) = (0.0, 0.0);
@@ -216,7 +216,7 @@ fn the_pdf_is_also_one_of_the_arriving_light() {
 }
 
 /// Integrates the pdf over the directions whose angle to the old one has at least this cosine.
-fn in_cone(ice: &OrientedIce, arriving: DVec3, nm: f64, cosine: f64) -> f64 {
+fn in_cone(ice: &IceTables, arriving: DVec3, nm: f64, cosine: f64) -> f64 {
     const RINGS: usize = 2000;
     const TURNS: usize = 48;
     let frame = Frame::new(arriving);
@@ -284,14 +284,4 @@ fn samples_follow_the_pdf() {
             assert!(deviations < 5.0, "{arriving}: χ² is {chi_square} for {cells}");
         }
     }
-}
-
-#[test]
-fn tables_have_the_same_bits_on_any_number_of_threads() {
-    let on = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let effort = Effort { steps: 60, rays: 300, smoothing: 50.0 };
-        pool.install(|| OrientedIce::new(&[plates(1.0), columns_of(2.0)], &[0.3], [effort; 2]))
-    };
-    assert_eq!(on(1), on(3));
 }
