@@ -1,6 +1,6 @@
 //! Pictures that lack light which the path tracer cannot find.
 
-use crate::common::{diffuse, glass, job, render};
+use crate::common::{diffuse, glass, job, render, with_setting};
 use abbe_format::{self as format, resolve};
 use abbe_session::render::{Integrator, Job};
 use serde_json::{Value, json};
@@ -45,6 +45,9 @@ fn the_bias_is_unknown_where_paths_miss_light() {
         assert_eq!(stats.unfound_lights, if misses { vec!["lamp"] } else { vec![] });
         assert!(stats.warnings.iter().all(|warning| stats.notes.contains(warning)));
     }
+    // The path tracer has no photons that could be left out, and finds some of this light by chance.
+    let forbidden = with_setting(&below_glass(0.01), "forbid", json!(["caustics"]));
+    assert_eq!(render(&forbidden, Integrator::Path, 8).stats.unfound_lights, ["lamp"]);
 }
 
 /// Photons store the number of their medium in 16 bits.

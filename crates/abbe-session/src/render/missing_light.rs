@@ -20,9 +20,15 @@ impl Job {
             return Integrator::Photon;
         }
         let caustics = self.plan.caustics != CausticPlan::Absent;
+        if self.deflects_hidden_lamps(caustics) { Integrator::Photon } else { Integrator::Path }
+    }
+
+    /// Returns true if metal, or with `caustics` also mirrors or glass, deflect the light of lamps
+    /// that the path tracer finds seldom or never.
+    fn deflects_hidden_lamps(&self, caustics: bool) -> bool {
         let mirrors = |bsdf: &Bsdf| bsdf.class() == BsdfClass::Specular && bsdf.uniform_pane().is_none();
         let focusing = caustics && self.any_surface(mirrors) || self.has_narrow_lobes();
-        if focusing && self.hidden_lamps().next().is_some() { Integrator::Photon } else { Integrator::Path }
+        focusing && self.hidden_lamps().next().is_some()
     }
 
     fn any_surface(&self, is: impl Fn(&Bsdf) -> bool) -> bool {
@@ -46,9 +52,10 @@ impl Job {
 
     /// Returns true if the errors of the picture or of the readings are unknown, because the path
     /// tracer leaves out light of hidden lamps that glass, mirrors or metal deflect. Panes pass most
-    /// of their light straight; the bias contains the light between several of them.
+    /// of their light straight; the bias contains the light between several of them. The path
+    /// tracer also finds, by chance, the light of forbidden caustics.
     pub(super) fn errors_are_unknown(&self, integrator: Integrator) -> bool {
-        integrator == Integrator::Path && self.integrator_for_meters() == Integrator::Photon
+        integrator == Integrator::Path && (self.ray_sets().next().is_some() || self.deflects_hidden_lamps(true))
     }
 
     /// Returns a note if the path tracer leaves out light that panes, glass or mirrors deflect.
@@ -64,8 +71,7 @@ impl Job {
             let is_hole = bsdf.uniform_pane().is_some_and(|pane| pane.matches(&self.scene.air));
             bsdf.class() == BsdfClass::Specular && !is_hole
         };
-        let caustics = self.plan.caustics != CausticPlan::Absent && self.any_surface(deflects);
-        if integrator == Integrator::Photon || !(caustics || self.has_narrow_lobes()) {
+        if integrator == Integrator::Photon || !(self.any_surface(deflects) || self.has_narrow_lobes()) {
             return None;
         }
         let lamp = &self.hidden_lamps().next()?.name;

@@ -208,7 +208,11 @@ fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, size: Pas
     let largest_medium_factor = PhotonClass::ALL.map(|class| parameters.keep[class].largest_medium_factor());
     let largest_medium_factor = largest_medium_factor.into_iter().fold(1.0, f64::max);
     let limits = BalanceLimits { photons, photons_are_explicit, camera_samples, largest_medium_factor };
-    let Choice { balance, camera_samples, final_gather, largest_work } = if limits.is_fixed() && !size.is_limited() {
+    let limited =
+        (size.is_limited() || !limits.is_fixed()).then(|| balanced(context, scene, parameters, (limits, size)));
+    // Stated numbers stay unless the time is too short for them.
+    let choice = limited.filter(|choice| !limits.is_fixed() || choice.largest_work.is_some());
+    let Choice { balance, camera_samples, final_gather, largest_work } = choice.unwrap_or_else(|| {
         let balance = limits.plain();
         Choice {
             balance,
@@ -216,9 +220,7 @@ fn balance(parameters: &mut PassParameters, context: &PassContext<'_>, size: Pas
             final_gather: forces_final_gather(context),
             largest_work: None,
         }
-    } else {
-        balanced(context, scene, parameters, (limits, size))
-    };
+    });
     (parameters.camera_samples, parameters.final_gather) = (camera_samples, final_gather);
     let Balance { photons: chosen, stored_fraction, medium_factor, photons_per_ribbon, .. } = balance;
     parameters.photons_per_ribbon = photons_per_ribbon;

@@ -148,7 +148,7 @@ pub(super) fn balanced(
     let paths = (counts.free + counts.shared) as f64;
     let (largest_work, is_limited) = (OnceCell::new(), Cell::new(false));
     let choose = |variances: [Variances; 3], work: Work, largest: f64| {
-        let choice = limits.choose(variances, work);
+        let choice = if limits.is_fixed() { limits.plain() } else { limits.choose(variances, work) };
         if choice.work(work) <= largest {
             return choice;
         }
