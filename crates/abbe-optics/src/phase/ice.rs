@@ -1,7 +1,8 @@
 //! The phase function of ice crystals in the air, which `data/media/ice.csv` holds.
 //!
 //! The crystals are hexagonal columns and plates of ice at −7 °C in all orientations, whose length
-//! is 0.5 to 2 times their width. Rays follow geometrical optics, with the ordinary index and
+//! is 0.5 to 2 times their width. An orientation counts by the area that the crystal turns to the
+//! light, and each length as much as the others. Rays follow geometrical optics, with the ordinary index and
 //! without absorption: crystals refract by their prisms of 60° and 90°, which makes the halos of
 //! 22° and 46°. As much light as they intercept is diffracted forwards. Discs of the same projected
 //! area, whose radii have a lognormal distribution with a median of 50 µm and a standard deviation
@@ -63,16 +64,16 @@ mod tests {
     use glam::DVec3;
     use std::fmt::Write;
 
-    /// Calls `visit` with the crystal, the direction of the light and the point of evenly spread
-    /// rays.
-    fn rays(count: u32, mut visit: impl FnMut(&Crystal, DVec3, (DVec3, usize))) {
+    /// Calls `visit` with the crystal, the direction of the light, the point of evenly spread rays,
+    /// and the area that the crystal turns to the light, relative to its mean over all directions.
+    fn rays(count: u32, mut visit: impl FnMut(&Crystal, DVec3, (DVec3, usize), f64)) {
         evenly_spread::<6>(count, |u| {
             let crystal = Crystal::new(0.5 * 4.0_f64.powf(u[0]));
             let (z, phi) = (1.0 - 2.0 * u[1], TAU * u[2]);
             let radius = (1.0 - z * z).max(0.0).sqrt();
             let travel = DVec3::new(radius * phi.cos(), radius * phi.sin(), z);
-            let (point, face, _) = crystal.point(travel, [u[3], u[4], u[5]]);
-            visit(&crystal, travel, (point, face));
+            let (point, face, area) = crystal.point(travel, [u[3], u[4], u[5]]);
+            visit(&crystal, travel, (point, face), area / crystal.mean_area());
         });
     }
 
@@ -87,9 +88,12 @@ mod tests {
         let versines: Vec<f64> = angles().into_iter().map(versine).collect();
         let mut sums = vec![vec![0.0; versines.len()]; nm.len()];
         let mut forward = vec![0.0; nm.len()];
-        rays(count, |crystal, travel, place| {
+        let mut intercepted = 0.0;
+        rays(count, |crystal, travel, place, area| {
+            intercepted += area;
             for (column, &n) in indices.iter().enumerate() {
-                crystal.trace(n, travel, place, |direction, power, _| {
+                crystal.trace(n, travel, place, |direction, fraction, _| {
+                    let power = area * fraction;
                     let versine = 0.5 * (direction - travel).length_squared();
                     if versine < 1e-12 {
                         forward[column] += power;
@@ -104,7 +108,7 @@ mod tests {
         });
         let last = versines.len() - 1;
         for (column, sums) in sums.iter_mut().enumerate() {
-            let diffracted = f64::from(count) + forward[column];
+            let diffracted = intercepted + forward[column];
             let peak = diffraction(nm[column]);
             for (i, (sum, peak)) in sums.iter_mut().zip(peak).enumerate() {
                 let width = 0.5 * (versines[(i + 1).min(last)] - versines[i.saturating_sub(1)]);
@@ -118,7 +122,7 @@ mod tests {
     #[test]
     fn prisms_of_60_and_90_degrees_deviate_least_at_the_halos() {
         let mut least = [f64::INFINITY; 2];
-        rays(400_000, |crystal, travel, place| {
+        rays(400_000, |crystal, travel, place, _| {
             crystal.trace(1.31, travel, place, |direction, _, faces| {
                 let Some([entered, left]) = faces else { return };
                 let cos = crystal.normals[entered].dot(crystal.normals[left]);
@@ -143,7 +147,7 @@ mod tests {
     #[test]
     fn crystals_keep_no_light() {
         let (mut sum, mut count) = (0.0, 0.0);
-        rays(20_000, |crystal, travel, place| {
+        rays(20_000, |crystal, travel, place, _| {
             count += 1.0;
             crystal.trace(1.31, travel, place, |_, power, _| sum += power);
         });

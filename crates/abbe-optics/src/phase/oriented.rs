@@ -8,8 +8,8 @@
 //!
 //! Between two elevations, the pdf is a mixture of two tables. The sine z of the elevation of the
 //! scattered light is stretched, so that light which keeps the elevation of the incident light, or
-//! reverses it, does so for both tables. Diffraction is that of [`ice`](super::ice): as much light
-//! as a crystal intercepts is diffracted forwards.
+//! reverses it, does so for both tables. Diffraction is that of [`ice`](super::ice()): as much
+//! light as a crystal intercepts is diffracted forwards.
 
 use super::crystal::{Crystal, evenly_spread};
 use super::direction_table::{DirectionGrid, DirectionTable, smoothed};
