@@ -2,7 +2,8 @@
 //! converge to the same picture. Dispersive glass adds noise only to pixels that look through it.
 
 use crate::common::compare::{Measured, assert_same};
-use crate::common::{colour_blocks, diffuse, glass, job, render, with_setting};
+use crate::common::{colour_blocks, diffuse, glass, job, mean_y, render, with_setting};
+use crate::fluorescence::material;
 use abbe_session::render::{Integrator, Job};
 use abbe_transport::emit::LightSampler;
 use glam::DVec2;
@@ -38,6 +39,35 @@ fn forced_shared_wavelengths_leave_a_floor_unchanged() {
     });
     let shared = Measured::extrapolated(&whole, &half);
     assert_same("floor only, free against shared", &free, &shared, 1e-2);
+}
+
+/// A pane lets only photons excite a dye, whose light a floor reflects. A plate of flint disperses
+/// it on the way to the camera, and a plate with one index does not.
+#[test]
+fn the_light_of_a_dye_is_as_bright_behind_dispersive_glass() {
+    let behind = |ior: Value| {
+        let lamp = json!({ "at": [0, 1.4, 0], "power": 1, "spectrum": { "lines": [{ "nm": 450, "power": 1 }] } });
+        let plate = |name: &str, size: [f64; 3], at: [f64; 3]| json!({ "shape": { "box": { "size": size } }, "material": name, "transform": [{ "translate": at }] });
+        let scene = json!({
+            "camera": { "from": [0, 1, 2], "at": [0, 0, 0], "lens": { "pinhole": { "fov": 12 } } },
+            "film": { "width": 8, "height": 8 },
+            "materials": { "dye": material("yellow phosphor"), "clear": glass(1.0), "glass": glass(ior),
+                           "yellow": diffuse(json!({ "table": { "nm": [360, 490, 500, 830], "values": [0, 0, 0.6, 0.6] } })) },
+            "objects": [
+                { "shape": { "rectangle": { "width": 3, "height": 3 } }, "material": "yellow" },
+                plate("dye", [2.0, 1.1, 0.02], [0.0, 0.56, -0.8]),
+                plate("clear", [3.0, 0.02, 3.0], [0.0, 1.2, 0.0]),
+                plate("glass", [1.0, 1.0, 0.05], [0.0, 0.6, 1.2])
+            ],
+            "lights": [{ "point": lamp }], "render": { "photons": 10000 }
+        });
+        Measured::new(&scene, (Integrator::Photon, 16), 0..4, mean_y)
+    };
+    let [plain, dispersed] = [json!(1.79), json!("N-SF11")].map(behind);
+    let (ratio, error) = (dispersed.mean(0) / plain.mean(0), dispersed.error(0) / dispersed.mean(0));
+    println!("a dye behind dispersive glass: {ratio:.4} ± {error:.4} of that behind plain glass");
+    assert!(error < 0.05, "too noisy to tell");
+    assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
 }
 
 /// A small flint ball on a floor under a large light. The camera sees the caustic through a flint

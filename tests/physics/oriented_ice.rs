@@ -40,11 +40,11 @@ fn blocks(rendered: &Rendered) -> Vec<f64> {
 /// Light of a lamp at a finite distance, scattered once and more often, by photons and by paths. No
 /// light is in the forward peak at the camera, where single photons are bright.
 #[test]
-#[ignore = "slow: two minutes of CPU time"]
+#[ignore = "slow: three minutes of CPU time"]
 fn photons_and_paths_agree_in_level_plates() {
     let scene = ball(&plates(4.0), 0.4, &lamp());
     let path = Measured::new(&scene, (Integrator::Path, 256), 100..108, blocks);
-    let photon = Measured::extrapolated_photons(&scene, 0.1, 48, blocks);
+    let photon = Measured::extrapolated_photons(&scene, 0.1, 96, blocks);
     assert_same("level plates, photons against paths", &photon, &path, 3e-2);
     let random = ball(&json!("ice"), 0.4, &lamp());
     let mutant = compare(&photon, &Measured::new(&random, (Integrator::Path, 256), 100..108, blocks));
